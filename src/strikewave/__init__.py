@@ -1,0 +1,41 @@
+"""strikewave: predict, measure and design high-g impact tests.
+
+Examples
+--------
+>>> import strikewave
+>>> solution = strikewave.run_case(strikewave.load_case("li-ma-2019"))
+>>> solution.blows[0].kind
+'full'
+"""
+
+from importlib import import_module
+from typing import Any
+
+from strikewave._version import __version__
+
+_HOMES = {
+    "Case": "strikewave.case",
+    "load_case": "strikewave.case",
+    "dump_case": "strikewave.case",
+    "run_case": "strikewave.simulate",
+    "Solution": "strikewave.solution",
+    "load_solution": "strikewave.solution",
+    "material": "strikewave.materials",
+    "materials": "strikewave.materials",
+    "solve_impact": "strikewave.contact",
+    "Contact": "strikewave.contact",
+}
+
+__all__ = ["__version__", *_HOMES]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used (PEP 562)."""
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module 'strikewave' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)

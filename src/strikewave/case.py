@@ -1,0 +1,459 @@
+"""The case: everything a run needs, read from a TOML file with units and checked.
+
+A quantity is "number unit", or a table { value, provenance, note }. `load_case` reads a file or one
+of the published cases that come along; `dump_case` writes a case that gives the same numbers again.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from strikewave.errors import InputError, InputErrors, nearest, show
+from strikewave.quantities import (
+    Acceleration,
+    BlowCount,
+    Count,
+    Damping,
+    Duration,
+    Force,
+    Frequency,
+    Inertia,
+    Length,
+    Mass,
+    PositiveDuration,
+    Provenance,
+    Range,
+    Restitution,
+    Rotation,
+    RotationDrag,
+    RotationGain,
+    SampleCount,
+    Share,
+    Speed,
+    SpringRate,
+    Tolerance,
+    Torque,
+    Value,
+    value_of,
+)
+from strikewave.units import DIMENSIONS, parse_quantity
+
+SCHEMA = 1
+LARGEST_FILE = 1_000_000
+"""A case file above this many bytes is refused."""
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Machine(_Table):
+    """[machine]: a rotary machine."""
+
+    kind: Literal["rotary"]
+    speed: Rotation
+    strikers: Count
+    radius: Length
+    engagement: Length
+    inertia: Inertia
+    torque: Torque
+    speed_gain: RotationGain
+    drag: RotationDrag
+    brake: Torque
+
+
+class Striker(_Table):
+    """[striker]: the impact component on its mount."""
+
+    mass: Mass
+    material: str
+    nose_radius: Length
+    contact_length: Length
+    mount_stiffness: SpringRate
+    mount_damping: Damping
+
+
+class FeedTable(_Table):
+    """[feed]: the hydraulic feed."""
+
+    blows: BlowCount
+    wait: Duration
+    valve_delay: PositiveDuration
+    stroke: Length
+    stroke_time: PositiveDuration
+    arrival: Share
+    release_delay: PositiveDuration
+    retract_time: PositiveDuration
+
+
+class Object(_Table):
+    """[object]: everything that moves when struck, and what holds it."""
+
+    mass: Mass
+    nose_mass: Mass
+    material: str
+    frame_stiffness: SpringRate
+    frame_damping: Damping
+    spring: SpringRate
+    preload: Force
+    damper: Damping
+    stop_stiffness: SpringRate
+    stop_restitution: Restitution
+    gravity: Acceleration
+
+
+class ContactTable(_Table):
+    """[contact]: law of the contact between nose and face."""
+
+    law: str = "palmgren"
+    damping: str = "exact"
+    restitution: Restitution
+    slowest_approach: Speed
+
+
+class Recorder(_Table):
+    """[recorder]: triggered by the valve signal."""
+
+    sampling_rate: Frequency
+    delay: Duration
+    pre_trigger: Duration
+    memory: SampleCount
+
+
+class Solver(_Table):
+    """[solver]: how exactly to compute, and how densely to keep the whole train."""
+
+    tolerance: Tolerance = Value(si=1e-9, typed=1e-9)
+    output_step: PositiveDuration = value_of(1e-5, "s", "us")
+
+
+PUBLISHED_QUANTITIES = {
+    "first.rigid_peak": "m/s^2",
+    "first.width": "s",
+    "first.peak_force": "N",
+    "typical.rigid_peak": "m/s^2",
+    "typical.width": "s",
+    "count": "",
+    "window": "s",
+}
+"""What a published number can be set beside: its name and SI unit."""
+
+
+class Published(_Table):
+    """[[published]]: a number to set beside the result."""
+
+    quantity: str
+    value: Value
+    origin: Literal["measured", "simulated"]
+    role: Literal["fitted", "predicted", "shown"]
+    note: str = ""
+
+
+def _published(raw: Any) -> Any:
+    """Read a published number in the unit of the quantity it names."""
+    if not isinstance(raw, Mapping) or "quantity" not in raw or "value" not in raw:
+        return raw
+    quantity, value = raw["quantity"], raw["value"]
+    if quantity not in PUBLISHED_QUANTITIES:
+        raise InputError("quantity", quantity, "a computed quantity", nearest(str(quantity), PUBLISHED_QUANTITIES))
+    unit = PUBLISHED_QUANTITIES[quantity]
+    if isinstance(value, Value):
+        return raw
+    if unit:
+        read = Value(si=parse_quantity(value, unit, "value"), typed=value, provenance="published")
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        read = Value(si=float(value), typed=value, provenance="published")
+    else:
+        raise InputError("value", value, "a number without unit")
+    return {**raw, "value": read}
+
+
+class Case(_Table):
+    """A case as read: frozen, every quantity in SI with its provenance."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
+
+    schema_version: Literal[1] = Field(alias="schema")
+    name: str = ""
+    title: str = ""
+    source: str = ""
+    machine: Machine
+    striker: Striker
+    feed: FeedTable
+    object: Object
+    contact: ContactTable
+    recorder: Recorder
+    solver: Solver = Solver()
+    published: tuple[Annotated[Published, BeforeValidator(_published)], ...] = ()
+
+    def values(self) -> dict[str, Value]:
+        """Return every quantity by its path, such as ``machine.speed``."""
+        found: dict[str, Value] = {}
+        for table in ("machine", "striker", "feed", "object", "contact", "recorder", "solver"):
+            for key, value in getattr(self, table):
+                if isinstance(value, Value):
+                    found[f"{table}.{key}"] = value
+        return found
+
+    def fitted_fields(self) -> list[str]:
+        """Return the paths of the fitted values."""
+        return [path for path, value in self.values().items() if value.provenance == "fitted"]
+
+    def with_values(self, changes: Mapping[str, Value]) -> Case:
+        """Return the case with some quantities replaced, by path."""
+        tables: dict[str, dict[str, Value]] = {}
+        for path, value in changes.items():
+            table, _, key = path.partition(".")
+            if path not in self.values():
+                raise InputError(path, value.typed, "a quantity of the case", nearest(path, self.values()))
+            tables.setdefault(table, {})[key] = value
+        return self.model_copy(update={t: getattr(self, t).model_copy(update=u) for t, u in tables.items()})
+
+
+def bundled_cases() -> list[str]:
+    """Return the names of the published cases that come along.
+
+    Examples
+    --------
+    >>> "li-ma-2019" in bundled_cases()
+    True
+    """
+    folder = resources.files("strikewave") / "cases"
+    return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+
+
+def read_case_text(name: str) -> tuple[str, str]:
+    """Return the TOML text and the name of a case file, or of a published case.
+
+    Raises
+    ------
+    InputError
+        If there is neither, or the file is too large or not text.
+    """
+    path = Path(name)
+    if name in bundled_cases():
+        return (resources.files("strikewave") / "cases" / f"{name}.toml").read_text("utf-8"), name
+    if path.is_dir() and (path / "case.toml").is_file():
+        path = path / "case.toml"
+    if not path.is_file():
+        raise InputError("case", name, "a case file or a published case", nearest(name, bundled_cases()))
+    try:
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise InputError("case", name, "a file that can be read", error.strerror or "") from None
+    if len(data) > LARGEST_FILE:
+        raise InputError("case", name, f"a case file of at most {LARGEST_FILE // 1000} kB")
+    try:
+        return data.decode("utf-8"), path.stem
+    except UnicodeDecodeError:
+        raise InputError("case", name, "a text file in UTF-8") from None
+
+
+def load_case(name: str, changes: Iterable[str] = ()) -> Case:
+    """Read a case file or a published case, change some of its fields, and check it.
+
+    Parameters
+    ----------
+    name : str
+        Path of a TOML file, of a folder that holds ``case.toml``, or the name of a published case.
+    changes : iterable of str, optional
+        ``path=value`` each, such as ``machine.speed=500 rpm``.
+
+    Raises
+    ------
+    InputError, InputErrors
+        With one line for each thing that is wrong.
+
+    Examples
+    --------
+    >>> case = load_case("li-ma-2019", ["machine.speed=500 rpm"])
+    >>> round(case.machine.speed.si, 4)
+    52.3599
+    """
+    text, stem = read_case_text(name)
+    return parse_case(text, stem, changes)
+
+
+def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
+    """Check the TOML text of a case; see `load_case`."""
+    try:
+        document = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(name or "case", str(error) or "nested too deeply", "TOML", "see `strikewave new` for an example") from None
+    _check_schema(document)
+    for change in changes:
+        _apply(document, change)
+    document.setdefault("name", name)
+    try:
+        return Case.model_validate(document)
+    except ValidationError as error:
+        raise InputErrors(_lines(error)) from None
+
+
+def _check_schema(document: Mapping[str, Any]) -> None:
+    schema = document.get("schema")
+    if schema is None:
+        raise InputError("schema", "nothing", f"schema = {SCHEMA}", f"begin the case file with schema = {SCHEMA}")
+    if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
+        raise InputError("schema", schema, f"schema = {SCHEMA}")
+    if schema > SCHEMA:
+        raise InputError("schema", schema, f"at most {SCHEMA}", "this file was written for a newer strikewave; update it")
+
+
+def _apply(document: dict[str, Any], change: str) -> None:
+    """Set ``path=value`` in a case document; a bare number is SI; a changed quantity is assumed and says so."""
+    path, equals, text = change.partition("=")
+    path, text = path.strip(), text.strip()
+    if not equals or not path or not text:
+        raise InputError("--set", change, 'path=value, such as machine.speed="500 rpm"')
+    *tables, key = path.split(".")
+    place: Any = document
+    for depth, table in enumerate(tables):
+        if not isinstance(place, dict) or not isinstance(place.setdefault(table, {}), dict):
+            raise InputError("--set " + ".".join(tables[: depth + 1]), change, "a table of the case")
+        place = place[table]
+    before = place.get(key)
+    typed: Any = text
+    for kind in (int, float):
+        try:
+            typed = kind(text)
+            break
+        except ValueError:
+            continue
+    allowed = _range_at([*tables, key])
+    if allowed is None:
+        place[key] = text if isinstance(before, str) else typed
+        return
+    if allowed.unit in DIMENSIONS and not isinstance(typed, str):
+        typed = f"{text} {allowed.unit}"
+    place[key] = {"value": typed, "provenance": "assumed", "note": "set by the user"}
+
+
+def _lines(error: ValidationError) -> list[str]:
+    """Turn pydantic's report into one line a fault: field, what came, what is allowed, what to do."""
+    lines = []
+    for fault in error.errors():
+        places = [str(part) for part in fault["loc"] if part not in ("function-before",)]
+        path = ".".join(places)
+        cause = fault.get("ctx", {}).get("error")
+        if isinstance(cause, InputError):
+            inner = ".".join([path, cause.field]) if cause.field else path
+            lines.append(str(InputError(inner, cause.got, cause.allowed, cause.hint)))
+        elif fault["type"] == "extra_forbidden":
+            known = _keys_at(places[:-1])
+            lines.append(f"{path}: unknown key; {nearest(places[-1], known)}")
+        elif fault["type"] == "missing":
+            lines.append(f"{path}: missing; {_example(places)}")
+        elif fault["type"] == "literal_error":
+            expected = fault.get("ctx", {}).get("expected", "")
+            lines.append(str(InputError(path, fault["input"], str(expected))))
+        else:
+            lines.append(f"{path or 'case'}: got {show(fault['input'])}; {fault['msg']}")
+    return lines
+
+
+def _model_at(places: list[str]) -> type[BaseModel] | None:
+    model: type[BaseModel] | None = Case
+    for place in places:
+        if place.isdigit() or model is None:
+            continue
+        if place == "published":
+            model = Published
+            continue
+        field = model.model_fields.get(place)
+        kind = field.annotation if field else None
+        model = kind if isinstance(kind, type) and issubclass(kind, BaseModel) else None
+    return model
+
+
+def _keys_at(places: list[str]) -> list[str]:
+    model = _model_at(places)
+    return [field.alias or key for key, field in model.model_fields.items()] if model else []
+
+
+def _range_at(places: list[str]) -> Range | None:
+    """Return what the quantity at a path may be; None where there is no quantity."""
+    model = _model_at(places[:-1])
+    field = model.model_fields.get(places[-1]) if model else None
+    for rule in field.metadata if field else ():
+        owner = getattr(getattr(rule, "func", None), "__self__", None)
+        if isinstance(owner, Range):
+            return owner
+    return None
+
+
+def _example(places: list[str]) -> str:
+    allowed = _range_at(places)
+    if allowed is not None and allowed.unit in DIMENSIONS:
+        return f'add {places[-1]} = "{DIMENSIONS[allowed.unit][1]}"'
+    if allowed is not None:
+        return f"add {places[-1]}, {allowed.allowed()}"
+    return f"add [{places[-1]}]" if len(places) == 1 else f"add {places[-1]}"
+
+
+def document_of(case: Case) -> dict[str, Any]:
+    """Return a case as the plain tables of a case file."""
+    head = {"schema": SCHEMA, "name": case.name, "title": case.title, "source": case.source}
+    document: dict[str, Any] = {key: value for key, value in head.items() if value}
+    for table in ("machine", "striker", "feed", "object", "contact", "recorder", "solver"):
+        rows = getattr(case, table)
+        document[table] = {key: value.document() if isinstance(value, Value) else value for key, value in rows}
+    document["published"] = [
+        {key: value.typed if isinstance(value, Value) else value for key, value in entry if value != ""}
+        for entry in case.published
+    ]
+    return document
+
+
+def dump_case(case: Case) -> str:
+    """Write a case as TOML that reads back to the same numbers and provenance.
+
+    Examples
+    --------
+    >>> case = load_case("li-ma-2019")
+    >>> parse_case(dump_case(case)) == case
+    True
+    """
+    import tomlkit
+
+    document = tomlkit.document()
+    for key, value in document_of(case).items():
+        if isinstance(value, dict):
+            table = tomlkit.table()
+            for name, entry in value.items():
+                if isinstance(entry, dict):
+                    inline = tomlkit.inline_table()
+                    inline.update(entry)
+                    table[name] = inline
+                else:
+                    table[name] = entry
+            document[key] = table
+        elif isinstance(value, list):
+            rows = tomlkit.aot()
+            for entry in value:
+                row = tomlkit.table()
+                row.update(entry)
+                rows.append(row)
+            document[key] = rows
+        else:
+            document[key] = value
+    return tomlkit.dumps(document)
+
+
+__all__ = [
+    "Case",
+    "Provenance",
+    "Value",
+    "bundled_cases",
+    "document_of",
+    "dump_case",
+    "load_case",
+    "parse_case",
+]

@@ -1,0 +1,93 @@
+"""The command ``strikewave``: collects the commands, and turns errors into one line and an exit code.
+
+Exit codes: 0 done, 1 our fault, 2 bad input, 3 done but a stated limit was broken.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+
+import click
+import typer
+
+from strikewave._version import __version__
+from strikewave.cli import cases, diff, impact, materials, new, run, validate
+from strikewave.cli.common import say
+from strikewave.errors import StrikewaveError, StrikewaveWarning
+
+app = typer.Typer(
+    name="strikewave",
+    help="Predict, measure and design high-g impact tests.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+for name, command in (
+    ("run", run.command),
+    ("impact", impact.command),
+    ("new", new.command),
+    ("validate", validate.command),
+    ("diff", diff.command),
+    ("cases", cases.command),
+    ("materials", materials.command),
+):
+    app.command(name)(command)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        sys.stdout.write(f"strikewave {__version__}\n")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: bool = typer.Option(False, "--version", help="Print the version.", callback=_print_version, is_eager=True),
+) -> None:
+    """Predict, measure and design high-g impact tests."""
+
+
+def main() -> None:
+    """Run the command line and exit."""
+    warnings.showwarning = _show_warning
+    sys.exit(_run())
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *rest: object) -> None:
+    if issubclass(category, StrikewaveWarning):
+        say(f"warning: {message}")
+
+
+def _run() -> int:
+    """Run and return the exit code."""
+    try:
+        code = app(standalone_mode=False)
+        sys.stdout.flush()
+        return int(code or 0)
+    except click.exceptions.NoArgsIsHelpError as error:
+        say(error.format_message())
+        return 2
+    except click.exceptions.ClickException as error:
+        say("strikewave: " + " ".join(error.format_message().split()) + " (see `strikewave --help`)")
+        return 2
+    except (click.exceptions.Abort, KeyboardInterrupt):
+        say("stopped; nothing was written")
+        return 130
+    except StrikewaveError as error:
+        say(str(error))
+        return 2
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except MemoryError:
+        say("out of memory: a smaller recorder.memory or a larger solver.output_step takes less")
+        return 2
+    except Exception as error:
+        if os.environ.get("STRIKEWAVE_TRACE"):
+            raise
+        say(f"internal error ({type(error).__name__}: {error}); please report it, with STRIKEWAVE_TRACE=1 set")
+        return 1

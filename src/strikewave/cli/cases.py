@@ -1,0 +1,17 @@
+"""``strikewave cases``: the published cases that come along."""
+
+from __future__ import annotations
+
+from strikewave.cli.common import Json, head, print_json, table
+
+
+def command(json: Json = False) -> int:
+    """List the published cases that come along."""
+    from strikewave.case import bundled_cases, load_case
+
+    found = [load_case(name) for name in bundled_cases()]
+    if json:
+        print_json({**head({}), "cases": [{"name": c.name, "title": c.title, "source": c.source} for c in found]})
+    else:
+        table("Published cases", ["name", "title"], [[c.name, c.title] for c in found], left=2)
+    return 0

@@ -1,0 +1,85 @@
+"""What the commands share: printing JSON, tables and numbers, and the options of all commands."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from strikewave._version import __version__
+from strikewave.units import in_unit
+
+SCHEMA = 1
+
+CaseName = Annotated[str, typer.Argument(metavar="CASE", help="A case file, or the name of a published case.", show_default=False)]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="PATH=VALUE", help="Change a field of the case; may be repeated.", show_default=False),
+]
+Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder that will hold the result.", show_default=False)]
+Force = Annotated[bool, typer.Option("--force", help="Replace what another run left there.")]
+
+
+def print_json(document: dict[str, Any]) -> None:
+    """Print one JSON document on stdout."""
+    sys.stdout.write(json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
+
+
+def head(units: dict[str, str], warnings: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
+    """Return the keys that every JSON document begins with."""
+    return {"schema": SCHEMA, "version": __version__, "units": units, "warnings": list(warnings)}
+
+
+def say(text: str) -> None:
+    """Print words on stderr, where they cannot spoil what stdout carries."""
+    sys.stderr.write(text + "\n")
+
+
+def number(value: float | None, si: str, unit: str, digits: int = 4) -> str:
+    """Write an SI value in a unit for a table; a dash where there is none.
+
+    Examples
+    --------
+    >>> number(40709.86, "m/s^2", "g", 5)
+    '4151.2'
+    """
+    if value is None or value != value:
+        return "-"
+    return significant(in_unit(value, si, unit), digits)
+
+
+def significant(value: float, digits: int) -> str:
+    """Write a number to so many significant digits, without an exponent where it stays readable.
+
+    Examples
+    --------
+    >>> significant(19685.34, 3), significant(1.5e-7, 3), significant(float("inf"), 3)
+    ('19685', '1.5e-07', 'inf')
+    """
+    if value == 0.0 or not 1e-4 <= abs(value) < 1e7:
+        return f"{value:.{digits}g}"
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e" in text else text
+
+
+def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> None:
+    """Print a table on stdout: the first ``left`` columns to the left, the rest to the right."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    made = Table(title=escape(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
+    for place, column in enumerate(columns):
+        made.add_column(escape(column), justify="left" if place < left else "right", overflow="fold")
+    for row in rows:
+        made.add_row(*(escape(cell) for cell in row))
+    console = Console(soft_wrap=False)
+    if not console.is_terminal:
+        console.width = 160
+    console.print(made)

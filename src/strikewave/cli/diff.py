@@ -1,0 +1,52 @@
+"""``strikewave diff``: what two cases differ in."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from strikewave.cli.common import Json, head, print_json, table
+
+
+def flat(document: dict[str, Any], prefix: str = "") -> dict[str, str]:
+    """Return a case document as path: text.
+
+    Examples
+    --------
+    >>> flat({"machine": {"speed": {"value": "730 rpm", "provenance": "published"}}})
+    {'machine.speed': '730 rpm (published)'}
+    """
+    rows: dict[str, str] = {}
+    for key, value in document.items():
+        path = f"{prefix}{key}"
+        if isinstance(value, dict) and "value" in value and "provenance" in value:
+            rows[path] = f"{value['value']} ({value['provenance']})"
+        elif isinstance(value, dict):
+            rows |= flat(value, f"{path}.")
+        elif isinstance(value, list):
+            for place, entry in enumerate(value):
+                rows |= flat(entry, f"{path}.{place}.")
+        else:
+            rows[path] = str(value)
+    return rows
+
+
+def command(
+    a: Annotated[str, typer.Argument(metavar="A", help="A case file or published case.", show_default=False)],
+    b: Annotated[str, typer.Argument(metavar="B", help="Another.", show_default=False)],
+    json: Json = False,
+) -> int:
+    """List the fields in which two cases differ."""
+    from strikewave.case import document_of, load_case
+
+    rows = [flat(document_of(load_case(name))) for name in (a, b)]
+    paths = [path for path in dict.fromkeys([*rows[0], *rows[1]]) if rows[0].get(path) != rows[1].get(path)]
+    if json:
+        differences = [{"field": p, "a": rows[0].get(p), "b": rows[1].get(p)} for p in paths]
+        print_json({**head({}), "a": a, "b": b, "differences": differences})
+    elif paths:
+        table(f"{a} and {b}", ["field", "A", "B"], [[p, rows[0].get(p, "-"), rows[1].get(p, "-")] for p in paths], left=3)
+    else:
+        print("the cases are equal")
+    return 0

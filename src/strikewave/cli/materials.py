@@ -1,0 +1,36 @@
+"""``strikewave materials``: the table of materials with sources."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from strikewave.cli.common import Json, head, print_json, significant, table
+
+
+def command(json: Json = False) -> int:
+    """List the materials: elastic constants, yield, loss factor, status and source."""
+    from strikewave.materials import materials
+
+    found = materials().values()
+    if json:
+        units = {"density": "kg/m^3", "youngs_modulus": "Pa", "poissons_ratio": "1", "yield_strength": "Pa", "loss_factor": "1"}
+        units |= {"bar_speed": "m/s"}
+        rows = [{**dataclasses.asdict(m), "bar_speed": m.bar_speed} for m in found]
+        print_json({**head(units), "materials": rows})
+        return 0
+    rows = [
+        [
+            m.name,
+            m.status,
+            significant(m.density, 4),
+            significant(m.youngs_modulus / 1e9, 4),
+            f"{m.poissons_ratio:g}",
+            "-" if m.yield_strength is None else significant(m.yield_strength / 1e6, 4),
+            "-" if m.loss_factor is None else f"{m.loss_factor:g}",
+            significant(m.bar_speed, 4),
+        ]
+        for m in found
+    ]
+    columns = ["name", "status", "density (kg/m³)", "E (GPa)", "nu", "yield (MPa)", "loss factor", "bar speed (m/s)"]
+    table("Materials (sources: strikewave materials --json)", columns, rows, left=2)
+    return 0

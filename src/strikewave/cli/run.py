@@ -1,0 +1,129 @@
+"""``strikewave run``: run a machine case and write its result."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_json, say, significant, table
+
+if TYPE_CHECKING:
+    from strikewave.case import Case
+    from strikewave.solution import Solution
+
+BROKEN = 3
+
+_SHOWN = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
+_COLUMNS = (
+    ("time", "s", "ms", 6),
+    ("approach_speed", "m/s", "m/s", 4),
+    ("impulse", "N s", "N s", 4),
+    ("peak_force", "N", "kN", 4),
+    ("rigid_peak", "m/s^2", "g", 5),
+    ("width", "s", "us", 4),
+    ("velocity_change", "m/s", "m/s", 4),
+    ("retreat", "m", "mm", 3),
+)
+
+
+def command(case: CaseName, changes: Changes = None, out: Out = None, force: Force = False, json: Json = False) -> int:
+    """Run a machine case: table of blows, published beside computed, files in out/CASE.
+
+    With --json, files are written only where --out says.
+    """
+    from strikewave.case import dump_case, load_case
+    from strikewave.files import check_place, whole_folder
+
+    begun = time.perf_counter()
+    read = load_case(case, changes or ())
+    text = dump_case(read)
+    folder = out or (None if json else default_folder(read, bool(changes), text))
+    if folder is not None:
+        check_place(folder, text, force)
+    solution = _solve(read)
+    if folder is not None:
+        with whole_folder(folder, text, force) as place:
+            write_result(solution, place, text)
+    if json:
+        print_json(solution.document())
+    else:
+        _print(solution)
+    if folder is not None:
+        say(f"written: {folder}{'/' if str(folder)[-1] != '/' else ''} (solution.nc, blows.csv, case.toml, summary.svg)")
+    say(f"done in {time.perf_counter() - begun:.2f} s")
+    return BROKEN if solution.broken else 0
+
+
+def default_folder(case: Case, changed: bool, text: str) -> Path:
+    """Return out/NAME; a changed case gets a name of its own, so that it never meets the unchanged one."""
+    mark = "-" + hashlib.sha256(text.encode()).hexdigest()[:8] if changed else ""
+    return Path("out") / f"{case.name or 'case'}{mark}"
+
+
+def write_result(solution: Solution, place: Path, text: str) -> None:
+    """Write the files of a result into a folder."""
+    from strikewave.figures import summary
+
+    solution.save(place / "solution.nc")
+    (place / "blows.csv").write_text(solution.table(), "utf-8")
+    (place / "case.toml").write_text(text, "utf-8")
+    summary(solution).savefig(place / "summary.svg")
+
+
+def _solve(case: Case) -> Solution:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:>3.0f} %"), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("starting (the first run after install compiles, about 20 s)", total=1.0)
+        from strikewave.simulate import run_case
+
+        def report(share: float) -> None:
+            progress.update(task, completed=share, description="blows")
+
+        return run_case(case, report)
+
+
+def _print(solution: Solution) -> None:
+    columns = ["#", "kind", *(f"{name.replace('_', ' ')} ({unit})" for name, _, unit, _ in _COLUMNS), "contacts"]
+    rows = [
+        [str(b.index), b.kind, *(number(getattr(b, n), si, unit, d) for n, si, unit, d in _COLUMNS), str(b.contacts)]
+        for b in solution.blows
+    ]
+    table(solution.case.title or solution.case.name, columns, rows, left=2)
+    _print_published(solution)
+    r = solution.reference
+    say(
+        f"for comparison: the printed contact law on a rigid object, at the nominal {r.approach_speed:.3g} m/s and with no frame or "
+        f"mount to bend: {number(r.duration, 's', 'us', 3)} us, {number(r.peak_force, 'N', 'kN', 3)} kN, "
+        f"{number(r.peak_acceleration, 'm/s^2', 'g', 3)} g"
+    )
+    fitted = solution.case.fitted_fields()
+    if fitted:
+        values = solution.case.values()
+        say("fitted: " + ", ".join(f"{path} = {values[path].typed}" for path in fitted))
+    ledger = solution.ledger
+    say(f"ledger: energy {ledger['energy_error']:.1e}, momentum {ledger['momentum_error']:.1e} (limit 1e-6)")
+    for notice in solution.warnings:
+        say(f"warning [{notice.code}]: {notice.message} ({significant(notice.value, 4)} against {significant(notice.limit, 4)})")
+
+
+def _print_published(solution: Solution) -> None:
+    from strikewave.case import PUBLISHED_QUANTITIES
+
+    if not solution.published:
+        return
+    rows = []
+    for entry in solution.published:
+        unit = PUBLISHED_QUANTITIES[entry.quantity]
+        shown = _SHOWN[unit]
+        pair = [
+            number(v, unit, shown, 6) if unit else ("-" if v is None else f"{v:g}")
+            for v in (entry.published, entry.computed)
+        ]
+        difference = "-" if entry.difference is None else f"{entry.difference:+.1%}"
+        rows.append([f"{entry.quantity} ({shown})" if shown else entry.quantity, entry.measured_or_simulated, entry.role, *pair, difference])
+    table("Published beside computed", ["quantity", "origin", "role", "published", "computed", "difference"], rows, left=3)

@@ -1,0 +1,76 @@
+"""Compile kernels with numba and keep them on disk between runs.
+
+The compiled code lies in the user's cache folder under a key made of every kernel's source, so a
+changed kernel is never answered from an old cache. A folder that cannot be written is survived with
+a warning: the kernels are then compiled anew in each process.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import tempfile
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+import platformdirs
+
+from strikewave.errors import StrikewaveWarning
+
+F = TypeVar("F", bound=Callable[..., Any])
+PACKAGE = Path(__file__).parent
+
+
+@functools.cache
+def cache_folder() -> str | None:
+    """Return the folder that holds compiled kernels, or None when none can be written.
+
+    ``NUMBA_CACHE_DIR`` is used when it is set, and the user's cache folder otherwise.
+    """
+    digest = hashlib.sha256(numba.__version__.encode())
+    for source in sorted(PACKAGE.glob("**/_[a-z]*.py")):
+        digest.update(source.read_bytes())
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    base = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("strikewave", appauthor=False))
+    folder = base / f"kernels-{digest.hexdigest()[:16]}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        warnings.warn(
+            f"compiled kernels cannot be kept in {folder} ({error.strerror}); each run compiles them anew "
+            "(about 20 s). Set NUMBA_CACHE_DIR to a folder that can be written.",
+            StrikewaveWarning,
+            stacklevel=2,
+        )
+        return None
+    return str(folder)
+
+
+def kernel(function: F) -> F:
+    """Compile a function with numba on its first call and keep the result on disk.
+
+    Examples
+    --------
+    >>> @kernel
+    ... def double(x):
+    ...     return 2.0 * x
+    >>> double(2.0)
+    4.0
+    """
+    folder = cache_folder()
+    before = numba.config.CACHE_DIR
+    try:
+        if folder is not None:
+            numba.config.CACHE_DIR = folder
+        try:
+            return numba.njit(cache=folder is not None, error_model="numpy")(function)  # type: ignore[no-any-return]
+        except RuntimeError:  # a function without a source file (typed into a console) has no cache
+            return numba.njit(error_model="numpy")(function)  # type: ignore[no-any-return]
+    finally:
+        numba.config.CACHE_DIR = before

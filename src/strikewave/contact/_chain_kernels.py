@@ -1,0 +1,209 @@
+"""Compiled links, and the chain of bodies on fixed bases as a system of the integrator.
+
+Nodes are bodies (0 .. bodies-1) and then bases. A link joins node a (behind) to node b (ahead):
+indentation or compression d = x_a - x_b - offset; its force F pushes b forward and a back.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import overload
+
+from strikewave.compiled import kernel
+from strikewave.contact import _integrator
+from strikewave.contact._integrator import CONTINUE, RESTART
+
+SPRING, STOP_LINK, CONTACT = 0, 1, 2
+OPEN, PUSHING, SLACK = 0, 1, 2
+_REGAIN = 1e-9
+
+
+KIND, BEHIND, AHEAD = 0, 1, 2
+"""Columns of `Links.joins`."""
+OFFSET, STIFFNESS, EXPONENT, DAMPING, PRELOAD, SLOWEST = 0, 1, 2, 3, 4, 5
+"""Columns of `Links.values`, SI."""
+MASS, GRAVITY = 0, 1
+"""Columns of the table of bodies, kg and m/s^2."""
+PLACE, SPEED, FORCE = 0, 1, 2
+"""Rows of the table of bases: position, speed, and the force of the links on the base."""
+
+
+class Links(NamedTuple):
+    """Links as two tables, one row a link: whole numbers (kind, nodes) and values."""
+
+    joins: np.ndarray
+    values: np.ndarray
+
+
+class ChainSystem(NamedTuple):
+    """Bodies on bases that stand still; state = positions, speeds, energy dissipated in each link."""
+
+    bodies: np.ndarray
+    bases: np.ndarray
+    joins: np.ndarray
+    values: np.ndarray
+
+
+@kernel
+def elastic_force(kind, value, d):
+    """Return the part of the force of a link that stores energy."""
+    if kind == SPRING:
+        return value[PRELOAD] + value[STIFFNESS] * d
+    if d <= 0.0:
+        return 0.0
+    if kind == STOP_LINK:
+        return value[STIFFNESS] * d
+    return value[STIFFNESS] * d ** value[EXPONENT]
+
+
+@kernel
+def hysteresis(value, rate, approach):
+    """Return 1 + chi d'/v0 of a contact."""
+    return 1.0 + value[DAMPING] * rate / max(approach, value[SLOWEST])
+
+
+@kernel
+def link_force(kind, value, d, rate, mode, approach):
+    """Return the force of a link and its elastic part, N: a contact or stop never pulls.
+
+    Spring and stop: F = preload + k d + c d'. Contact: F = K d^n (1 + chi d'/v0).
+    """
+    if kind != SPRING and mode == OPEN:
+        return 0.0, 0.0
+    elastic = elastic_force(kind, value, d)
+    if kind != SPRING and mode == SLACK:
+        return 0.0, elastic
+    if kind == CONTACT:
+        return elastic * hysteresis(value, rate, approach), elastic
+    return elastic + value[DAMPING] * rate, elastic
+
+
+@kernel
+def link_motion(joins, values, i, y, bases, bodies):
+    """Return indentation d and its rate d' of link i."""
+    a, b = joins[i, BEHIND], joins[i, AHEAD]
+    if a < bodies:
+        d, rate = y[a], y[bodies + a]
+    else:
+        d, rate = bases[PLACE, a - bodies], bases[SPEED, a - bodies]
+    if b < bodies:
+        d -= y[b]
+        rate -= y[bodies + b]
+    else:
+        d -= bases[PLACE, b - bodies]
+        rate -= bases[SPEED, b - bodies]
+    return d - values[i, OFFSET], rate
+
+
+@kernel
+def chain_forces(joins, values, y, bases, bodies, mode, memory, out):
+    """Fill out with the force of each link."""
+    for i in range(joins.shape[0]):
+        d, rate = link_motion(joins, values, i, y, bases, bodies)
+        out[i], _ = link_force(joins[i, KIND], values[i], d, rate, mode[i], memory[i])
+
+
+@kernel
+def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
+    """Fill speeds, accelerations, dissipated powers (from index ``first``) and the forces on bases."""
+    bodies = table.shape[0]
+    for i in range(bodies):
+        dy[i] = y[bodies + i]
+        dy[bodies + i] = table[i, GRAVITY]
+    bases[FORCE] = 0.0
+    for i in range(joins.shape[0]):
+        dy[first + i] = 0.0
+        kind = joins[i, KIND]
+        if kind != SPRING and mode[i] == OPEN:
+            continue
+        d, rate = link_motion(joins, values, i, y, bases, bodies)
+        force, elastic = link_force(kind, values[i], d, rate, mode[i], memory[i])
+        dy[first + i] = (force - elastic) * rate
+        a, b = joins[i, BEHIND], joins[i, AHEAD]
+        if a < bodies:
+            dy[bodies + a] -= force / table[a, MASS]
+        else:
+            bases[FORCE, a - bodies] -= force
+        if b < bodies:
+            dy[bodies + b] += force / table[b, MASS]
+        else:
+            bases[FORCE, b - bodies] += force
+
+
+@kernel
+def link_switches(joins, values, y, bases, bodies, mode, memory, g):
+    """Fill two switch functions a link: how far from touching or parting, and the force over its elastic part.
+
+    A force lost while the link is still compressed comes back only above a small share, so that rounding
+    cannot toss it to and fro.
+    """
+    for i in range(joins.shape[0]):
+        g[2 * i], g[2 * i + 1] = 1.0, 1.0
+        kind = joins[i, KIND]
+        if kind == SPRING:
+            continue
+        d, rate = link_motion(joins, values, i, y, bases, bodies)
+        if mode[i] == OPEN:
+            g[2 * i] = -d
+            continue
+        g[2 * i] = d
+        if kind == CONTACT:
+            push = hysteresis(values[i], rate, memory[i])
+        else:
+            push = 1.0 + values[i, DAMPING] * rate / (values[i, STIFFNESS] * max(d, 1e-30))
+        g[2 * i + 1] = push if mode[i] == PUSHING else _REGAIN - push
+
+
+@kernel
+def link_switch(joins, values, k, y, bases, bodies, mode, memory):
+    """Change the mode of the link that switch k belongs to; remember the approach speed."""
+    i = k // 2
+    if k % 2 == 1:
+        mode[i] = SLACK if mode[i] == PUSHING else PUSHING
+    elif mode[i] == OPEN:
+        _, rate = link_motion(joins, values, i, y, bases, bodies)
+        mode[i] = PUSHING
+        memory[i] = max(rate, 0.0)
+        return RESTART
+    else:
+        mode[i] = OPEN
+    return CONTINUE
+
+
+def is_a(system, kind):
+    """Tell whether a numba type is that of the NamedTuple ``kind``."""
+    return getattr(system, "instance_class", None) is kind
+
+
+@overload(_integrator.derivatives)
+def _derivatives(system, t, y, mode, memory, dy):
+    def rates(system, t, y, mode, memory, dy):
+        s = system
+        chain_rates(s.joins, s.values, s.bodies, y, s.bases, mode, memory, dy, 2 * s.bodies.shape[0])
+
+    return rates if is_a(system, ChainSystem) else None
+
+
+@overload(_integrator.forces)
+def _forces(system, t, y, mode, memory, out):
+    def fill(system, t, y, mode, memory, out):
+        chain_forces(system.joins, system.values, y, system.bases, system.bodies.shape[0], mode, memory, out)
+
+    return fill if is_a(system, ChainSystem) else None
+
+
+@overload(_integrator.switches)
+def _switches(system, t, y, mode, memory, g):
+    def fill(system, t, y, mode, memory, g):
+        link_switches(system.joins, system.values, y, system.bases, system.bodies.shape[0], mode, memory, g)
+
+    return fill if is_a(system, ChainSystem) else None
+
+
+@overload(_integrator.switch)
+def _switch(system, k, t, y, mode, memory):
+    def change(system, k, t, y, mode, memory):
+        s = system
+        return link_switch(s.joins, s.values, k, y, s.bases, s.bodies.shape[0], mode, memory)
+
+    return change if is_a(system, ChainSystem) else None

@@ -1,0 +1,227 @@
+"""Compiled closed form of one impact of two free bodies under F = K d^n (1 + chi d'/v0).
+
+The phase plane of the law is integrable. With y = chi d'/v0, u = ln(1 + y) and
+Lambda = chi - ln(1 + chi),
+
+    K d^(n+1) chi^2 / ((n+1) m v0^2) = G(u) = Lambda + 1 + u - exp(u),
+
+so that the contact begins at u_c = ln(1 + chi), ends at u_e = ln(1 - e chi), and L = u_c - u_e =
+chi (1 + e). Everything below follows from G, whatever n, K, m and v0 are.
+"""
+
+import math
+
+import numpy as np
+
+from strikewave.compiled import kernel
+
+_SERIES = 0.35
+_PHI = np.array([1.0 / math.factorial(k) for k in range(15, 1, -1)])
+_LOSS = np.array([(-1.0) ** (k + 1) * (k - 2) / math.factorial(k) for k in range(18, 2, -1)])
+_LOG = np.array([(-1.0) ** k / k for k in range(16, 1, -1)])
+
+_REACH = 3.8
+_WIDE_SPAN = 12.0
+
+
+def _double_exponential(nodes):
+    """Return distance to the near end, weights, and the distance beyond which the tail is analytic."""
+    t = np.linspace(-_REACH, _REACH, nodes)
+    step = t[1] - t[0]
+    near = 1.0 / (1.0 + np.exp(math.pi * np.sinh(np.abs(t))))
+    weight = step * 0.25 * math.pi * np.cosh(t) / np.cosh(0.5 * math.pi * np.sinh(t)) ** 2
+    return near, weight, 1.0 / (1.0 + math.exp(math.pi * math.sinh(_REACH + 0.5 * step)))
+
+
+_NEAR, _WEIGHT, _TAIL = _double_exponential(40)
+_NEAR_WIDE, _WEIGHT_WIDE, _TAIL_WIDE = _double_exponential(72)
+
+
+@kernel
+def polynomial(coefficients, x):
+    """Return a polynomial, highest coefficient first (Horner)."""
+    total = 0.0
+    for c in coefficients:
+        total = total * x + c
+    return total
+
+
+@kernel
+def phi(x):
+    """Return exp(x) - 1 - x without cancellation near zero."""
+    if abs(x) > _SERIES:
+        return math.expm1(x) - x
+    return polynomial(_PHI, x) * x * x
+
+
+@kernel
+def log_rest(y):
+    """Return y - ln(1 + y) without cancellation near zero (y > -1)."""
+    if abs(y) > 0.08:
+        return y - math.log1p(y)
+    return polynomial(_LOG, y) * y * y
+
+
+@kernel
+def loss_of_span(span):
+    """Return 1 - e and its derivative for L = chi (1 + e).
+
+    1 - e = [L - 2 + (L + 2) exp(-L)] / (L - 1 + exp(-L)), d(1 - e)/dL = [(1 - exp(-L)) e - L exp(-L)] / (L - 1 + exp(-L)).
+    """
+    if span < 1e-12:
+        return span / 3.0, 1.0 / 3.0
+    below = phi(-span)
+    decay = math.exp(-span)
+    loss = polynomial(_LOSS, span) * span**3 if span < 0.5 else span - 2.0 + (span + 2.0) * decay
+    loss /= below
+    slope = 1.0 / 3.0 if span < 1e-3 else (-math.expm1(-span) * (1.0 - loss) - span * decay) / below
+    return loss, slope
+
+
+@kernel
+def restitution_of_span(span):
+    """Return e = [1 - exp(-L)(1 + L)] / (L - 1 + exp(-L)) for L = chi (1 + e)."""
+    if span < 1.0:
+        return 1.0 - loss_of_span(span)[0]
+    decay = math.exp(-span)
+    return (1.0 - decay * (1.0 + span)) / (span - 1.0 + decay)
+
+
+@kernel
+def span_of_restitution(e):
+    """Return L = chi (1 + e) that gives the restitution e, 0 < e <= 1, by guarded Newton steps."""
+    if e >= 1.0:
+        return 0.0
+    wanted = 1.0 - e
+    low, high = 2.0 * wanted, 3.0 + 1.0 / e
+    span = min(1.5 * wanted * (11.0 - e) / (1.0 + 9.0 * e) * (1.0 + e), 1.0 + 1.0 / e)
+    for _ in range(100):
+        if span > 1.0:
+            residual = e - restitution_of_span(span)
+            slope = loss_of_span(span)[1]
+        else:
+            loss, slope = loss_of_span(span)
+            residual = loss - wanted
+        if residual < 0.0:
+            low = span
+        else:
+            high = span
+        new = span - residual / slope
+        if not low < new < high:
+            new = math.sqrt(low * high)
+        if abs(new - span) <= 4e-16 * span:
+            return new
+        span = new
+    return span
+
+
+@kernel
+def span_of_factor(chi):
+    """Return L with L = chi (1 + e(L)) by guarded Newton steps."""
+    if chi <= 0.0:
+        return 0.0
+    low, high = chi, 2.0 * chi
+    span = chi * (1.0 + restitution_of_span(1.6 * chi))
+    for _ in range(100):
+        loss, slope = loss_of_span(span)
+        residual = span - chi * (2.0 - loss)
+        if residual < 0.0:
+            low = span
+        else:
+            high = span
+        new = span - residual / (1.0 + chi * slope)
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        if abs(new - span) <= 4e-16 * span:
+            return new
+        span = new
+    return span
+
+
+@kernel
+def peak_rate(exponent, chi):
+    """Return y = chi d'/v0 at the largest force: the positive root of a y - ln(1 + y) = Lambda."""
+    a = (2.0 * exponent + 1.0) / (exponent + 1.0)
+    lam = log_rest(chi)
+    y = min(lam / (a - 1.0), chi)
+    for _ in range(100):
+        residual = (a - 1.0) * y + log_rest(y) - lam
+        new = y - residual / (a - 1.0 / (1.0 + y))
+        if abs(new - y) <= 2e-16 * abs(y):
+            return new
+        y = new
+    return y
+
+
+@kernel
+def duration_integral(exponent, chi, span):
+    """Return the integral of G(u)^(-n/(n+1)) over the contact by the double exponential rule.
+
+    The integrand is singular at both ends; the rule's nodes crowd there (Takahasi & Mori 1974) and the
+    last stretch is integrated by its leading power. Each half is measured from its own end, so that G
+    keeps its digits. Relative error 2e-11, and 1e-10 for e below 0.08 (n from 1 to 2).
+    """
+    if span < _WIDE_SPAN:
+        near, weight, tail = _NEAR, _WEIGHT, _TAIL
+    else:
+        near, weight, tail = _NEAR_WIDE, _WEIGHT_WIDE, _TAIL_WIDE
+    power = -exponent / (exponent + 1.0)
+    late = math.exp(-span) * (1.0 + chi)
+    total = 0.0
+    for k in range(near.size):
+        w = span * near[k]
+        if 2 * k < near.size:
+            g = w * (1.0 - late) - late * phi(w)
+        else:
+            g = chi * -math.expm1(-w) - phi(-w)
+        total += weight[k] * g**power
+    ends = (exponent + 1.0) * (span * tail) ** (1.0 / (exponent + 1.0)) * (chi**power + (1.0 - late) ** power)
+    return span * total + ends
+
+
+@kernel
+def impact(stiffness, exponent, chi, mass, speed):
+    """Return restitution, largest indentation, largest force and duration of one impact."""
+    n = exponent
+    if chi < 1e-9:
+        deepest = ((n + 1.0) * mass * speed**2 / (2.0 * stiffness)) ** (1.0 / (n + 1.0))
+        q = 1.0 / (n + 1.0)
+        kappa = 2.0 * math.sqrt(math.pi) * q * math.exp(math.lgamma(q) - math.lgamma(q + 0.5))
+        return 1.0, deepest, stiffness * deepest**n, kappa * deepest / speed
+    span = span_of_factor(chi)
+    e = restitution_of_span(span)
+    unit = mass * speed**2 / (chi * chi * stiffness)
+    deepest = ((n + 1.0) * unit * log_rest(chi)) ** (1.0 / (n + 1.0))
+    y = peak_rate(n, chi)
+    at_peak = (n * unit * y) ** (1.0 / (n + 1.0))
+    force = stiffness * at_peak**n * (1.0 + y)
+    depth = ((n + 1.0) * unit) ** (1.0 / (n + 1.0))
+    duration = speed * mass / (chi * stiffness) * depth**-n * duration_integral(n, chi, span)
+    return e, deepest, force, duration
+
+
+@kernel
+def impacts(stiffness, exponent, chi, mass, speed, out):
+    """Fill ``out`` (4, N) with restitution, indentation, force and duration of N impacts."""
+    for i in range(stiffness.size):
+        out[0, i], out[1, i], out[2, i], out[3, i] = impact(stiffness[i], exponent[i], chi[i], mass[i], speed[i])
+
+
+@kernel
+def factors(restitution, out):
+    """Fill ``out`` with the hysteresis factors chi that give the restitutions asked for."""
+    for i in range(restitution.size):
+        out[i] = span_of_restitution(restitution[i]) / (1.0 + restitution[i])
+
+
+@kernel
+def restitutions(chi, out):
+    """Fill ``out`` with the restitutions that the hysteresis factors give."""
+    for i in range(chi.size):
+        out[i] = restitution_of_span(span_of_factor(chi[i]))
+
+
+def flat(*values):
+    """Broadcast values to one shape and return them as flat float arrays, with that shape."""
+    arrays = np.broadcast_arrays(*[np.asarray(v, dtype=float) for v in values])
+    return [np.ascontiguousarray(a).reshape(-1) for a in arrays], arrays[0].shape

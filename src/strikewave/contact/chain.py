@@ -1,0 +1,274 @@
+"""Chains of masses, springs, dampers, stops and contacts along one line.
+
+Positions and speeds are positive along the blow. A link joins a node ``behind`` to a node ``ahead``;
+its compression is d = x_behind - x_ahead - offset and its force pushes the two apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.contact._chain_kernels import (
+    AHEAD,
+    BEHIND,
+    CONTACT,
+    DAMPING,
+    EXPONENT,
+    KIND,
+    OFFSET,
+    OPEN,
+    PLACE,
+    PRELOAD,
+    PUSHING,
+    SLOWEST,
+    SPRING,
+    STIFFNESS,
+    STOP_LINK,
+    ChainSystem,
+    Links,
+)
+from strikewave.contact._integrator import Control
+from strikewave.contact.impact import Contact
+from strikewave.contact.motion import Motion, State, integrate
+from strikewave.errors import nearest
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A spring and damper that never let go: F = preload + k d + c d'.
+
+    stiffness k in N/m, damping c in N s/m, preload in N, offset in m.
+    """
+
+    behind: str
+    ahead: str
+    stiffness: float
+    damping: float = 0.0
+    preload: float = 0.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A spring and damper that push but never pull: F = max(0, k d + c d') while d > 0."""
+
+    behind: str
+    ahead: str
+    stiffness: float
+    damping: float = 0.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A contact by the law F = K d^n (1 + chi d'/v0), clipped at zero.
+
+    v0 is the approach speed of this contact, but never below ``slowest_approach`` (m/s): the law
+    describes a blow, and with v0 near zero it would make a slowly pressed contact rigid.
+    """
+
+    behind: str
+    ahead: str
+    contact: Contact
+    slowest_approach: float = 1e-6
+    offset: float = 0.0
+
+
+Link = Spring | Stop | Touch
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Bodies (name: mass in kg), bases that stand still (name: position in m), links and gravity (m/s^2).
+
+    Raises
+    ------
+    ValueError
+        If a mass is not positive and finite, or a link names a node that does not exist.
+
+    Examples
+    --------
+    >>> chain = Chain({"striker": 0.2, "object": 0.459}, links=[Touch("striker", "object", Contact(4.7e9, 10 / 9))])
+    >>> motion = simulate(chain, {"striker": 0.0, "object": 0.0}, {"striker": 20.0}, duration=1e-4)
+    >>> print(motion.speeds(1e-4).round(3))
+    [-7.86  12.14]
+    """
+
+    bodies: Mapping[str, float]
+    links: Sequence[Link]
+    bases: Mapping[str, float] = field(default_factory=dict)
+    gravity: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, mass in self.bodies.items():
+            if not (mass > 0.0 and np.isfinite(mass)):
+                raise ValueError(f"mass of {name!r} must be positive and finite, got {mass!r}")
+        for link in self.links:
+            for node in (link.behind, link.ahead):
+                if node not in self.nodes:
+                    raise ValueError(f"link to unknown node {node!r}; {nearest(node, self.nodes)}")
+
+    @property
+    def nodes(self) -> list[str]:
+        """Names of bodies, then bases, in the order of the state."""
+        return [*self.bodies, *self.bases]
+
+
+class ChainMotion:
+    """The motion of a chain; ask it for any time between 0 and its end."""
+
+    def __init__(self, chain: Chain, motion: Motion) -> None:
+        self.chain = chain
+        self.motion = motion
+        self._bodies = len(chain.bodies)
+
+    def positions(self, times: float | Array) -> Array:
+        """Return positions, m, shape (N, bodies), or (bodies,) for one time."""
+        return self._sample(times)[0][..., : self._bodies]
+
+    def speeds(self, times: float | Array) -> Array:
+        """Return speeds, m/s, shape (N, bodies), or (bodies,) for one time."""
+        return self._sample(times)[0][..., self._bodies : 2 * self._bodies]
+
+    def forces(self, times: float | Array) -> Array:
+        """Return the force of each link, N, shape (N, links), or (links,) for one time."""
+        return self._sample(times)[1]
+
+    def dissipated(self) -> Array:
+        """Return the energy dissipated in each link by the end, J."""
+        return self.motion.end.y[2 * self._bodies :]
+
+    def contacts(self, link: int) -> Array:
+        """Return the contacts of a link: begin and end (s) and approach speed (m/s), shape (N, 3).
+
+        A contact that still lasts at the end of the motion ends there.
+        """
+        return contacts(self.motion, link)
+
+    def _sample(self, times: float | Array) -> tuple[Array, Array]:
+        states, forces = self.motion.sample(np.atleast_1d(np.asarray(times, dtype=float)))
+        return (states[0], forces[0]) if np.ndim(times) == 0 else (states, forces)
+
+
+def contacts(motion: Motion, link: int) -> Array:
+    """Return begin, end (s) and approach speed (m/s) of each contact of a link, shape (N, 3)."""
+    record = motion.record
+    closed = np.concatenate([record.mode[:, link] != OPEN, [False]])
+    edges = np.diff(closed.astype(int), prepend=0)
+    begin, end = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    after = record.time + record.step
+    return np.column_stack([record.time[begin], after[end - 1], record.memory[begin, link]])
+
+
+def link_arrays(links: Sequence[Link], nodes: Sequence[str]) -> Links:
+    """Return links as the tables that the kernels take."""
+    kinds = {Spring: SPRING, Stop: STOP_LINK, Touch: CONTACT}
+    joins = np.zeros((len(links), 3), dtype=np.int64)
+    values = np.zeros((len(links), 6))
+    for i, link in enumerate(links):
+        joins[i] = kinds[type(link)], nodes.index(link.behind), nodes.index(link.ahead)
+        values[i, OFFSET] = link.offset
+        if isinstance(link, Touch):
+            law = link.contact
+            values[i, [STIFFNESS, EXPONENT, DAMPING]] = law.stiffness, law.exponent, law.hysteresis_factor
+            values[i, SLOWEST] = link.slowest_approach
+        else:
+            values[i, [STIFFNESS, DAMPING]] = link.stiffness, link.damping
+            values[i, PRELOAD] = link.preload if isinstance(link, Spring) else 0.0
+    return Links(joins, values)
+
+
+def compressions(links: Links, nodes: Array) -> Array:
+    """Return the compression d = x_behind - x_ahead - offset of each link at given node positions, m."""
+    return np.asarray(nodes[links.joins[:, BEHIND]] - nodes[links.joins[:, AHEAD]] - links.values[:, OFFSET])
+
+
+def first_modes(links: Links, nodes: Array) -> NDArray[np.int64]:
+    """Return the mode of each link at given node positions: what overlaps at the start already pushes."""
+    pushing = (links.joins[:, KIND] == SPRING) | (compressions(links, nodes) > 0.0)
+    return np.where(pushing, PUSHING, OPEN).astype(np.int64)
+
+
+def stored_energy(links: Links, nodes: Array) -> float:
+    """Return the energy stored in springs, stops and contacts at given node positions, J."""
+    kind, value = links.joins[:, KIND], links.values
+    d = compressions(links, nodes)
+    power = np.where(kind == CONTACT, value[:, EXPONENT], 1.0) + 1.0
+    depth = np.maximum(d, 0.0)
+    spring = value[:, PRELOAD] * d + 0.5 * value[:, STIFFNESS] * d**2
+    return float(np.sum(np.where(kind == SPRING, spring, value[:, STIFFNESS] * depth**power / power)))
+
+
+def simulate(
+    chain: Chain,
+    positions: Mapping[str, float],
+    speeds: Mapping[str, float],
+    duration: float,
+    tolerance: float = 1e-9,
+) -> ChainMotion:
+    """Follow a chain from given positions and speeds (0 where not named) for a time.
+
+    Parameters
+    ----------
+    chain : Chain
+        Bodies, bases, links.
+    positions, speeds : mapping
+        By body name, m and m/s.
+    duration : float
+        How long, s.
+    tolerance : float, optional
+        Local error of a step, over the speed scale of the start and the distance it covers in the
+        shortest time scale of the chain.
+
+    Raises
+    ------
+    IntegrationError
+        If the motion cannot be followed.
+
+    Notes
+    -----
+    Method: DOP853 with located switches (Hairer, Norsett & Wanner 1993).
+    """
+    names = list(chain.bodies)
+    x = np.array([positions.get(name, 0.0) for name in names])
+    v = np.array([speeds.get(name, 0.0) for name in names])
+    masses = np.array(list(chain.bodies.values()))
+    base = np.array(list(chain.bases.values()), dtype=float)
+    links = link_arrays(chain.links, chain.nodes)
+    bases = np.zeros((3, base.size))
+    bases[PLACE] = base
+    table = np.column_stack([masses, np.full(masses.size, float(chain.gravity))])
+    system = ChainSystem(table, bases, links.joins, links.values)
+    speed = max(np.ptp(v) if v.size > 1 else 0.0, np.abs(v).max(initial=0.0), 1e-6)
+    period = shortest_time(chain, speed)
+    energy = 0.5 * float(masses @ v**2) + 0.5 * float(masses.sum()) * speed**2
+    scale = np.concatenate(
+        [np.full(x.size, speed * period), np.full(x.size, speed), np.full(len(chain.links), energy)]
+    )
+    start = State(
+        0.0,
+        np.concatenate([x, v, np.zeros(len(chain.links))]),
+        first_modes(links, np.concatenate([x, base])),
+        np.zeros(max(len(chain.links), 1)),
+    )
+    control = Control(tolerance, scale, 2e-3 * period, max(duration, period), duration)
+    return ChainMotion(chain, integrate(system, start, control, (len(chain.links), 2 * len(chain.links))))
+
+
+def shortest_time(chain: Chain, speed: float) -> float:
+    """Return the shortest time scale of a chain's links at a given speed, s: sqrt(m/k), or d_max/v0 of a contact."""
+    times = []
+    for link in chain.links:
+        mass = 1.0 / sum(1.0 / chain.bodies[node] for node in (link.behind, link.ahead) if node in chain.bodies)
+        if isinstance(link, Touch):
+            n, k = float(link.contact.exponent), float(link.contact.stiffness)  # type: ignore[arg-type]
+            times.append(((n + 1.0) * mass * speed**2 / (2.0 * k)) ** (1.0 / (n + 1.0)) / speed)
+        elif link.stiffness > 0.0:
+            times.append((mass / link.stiffness) ** 0.5)
+    return min(times, default=1.0)

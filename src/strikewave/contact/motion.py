@@ -1,0 +1,119 @@
+"""Run the integrator and hold what it found: a motion that can be asked for any time afterwards."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.contact import _integrator
+from strikewave.contact._integrator import FULL, STUCK, Control, Record
+from strikewave.errors import IntegrationError
+
+Array = NDArray[np.float64]
+
+_ROWS = 2048
+_MOST_STEPS = 2_000_000
+
+
+class State(NamedTuple):
+    """Where a motion stands: time (s), state, integer modes, and floats remembered at switches."""
+
+    time: float
+    y: Array
+    mode: NDArray[np.int64]
+    memory: Array
+
+
+class Motion:
+    """A motion with dense output of order 7 between located switches.
+
+    Attributes
+    ----------
+    end : State
+        The last state.
+    record : Record
+        Accepted steps and switches.
+    """
+
+    def __init__(self, system: Any, record: Record, end: State, links: int) -> None:
+        self.system = system
+        self.record = record
+        self.end = end
+        self.links = links
+
+    def sample(self, times: Array) -> tuple[Array, Array]:
+        """Return states (N, n) and link forces (N, links) at sorted times within the motion, s.
+
+        Right at a switch the later side answers.
+        """
+        wanted = np.ascontiguousarray(times, dtype=float)
+        states = np.empty((wanted.size, self.end.y.size))
+        forces = np.empty((wanted.size, self.links))
+        _integrator.sample(self.system, self.record, wanted, states, forces)
+        return states, forces
+
+    def impulses(self) -> Array:
+        """Return the time integral of each link force over each step, N s, shape (steps, links).
+
+        Found by Gauss quadrature of the dense output, independently of the integration of speeds.
+        """
+        out = np.empty((self.record.time.size, self.links))
+        _integrator.impulses(self.system, self.record, out)
+        return out
+
+
+def integrate(
+    system: Any,
+    start: State,
+    control: Control,
+    sizes: tuple[int, int],
+    progress: Callable[[float], None] | None = None,
+) -> Motion:
+    """Integrate a system from ``start`` to ``control.end`` or to a switch that stops it.
+
+    Parameters
+    ----------
+    system : NamedTuple
+        A system of the integrator's protocol.
+    start : State
+        Where it starts; left as it is.
+    control : Control
+        Tolerance, scales, steps and end.
+    sizes : (int, int)
+        Number of links and of switch functions.
+    progress : callable, optional
+        Called with the time reached, every few thousand steps.
+
+    Raises
+    ------
+    IntegrationError
+        If the step shrinks to nothing, the state is not finite, or more than two million steps are needed.
+    """
+    t, h = start.time, control.first_step
+    y, mode, memory = start.y.copy(), start.mode.copy(), start.memory.copy()
+    parts: list[Record] = []
+    status = FULL
+    while status == FULL:
+        record = _integrator.empty_record(_ROWS, y.size, mode.size, memory.size)
+        status, t, h, steps, events = _integrator.advance(
+            system, control, t, h, y, mode, memory, record, sizes[1]
+        )
+        counts = (steps, steps, steps, steps, steps, events, events)
+        parts.append(Record(*(part[:count] for part, count in zip(record, counts, strict=True))))
+        parts[-1].event[:, 1] += sum(part.time.size for part in parts[:-1])
+        if status == STUCK or not np.all(np.isfinite(y)):
+            raise IntegrationError(
+                f"the motion could not be followed beyond t = {t:.9g} s (step {h:.3g} s): "
+                "a stiffness, damping or mass is extreme; compare the values with the published cases"
+            )
+        if len(parts) * _ROWS > _MOST_STEPS:
+            raise IntegrationError(
+                f"more than {_MOST_STEPS} steps by t = {t:.6g} s; loosen solver.tolerance, or soften the stiffest spring"
+            )
+        if progress is not None:
+            progress(t)
+    whole = Record(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    return Motion(system, whole, State(t, y, mode, memory), sizes[0])

@@ -1,0 +1,86 @@
+"""What the user is told when an input cannot be used, and what is only worth a word."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class StrikewaveError(Exception):
+    """Base of every error that strikewave raises on purpose."""
+
+
+class InputError(StrikewaveError, ValueError):
+    """An input that cannot be used: which field, what came, what is allowed, what to do.
+
+    Parameters
+    ----------
+    field : str
+        Path of the field, such as ``machine.speed`` or ``--speed``.
+    got : object
+        What came.
+    allowed : str
+        What would have been accepted.
+    hint : str, optional
+        What to do next, or the nearest match.
+
+    Examples
+    --------
+    >>> str(InputError("machine.speed", "730", "a rotational speed with its unit", 'write "730 rpm"'))
+    'machine.speed: got "730"; allowed: a rotational speed with its unit; write "730 rpm"'
+    """
+
+    def __init__(self, field: str, got: object, allowed: str, hint: str = "") -> None:
+        self.field = field
+        self.got = got
+        self.allowed = allowed
+        self.hint = hint
+        super().__init__(f"{field}: got {show(got)}; allowed: {allowed}" + (f"; {hint}" if hint else ""))
+
+
+class InputErrors(StrikewaveError, ValueError):
+    """Several inputs that cannot be used, one line each."""
+
+    def __init__(self, lines: Iterable[str]) -> None:
+        self.lines = tuple(lines)
+        super().__init__("\n".join(self.lines))
+
+
+class IntegrationError(StrikewaveError, RuntimeError):
+    """The motion could not be integrated to its end; the message says where and why."""
+
+
+class StrikewaveWarning(UserWarning):
+    """Something the user should know that does not stop the work."""
+
+
+def show(value: object, longest: int = 60) -> str:
+    """Write a value for an error line: quoted when text, printable, never longer than ``longest``.
+
+    Examples
+    --------
+    >>> show("a" * 100, longest=8)
+    '"aaaaaaaa..."'
+    """
+    text = value if isinstance(value, str) else repr(value)
+    text = "".join(c if c.isprintable() else "?" for c in text[: longest + 1])
+    text = text if len(text) <= longest else text[:longest] + "..."
+    return f'"{text}"' if isinstance(value, str) else text
+
+
+def nearest(word: str, choices: Iterable[str]) -> str:
+    """Name the choice nearest to a mistyped word as a hint, or list the choices.
+
+    Examples
+    --------
+    >>> nearest("sped", ["speed", "radius"])
+    'did you mean "speed"?'
+    >>> nearest("zzz", ["speed", "radius"])
+    'choose from: radius, speed'
+    """
+    known = sorted(set(choices))
+    folded = {choice.lower(): choice for choice in known}
+    match = difflib.get_close_matches(str(word).lower()[:80], folded, n=1, cutoff=0.6)
+    if match:
+        return f'did you mean "{folded[match[0]]}"?'
+    return "choose from: " + ", ".join(known[:40])

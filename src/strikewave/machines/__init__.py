@@ -1,0 +1,19 @@
+"""Machines that strike: each yields blows on the struck object."""
+
+from strikewave.machines.blows import Blow, blows
+from strikewave.machines.feed import Feed
+from strikewave.machines.rotary import RotaryMachine, RotaryRun, Strikers, run_rotary
+from strikewave.machines.struck_object import StruckObject
+from strikewave.machines.turntable import Turntable
+
+__all__ = [
+    "Blow",
+    "Feed",
+    "RotaryMachine",
+    "RotaryRun",
+    "Strikers",
+    "StruckObject",
+    "Turntable",
+    "blows",
+    "run_rotary",
+]

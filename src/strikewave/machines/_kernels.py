@@ -1,0 +1,246 @@
+"""Compiled rotary machine: turntable, strikers on mounts, fed carriage and struck object as one system.
+
+State: positions and speeds of the bodies (strikers, then the chain of the object), turntable angle and
+speed, then energies: dissipated in each link, work of the drive, lost in drag, work of the feed.
+Bases: one a striker (where the turntable carries its mount), then the carriage.
+
+A striker at angle p = theta - i pitch reaches f(p) = R (cos p - 1) along the blow, 0 at its apex. With
+the striker's motion along the blow in its own coordinate, the turntable keeps the inertia
+J(theta) = I - sum m f'(p)^2 and obeys
+
+    J theta'' = T_drive - T_drag + sum f'(p) F_mount + theta'^2 sum m f'(p) f''(p)
+
+where F_mount is the force of the mount on the turntable along the blow. This is Lagrange's equation,
+so energy is kept.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import overload
+
+from strikewave.compiled import kernel
+from strikewave.contact import _integrator
+from strikewave.contact._chain_kernels import (
+    FORCE,
+    PLACE,
+    SPEED,
+    chain_forces,
+    chain_rates,
+    is_a,
+    link_switch,
+    link_switches,
+)
+from strikewave.contact._integrator import CONTINUE, RESTART, STOP
+
+DRIVE, FEED, PASSES, TOUCHED = 0, 1, 2, 3
+"""Places of the machine's own modes, after those of the links."""
+FEED_START, NEXT_APEX = 0, 1
+"""Places of the machine's own memory, after the approach speeds of the links."""
+
+REGULATED, FULL_TORQUE, NO_TORQUE = 0, 1, 2
+WAITING, FEEDING, HELD, RELEASED, RETRACTING = 0, 1, 2, 3, 4
+
+DRIVE_SWITCH, FEED_SWITCH, APEX_SWITCH = 0, 2, 3
+"""Places of the machine's own switch functions, after two a link."""
+
+
+CARRIED = 2
+"""Column of the table of bodies: mass that the turntable carries there, kg (0 for the object)."""
+FIRST, SECOND = 3, 4
+"""Rows of the table of bases: f'(p) and f''(p) of each seat, m."""
+
+INERTIA, RADIUS, SET_SPEED, GAIN, TORQUE, DRAG = 0, 1, 2, 3, 4, 5
+VALVE_DELAY, STROKE, STROKE_TIME, RELEASE_DELAY, RETRACT_TIME = 6, 7, 8, 9, 10
+BLOWS = 11
+"""Places in `RotarySystem.settings`, SI."""
+
+
+class RotarySystem(NamedTuple):
+    """The rotary machine as tables: bodies, bases (scratch), links and settings."""
+
+    bodies: np.ndarray
+    bases: np.ndarray
+    joins: np.ndarray
+    values: np.ndarray
+    settings: np.ndarray
+
+
+@kernel
+def cycloid(fraction):
+    """Return position and rate of the cycloidal rise s = u - sin(2 pi u)/(2 pi), u in 0..1."""
+    turn = 2.0 * math.pi * fraction
+    return fraction - math.sin(turn) / (2.0 * math.pi), 1.0 - math.cos(turn)
+
+
+@kernel
+def carriage(settings, phase, since):
+    """Return position (0 when fed, stroke when retracted) and speed of the carriage."""
+    stroke = settings[STROKE]
+    if phase == WAITING:
+        return stroke, 0.0
+    if phase == FEEDING:
+        s, rate = cycloid(min(since / settings[STROKE_TIME], 1.0))
+        return stroke * (1.0 - s), -stroke * rate / settings[STROKE_TIME]
+    if phase == RETRACTING:
+        s, rate = cycloid(min(since / settings[RETRACT_TIME], 1.0))
+        return stroke * s, stroke * rate / settings[RETRACT_TIME]
+    return 0.0, 0.0
+
+
+@kernel
+def wanted_torque(settings, speed):
+    """Return what the speed controller asks for, N m: the drag at set speed plus gain times speed error."""
+    return settings[DRAG] * settings[SET_SPEED] + settings[GAIN] * (settings[SET_SPEED] - speed)
+
+
+@kernel
+def drive_torque(settings, drive, speed):
+    """Return the torque of the drive, N m: what is asked for, or the limit, or none."""
+    if drive == FULL_TORQUE:
+        return settings[TORQUE]
+    return 0.0 if drive == NO_TORQUE else wanted_torque(settings, speed)
+
+
+@kernel
+def place_bases(system, t, y, mode, memory):
+    """Fill the table of bases from turntable angle, turntable speed and feed phase."""
+    bases, settings = system.bases, system.settings
+    links, angle = system.joins.shape[0], 2 * system.bodies.shape[0]
+    strikers, radius = bases.shape[1] - 1, settings[RADIUS]
+    theta, speed = y[angle], y[angle + 1]
+    for i in range(strikers):
+        p = theta - i * 2.0 * math.pi / strikers
+        sine, cosine = math.sin(p), math.cos(p)
+        bases[PLACE, i] = radius * (cosine - 1.0)
+        bases[SPEED, i] = -radius * sine * speed
+        bases[FIRST, i], bases[SECOND, i] = -radius * sine, -radius * cosine
+    since = t - memory[links + FEED_START]
+    bases[PLACE, strikers], bases[SPEED, strikers] = carriage(settings, mode[links + FEED], since)
+
+
+@kernel
+def rotary_rates(system, t, y, mode, memory, dy):
+    """Fill the time derivative of the whole state."""
+    bodies, bases, settings = system.bodies, system.bases, system.settings
+    links, angle = system.joins.shape[0], 2 * bodies.shape[0]
+    strikers = bases.shape[1] - 1
+    place_bases(system, t, y, mode, memory)
+    chain_rates(system.joins, system.values, bodies, y, bases, mode, memory, dy, angle + 2)
+    speed = y[angle + 1]
+    torque = drive_torque(settings, mode[links + DRIVE], speed)
+    drag = settings[DRAG] * speed
+    inertia, moment = settings[INERTIA], torque - drag
+    for i in range(strikers):
+        first = bases[FIRST, i]
+        inertia -= bodies[i, CARRIED] * first * first
+        moment += first * (bases[FORCE, i] + speed * speed * bodies[i, CARRIED] * bases[SECOND, i])
+    energies = angle + 2 + links
+    dy[angle], dy[angle + 1] = speed, moment / inertia
+    dy[energies], dy[energies + 1] = torque * speed, drag * speed
+    dy[energies + 2] = -bases[FORCE, strikers] * bases[SPEED, strikers]
+
+
+@kernel
+def rotary_switches(system, t, y, mode, memory, g):
+    """Fill the switch functions of links, drive, feed and passing strikers."""
+    settings, links, bodies = system.settings, system.joins.shape[0], system.bodies.shape[0]
+    place_bases(system, t, y, mode, memory)
+    link_switches(system.joins, system.values, y, system.bases, bodies, mode, memory, g)
+    own = 2 * links
+    drive, limit = mode[links + DRIVE], settings[TORQUE]
+    wanted = wanted_torque(settings, y[2 * bodies + 1])
+    g[own], g[own + 1] = 1.0, 1.0
+    if drive == REGULATED:
+        g[own], g[own + 1] = limit - wanted, wanted
+    elif drive == FULL_TORQUE:
+        g[own] = wanted - limit
+    else:
+        g[own + 1] = -wanted
+    phase, since = mode[links + FEED], t - memory[links + FEED_START]
+    g[own + FEED_SWITCH] = 1.0
+    if phase == WAITING:
+        g[own + FEED_SWITCH] = settings[VALVE_DELAY] - since
+    elif phase == FEEDING:
+        g[own + FEED_SWITCH] = settings[STROKE_TIME] - since
+    elif phase == RELEASED:
+        g[own + FEED_SWITCH] = settings[RELEASE_DELAY] - since
+    elif phase == RETRACTING:
+        g[own + FEED_SWITCH] = settings[RETRACT_TIME] - since
+    g[own + APEX_SWITCH] = memory[links + NEXT_APEX] - y[2 * bodies]
+
+
+@kernel
+def _release_when_done(settings, t, mode, memory, links):
+    if mode[links + FEED] == HELD and mode[links + PASSES] >= settings[BLOWS]:
+        mode[links + FEED] = RELEASED
+        memory[links + FEED_START] = t
+
+
+@kernel
+def rotary_switch(system, k, t, y, mode, memory):
+    """Change the mode at switch k: a link, the drive, the feed, or a striker at its apex.
+
+    A pass counts once the object is held in place, or earlier if the striker touched it.
+    """
+    bodies, links = system.bodies.shape[0], system.joins.shape[0]
+    strikers = system.bases.shape[1] - 1
+    if k < 2 * links:
+        place_bases(system, t, y, mode, memory)
+        code = link_switch(system.joins, system.values, k, y, system.bases, bodies, mode, memory)
+        if k // 2 < strikers and code == RESTART:
+            mode[links + TOUCHED] = 1
+        return code
+    own = k - 2 * links
+    if own < FEED_SWITCH:
+        if mode[links + DRIVE] != REGULATED:
+            mode[links + DRIVE] = REGULATED
+        else:
+            mode[links + DRIVE] = FULL_TORQUE if own == DRIVE_SWITCH else NO_TORQUE
+        return CONTINUE
+    if own == FEED_SWITCH:
+        if mode[links + FEED] == RETRACTING:
+            return STOP
+        mode[links + FEED] += 1
+        memory[links + FEED_START] = t
+    else:
+        memory[links + NEXT_APEX] += 2.0 * math.pi / strikers
+        if mode[links + TOUCHED] == 1 or mode[links + FEED] == HELD:
+            mode[links + PASSES] += 1
+        mode[links + TOUCHED] = 0
+    _release_when_done(system.settings, t, mode, memory, links)
+    return CONTINUE
+
+
+@overload(_integrator.derivatives)
+def _derivatives(system, t, y, mode, memory, dy):
+    def rates(system, t, y, mode, memory, dy):
+        rotary_rates(system, t, y, mode, memory, dy)
+
+    return rates if is_a(system, RotarySystem) else None
+
+
+@overload(_integrator.forces)
+def _forces(system, t, y, mode, memory, out):
+    def fill(system, t, y, mode, memory, out):
+        place_bases(system, t, y, mode, memory)
+        chain_forces(system.joins, system.values, y, system.bases, system.bodies.shape[0], mode, memory, out)
+
+    return fill if is_a(system, RotarySystem) else None
+
+
+@overload(_integrator.switches)
+def _switches(system, t, y, mode, memory, g):
+    def fill(system, t, y, mode, memory, g):
+        rotary_switches(system, t, y, mode, memory, g)
+
+    return fill if is_a(system, RotarySystem) else None
+
+
+@overload(_integrator.switch)
+def _switch(system, k, t, y, mode, memory):
+    def change(system, k, t, y, mode, memory):
+        return rotary_switch(system, k, t, y, mode, memory)
+
+    return change if is_a(system, RotarySystem) else None

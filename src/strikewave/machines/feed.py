@@ -1,0 +1,56 @@
+"""The hydraulic feed: it moves the carriage with the object to the strike position and back."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Feed:
+    """Valve, stroke and timing of the feed; both ways are cycloidal, s = u - sin(2 pi u)/(2 pi).
+
+    Parameters
+    ----------
+    wait : float
+        Time at speed before the valve signal, s.
+    valve_delay : float
+        From valve signal to first motion, s.
+    stroke : float
+        Way of the carriage, m.
+    stroke_time : float
+        Time of the stroke, s.
+    arrival : float
+        Where in the striking period the stroke ends, 0 to 1 after the last striker's apex: the valve
+        signal is timed for it.
+    blows : int
+        Wanted number of passes; the retract command comes at the apex of the last.
+    release_delay : float
+        From retract command to first motion, s.
+    retract_time : float
+        Time of the retraction, s.
+    """
+
+    wait: float
+    valve_delay: float
+    stroke: float
+    stroke_time: float
+    arrival: float
+    blows: int
+    release_delay: float
+    retract_time: float
+
+
+def angle_at_valve_signal(feed: Feed, speed: float, pitch: float) -> float:
+    """Return the turntable's angle at the valve signal, in 0..pitch, rad.
+
+    Chosen so that, at the given speed, the stroke ends ``arrival`` of a pitch after a striker's apex.
+
+    Examples
+    --------
+    >>> feed = Feed(1.0, 0.01, 0.015, 0.04, 0.5, 11, 0.003, 0.03)
+    >>> round(angle_at_valve_signal(feed, speed=80.0, pitch=math.pi / 2), 6)
+    1.497787
+    """
+    travelled = speed * (feed.valve_delay + feed.stroke_time)
+    return (feed.arrival * pitch - travelled) % pitch

@@ -1,0 +1,306 @@
+"""The rotary machine: a turntable whose strikers hit a fed, spring-held object one after the other.
+
+The strike is that of a cam. Each nose runs on a circle; the object's plane face stands across the line
+from the axis through the strike position, ``engagement`` inside the noses' reach, and moves back along
+that line. A nose therefore meets the face at the angle arccos(1 - q/R) before its apex with the normal
+speed w sqrt(2 R q - q^2), which falls as the object has not come back all the way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, Links
+from strikewave.contact._integrator import Control
+from strikewave.contact.chain import Link, Spring, Touch, first_modes, link_arrays, stored_energy
+from strikewave.contact.impact import Contact
+from strikewave.contact.motion import Motion, State, integrate
+from strikewave.errors import IntegrationError
+from strikewave.machines._kernels import FEED, PASSES, RETRACTING, WAITING, RotarySystem
+from strikewave.machines.feed import Feed, angle_at_valve_signal
+from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, StruckObject
+from strikewave.machines.turntable import Turntable, braking_time, speed_after_wait, spin_up_time
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Strikers:
+    """Equal strikers at equal angles.
+
+    Parameters
+    ----------
+    count : int
+        How many.
+    mass : float
+        Moving mass of one, kg.
+    mount_stiffness, mount_damping : float
+        The mount on the turntable along the blow, N/m and N s/m.
+    contact : Contact
+        Law of the contact between nose and face.
+    slowest_approach : float
+        Lowest approach speed that the hysteresis factor uses, m/s.
+    """
+
+    count: int
+    mass: float
+    mount_stiffness: float
+    mount_damping: float
+    contact: Contact
+    slowest_approach: float
+
+
+@dataclass(frozen=True)
+class RotaryMachine:
+    """Turntable, strikers, feed, object, and the engagement of the noses (m)."""
+
+    turntable: Turntable
+    strikers: Strikers
+    feed: Feed
+    struck: StruckObject
+    engagement: float
+
+    @property
+    def pitch(self) -> float:
+        """Angle between strikers, rad."""
+        return 2.0 * math.pi / self.strikers.count
+
+    @property
+    def nominal_approach(self) -> float:
+        """Approach speed at set speed on an object at rest in the strike position, m/s: w sqrt(2 R q - q^2)."""
+        q, radius = self.engagement, self.turntable.radius
+        return self.turntable.speed * math.sqrt((2.0 * radius - q) * q)
+
+
+@dataclass(frozen=True)
+class RotaryRun:
+    """A run of the machine; time 0 is the valve signal.
+
+    Attributes
+    ----------
+    machine : RotaryMachine
+        What ran.
+    motion : Motion
+        Everything between valve signal and end of the retraction.
+    phases : tuple of (str, float)
+        Name and time of each phase, s.
+    energy_error : float
+        Energy that the ledger misses over the energy that flowed.
+    """
+
+    machine: RotaryMachine
+    motion: Motion
+    phases: tuple[tuple[str, float], ...]
+    energy_error: float
+
+    @property
+    def places(self) -> Places:
+        """Where bodies and links stand in states and forces."""
+        return Places(self.machine.strikers.count)
+
+    def rigid_acceleration(self, forces: Array) -> Array:
+        """Return the assembly's momentum rate over its mass from link forces (..., links), m/s^2."""
+        place, struck = self.places, self.machine.struck
+        total = forces[..., place.frame] - forces[..., place.support] + forces[..., place.stop]
+        return np.asarray(total / struck.assembly_mass + struck.gravity)
+
+
+@dataclass(frozen=True)
+class Places:
+    """Indices into the state and the links for a number of strikers."""
+
+    strikers: int
+
+    @property
+    def bodies(self) -> int:
+        """Number of bodies."""
+        return self.strikers + 2
+
+    @property
+    def nose(self) -> int:
+        """Body index of the nose."""
+        return self.strikers
+
+    @property
+    def assembly(self) -> int:
+        """Body index of the assembly."""
+        return self.strikers + 1
+
+    @property
+    def angle(self) -> int:
+        """State index of the turntable's angle; its speed follows."""
+        return 2 * self.bodies
+
+    @property
+    def contacts(self) -> slice:
+        """Links between strikers and nose."""
+        return slice(0, self.strikers)
+
+    @property
+    def frame(self) -> int:
+        """Link of the frame."""
+        return 2 * self.strikers
+
+    @property
+    def support(self) -> int:
+        """Link of the heavy-load spring."""
+        return 2 * self.strikers + 1
+
+    @property
+    def stop(self) -> int:
+        """Link of the stop."""
+        return 2 * self.strikers + 2
+
+    @property
+    def links(self) -> int:
+        """Number of links."""
+        return 2 * self.strikers + 3
+
+
+def machine_links(machine: RotaryMachine) -> tuple[list[Link], list[str]]:
+    """Return the links and the node names of the machine, bodies first."""
+    count, strikers = machine.strikers.count, machine.strikers
+    names, seats = [f"striker {i + 1}" for i in range(count)], [f"seat {i + 1}" for i in range(count)]
+    touches: list[Link] = [Touch(name, NOSE, strikers.contact, strikers.slowest_approach) for name in names]
+    mounts: list[Link] = [
+        Spring(seat, name, strikers.mount_stiffness, strikers.mount_damping)
+        for seat, name in zip(seats, names, strict=True)
+    ]
+    links = touches + mounts + machine.struck.links(rest=-machine.engagement)
+    return links, [*names, NOSE, ASSEMBLY, *seats, CARRIAGE]
+
+
+def rotary_system(machine: RotaryMachine) -> RotarySystem:
+    """Return the machine as the tables that the kernels take."""
+    links, nodes = machine_links(machine)
+    count, disc, feed, struck = machine.strikers.count, machine.turntable, machine.feed, machine.struck
+    bodies = np.zeros((count + 2, 3))
+    bodies[:count] = machine.strikers.mass, 0.0, machine.strikers.mass
+    bodies[count] = struck.nose_mass, struck.gravity, 0.0
+    bodies[count + 1] = struck.assembly_mass, struck.gravity, 0.0
+    tables = link_arrays(links, nodes)
+    settings = [disc.inertia, disc.radius, disc.speed, disc.speed_gain, disc.torque, disc.drag]
+    settings += [feed.valve_delay, feed.stroke, feed.stroke_time, feed.release_delay, feed.retract_time, feed.blows]
+    return RotarySystem(bodies, np.zeros((5, count + 1)), tables.joins, tables.values, np.array(settings))
+
+
+def start_state(machine: RotaryMachine, system: RotarySystem) -> State:
+    """Return the state at the valve signal: at speed, object at rest on its stop, carriage retracted."""
+    place, disc, struck = Places(machine.strikers.count), machine.turntable, machine.struck
+    speed = speed_after_wait(disc, machine.feed.wait)
+    theta = angle_at_valve_signal(machine.feed, disc.speed, machine.pitch)
+    y = np.zeros(place.angle + 2 + place.links + 3)
+    p = theta - machine.pitch * np.arange(place.strikers)
+    stretch = machine.strikers.mass / machine.strikers.mount_stiffness * speed**2
+    y[: place.strikers] = disc.radius * (np.cos(p) - 1.0) + stretch * disc.radius * np.cos(p)
+    y[place.bodies : place.bodies + place.strikers] = -disc.radius * speed * np.sin(p) * (1.0 + stretch)
+    rest = -machine.engagement + machine.feed.stroke
+    y[place.assembly] = rest
+    y[place.nose] = rest + struck.nose_mass * struck.gravity / struck.frame_stiffness
+    y[place.angle], y[place.angle + 1] = theta, speed
+    seats = disc.radius * (np.cos(p) - 1.0)
+    nodes = np.concatenate([y[: place.bodies], seats, [machine.feed.stroke]])
+    modes = np.concatenate([first_modes(Links(system.joins, system.values), nodes), [0, WAITING, 0, 0]]).astype(np.int64)
+    memory = np.zeros(place.links + 2)
+    memory[place.links + 1] = machine.pitch
+    return State(0.0, y, modes, memory)
+
+
+def energy(machine: RotaryMachine, system: RotarySystem, state: State) -> float:
+    """Return kinetic energy of turntable and bodies, energy stored in links, and energy of height, J."""
+    place, radius = Places(machine.strikers.count), machine.turntable.radius
+    x, v = state.y[: place.bodies], state.y[place.bodies : place.angle]
+    theta, speed = state.y[place.angle], state.y[place.angle + 1]
+    p = theta - machine.pitch * np.arange(place.strikers)
+    inertia = machine.turntable.inertia - machine.strikers.mass * float(np.sum((radius * np.sin(p)) ** 2))
+    out = state.mode[place.links + FEED] in (WAITING, RETRACTING)
+    nodes = np.concatenate([x, radius * (np.cos(p) - 1.0), [machine.feed.stroke if out else 0.0]])
+    stored = stored_energy(Links(system.joins, system.values), nodes)
+    height = -float(np.sum(system.bodies[:, MASS] * system.bodies[:, GRAVITY] * x))
+    return 0.5 * inertia * speed**2 + 0.5 * float(system.bodies[:, MASS] @ v**2) + stored + height
+
+
+def run_rotary(
+    machine: RotaryMachine, tolerance: float = 1e-9, progress: Callable[[float], None] | None = None
+) -> RotaryRun:
+    """Run the machine from rest to rest.
+
+    Spin-up and braking follow closed forms; from the valve signal to the end of the retraction everything
+    is integrated together, with every contact, stop, drive limit and feed phase as a located switch.
+
+    Parameters
+    ----------
+    machine : RotaryMachine
+        What to run.
+    tolerance : float, optional
+        Local error of a step over the scales of one contact.
+    progress : callable, optional
+        Called with the share of the expected time done, 0 to 1.
+
+    Raises
+    ------
+    IntegrationError
+        If the motion cannot be followed, or the turntable comes to a stand among the blows.
+    ValueError
+        If the drive cannot hold the set speed.
+    """
+    disc, feed, place = machine.turntable, machine.feed, Places(machine.strikers.count)
+    system = rotary_system(machine)
+    start = start_state(machine, system)
+    approach = machine.nominal_approach
+    pitch_time = machine.pitch / disc.speed
+    contact = machine.strikers.contact
+    n, k = float(contact.exponent), float(contact.stiffness)  # type: ignore[arg-type]
+    depth = ((n + 1.0) * machine.struck.nose_mass * approach**2 / (2.0 * k)) ** (1.0 / (n + 1.0))
+    scale = np.full(start.y.size, 0.5 * machine.struck.mass * approach**2)
+    scale[: place.bodies] = depth
+    scale[place.bodies : place.angle] = approach
+    scale[place.angle], scale[place.angle + 1] = depth / disc.radius, approach / disc.radius
+    expected = feed.valve_delay + feed.stroke_time + (feed.blows + 1) * pitch_time + feed.release_delay + feed.retract_time
+    control = Control(tolerance, scale, 2e-3 * depth / approach, 0.02 * pitch_time, 3.0 * expected)
+    report = None if progress is None else (lambda t: progress(min(t / expected, 1.0)))
+    motion = integrate(system, start, control, (place.links, 2 * place.links + 4), report)
+    if motion.end.mode[place.links + FEED] != RETRACTING or motion.end.time >= control.end:
+        done = int(motion.end.mode[place.links + PASSES])
+        raise IntegrationError(
+            f"after {motion.end.time:.3g} s only {done} of {feed.blows} passes were made and the turntable turns at "
+            f"{motion.end.y[place.angle + 1]:.3g} rad/s: give it more inertia or torque, or less engagement"
+        )
+    first = place.angle + 2
+    dissipated = motion.end.y[first : first + place.links].sum()
+    driven, dragged, fed = motion.end.y[first + place.links :]
+    gained = energy(machine, system, motion.end) - energy(machine, system, start)
+    flowed = abs(driven) + dragged + np.abs(motion.end.y[first : first + place.links]).sum()
+    missing = gained - (driven - dragged - dissipated + fed)
+    return RotaryRun(machine, motion, _phases(machine, motion), float(abs(missing) / flowed))
+
+
+def _phases(machine: RotaryMachine, motion: Motion) -> tuple[tuple[str, float], ...]:
+    """Return name and time of each phase; 0 is the valve signal."""
+    disc, feed, place = machine.turntable, machine.feed, Places(machine.strikers.count)
+    held = feed.valve_delay + feed.stroke_time
+    feeding = motion.record.event[:, 0] == 2 * place.links + 2
+    times = motion.record.event_time[feeding]
+    closed = np.any(motion.record.mode[:, place.contacts] != OPEN, axis=1)
+    touched = motion.record.time[closed]
+    command = float(times[2]) - feed.release_delay if times.size > 2 else math.nan
+    at_speed = -feed.wait
+    named = [
+        ("spin-up", at_speed - spin_up_time(disc)),
+        ("at speed", at_speed),
+        ("valve signal", 0.0),
+        ("feed", float(times[0])),
+        ("fed", held),
+        ("retract command", command),
+        ("retract", float(times[2])),
+        ("brake", motion.end.time),
+        ("stopped", motion.end.time + braking_time(disc, float(motion.end.y[place.angle + 1]))),
+    ]
+    if touched.size:
+        named.append(("blows", float(touched[0])))
+    return tuple(sorted(named, key=lambda item: item[1]))

@@ -1,0 +1,68 @@
+"""The struck object: nose, frame and sensor-carrying assembly on a carriage with spring, damper and stop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from strikewave.contact.chain import Link, Spring, Stop
+from strikewave.contact.damping import cut_off_damping_ratio
+
+NOSE, ASSEMBLY, CARRIAGE = "nose", "assembly", "carriage"
+
+
+@dataclass(frozen=True)
+class StruckObject:
+    """A nose that is struck, a frame that bends, and the assembly that carries the sensor.
+
+    A rigid object struck by the contact law alone would answer with a pulse several times shorter and
+    higher than any measured one; the frame's stiffness in series sets the pulse.
+
+    Parameters
+    ----------
+    nose_mass, assembly_mass : float
+        kg.
+    frame_stiffness, frame_damping : float
+        N/m and N s/m.
+    spring, preload, damper : float
+        The heavy-load spring between assembly and carriage: N/m, N, N s/m.
+    stop_stiffness : float
+        The stop that the spring holds the assembly against, N/m.
+    stop_restitution : float
+        Restitution of the whole object on the stop, 0.01 to 1.
+    gravity : float
+        Gravity along the blow, m/s^2.
+    """
+
+    nose_mass: float
+    assembly_mass: float
+    frame_stiffness: float
+    frame_damping: float
+    spring: float
+    preload: float
+    damper: float
+    stop_stiffness: float
+    stop_restitution: float
+    gravity: float
+
+    @property
+    def mass(self) -> float:
+        """Mass of everything that moves when struck, kg."""
+        return self.nose_mass + self.assembly_mass
+
+    @property
+    def stop_damping(self) -> float:
+        """Damping of the stop that gives its restitution, N s/m."""
+        return 2.0 * cut_off_damping_ratio(self.stop_restitution) * (self.stop_stiffness * self.mass) ** 0.5
+
+    @property
+    def stop_compression(self) -> float:
+        """Compression of the stop at rest, m: preload less weight over stiffness."""
+        return (self.preload - self.mass * self.gravity) / self.stop_stiffness
+
+    def links(self, rest: float) -> list[Link]:
+        """Return frame, support spring and stop for an assembly that rests at ``rest`` on a carriage at 0, m."""
+        return [
+            Spring(NOSE, ASSEMBLY, self.frame_stiffness, self.frame_damping),
+            Spring(ASSEMBLY, CARRIAGE, self.spring, self.damper, self.preload, offset=rest),
+            Stop(CARRIAGE, ASSEMBLY, self.stop_stiffness, self.stop_damping, offset=-rest - self.stop_compression),
+        ]

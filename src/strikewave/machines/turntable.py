@@ -1,0 +1,98 @@
+"""The turntable: a heavy disc, a drive with a torque limit, a speed controller, bearing drag, a brake."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Turntable:
+    """A driven disc that carries the strikers.
+
+    The controller asks the drive for the drag at set speed plus ``speed_gain`` times the speed error and
+    gets 0 to ``torque``. The drag is viscous.
+
+    Parameters
+    ----------
+    inertia : float
+        Moment of inertia with the strikers, kg m^2.
+    radius : float
+        Radius of the strikers' path, m.
+    speed : float
+        Set speed, rad/s.
+    torque : float
+        Largest torque of the drive at the turntable, behind the belt, N m.
+    speed_gain : float
+        Torque per speed error, N m s/rad.
+    drag : float
+        Viscous drag, N m s/rad.
+    brake : float
+        Torque of the brake, N m.
+    """
+
+    inertia: float
+    radius: float
+    speed: float
+    torque: float
+    speed_gain: float
+    drag: float
+    brake: float
+
+
+def spin_up_time(turntable: Turntable, tolerance: float = 1e-4) -> float:
+    """Return the time from rest until the speed is within ``tolerance`` of the set speed, s.
+
+    Closed form of J w' = T - c w: full torque until the controller asks for less, then an exponential
+    approach with the rate (gain + c)/J.
+
+    Raises
+    ------
+    ValueError
+        If the torque cannot hold the set speed against the drag.
+
+    Examples
+    --------
+    >>> disc = Turntable(4.0, 0.2, 76.4, torque=40.0, speed_gain=20.0, drag=0.02, brake=30.0)
+    >>> round(spin_up_time(disc), 2)
+    8.64
+    """
+    t = turntable
+    held = t.drag * t.speed
+    if held >= t.torque:
+        raise ValueError(f"the drive's {t.torque:.4g} N m cannot hold {t.speed:.4g} rad/s against a drag of {held:.4g} N m")
+    limit = max(t.speed - (t.torque - held) / t.speed_gain, 0.0)
+    if t.drag > 0.0:
+        full = -t.inertia / t.drag * math.log1p(-t.drag * limit / t.torque)
+    else:
+        full = t.inertia * limit / t.torque
+    error = t.speed - limit
+    approach = t.inertia / (t.speed_gain + t.drag) * math.log(max(error / (tolerance * t.speed), 1.0))
+    return full + approach
+
+
+def speed_after_wait(turntable: Turntable, wait: float, tolerance: float = 1e-4) -> float:
+    """Return the speed after waiting at speed, rad/s: the rest of the error dies out exponentially.
+
+    Examples
+    --------
+    >>> disc = Turntable(4.0, 0.2, 76.4, torque=40.0, speed_gain=20.0, drag=0.02, brake=30.0)
+    >>> round(speed_after_wait(disc, 0.0), 5)
+    76.39236
+    """
+    rate = (turntable.speed_gain + turntable.drag) / turntable.inertia
+    return turntable.speed * (1.0 - tolerance * math.exp(-rate * wait))
+
+
+def braking_time(turntable: Turntable, speed: float) -> float:
+    """Return the time from a speed to rest under brake and drag, s: (J/c) ln(1 + c w / T_brake).
+
+    Examples
+    --------
+    >>> disc = Turntable(4.0, 0.2, 76.4, torque=40.0, speed_gain=20.0, drag=0.0, brake=30.0)
+    >>> round(braking_time(disc, 75.0), 9)
+    10.0
+    """
+    if turntable.drag > 0.0:
+        return turntable.inertia / turntable.drag * math.log1p(turntable.drag * speed / turntable.brake)
+    return turntable.inertia * speed / turntable.brake

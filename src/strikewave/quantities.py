@@ -1,0 +1,172 @@
+"""Values of a case: a number in SI with the text it was typed as, its provenance and a note.
+
+The provenance of a value is one of published, measured, inferred, assumed, fitted; a value typed
+without one is assumed.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict
+
+from strikewave.errors import InputError, nearest
+from strikewave.units import DIMENSIONS, in_unit, parse_quantity
+
+PROVENANCES = ("published", "measured", "inferred", "assumed", "fitted")
+Provenance = Literal["published", "measured", "inferred", "assumed", "fitted"]
+
+
+class Value(BaseModel):
+    """A number in SI and where it comes from.
+
+    Attributes
+    ----------
+    si : float
+        The number in SI.
+    typed : str or float
+        What was typed, written back unchanged so that a saved case gives the same numbers.
+    provenance : str
+        published, measured, inferred, assumed or fitted.
+    note : str
+        Why, or from where.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    si: float
+    typed: str | int | float
+    provenance: Provenance = "assumed"
+    note: str = ""
+
+    def document(self) -> Any:
+        """Return what stands in a case file: the plain value, or a table with provenance and note."""
+        if self.provenance == "assumed" and not self.note:
+            return self.typed
+        table: dict[str, Any] = {"value": self.typed, "provenance": self.provenance}
+        return {**table, "note": self.note} if self.note else table
+
+
+@dataclass(frozen=True)
+class Range:
+    """What a value may be: its SI unit ("" for a number, "count" for a whole number) and its limits."""
+
+    unit: str
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+
+    def allowed(self) -> str:
+        """Return the range in words, for an error line."""
+        if self.unit in DIMENSIONS:
+            name, example = DIMENSIONS[self.unit]
+            what = f'{name} with its unit, such as "{example}"'
+            unit = f" {self.unit}"
+        else:
+            what, unit = ("a whole number" if self.unit == "count" else "a number without unit"), ""
+        limits = []
+        if self.low > -math.inf:
+            limits.append(f"{'above' if self.open_low else 'at least'} {self.low:g}{unit}")
+        if self.high < math.inf:
+            limits.append(f"at most {self.high:g}{unit}")
+        return ", ".join([what, *limits])
+
+    def read(self, raw: Any) -> Value:
+        """Turn what a case file holds, plain or as a table, into a `Value`.
+
+        Raises
+        ------
+        InputError
+            Its field is empty here; the case fills in the path.
+        """
+        if isinstance(raw, Value):
+            return raw
+        provenance, note, typed = "assumed", "", raw
+        if isinstance(raw, dict):
+            unknown = [key for key in raw if key not in ("value", "provenance", "note")]
+            if unknown:
+                raise InputError(str(unknown[0]), raw[unknown[0]], "value, provenance, note", nearest(str(unknown[0]), ("value", "provenance", "note")))
+            if "value" not in raw:
+                raise InputError("", raw, "a table with value, provenance, note", "give the table a value")
+            typed, provenance, note = raw["value"], raw.get("provenance", "assumed"), raw.get("note", "")
+            if provenance not in PROVENANCES:
+                raise InputError("provenance", provenance, "one of " + ", ".join(PROVENANCES), nearest(str(provenance), PROVENANCES))
+            if not isinstance(note, str):
+                raise InputError("note", note, "text")
+        si = self._number(typed)
+        outside = si < self.low or si > self.high or (self.open_low and si <= self.low)
+        if outside:
+            raise InputError("", typed, self.allowed())
+        return Value(si=si, typed=typed, provenance=provenance, note=note)
+
+    def _number(self, typed: Any) -> float:
+        if self.unit in DIMENSIONS:
+            return parse_quantity(typed, self.unit, "")
+        if isinstance(typed, str):
+            try:
+                typed = float(typed)
+            except ValueError:
+                raise InputError("", typed, self.allowed(), "this quantity has no unit") from None
+        if isinstance(typed, bool) or not isinstance(typed, int | float) or not math.isfinite(typed):
+            raise InputError("", typed, self.allowed())
+        if self.unit == "count" and typed != int(typed):
+            raise InputError("", typed, self.allowed())
+        return float(typed)
+
+
+def _of(unit: str, low: float = -math.inf, high: float = math.inf, open_low: bool = False) -> Any:
+    return BeforeValidator(Range(unit, low, high, open_low).read)
+
+
+def positive(unit: str, high: float = math.inf) -> Any:
+    """Return the pydantic validator of a quantity above zero."""
+    return _of(unit, 0.0, high, open_low=True)
+
+
+def not_negative(unit: str, high: float = math.inf) -> Any:
+    """Return the pydantic validator of a quantity of at least zero."""
+    return _of(unit, 0.0, high)
+
+
+Mass = Annotated[Value, positive("kg", 1e6)]
+Inertia = Annotated[Value, positive("kg m^2", 1e7)]
+Length = Annotated[Value, positive("m", 1e4)]
+Duration = Annotated[Value, not_negative("s", 1e5)]
+PositiveDuration = Annotated[Value, positive("s", 1e5)]
+Rotation = Annotated[Value, positive("rad/s", 1e5)]
+Torque = Annotated[Value, positive("N m", 1e7)]
+RotationGain = Annotated[Value, positive("N m s/rad", 1e7)]
+RotationDrag = Annotated[Value, not_negative("N m s/rad", 1e5)]
+SpringRate = Annotated[Value, positive("N/m", 1e14)]
+Damping = Annotated[Value, not_negative("N s/m", 1e9)]
+Force = Annotated[Value, not_negative("N", 1e9)]
+Speed = Annotated[Value, positive("m/s", 1e4)]
+Acceleration = Annotated[Value, _of("m/s^2", -1e9, 1e9)]
+Frequency = Annotated[Value, positive("Hz", 1e12)]
+Share = Annotated[Value, _of("", 0.0, 1.0)]
+Restitution = Annotated[Value, _of("", 0.01, 1.0)]
+Tolerance = Annotated[Value, _of("", 1e-12, 1e-5)]
+Count = Annotated[Value, _of("count", 1, 100)]
+BlowCount = Annotated[Value, _of("count", 1, 1000)]
+SampleCount = Annotated[Value, _of("count", 10, 100_000_000)]
+
+
+def value_of(si: float, unit: str, shown: str, provenance: Provenance = "assumed", note: str = "") -> Value:
+    """Return an SI number as a `Value` that reads back to the same number, written in the unit ``shown``.
+
+    Without a unit (``""``) the number stands as it is.
+
+    Examples
+    --------
+    >>> value_of(0.004, "m", "mm").typed
+    '4 mm'
+    """
+    if not unit:
+        return Value(si=si, typed=si, provenance=provenance, note=note)
+    for digits in (12, 15, 17):
+        text = f"{in_unit(si, unit, shown):.{digits}g} {shown}"
+        if parse_quantity(text, unit, "") == si:
+            return Value(si=si, typed=text, provenance=provenance, note=note)
+    return Value(si=si, typed=f"{si!r} {unit}", provenance=provenance, note=note)

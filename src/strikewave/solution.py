@@ -1,0 +1,306 @@
+"""The solution of a case: histories with units as an xarray Dataset, and tables.
+
+The dataset holds the whole train (dimension ``time``, from the valve signal), each blow in detail
+(``blow`` by ``pulse_time``, from first touch), what an ideal recorder would have stored
+(``record_time``), and the table of blows.
+"""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave._version import __version__
+from strikewave.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
+from strikewave.errors import InputError
+from strikewave.machines import Blow
+from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window
+from strikewave.machines.rotary import RotaryRun
+
+if TYPE_CHECKING:
+    import xarray
+
+SCHEMA = 1
+PULSE_STEP = 0.5e-6
+"""Sampling of the stored blow windows, s."""
+LARGEST_LOAD = 4_000_000_000
+"""A solution file that would take more bytes than this is refused."""
+
+BLOW_UNITS = {
+    "time": "s",
+    "approach_speed": "m/s",
+    "rebound_speed": "m/s",
+    "impulse": "N s",
+    "contact_impulse": "N s",
+    "support_impulse": "N s",
+    "peak_force": "N",
+    "rigid_peak": "m/s^2",
+    "width": "s",
+    "rise": "s",
+    "velocity_change": "m/s",
+    "retreat": "m",
+    "turntable_speed": "rad/s",
+}
+"""SI unit of each column of the table of blows that has one."""
+
+DETAIL_COLUMNS = ("striker", "contact_impulse", "support_impulse", "momentum_error", "rise", "retreat")
+"""Columns of blows.csv that the JSON document leaves out."""
+
+
+@dataclass(frozen=True)
+class Notice:
+    """Something the user should know: code, words, the value that raised it, its limit.
+
+    ``broken`` marks a stated limit (ledger, no blow at all) that makes the command exit with 3.
+    """
+
+    code: str
+    message: str
+    value: float
+    limit: float
+    broken: bool = False
+
+
+@dataclass(frozen=True)
+class RigidReference:
+    """What the printed contact law would give on a rigid object, SI: see `strikewave.simulate`."""
+
+    approach_speed: float
+    peak_force: float
+    peak_acceleration: float
+    duration: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A published number beside the computed one; ``difference`` is relative."""
+
+    quantity: str
+    published: float
+    measured_or_simulated: str
+    computed: float | None
+    difference: float | None
+    role: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What a run gave.
+
+    Attributes
+    ----------
+    case : Case
+        What ran.
+    blows : tuple of Blow
+        The table of blows.
+    masses, ledger : dict
+        kg; errors as shares.
+    phases : tuple of (str, float)
+        Name and time (s) from the valve signal.
+    published : tuple of Comparison
+        Published beside computed.
+    warnings : tuple of Notice
+        What to know.
+    reference : RigidReference
+        The printed law on a rigid object.
+    citations : tuple of str
+        Keys of the sources of the models used.
+    data : xarray.Dataset
+        Histories and the table of blows, with units in their attributes.
+    """
+
+    case: Case
+    blows: tuple[Blow, ...]
+    masses: dict[str, float]
+    phases: tuple[tuple[str, float], ...]
+    ledger: dict[str, float]
+    published: tuple[Comparison, ...]
+    warnings: tuple[Notice, ...]
+    reference: RigidReference
+    citations: tuple[str, ...]
+    data: xarray.Dataset = field(repr=False, compare=False)
+
+    @property
+    def broken(self) -> bool:
+        """Whether a stated limit was broken."""
+        return any(notice.broken for notice in self.warnings)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document of the run; values that do not exist are null."""
+        hidden = set(DETAIL_COLUMNS)
+        rows = []
+        for blow in self.blows:
+            row = {k: v for k, v in dataclasses.asdict(blow).items() if k not in hidden}
+            rows.append({**row, "wave_peak": None, "total_peak": None, "bandwidth": None, "sensors": {}})
+        units = {k: u for k, u in BLOW_UNITS.items() if k not in hidden}
+        units |= {"wave_peak": "m/s^2", "total_peak": "m/s^2", "bandwidth": "Hz", "masses": "kg"}
+        units |= {"ledger": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
+        return plain(
+            {
+                "schema": SCHEMA,
+                "version": __version__,
+                "units": units,
+                "warnings": [without(dataclasses.asdict(n), "broken") for n in self.warnings],
+                "case": self.case.name,
+                "blows": rows,
+                "masses": self.masses,
+                "phases": [{"name": name, "time": time} for name, time in self.phases],
+                "ledger": self.ledger,
+                "published": [without(dataclasses.asdict(c), "note") for c in self.published],
+                "fitted_fields": self.case.fitted_fields(),
+            }
+        )
+
+    def table(self) -> str:
+        """Return the table of blows as CSV text, every column with its unit."""
+        text = io.StringIO()
+        names = [f.name for f in dataclasses.fields(Blow)]
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow([f"{n} [{BLOW_UNITS[n]}]" if n in BLOW_UNITS else n for n in names])
+        for blow in self.blows:
+            writer.writerow(["" if isinstance(v, float) and math.isnan(v) else v for v in dataclasses.astuple(blow)])
+        return text.getvalue()
+
+    def save(self, path: Path) -> None:
+        """Write the whole solution as NetCDF; `load_solution` reads it back."""
+        state = {
+            "masses": self.masses,
+            "phases": self.phases,
+            "ledger": self.ledger,
+            "published": [dataclasses.asdict(c) for c in self.published],
+            "warnings": [dataclasses.asdict(n) for n in self.warnings],
+            "reference": dataclasses.asdict(self.reference),
+            "citations": self.citations,
+        }
+        attributes = {
+            "strikewave_schema": SCHEMA,
+            "strikewave_version": __version__,
+            "case": dump_case(self.case),
+            "tables": json.dumps(state),
+        }
+        self.data.assign_attrs(attributes).to_netcdf(path, engine="h5netcdf")
+
+
+def without(row: dict[str, Any], *keys: str) -> dict[str, Any]:
+    """Return a row without some keys."""
+    return {k: v for k, v in row.items() if k not in keys}
+
+
+def plain(value: Any) -> Any:
+    """Return nested data fit for JSON: numpy numbers become Python's, NaN and infinity become null.
+
+    Examples
+    --------
+    >>> plain({"a": np.float64("nan"), "b": (1, 2.5)})
+    {'a': None, 'b': [1, 2.5]}
+    """
+    if isinstance(value, dict):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(v) for v in value]
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def build_dataset(case: Case, run: RotaryRun, found: Sequence[Blow]) -> xarray.Dataset:
+    """Sample a run into a dataset: the whole train, each blow in detail, the ideal record, the table."""
+    import xarray
+
+    place = run.places
+    time = np.arange(0.0, run.motion.end.time, case.solver.output_step.si)
+    states, forces = run.motion.sample(time)
+    pulse_time = np.arange(-round(WINDOW_BEFORE / PULSE_STEP), round(WINDOW_AFTER / PULSE_STEP) + 1) * PULSE_STEP
+    force, acceleration = (np.full((len(found), pulse_time.size), np.nan) for _ in range(2))
+    for row, blow in enumerate(found):
+        if blow.kind != "missed":
+            since, f, a = pulse_window(run, blow.time, PULSE_STEP)
+            force[row, : since.size], acceleration[row, : since.size] = f[: pulse_time.size], a[: pulse_time.size]
+    recorder = case.recorder
+    record_time = recorder.delay.si - recorder.pre_trigger.si + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
+    inside = (record_time >= 0.0) & (record_time <= run.motion.end.time)
+    record = np.zeros(record_time.size)
+    record[inside] = run.rigid_acceleration(run.motion.sample(record_time[inside])[1])
+
+    def quantity(dimension: Any, values: Any, unit: str, name: str) -> tuple[Any, Any, dict[str, str]]:
+        return dimension, values, {"units": unit, "long_name": name}
+
+    variables = {
+        "contact_force": quantity("time", forces[:, place.contacts].sum(axis=1), "N", "contact force"),
+        "rigid_acceleration": quantity("time", run.rigid_acceleration(forces), "m/s^2", "rigid-body acceleration"),
+        "nose_position": quantity("time", states[:, place.nose], "m", "position of the struck face along the blow"),
+        "assembly_position": quantity("time", states[:, place.assembly], "m", "position of the assembly"),
+        "assembly_speed": quantity("time", states[:, place.bodies + place.assembly], "m/s", "speed of the assembly"),
+        "turntable_speed": quantity("time", states[:, place.angle + 1], "rad/s", "turntable speed"),
+        "pulse_force": quantity(("blow", "pulse_time"), force, "N", "contact force of each blow"),
+        "pulse_acceleration": quantity(("blow", "pulse_time"), acceleration, "m/s^2", "rigid-body acceleration of each blow"),
+        "record_acceleration": quantity("record_time", record, "m/s^2", "rigid-body acceleration as an ideal recorder samples it"),
+    }
+    for column in (f.name for f in dataclasses.fields(Blow)):
+        if column not in ("index", "kind"):
+            values = np.array([getattr(b, column) for b in found])
+            variables[f"blow_{column}"] = quantity("blow", values, BLOW_UNITS.get(column, "1"), column.replace("_", " "))
+    variables["blow_kind"] = quantity("blow", np.array([b.kind for b in found], dtype=object), "1", "kind")
+    coordinates = {
+        "time": quantity("time", time, "s", "time after the valve signal"),
+        "pulse_time": quantity("pulse_time", pulse_time, "s", "time after first touch"),
+        "record_time": quantity("record_time", record_time, "s", "time after the valve signal"),
+        "blow": ("blow", np.array([b.index for b in found], dtype=np.int64)),
+    }
+    return xarray.Dataset(variables, coordinates)
+
+
+def load_solution(path: Path | str) -> Solution:
+    """Read a solution that `Solution.save` wrote, or the folder that holds ``solution.nc``.
+
+    Raises
+    ------
+    InputError
+        If the file is absent, not a solution of this version, damaged, or larger than 4 GB in memory.
+    """
+    import xarray
+
+    path = Path(path)
+    path = path / "solution.nc" if path.is_dir() else path
+    if not path.is_file():
+        raise InputError("solution", str(path), "a solution.nc that `strikewave run` wrote")
+    try:
+        with xarray.open_dataset(path, engine="h5netcdf") as opened:
+            if opened.nbytes > LARGEST_LOAD:
+                raise InputError("solution", str(path), "a file of at most 4 GB in memory")
+            schema = int(opened.attrs["strikewave_schema"])
+            if schema != SCHEMA:
+                raise InputError("solution", str(path), f"schema {SCHEMA}", f"it has schema {schema}: update strikewave")
+            data = opened.load()
+        case = parse_case(str(data.attrs.pop("case")))
+        state = json.loads(data.attrs.pop("tables"))
+        columns = [f.name for f in dataclasses.fields(Blow)]
+        rows = zip(*(data["blow" if c == "index" else f"blow_{c}"].values.tolist() for c in columns), strict=True)
+        return Solution(
+            case=case,
+            blows=tuple(Blow(*row) for row in rows),
+            masses=state["masses"],
+            phases=tuple((name, time) for name, time in state["phases"]),
+            ledger=state["ledger"],
+            published=tuple(Comparison(**row) for row in state["published"]),
+            warnings=tuple(Notice(**row) for row in state["warnings"]),
+            reference=RigidReference(**state["reference"]),
+            citations=tuple(state["citations"]),
+            data=data.drop_attrs(deep=False),
+        )
+    except (OSError, KeyError, ValueError, TypeError, AttributeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError("solution", str(path), "a solution.nc that `strikewave run` wrote", f"it cannot be read ({error})") from error

@@ -1,0 +1,97 @@
+"""Fit the unknown values of a case to the published numbers that it names for it, and to no others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from strikewave.case import Case
+from strikewave.errors import InputError
+from strikewave.machines import blows, run_rotary
+from strikewave.quantities import value_of
+from strikewave.simulate import build_machine, published_value
+
+FAILED = 10.0
+"""Residual of a target that a trial run has no number for."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted case, its relative misses of the targets, and how many runs it took."""
+
+    case: Case
+    misses: dict[str, float]
+    runs: int
+
+
+def calibrate(case: Case, accuracy: float = 1e-8) -> Fit:
+    """Fit the values marked ``fitted`` to the published numbers whose role is ``fitted``.
+
+    Only targets of the first blow are met, so each trial runs a single blow. The values are searched on
+    a logarithmic scale from where they stand.
+
+    Parameters
+    ----------
+    case : Case
+        With as many fitted values as fitted targets, or fewer.
+    accuracy : float, optional
+        Relative step at which the search ends.
+
+    Raises
+    ------
+    InputError
+        If nothing is marked fitted, a target is not of the first blow, there are more unknowns than targets,
+        or the search ends without meeting the targets to 1e-4.
+    """
+    from scipy.optimize import least_squares
+
+    fields = case.fitted_fields()
+    targets = {entry.quantity: entry.value.si for entry in case.published if entry.role == "fitted"}
+    if not fields or len(fields) > len(targets):
+        raise InputError("published", f"{len(targets)} fitted targets for {len(fields)} fitted values", "at least as many targets as values")
+    for name in targets:
+        if not name.startswith("first."):
+            raise InputError("published", name, "targets of the first blow, such as first.rigid_peak")
+    start = np.array([case.values()[path].si for path in fields])
+    one_blow = case.with_values({"feed.blows": value_of(1, "", "", case.feed.blows.provenance)})
+    runs = 0
+
+    def at(logs: np.ndarray) -> Case:
+        values = start * np.exp(logs)
+        return one_blow.with_values(
+            {path: case.values()[path].model_copy(update={"si": float(v)}) for path, v in zip(fields, values, strict=True)}
+        )
+
+    def miss(logs: np.ndarray) -> np.ndarray:
+        nonlocal runs
+        runs += 1
+        found = blows(run_rotary(build_machine(at(logs)), case.solver.tolerance.si))
+        computed = [published_value(name, found) for name in targets]
+        return np.array(
+            [FAILED if c is None else c / wanted - 1.0 for c, wanted in zip(computed, targets.values(), strict=True)]
+        )
+
+    answer = least_squares(miss, np.zeros(len(fields)), diff_step=1e-4, xtol=accuracy, ftol=1e-14, gtol=1e-14)
+    misses = dict(zip(targets, (float(r) for r in answer.fun), strict=True))
+    if len(fields) == len(targets) and max(abs(r) for r in misses.values()) > 1e-4:
+        raise InputError("published", misses, "targets that the fitted values can meet", "start nearer, or fit other values")
+    fitted = {}
+    for path, value in zip(fields, start * np.exp(answer.x), strict=True):
+        before = case.values()[path]
+        fitted[path] = before.model_copy(update={"si": float(value), "typed": rounded(before.typed, float(value) / before.si)})
+    return Fit(case.with_values(fitted), misses, runs)
+
+
+def rounded(typed: str | int | float, ratio: float) -> str | float:
+    """Return a typed quantity times a ratio in the same unit, to seven digits.
+
+    Examples
+    --------
+    >>> rounded("4 mm", 1.25)
+    '5 mm'
+    """
+    if not isinstance(typed, str):
+        return float(f"{typed * ratio:.7g}")
+    number, _, unit = typed.strip().partition(" ")
+    return f"{float(number) * ratio:.7g} {unit}".strip()
