@@ -26,7 +26,7 @@ _HOMES = {
     "Contact": "strikewave.contact",
 }
 
-__all__ = ["__version__", *_HOMES]
+__all__ = ["__version__", *_HOMES]  # noqa: PLE0604  (the names stand once, above)
 
 
 def __getattr__(name: str) -> Any:

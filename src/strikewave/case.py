@@ -40,7 +40,6 @@ from strikewave.quantities import (
     Tolerance,
     Torque,
     Value,
-    value_of,
 )
 from strikewave.units import DIMENSIONS, parse_quantity
 
@@ -130,7 +129,7 @@ class Solver(_Table):
     """[solver]: how exactly to compute, and how densely to keep the whole train."""
 
     tolerance: Tolerance = Value(si=1e-9, typed=1e-9)
-    output_step: PositiveDuration = value_of(1e-5, "s", "us")
+    output_step: PositiveDuration = Value(si=1e-5, typed="10 us")
 
 
 PUBLISHED_QUANTITIES = {
@@ -286,7 +285,9 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
     try:
         document = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(name or "case", str(error) or "nested too deeply", "TOML", "see `strikewave new` for an example") from None
+        raise InputError(
+            name or "case", str(error) or "nested too deeply", "TOML", "see `strikewave new` for an example"
+        ) from None
     _check_schema(document)
     for change in changes:
         _apply(document, change)
@@ -304,7 +305,9 @@ def _check_schema(document: Mapping[str, Any]) -> None:
     if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
         raise InputError("schema", schema, f"schema = {SCHEMA}")
     if schema > SCHEMA:
-        raise InputError("schema", schema, f"at most {SCHEMA}", "this file was written for a newer strikewave; update it")
+        raise InputError(
+            "schema", schema, f"at most {SCHEMA}", "this file was written for a newer strikewave; update it"
+        )
 
 
 def _apply(document: dict[str, Any], change: str) -> None:

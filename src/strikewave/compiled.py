@@ -64,13 +64,16 @@ def kernel(function: F) -> F:
     4.0
     """
     folder = cache_folder()
-    before = numba.config.CACHE_DIR
+    settings: Any = numba.config
+    before = settings.CACHE_DIR
+    compiled: Any
     try:
         if folder is not None:
-            numba.config.CACHE_DIR = folder
+            settings.CACHE_DIR = folder
         try:
-            return numba.njit(cache=folder is not None, error_model="numpy")(function)  # type: ignore[no-any-return]
+            compiled = numba.njit(cache=folder is not None, error_model="numpy")(function)
         except RuntimeError:  # a function without a source file (typed into a console) has no cache
-            return numba.njit(error_model="numpy")(function)  # type: ignore[no-any-return]
+            compiled = numba.njit(error_model="numpy")(function)
     finally:
-        numba.config.CACHE_DIR = before
+        settings.CACHE_DIR = before
+    return compiled  # type: ignore[no-any-return]

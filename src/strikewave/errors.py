@@ -38,7 +38,7 @@ class InputError(StrikewaveError, ValueError):
         super().__init__(f"{field}: got {show(got)}; allowed: {allowed}" + (f"; {hint}" if hint else ""))
 
 
-class InputErrors(StrikewaveError, ValueError):
+class InputErrors(StrikewaveError, ValueError):  # noqa: N818  (it is several)
     """Several inputs that cannot be used, one line each."""
 
     def __init__(self, lines: Iterable[str]) -> None:

@@ -37,7 +37,9 @@ def check_place(folder: Path, identity: str, force: bool = False) -> None:
     if not mark.is_file():
         raise InputError("--out", str(folder), "an empty or new folder", "it holds files that are not a result")
     if not force and mark.read_text("utf-8", errors="replace") != identity:
-        raise InputError("--out", str(folder), "a new folder", "it holds the result of another case; add --force to replace it")
+        raise InputError(
+            "--out", str(folder), "a new folder", "it holds the result of another case; add --force to replace it"
+        )
 
 
 @contextlib.contextmanager

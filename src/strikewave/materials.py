@@ -92,5 +92,7 @@ def material(name: str, field: str = "material") -> Material:
     """
     folded = {known.lower(): known for known in materials()}
     if str(name).lower() not in folded:
-        raise InputError(field, name, "a material of the table (`strikewave materials`)", nearest(str(name), materials()))
+        raise InputError(
+            field, name, "a material of the table (`strikewave materials`)", nearest(str(name), materials())
+        )
     return materials()[folded[str(name).lower()]]

@@ -83,16 +83,24 @@ class Range:
         """
         if isinstance(raw, Value):
             return raw
-        provenance, note, typed = "assumed", "", raw
+        provenance: Provenance = "assumed"
+        note, typed = "", raw
         if isinstance(raw, dict):
             unknown = [key for key in raw if key not in ("value", "provenance", "note")]
             if unknown:
-                raise InputError(str(unknown[0]), raw[unknown[0]], "value, provenance, note", nearest(str(unknown[0]), ("value", "provenance", "note")))
+                raise InputError(
+                    str(unknown[0]),
+                    raw[unknown[0]],
+                    "value, provenance, note",
+                    nearest(str(unknown[0]), ("value", "provenance", "note")),
+                )
             if "value" not in raw:
                 raise InputError("", raw, "a table with value, provenance, note", "give the table a value")
             typed, provenance, note = raw["value"], raw.get("provenance", "assumed"), raw.get("note", "")
             if provenance not in PROVENANCES:
-                raise InputError("provenance", provenance, "one of " + ", ".join(PROVENANCES), nearest(str(provenance), PROVENANCES))
+                raise InputError(
+                    "provenance", provenance, "one of " + ", ".join(PROVENANCES), nearest(str(provenance), PROVENANCES)
+                )
             if not isinstance(note, str):
                 raise InputError("note", note, "text")
         si = self._number(typed)

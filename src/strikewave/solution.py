@@ -229,7 +229,9 @@ def build_dataset(case: Case, run: RotaryRun, found: Sequence[Blow]) -> xarray.D
             since, f, a = pulse_window(run, blow.time, PULSE_STEP)
             force[row, : since.size], acceleration[row, : since.size] = f[: pulse_time.size], a[: pulse_time.size]
     recorder = case.recorder
-    record_time = recorder.delay.si - recorder.pre_trigger.si + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
+    record_time = (
+        recorder.delay.si - recorder.pre_trigger.si + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
+    )
     inside = (record_time >= 0.0) & (record_time <= run.motion.end.time)
     record = np.zeros(record_time.size)
     record[inside] = run.rigid_acceleration(run.motion.sample(record_time[inside])[1])
@@ -245,13 +247,19 @@ def build_dataset(case: Case, run: RotaryRun, found: Sequence[Blow]) -> xarray.D
         "assembly_speed": quantity("time", states[:, place.bodies + place.assembly], "m/s", "speed of the assembly"),
         "turntable_speed": quantity("time", states[:, place.angle + 1], "rad/s", "turntable speed"),
         "pulse_force": quantity(("blow", "pulse_time"), force, "N", "contact force of each blow"),
-        "pulse_acceleration": quantity(("blow", "pulse_time"), acceleration, "m/s^2", "rigid-body acceleration of each blow"),
-        "record_acceleration": quantity("record_time", record, "m/s^2", "rigid-body acceleration as an ideal recorder samples it"),
+        "pulse_acceleration": quantity(
+            ("blow", "pulse_time"), acceleration, "m/s^2", "rigid-body acceleration of each blow"
+        ),
+        "record_acceleration": quantity(
+            "record_time", record, "m/s^2", "rigid-body acceleration as an ideal recorder samples it"
+        ),
     }
     for column in (f.name for f in dataclasses.fields(Blow)):
         if column not in ("index", "kind"):
             values = np.array([getattr(b, column) for b in found])
-            variables[f"blow_{column}"] = quantity("blow", values, BLOW_UNITS.get(column, "1"), column.replace("_", " "))
+            variables[f"blow_{column}"] = quantity(
+                "blow", values, BLOW_UNITS.get(column, "1"), column.replace("_", " ")
+            )
     variables["blow_kind"] = quantity("blow", np.array([b.kind for b in found], dtype=object), "1", "kind")
     coordinates = {
         "time": quantity("time", time, "s", "time after the valve signal"),
@@ -282,7 +290,9 @@ def load_solution(path: Path | str) -> Solution:
                 raise InputError("solution", str(path), "a file of at most 4 GB in memory")
             schema = int(opened.attrs["strikewave_schema"])
             if schema != SCHEMA:
-                raise InputError("solution", str(path), f"schema {SCHEMA}", f"it has schema {schema}: update strikewave")
+                raise InputError(
+                    "solution", str(path), f"schema {SCHEMA}", f"it has schema {schema}: update strikewave"
+                )
             data = opened.load()
         case = parse_case(str(data.attrs.pop("case")))
         state = json.loads(data.attrs.pop("tables"))
@@ -303,4 +313,6 @@ def load_solution(path: Path | str) -> Solution:
     except (OSError, KeyError, ValueError, TypeError, AttributeError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError("solution", str(path), "a solution.nc that `strikewave run` wrote", f"it cannot be read ({error})") from error
+        raise InputError(
+            "solution", str(path), "a solution.nc that `strikewave run` wrote", f"it cannot be read ({error})"
+        ) from error

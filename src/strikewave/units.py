@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+from pathlib import Path
 from typing import Any
 
 from strikewave.errors import InputError, nearest
@@ -48,7 +49,7 @@ _LONGEST = 80
 def _registry() -> Any:
     import pint
 
-    return pint.UnitRegistry()
+    return pint.UnitRegistry(str(Path(__file__).with_name("units.txt")))
 
 
 @functools.lru_cache(maxsize=512)
@@ -102,18 +103,27 @@ def parse_quantity(text: object, si: str, field: str) -> float:
     import pint
 
     try:
-        value = number * _factor(unit.strip(), si)
+        value = _times(number, _factor(unit.strip(), si))
     except pint.UndefinedUnitError as error:
         unknown = str(error.args[0][0] if isinstance(error.args[0], tuple | list) else error.args[0])
         raise InputError(field, text, allowed, f'unknown unit "{unknown}": {_nearest_unit(unknown)}') from None
     except pint.DimensionalityError:
-        hint = '"g" is standard gravity here; write gram or kg' if re.search(r"(?<![A-Za-z])g(?![A-Za-z])", unit) else ""
+        hint = (
+            '"g" is standard gravity here; write gram or kg' if re.search(r"(?<![A-Za-z])g(?![A-Za-z])", unit) else ""
+        )
         raise InputError(field, text, allowed, hint or f'"{unit.strip()}" is not {name}') from None
     except (pint.PintError, ValueError, TypeError, ArithmeticError, AssertionError):
         raise InputError(field, text, allowed, "the unit could not be read") from None
     if not math.isfinite(value):
         raise InputError(field, text, allowed, "the value is not finite")
     return value
+
+
+def _times(number: float, factor: float) -> float:
+    """Multiply; by a divisor where that is a whole number, so that 20 us is 2e-05 and not a digit less."""
+    inverse = 1.0 / factor
+    whole = round(inverse) if inverse < 1e15 else 0
+    return number / whole if whole > 1 and abs(inverse - whole) < 1e-12 * inverse else number * factor
 
 
 def _nearest_unit(unknown: str) -> str:
@@ -151,4 +161,4 @@ def in_unit(value: float, si: str, unit: str) -> float:
     >>> in_unit(9806.65, "m/s^2", "g")
     1000.0
     """
-    return value / _factor(unit, si)
+    return _times(value, 1.0 / _factor(unit, si))

@@ -8,8 +8,8 @@ from __future__ import annotations
 import os
 import sys
 import warnings
+from typing import Any
 
-import click
 import typer
 
 from strikewave._version import __version__
@@ -20,7 +20,6 @@ from strikewave.errors import StrikewaveError, StrikewaveWarning
 app = typer.Typer(
     name="strikewave",
     help="Predict, measure and design high-g impact tests.",
-    no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -54,10 +53,12 @@ def _options(
 def main() -> None:
     """Run the command line and exit."""
     warnings.showwarning = _show_warning
+    if len(sys.argv) == 1:
+        sys.argv.append("--help")
     sys.exit(_run())
 
 
-def _show_warning(message: Warning | str, category: type[Warning], *rest: object) -> None:
+def _show_warning(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
     if issubclass(category, StrikewaveWarning):
         say(f"warning: {message}")
 
@@ -68,13 +69,7 @@ def _run() -> int:
         code = app(standalone_mode=False)
         sys.stdout.flush()
         return int(code or 0)
-    except click.exceptions.NoArgsIsHelpError as error:
-        say(error.format_message())
-        return 2
-    except click.exceptions.ClickException as error:
-        say("strikewave: " + " ".join(error.format_message().split()) + " (see `strikewave --help`)")
-        return 2
-    except (click.exceptions.Abort, KeyboardInterrupt):
+    except (typer.Abort, KeyboardInterrupt):
         say("stopped; nothing was written")
         return 130
     except StrikewaveError as error:
@@ -87,6 +82,9 @@ def _run() -> int:
         say("out of memory: a smaller recorder.memory or a larger solver.output_step takes less")
         return 2
     except Exception as error:
+        if hasattr(error, "format_message"):  # typer's own errors: a wrong option, a missing argument
+            say("strikewave: " + " ".join(error.format_message().split()) + " (see `strikewave --help`)")
+            return 2
         if os.environ.get("STRIKEWAVE_TRACE"):
             raise
         say(f"internal error ({type(error).__name__}: {error}); please report it, with STRIKEWAVE_TRACE=1 set")

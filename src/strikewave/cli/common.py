@@ -15,13 +15,19 @@ from strikewave.units import in_unit
 
 SCHEMA = 1
 
-CaseName = Annotated[str, typer.Argument(metavar="CASE", help="A case file, or the name of a published case.", show_default=False)]
+CaseName = Annotated[
+    str, typer.Argument(metavar="CASE", help="A case file, or the name of a published case.", show_default=False)
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
 Changes = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Change a field of the case; may be repeated.", show_default=False),
+    typer.Option(
+        "--set", metavar="PATH=VALUE", help="Change a field of the case; may be repeated.", show_default=False
+    ),
 ]
-Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder that will hold the result.", show_default=False)]
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Folder that will hold the result.", show_default=False)
+]
 Force = Annotated[bool, typer.Option("--force", help="Replace what another run left there.")]
 
 
@@ -51,6 +57,17 @@ def number(value: float | None, si: str, unit: str, digits: int = 4) -> str:
     if value is None or value != value:
         return "-"
     return significant(in_unit(value, si, unit), digits)
+
+
+def fixed(value: float, si: str, unit: str, decimals: int) -> str:
+    """Write an SI value in a unit with so many decimals, so that a column lines up; a dash where there is none.
+
+    Examples
+    --------
+    >>> fixed(2e-4, "s", "us", 1)
+    '200.0'
+    """
+    return "-" if value != value else f"{in_unit(value, si, unit):.{decimals}f}"
 
 
 def significant(value: float, digits: int) -> str:

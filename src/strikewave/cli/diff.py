@@ -46,7 +46,9 @@ def command(
         differences = [{"field": p, "a": rows[0].get(p), "b": rows[1].get(p)} for p in paths]
         print_json({**head({}), "a": a, "b": b, "differences": differences})
     elif paths:
-        table(f"{a} and {b}", ["field", "A", "B"], [[p, rows[0].get(p, "-"), rows[1].get(p, "-")] for p in paths], left=3)
+        table(
+            f"{a} and {b}", ["field", "A", "B"], [[p, rows[0].get(p, "-"), rows[1].get(p, "-")] for p in paths], left=3
+        )
     else:
         print("the cases are equal")
     return 0

@@ -33,9 +33,15 @@ def command(
     damping: Annotated[str, typer.Option("--damping", help="Damping law: exact or li-ma-printed.")] = "exact",
     stiffness: Annotated[str | None, typer.Option("--stiffness", help="K in N/m^n.", show_default=False)] = None,
     exponent: Annotated[str | None, typer.Option("--exponent", help="n.", show_default=False)] = None,
-    law: Annotated[str | None, typer.Option("--law", help="Stiffness law instead: palmgren or hertz.", show_default=False)] = None,
-    length: Annotated[str | None, typer.Option("--length", help="Contact length (palmgren).", show_default=False)] = None,
-    radius1: Annotated[str | None, typer.Option("--radius1", help="Radius of the striker (hertz).", show_default=False)] = None,
+    law: Annotated[
+        str | None, typer.Option("--law", help="Stiffness law instead: palmgren or hertz.", show_default=False)
+    ] = None,
+    length: Annotated[
+        str | None, typer.Option("--length", help="Contact length (palmgren).", show_default=False)
+    ] = None,
+    radius1: Annotated[
+        str | None, typer.Option("--radius1", help="Radius of the striker (hertz).", show_default=False)
+    ] = None,
     radius2: Annotated[str, typer.Option("--radius2", help="Radius of the object (hertz); inf is a plane.")] = "inf",
     material1: Annotated[str, typer.Option("--material1", help="Material of the striker.")] = "65Mn",
     material2: Annotated[str, typer.Option("--material2", help="Material of the object.")] = "65Mn",
@@ -73,7 +79,9 @@ def command(
     warnings = []
     if abs(result["restitution"] - asked) > 1e-9:
         message = f"the law {damping} gives another restitution than the one asked for; exact gives it"
-        warnings.append({"code": "restitution-differs", "message": message, "value": result["restitution"], "limit": asked})
+        warnings.append(
+            {"code": "restitution-differs", "message": message, "value": result["restitution"], "limit": asked}
+        )
     if json:
         print_json({**head(_UNITS, warnings), **result})
         return 0
@@ -93,28 +101,49 @@ def command(
 
 
 def _stiffness(
-    stiffness: str | None, exponent: str | None, law: str | None, sizes: tuple[str | None, str | None, str], names: tuple[str, str]
+    stiffness: str | None,
+    exponent: str | None,
+    law: str | None,
+    sizes: tuple[str | None, str | None, str],
+    names: tuple[str, str],
 ) -> Stiffness:
     from strikewave.contact import STIFFNESS_LAWS, Stiffness, hertz, palmgren
     from strikewave.errors import InputError, nearest
     from strikewave.materials import material
 
     if (stiffness is None) == (law is None):
-        raise InputError("--stiffness", stiffness or "nothing", "either --stiffness with --exponent, or --law", "give exactly one of them")
+        raise InputError(
+            "--stiffness",
+            stiffness or "nothing",
+            "either --stiffness with --exponent, or --law",
+            "give exactly one of them",
+        )
     if stiffness is not None:
         if exponent is None:
-            raise InputError("--exponent", "nothing", "the exponent n that belongs to --stiffness", "a line contact has 1.1111, a sphere 1.5")
+            raise InputError(
+                "--exponent",
+                "nothing",
+                "the exponent n that belongs to --stiffness",
+                "a line contact has 1.1111, a sphere 1.5",
+            )
         return Stiffness(_plain(stiffness, "--stiffness", 0.0, 1e30), _plain(exponent, "--exponent", 0.1, 10.0))
     if law not in STIFFNESS_LAWS:
         raise InputError("--law", law, "a stiffness law", nearest(str(law), STIFFNESS_LAWS))
     bodies = [material(name, f"--material{i}") for i, name in enumerate(names, start=1)]
     if law == "palmgren":
         if sizes[0] is None:
-            raise InputError("--length", "nothing", "the contact length of the law palmgren", 'such as --length "40 mm"')
+            raise InputError(
+                "--length", "nothing", "the contact length of the law palmgren", 'such as --length "40 mm"'
+            )
         return palmgren(bodies[0], bodies[1], _quantity(sizes[0], "m", "--length"))
     if sizes[1] is None:
         raise InputError("--radius1", "nothing", "the radius of the law hertz", 'such as --radius1 "10 mm"')
-    return hertz(bodies[0], bodies[1], _quantity(sizes[1], "m", "--radius1"), _quantity(sizes[2], "m", "--radius2", infinite=True))
+    return hertz(
+        bodies[0],
+        bodies[1],
+        _quantity(sizes[1], "m", "--radius1"),
+        _quantity(sizes[2], "m", "--radius2", infinite=True),
+    )
 
 
 def _quantity(text: str, si: str, field: str, infinite: bool = False) -> float:

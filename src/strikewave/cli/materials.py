@@ -13,10 +13,16 @@ def command(json: Json = False) -> int:
 
     found = materials().values()
     if json:
-        units = {"density": "kg/m^3", "youngs_modulus": "Pa", "poissons_ratio": "1", "yield_strength": "Pa", "loss_factor": "1"}
+        units = {
+            "density": "kg/m^3",
+            "youngs_modulus": "Pa",
+            "poissons_ratio": "1",
+            "yield_strength": "Pa",
+            "loss_factor": "1",
+        }
         units |= {"bar_speed": "m/s"}
-        rows = [{**dataclasses.asdict(m), "bar_speed": m.bar_speed} for m in found]
-        print_json({**head(units), "materials": rows})
+        listed = [{**dataclasses.asdict(m), "bar_speed": m.bar_speed} for m in found]
+        print_json({**head(units), "materials": listed})
         return 0
     rows = [
         [

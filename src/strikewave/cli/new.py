@@ -11,7 +11,9 @@ from strikewave.cli.common import Force, say
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="The case file to write; .toml is added where it lacks.", show_default=False)],
+    file: Annotated[
+        Path, typer.Argument(help="The case file to write; .toml is added where it lacks.", show_default=False)
+    ],
     origin: Annotated[str, typer.Option("--from", metavar="CASE", help="The case to begin from.")] = "li-ma-2019",
     force: Force = False,
 ) -> int:

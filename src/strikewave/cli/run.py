@@ -7,7 +7,19 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_json, say, significant, table
+from strikewave.cli.common import (
+    CaseName,
+    Changes,
+    Force,
+    Json,
+    Out,
+    fixed,
+    number,
+    print_json,
+    say,
+    significant,
+    table,
+)
 
 if TYPE_CHECKING:
     from strikewave.case import Case
@@ -17,15 +29,16 @@ BROKEN = 3
 
 _SHOWN = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
 _COLUMNS = (
-    ("time", "s", "ms", 6),
-    ("approach_speed", "m/s", "m/s", 4),
-    ("impulse", "N s", "N s", 4),
-    ("peak_force", "N", "kN", 4),
-    ("rigid_peak", "m/s^2", "g", 5),
-    ("width", "s", "us", 4),
-    ("velocity_change", "m/s", "m/s", 4),
-    ("retreat", "m", "mm", 3),
+    ("time", "s", "ms", 3),
+    ("approach_speed", "m/s", "m/s", 3),
+    ("impulse", "N s", "N s", 3),
+    ("peak_force", "N", "kN", 2),
+    ("rigid_peak", "m/s^2", "g", 1),
+    ("width", "s", "us", 1),
+    ("velocity_change", "m/s", "m/s", 3),
+    ("retreat", "m", "mm", 2),
 )
+"""Columns of the printed table: attribute, SI unit, unit shown, decimals."""
 
 
 def command(case: CaseName, changes: Changes = None, out: Out = None, force: Force = False, json: Json = False) -> int:
@@ -51,7 +64,9 @@ def command(case: CaseName, changes: Changes = None, out: Out = None, force: For
     else:
         _print(solution)
     if folder is not None:
-        say(f"written: {folder}{'/' if str(folder)[-1] != '/' else ''} (solution.nc, blows.csv, case.toml, summary.svg)")
+        say(
+            f"written: {folder}{'/' if str(folder)[-1] != '/' else ''} (solution.nc, blows.csv, case.toml, summary.svg)"
+        )
     say(f"done in {time.perf_counter() - begun:.2f} s")
     return BROKEN if solution.broken else 0
 
@@ -76,7 +91,12 @@ def _solve(case: Case) -> Solution:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:>3.0f} %"), TimeElapsedColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+    )
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("starting (the first run after install compiles, about 20 s)", total=1.0)
         from strikewave.simulate import run_case
@@ -90,15 +110,15 @@ def _solve(case: Case) -> Solution:
 def _print(solution: Solution) -> None:
     columns = ["#", "kind", *(f"{name.replace('_', ' ')} ({unit})" for name, _, unit, _ in _COLUMNS), "contacts"]
     rows = [
-        [str(b.index), b.kind, *(number(getattr(b, n), si, unit, d) for n, si, unit, d in _COLUMNS), str(b.contacts)]
+        [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in _COLUMNS), str(b.contacts)]
         for b in solution.blows
     ]
     table(solution.case.title or solution.case.name, columns, rows, left=2)
     _print_published(solution)
     r = solution.reference
     say(
-        f"for comparison: the printed contact law on a rigid object, at the nominal {r.approach_speed:.3g} m/s and with no frame or "
-        f"mount to bend: {number(r.duration, 's', 'us', 3)} us, {number(r.peak_force, 'N', 'kN', 3)} kN, "
+        "for comparison: the printed contact law on a rigid object, at the nominal "
+        f"{r.approach_speed:.3g} m/s and with no frame or mount to bend: {number(r.duration, 's', 'us', 3)} us, {number(r.peak_force, 'N', 'kN', 3)} kN, "
         f"{number(r.peak_acceleration, 'm/s^2', 'g', 3)} g"
     )
     fitted = solution.case.fitted_fields()
@@ -108,7 +128,8 @@ def _print(solution: Solution) -> None:
     ledger = solution.ledger
     say(f"ledger: energy {ledger['energy_error']:.1e}, momentum {ledger['momentum_error']:.1e} (limit 1e-6)")
     for notice in solution.warnings:
-        say(f"warning [{notice.code}]: {notice.message} ({significant(notice.value, 4)} against {significant(notice.limit, 4)})")
+        value, limit = significant(notice.value, 4), significant(notice.limit, 4)
+        say(f"warning [{notice.code}]: {notice.message} ({value} against {limit})")
 
 
 def _print_published(solution: Solution) -> None:
@@ -125,5 +146,15 @@ def _print_published(solution: Solution) -> None:
             for v in (entry.published, entry.computed)
         ]
         difference = "-" if entry.difference is None else f"{entry.difference:+.1%}"
-        rows.append([f"{entry.quantity} ({shown})" if shown else entry.quantity, entry.measured_or_simulated, entry.role, *pair, difference])
-    table("Published beside computed", ["quantity", "origin", "role", "published", "computed", "difference"], rows, left=3)
+        rows.append(
+            [
+                f"{entry.quantity} ({shown})" if shown else entry.quantity,
+                entry.measured_or_simulated,
+                entry.role,
+                *pair,
+                difference,
+            ]
+        )
+    table(
+        "Published beside computed", ["quantity", "origin", "role", "published", "computed", "difference"], rows, left=3
+    )

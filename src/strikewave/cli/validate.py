@@ -9,16 +9,19 @@ from strikewave.cli.common import CaseName, Changes, Json, head, print_json, tab
 
 def command(case: CaseName, changes: Changes = None, json: Json = False) -> int:
     """Check a case without running it; list every value and where it comes from."""
+    from strikewave.build import build_machine
     from strikewave.case import load_case
     from strikewave.quantities import PROVENANCES
-    from strikewave.simulate import build_machine
 
     read = load_case(case, changes or ())
     build_machine(read)
     values = read.values()
-    counted = Counter(value.provenance for value in values.values())
+    counted = Counter[str](value.provenance for value in values.values())
     if json:
-        rows = {path: {"value": v.si, "typed": v.typed, "provenance": v.provenance, "note": v.note} for path, v in values.items()}
+        rows = {
+            path: {"value": v.si, "typed": v.typed, "provenance": v.provenance, "note": v.note}
+            for path, v in values.items()
+        }
         print_json({**head({"value": "SI"}), "case": read.name, "provenance": dict(counted), "values": rows})
         return 0
     shown = [[path, str(v.typed), v.provenance, v.note] for path, v in values.items()]

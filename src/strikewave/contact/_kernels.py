@@ -66,7 +66,8 @@ def log_rest(y):
 def loss_of_span(span):
     """Return 1 - e and its derivative for L = chi (1 + e).
 
-    1 - e = [L - 2 + (L + 2) exp(-L)] / (L - 1 + exp(-L)), d(1 - e)/dL = [(1 - exp(-L)) e - L exp(-L)] / (L - 1 + exp(-L)).
+    1 - e = [L - 2 + (L + 2) exp(-L)] / D and d(1 - e)/dL = [(1 - exp(-L)) e - L exp(-L)] / D with
+    D = L - 1 + exp(-L).
     """
     if span < 1e-12:
         return span / 3.0, 1.0 / 3.0
@@ -170,10 +171,8 @@ def duration_integral(exponent, chi, span):
     total = 0.0
     for k in range(near.size):
         w = span * near[k]
-        if 2 * k < near.size:
-            g = w * (1.0 - late) - late * phi(w)
-        else:
-            g = chi * -math.expm1(-w) - phi(-w)
+        from_end = 2 * k < near.size
+        g = w * (1.0 - late) - late * phi(w) if from_end else chi * -math.expm1(-w) - phi(-w)
         total += weight[k] * g**power
     ends = (exponent + 1.0) * (span * tail) ** (1.0 / (exponent + 1.0)) * (chi**power + (1.0 - late) ** power)
     return span * total + ends

@@ -176,7 +176,8 @@ def link_arrays(links: Sequence[Link], nodes: Sequence[str]) -> Links:
         values[i, OFFSET] = link.offset
         if isinstance(link, Touch):
             law = link.contact
-            values[i, [STIFFNESS, EXPONENT, DAMPING]] = law.stiffness, law.exponent, law.hysteresis_factor
+            given = (law.stiffness, law.exponent, law.hysteresis_factor)
+            values[i, [STIFFNESS, EXPONENT, DAMPING]] = np.array(given, dtype=float)
             values[i, SLOWEST] = link.slowest_approach
         else:
             values[i, [STIFFNESS, DAMPING]] = link.stiffness, link.damping
@@ -248,9 +249,7 @@ def simulate(
     speed = max(np.ptp(v) if v.size > 1 else 0.0, np.abs(v).max(initial=0.0), 1e-6)
     period = shortest_time(chain, speed)
     energy = 0.5 * float(masses @ v**2) + 0.5 * float(masses.sum()) * speed**2
-    scale = np.concatenate(
-        [np.full(x.size, speed * period), np.full(x.size, speed), np.full(len(chain.links), energy)]
-    )
+    scale = np.concatenate([np.full(x.size, speed * period), np.full(x.size, speed), np.full(len(chain.links), energy)])
     start = State(
         0.0,
         np.concatenate([x, v, np.zeros(len(chain.links))]),

@@ -17,7 +17,6 @@ from strikewave.contact import _kernels
 from strikewave.errors import InputError, nearest
 
 
-
 def exact(restitution_asked: ArrayLike) -> NDArray[np.float64]:
     """Return the hysteresis factor that gives exactly the restitution asked for, 0 < e <= 1.
 

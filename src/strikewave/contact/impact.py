@@ -112,7 +112,9 @@ def solve_impact(contact: Contact, mass1: ArrayLike, mass2: ArrayLike, speed: Ar
     )
     for name, values in (("stiffness", k), ("reduced mass", m), ("speed", v)):
         if not np.all((values > 0.0) & np.isfinite(values)):
-            raise ValueError(f"{name} must be positive and finite, got {values[~((values > 0) & np.isfinite(values))][0]!r}")
+            raise ValueError(
+                f"{name} must be positive and finite, got {values[~((values > 0) & np.isfinite(values))][0]!r}"
+            )
     if not np.all((n >= 0.1) & (n <= 10.0)):
         raise ValueError("the exponent must lie within 0.1 to 10")
     if not np.all((chi >= 0.0) & np.isfinite(chi)):

@@ -98,9 +98,7 @@ def integrate(
     status = FULL
     while status == FULL:
         record = _integrator.empty_record(_ROWS, y.size, mode.size, memory.size)
-        status, t, h, steps, events = _integrator.advance(
-            system, control, t, h, y, mode, memory, record, sizes[1]
-        )
+        status, t, h, steps, events = _integrator.advance(system, control, t, h, y, mode, memory, record, sizes[1])
         counts = (steps, steps, steps, steps, steps, events, events)
         parts.append(Record(*(part[:count] for part, count in zip(record, counts, strict=True))))
         parts[-1].event[:, 1] += sum(part.time.size for part in parts[:-1])
@@ -111,7 +109,7 @@ def integrate(
             )
         if len(parts) * _ROWS > _MOST_STEPS:
             raise IntegrationError(
-                f"more than {_MOST_STEPS} steps by t = {t:.6g} s; loosen solver.tolerance, or soften the stiffest spring"
+                f"more than {_MOST_STEPS} steps by t = {t:.6g} s; loosen the tolerance, or soften the stiffest spring"
             )
         if progress is not None:
             progress(t)

@@ -79,7 +79,9 @@ def hertz(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float =
     if not (radius1 > 0.0 and radius2 > 0.0):
         raise ValueError(f"radii must be positive, got {radius1!r} and {radius2!r}")
     radius = 1.0 / (1.0 / radius1 + 1.0 / radius2)
-    return Stiffness(4.0 / 3.0 * contact_modulus(one, other) * math.sqrt(radius), 1.5, "hertz", "checked", "johnson-1985")
+    return Stiffness(
+        4.0 / 3.0 * contact_modulus(one, other) * math.sqrt(radius), 1.5, "hertz", "checked", "johnson-1985"
+    )
 
 
 def palmgren(one: ElasticBody, other: ElasticBody, length: float) -> Stiffness:

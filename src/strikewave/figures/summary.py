@@ -54,7 +54,12 @@ def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes
     force_axes.plot(time[shown], force[shown], color=BLUE, linewidth=1.4)
     quiet(force_axes, f"Contact force, blow {blow.index}", "time after first touch (µs)", "force (kN)")
     acceleration_axes.plot(time[shown], acceleration[shown], color=BLUE, linewidth=1.4, label="computed")
-    quiet(acceleration_axes, f"Rigid-body acceleration, blow {blow.index}", "time after first touch (µs)", "acceleration (g)")
+    quiet(
+        acceleration_axes,
+        f"Rigid-body acceleration, blow {blow.index}",
+        "time after first touch (µs)",
+        "acceleration (g)",
+    )
     _published_marks(solution, acceleration_axes, time[shown], acceleration[shown])
     if acceleration_axes.get_legend_handles_labels()[0]:
         acceleration_axes.legend(frameon=False, fontsize=8, loc="upper right")
@@ -72,9 +77,13 @@ def _published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any
         if peak is None:
             continue
         height = peak / STANDARD_GRAVITY
-        axes.plot([peak_time], [height], marker, color=colour, markersize=6, fillstyle="none", label=f"published, {origin}")
+        axes.plot(
+            [peak_time], [height], marker, color=colour, markersize=6, fillstyle="none", label=f"published, {origin}"
+        )
         if width is not None and above.size:
-            axes.plot([above[0], above[0] + width * 1e6], [0.1 * height] * 2, "|-", color=colour, linewidth=1.2, markersize=9)
+            axes.plot(
+                [above[0], above[0] + width * 1e6], [0.1 * height] * 2, "|-", color=colour, linewidth=1.2, markersize=9
+            )
 
 
 def _train(solution: Solution, axes: Any) -> None:
@@ -89,5 +98,7 @@ def _train(solution: Solution, axes: Any) -> None:
         axes.plot([blow.time * 1e3], [height], "o", color=_KIND_COLOURS[blow.kind], markersize=4)
         if labelled or blow.kind != "full":
             text = str(blow.index) if blow.kind == "full" else f"{blow.index} {blow.kind}"
-            axes.annotate(text, (blow.time * 1e3, height), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8)
+            axes.annotate(
+                text, (blow.time * 1e3, height), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8
+            )
     axes.margins(y=0.14)

@@ -55,7 +55,7 @@ class Blow:
     velocity_change : float
         Of the object's centre of mass from first touch to last release: impulse over its mass.
     retreat : float
-        Largest retreat from the strike position until the next blow, m.
+        Largest retreat after first touch, until the next blow or the retraction, m.
     turntable_speed : float
         At first touch, rad/s.
     """
@@ -105,7 +105,7 @@ def counted_passes(run: RotaryRun) -> dict[int, float]:
     times = record.event_time[apex]
     times = times[(times >= begin) & (times <= end)]
     angles = run.motion.sample(times)[0][:, place.angle]
-    return {int(round(a / run.machine.pitch)): float(t) for a, t in zip(angles, times, strict=True)}
+    return {round(a / run.machine.pitch): float(t) for a, t in zip(angles, times, strict=True)}
 
 
 def blows(run: RotaryRun) -> tuple[Blow, ...]:
@@ -135,7 +135,7 @@ def pulse_window(run: RotaryRun, touch: float, step: float = SAMPLE_STEP) -> tup
     The window is cut where the motion ends; before its start the first sample answers.
     """
     after = min(WINDOW_AFTER, run.motion.end.time - touch)
-    since = np.arange(-round(WINDOW_BEFORE / step), max(int(after / step), 3) + 1) * step
+    since: Array = np.arange(-round(WINDOW_BEFORE / step), max(int(after / step), 3) + 1) * float(step)
     _, forces = run.motion.sample(touch + since)
     return since, forces[:, run.places.contacts].sum(axis=1), run.rigid_acceleration(forces)
 
@@ -174,7 +174,8 @@ def _struck(run: RotaryRun, index: int, rows: Array, per_step: Array, until: flo
     since, force, acceleration = pulse_window(run, begin)
     before_next = since < until - begin
     pulse = measure_pulse(acceleration[before_next], since[1] - since[0], since[0]) if acceleration.max() > 0 else None
-    path = run.motion.sample(np.linspace(begin, until, 2001))[0][:, place.assembly]
+    free = min(until, max(dict(run.phases)["retract"], end))
+    path = run.motion.sample(np.linspace(begin, free, 2001))[0][:, place.assembly]
     width = pulse.width if pulse else math.nan
     return Blow(
         index=index,

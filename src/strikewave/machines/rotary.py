@@ -205,7 +205,9 @@ def start_state(machine: RotaryMachine, system: RotarySystem) -> State:
     y[place.angle], y[place.angle + 1] = theta, speed
     seats = disc.radius * (np.cos(p) - 1.0)
     nodes = np.concatenate([y[: place.bodies], seats, [machine.feed.stroke]])
-    modes = np.concatenate([first_modes(Links(system.joins, system.values), nodes), [0, WAITING, 0, 0]]).astype(np.int64)
+    modes = np.concatenate([first_modes(Links(system.joins, system.values), nodes), [0, WAITING, 0, 0]]).astype(
+        np.int64
+    )
     memory = np.zeros(place.links + 2)
     memory[place.links + 1] = machine.pitch
     return State(0.0, y, modes, memory)
@@ -261,7 +263,9 @@ def run_rotary(
     scale[: place.bodies] = depth
     scale[place.bodies : place.angle] = approach
     scale[place.angle], scale[place.angle + 1] = depth / disc.radius, approach / disc.radius
-    expected = feed.valve_delay + feed.stroke_time + (feed.blows + 1) * pitch_time + feed.release_delay + feed.retract_time
+    expected = (
+        feed.valve_delay + feed.stroke_time + (feed.blows + 1) * pitch_time + feed.release_delay + feed.retract_time
+    )
     control = Control(tolerance, scale, 2e-3 * depth / approach, 0.02 * pitch_time, 3.0 * expected)
     report = None if progress is None else (lambda t: progress(min(t / expected, 1.0)))
     motion = integrate(system, start, control, (place.links, 2 * place.links + 4), report)

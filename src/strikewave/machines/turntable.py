@@ -60,7 +60,9 @@ def spin_up_time(turntable: Turntable, tolerance: float = 1e-4) -> float:
     t = turntable
     held = t.drag * t.speed
     if held >= t.torque:
-        raise ValueError(f"the drive's {t.torque:.4g} N m cannot hold {t.speed:.4g} rad/s against a drag of {held:.4g} N m")
+        raise ValueError(
+            f"the drive's {t.torque:.4g} N m cannot hold {t.speed:.4g} rad/s against a drag of {held:.4g} N m"
+        )
     limit = max(t.speed - (t.torque - held) / t.speed_gain, 0.0)
     if t.drag > 0.0:
         full = -t.inertia / t.drag * math.log1p(-t.drag * limit / t.torque)

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from strikewave.build import build_machine
 from strikewave.case import Case
 from strikewave.errors import InputError
 from strikewave.machines import blows, run_rotary
 from strikewave.quantities import value_of
-from strikewave.simulate import build_machine, published_value
+from strikewave.simulate import published_value
 
 FAILED = 10.0
 """Residual of a target that a trial run has no number for."""
@@ -49,7 +50,11 @@ def calibrate(case: Case, accuracy: float = 1e-8) -> Fit:
     fields = case.fitted_fields()
     targets = {entry.quantity: entry.value.si for entry in case.published if entry.role == "fitted"}
     if not fields or len(fields) > len(targets):
-        raise InputError("published", f"{len(targets)} fitted targets for {len(fields)} fitted values", "at least as many targets as values")
+        raise InputError(
+            "published",
+            f"{len(targets)} fitted targets for {len(fields)} fitted values",
+            "at least as many targets as values",
+        )
     for name in targets:
         if not name.startswith("first."):
             raise InputError("published", name, "targets of the first blow, such as first.rigid_peak")
@@ -60,7 +65,10 @@ def calibrate(case: Case, accuracy: float = 1e-8) -> Fit:
     def at(logs: np.ndarray) -> Case:
         values = start * np.exp(logs)
         return one_blow.with_values(
-            {path: case.values()[path].model_copy(update={"si": float(v)}) for path, v in zip(fields, values, strict=True)}
+            {
+                path: case.values()[path].model_copy(update={"si": float(v)})
+                for path, v in zip(fields, values, strict=True)
+            }
         )
 
     def miss(logs: np.ndarray) -> np.ndarray:
@@ -75,11 +83,15 @@ def calibrate(case: Case, accuracy: float = 1e-8) -> Fit:
     answer = least_squares(miss, np.zeros(len(fields)), diff_step=1e-4, xtol=accuracy, ftol=1e-14, gtol=1e-14)
     misses = dict(zip(targets, (float(r) for r in answer.fun), strict=True))
     if len(fields) == len(targets) and max(abs(r) for r in misses.values()) > 1e-4:
-        raise InputError("published", misses, "targets that the fitted values can meet", "start nearer, or fit other values")
+        raise InputError(
+            "published", misses, "targets that the fitted values can meet", "start nearer, or fit other values"
+        )
     fitted = {}
     for path, value in zip(fields, start * np.exp(answer.x), strict=True):
         before = case.values()[path]
-        fitted[path] = before.model_copy(update={"si": float(value), "typed": rounded(before.typed, float(value) / before.si)})
+        fitted[path] = before.model_copy(
+            update={"si": float(value), "typed": rounded(before.typed, float(value) / before.si)}
+        )
     return Fit(case.with_values(fitted), misses, runs)
 
 

@@ -1,0 +1,90 @@
+"""What a user should know about a run: broken ledgers, odd blows, yield, what the recorder misses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from strikewave.case import Case
+from strikewave.contact import line_contact_yield_load
+from strikewave.machines import Blow
+from strikewave.materials import material
+from strikewave.solution import Notice
+
+LEDGER_LIMIT = 1e-6
+"""Energy or momentum missing beyond this share breaks a stated limit."""
+FEWEST_INTERVALS = 10.0
+"""Sampling intervals a pulse below which the recorder is warned of: the worst loss of peak is then 1.2 %."""
+
+
+def notices(case: Case, found: Sequence[Blow], ledger: Mapping[str, float]) -> tuple[Notice, ...]:
+    """Return all notices of a run.
+
+    Parameters
+    ----------
+    case : Case
+        What ran.
+    found : sequence of Blow
+        Its blows.
+    ledger : mapping
+        ``energy_error`` and ``momentum_error`` as shares.
+    """
+    struck = [blow for blow in found if blow.kind != "missed"]
+    listed = [*_ledger(ledger)]
+    if not struck:
+        listed.append(Notice("no-blow", "no striker touched the object", 0.0, 1.0, broken=True))
+        return tuple(listed)
+    listed += [*_odd_blows(case, found), *_yield(case, struck), *_recorder(case, struck)]
+    return tuple(listed)
+
+
+def _ledger(ledger: Mapping[str, float]) -> Iterator[Notice]:
+    for key, error in ledger.items():
+        if not error <= LEDGER_LIMIT:
+            name = key.removesuffix("_error")
+            message = f"the {name} ledger does not close: lower solver.tolerance"
+            yield Notice(f"{name}-ledger", message, error, LEDGER_LIMIT, broken=True)
+
+
+def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
+    made, wanted = sum(blow.kind != "missed" for blow in found), case.feed.blows.si
+    if made != wanted:
+        message = f"{made} blows instead of the {wanted:.0f} wanted"
+        yield Notice("blow-count", message, float(made), wanted)
+    odd = [f"{blow.index} {blow.kind}" for blow in found if blow.kind != "full"]
+    if odd:
+        yield Notice("blow-kind", "not every blow is full: " + ", ".join(odd), float(len(odd)), 0.0)
+
+
+def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
+    """Warn where a line contact goes beyond its first yield."""
+    bodies = material(case.striker.material), material(case.object.material)
+    strengths = [body.yield_strength for body in bodies if body.yield_strength is not None]
+    if case.contact.law != "palmgren" or not strengths:
+        return
+    per_length = line_contact_yield_load(bodies[0], bodies[1], min(strengths), case.striker.nose_radius.si)
+    limit = per_length * case.striker.contact_length.si
+    peak = max(blow.peak_force for blow in struck)
+    if peak > limit:
+        message = (
+            "the line contact yields below its surface (von Mises): the elastic contact law is stretched, "
+            "and only the rigid pulse, which hangs on frame and mount, can be trusted"
+        )
+        yield Notice("contact-yield", message, peak, limit)
+
+
+def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
+    recorder = case.recorder
+    begin = recorder.delay.si - recorder.pre_trigger.si
+    end = begin + recorder.memory.si / recorder.sampling_rate.si
+    last = struck[-1].time + struck[-1].width
+    if end < last:
+        lost = sum(blow.time + blow.width > end for blow in struck)
+        message = f"the recorder's memory ends before {lost} of {len(struck)} blows: more memory, a lower rate or a delay helps"
+        yield Notice("recorder-memory", message, end, last)
+    if begin > struck[0].time:
+        message = "the recorder starts after the first blow: shorten recorder.delay"
+        yield Notice("recorder-delay", message, begin, struck[0].time)
+    intervals = struck[0].width * recorder.sampling_rate.si
+    if intervals < FEWEST_INTERVALS:
+        message = "few sampling intervals a pulse: the recorded peak may be more than 1 % low"
+        yield Notice("recorder-rate", message, intervals, FEWEST_INTERVALS)
