@@ -14,7 +14,7 @@ import tempfile
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 import platformdirs
@@ -76,4 +76,4 @@ def kernel(function: F) -> F:
             compiled = numba.njit(error_model="numpy")(function)
     finally:
         settings.CACHE_DIR = before
-    return compiled  # type: ignore[no-any-return]
+    return cast(F, compiled)

@@ -79,7 +79,9 @@ def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     last = struck[-1].time + struck[-1].width
     if end < last:
         lost = sum(blow.time + blow.width > end for blow in struck)
-        message = f"the recorder's memory ends before {lost} of {len(struck)} blows: more memory, a lower rate or a delay helps"
+        message = (
+            f"the recorder's memory ends before {lost} of {len(struck)} blows: give it more memory or a lower rate"
+        )
         yield Notice("recorder-memory", message, end, last)
     if begin > struck[0].time:
         message = "the recorder starts after the first blow: shorten recorder.delay"

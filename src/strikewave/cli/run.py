@@ -116,10 +116,14 @@ def _print(solution: Solution) -> None:
     table(solution.case.title or solution.case.name, columns, rows, left=2)
     _print_published(solution)
     r = solution.reference
+    pulse = (
+        number(r.duration, "s", "us", 3) + " us",
+        number(r.peak_force, "N", "kN", 3) + " kN",
+        number(r.peak_acceleration, "m/s^2", "g", 3) + " g",
+    )
     say(
-        "for comparison: the printed contact law on a rigid object, at the nominal "
-        f"{r.approach_speed:.3g} m/s and with no frame or mount to bend: {number(r.duration, 's', 'us', 3)} us, {number(r.peak_force, 'N', 'kN', 3)} kN, "
-        f"{number(r.peak_acceleration, 'm/s^2', 'g', 3)} g"
+        f"for comparison: the printed contact law on a rigid object, at the nominal {r.approach_speed:.3g} m/s "
+        f"and with no frame or mount to bend: {', '.join(pulse)}"
     )
     fitted = solution.case.fitted_fields()
     if fitted:

@@ -135,7 +135,8 @@ def pulse_window(run: RotaryRun, touch: float, step: float = SAMPLE_STEP) -> tup
     The window is cut where the motion ends; before its start the first sample answers.
     """
     after = min(WINDOW_AFTER, run.motion.end.time - touch)
-    since: Array = np.arange(-round(WINDOW_BEFORE / step), max(int(after / step), 3) + 1) * float(step)
+    first, last = -round(WINDOW_BEFORE / step), max(int(after / step), 3)
+    since = step * np.arange(first, last + 1, dtype=np.float64)
     _, forces = run.motion.sample(touch + since)
     return since, forces[:, run.places.contacts].sum(axis=1), run.rigid_acceleration(forces)
 
