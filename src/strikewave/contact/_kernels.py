@@ -172,7 +172,11 @@ def duration_integral(exponent, chi, span):
     for k in range(near.size):
         w = span * near[k]
         from_end = 2 * k < near.size
-        g = w * (1.0 - late) - late * phi(w) if from_end else chi * -math.expm1(-w) - phi(-w)
+        if from_end:
+            grown = late * phi(w) if w < 1.0 else (1.0 + chi) * math.exp(w - span) - late * (1.0 + w)
+            g = w * (1.0 - late) - grown
+        else:
+            g = chi * -math.expm1(-w) - phi(-w)
         total += weight[k] * g**power
     ends = (exponent + 1.0) * (span * tail) ** (1.0 / (exponent + 1.0)) * (chi**power + (1.0 - late) ** power)
     return span * total + ends

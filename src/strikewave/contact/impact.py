@@ -57,12 +57,22 @@ class Impact:
 def reduced_mass(mass1: ArrayLike, mass2: ArrayLike) -> NDArray[np.float64]:
     """Return m1 m2 / (m1 + m2), either of which may be infinite, kg.
 
+    Raises
+    ------
+    ValueError
+        If a mass is not positive, or both are infinite.
+
     Examples
     --------
     >>> print(reduced_mass(0.2, np.inf), reduced_mass(2.0, 2.0))
     0.2 1.0
     """
-    return np.asarray(1.0 / (1.0 / np.asarray(mass1, dtype=float) + 1.0 / np.asarray(mass2, dtype=float)))
+    one, other = np.broadcast_arrays(np.asarray(mass1, dtype=float), np.asarray(mass2, dtype=float))
+    if not np.all((one > 0.0) & (other > 0.0)):
+        raise ValueError(f"masses must be positive, got {mass1!r} and {mass2!r}")
+    if np.any(np.isinf(one) & np.isinf(other)):
+        raise ValueError("one of the masses must be finite")
+    return np.asarray(1.0 / (1.0 / one + 1.0 / other))
 
 
 def solve_impact(contact: Contact, mass1: ArrayLike, mass2: ArrayLike, speed: ArrayLike) -> Impact:
@@ -110,7 +120,7 @@ def solve_impact(contact: Contact, mass1: ArrayLike, mass2: ArrayLike, speed: Ar
     (k, n, chi, m, v), shape = _kernels.flat(
         contact.stiffness, contact.exponent, contact.hysteresis_factor, mass, speed
     )
-    for name, values in (("stiffness", k), ("reduced mass", m), ("speed", v)):
+    for name, values in (("stiffness", k), ("speed", v)):
         if not np.all((values > 0.0) & np.isfinite(values)):
             raise ValueError(
                 f"{name} must be positive and finite, got {values[~((values > 0) & np.isfinite(values))][0]!r}"

@@ -1,0 +1,48 @@
+# strikewave: `make demo` sets everything up and runs the published machine; `make test` runs all tests.
+# Needs Python 3.11 or newer with venv, and make. On Windows: pip install . (see README.md).
+
+VENV ?= .venv
+PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
+	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
+BIN = $(VENV)/bin
+CASE ?= li-ma-2019
+
+.PHONY: demo test lint clean help
+.DEFAULT_GOAL := help
+
+help:
+	@echo "make demo    set up, then run the published machine ($(CASE)) into out/$(CASE)"
+	@echo "make test    set up, then run all tests"
+	@echo "make lint    set up, then style, types and import contract"
+	@echo "make clean   remove the environment and caches"
+
+demo: $(VENV)/core
+	$(BIN)/strikewave run $(CASE)
+
+test: $(VENV)/dev
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+$(VENV)/core: pyproject.toml constraints.txt
+	@if [ -z "$(PYTHON)" ]; then \
+		echo "strikewave needs Python 3.11 or newer: install it (Debian: apt-get install python3 python3-venv), or name it: make demo PYTHON=/path/to/python3"; exit 1; fi
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { \
+		echo "$(PYTHON) lacks the module venv: install it (Debian, Ubuntu: apt-get install python3-venv; Fedora: dnf install python3), then run make again"; exit 1; }
+	@echo "setting up $(VENV) (once; about a minute)"
+	@rm -f $(VENV)/core $(VENV)/dev
+	@$(PYTHON) -m venv $(VENV)
+	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	@touch $@
+
+$(VENV)/dev: $(VENV)/core
+	@echo "adding the tools for tests (once)"
+	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

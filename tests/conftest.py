@@ -1,0 +1,55 @@
+"""Markers by folder, fixed seeds, and one run of the published case shared by all tests."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, settings
+
+SEED = 20190321
+"""Every random number of the tests starts here (the publication date of the machine's paper)."""
+
+settings.register_profile(
+    "strikewave", derandomize=True, deadline=None, max_examples=25, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("strikewave")
+
+HERE = Path(__file__).parent
+
+
+def pytest_report_header() -> str:
+    return f"strikewave: numpy seed {SEED}; hypothesis derandomized (its examples follow from the test's source)"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.path.is_relative_to(HERE):
+            item.add_marker(item.path.relative_to(HERE).parts[0])
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(SEED)
+
+
+@pytest.fixture(scope="session")
+def published():
+    """The published case as it comes along."""
+    from strikewave import load_case
+
+    return load_case("li-ma-2019")
+
+
+@pytest.fixture(scope="session")
+def solution(published):
+    """Its solution."""
+    from strikewave import run_case
+
+    return run_case(published)
+
+
+@pytest.fixture
+def environment(tmp_path):
+    """An environment for child processes that keeps the kernel cache of this machine."""
+    return {**os.environ, "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "160"}
