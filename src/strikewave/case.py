@@ -343,7 +343,7 @@ def _lines(error: ValidationError) -> list[str]:
     """Turn pydantic's report into one line a fault: field, what came, what is allowed, what to do."""
     lines = []
     for fault in error.errors():
-        places = [str(part) for part in fault["loc"] if part not in ("function-before",)]
+        places = [show(str(part)).strip('"') for part in fault["loc"]]
         path = ".".join(places)
         cause = fault.get("ctx", {}).get("error")
         if isinstance(cause, InputError):

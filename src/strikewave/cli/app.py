@@ -37,6 +37,10 @@ for name, command in (
     app.command(name)(command)
 
 
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
+
+
 def _print_version(wanted: bool) -> None:
     if wanted:
         sys.stdout.write(f"strikewave {__version__}\n")
@@ -66,12 +70,10 @@ def _show_warning(message: Warning | str, category: type[Warning], *rest: Any, *
 def _run() -> int:
     """Run and return the exit code."""
     try:
-        code = app(standalone_mode=False)
+        code = int(app(standalone_mode=False) or 0)
         sys.stdout.flush()
-        return int(code or 0)
     except (typer.Abort, KeyboardInterrupt):
-        say("stopped; nothing was written")
-        return 130
+        code = INTERRUPTED
     except StrikewaveError as error:
         say(str(error))
         return 2
@@ -89,3 +91,6 @@ def _run() -> int:
             raise
         say(f"internal error ({type(error).__name__}: {error}); please report it, with STRIKEWAVE_TRACE=1 set")
         return 1
+    if code == INTERRUPTED:
+        say("stopped; nothing was written")
+    return code

@@ -52,7 +52,7 @@ def number(value: float | None, si: str, unit: str, digits: int = 4) -> str:
     Examples
     --------
     >>> number(40709.86, "m/s^2", "g", 5)
-    '4151.2'
+    '4151.3'
     """
     if value is None or value != value:
         return "-"

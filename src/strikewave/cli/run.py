@@ -79,12 +79,12 @@ def default_folder(case: Case, changed: bool, text: str) -> Path:
 
 def write_result(solution: Solution, place: Path, text: str) -> None:
     """Write the files of a result into a folder."""
-    from strikewave.figures import summary
+    from strikewave.figures import save, summary
 
     solution.save(place / "solution.nc")
     (place / "blows.csv").write_text(solution.table(), "utf-8")
     (place / "case.toml").write_text(text, "utf-8")
-    summary(solution).savefig(place / "summary.svg")
+    save(summary(solution), place / "summary.svg")
 
 
 def _solve(case: Case) -> Solution:

@@ -110,7 +110,8 @@ def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
     for i in range(bodies):
         dy[i] = y[bodies + i]
         dy[bodies + i] = table[i, GRAVITY]
-    bases[FORCE] = 0.0
+    for i in range(bases.shape[1]):
+        bases[FORCE, i] = 0.0
     for i in range(joins.shape[0]):
         dy[first + i] = 0.0
         kind = joins[i, KIND]

@@ -179,7 +179,7 @@ def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
         x = (low * g_high - high * g_low) / (g_high - g_low)
         if not low < x < high:
             x = 0.5 * (low + high)
-        if high - low < 4e-16 or x in (low, high):
+        if high - low < 4e-16 or x == low or x == high:  # noqa: PLR1714  (compiles quicker)
             break
         evaluate(dense, x, work)
         switches(system, t + x * h, work, mode, memory, g)
@@ -201,8 +201,9 @@ def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
 def _first_switch(system, t, h, dense, mode, memory, before, work, g):
     """Return the first switch within the step and its fraction; -1 when there is none."""
     found, at = -1, 1.0
-    previous = before.copy()
-    now = np.empty_like(before)
+    previous, now = np.empty(before.size), np.empty(before.size)
+    for which in range(before.size):
+        previous[which] = before[which]
     for j in range(1, _SAMPLES + 1):
         x = j / _SAMPLES
         evaluate(dense, x, work)
@@ -265,8 +266,10 @@ def advance(system, control, t, h, y, mode, memory, record, count):
         if taken > 0.0:
             record.time[steps] = t
             record.step[steps] = taken
-            record.mode[steps] = mode
-            record.memory[steps] = memory
+            for i in range(mode.size):
+                record.mode[steps, i] = mode[i]
+            for i in range(memory.size):
+                record.memory[steps, i] = memory[i]
             steps += 1
             t += taken
             for i in range(n):
@@ -306,7 +309,8 @@ def impulses(system, record, out):
     state = np.empty(record.dense.shape[2])
     force = np.empty(out.shape[1])
     for row in range(record.time.size):
-        out[row, :] = 0.0
+        for link in range(out.shape[1]):
+            out[row, link] = 0.0
         for x, w in zip(_GAUSS_X, _GAUSS_W):  # noqa: B905  (numba's zip knows no strict)
             evaluate(record.dense[row], 0.5 + x, state)
             t = record.time[row] + (0.5 + x) * record.step[row]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#6E6E6E"
@@ -17,3 +18,11 @@ def quiet(axes: Any, title: str, x: str, y: str) -> None:
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
     axes.margins(x=0.0)
+
+
+def save(figure: Any, path: Path) -> None:
+    """Write a figure; the same figure gives the same bytes (no date, fixed identifiers)."""
+    import matplotlib
+
+    with matplotlib.rc_context({"svg.hashsalt": "strikewave"}):
+        figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)

@@ -47,6 +47,7 @@ def angle_at_valve_signal(feed: Feed, speed: float, pitch: float) -> float:
 
     Examples
     --------
+    >>> import math
     >>> feed = Feed(1.0, 0.01, 0.015, 0.04, 0.5, 11, 0.003, 0.03)
     >>> round(angle_at_valve_signal(feed, speed=80.0, pitch=math.pi / 2), 6)
     1.497787

@@ -55,7 +55,7 @@ def spin_up_time(turntable: Turntable, tolerance: float = 1e-4) -> float:
     --------
     >>> disc = Turntable(4.0, 0.2, 76.4, torque=40.0, speed_gain=20.0, drag=0.02, brake=30.0)
     >>> round(spin_up_time(disc), 2)
-    8.64
+    8.69
     """
     t = turntable
     held = t.drag * t.speed
@@ -64,10 +64,7 @@ def spin_up_time(turntable: Turntable, tolerance: float = 1e-4) -> float:
             f"the drive's {t.torque:.4g} N m cannot hold {t.speed:.4g} rad/s against a drag of {held:.4g} N m"
         )
     limit = max(t.speed - (t.torque - held) / t.speed_gain, 0.0)
-    if t.drag > 0.0:
-        full = -t.inertia / t.drag * math.log1p(-t.drag * limit / t.torque)
-    else:
-        full = t.inertia * limit / t.torque
+    full = t.inertia * limit / t.torque * _log_share(-t.drag * limit / t.torque)
     error = t.speed - limit
     approach = t.inertia / (t.speed_gain + t.drag) * math.log(max(error / (tolerance * t.speed), 1.0))
     return full + approach
@@ -95,6 +92,10 @@ def braking_time(turntable: Turntable, speed: float) -> float:
     >>> round(braking_time(disc, 75.0), 9)
     10.0
     """
-    if turntable.drag > 0.0:
-        return turntable.inertia / turntable.drag * math.log1p(turntable.drag * speed / turntable.brake)
-    return turntable.inertia * speed / turntable.brake
+    t = turntable
+    return t.inertia * speed / t.brake * _log_share(t.drag * speed / t.brake)
+
+
+def _log_share(x: float) -> float:
+    """Return ln(1 + x)/x, 1 at x = 0."""
+    return math.log1p(x) / x if abs(x) > 1e-9 else 1.0 - 0.5 * x

@@ -1,0 +1,123 @@
+"""The solution: saved and loaded alike, whole or not at all, with units; hostile files refused."""
+
+import errno
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from strikewave import load_solution
+from strikewave.errors import InputError
+from strikewave.files import whole_folder
+from strikewave.solution import plain
+
+
+def test_saved_and_loaded_alike(solution, tmp_path):
+    solution.save(tmp_path / "solution.nc")
+    again = load_solution(tmp_path)
+    assert again == solution
+    assert again.data.equals(solution.data)
+    assert again.document() == solution.document()
+
+
+def test_every_history_has_a_unit(solution):
+    for name, variable in solution.data.variables.items():
+        assert name == "blow" or variable.attrs["units"], name
+
+
+def test_histories_agree_with_the_table(solution):
+    data = solution.data
+    peaks = data["pulse_acceleration"].max("pulse_time").values
+    assert peaks == pytest.approx([b.rigid_peak for b in solution.blows], rel=1e-4)
+    # the train is sampled every 10 us: a 200 us pulse loses at most (pi/20)^2/8 of its peak, and the spikes of the force more
+    assert float(data["rigid_acceleration"].max()) == pytest.approx(max(peaks), rel=5e-3)
+    impulse = np.trapezoid(np.nan_to_num(data["pulse_force"].values), data["pulse_time"].values, axis=1)
+    assert impulse == pytest.approx([b.contact_impulse for b in solution.blows], rel=1e-4)
+
+
+def test_recorder_sees_the_train_through_its_window(solution, published):
+    record = solution.data["record_acceleration"]
+    time = solution.data["record_time"].values
+    assert time[0] == pytest.approx(-published.recorder.pre_trigger.si)
+    assert record.sizes["record_time"] == published.recorder.memory.si
+    assert float(record.max()) <= float(solution.data["blow_rigid_peak"].max())
+    assert not record.values[time < 0].any()
+
+
+def test_csv_has_units_and_all_blows(solution):
+    lines = solution.table().splitlines()
+    assert "time [s]" in lines[0]
+    assert "rigid_peak [m/s^2]" in lines[0]
+    assert len(lines) == 1 + len(solution.blows)
+
+
+def test_plain_json_has_no_nan():
+    text = json.dumps(plain({"a": [np.float64(math.inf), np.int64(3), np.nan]}), allow_nan=False)
+    assert text == '{"a": [null, 3, null]}'
+
+
+@pytest.mark.parametrize("content", [b"", b"not a file", b"\x89HDF\r\n\x1a\n" + b"\x00" * 100])
+def test_damaged_files_are_refused(tmp_path, content):
+    path = tmp_path / "solution.nc"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="strikewave run"):
+        load_solution(path)
+
+
+def test_foreign_netcdf_is_refused(tmp_path):
+    import xarray
+
+    path = tmp_path / "foreign.nc"
+    xarray.Dataset({"a": ("x", np.arange(3))}).to_netcdf(path, engine="h5netcdf")
+    with pytest.raises(InputError, match="strikewave run"):
+        load_solution(path)
+    with pytest.raises(InputError):
+        load_solution(tmp_path / "absent.nc")
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(p.name for p in folder.iterdir())
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError, OSError(errno.ENOSPC, "No space left on device")])
+def test_an_interrupted_result_leaves_nothing(tmp_path, error):
+    with pytest.raises((KeyboardInterrupt, RuntimeError, InputError)), whole_folder(tmp_path / "out", "x") as place:
+        (place / "half").write_text("half")
+        raise error
+    assert names(tmp_path) == []
+
+
+def test_an_interrupted_result_keeps_the_old_one(tmp_path):
+    with whole_folder(tmp_path / "out", "x") as place:
+        (place / "case.toml").write_text("x")
+    with pytest.raises(KeyboardInterrupt), whole_folder(tmp_path / "out", "x") as place:
+        (place / "case.toml").write_text("half")
+        raise KeyboardInterrupt
+    assert names(tmp_path) == ["out"]
+    assert (tmp_path / "out" / "case.toml").read_text() == "x"
+
+
+def test_another_result_is_only_replaced_by_force(tmp_path):
+    def write(identity, force=False):
+        with whole_folder(tmp_path / "out", identity, force) as place:
+            (place / "case.toml").write_text(identity)
+
+    write("one")
+    write("one")
+    with pytest.raises(InputError, match="--force"):
+        write("two")
+    write("two", force=True)
+    assert (tmp_path / "out" / "case.toml").read_text() == "two"
+    assert names(tmp_path) == ["out"]
+
+
+def test_what_is_no_result_is_never_replaced(tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "thesis.docx").write_text("years of work")
+    (tmp_path / "file").write_text("")
+    for place in ("out", "file"):
+        with pytest.raises(InputError), whole_folder(tmp_path / place, "x", force=True):
+            pass
+    assert (tmp_path / "out" / "thesis.docx").read_text() == "years of work"

@@ -1,0 +1,45 @@
+"""Spin-up and braking against the integrated equation of motion."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from strikewave.machines import Turntable
+from strikewave.machines.turntable import braking_time, speed_after_wait, spin_up_time
+
+DISC = {"inertia": 4.0, "radius": 0.2, "speed": 76.4}
+
+
+@given(torque=st.floats(10, 100), gain=st.floats(1, 100), drag=st.floats(0, 0.1))
+def test_spin_up_against_the_equation_of_motion(torque, gain, drag):
+    disc = Turntable(**DISC, torque=torque, speed_gain=gain, drag=drag, brake=30.0)
+    time = spin_up_time(disc)
+
+    def rate(_, y):
+        wanted = drag * disc.speed + gain * (disc.speed - y[0])
+        return [(min(max(wanted, 0.0), torque) - drag * y[0]) / disc.inertia]
+
+    solved = solve_ivp(rate, (0, time), [0.0], rtol=1e-10, atol=1e-12, max_step=time / 200)
+    assert solved.y[0, -1] == pytest.approx(disc.speed * (1 - 1e-4), rel=1e-6)
+
+
+@given(drag=st.floats(0, 1), brake=st.floats(1, 100))
+def test_braking_against_the_equation_of_motion(drag, brake):
+    disc = Turntable(**DISC, torque=100.0, speed_gain=20.0, drag=drag, brake=brake)
+    time = braking_time(disc, disc.speed)
+    solved = solve_ivp(lambda _, y: [-(brake + drag * y[0]) / disc.inertia], (0, time), [disc.speed], rtol=1e-10)
+    assert solved.y[0, -1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_waiting_ends_at_the_set_speed():
+    disc = Turntable(**DISC, torque=40.0, speed_gain=20.0, drag=0.02, brake=30.0)
+    assert speed_after_wait(disc, 0.0) == pytest.approx(disc.speed * (1 - 1e-4), rel=1e-15)
+    assert math.isclose(speed_after_wait(disc, 100.0), disc.speed, rel_tol=1e-15)
+
+
+def test_drive_that_cannot_hold_the_speed_is_refused():
+    with pytest.raises(ValueError, match="cannot hold"):
+        spin_up_time(Turntable(**DISC, torque=1.0, speed_gain=20.0, drag=0.5, brake=30.0))
