@@ -179,7 +179,7 @@ def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
         x = (low * g_high - high * g_low) / (g_high - g_low)
         if not low < x < high:
             x = 0.5 * (low + high)
-        if high - low < 4e-16 or x == low or x == high:  # noqa: PLR1714  (compiles quicker)
+        if high - low < 4e-16 or x in (low, high):
             break
         evaluate(dense, x, work)
         switches(system, t + x * h, work, mode, memory, g)
