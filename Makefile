@@ -7,13 +7,14 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
 BIN = $(VENV)/bin
 CASE ?= li-ma-2019
 
-.PHONY: demo test lint clean help
+.PHONY: demo test lint bench clean help
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo    set up, then run the published machine ($(CASE)) into out/$(CASE)"
 	@echo "make test    set up, then run all tests"
 	@echo "make lint    set up, then style, types and import contract"
+	@echo "make bench   set up, then time everything beside its peers (writes docs/benchmarks.md)"
 	@echo "make clean   remove the environment and caches"
 
 demo: $(VENV)/core
@@ -27,6 +28,9 @@ lint: $(VENV)/dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+bench: $(VENV)/dev
+	$(BIN)/python benchmarks/bench.py
 
 $(VENV)/core: pyproject.toml constraints.txt
 	@if [ -z "$(PYTHON)" ]; then \

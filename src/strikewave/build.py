@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
 
 from strikewave.case import Case
 from strikewave.contact import DAMPING_LAWS, STIFFNESS_LAWS, Contact, Stiffness, factor, hertz, palmgren
 from strikewave.errors import InputError, InputErrors, nearest
 from strikewave.machines import Feed, RotaryMachine, Strikers, StruckObject, Turntable
 from strikewave.materials import material
+
+T = TypeVar("T")
 
 
 def contact_stiffness(case: Case) -> Stiffness:
@@ -39,51 +45,28 @@ def build_machine(case: Case) -> RotaryMachine:
     lines = [str(error) for error in _misfits(case)]
     if lines:
         raise InputErrors(lines)
-    m, s, o, f = case.machine, case.striker, case.object, case.feed
     law = contact_stiffness(case)
     chi = float(factor(case.contact.damping, case.contact.restitution.si))
+    nose = case.object.nose_mass.si
     return RotaryMachine(
-        turntable=Turntable(
-            inertia=m.inertia.si,
-            radius=m.radius.si,
-            speed=m.speed.si,
-            torque=m.torque.si,
-            speed_gain=m.speed_gain.si,
-            drag=m.drag.si,
-            brake=m.brake.si,
-        ),
-        strikers=Strikers(
-            count=int(m.strikers.si),
-            mass=s.mass.si,
-            mount_stiffness=s.mount_stiffness.si,
-            mount_damping=s.mount_damping.si,
+        turntable=_filled(Turntable, case.machine),
+        strikers=_filled(
+            Strikers,
+            case.striker,
+            count=int(case.machine.strikers.si),
             contact=Contact(law.stiffness, law.exponent, chi),
             slowest_approach=case.contact.slowest_approach.si,
         ),
-        feed=Feed(
-            wait=f.wait.si,
-            valve_delay=f.valve_delay.si,
-            stroke=f.stroke.si,
-            stroke_time=f.stroke_time.si,
-            arrival=f.arrival.si,
-            blows=int(f.blows.si),
-            release_delay=f.release_delay.si,
-            retract_time=f.retract_time.si,
-        ),
-        struck=StruckObject(
-            nose_mass=o.nose_mass.si,
-            assembly_mass=o.mass.si - o.nose_mass.si,
-            frame_stiffness=o.frame_stiffness.si,
-            frame_damping=o.frame_damping.si,
-            spring=o.spring.si,
-            preload=o.preload.si,
-            damper=o.damper.si,
-            stop_stiffness=o.stop_stiffness.si,
-            stop_restitution=o.stop_restitution.si,
-            gravity=o.gravity.si,
-        ),
-        engagement=m.engagement.si,
+        feed=_filled(Feed, case.feed, blows=int(case.feed.blows.si)),
+        struck=_filled(StruckObject, case.object, assembly_mass=case.object.mass.si - nose),
+        engagement=case.machine.engagement.si,
     )
+
+
+def _filled(kind: type[T], table: BaseModel, **others: Any) -> T:
+    """Return a part whose fields are the SI values of the same names in a table of the case, or ``others``."""
+    names = [field.name for field in dataclasses.fields(kind)]  # type: ignore[arg-type]
+    return kind(**{name: others[name] if name in others else getattr(table, name).si for name in names})
 
 
 def _misfits(case: Case) -> Iterator[InputError]:

@@ -1,0 +1,178 @@
+"""Times of strikewave beside its peers and beside the floor: ``make bench`` prints and writes docs/benchmarks.md.
+
+Every peer runs in the same process on the same case at the same tolerance. A peer that is not installed is named.
+"""
+
+import os
+import platform
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numba
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from strikewave import load_case, run_case
+from strikewave.contact import Contact, exact, solve_impact
+from strikewave.contact import _integrator as integrator
+from strikewave.contact._chain_kernels import ChainSystem
+from strikewave.contact.chain import Touch, link_arrays
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "benchmarks.md"
+
+STIFFNESS, EXPONENT, RESTITUTION, M1, M2, SPEED = 4.7e9, 10 / 9, 0.5, 0.2, 0.459, 20.0
+
+
+def best(function, tries=5):
+    """Return the shortest of several times, s."""
+    times = []
+    for _ in range(tries):
+        begun = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - begun)
+    return min(times)
+
+
+def write(seconds):
+    """Write a time with a unit that suits it."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
+@numba.njit(error_model="numpy")
+def many_integrations(system, control, start, record, count):
+    """Integrate the same impact many times inside compiled code; return the last separation speed."""
+    y, mode, memory = start.copy(), np.zeros(1, dtype=np.int64), np.zeros(1)
+    for _ in range(count):
+        y[:] = start
+        mode[0], memory[0] = 1, SPEED
+        integrator.advance(system, control, 0.0, control.first_step, y, mode, memory, record, 2)
+    return y[3] - y[2]
+
+
+def impacts():
+    """One impact: closed form and integrator, per Python call and inside a loop, beside scipy."""
+    chi = float(exact(RESTITUTION))
+    contact = Contact(STIFFNESS, EXPONENT, chi)
+    closed = solve_impact(contact, M1, M2, SPEED)
+    duration = float(closed.duration)
+    million = Contact(np.full(1_000_000, STIFFNESS), EXPONENT, chi)
+
+    links = link_arrays([Touch("a", "b", contact)], ["a", "b"])
+    system = ChainSystem(np.array([[M1, 0.0], [M2, 0.0]]), np.zeros((3, 0)), links.joins, links.values)
+    depth = float(closed.max_indentation)
+    energy = 0.5 * M1 * SPEED**2
+    scale = np.array([depth, depth, SPEED, SPEED, energy])
+    control = integrator.Control(1e-8, scale, 2e-3 * depth / SPEED, 1.0, 1.05 * duration)
+    start = np.array([0.0, 0.0, SPEED, 0.0, 0.0])
+    record = integrator.empty_record(200, 5, 1, 1)
+    parting = many_integrations(system, control, start, record, 1)
+
+    def rates(_, y):
+        d, rate = y[0] - y[1], y[2] - y[3]
+        force = max(STIFFNESS * max(d, 0.0) ** EXPONENT * (1 + chi * rate / SPEED), 0.0)
+        return [y[2], y[3], -force / M1, force / M2]
+
+    def apart(t, y):
+        return y[0] - y[1] if t > 0 else 1.0
+
+    apart.terminal, apart.direction = True, -1
+
+    def scipy_impact():
+        return solve_ivp(
+            rates, (0, 2 * duration), [0, 0, SPEED, 0], method="DOP853", rtol=1e-8, atol=1e-8 * scale[:4], events=apart,
+            first_step=control.first_step,
+        )  # fmt: skip
+
+    end = scipy_impact().y[:, -1]
+    peer = best(scipy_impact)
+    loop = best(lambda: solve_impact(million, M1, M2, SPEED)) / 1e6
+    inside = best(lambda: many_integrations(system, control, start, record, 2000)) / 2000
+    call = best(lambda: solve_impact(contact, M1, M2, SPEED), 50)
+
+    def miss(speed):
+        return f"{abs(speed / SPEED / RESTITUTION - 1):.0e}"
+
+    return [
+        ("closed form, a million in one call, each", write(loop), "exact", f"{peer / loop:.0f} x"),
+        ("closed form, one Python call", write(call), "exact", f"{peer / call:.0f} x"),
+        ("integrator at 1e-8, inside a compiled loop", write(inside), miss(parting), f"{peer / inside:.0f} x"),
+        ("scipy solve_ivp DOP853 at 1e-8", write(peer), miss(end[3] - end[2]), "1"),
+    ]
+
+
+def processes():
+    """Whole processes and the warm run of the published case."""
+    case = load_case("li-ma-2019")
+    run_case(case)
+    python = sys.executable
+
+    def process(*words):
+        return best(lambda: subprocess.run([python, *words], check=True, capture_output=True), 3)
+
+    folder = ROOT / ".bench"
+    rows = [
+        ("run_case of li-ma-2019, 11 blows, warm", write(best(lambda: run_case(case))), "< 0.5 s"),
+        (
+            "whole process with all files",
+            write(process("-m", "strikewave", "run", "li-ma-2019", "--out", str(folder))),
+            "< 3 s",
+        ),
+        ("import strikewave", write(process("-c", "import strikewave") - process("-c", "pass")), "< 0.3 s"),
+        ("strikewave --help", write(process("-m", "strikewave", "--help")), "< 0.5 s"),
+    ]
+    subprocess.run(["rm", "-rf", str(folder)], check=True)
+    return rows
+
+
+def processor():
+    """Return the processor's name."""
+    path = Path("/proc/cpuinfo")
+    names = (
+        [line.split(":")[1].strip() for line in path.read_text().splitlines() if line.startswith("model name")]
+        if path.exists()
+        else []
+    )
+    return names[0] if names else platform.processor()
+
+
+def table(head, rows):
+    """Return a table in markdown."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def main():
+    """Run all benchmarks, print them, and write the page."""
+    # floor of the closed form: 40 nodes, each one exponential and one power, about 25 ns a node on one core
+    nodes = 40
+    x = np.random.default_rng(1).random(200_000) + 0.5
+    floor = best(lambda: np.expm1(x) ** 0.53) / x.size * nodes
+    text = "\n\n".join(
+        [
+            "# Benchmarks",
+            "Written by `make bench`; the shortest of several tries, everything in one run on one machine.",
+            f"Machine: {processor()}, {os.cpu_count()} cores; Python {platform.python_version()}, numpy {np.__version__}, "
+            f"numba {numba.__version__}.",
+            "## One impact",
+            "0.2 kg at 20 m/s on 0.459 kg, K = 4.7e9 N/m^(10/9), e = 0.5. The miss is that of the restitution.",
+            table(("how", "time", "miss", "against scipy"), impacts()),
+            f"Floor of the closed form: its duration is a quadrature of {nodes} nodes, each an exponential and a power; numpy needs "
+            f"{write(floor)} for as many.",
+            "## The published machine",
+            table(("work", "time", "target"), processes()),
+            "## Peers",
+            "scipy runs above. Exudyn and MuJoCo are not installed with the project and are not timed here.",
+        ]
+    )
+    print(text)
+    PAGE.write_text(text + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main()
