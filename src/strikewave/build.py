@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterator
 from typing import Any, TypeVar
 
@@ -15,6 +16,11 @@ from strikewave.machines import Feed, RotaryMachine, Strikers, StruckObject, Tur
 from strikewave.materials import material
 
 T = TypeVar("T")
+
+MOST_SAMPLES = 2e6
+"""Samples of the whole train beyond which a solution is refused."""
+LONGEST_INTERVAL = 0.5
+"""Longest time between strikers, s: the bodies between two blows are followed in full."""
 
 
 def contact_stiffness(case: Case) -> Stiffness:
@@ -69,6 +75,13 @@ def _filled(kind: type[T], table: BaseModel, **others: Any) -> T:
     return kind(**{name: others[name] if name in others else getattr(table, name).si for name in names})
 
 
+def _expected_time(case: Case) -> float:
+    """Return about how long the machine runs from valve signal to the end of the retraction, s."""
+    m, f = case.machine, case.feed
+    feed = f.valve_delay.si + f.stroke_time.si + f.release_delay.si + f.retract_time.si
+    return feed + (f.blows.si + 1.0) * 2.0 * math.pi / (m.speed.si * m.strikers.si)
+
+
 def _misfits(case: Case) -> Iterator[InputError]:
     """Yield an error for each pair of values that does not fit together."""
     m, o, f = case.machine, case.object, case.feed
@@ -77,8 +90,18 @@ def _misfits(case: Case) -> Iterator[InputError]:
         yield InputError("contact.damping", case.contact.damping, "a damping law", hint)
     if o.nose_mass.si >= o.mass.si:
         yield InputError("object.nose_mass", o.nose_mass.typed, f"less than object.mass ({o.mass.typed})")
-    if m.engagement.si >= m.radius.si:
-        yield InputError("machine.engagement", m.engagement.typed, f"less than machine.radius ({m.radius.typed})")
+    reach = m.radius.si * (1.0 - math.cos(min(0.5 * math.pi, math.pi / m.strikers.si)))
+    if m.engagement.si >= reach:
+        allowed = f"less than {reach * 1e3:.4g} mm, where a nose would touch more than half a pitch before its apex"
+        yield InputError("machine.engagement", m.engagement.typed, allowed)
+    stretch = case.striker.mass.si * m.speed.si**2 / case.striker.mount_stiffness.si
+    if stretch > 0.1:
+        allowed = f"enough to hold the striker on its circle (it would stretch by {stretch:.0%} of the radius)"
+        yield InputError("striker.mount_stiffness", case.striker.mount_stiffness.typed, allowed)
+    samples = _expected_time(case) / case.solver.output_step.si
+    if samples > MOST_SAMPLES:
+        allowed = f"a step that keeps the train below {MOST_SAMPLES:.0e} samples (here {samples:.1e})"
+        yield InputError("solver.output_step", case.solver.output_step.typed, allowed)
     weight = o.mass.si * o.gravity.si
     if o.preload.si <= weight:
         allowed = f"more than the weight along the blow ({weight:.4g} N)"
@@ -90,6 +113,14 @@ def _misfits(case: Case) -> Iterator[InputError]:
     if drag >= m.torque.si:
         allowed = f"more than the drag at set speed ({drag:.4g} N m)"
         yield InputError("machine.torque", m.torque.typed, allowed, "the drive cannot hold the speed")
+    interval = 2.0 * math.pi / (m.speed.si * m.strikers.si)
+    if interval > LONGEST_INTERVAL:
+        allowed = f"a striking interval of at most {LONGEST_INTERVAL:g} s (here {interval:.3g} s)"
+        yield InputError("machine.speed", m.speed.typed, allowed, "turn faster, or take more strikers")
+    sag = o.nose_mass.si * abs(o.gravity.si) / o.frame_stiffness.si
+    if sag > 0.01 * m.engagement.si:
+        allowed = f"enough to carry the nose (its weight bends the frame by {sag * 1e3:.3g} mm)"
+        yield InputError("object.frame_stiffness", o.frame_stiffness.typed, allowed)
     carried = m.strikers.si * case.striker.mass.si * m.radius.si**2
     if m.inertia.si <= carried:
         allowed = f"more than that of the strikers alone ({carried:.4g} kg m^2)"

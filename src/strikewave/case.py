@@ -6,6 +6,7 @@ of the published cases that come along; `dump_case` writes a case that gives the
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from importlib import resources
@@ -14,19 +15,20 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from strikewave.errors import InputError, InputErrors, nearest, show
+from strikewave.errors import MISSING, InputError, InputErrors, nearest, show
 from strikewave.quantities import (
     Acceleration,
     BlowCount,
     Count,
     Damping,
     Duration,
+    FeedTime,
     Force,
     Frequency,
     Inertia,
     Length,
     Mass,
-    PositiveDuration,
+    OutputStep,
     Provenance,
     Range,
     Restitution,
@@ -41,7 +43,7 @@ from strikewave.quantities import (
     Torque,
     Value,
 )
-from strikewave.units import DIMENSIONS, parse_quantity
+from strikewave.units import DIMENSIONS
 
 SCHEMA = 1
 LARGEST_FILE = 1_000_000
@@ -83,16 +85,16 @@ class FeedTable(_Table):
 
     blows: BlowCount
     wait: Duration
-    valve_delay: PositiveDuration
+    valve_delay: FeedTime
     stroke: Length
-    stroke_time: PositiveDuration
+    stroke_time: FeedTime
     arrival: Share
-    release_delay: PositiveDuration
-    retract_time: PositiveDuration
+    release_delay: FeedTime
+    retract_time: FeedTime
 
 
 class Object(_Table):
-    """[object]: everything that moves when struck, and what holds it."""
+    """[object]: everything that moves when struck, and what holds it; gravity above 0 pushes it away."""
 
     mass: Mass
     nose_mass: Mass
@@ -129,7 +131,7 @@ class Solver(_Table):
     """[solver]: how exactly to compute, and how densely to keep the whole train."""
 
     tolerance: Tolerance = Value(si=1e-9, typed=1e-9)
-    output_step: PositiveDuration = Value(si=1e-5, typed="10 us")
+    output_step: OutputStep = Value(si=1e-5, typed="10 us")
 
 
 PUBLISHED_QUANTITIES = {
@@ -159,18 +161,20 @@ def _published(raw: Any) -> Any:
     if not isinstance(raw, Mapping) or "quantity" not in raw or "value" not in raw:
         return raw
     quantity, value = raw["quantity"], raw["value"]
-    if quantity not in PUBLISHED_QUANTITIES:
+    if not isinstance(quantity, str) or quantity not in PUBLISHED_QUANTITIES:
         raise InputError("quantity", quantity, "a computed quantity", nearest(str(quantity), PUBLISHED_QUANTITIES))
     unit = PUBLISHED_QUANTITIES[quantity]
     if isinstance(value, Value):
         return raw
-    if unit:
-        read = Value(si=parse_quantity(value, unit, "value"), typed=value, provenance="published")
-    elif isinstance(value, int | float) and not isinstance(value, bool):
-        read = Value(si=float(value), typed=value, provenance="published")
-    else:
-        raise InputError("value", value, "a number without unit")
-    return {**raw, "value": read}
+    read = Range(unit, 0.0, open_low=True).read(value)
+    return {**raw, "value": read.model_copy(update={"provenance": "published"})}
+
+
+def _name(raw: Any) -> Any:
+    """Check the name of a case: it names a folder."""
+    if isinstance(raw, str) and not re.fullmatch(r"[\w][\w .+-]{0,79}|", raw):
+        raise InputError("", raw, "letters, digits, space, dot, +, - and _, at most 80", "the name becomes a folder's")
+    return raw
 
 
 class Case(_Table):
@@ -179,7 +183,7 @@ class Case(_Table):
     model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
 
     schema_version: Literal[1] = Field(alias="schema")
-    name: str = ""
+    name: Annotated[str, BeforeValidator(_name)] = ""
     title: str = ""
     source: str = ""
     machine: Machine
@@ -203,6 +207,17 @@ class Case(_Table):
     def fitted_fields(self) -> list[str]:
         """Return the paths of the fitted values."""
         return [path for path, value in self.values().items() if value.provenance == "fitted"]
+
+    def changed_fields(self) -> list[str]:
+        """Return the paths whose values differ from the published case that this one comes from.
+
+        Recorder and solver do not count: they change no motion.
+        """
+        if self.source not in bundled_cases():
+            return []
+        origin = load_case(self.source).values()
+        values = {p: v for p, v in self.values().items() if p.partition(".")[0] not in ("recorder", "solver")}
+        return [path for path, value in values.items() if value.si != origin[path].si]
 
     def with_values(self, changes: Mapping[str, Value]) -> Case:
         """Return the case with some quantities replaced, by path."""
@@ -235,18 +250,20 @@ def read_case_text(name: str) -> tuple[str, str]:
     InputError
         If there is neither, or the file is too large or not text.
     """
-    path = Path(name)
     if name in bundled_cases():
         return (resources.files("strikewave") / "cases" / f"{name}.toml").read_text("utf-8"), name
-    if path.is_dir() and (path / "case.toml").is_file():
-        path = path / "case.toml"
-    if not path.is_file():
-        raise InputError("case", name, "a case file or a published case", nearest(name, bundled_cases()))
+    path = Path(name)
     try:
+        if path.is_dir() and (path / "case.toml").is_file():
+            path = path / "case.toml"
+        if not path.is_file():
+            raise InputError("case", name, "a case file or a published case", nearest(name, bundled_cases()))
         with path.open("rb") as file:
             data = file.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise InputError("case", name, "a file that can be read", error.strerror or "") from None
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError("case", name, "a file that can be read", getattr(error, "strerror", "") or "") from None
     if len(data) > LARGEST_FILE:
         raise InputError("case", name, f"a case file of at most {LARGEST_FILE // 1000} kB")
     try:
@@ -277,16 +294,17 @@ def load_case(name: str, changes: Iterable[str] = ()) -> Case:
     52.3599
     """
     text, stem = read_case_text(name)
-    return parse_case(text, stem, changes)
+    return parse_case(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes)
 
 
 def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
     """Check the TOML text of a case; see `load_case`."""
     try:
         document = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(
-            name or "case", str(error) or "nested too deeply", "TOML", "see `strikewave new` for an example"
+    except (ValueError, RecursionError) as error:
+        reason = show(str(error) or "nested too deeply", 120).strip('"')
+        raise InputErrors(
+            [f"{name or 'case'}: not a TOML file: {reason}; `strikewave new` writes an example"]
         ) from None
     _check_schema(document)
     for change in changes:
@@ -301,7 +319,7 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
 def _check_schema(document: Mapping[str, Any]) -> None:
     schema = document.get("schema")
     if schema is None:
-        raise InputError("schema", "nothing", f"schema = {SCHEMA}", f"begin the case file with schema = {SCHEMA}")
+        raise InputError("schema", MISSING, f"schema = {SCHEMA}", f"begin the case file with schema = {SCHEMA}")
     if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
         raise InputError("schema", schema, f"schema = {SCHEMA}")
     if schema > SCHEMA:

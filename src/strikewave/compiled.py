@@ -25,18 +25,29 @@ F = TypeVar("F", bound=Callable[..., Any])
 PACKAGE = Path(__file__).parent
 
 
+def kernel_key(package: Path) -> str:
+    """Return a key made of numba's version and the source of every kernel in a package folder."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for source in sorted([*package.glob("**/_[a-z]*.py"), *package.glob("compiled.py")]):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def is_cold() -> bool:
+    """Tell whether the kernels have to be compiled before the first run."""
+    folder = cache_folder()
+    return folder is None or next(Path(folder).rglob("*.nbi"), None) is None
+
+
 @functools.cache
 def cache_folder() -> str | None:
     """Return the folder that holds compiled kernels, or None when none can be written.
 
     ``NUMBA_CACHE_DIR`` is used when it is set, and the user's cache folder otherwise.
     """
-    digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(PACKAGE.glob("**/_[a-z]*.py")):
-        digest.update(source.read_bytes())
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     base = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("strikewave", appauthor=False))
-    folder = base / f"kernels-{digest.hexdigest()[:16]}"
+    folder = base / f"kernels-{kernel_key(PACKAGE)}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):

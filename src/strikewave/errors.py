@@ -5,6 +5,9 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+MISSING = object()
+"""Stands for what came where nothing came."""
+
 
 class StrikewaveError(Exception):
     """Base of every error that strikewave raises on purpose."""
@@ -24,6 +27,8 @@ class InputError(StrikewaveError, ValueError):
     hint : str, optional
         What to do next, or the nearest match.
 
+    ``got`` may be `MISSING`, where nothing came.
+
     Examples
     --------
     >>> str(InputError("machine.speed", "730", "a rotational speed with its unit", 'write "730 rpm"'))
@@ -35,7 +40,8 @@ class InputError(StrikewaveError, ValueError):
         self.got = got
         self.allowed = allowed
         self.hint = hint
-        super().__init__(f"{field}: got {show(got)}; allowed: {allowed}" + (f"; {hint}" if hint else ""))
+        came = "missing; needed" if got is MISSING else f"got {show(got)}; allowed"
+        super().__init__(f"{field}: {came}: {allowed}" + (f"; {hint}" if hint else ""))
 
 
 class InputErrors(StrikewaveError, ValueError):  # noqa: N818  (it is several)

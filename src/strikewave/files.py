@@ -4,38 +4,53 @@ from __future__ import annotations
 
 import contextlib
 import os
+import secrets
 import shutil
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from strikewave.errors import InputError
+from strikewave.errors import InputError, show
 
 MARK = "case.toml"
 """The file that marks a folder as a result."""
+RESULT_FILES = (MARK, "solution.nc", "blows.csv", "summary.svg")
+"""What a result consists of; a folder that holds anything else is never replaced."""
 
 
 def check_place(folder: Path, identity: str, force: bool = False) -> None:
     """Refuse a result folder that holds something else.
 
     A folder that is absent, empty, or holds a result of the very same case (its ``case.toml`` equals
-    ``identity``) may be written; any other result only by ``force``; what is not a result never.
+    ``identity``) may be written; any other result only by ``force``; one that holds other files never.
 
     Raises
     ------
     InputError
         If the place is taken, is a file, or its parent cannot be written.
     """
+    try:
+        _check(folder, identity, force)
+    except OSError as error:
+        raise InputError("--out", str(folder), "a folder that can be written", error.strerror or str(error)) from None
+
+
+def _check(folder: Path, identity: str, force: bool) -> None:
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
         raise InputError("--out", str(folder), "a folder", "this is a file or a link; choose another name")
-    parent = next(p for p in [*folder.absolute().parents] if p.exists())
+    parent = next((p for p in folder.absolute().parents if p.exists()), None)
+    if parent is None:
+        raise InputError("--out", str(folder), "a folder below the root")
     if not parent.is_dir() or not os.access(parent, os.W_OK):
         raise InputError("--out", str(folder), "a place that can be written", f"{parent} cannot")
     if not folder.exists() or not any(folder.iterdir()):
         return
     mark = folder / MARK
-    if not mark.is_file():
-        raise InputError("--out", str(folder), "an empty or new folder", "it holds files that are not a result")
+    foreign = sorted(entry.name for entry in folder.iterdir() if entry.name not in RESULT_FILES)
+    if foreign or not mark.is_file():
+        hint = (
+            f"it holds files that are not of a result ({show(', '.join(foreign))}); move them, or choose another folder"
+        )
+        raise InputError("--out", str(folder), "an empty or new folder", hint)
     if not force and mark.read_text("utf-8", errors="replace") != identity:
         raise InputError(
             "--out", str(folder), "a new folder", "it holds the result of another case; add --force to replace it"
@@ -55,6 +70,7 @@ def whole_folder(folder: Path, identity: str, force: bool = False) -> Iterator[P
 
     Examples
     --------
+    >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as home:
     ...     with whole_folder(Path(home) / "out", identity="") as place:
     ...         _ = (place / "case.toml").write_text("")
@@ -63,16 +79,19 @@ def whole_folder(folder: Path, identity: str, force: bool = False) -> Iterator[P
     """
     check_place(folder, identity, force)
     folder = folder.absolute()
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    place = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    place = None
     try:
-        place.chmod(0o755)
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        place = _beside(folder)
+        place.mkdir()
         yield place
+        check_place(folder, identity, force)
         _swap(place, folder)
     except OSError as error:
         raise InputError("--out", str(folder), "a place that can be written", error.strerror or str(error)) from error
     finally:
-        shutil.rmtree(place, ignore_errors=True)
+        if place is not None:
+            shutil.rmtree(place, ignore_errors=True)
 
 
 def _swap(place: Path, folder: Path) -> None:
@@ -80,13 +99,35 @@ def _swap(place: Path, folder: Path) -> None:
     if not folder.exists():
         place.rename(folder)
         return
-    aside = Path(tempfile.mkdtemp(prefix=f".{folder.name}-old-", dir=folder.parent))
-    old = aside / folder.name
+    old = _beside(folder)
     folder.rename(old)
     try:
         place.rename(folder)
     except BaseException:
         old.rename(folder)
         raise
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file that appears whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written.
+    """
+    partial = _beside(path)
+    try:
+        with partial.open("x", encoding="utf-8") as file:
+            file.write(text)
+        partial.replace(path)
+    except OSError as error:
+        raise InputError("FILE", str(path), "a place that can be written", error.strerror or str(error)) from None
     finally:
-        shutil.rmtree(aside, ignore_errors=True)
+        partial.unlink(missing_ok=True)
+
+
+def _beside(path: Path) -> Path:
+    """Return a hidden name beside a path that nobody else has."""
+    return path.with_name(f".{path.name[:60]}-{secrets.token_hex(6)}")

@@ -29,19 +29,34 @@ def notices(case: Case, found: Sequence[Blow], ledger: Mapping[str, float]) -> t
         ``energy_error`` and ``momentum_error`` as shares.
     """
     struck = [blow for blow in found if blow.kind != "missed"]
-    listed = [*_ledger(ledger)]
+    listed = [*_changed(case), *_ledger(ledger)]
     if not struck:
-        listed.append(Notice("no-blow", "no striker touched the object", 0.0, 1.0, broken=True))
+        listed.append(
+            Notice(
+                "no-blow",
+                "no striker touched the object: see where it rests against machine.engagement",
+                0.0,
+                1.0,
+                broken=True,
+            )
+        )
         return tuple(listed)
     listed += [*_odd_blows(case, found), *_yield(case, struck), *_recorder(case, struck)]
     return tuple(listed)
+
+
+def _changed(case: Case) -> Iterator[Notice]:
+    changed = case.changed_fields()
+    if changed:
+        message = f"the published numbers belong to the case {case.source}; this one differs in {', '.join(changed)}"
+        yield Notice("changed-case", message, float(len(changed)), 0.0)
 
 
 def _ledger(ledger: Mapping[str, float]) -> Iterator[Notice]:
     for key, error in ledger.items():
         if not error <= LEDGER_LIMIT:
             name = key.removesuffix("_error")
-            message = f"the {name} ledger does not close: lower solver.tolerance"
+            message = f"the {name} ledger misses {error:.1e}: lower solver.tolerance, or take less extreme values"
             yield Notice(f"{name}-ledger", message, error, LEDGER_LIMIT, broken=True)
 
 
@@ -49,10 +64,13 @@ def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
     made, wanted = sum(blow.kind != "missed" for blow in found), case.feed.blows.si
     if made != wanted:
         message = f"{made} blows instead of the {wanted:.0f} wanted"
-        yield Notice("blow-count", message, float(made), wanted)
+        yield Notice("blow-count", message, float(made), wanted, broken=True)
     odd = [f"{blow.index} {blow.kind}" for blow in found if blow.kind != "full"]
     if odd:
-        yield Notice("blow-kind", "not every blow is full: " + ", ".join(odd), float(len(odd)), 0.0)
+        message = "not every blow is full: " + ", ".join(odd)
+        if any(blow.kind == "double" for blow in found):
+            message += "; impulse and velocity change of a double blow span its whole pass"
+        yield Notice("blow-kind", message, float(len(odd)), 0.0)
 
 
 def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
@@ -66,8 +84,9 @@ def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     peak = max(blow.peak_force for blow in struck)
     if peak > limit:
         message = (
-            "the line contact yields below its surface (von Mises): the elastic contact law is stretched, "
-            "and only the rigid pulse, which hangs on frame and mount, can be trusted"
+            f"the line contact yields below its surface (von Mises) beyond {limit / 1e3:.3g} kN and is loaded with "
+            f"{peak / 1e3:.3g} kN: the elastic law is stretched; trust the rigid pulse, which hangs on frame and "
+            "mount, more than the contact force"
         )
         yield Notice("contact-yield", message, peak, limit)
 
@@ -84,9 +103,9 @@ def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
         )
         yield Notice("recorder-memory", message, end, last)
     if begin > struck[0].time:
-        message = "the recorder starts after the first blow: shorten recorder.delay"
+        message = f"the recorder starts at {begin * 1e3:.4g} ms, after the first blow: shorten recorder.delay"
         yield Notice("recorder-delay", message, begin, struck[0].time)
     intervals = struck[0].width * recorder.sampling_rate.si
     if intervals < FEWEST_INTERVALS:
-        message = "few sampling intervals a pulse: the recorded peak may be more than 1 % low"
+        message = f"{intervals:.1f} sampling intervals a pulse: the recorded peak may be more than 1 % low"
         yield Notice("recorder-rate", message, intervals, FEWEST_INTERVALS)

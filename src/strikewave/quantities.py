@@ -117,11 +117,15 @@ class Range:
                 typed = float(typed)
             except ValueError:
                 raise InputError("", typed, self.allowed(), "this quantity has no unit") from None
-        if isinstance(typed, bool) or not isinstance(typed, int | float) or not math.isfinite(typed):
+        if isinstance(typed, bool) or not isinstance(typed, int | float):
             raise InputError("", typed, self.allowed())
-        if self.unit == "count" and typed != int(typed):
+        try:
+            number = float(typed)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number) or (self.unit == "count" and number != int(number)):
             raise InputError("", typed, self.allowed())
-        return float(typed)
+        return number
 
 
 def _of(unit: str, low: float = -math.inf, high: float = math.inf, open_low: bool = False) -> Any:
@@ -139,17 +143,18 @@ def not_negative(unit: str, high: float = math.inf) -> Any:
 
 
 Mass = Annotated[Value, positive("kg", 1e6)]
-Inertia = Annotated[Value, positive("kg m^2", 1e7)]
+Inertia = Annotated[Value, positive("kg m^2", 1e5)]
 Length = Annotated[Value, positive("m", 1e4)]
 Duration = Annotated[Value, not_negative("s", 1e5)]
-PositiveDuration = Annotated[Value, positive("s", 1e5)]
+FeedTime = Annotated[Value, positive("s", 10.0)]
+OutputStep = Annotated[Value, _of("s", 1e-7, 1.0)]
 Rotation = Annotated[Value, positive("rad/s", 1e5)]
 Torque = Annotated[Value, positive("N m", 1e7)]
 RotationGain = Annotated[Value, positive("N m s/rad", 1e7)]
 RotationDrag = Annotated[Value, not_negative("N m s/rad", 1e5)]
-SpringRate = Annotated[Value, positive("N/m", 1e14)]
+SpringRate = Annotated[Value, positive("N/m", 1e12)]
 Damping = Annotated[Value, not_negative("N s/m", 1e9)]
-Force = Annotated[Value, not_negative("N", 1e9)]
+Force = Annotated[Value, not_negative("N", 1e6)]
 Speed = Annotated[Value, positive("m/s", 1e4)]
 Acceleration = Annotated[Value, _of("m/s^2", -1e9, 1e9)]
 Frequency = Annotated[Value, positive("Hz", 1e12)]
@@ -158,7 +163,7 @@ Restitution = Annotated[Value, _of("", 0.01, 1.0)]
 Tolerance = Annotated[Value, _of("", 1e-12, 1e-5)]
 Count = Annotated[Value, _of("count", 1, 100)]
 BlowCount = Annotated[Value, _of("count", 1, 1000)]
-SampleCount = Annotated[Value, _of("count", 10, 100_000_000)]
+SampleCount = Annotated[Value, _of("count", 10, 10_000_000)]
 
 
 def value_of(si: float, unit: str, shown: str, provenance: Provenance = "assumed", note: str = "") -> Value:

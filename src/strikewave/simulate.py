@@ -77,7 +77,7 @@ def printed_law_on_rigid_object(case: Case, machine: RotaryMachine) -> RigidRefe
 def published_value(name: str, found: Sequence[Blow]) -> float | None:
     """Return the computed number that a published one is set beside; None where there is none.
 
-    ``first`` is the first blow that touched, ``typical`` the median of the later full blows, ``count`` the
+    ``first`` is the first blow that touched, ``typical`` the median of the later full or double blows, ``count`` the
     number of blows, ``window`` the time from the first to the last.
     """
     struck = [blow for blow in found if blow.kind != "missed"]
@@ -90,12 +90,13 @@ def published_value(name: str, found: Sequence[Blow]) -> float | None:
     which, _, quantity = name.partition(".")
     if which == "first":
         return float(getattr(struck[0], quantity))
-    later = [float(getattr(blow, quantity)) for blow in struck[1:] if blow.kind == "full"]
+    later = [float(getattr(blow, quantity)) for blow in struck[1:] if blow.kind in ("full", "double")]
     return median(later) if later else None
 
 
 def compare(case: Case, found: Sequence[Blow]) -> tuple[Comparison, ...]:
     """Set the published numbers of a case beside the computed ones; the difference is relative."""
+    changed = case.changed_fields()
     rows = []
     for entry in case.published:
         computed = published_value(entry.quantity, found)
@@ -107,8 +108,8 @@ def compare(case: Case, found: Sequence[Blow]) -> tuple[Comparison, ...]:
                 measured_or_simulated=entry.origin,
                 computed=computed,
                 difference=difference,
-                role=entry.role,
-                note=entry.note,
+                role="shown" if changed else entry.role,
+                note=f"the case differs in {', '.join(changed)}" if changed else entry.note,
             )
         )
     return tuple(rows)

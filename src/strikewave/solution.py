@@ -23,7 +23,7 @@ from strikewave._version import __version__
 from strikewave.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
 from strikewave.errors import InputError
 from strikewave.machines import Blow
-from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window
+from strikewave.machines.blows import KINDS, WINDOW_AFTER, WINDOW_BEFORE, pulse_window
 from strikewave.machines.rotary import RotaryRun
 
 if TYPE_CHECKING:
@@ -51,6 +51,19 @@ BLOW_UNITS = {
     "turntable_speed": "rad/s",
 }
 """SI unit of each column of the table of blows that has one."""
+
+HISTORIES = (
+    "contact_force",
+    "rigid_acceleration",
+    "nose_position",
+    "assembly_position",
+    "assembly_speed",
+    "turntable_speed",
+    "pulse_force",
+    "pulse_acceleration",
+    "record_acceleration",
+)
+"""The histories of a solution."""
 
 DETAIL_COLUMNS = ("striker", "contact_impulse", "support_impulse", "momentum_error", "rise", "retreat")
 """Columns of blows.csv that the JSON document leaves out."""
@@ -129,6 +142,14 @@ class Solution:
     reference: RigidReference
     citations: tuple[str, ...]
     data: xarray.Dataset = field(repr=False, compare=False)
+
+    @property
+    def title(self) -> str:
+        """The title of the case, with the fields in which it differs from the published one."""
+        changed = self.case.changed_fields()
+        shown = ", ".join(f"{path} = {self.case.values()[path].typed}" for path in changed[:3])
+        more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
+        return (self.case.title or self.case.name) + (f"; here {shown}{more}" if changed else "")
 
     @property
     def broken(self) -> bool:
@@ -226,7 +247,7 @@ def build_dataset(case: Case, run: RotaryRun, found: Sequence[Blow]) -> xarray.D
     force, acceleration = (np.full((len(found), pulse_time.size), np.nan) for _ in range(2))
     for row, blow in enumerate(found):
         if blow.kind != "missed":
-            since, f, a = pulse_window(run, blow.time, PULSE_STEP)
+            since, f, a = pulse_window(run, blow.time, WINDOW_AFTER, PULSE_STEP)
             force[row, : since.size], acceleration[row, : since.size] = f[: pulse_time.size], a[: pulse_time.size]
     recorder = case.recorder
     record_time = (
@@ -288,7 +309,7 @@ def load_solution(path: Path | str) -> Solution:
         with xarray.open_dataset(path, engine="h5netcdf") as opened:
             if opened.nbytes > LARGEST_LOAD:
                 raise InputError("solution", str(path), "a file of at most 4 GB in memory")
-            schema = int(opened.attrs["strikewave_schema"])
+            schema = opened.attrs["strikewave_schema"]
             if schema != SCHEMA:
                 raise InputError(
                     "solution", str(path), f"schema {SCHEMA}", f"it has schema {schema}: update strikewave"
@@ -298,9 +319,12 @@ def load_solution(path: Path | str) -> Solution:
         state = json.loads(data.attrs.pop("tables"))
         columns = [f.name for f in dataclasses.fields(Blow)]
         rows = zip(*(data["blow" if c == "index" else f"blow_{c}"].values.tolist() for c in columns), strict=True)
+        blows = tuple(Blow(*row) for row in rows)
+        if not {blow.kind for blow in blows} <= set(KINDS) or not set(HISTORIES) <= set(data.variables):
+            raise ValueError("a blow of unknown kind, or a history is missing")
         return Solution(
             case=case,
-            blows=tuple(Blow(*row) for row in rows),
+            blows=blows,
             masses=state["masses"],
             phases=tuple((name, time) for name, time in state["phases"]),
             ledger=state["ledger"],
@@ -310,9 +334,9 @@ def load_solution(path: Path | str) -> Solution:
             citations=tuple(state["citations"]),
             data=data.drop_attrs(deep=False),
         )
-    except (OSError, KeyError, ValueError, TypeError, AttributeError) as error:
-        if isinstance(error, InputError):
-            raise
+    except InputError:
+        raise
+    except Exception as error:  # whatever a damaged file makes the readers raise
         raise InputError(
             "solution", str(path), "a solution.nc that `strikewave run` wrote", f"it cannot be read ({error})"
         ) from error

@@ -42,6 +42,7 @@ _NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
 _WORD = r"[A-Za-zµμΩ°%_]{1,30}(?:(?:\^|\*\*)-?\d)?"
 _UNIT = rf"(?:1|{_WORD})(?:\s*[*/·]\s*{_WORD}|\s+{_WORD})*"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*({_UNIT})?\s*")
+_ANGLE = re.compile(r"(?<![A-Za-z])(?:rad|radian|deg|degree|°|r|rpm|turn|revolution)(?![A-Za-z])")
 _LONGEST = 80
 
 
@@ -114,6 +115,11 @@ def parse_quantity(text: object, si: str, field: str) -> float:
         raise InputError(field, text, allowed, hint or f'"{unit.strip()}" is not {name}') from None
     except (pint.PintError, ValueError, TypeError, ArithmeticError, AssertionError):
         raise InputError(field, text, allowed, "the unit could not be read") from None
+    turns = bool(_ANGLE.search(unit))
+    if si in ("rad", "rad/s") and not turns:
+        raise InputError(field, text, allowed, f'"{unit.strip()}" does not say turns or radians: write rpm, rad/s, deg')
+    if si == "Hz" and turns:
+        raise InputError(field, text, allowed, f'"{unit.strip()}" is a speed of rotation, not a frequency')
     if not math.isfinite(value):
         raise InputError(field, text, allowed, "the value is not finite")
     return value

@@ -83,6 +83,32 @@ def test_changed_case_goes_to_a_folder_of_its_own(strikewave):
     assert len(os.listdir("out")) == 2
 
 
+def test_out_name_holds_the_last_run_of_that_name(strikewave):
+    """new, run, change, run: nobody has to type --force for the folder that the command chose itself."""
+    assert strikewave("new", "mine")[0] == 0
+    assert strikewave("run", "mine.toml", "--set", "feed.blows=1")[0] == 0
+    text = open("mine.toml").read().replace("value = 11,", "value = 1,", 1)
+    for speed in ("730 rpm", "700 rpm"):
+        open("mine.toml", "w").write(text.replace('"730 rpm"', f'"{speed}"'))
+        assert strikewave("run", "mine.toml")[0] == 0
+    assert "700 rpm" in open("out/mine/case.toml").read()
+
+
+def test_a_changed_case_says_so(strikewave):
+    code, out, err = strikewave("run", "li-ma-2019", "--set", "machine.speed=700 rpm", "--set", "feed.blows=2")
+    assert code == 0
+    assert "here machine.speed = 700 rpm" in out
+    assert "predicted" not in out
+    assert "[changed-case]" in err
+    assert any(line.startswith("li-ma-2019: 700 rpm, 4 strikers") for line in err.splitlines())
+
+
+def test_fewer_or_more_blows_than_wanted_break_a_limit(strikewave):
+    code, _, err = strikewave("run", "li-ma-2019", "--set", "feed.retract_time=200 ms", "--set", "feed.blows=2")
+    assert code == 3
+    assert "instead of the 2 wanted" in err
+
+
 def test_json_goes_anywhere_after_the_command(strikewave):
     documents = [
         strikewave("cases", "--json")[1],
@@ -159,7 +185,10 @@ BAD = [
     "impact --m1 1 --m2 1 --speed 1 --stiffness 1e9 --exponent 1.5 --damping exat",
     "impact --m1 1 --m2 1 --speed 1 --law palmgren", "impact --m1 1 --m2 1 --speed 1 --law hertz",
     "impact --m1 1 --m2 1 --speed 1 --law palmgrn", "impact --m1 heavy --m2 1 --speed 1 --law hertz",
-    "impact --m1 1 --m2 1 --speed 1 --law palmgren --length 4 --stiffness 1e9",
+    "impact --m1 1 --m2 1 --speed 1 --law palmgren --length 4 --stiffness 1e9", "run li-ma-2019 --out /",
+    "impact --m1 1e300 --m2 1e300 --speed 1e300 --stiffness 1e9 --exponent 1.5", "new .", "new a/..",
+    "impact --m1 1 --m2 1 --speed 1 --stiffness 1e9 --exponent 1.5 -e 1e-200", "run " + "x" * 300,
+    "run li-ma-2019 --out " + "x" * 300, "run li-ma-2019 --out taken/below",
 ]  # fmt: skip
 
 

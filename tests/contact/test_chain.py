@@ -208,6 +208,80 @@ def test_random_chains_keep_momentum_and_energy(count, random):
     assert np.all(motion.dissipated() >= -1e-9 * before)
 
 
+@pytest.mark.parametrize("speed", np.linspace(4.4294, 4.62, 40))
+def test_no_grazing_contact_is_missed(speed):
+    """1 kg thrown at a ceiling 1 m above: it touches whenever v0^2 > 2 g h, however briefly beside the step."""
+    gravity = -9.81
+    chain = Chain(
+        {"ball": 1.0}, bases={"ceiling": 1.0}, links=[Touch("ball", "ceiling", Contact(1e6, 1.5))], gravity=gravity
+    )
+    motion = simulate(chain, {}, {"ball": speed}, duration=0.85)
+    closing = speed**2 - 2 * 9.81
+    assert len(motion.contacts(0)) == (1 if closing > 0 else 0)
+    if closing > 0:
+        assert motion.contacts(0)[0, 2] == pytest.approx(math.sqrt(closing), rel=1e-6)
+
+
+def test_resting_contact_settles_where_weight_and_stiffness_balance():
+    chain = Chain(
+        {"ball": 1.0}, bases={"floor": 0.0}, links=[Touch("ball", "floor", Contact(1e9, 1.5, 2.0))], gravity=9.81
+    )
+    motion = simulate(chain, {}, {}, duration=0.5)
+    assert motion.positions(0.5)[0] == pytest.approx((9.81 / 1e9) ** (2 / 3), rel=1e-3)
+
+
+def test_ball_dropped_from_rest_keeps_the_restitution():
+    """Dropped 1 m on an exact contact of e = 0.6, it rises to e^2 of the height (static sag left out)."""
+    chain = Chain(
+        {"ball": 1.0}, bases={"floor": 1.0}, links=[Touch("ball", "floor", Contact(1e9, 1.5, exact(0.6)))], gravity=9.81
+    )
+    motion = simulate(chain, {}, {}, duration=0.8)
+    t = np.linspace(0.46, 0.8, 4001)
+    assert 1 - motion.positions(t).min() == pytest.approx(0.36, rel=2e-3)
+
+
+def test_initial_overlap_takes_the_speed_it_has():
+    chain = Chain({"a": 1.0, "b": 1.0}, links=[Touch("a", "b", Contact(1e9, 1.0, exact(0.5)))])
+    motion = simulate(chain, {"a": 1e-6}, {"a": 1.0}, duration=1e-3)
+    assert motion.forces(0.0)[0] == pytest.approx(1e3 * (1 + float(exact(0.5))), rel=1e-9)
+    assert motion.contacts(0)[0, 2] == 1.0
+
+
+def test_samples_come_in_any_order_and_only_from_within():
+    chain = Chain({"m": 1.0}, bases={"wall": 0.0}, links=[Spring("m", "wall", 1e4)])
+    motion = simulate(chain, {"m": 1e-3}, {}, duration=1.0)
+    t = np.array([0.9, 0.1, 0.5])
+    assert np.array_equal(motion.positions(t), motion.positions(np.sort(t))[[2, 0, 1]])
+    for outside in (-0.1, 1.1, math.nan):
+        with pytest.raises(ValueError, match="within the motion"):
+            motion.positions(outside)
+    for duration in (0.0, -1.0, math.nan, math.inf):
+        with pytest.raises(ValueError, match="must end"):
+            simulate(chain, {"m": 1e-3}, {}, duration)
+
+
+@pytest.mark.parametrize(
+    ("bodies", "bases", "links"),
+    [
+        ({"a": 1.0}, {"a": 0.0}, []),
+        ({"a": 1.0}, {"p": 0.0, "q": 0.0}, [Spring("p", "q", 1.0)]),
+        ({"a": 1.0}, {}, [Spring("a", "a", 1.0)]),
+        ({"a": 1.0, "b": 1.0}, {}, [Stop("a", "b", -1.0)]),
+        ({"a": 1.0, "b": 1.0}, {}, [Touch("a", "b", Contact(1e9, 1.5, -1.0))]),
+        ({}, {"p": 0.0}, []),
+    ],
+)
+def test_links_that_make_no_sense_are_refused(bodies, bases, links):
+    with pytest.raises(ValueError, match=r"node|link"):
+        Chain(bodies, links, bases)
+
+
+def test_unknown_body_at_the_start_is_refused():
+    chain = Chain({"a": 1.0, "b": 1.0}, links=[Spring("a", "b", 1.0)])
+    with pytest.raises(ValueError, match="no body 'bb'"):
+        simulate(chain, {"bb": 0.1}, {}, 1.0)
+
+
 def test_impossible_chains_are_refused():
     with pytest.raises(ValueError, match="positive and finite"):
         Chain({"a": 0.0}, links=[])

@@ -1,5 +1,6 @@
 """The solution: saved and loaded alike, whole or not at all, with units; hostile files refused."""
 
+import dataclasses
 import errno
 import json
 import math
@@ -66,6 +67,23 @@ def test_damaged_files_are_refused(tmp_path, content):
         load_solution(path)
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # of the readers
+def test_flipped_bytes_are_refused_or_read_but_never_crash(solution, tmp_path, rng):
+    path = tmp_path / "solution.nc"
+    small = dataclasses.replace(solution, data=solution.data.isel(time=slice(0, 50), record_time=slice(0, 50)))
+    small.save(path)
+    whole = path.read_bytes()
+    for _ in range(150):
+        data = bytearray(whole)
+        for place in rng.integers(0, min(len(data), 20000), 3):
+            data[place] ^= int(rng.integers(1, 256))
+        path.write_bytes(bytes(data))
+        try:
+            load_solution(path)
+        except InputError as error:
+            assert "strikewave run" in str(error) or "schema" in str(error)
+
+
 def test_foreign_netcdf_is_refused(tmp_path):
     import xarray
 
@@ -110,6 +128,24 @@ def test_another_result_is_only_replaced_by_force(tmp_path):
         write("two")
     write("two", force=True)
     assert (tmp_path / "out" / "case.toml").read_text() == "two"
+    assert names(tmp_path) == ["out"]
+
+
+def test_a_result_with_files_of_others_is_never_replaced(tmp_path):
+    with whole_folder(tmp_path / "out", "x") as place:
+        (place / "case.toml").write_text("x")
+    (tmp_path / "out" / "notes.txt").write_text("mine")
+    for force in (False, True):
+        with pytest.raises(InputError, match=r"notes\.txt"), whole_folder(tmp_path / "out", "x", force):
+            pass
+    assert (tmp_path / "out" / "notes.txt").read_text() == "mine"
+
+
+def test_a_place_taken_meanwhile_is_not_replaced(tmp_path):
+    with pytest.raises(InputError, match=r"thesis"), whole_folder(tmp_path / "out", "x") as place:
+        (place / "case.toml").write_text("x")
+        (tmp_path / "out").mkdir()
+        (tmp_path / "out" / "thesis.txt").write_text("years of work")
     assert names(tmp_path) == ["out"]
 
 

@@ -62,6 +62,14 @@ def test_what_is_no_length_is_refused_in_one_line(text):
     assert "a length" in line
 
 
+@pytest.mark.parametrize(
+    ("text", "si"), [("8.3 Hz", "rad/s"), ("730 1/min", "rad/s"), ("730 rpm", "Hz"), ("3 m/m", "rad")]
+)
+def test_turns_and_frequencies_are_never_mixed_up(text, si):
+    with pytest.raises(InputError):
+        parse_quantity(text, si, "machine.speed")
+
+
 @pytest.mark.parametrize("raw", [5, 5.0, True, None, [], {}, float("nan"), b"5 m"])
 def test_what_is_no_text_is_refused(raw):
     with pytest.raises(InputError, match="allowed: a length"):

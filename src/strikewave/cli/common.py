@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -98,5 +99,5 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], lef
         made.add_row(*(escape(cell) for cell in row))
     console = Console(soft_wrap=False)
     if not console.is_terminal:
-        console.width = 160
+        console.width = int(os.environ.get("COLUMNS", "160")) if os.environ.get("COLUMNS", "160").isdigit() else 160
     console.print(made)

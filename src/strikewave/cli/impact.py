@@ -12,6 +12,9 @@ from strikewave.cli.common import Json, head, number, print_json, say, table
 if TYPE_CHECKING:
     from strikewave.contact import Stiffness
 
+LARGEST_INDENTATION = 0.05
+"""Share of the radius beyond which the indentation is warned of."""
+
 _UNITS = {
     "restitution": "1",
     "asked_restitution": "1",
@@ -53,7 +56,7 @@ def command(
 
     if damping not in DAMPING_LAWS:
         raise InputError("--damping", damping, "a damping law", nearest(damping, DAMPING_LAWS))
-    asked = _plain(restitution, "--restitution", 0.0, 1.0)
+    asked = _plain(restitution, "--restitution", 1e-6, 1.0)
     masses = [_quantity(m, "kg", f"--m{i}", infinite=True) for i, m in enumerate((m1, m2), start=1)]
     if all(math.isinf(mass) for mass in masses):
         raise InputError("--m2", m2, "at most one infinite mass")
@@ -76,9 +79,17 @@ def command(
         "damping": damping,
         "damping_status": DAMPING_LAWS[damping].status,
     }
+    if not all(math.isfinite(value) for value in result.values() if isinstance(value, float)):
+        raise InputError("impact", f"{m1}, {m2}, {speed}", "masses, speed and stiffness whose result is finite")
     warnings = []
+    share = result["max_indentation"] / _quantity(radius1, "m", "--radius1") if law == "hertz" and radius1 else 0.0
+    if share > LARGEST_INDENTATION:
+        message = f"the indentation is {share:.0%} of the radius: Hertz's law holds for small indentations"
+        warnings.append({"code": "indentation-large", "message": message, "value": share, "limit": LARGEST_INDENTATION})
     if abs(result["restitution"] - asked) > 1e-9:
-        message = f"the law {damping} gives another restitution than the one asked for; exact gives it"
+        message = (
+            f"the law {damping} gives e = {result['restitution']:.4f}, not the {asked:g} asked for; exact gives it"
+        )
         warnings.append(
             {"code": "restitution-differs", "message": message, "value": result["restitution"], "limit": asked}
         )
@@ -86,7 +97,7 @@ def command(
         print_json({**head(_UNITS, warnings), **result})
         return 0
     rows = [
-        ("restitution (asked)", f"{result['restitution']:.6g} ({asked:g})"),
+        ("restitution", f"{result['restitution']:.6g}, {asked:g} asked for"),
         ("largest indentation", number(result["max_indentation"], "m", "um", 6) + " um"),
         ("peak force", number(result["peak_force"], "N", "N", 6) + " N"),
         ("duration", number(result["duration"], "s", "us", 6) + " us"),
@@ -96,7 +107,7 @@ def command(
     ]
     table("Impact of two free bodies", ["", ""], rows)
     for warning in warnings:
-        say(f"warning [{warning['code']}]: {warning['message']} ({warning['value']:.4f} against {warning['limit']:g})")
+        say(f"warning [{warning['code']}]: {warning['message']}")
     return 0
 
 
@@ -108,13 +119,13 @@ def _stiffness(
     names: tuple[str, str],
 ) -> Stiffness:
     from strikewave.contact import STIFFNESS_LAWS, Stiffness, hertz, palmgren
-    from strikewave.errors import InputError, nearest
+    from strikewave.errors import MISSING, InputError, nearest
     from strikewave.materials import material
 
     if (stiffness is None) == (law is None):
         raise InputError(
             "--stiffness",
-            stiffness or "nothing",
+            stiffness or MISSING,
             "either --stiffness with --exponent, or --law",
             "give exactly one of them",
         )
@@ -132,12 +143,10 @@ def _stiffness(
     bodies = [material(name, f"--material{i}") for i, name in enumerate(names, start=1)]
     if law == "palmgren":
         if sizes[0] is None:
-            raise InputError(
-                "--length", "nothing", "the contact length of the law palmgren", 'such as --length "40 mm"'
-            )
+            raise InputError("--length", MISSING, "the contact length of the law palmgren", 'such as --length "40 mm"')
         return palmgren(bodies[0], bodies[1], _quantity(sizes[0], "m", "--length"))
     if sizes[1] is None:
-        raise InputError("--radius1", "nothing", "the radius of the law hertz", 'such as --radius1 "10 mm"')
+        raise InputError("--radius1", MISSING, "the radius of the law hertz", 'such as --radius1 "10 mm"')
     return hertz(
         bodies[0],
         bodies[1],

@@ -18,22 +18,18 @@ def command(
     force: Force = False,
 ) -> int:
     """Write a new case file to edit, with every value and its provenance."""
-    from strikewave.case import dump_case, load_case
+    from strikewave.case import dump_case, load_case, parse_case
     from strikewave.errors import InputError
+    from strikewave.files import write_whole
 
-    path = file if file.suffix == ".toml" else file.with_name(file.name + ".toml")
+    if not file.name or file.suffix not in ("", ".toml"):
+        raise InputError("FILE", str(file), "the name of a case file, such as my-machine.toml")
+    path = file.with_name(file.stem + ".toml")
     if path.exists() and not force:
         raise InputError("FILE", str(path), "a name that is not taken", "add --force to replace it")
     if not path.absolute().parent.is_dir():
         raise InputError("FILE", str(path), "a file in a folder that exists")
     case = load_case(origin)
-    text = dump_case(case.model_copy(update={"name": path.stem}))
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        partial.write_text(text, "utf-8")
-        partial.replace(path)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise InputError("FILE", str(path), "a place that can be written", error.strerror or "") from None
+    write_whole(path, dump_case(parse_case(dump_case(case.model_copy(update={"name": path.stem})))))
     say(f"written: {path}; change a value, then: strikewave run {path}")
     return 0

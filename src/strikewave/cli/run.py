@@ -17,7 +17,6 @@ from strikewave.cli.common import (
     number,
     print_json,
     say,
-    significant,
     table,
 )
 
@@ -53,6 +52,7 @@ def command(case: CaseName, changes: Changes = None, out: Out = None, force: For
     read = load_case(case, changes or ())
     text = dump_case(read)
     folder = out or (None if json else default_folder(read, bool(changes), text))
+    force = force or out is None  # out/NAME always holds the last run of that name
     if folder is not None:
         check_place(folder, text, force)
     solution = _solve(read)
@@ -98,8 +98,12 @@ def _solve(case: Case) -> Solution:
         TimeElapsedColumn(),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("starting (the first run after install compiles, about 20 s)", total=1.0)
+        task = progress.add_task("starting", total=1.0)
+        from strikewave.compiled import is_cold
         from strikewave.simulate import run_case
+
+        if is_cold():
+            progress.console.print("compiling the kernels: once after install, about 20 s", highlight=False)
 
         def report(share: float) -> None:
             progress.update(task, completed=share, description="blows")
@@ -113,7 +117,8 @@ def _print(solution: Solution) -> None:
         [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in _COLUMNS), str(b.contacts)]
         for b in solution.blows
     ]
-    table(solution.case.title or solution.case.name, columns, rows, left=2)
+    say(_header(solution))
+    table(solution.title, columns, rows, left=2)
     _print_published(solution)
     r = solution.reference
     pulse = (
@@ -132,8 +137,22 @@ def _print(solution: Solution) -> None:
     ledger = solution.ledger
     say(f"ledger: energy {ledger['energy_error']:.1e}, momentum {ledger['momentum_error']:.1e} (limit 1e-6)")
     for notice in solution.warnings:
-        value, limit = significant(notice.value, 4), significant(notice.limit, 4)
-        say(f"warning [{notice.code}]: {notice.message} ({value} against {limit})")
+        say(f"warning [{notice.code}]: {notice.message}")
+
+
+def _header(solution: Solution) -> str:
+    """Return the main settings in one line."""
+    case = solution.case
+    turntable, nominal = case.machine.speed.si, solution.reference.approach_speed
+    settings = (
+        f"{number(turntable, 'rad/s', 'rpm', 4)} rpm",
+        f"{case.machine.strikers.si:.0f} strikers",
+        f"engagement {number(case.machine.engagement.si, 'm', 'mm', 4)} mm",
+        f"nominal approach {nominal:.4g} m/s",
+        f"object {case.object.mass.si:.4g} kg",
+        f"{case.feed.blows.si:.0f} blows wanted",
+    )
+    return f"{case.name}: " + ", ".join(settings)
 
 
 def _print_published(solution: Solution) -> None:

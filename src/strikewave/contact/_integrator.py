@@ -198,12 +198,36 @@ def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
 
 
 @kernel
+def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
+    """Return a switch that falls below zero and rises again between three positive samples, and where.
+
+    The lowest point of the parabola through the samples tells where to look.
+    """
+    for which in range(now.size):
+        a, b, c = earlier[which], previous[which], now[which]
+        curvature = a - 2.0 * b + c
+        if min(a, b, c) <= 0.0 or curvature <= 0.0:
+            continue
+        shift = 0.5 * (a - c) / curvature
+        if abs(shift) >= 1.0 or b - 0.25 * (a - c) * shift > 0.25 * min(a, b, c):
+            continue
+        x = (j - 1 + shift) / _SAMPLES
+        evaluate(dense, x, work)
+        switches(system, t + x * h, work, mode, memory, g)
+        if g[which] < 0.0:
+            low = (j - 2) / _SAMPLES if shift < 0.0 else (j - 1) / _SAMPLES
+            return which, _root(system, which, t, h, dense, mode, memory, low, x, work, g)
+    return -1, 1.0
+
+
+@kernel
 def _first_switch(system, t, h, dense, mode, memory, before, work, g):
     """Return the first switch within the step and its fraction; -1 when there is none."""
     found, at = -1, 1.0
-    previous, now = np.empty(before.size), np.empty(before.size)
-    for which in range(before.size):
-        previous[which] = before[which]
+    size = before.size
+    earlier, previous, now = np.empty(size), np.empty(size), np.empty(size)
+    for which in range(size):
+        earlier[which] = previous[which] = before[which]
     for j in range(1, _SAMPLES + 1):
         x = j / _SAMPLES
         evaluate(dense, x, work)
@@ -213,10 +237,12 @@ def _first_switch(system, t, h, dense, mode, memory, before, work, g):
                 root = _root(system, which, t, h, dense, mode, memory, (j - 1) / _SAMPLES, x, work, g)
                 if found < 0 or root < at:
                     found, at = which, root
+        if found < 0 and j > 1:
+            found, at = _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g)
         if found >= 0:
             return found, at
-        for which in range(now.size):
-            previous[which] = now[which]
+        for which in range(size):
+            earlier[which], previous[which] = previous[which], now[which]
     return found, at
 
 

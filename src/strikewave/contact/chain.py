@@ -70,13 +70,15 @@ class Touch:
     """A contact by the law F = K d^n (1 + chi d'/v0), clipped at zero.
 
     v0 is the approach speed of this contact, but never below ``slowest_approach`` (m/s): the law
-    describes a blow, and with v0 near zero it would make a slowly pressed contact rigid.
+    describes a blow, and with v0 near zero it would make a slowly pressed contact rigid. Where none is
+    given, a thousandth of the chain's speed scale serves. A contact that overlaps at the start takes its
+    speed there as its approach speed.
     """
 
     behind: str
     ahead: str
     contact: Contact
-    slowest_approach: float = 1e-6
+    slowest_approach: float = 0.0
     offset: float = 0.0
 
 
@@ -109,10 +111,19 @@ class Chain:
         for name, mass in self.bodies.items():
             if not (mass > 0.0 and np.isfinite(mass)):
                 raise ValueError(f"mass of {name!r} must be positive and finite, got {mass!r}")
+        both = sorted(set(self.bodies) & set(self.bases))
+        if both or not self.bodies:
+            raise ValueError(f"a node is either a body or a base, and one must be a body, got both {both}")
         for link in self.links:
             for node in (link.behind, link.ahead):
                 if node not in self.nodes:
                     raise ValueError(f"link to unknown node {node!r}; {nearest(node, self.nodes)}")
+            if link.behind == link.ahead or not {link.behind, link.ahead} & set(self.bodies):
+                raise ValueError(f"a link joins two nodes, one of them a body, got {link.behind!r} and {link.ahead!r}")
+            given = link.contact if isinstance(link, Touch) else link
+            damping = given.hysteresis_factor if isinstance(given, Contact) else given.damping
+            if not (np.all(np.asarray(given.stiffness) >= 0.0) and np.all(np.asarray(damping) >= 0.0)):
+                raise ValueError(f"stiffness and damping of a link must not be negative, got {given!r}")
 
     @property
     def nodes(self) -> list[str]:
@@ -229,6 +240,8 @@ def simulate(
 
     Raises
     ------
+    ValueError
+        If a name is not a body's, or the duration is not positive and finite.
     IntegrationError
         If the motion cannot be followed.
 
@@ -246,18 +259,31 @@ def simulate(
     bases[PLACE] = base
     table = np.column_stack([masses, np.full(masses.size, float(chain.gravity))])
     system = ChainSystem(table, bases, links.joins, links.values)
-    speed = max(np.ptp(v) if v.size > 1 else 0.0, np.abs(v).max(initial=0.0), 1e-6)
+    unknown = [name for name in (*positions, *speeds) if name not in names]
+    if unknown:
+        raise ValueError(f"no body {unknown[0]!r}; {nearest(unknown[0], names)}")
+    speed = _speed_scale(chain, links, np.concatenate([x, base]), v)
+    links.values[:, SLOWEST] = np.where(links.values[:, SLOWEST] > 0.0, links.values[:, SLOWEST], 1e-3 * speed)
     period = shortest_time(chain, speed)
     energy = 0.5 * float(masses @ v**2) + 0.5 * float(masses.sum()) * speed**2
     scale = np.concatenate([np.full(x.size, speed * period), np.full(x.size, speed), np.full(len(chain.links), energy)])
-    start = State(
-        0.0,
-        np.concatenate([x, v, np.zeros(len(chain.links))]),
-        first_modes(links, np.concatenate([x, base])),
-        np.zeros(max(len(chain.links), 1)),
-    )
+    still = np.concatenate([v, np.zeros_like(base)])
+    closing = still[links.joins[:, BEHIND]] - still[links.joins[:, AHEAD]]
+    memory = np.concatenate([np.maximum(closing, 0.0), np.zeros(1)])
+    y = np.concatenate([x, v, np.zeros(len(chain.links))])
+    start = State(0.0, y, first_modes(links, np.concatenate([x, base])), memory)
     control = Control(tolerance, scale, 2e-3 * period, max(duration, period), duration)
     return ChainMotion(chain, integrate(system, start, control, (len(chain.links), 2 * len(chain.links))))
+
+
+def _speed_scale(chain: Chain, links: Links, nodes: Array, speeds: Array) -> float:
+    """Return a speed that the bodies have or will get from stored energy and gravity, m/s."""
+    masses = np.array(list(chain.bodies.values()))
+    drop = float(np.abs(compressions(links, nodes)).max(initial=1e-3))
+    gained = 2.0 * stored_energy(links, nodes) / float(masses.sum()) + 2.0 * abs(chain.gravity) * drop
+    preload = max((abs(link.preload) for link in chain.links if isinstance(link, Spring)), default=0.0)
+    gained += 2.0 * preload * drop / float(masses.sum())
+    return max(float(np.abs(speeds).max(initial=0.0)), float(np.ptp(speeds)), max(gained, 0.0) ** 0.5, 1e-6)
 
 
 def shortest_time(chain: Chain, speed: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -15,7 +16,8 @@ from strikewave.errors import IntegrationError
 Array = NDArray[np.float64]
 
 _ROWS = 2048
-_MOST_STEPS = 2_000_000
+_MOST_BYTES = 1_000_000_000
+"""Dense output beyond this is refused."""
 
 
 class State(NamedTuple):
@@ -45,15 +47,26 @@ class Motion:
         self.links = links
 
     def sample(self, times: Array) -> tuple[Array, Array]:
-        """Return states (N, n) and link forces (N, links) at sorted times within the motion, s.
+        """Return states (N, n) and link forces (N, links) at times within the motion, s, in any order.
 
         Right at a switch the later side answers.
+
+        Raises
+        ------
+        ValueError
+            If a time lies outside the motion.
         """
-        wanted = np.ascontiguousarray(times, dtype=float)
+        wanted = np.atleast_1d(np.asarray(times, dtype=float))
+        first, last = self.record.time[0], self.end.time
+        slack = 1e-9 * (last - first)
+        if not np.all((wanted >= first - slack) & (wanted <= last + slack)):
+            raise ValueError(f"times must lie within the motion, {first:g} to {last:g} s")
+        order = np.argsort(wanted, kind="stable")
         states = np.empty((wanted.size, self.end.y.size))
         forces = np.empty((wanted.size, self.links))
-        _integrator.sample(self.system, self.record, wanted, states, forces)
-        return states, forces
+        _integrator.sample(self.system, self.record, wanted[order], states, forces)
+        back = np.argsort(order, kind="stable")
+        return states[back], forces[back]
 
     def impulses(self) -> Array:
         """Return the time integral of each link force over each step, N s, shape (steps, links).
@@ -89,9 +102,13 @@ def integrate(
 
     Raises
     ------
+    ValueError
+        If the end is not after the start, or not finite.
     IntegrationError
-        If the step shrinks to nothing, the state is not finite, or more than two million steps are needed.
+        If the step shrinks to nothing, the state is not finite, or the steps would take more than 1 GB.
     """
+    if not start.time < control.end < math.inf:
+        raise ValueError(f"the motion must end after {start.time:g} s, and end, got {control.end!r}")
     t, h = start.time, control.first_step
     y, mode, memory = start.y.copy(), start.mode.copy(), start.memory.copy()
     parts: list[Record] = []
@@ -107,9 +124,10 @@ def integrate(
                 f"the motion could not be followed beyond t = {t:.9g} s (step {h:.3g} s): "
                 "a stiffness, damping or mass is extreme; compare the values with the published cases"
             )
-        if len(parts) * _ROWS > _MOST_STEPS:
+        if status == FULL and len(parts) * parts[0].dense.nbytes > _MOST_BYTES:
             raise IntegrationError(
-                f"more than {_MOST_STEPS} steps by t = {t:.6g} s; loosen the tolerance, or soften the stiffest spring"
+                f"more than {_MOST_BYTES / 1e9:.0f} GB of steps by t = {t:.4g} s of {control.end:.4g} s: "
+                "follow a shorter time, loosen the tolerance, or soften the stiffest spring"
             )
         if progress is not None:
             progress(t)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,14 +33,14 @@ def summary(solution: Solution) -> Figure:
 
     figure = Figure(figsize=(9.0, 6.4), layout="constrained")
     grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 1.0))
-    title = solution.case.title or solution.case.name
-    figure.suptitle(title, x=0.01, ha="left", fontsize=12, fontweight="bold")
+    figure.suptitle(textwrap.fill(solution.title, 95), x=0.01, ha="left", fontsize=12, fontweight="bold")
     force, acceleration, train = (figure.add_subplot(cell) for cell in (grid[0, 0], grid[0, 1], grid[1, :]))
     struck = [i for i, blow in enumerate(solution.blows) if blow.kind != "missed"]
     if struck:
         _first_blow(solution, struck[0], force, acceleration)
     else:
         for axes in (force, acceleration):
+            axes.set_axis_off()
             axes.text(0.5, 0.5, "no striker touched the object", ha="center", transform=axes.transAxes)
     _train(solution, train)
     return figure
@@ -93,10 +95,13 @@ def _train(solution: Solution, axes: Any) -> None:
     axes.plot(time, acceleration, color=BLUE, linewidth=0.8)
     quiet(axes, "Rigid-body acceleration, whole train", "time after the valve signal (ms)", "acceleration (g)")
     labelled = len(solution.blows) <= _MOST_LABELS
+    room = 0.06 * (time[-1] - time[0]) * 1e-3 if time.size else 0.0
+    free = -math.inf
     for blow in solution.blows:
         height = 0.0 if blow.kind == "missed" else blow.rigid_peak / STANDARD_GRAVITY
         axes.plot([blow.time * 1e3], [height], "o", color=_KIND_COLOURS[blow.kind], markersize=4)
-        if labelled or blow.kind != "full":
+        if (labelled and blow.kind == "full") or (blow.kind != "full" and blow.time >= free):
+            free = blow.time + (room if blow.kind != "full" else 0.0)
             text = str(blow.index) if blow.kind == "full" else f"{blow.index} {blow.kind}"
             axes.annotate(
                 text, (blow.time * 1e3, height), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8

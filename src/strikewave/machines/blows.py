@@ -15,12 +15,14 @@ from strikewave.signal.pulse import measure_pulse
 
 Array = NDArray[np.float64]
 
+KINDS = ("full", "glancing", "double", "missed")
+"""What a blow can be; see `Blow`."""
 GLANCING_SHARE = 0.5
 """A blow whose approach speed is below this share of the nominal one is called glancing."""
 DOUBLE_SHARE = 0.1
 """A blow is called double when a later group of contacts carries this share of its contact impulse."""
 WINDOW_BEFORE, WINDOW_AFTER, SAMPLE_STEP = 50e-6, 1.5e-3, 0.25e-6
-"""Window about first touch in which the pulse of a blow is measured, and its sampling, s."""
+"""Window about a blow, before first touch and at least so long after first touch and last release; sampling, s."""
 
 
 @dataclass(frozen=True)
@@ -129,13 +131,15 @@ def blows(run: RotaryRun) -> tuple[Blow, ...]:
     return tuple(found)
 
 
-def pulse_window(run: RotaryRun, touch: float, step: float = SAMPLE_STEP) -> tuple[Array, Array, Array]:
+def pulse_window(
+    run: RotaryRun, touch: float, until: float = math.inf, step: float = SAMPLE_STEP
+) -> tuple[Array, Array, Array]:
     """Return time since first touch, contact force and rigid acceleration about a blow.
 
-    The window is cut where the motion ends; before its start the first sample answers.
+    The window ends at ``until`` (s after first touch), or where the motion ends.
     """
-    after = min(WINDOW_AFTER, run.motion.end.time - touch)
-    first, last = -round(WINDOW_BEFORE / step), max(int(after / step), 3)
+    after = min(until, run.motion.end.time - touch)
+    first, last = -round(min(WINDOW_BEFORE, touch) / step), int(after / step)
     since = step * np.arange(first, last + 1, dtype=np.float64)
     _, forces = run.motion.sample(touch + since)
     return since, forces[:, run.places.contacts].sum(axis=1), run.rigid_acceleration(forces)
@@ -172,9 +176,8 @@ def _struck(run: RotaryRun, index: int, rows: Array, per_step: Array, until: flo
     contact = float(links[place.contacts].sum())
     support = float(links[place.stop] - links[place.support]) + struck.mass * struck.gravity * (end - begin)
     change = float(momentum[1] - momentum[0])
-    since, force, acceleration = pulse_window(run, begin)
-    before_next = since < until - begin
-    pulse = measure_pulse(acceleration[before_next], since[1] - since[0], since[0]) if acceleration.max() > 0 else None
+    since, force, acceleration = pulse_window(run, begin, min(until, end + WINDOW_AFTER) - begin)
+    pulse = measure_pulse(acceleration, SAMPLE_STEP, since[0]) if acceleration.max() > 0 else None
     free = min(until, max(dict(run.phases)["retract"], end))
     path = run.motion.sample(np.linspace(begin, free, 2001))[0][:, place.assembly]
     width = pulse.width if pulse else math.nan
@@ -190,7 +193,7 @@ def _struck(run: RotaryRun, index: int, rows: Array, per_step: Array, until: flo
         contact_impulse=contact,
         support_impulse=support,
         momentum_error=abs(contact + support - change) / contact,
-        peak_force=float(force[before_next].max()),
+        peak_force=float(force.max()),
         rigid_peak=pulse.peak if pulse else math.nan,
         width=width,
         rise=pulse.rise if pulse else math.nan,

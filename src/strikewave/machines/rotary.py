@@ -196,9 +196,10 @@ def start_state(machine: RotaryMachine, system: RotarySystem) -> State:
     theta = angle_at_valve_signal(machine.feed, disc.speed, machine.pitch)
     y = np.zeros(place.angle + 2 + place.links + 3)
     p = theta - machine.pitch * np.arange(place.strikers)
-    stretch = machine.strikers.mass / machine.strikers.mount_stiffness * speed**2
-    y[: place.strikers] = disc.radius * (np.cos(p) - 1.0) + stretch * disc.radius * np.cos(p)
-    y[place.bodies : place.bodies + place.strikers] = -disc.radius * speed * np.sin(p) * (1.0 + stretch)
+    # on its mount a striker runs steadily on the larger circle R / (1 - m w^2 / k)
+    circle = disc.radius / (1.0 - machine.strikers.mass * speed**2 / machine.strikers.mount_stiffness)
+    y[: place.strikers] = circle * np.cos(p) - disc.radius
+    y[place.bodies : place.bodies + place.strikers] = -circle * speed * np.sin(p)
     rest = -machine.engagement + machine.feed.stroke
     y[place.assembly] = rest
     y[place.nose] = rest + struck.nose_mass * struck.gravity / struck.frame_stiffness

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ class Pulse(NamedTuple):
     peak : float
         Largest value, in the unit of the history.
     width : float
-        Time above the stated share of the peak, s.
+        Time above the stated share of the peak, s; NaN where the history begins or ends above it.
     rise : float
         Time from 10 to 90 % of the peak, s.
     area : float
@@ -58,7 +59,7 @@ def refine_peak(values: Array, index: int) -> tuple[float, float]:
 def crossing(values: Array, index: int, level: float, direction: int) -> float:
     """Return the place, in samples, where the history first falls to a level, going from ``index``.
 
-    ``direction`` is -1 (earlier) or 1 (later). The end of the history answers where it never falls.
+    ``direction`` is -1 (earlier) or 1 (later). NaN where it never falls that low.
 
     Examples
     --------
@@ -67,8 +68,10 @@ def crossing(values: Array, index: int, level: float, direction: int) -> float:
     """
     side = values[: index + 1][::-1] if direction < 0 else values[index:]
     below = np.flatnonzero(side <= level)
-    if below.size == 0 or below[0] == 0:
-        return float(index + direction * (side.size - 1 if below.size == 0 else 0))
+    if below.size == 0:
+        return math.nan
+    if below[0] == 0:
+        return float(index)
     k = int(below[0])
     fraction = (side[k - 1] - level) / (side[k - 1] - side[k])
     return index + direction * (k - 1 + float(fraction))
@@ -110,6 +113,7 @@ def measure_pulse(values: Array, step: float, start: float = 0.0, fraction: floa
     place, peak = refine_peak(values, index)
     begin, end = (crossing(values, index, fraction * peak, side) for side in (-1, 1))
     low, high = (crossing(values, index, share * peak, -1) for share in (0.1, 0.9))
-    grid = np.concatenate([[begin], np.arange(np.ceil(begin), np.floor(end) + 1), [end]])
+    first, last = (0.0 if math.isnan(begin) else begin), (values.size - 1.0 if math.isnan(end) else end)
+    grid = np.concatenate([[first], np.arange(np.ceil(first), np.floor(last) + 1), [last]])
     area = float(np.trapezoid(np.interp(grid, np.arange(values.size), values), grid)) * step
     return Pulse(float(start + place * step), peak, float((end - begin) * step), float((high - low) * step), area)
