@@ -82,9 +82,9 @@ def kernel(function: F) -> F:
         if folder is not None:
             settings.CACHE_DIR = folder
         try:
-            compiled = numba.njit(cache=folder is not None, error_model="numpy")(function)
+            compiled = numba.njit(cache=folder is not None, error_model="numpy", nogil=True)(function)
         except RuntimeError:  # a function without a source file (typed into a console) has no cache
-            compiled = numba.njit(error_model="numpy")(function)
+            compiled = numba.njit(error_model="numpy", nogil=True)(function)
     finally:
         settings.CACHE_DIR = before
     return cast(F, compiled)

@@ -132,6 +132,6 @@ def solve_impact(contact: Contact, mass1: ArrayLike, mass2: ArrayLike, speed: Ar
     out = np.empty((4, k.size))
     _kernels.impacts(k, n, chi, m, v, out)
     e, depth, force, duration = (row.reshape(shape) for row in out)
-    with np.errstate(over="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         lost = (0.5 * m * v**2).reshape(shape) * (1.0 - e) * (1.0 + e)
     return Impact(e, depth, force, duration, lost)
