@@ -74,6 +74,19 @@ def kernel(function: F) -> F:
     >>> double(2.0)
     4.0
     """
+    return _compiled(function, {})
+
+
+def leaf_kernel(function: F) -> F:
+    """Compile a kernel that makes no array, without counting references: in small loops that is half the time."""
+    return _compiled(function, LEAF)
+
+
+LEAF: Any = {"_nrt": False}
+"""Numba's options of a kernel that makes no array."""
+
+
+def _compiled(function: F, options: dict[str, Any]) -> F:
     folder = cache_folder()
     settings: Any = numba.config
     before = settings.CACHE_DIR
@@ -82,9 +95,9 @@ def kernel(function: F) -> F:
         if folder is not None:
             settings.CACHE_DIR = folder
         try:
-            compiled = numba.njit(cache=folder is not None, error_model="numpy", nogil=True)(function)
+            compiled = numba.njit(cache=folder is not None, error_model="numpy", nogil=True, **options)(function)
         except RuntimeError:  # a function without a source file (typed into a console) has no cache
-            compiled = numba.njit(error_model="numpy", nogil=True)(function)
+            compiled = numba.njit(error_model="numpy", nogil=True, **options)(function)
     finally:
         settings.CACHE_DIR = before
     return cast(F, compiled)

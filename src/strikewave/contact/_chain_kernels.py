@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from strikewave.compiled import kernel
+from strikewave.compiled import LEAF, leaf_kernel
 from strikewave.contact import _integrator
 from strikewave.contact._integrator import CONTINUE, RESTART
 
@@ -44,7 +44,7 @@ class ChainSystem(NamedTuple):
     values: np.ndarray
 
 
-@kernel
+@leaf_kernel
 def elastic_force(kind, value, d):
     """Return the part of the force of a link that stores energy."""
     if kind == SPRING:
@@ -56,13 +56,13 @@ def elastic_force(kind, value, d):
     return value[STIFFNESS] * d ** value[EXPONENT]
 
 
-@kernel
+@leaf_kernel
 def hysteresis(value, rate, approach):
     """Return 1 + chi d'/v0 of a contact."""
     return 1.0 + value[DAMPING] * rate / max(approach, value[SLOWEST])
 
 
-@kernel
+@leaf_kernel
 def link_force(kind, value, d, rate, mode, approach):
     """Return the force of a link and its elastic part, N: a contact or stop never pulls.
 
@@ -78,7 +78,7 @@ def link_force(kind, value, d, rate, mode, approach):
     return elastic + value[DAMPING] * rate, elastic
 
 
-@kernel
+@leaf_kernel
 def link_motion(joins, values, i, y, bases, bodies):
     """Return indentation d and its rate d' of link i."""
     a, b = joins[i, BEHIND], joins[i, AHEAD]
@@ -95,7 +95,7 @@ def link_motion(joins, values, i, y, bases, bodies):
     return d - values[i, OFFSET], rate
 
 
-@kernel
+@leaf_kernel
 def chain_forces(joins, values, y, bases, bodies, mode, memory, out):
     """Fill out with the force of each link."""
     for i in range(joins.shape[0]):
@@ -103,7 +103,7 @@ def chain_forces(joins, values, y, bases, bodies, mode, memory, out):
         out[i], _ = link_force(joins[i, KIND], values[i], d, rate, mode[i], memory[i])
 
 
-@kernel
+@leaf_kernel
 def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
     """Fill speeds, accelerations, dissipated powers (from index ``first``) and the forces on bases."""
     bodies = table.shape[0]
@@ -131,7 +131,7 @@ def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
             bases[FORCE, b - bodies] += force
 
 
-@kernel
+@leaf_kernel
 def link_switches(joins, values, y, bases, bodies, mode, memory, g):
     """Fill two switch functions a link: how far from touching or parting, and the force over its elastic part.
 
@@ -155,7 +155,7 @@ def link_switches(joins, values, y, bases, bodies, mode, memory, g):
         g[2 * i + 1] = push if mode[i] == PUSHING else _REGAIN - push
 
 
-@kernel
+@leaf_kernel
 def link_switch(joins, values, k, y, bases, bodies, mode, memory):
     """Change the mode of the link that switch k belongs to; remember the approach speed."""
     i = k // 2
@@ -176,7 +176,7 @@ def is_a(system, kind):
     return getattr(system, "instance_class", None) is kind
 
 
-@overload(_integrator.derivatives)
+@overload(_integrator.derivatives, jit_options=LEAF)
 def _derivatives(system, t, y, mode, memory, dy):
     def rates(system, t, y, mode, memory, dy):
         s = system
@@ -185,7 +185,7 @@ def _derivatives(system, t, y, mode, memory, dy):
     return rates if is_a(system, ChainSystem) else None
 
 
-@overload(_integrator.forces)
+@overload(_integrator.forces, jit_options=LEAF)
 def _forces(system, t, y, mode, memory, out):
     def fill(system, t, y, mode, memory, out):
         chain_forces(system.joins, system.values, y, system.bases, system.bodies.shape[0], mode, memory, out)
@@ -193,7 +193,7 @@ def _forces(system, t, y, mode, memory, out):
     return fill if is_a(system, ChainSystem) else None
 
 
-@overload(_integrator.switches)
+@overload(_integrator.switches, jit_options=LEAF)
 def _switches(system, t, y, mode, memory, g):
     def fill(system, t, y, mode, memory, g):
         link_switches(system.joins, system.values, y, system.bases, system.bodies.shape[0], mode, memory, g)
@@ -201,7 +201,7 @@ def _switches(system, t, y, mode, memory, g):
     return fill if is_a(system, ChainSystem) else None
 
 
-@overload(_integrator.switch)
+@overload(_integrator.switch, jit_options=LEAF)
 def _switch(system, k, t, y, mode, memory):
     def change(system, k, t, y, mode, memory):
         s = system

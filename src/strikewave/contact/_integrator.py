@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.compiled import kernel
+from strikewave.compiled import kernel, leaf_kernel
 from strikewave.contact._dop853 import E3, E5, STAGES, A, B, C, D
 
 CONTINUE, RESTART, STOP = 0, 1, 2
@@ -87,7 +87,7 @@ def empty_record(rows, states, modes, memories):
     )
 
 
-@kernel
+@leaf_kernel
 def evaluate(dense, x, out):
     """Fill out with the dense output of one step at the fraction x of the step."""
     for i in range(out.size):
@@ -101,7 +101,7 @@ def evaluate(dense, x, out):
         out[i] = value + dense[0, i]
 
 
-@kernel
+@leaf_kernel
 def _stage(system, s, t, h, y, mode, memory, work, k):
     for i in range(y.size):
         work[i] = y[i]
@@ -113,7 +113,7 @@ def _stage(system, s, t, h, y, mode, memory, work, k):
     derivatives(system, t + C[s] * h, work, mode, memory, k[s])
 
 
-@kernel
+@leaf_kernel
 def _take_step(system, control, t, h, y, mode, memory, work, k, new):
     """Take one step into ``new`` and return its error over the tolerance."""
     for s in range(1, STAGES):
@@ -143,7 +143,7 @@ def _take_step(system, control, t, h, y, mode, memory, work, k, new):
     return abs(h) * fifth / math.sqrt((fifth + 0.01 * third) * count)
 
 
-@kernel
+@leaf_kernel
 def _fill_dense(system, t, h, y, new, mode, memory, work, k, dense):
     for s in range(STAGES + 1, _EXTENDED):
         _stage(system, s, t, h, y, mode, memory, work, k)
@@ -163,7 +163,7 @@ def _fill_dense(system, t, h, y, new, mode, memory, work, k, dense):
                     dense[4 + r, i] += d * k[j, i]
 
 
-@kernel
+@leaf_kernel
 def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
     """Return the fraction of the step at which switch ``which`` falls through zero (Illinois rule)."""
     evaluate(dense, low, work)
@@ -197,7 +197,7 @@ def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
     return high
 
 
-@kernel
+@leaf_kernel
 def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
     """Return a switch that falls below zero and rises again between three positive samples, and where.
 
@@ -220,12 +220,12 @@ def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
     return -1, 1.0
 
 
-@kernel
-def _first_switch(system, t, h, dense, mode, memory, before, work, g):
-    """Return the first switch within the step and its fraction; -1 when there is none."""
+@leaf_kernel
+def _first_switch(system, t, h, dense, mode, memory, before, rows, work, g):
+    """Return the first switch within the step and its fraction; -1 when there is none. ``rows`` is scratch."""
     found, at = -1, 1.0
     size = before.size
-    earlier, previous, now = np.empty(size), np.empty(size), np.empty(size)
+    earlier, previous, now = rows[0], rows[1], rows[2]
     for which in range(size):
         earlier[which] = previous[which] = before[which]
     for j in range(1, _SAMPLES + 1):
@@ -257,7 +257,7 @@ def advance(system, control, t, h, y, mode, memory, record, count):
     n = y.size
     work, new = np.empty(n), np.empty(n)
     k = np.zeros((_EXTENDED, n))
-    before, g = np.empty(count), np.empty(count)
+    before, g, rows = np.empty(count), np.empty(count), np.empty((3, count))
     steps, events, idle = 0, 0, 0
     while t < control.end:
         if steps == record.time.size or events == record.event_time.size:
@@ -275,7 +275,7 @@ def advance(system, control, t, h, y, mode, memory, record, count):
                 return STUCK, t, h, steps, events
         dense = record.dense[steps]
         _fill_dense(system, t, h, y, new, mode, memory, work, k, dense)
-        which, fraction = _first_switch(system, t, h, dense, mode, memory, before, work, g)
+        which, fraction = _first_switch(system, t, h, dense, mode, memory, before, rows, work, g)
         growth = _LARGEST if error == 0.0 else min(_LARGEST, _SAFETY * error ** (-1.0 / 8.0))
         taken = h
         if which >= 0:

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from strikewave.compiled import kernel
+from strikewave.compiled import LEAF, leaf_kernel
 from strikewave.contact import _integrator
 from strikewave.contact._chain_kernels import (
     FORCE,
@@ -67,14 +67,14 @@ class RotarySystem(NamedTuple):
     settings: np.ndarray
 
 
-@kernel
+@leaf_kernel
 def cycloid(fraction):
     """Return position and rate of the cycloidal rise s = u - sin(2 pi u)/(2 pi), u in 0..1."""
     turn = 2.0 * math.pi * fraction
     return fraction - math.sin(turn) / (2.0 * math.pi), 1.0 - math.cos(turn)
 
 
-@kernel
+@leaf_kernel
 def carriage(settings, phase, since):
     """Return position (0 when fed, stroke when retracted) and speed of the carriage."""
     stroke = settings[STROKE]
@@ -89,13 +89,13 @@ def carriage(settings, phase, since):
     return 0.0, 0.0
 
 
-@kernel
+@leaf_kernel
 def wanted_torque(settings, speed):
     """Return what the speed controller asks for, N m: the drag at set speed plus gain times speed error."""
     return settings[DRAG] * settings[SET_SPEED] + settings[GAIN] * (settings[SET_SPEED] - speed)
 
 
-@kernel
+@leaf_kernel
 def drive_torque(settings, drive, speed):
     """Return the torque of the drive, N m: what is asked for, or the limit, or none."""
     if drive == FULL_TORQUE:
@@ -103,7 +103,7 @@ def drive_torque(settings, drive, speed):
     return 0.0 if drive == NO_TORQUE else wanted_torque(settings, speed)
 
 
-@kernel
+@leaf_kernel
 def place_bases(system, t, y, mode, memory):
     """Fill the table of bases from turntable angle, turntable speed and feed phase."""
     bases, settings = system.bases, system.settings
@@ -120,7 +120,7 @@ def place_bases(system, t, y, mode, memory):
     bases[PLACE, strikers], bases[SPEED, strikers] = carriage(settings, mode[links + FEED], since)
 
 
-@kernel
+@leaf_kernel
 def rotary_rates(system, t, y, mode, memory, dy):
     """Fill the time derivative of the whole state."""
     bodies, bases, settings = system.bodies, system.bases, system.settings
@@ -142,7 +142,7 @@ def rotary_rates(system, t, y, mode, memory, dy):
     dy[energies + 2] = -bases[FORCE, strikers] * bases[SPEED, strikers]
 
 
-@kernel
+@leaf_kernel
 def rotary_switches(system, t, y, mode, memory, g):
     """Fill the switch functions of links, drive, feed and passing strikers."""
     settings, links, bodies = system.settings, system.joins.shape[0], system.bodies.shape[0]
@@ -171,14 +171,14 @@ def rotary_switches(system, t, y, mode, memory, g):
     g[own + APEX_SWITCH] = memory[links + NEXT_APEX] - y[2 * bodies]
 
 
-@kernel
+@leaf_kernel
 def _release_when_done(settings, t, mode, memory, links):
     if mode[links + FEED] == HELD and mode[links + PASSES] >= settings[BLOWS]:
         mode[links + FEED] = RELEASED
         memory[links + FEED_START] = t
 
 
-@kernel
+@leaf_kernel
 def rotary_switch(system, k, t, y, mode, memory):
     """Change the mode at switch k: a link, the drive, the feed, or a striker at its apex.
 
@@ -213,7 +213,7 @@ def rotary_switch(system, k, t, y, mode, memory):
     return CONTINUE
 
 
-@overload(_integrator.derivatives)
+@overload(_integrator.derivatives, jit_options=LEAF)
 def _derivatives(system, t, y, mode, memory, dy):
     def rates(system, t, y, mode, memory, dy):
         rotary_rates(system, t, y, mode, memory, dy)
@@ -221,7 +221,7 @@ def _derivatives(system, t, y, mode, memory, dy):
     return rates if is_a(system, RotarySystem) else None
 
 
-@overload(_integrator.forces)
+@overload(_integrator.forces, jit_options=LEAF)
 def _forces(system, t, y, mode, memory, out):
     def fill(system, t, y, mode, memory, out):
         place_bases(system, t, y, mode, memory)
@@ -230,7 +230,7 @@ def _forces(system, t, y, mode, memory, out):
     return fill if is_a(system, RotarySystem) else None
 
 
-@overload(_integrator.switches)
+@overload(_integrator.switches, jit_options=LEAF)
 def _switches(system, t, y, mode, memory, g):
     def fill(system, t, y, mode, memory, g):
         rotary_switches(system, t, y, mode, memory, g)
@@ -238,7 +238,7 @@ def _switches(system, t, y, mode, memory, g):
     return fill if is_a(system, RotarySystem) else None
 
 
-@overload(_integrator.switch)
+@overload(_integrator.switch, jit_options=LEAF)
 def _switch(system, k, t, y, mode, memory):
     def change(system, k, t, y, mode, memory):
         return rotary_switch(system, k, t, y, mode, memory)
