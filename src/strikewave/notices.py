@@ -71,6 +71,10 @@ def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
         if any(blow.kind == "double" for blow in found):
             message += "; impulse and velocity change of a double blow span its whole pass"
         yield Notice("blow-kind", message, float(len(odd)), 0.0)
+    cut = [str(blow.index) for blow in found if blow.kind != "missed" and not blow.width > 0.0]
+    if cut:
+        message = f"no width: the acceleration stays above 10 % of its peak around blow {', '.join(cut)}"
+        yield Notice("pulse-width", message, float(len(cut)), 0.0)
 
 
 def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:

@@ -299,3 +299,9 @@ def test_each_contact_belongs_to_the_pass_of_its_striker():
     table = contact_table(run_rotary(machine))
     assert len(table) > 2
     assert np.all(table[:, 4] % machine.strikers.count == table[:, 3])
+
+
+def test_pulse_without_end_has_no_width_and_says_so(published, solution):
+    endless = dataclasses.replace(solution.blows[0], width=math.nan)
+    codes = {n.code for n in notices(published, [endless], {"energy_error": 0.0, "momentum_error": 0.0})}
+    assert "pulse-width" in codes

@@ -62,13 +62,14 @@ def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes
         "time after first touch (µs)",
         "acceleration (g)",
     )
-    _published_marks(solution, acceleration_axes, time[shown], acceleration[shown])
-    if acceleration_axes.get_legend_handles_labels()[0]:
+    if not solution.case.changed_fields():
+        _published_marks(solution, acceleration_axes, time[shown], acceleration[shown])
+    if len(acceleration_axes.get_legend_handles_labels()[0]) > 1:
         acceleration_axes.legend(frameon=False, fontsize=8, loc="upper right")
 
 
 def _published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any) -> None:
-    """Mark published peak and width of the first blow: numbers, not curves."""
+    """Mark published peak and width of the first blow: numbers, not curves, and only where they belong."""
     styles = {"measured": (RED, "o"), "simulated": (GREY, "s")}
     values = {(c.quantity, c.measured_or_simulated): c.published for c in solution.published}
     peak_time = time[int(np.nanargmax(acceleration))]
