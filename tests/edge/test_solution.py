@@ -157,3 +157,13 @@ def test_what_is_no_result_is_never_replaced(tmp_path):
         with pytest.raises(InputError), whole_folder(tmp_path / place, "x", force=True):
             pass
     assert (tmp_path / "out" / "thesis.docx").read_text() == "years of work"
+
+
+def test_first_blow_without_a_width_is_still_drawn(solution):
+    """A pulse that never falls to 10 % within its window has no width; the picture then shows the whole window."""
+    from strikewave.figures import summary
+
+    endless = dataclasses.replace(solution.blows[0], width=math.nan)
+    figure = summary(dataclasses.replace(solution, blows=(endless, *solution.blows[1:])))
+    drawn = figure.axes[1].lines[0].get_xdata()
+    assert drawn[-1] == pytest.approx(solution.data["pulse_time"].values[-1] * 1e6)

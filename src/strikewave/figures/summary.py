@@ -51,7 +51,7 @@ def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes
     time = data["pulse_time"].values * 1e6
     force = data["pulse_force"].values[row] / 1e3
     acceleration = data["pulse_acceleration"].values[row] / STANDARD_GRAVITY
-    last = 1e6 * 2.2 * blow.width
+    last = 1e6 * 2.2 * blow.width if blow.width > 0.0 else time[-1]
     shown = time <= last
     force_axes.plot(time[shown], force[shown], color=BLUE, linewidth=1.4)
     quiet(force_axes, f"Contact force, blow {blow.index}", "time after first touch (µs)", "force (kN)")
