@@ -13,6 +13,7 @@ from strikewave.case import Case
 from strikewave.contact import DAMPING_LAWS, STIFFNESS_LAWS, Contact, Stiffness, factor, hertz, palmgren
 from strikewave.errors import InputError, InputErrors, nearest
 from strikewave.machines import Feed, RotaryMachine, Strikers, StruckObject, Turntable
+from strikewave.machines.feed import expected_time
 from strikewave.materials import material
 
 T = TypeVar("T")
@@ -63,7 +64,7 @@ def build_machine(case: Case) -> RotaryMachine:
             contact=Contact(law.stiffness, law.exponent, chi),
             slowest_approach=case.contact.slowest_approach.si,
         ),
-        feed=_filled(Feed, case.feed, blows=int(case.feed.blows.si)),
+        feed=_feed(case),
         struck=_filled(StruckObject, case.object, assembly_mass=case.object.mass.si - nose),
         engagement=case.machine.engagement.si,
     )
@@ -75,11 +76,8 @@ def _filled(kind: type[T], table: BaseModel, **others: Any) -> T:
     return kind(**{name: others[name] if name in others else getattr(table, name).si for name in names})
 
 
-def _expected_time(case: Case) -> float:
-    """Return about how long the machine runs from valve signal to the end of the retraction, s."""
-    m, f = case.machine, case.feed
-    feed = f.valve_delay.si + f.stroke_time.si + f.release_delay.si + f.retract_time.si
-    return feed + (f.blows.si + 1.0) * 2.0 * math.pi / (m.speed.si * m.strikers.si)
+def _feed(case: Case) -> Feed:
+    return _filled(Feed, case.feed, blows=int(case.feed.blows.si))
 
 
 def _misfits(case: Case) -> Iterator[InputError]:
@@ -98,7 +96,8 @@ def _misfits(case: Case) -> Iterator[InputError]:
     if stretch > 0.1:
         allowed = f"enough to hold the striker on its circle (it would stretch by {stretch:.0%} of the radius)"
         yield InputError("striker.mount_stiffness", case.striker.mount_stiffness.typed, allowed)
-    samples = _expected_time(case) / case.solver.output_step.si
+    interval = 2.0 * math.pi / (m.speed.si * m.strikers.si)
+    samples = expected_time(_feed(case), interval) / case.solver.output_step.si
     if samples > MOST_SAMPLES:
         allowed = f"a step that keeps the train below {MOST_SAMPLES:.0e} samples (here {samples:.1e})"
         yield InputError("solver.output_step", case.solver.output_step.typed, allowed)
@@ -113,7 +112,6 @@ def _misfits(case: Case) -> Iterator[InputError]:
     if drag >= m.torque.si:
         allowed = f"more than the drag at set speed ({drag:.4g} N m)"
         yield InputError("machine.torque", m.torque.typed, allowed, "the drive cannot hold the speed")
-    interval = 2.0 * math.pi / (m.speed.si * m.strikers.si)
     if interval > LONGEST_INTERVAL:
         allowed = f"a striking interval of at most {LONGEST_INTERVAL:g} s (here {interval:.3g} s)"
         yield InputError("machine.speed", m.speed.typed, allowed, "turn faster, or take more strikers")

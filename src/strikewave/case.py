@@ -6,6 +6,7 @@ of the published cases that come along; `dump_case` writes a case that gives the
 
 from __future__ import annotations
 
+import functools
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
@@ -48,6 +49,10 @@ from strikewave.units import DIMENSIONS
 SCHEMA = 1
 LARGEST_FILE = 1_000_000
 """A case file above this many bytes is refused."""
+
+
+TABLES = ("machine", "striker", "feed", "object", "contact", "recorder", "solver")
+"""The tables of a case that hold quantities."""
 
 
 class _Table(BaseModel):
@@ -126,6 +131,11 @@ class Recorder(_Table):
     pre_trigger: Duration
     memory: SampleCount
 
+    @property
+    def begin(self) -> float:
+        """Time of the first sample after the valve signal, s."""
+        return self.delay.si - self.pre_trigger.si
+
 
 class Solver(_Table):
     """[solver]: how exactly to compute, and how densely to keep the whole train."""
@@ -198,7 +208,7 @@ class Case(_Table):
     def values(self) -> dict[str, Value]:
         """Return every quantity by its path, such as ``machine.speed``."""
         found: dict[str, Value] = {}
-        for table in ("machine", "striker", "feed", "object", "contact", "recorder", "solver"):
+        for table in TABLES:
             for key, value in getattr(self, table):
                 if isinstance(value, Value):
                     found[f"{table}.{key}"] = value
@@ -215,7 +225,7 @@ class Case(_Table):
         """
         if self.source not in bundled_cases():
             return []
-        origin = load_case(self.source).values()
+        origin = _published_values(self.source)
         values = {p: v for p, v in self.values().items() if p.partition(".")[0] not in ("recorder", "solver")}
         return [path for path, value in values.items() if value.si != origin[path].si]
 
@@ -228,6 +238,12 @@ class Case(_Table):
                 raise InputError(path, value.typed, "a quantity of the case", nearest(path, self.values()))
             tables.setdefault(table, {})[key] = value
         return self.model_copy(update={t: getattr(self, t).model_copy(update=u) for t, u in tables.items()})
+
+
+@functools.cache
+def _published_values(name: str) -> dict[str, Value]:
+    """Return the quantities of a published case; it is read once."""
+    return load_case(name).values()
 
 
 def bundled_cases() -> list[str]:
@@ -423,7 +439,7 @@ def document_of(case: Case) -> dict[str, Any]:
     """Return a case as the plain tables of a case file."""
     head = {"schema": SCHEMA, "name": case.name, "title": case.title, "source": case.source}
     document: dict[str, Any] = {key: value for key, value in head.items() if value}
-    for table in ("machine", "striker", "feed", "object", "contact", "recorder", "solver"):
+    for table in TABLES:
         rows = getattr(case, table)
         document[table] = {key: value.document() if isinstance(value, Value) else value for key, value in rows}
     document["published"] = [

@@ -97,7 +97,7 @@ def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
 
 def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     recorder = case.recorder
-    begin = recorder.delay.si - recorder.pre_trigger.si
+    begin = recorder.begin
     end = begin + recorder.memory.si / recorder.sampling_rate.si
     last = struck[-1].time + struck[-1].width
     if end < last:

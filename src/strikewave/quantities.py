@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
 from strikewave.errors import InputError, nearest
-from strikewave.units import DIMENSIONS, in_unit, parse_quantity
+from strikewave.units import DIMENSIONS, parse_quantity
 
 PROVENANCES = ("published", "measured", "inferred", "assumed", "fitted")
 Provenance = Literal["published", "measured", "inferred", "assumed", "fitted"]
@@ -164,22 +164,3 @@ Tolerance = Annotated[Value, _of("", 1e-12, 1e-5)]
 Count = Annotated[Value, _of("count", 1, 100)]
 BlowCount = Annotated[Value, _of("count", 1, 1000)]
 SampleCount = Annotated[Value, _of("count", 10, 10_000_000)]
-
-
-def value_of(si: float, unit: str, shown: str, provenance: Provenance = "assumed", note: str = "") -> Value:
-    """Return an SI number as a `Value` that reads back to the same number, written in the unit ``shown``.
-
-    Without a unit (``""``) the number stands as it is.
-
-    Examples
-    --------
-    >>> value_of(0.004, "m", "mm").typed
-    '4 mm'
-    """
-    if not unit:
-        return Value(si=si, typed=si, provenance=provenance, note=note)
-    for digits in (12, 15, 17):
-        text = f"{in_unit(si, unit, shown):.{digits}g} {shown}"
-        if parse_quantity(text, unit, "") == si:
-            return Value(si=si, typed=text, provenance=provenance, note=note)
-    return Value(si=si, typed=f"{si!r} {unit}", provenance=provenance, note=note)

@@ -250,9 +250,7 @@ def build_dataset(case: Case, run: RotaryRun, found: Sequence[Blow]) -> xarray.D
             since, f, a = pulse_window(run, blow.time, WINDOW_AFTER, PULSE_STEP)
             force[row, : since.size], acceleration[row, : since.size] = f[: pulse_time.size], a[: pulse_time.size]
     recorder = case.recorder
-    record_time = (
-        recorder.delay.si - recorder.pre_trigger.si + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
-    )
+    record_time = recorder.begin + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
     inside = (record_time >= 0.0) & (record_time <= run.motion.end.time)
     record = np.zeros(record_time.size)
     record[inside] = run.rigid_acceleration(run.motion.sample(record_time[inside])[1])

@@ -30,6 +30,8 @@ def command(
     if not path.absolute().parent.is_dir():
         raise InputError("FILE", str(path), "a file in a folder that exists")
     case = load_case(origin)
-    write_whole(path, dump_case(parse_case(dump_case(case.model_copy(update={"name": path.stem})))))
+    text = dump_case(case.model_copy(update={"name": path.stem}))
+    parse_case(text)  # refuses a name that no result folder may have
+    write_whole(path, text)
     say(f"written: {path}; change a value, then: strikewave run {path}")
     return 0

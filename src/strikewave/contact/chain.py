@@ -32,7 +32,7 @@ from strikewave.contact._chain_kernels import (
     Links,
 )
 from strikewave.contact._integrator import Control
-from strikewave.contact.impact import Contact
+from strikewave.contact.impact import Contact, elastic_indentation
 from strikewave.contact.motion import Motion, State, integrate
 from strikewave.errors import nearest
 
@@ -163,7 +163,7 @@ class ChainMotion:
         return contacts(self.motion, link)
 
     def _sample(self, times: float | Array) -> tuple[Array, Array]:
-        states, forces = self.motion.sample(np.atleast_1d(np.asarray(times, dtype=float)))
+        states, forces = self.motion.sample(times)
         return (states[0], forces[0]) if np.ndim(times) == 0 else (states, forces)
 
 
@@ -292,8 +292,7 @@ def shortest_time(chain: Chain, speed: float) -> float:
     for link in chain.links:
         mass = 1.0 / sum(1.0 / chain.bodies[node] for node in (link.behind, link.ahead) if node in chain.bodies)
         if isinstance(link, Touch):
-            n, k = float(link.contact.exponent), float(link.contact.stiffness)  # type: ignore[arg-type]
-            times.append(((n + 1.0) * mass * speed**2 / (2.0 * k)) ** (1.0 / (n + 1.0)) / speed)
+            times.append(elastic_indentation(link.contact, mass, speed) / speed)
         elif link.stiffness > 0.0:
             times.append((mass / link.stiffness) ** 0.5)
     return min(times, default=1.0)

@@ -34,9 +34,7 @@ def exact(restitution_asked: ArrayLike) -> NDArray[np.float64]:
     >>> print(exact(0.5).round(6))
     1.432751
     """
-    (e,), shape = _kernels.flat(restitution_asked)
-    if not np.all((e > 0.0) & (e <= 1.0)):
-        raise ValueError(f"the restitution must satisfy 0 < e <= 1, got {restitution_asked!r}")
+    (e,), shape = _kernels.flat(_asked(restitution_asked))
     out = np.empty_like(e)
     _kernels.factors(e, out)
     return out.reshape(shape)
@@ -53,10 +51,16 @@ def li_ma_printed(restitution_asked: ArrayLike) -> NDArray[np.float64]:
     >>> print(li_ma_printed(0.5).round(6))
     1.578947
     """
+    e = _asked(restitution_asked)
+    return np.asarray(30.0 * (1.0 - e) / (19.0 * e))
+
+
+def _asked(restitution_asked: ArrayLike) -> NDArray[np.float64]:
+    """Return restitutions as an array, or raise ValueError where one lies outside 0 < e <= 1."""
     e = np.asarray(restitution_asked, dtype=float)
     if not np.all((e > 0.0) & (e <= 1.0)):
         raise ValueError(f"the restitution must satisfy 0 < e <= 1, got {restitution_asked!r}")
-    return np.asarray(30.0 * (1.0 - e) / (19.0 * e))
+    return e
 
 
 def restitution(hysteresis_factor: ArrayLike) -> NDArray[np.float64]:

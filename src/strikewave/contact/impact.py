@@ -75,6 +75,18 @@ def reduced_mass(mass1: ArrayLike, mass2: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(1.0 / (1.0 / one + 1.0 / other))
 
 
+def elastic_indentation(contact: Contact, mass: float, speed: float) -> float:
+    """Return the largest indentation without losses, [(n + 1) m v0^2 / (2 K)]^(1/(n + 1)), m.
+
+    Examples
+    --------
+    >>> round(elastic_indentation(Contact(1e9, 1.0), mass=1.0, speed=1.0) * 1e6, 3)
+    31.623
+    """
+    n, k = float(np.asarray(contact.exponent)), float(np.asarray(contact.stiffness))
+    return float(((n + 1.0) * mass * speed**2 / (2.0 * k)) ** (1.0 / (n + 1.0)))
+
+
 def solve_impact(contact: Contact, mass1: ArrayLike, mass2: ArrayLike, speed: ArrayLike) -> Impact:
     """Solve the impact of two free bodies exactly.
 

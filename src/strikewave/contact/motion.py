@@ -46,7 +46,7 @@ class Motion:
         self.end = end
         self.links = links
 
-    def sample(self, times: Array) -> tuple[Array, Array]:
+    def sample(self, times: float | Array) -> tuple[Array, Array]:
         """Return states (N, n) and link forces (N, links) at times within the motion, s, in any order.
 
         Right at a switch the later side answers.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.contact.chain import contacts
-from strikewave.machines._kernels import FEED, HELD
+from strikewave.machines._kernels import APEX_SWITCH, FEED, HELD
 from strikewave.machines.rotary import RotaryRun
 from strikewave.signal.pulse import measure_pulse
 
@@ -103,7 +103,7 @@ def counted_passes(run: RotaryRun) -> dict[int, float]:
         return {}
     begin = record.time[held][0]
     end = record.time[held][-1] + record.step[held][-1]
-    apex = record.event[:, 0] == 2 * place.links + 3
+    apex = record.event[:, 0] == place.own_switches + APEX_SWITCH
     times = record.event_time[apex]
     times = times[(times >= begin) & (times <= end)]
     angles = run.motion.sample(times)[0][:, place.angle]

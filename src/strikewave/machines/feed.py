@@ -54,3 +54,15 @@ def angle_at_valve_signal(feed: Feed, speed: float, pitch: float) -> float:
     """
     travelled = speed * (feed.valve_delay + feed.stroke_time)
     return (feed.arrival * pitch - travelled) % pitch
+
+
+def expected_time(feed: Feed, pitch_time: float) -> float:
+    """Return about how long it takes from the valve signal to the end of the retraction, s.
+
+    Examples
+    --------
+    >>> round(expected_time(Feed(1.0, 0.01, 0.015, 0.04, 0.5, 11, 0.003, 0.03), pitch_time=0.02), 3)
+    0.323
+    """
+    way = feed.valve_delay + feed.stroke_time + feed.release_delay + feed.retract_time
+    return way + (feed.blows + 1) * pitch_time

@@ -18,15 +18,27 @@ from numpy.typing import NDArray
 from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, Links
 from strikewave.contact._integrator import Control
 from strikewave.contact.chain import Link, Spring, Touch, first_modes, link_arrays, stored_energy
-from strikewave.contact.impact import Contact
+from strikewave.contact.impact import Contact, elastic_indentation
 from strikewave.contact.motion import Motion, State, integrate
 from strikewave.errors import IntegrationError
-from strikewave.machines._kernels import FEED, PASSES, RETRACTING, WAITING, RotarySystem
-from strikewave.machines.feed import Feed, angle_at_valve_signal
+from strikewave.machines._kernels import (
+    APEX_SWITCH,
+    FEED,
+    FEED_SWITCH,
+    NEXT_APEX,
+    PASSES,
+    RETRACTING,
+    WAITING,
+    RotarySystem,
+)
+from strikewave.machines.feed import Feed, angle_at_valve_signal, expected_time
 from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, StruckObject
 from strikewave.machines.turntable import Turntable, braking_time, speed_after_wait, spin_up_time
 
 Array = NDArray[np.float64]
+
+OWN_SWITCHES = APEX_SWITCH + 1
+"""Number of the machine's own switch functions."""
 
 
 @dataclass(frozen=True)
@@ -161,6 +173,11 @@ class Places:
         """Number of links."""
         return 2 * self.strikers + 3
 
+    @property
+    def own_switches(self) -> int:
+        """Place of the machine's own switch functions, after two a link."""
+        return 2 * self.links
+
 
 def machine_links(machine: RotaryMachine) -> tuple[list[Link], list[str]]:
     """Return the links and the node names of the machine, bodies first."""
@@ -210,7 +227,7 @@ def start_state(machine: RotaryMachine, system: RotarySystem) -> State:
         np.int64
     )
     memory = np.zeros(place.links + 2)
-    memory[place.links + 1] = machine.pitch
+    memory[place.links + NEXT_APEX] = machine.pitch
     return State(0.0, y, modes, memory)
 
 
@@ -257,19 +274,15 @@ def run_rotary(
     start = start_state(machine, system)
     approach = machine.nominal_approach
     pitch_time = machine.pitch / disc.speed
-    contact = machine.strikers.contact
-    n, k = float(contact.exponent), float(contact.stiffness)  # type: ignore[arg-type]
-    depth = ((n + 1.0) * machine.struck.nose_mass * approach**2 / (2.0 * k)) ** (1.0 / (n + 1.0))
+    depth = elastic_indentation(machine.strikers.contact, machine.struck.nose_mass, approach)
     scale = np.full(start.y.size, 0.5 * machine.struck.mass * approach**2)
     scale[: place.bodies] = depth
     scale[place.bodies : place.angle] = approach
     scale[place.angle], scale[place.angle + 1] = depth / disc.radius, approach / disc.radius
-    expected = (
-        feed.valve_delay + feed.stroke_time + (feed.blows + 1) * pitch_time + feed.release_delay + feed.retract_time
-    )
+    expected = expected_time(feed, pitch_time)
     control = Control(tolerance, scale, 2e-3 * depth / approach, 0.02 * pitch_time, 3.0 * expected)
     report = None if progress is None else (lambda t: progress(min(t / expected, 1.0)))
-    motion = integrate(system, start, control, (place.links, 2 * place.links + 4), report)
+    motion = integrate(system, start, control, (place.links, place.own_switches + OWN_SWITCHES), report)
     if motion.end.mode[place.links + FEED] != RETRACTING or motion.end.time >= control.end:
         done = int(motion.end.mode[place.links + PASSES])
         raise IntegrationError(
@@ -288,20 +301,18 @@ def run_rotary(
 def _phases(machine: RotaryMachine, motion: Motion) -> tuple[tuple[str, float], ...]:
     """Return name and time of each phase; 0 is the valve signal."""
     disc, feed, place = machine.turntable, machine.feed, Places(machine.strikers.count)
-    held = feed.valve_delay + feed.stroke_time
-    feeding = motion.record.event[:, 0] == 2 * place.links + 2
+    feeding = motion.record.event[:, 0] == place.own_switches + FEED_SWITCH
     times = motion.record.event_time[feeding]
     closed = np.any(motion.record.mode[:, place.contacts] != OPEN, axis=1)
     touched = motion.record.time[closed]
-    command = float(times[2]) - feed.release_delay if times.size > 2 else math.nan
     at_speed = -feed.wait
     named = [
         ("spin-up", at_speed - spin_up_time(disc)),
         ("at speed", at_speed),
         ("valve signal", 0.0),
         ("feed", float(times[0])),
-        ("fed", held),
-        ("retract command", command),
+        ("fed", float(times[1])),
+        ("retract command", float(times[2]) - feed.release_delay),
         ("retract", float(times[2])),
         ("brake", motion.end.time),
         ("stopped", motion.end.time + braking_time(disc, float(motion.end.y[place.angle + 1]))),

@@ -10,7 +10,7 @@ from strikewave.build import build_machine
 from strikewave.case import Case
 from strikewave.errors import InputError
 from strikewave.machines import blows, run_rotary
-from strikewave.quantities import value_of
+from strikewave.quantities import Value
 from strikewave.simulate import published_value
 
 FAILED = 10.0
@@ -59,7 +59,7 @@ def calibrate(case: Case, accuracy: float = 1e-8) -> Fit:
         if not name.startswith("first."):
             raise InputError("published", name, "targets of the first blow, such as first.rigid_peak")
     start = np.array([case.values()[path].si for path in fields])
-    one_blow = case.with_values({"feed.blows": value_of(1, "", "", case.feed.blows.provenance)})
+    one_blow = case.with_values({"feed.blows": Value(si=1, typed=1)})
     runs = 0
 
     def at(logs: np.ndarray) -> Case:
