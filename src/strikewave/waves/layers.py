@@ -1,0 +1,240 @@
+"""A bar of layers, joints and an end along the blow: the stack.
+
+Symbols: rho density (kg/m^3), E Young's modulus (Pa), A area (m^2), l length (m), c = sqrt(E/rho) bar
+speed (m/s), Z = rho c A impedance (N s/m), t = l/c transit time (s). Compression and motion along the
+blow are positive.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+from strikewave.materials import Material
+
+EndKind = Literal["free", "matched", "rigid", "mass", "spring", "dashpot"]
+END_KINDS: tuple[EndKind, ...] = ("free", "matched", "rigid", "mass", "spring", "dashpot")
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A prismatic part of a stack.
+
+    Parameters
+    ----------
+    name : str
+        What it is called.
+    density, modulus : float
+        rho in kg/m^3, E in Pa.
+    area, length : float
+        A in m^2, l in m.
+    diameter : float, optional
+        Of the bar, m; that of a solid round bar of the same area when left out. Only the limits of
+        one-dimensional theory use it.
+    yield_strength : float or None, optional
+        Pa.
+    poissons_ratio : float or None, optional
+        Only dispersion uses it.
+    speed : float, optional
+        Speed before the load comes, m/s: a layer with a speed is a striker bar.
+
+    Examples
+    --------
+    >>> bar = Layer("bar", 7820.0, 211e9, 7.0686e-4, 0.07)
+    >>> round(bar.bar_speed, 2), round(bar.impedance), round(bar.transit * 1e6, 4)
+    (5194.43, 28713, 13.476)
+    """
+
+    name: str
+    density: float
+    modulus: float
+    area: float
+    length: float
+    diameter: float = 0.0
+    yield_strength: float | None = None
+    poissons_ratio: float | None = None
+    speed: float = 0.0
+
+    def __post_init__(self) -> None:
+        for key in ("density", "modulus", "area", "length"):
+            value = getattr(self, key)
+            if not 0.0 < value < math.inf:
+                raise ValueError(f"{key} of layer {self.name!r} must be above zero and finite, got {value!r}")
+        if self.diameter == 0.0:
+            object.__setattr__(self, "diameter", math.sqrt(4.0 * self.area / math.pi))
+
+    @property
+    def bar_speed(self) -> float:
+        """Speed of a wave in the bar, c = sqrt(E/rho), m/s."""
+        return math.sqrt(self.modulus / self.density)
+
+    @property
+    def impedance(self) -> float:
+        """Wave impedance Z = rho c A, N s/m."""
+        return self.density * self.bar_speed * self.area
+
+    @property
+    def transit(self) -> float:
+        """Time of a wave from face to face, l/c, s."""
+        return self.length / self.bar_speed
+
+    @property
+    def mass(self) -> float:
+        """Mass rho A l, kg."""
+        return self.density * self.area * self.length
+
+
+def round_bar(name: str, material: Material, length: float, diameter: float, speed: float = 0.0) -> Layer:
+    """Return a solid round bar of a material; lengths in m.
+
+    Examples
+    --------
+    >>> from strikewave.materials import material
+    >>> round(round_bar("bar", material("65Mn"), 0.1, 0.03).mass, 4)
+    0.5528
+    """
+    area = 0.25 * math.pi * diameter**2
+    return Layer(
+        name,
+        material.density,
+        material.youngs_modulus,
+        area,
+        length,
+        diameter,
+        material.yield_strength,
+        material.poissons_ratio,
+        speed,
+    )
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A Maxwell branch, spring and dashpot in series: stiffness (N/m) and relaxation time (s)."""
+
+    stiffness: float
+    relaxation: float
+
+
+@dataclass(frozen=True)
+class Joint:
+    """What lies between two layers: bonded when nothing else is said.
+
+    With x the compression of the joint and x' its rate, the force is
+
+        f = k x + c x' + sum of Maxwell branches
+
+    or, for an infinite stiffness, whatever keeps x = 0. A unilateral joint pushes only: its force never
+    falls below minus its preload, and it transmits nothing while its gap is open. With a preload the
+    joint is bolted: forces count from the bolted state, and once it opens the bolt pulls with the preload.
+    A joint with a mass is a rigid point mass between bonded faces.
+
+    Parameters
+    ----------
+    stiffness : float, optional
+        k, N/m; infinite for faces that move together.
+    damping : float, optional
+        c, N s/m.
+    branches : tuple of Branch, optional
+        Of a gasket with loss.
+    unilateral : bool, optional
+        Whether it can open.
+    gap : float, optional
+        Open gap at the start, m.
+    preload : float, optional
+        Compression that a bolt puts on the joint, N.
+    mass : float, optional
+        kg.
+    """
+
+    stiffness: float = math.inf
+    damping: float = 0.0
+    branches: tuple[Branch, ...] = ()
+    unilateral: bool = False
+    gap: float = 0.0
+    preload: float = 0.0
+    mass: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.stiffness > 0.0 or min(self.damping, self.gap, self.preload, self.mass) < 0.0:
+            raise ValueError(f"a joint takes no negative value, and a stiffness above zero: {self}")
+        if (self.gap > 0.0 or self.preload > 0.0) and not self.unilateral:
+            raise ValueError("only a unilateral joint has a gap or a preload")
+        if self.gap > 0.0 and self.preload > 0.0:
+            raise ValueError("a joint with an open gap carries no preload")
+        rigid = math.isinf(self.stiffness)
+        if rigid and (self.damping > 0.0 or self.branches):
+            raise ValueError("a joint of infinite stiffness has no damping")
+        if self.mass > 0.0 and not (rigid and not self.unilateral):
+            raise ValueError("a joint with a mass is bonded on both faces: put other joints beside it")
+
+    @property
+    def kind(self) -> str:
+        """Its name: bonded, compliant, gasket, unilateral or mass."""
+        if self.mass > 0.0:
+            return "mass"
+        if self.unilateral:
+            return "unilateral"
+        if self.branches:
+            return "gasket"
+        return "bonded" if math.isinf(self.stiffness) else "compliant"
+
+
+BONDED = Joint()
+"""Faces that move together."""
+
+
+@dataclass(frozen=True)
+class End:
+    """The far end: free, matched (an endless bar of the last layer), rigid, or a mass, spring or dashpot.
+
+    ``value`` is in kg, N/m or N s/m; the others take none.
+    """
+
+    kind: EndKind = "free"
+    value: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.kind not in END_KINDS:
+            raise ValueError(f"an end is one of {', '.join(END_KINDS)}, got {self.kind!r}")
+        if self.kind in ("mass", "spring", "dashpot") and not 0.0 < self.value < math.inf:
+            raise ValueError(f"an end of kind {self.kind} needs a value above zero, got {self.value!r}")
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Layers from the loaded face to the end, with a joint after each but the last.
+
+    Raises
+    ------
+    ValueError
+        If there is no layer, or not one joint between each two.
+
+    Examples
+    --------
+    >>> bar = Layer("bar", 7820.0, 211e9, 7.0686e-4, 0.07)
+    >>> stack = Stack((bar, bar), (BONDED,), End("rigid"))
+    >>> round(stack.mass, 4), round(stack.transit * 1e6, 3)
+    (0.7739, 26.952)
+    """
+
+    layers: tuple[Layer, ...]
+    joints: tuple[Joint, ...] = ()
+    end: End = field(default_factory=End)
+
+    def __post_init__(self) -> None:
+        if not self.layers:
+            raise ValueError("a stack has at least one layer")
+        if len(self.joints) != len(self.layers) - 1:
+            raise ValueError(f"{len(self.layers)} layers need {len(self.layers) - 1} joints, got {len(self.joints)}")
+
+    @property
+    def mass(self) -> float:
+        """Mass of layers, point masses and an end mass, kg."""
+        ended = self.end.value if self.end.kind == "mass" else 0.0
+        return sum(layer.mass for layer in self.layers) + sum(joint.mass for joint in self.joints) + ended
+
+    @property
+    def transit(self) -> float:
+        """Time of a wave through all layers, s."""
+        return sum(layer.transit for layer in self.layers)
