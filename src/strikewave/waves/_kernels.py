@@ -1,0 +1,303 @@
+"""Compiled delay lines: force waves through layers, joints and an end, one time step at a time.
+
+Each layer holds its forward wave P and backward wave M at its nodes in two rings; with a transit of
+whole steps they move by one node a step, exactly. Force f = P + M, velocity v = (P - M)/Z.
+
+At a joint between layers 1 and 2 the compression rate is x' = b - Y f with b = 2 P1/Z1 + 2 M2/Z2 and
+Y = 1/Z1 + 1/Z2; the joint's own law closes it, and the waves that leave are f - P1 and f - M2. Springs,
+Maxwell branches and masses follow the trapezoidal rule, which stores and gives back energy exactly: in
+each branch f = w + R x', w' = beta (w + R x') + R x'.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from strikewave.compiled import kernel, leaf_kernel
+
+BONDED, ELASTIC, MASS, UNILATERAL = 0, 1, 2, 3
+"""What a joint does; an elastic one has a spring, a dashpot, Maxwell branches."""
+MOST_BRANCHES = 5
+
+RESISTANCE, STIFFNESS, DAMPING, PRELOAD, BRANCHES = 0, 1, 2, 3, 4
+"""Columns of `Tables.joint_value`: sum of R, spring, dashpot, preload; number of branches."""
+END_OWN, END_WAVE, END_RESISTANCE, END_BETA, END_SIGMA = 0, 1, 2, 3, 4
+"""Places in `Tables.end`: f = own a + wave P; a' = beta f + sigma R v."""
+COMPRESSION, RATE = 0, 1
+"""Columns of `State.joint`: x and x' (of a joint with mass: w and v)."""
+
+
+class Tables(NamedTuple):
+    """A stack on a grid of steps: what does not change while it runs."""
+
+    step: float
+    impedance: np.ndarray
+    nodes: np.ndarray
+    start: np.ndarray
+    joint_kind: np.ndarray
+    joint_value: np.ndarray
+    branch: np.ndarray
+    end: np.ndarray
+
+
+class State(NamedTuple):
+    """Waves in flight and what the joints remember."""
+
+    forward: np.ndarray
+    backward: np.ndarray
+    place: np.ndarray
+    joint: np.ndarray
+    memory: np.ndarray
+    end: np.ndarray
+
+
+class Recording(NamedTuple):
+    """Force and velocity at nodes (layer, node), every so many steps, from step 0 on.
+
+    ``velocity`` holds the step before, the step itself, and the step after.
+    """
+
+    nodes: np.ndarray
+    every: int
+    force: np.ndarray
+    velocity: np.ndarray
+
+
+@leaf_kernel
+def wrapped(place, nodes):
+    """Return a place in a ring that may have run one round over its end."""
+    return place if place < nodes else place - nodes
+
+
+@leaf_kernel
+def arriving_at_face(tables, state):
+    """Return the backward wave that arrives at the loaded face in the step to come."""
+    nodes = tables.nodes[0]
+    return state.backward[tables.start[0] + (state.place[0] + 2) % nodes]
+
+
+@leaf_kernel
+def elastic_joint(tables, state, i, b, y):
+    """Return the force of a spring with dashpot and Maxwell branches."""
+    value = tables.joint_value[i]
+    own = 0.0
+    count = int(value[BRANCHES])
+    for j in range(count):
+        own += state.memory[i, j]
+    f = (own + value[RESISTANCE] * b) / (1.0 + value[RESISTANCE] * y)
+    rate = b - y * f
+    for j in range(count):
+        push = tables.branch[i, j, 0] * rate
+        state.memory[i, j] = tables.branch[i, j, 1] * (state.memory[i, j] + push) + push
+    state.joint[i, COMPRESSION] += 0.5 * tables.step * (state.joint[i, RATE] + rate)
+    state.joint[i, RATE] = rate
+    return f
+
+
+@leaf_kernel
+def unilateral_joint(tables, state, i, b, y):
+    """Return the force of a joint that pushes only, and move its compression (below zero: open).
+
+    A rigid one closes within the step in which its gap would turn negative.
+    """
+    value, step = tables.joint_value[i], tables.step
+    x = state.joint[i, COMPRESSION]
+    if value[STIFFNESS] == np.inf:
+        f = max((b + x / step) / y, -value[PRELOAD])
+        state.joint[i, RATE] = b - y * f
+        state.joint[i, COMPRESSION] = min(x + step * state.joint[i, RATE], 0.0)
+        return f
+    ahead = x + 0.5 * step * state.joint[i, RATE]
+    r = 0.5 * step * value[STIFFNESS] + value[DAMPING]
+    f = (value[STIFFNESS] * ahead + r * b) / (1.0 + r * y)
+    touching = value[STIFFNESS] * (ahead + 0.5 * step * (b - y * f)) > -value[PRELOAD]
+    if not touching or f < -value[PRELOAD]:
+        f = -value[PRELOAD]
+    rate = b - y * f
+    state.joint[i, COMPRESSION] = ahead + 0.5 * step * rate
+    state.joint[i, RATE] = rate
+    return f
+
+
+@leaf_kernel
+def mass_joint(tables, state, i, p, m):
+    """Return the forces before and behind a point mass between bonded faces; their difference drives it."""
+    z1, z2, resistance = tables.impedance[i], tables.impedance[i + 1], tables.joint_value[i, RESISTANCE]
+    w = state.joint[i, COMPRESSION]
+    v = (2.0 * p - 2.0 * m + w) / (z1 + z2 + resistance)
+    state.joint[i, COMPRESSION] = 2.0 * resistance * v - w
+    state.joint[i, RATE] = v
+    return 2.0 * p - z1 * v, 2.0 * m + z2 * v
+
+
+@leaf_kernel
+def advance(tables, state, face):
+    """Move all waves by one step with the wave ``face`` sent in at the loaded face; return the force at the end."""
+    layers = tables.nodes.size
+    z, start, nodes, place = tables.impedance, tables.start, tables.nodes, state.place
+    forward, backward = state.forward, state.backward
+    sent = face
+    here = wrapped(place[0] + 1, nodes[0])
+    for i in range(layers - 1):
+        there = wrapped(place[i + 1] + 1, nodes[i + 1])
+        p = forward[start[i] + wrapped(here + 1, nodes[i])]
+        m = backward[start[i + 1] + wrapped(there + 1, nodes[i + 1])]
+        z1, z2 = z[i], z[i + 1]
+        kind = tables.joint_kind[i]
+        if kind == BONDED:
+            f = 2.0 * (z2 * p + z1 * m) / (z1 + z2)
+            g = f
+        elif kind == MASS:
+            f, g = mass_joint(tables, state, i, p, m)
+        else:
+            b, y = 2.0 * (p / z1 + m / z2), 1.0 / z1 + 1.0 / z2
+            f = elastic_joint(tables, state, i, b, y) if kind == ELASTIC else unilateral_joint(tables, state, i, b, y)
+            g = f
+        forward[start[i] + here] = sent
+        backward[start[i] + here] = f - p
+        place[i] = here
+        sent = g - m
+        here = there
+    last = layers - 1
+    p = forward[start[last] + wrapped(here + 1, nodes[last])]
+    f = tables.end[END_OWN] * state.end[0] + tables.end[END_WAVE] * p
+    v = (2.0 * p - f) / z[last]
+    state.end[0] = tables.end[END_BETA] * f + tables.end[END_SIGMA] * tables.end[END_RESISTANCE] * v
+    forward[start[last] + here] = sent
+    backward[start[last] + here] = f - p
+    place[last] = here
+    return f
+
+
+@leaf_kernel
+def force_and_velocity(tables, state, layer, node):
+    """Return force and velocity at a node of a layer after the last step; node 0 is its first face."""
+    nodes, here = tables.nodes[layer], state.place[layer]
+    ahead = here - node
+    behind = here - (nodes - 1 - node)
+    p = state.forward[tables.start[layer] + (ahead if ahead >= 0 else ahead + nodes)]
+    m = state.backward[tables.start[layer] + (behind if behind >= 0 else behind + nodes)]
+    return p + m, (p - m) / tables.impedance[layer]
+
+
+@leaf_kernel
+def record(tables, state, recording, n):
+    """Write what the nodes of a recording hold after step n."""
+    every, rows = recording.every, recording.force.shape[0]
+    phase = n % every
+    if 1 < phase < every - 1:
+        return
+    for shift in range(-1, 2):
+        if (n - shift) % every != 0:
+            continue
+        row = (n - shift) // every
+        if row < 0 or row >= rows:
+            continue
+        for k in range(recording.nodes.shape[0]):
+            f, v = force_and_velocity(tables, state, recording.nodes[k, 0], recording.nodes[k, 1])
+            recording.velocity[row, k, shift + 1] = v
+            if shift == 0:
+                recording.force[row, k] = f
+
+
+@leaf_kernel
+def energy(tables, state):
+    """Return the energy of the waves in flight, of springs and of masses, J."""
+    total = 0.0
+    for i in range(tables.nodes.size):
+        nodes = tables.nodes[i]
+        arrived = wrapped(state.place[i] + 1, nodes)
+        for j in range(nodes):
+            if j != arrived:
+                p, m = state.forward[tables.start[i] + j], state.backward[tables.start[i] + j]
+                total += (p * p + m * m) * tables.step / tables.impedance[i]
+    for i in range(tables.joint_kind.size):
+        value = tables.joint_value[i]
+        if tables.joint_kind[i] == MASS:
+            total += tables.step * state.joint[i, COMPRESSION] ** 2 / (4.0 * value[RESISTANCE])
+        elif tables.joint_kind[i] == ELASTIC:
+            for j in range(int(value[BRANCHES])):
+                resistance, beta = tables.branch[i, j, 0], tables.branch[i, j, 1]
+                total += state.memory[i, j] ** 2 * tables.step / (2.0 * resistance * (1.0 + beta))
+        elif value[STIFFNESS] < np.inf:
+            x = max(state.joint[i, COMPRESSION], -value[PRELOAD] / value[STIFFNESS])
+            total += 0.5 * value[STIFFNESS] * x * x
+    if tables.end[END_BETA] != 0.0:
+        total += state.end[0] ** 2 * tables.step / (4.0 * tables.end[END_RESISTANCE])
+    return total
+
+
+@leaf_kernel
+def momentum(tables, state):
+    """Return the momentum of waves in flight and point masses between layers, N s."""
+    total = 0.0
+    for i in range(tables.nodes.size):
+        arrived = wrapped(state.place[i] + 1, tables.nodes[i])
+        for j in range(tables.nodes[i]):
+            if j != arrived:
+                total += (state.forward[tables.start[i] + j] - state.backward[tables.start[i] + j]) * tables.step
+    for i in range(tables.joint_kind.size):
+        if tables.joint_kind[i] == MASS:
+            total += 0.5 * tables.step * state.joint[i, COMPRESSION]
+    return total
+
+
+@leaf_kernel
+def rates(values, history):
+    """Move a history of four values on by one and return its first, second and third difference."""
+    history[3], history[2], history[1], history[0] = history[2], history[1], history[0], values
+    first = history[0] - history[1]
+    second = history[0] - 2.0 * history[1] + history[2]
+    return first, second, second - (history[1] - 2.0 * history[2] + history[3])
+
+
+@leaf_kernel
+def watch(tables, sent, came, through, left, histories, norms, integrals):
+    """Follow the energy norms of the first three time derivatives of all waves: time integrals, largest values.
+
+    Waves move unchanged and joints only lose, so what entered at both faces bounds each norm. ``sent`` and
+    ``came`` are the waves at the loaded face, ``through`` and ``left`` those at the end.
+    """
+    dt, first, last = tables.step, tables.impedance[0], tables.impedance[tables.impedance.size - 1]
+    gains, losses = rates(sent, histories[0]), rates(came, histories[1])
+    outs, backs = rates(through, histories[2]), rates(left, histories[3])
+    scale = dt
+    for k in range(3):
+        scale /= dt * dt
+        norms[k] += (gains[k] ** 2 - losses[k] ** 2) * scale / first + (backs[k] ** 2 - outs[k] ** 2) * scale / last
+        norm = np.sqrt(max(norms[k], 0.0))
+        integrals[k] += norm * dt
+        integrals[3 + k] = max(integrals[3 + k], norm)
+
+
+@kernel
+def drive(tables, state, load, by_speed, recordings, integrals):
+    """Run a stack under a prescribed force (or face speed) at every step.
+
+    Fills ``integrals`` with the time integrals of the energy norms of the first three time derivatives
+    of all waves, and returns the impulse of the load and that given to the end, N s.
+    """
+    histories, norms = np.zeros((4, 4)), np.zeros(3)
+    entered, through = 0.0, 0.0
+    last = tables.nodes.size - 1
+    for n in range(load.size):
+        m = arriving_at_face(tables, state)
+        sent = load[n] * tables.impedance[0] + m if by_speed else load[n] - m
+        f = advance(tables, state, sent)
+        entered += (sent + m) * tables.step
+        through += f * tables.step
+        for recording in recordings:
+            record(tables, state, recording, n)
+        f_end, v_end = force_and_velocity(tables, state, last, tables.nodes[last] - 1)
+        z = tables.impedance[last]
+        watch(tables, sent, m, 0.5 * (f_end + z * v_end), 0.5 * (f_end - z * v_end), histories, norms, integrals)
+    return entered, through
+
+
+@kernel
+def run_on(tables, state, load):
+    """Run a stack under a prescribed force without recording: the bare loop; return the last force at the end."""
+    f = 0.0
+    for n in range(load.size):
+        f = advance(tables, state, load[n] - arriving_at_face(tables, state))
+    return f

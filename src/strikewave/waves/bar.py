@@ -1,0 +1,277 @@
+"""A bar alone: a stack under a load, followed to the wanted error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.waves import _impact_kernels, _kernels
+from strikewave.waves._impact_kernels import Law
+from strikewave.waves._kernels import Recording, State, Tables
+from strikewave.waves.layers import Stack
+from strikewave.waves.load import Impactor, Load
+from strikewave.waves.transit import (
+    ErrorBound,
+    Grid,
+    choose_grid,
+    error_bound,
+    grid_of,
+    nearest_nodes,
+    state_at_rest,
+    tables_of,
+)
+
+Array = NDArray[np.float64]
+
+MOST_LAYER_STEPS = 1e7
+"""Layer steps of one try that the choice of a step may cost: about half a second."""
+MOST_SAMPLES = 20_000
+"""Samples of a tap that are kept when the step is chosen for the user."""
+_TRIES = 4
+_FIELD_ROWS, _FIELD_PLACES = 500, 300
+_MOST_TOUCHES = 1000
+
+
+@dataclass(frozen=True)
+class Tap:
+    """Where a stack is watched: layer index and fraction of the layer from its loaded side."""
+
+    layer: int
+    position: float
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """How exact a run shall be: largest error over the largest value at the taps; or a step, s, that is kept."""
+
+    velocity: float = 1e-3
+    acceleration: float = 1e-2
+    step: float | None = None
+
+
+@dataclass(frozen=True)
+class BarRun:
+    """What a stack did under its load.
+
+    Attributes
+    ----------
+    stack, load, grid : Stack, Load, Grid
+        What ran.
+    time : ndarray
+        Times of the samples, s, shape (N,).
+    face_force : ndarray
+        Force on the first face, N, shape (N,).
+    force, velocity, acceleration : ndarray
+        At the taps, shape (N, taps). The acceleration is the central difference of the velocity over two
+        steps of the grid.
+    bound : ErrorBound
+        Largest error from rounding the transits.
+    field_time, field_position, field_force : ndarray
+        The x-t field: s, m from the first face, N with shape (times, places).
+    touches : ndarray
+        Contacts with an impactor: begin, end, approach speed; shape (n, 3).
+    impulse, end_impulse : float
+        Of the load, and of the stack on its end, N s.
+    momentum : float
+        Gained by the stack, N s.
+    energy_lost : float
+        In the contact with an impactor, J.
+    """
+
+    stack: Stack
+    load: Load
+    grid: Grid
+    time: Array = field(repr=False)
+    face_force: Array = field(repr=False)
+    force: Array = field(repr=False)
+    velocity: Array = field(repr=False)
+    acceleration: Array = field(repr=False)
+    bound: ErrorBound
+    field_time: Array = field(repr=False)
+    field_position: Array = field(repr=False)
+    field_force: Array = field(repr=False)
+    touches: Array = field(repr=False)
+    impulse: float
+    end_impulse: float
+    momentum: float
+    energy_lost: float
+
+    @property
+    def momentum_error(self) -> float:
+        """Impulses less momentum, over the impulse of the load."""
+        return abs(self.impulse - self.end_impulse - self.momentum) / max(abs(self.impulse), 1e-300)
+
+    @property
+    def relative_bound(self) -> tuple[float, float]:
+        """Bounds of velocity and acceleration over their largest values at the taps."""
+        largest = (float(np.abs(self.velocity).max(initial=0.0)), float(np.abs(self.acceleration).max(initial=0.0)))
+        return (
+            self.bound.velocity / largest[0] if largest[0] > 0.0 else math.inf,
+            self.bound.acceleration / largest[1] if largest[1] > 0.0 else math.inf,
+        )
+
+
+def run_bar(
+    stack: Stack, load: Load, taps: Sequence[Tap], duration: float, wanted: Wanted | None = None
+) -> BarRun:
+    """Follow a stack under its load from rest.
+
+    The step is the one asked for, or it is refined until the error bound keeps what is wanted, as far as
+    `MOST_LAYER_STEPS` allow; the bound of the last try is reported in any case.
+
+    Parameters
+    ----------
+    stack : Stack
+        What is loaded at its first face.
+    load : Pulse, Sampled or Impactor
+        By what; time 0 is its beginning.
+    taps : sequence of Tap
+        Where it is watched, at least one.
+    duration : float
+        s.
+    wanted : Wanted, optional
+        Errors, or a step.
+
+    Raises
+    ------
+    ValueError
+        If there is no tap, one lies outside, or the duration or the step cannot be used.
+
+    Examples
+    --------
+    >>> from strikewave.waves import Layer, Pulse
+    >>> bar = Layer("bar", 7820.0, 211e9, 7.0686e-4, 0.07)
+    >>> run = run_bar(Stack((bar,)), Pulse("rectangle", 19685.0, 1e-3), [Tap(0, 1.0)], 100e-6)
+    >>> round(float(run.velocity[np.searchsorted(run.time, 20e-6), 0]), 3)
+    1.371
+    """
+    wanted = wanted or Wanted()
+    if not taps:
+        raise ValueError("a run needs at least one tap")
+    for tap in taps:
+        if not (0 <= tap.layer < len(stack.layers) and 0.0 <= tap.position <= 1.0):
+            raise ValueError(f"{tap} lies outside the stack of {len(stack.layers)} layers")
+    if not 0.0 < duration < math.inf:
+        raise ValueError(f"the duration must be above zero, got {duration!r} s")
+    if wanted.step is not None:
+        return _run(stack, load, taps, duration, grid_of(stack, wanted.step), 1)
+    smallest = duration * len(stack.layers) / MOST_LAYER_STEPS
+    largest = max(min(_shortest_time(stack, load), duration) / 50.0, smallest)
+    mismatch, before = 1e-4, math.inf
+    for _ in range(_TRIES):
+        grid = choose_grid(stack, mismatch, largest, smallest)
+        run = _run(stack, load, taps, duration, grid, math.ceil(duration / grid.step / MOST_SAMPLES))
+        over, over_rate = (
+            bound / most
+            for bound, most in zip(run.relative_bound, (wanted.velocity, wanted.acceleration), strict=True)
+        )
+        # behind a corner of the load the acceleration jumps: no step then bounds its error
+        hopeless = over_rate > 0.5 * before
+        missed = over if hopeless else max(over, over_rate)
+        if missed <= 1.0 or not math.isfinite(missed) or grid.mismatch > mismatch:
+            break
+        mismatch, before = grid.mismatch / (2.0 * missed), over_rate
+    return run
+
+
+def _shortest_time(stack: Stack, load: Load) -> float:
+    """Return the shortest time that a run must resolve: rise of the load, relaxation of a joint, s."""
+    times = [stack.transit]
+    if isinstance(load, Impactor):
+        if load.contact is None:
+            times.append(load.mass / stack.layers[0].impedance)
+        else:
+            times.append(_indentation_time(stack, load))
+    else:
+        times.append(load.rise_time or load.duration)
+    for joint, before, after in zip(stack.joints, stack.layers, stack.layers[1:], strict=False):
+        if math.isfinite(joint.stiffness):
+            times.append(20.0 / (joint.stiffness * (1.0 / before.impedance + 1.0 / after.impedance)))
+    return min(times)
+
+
+def _indentation_time(stack: Stack, load: Impactor) -> float:
+    """Return the time in which the contact force would reach what the bar can take, Z v0, s."""
+    assert load.contact is not None
+    k, n = float(np.asarray(load.contact.stiffness)), float(np.asarray(load.contact.exponent))
+    return float((stack.layers[0].impedance * load.speed / k) ** (1.0 / n) / load.speed)
+
+
+def _run(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, grid: Grid, every: int) -> BarRun:
+    """Follow a stack on a grid, keeping every so many steps."""
+    steps = int(duration / grid.step * (1.0 + 1e-12)) + 1
+    tables, state = tables_of(stack, grid), state_at_rest(stack, grid)
+    before = _kernels.momentum(tables, state)
+    places = [(tap.layer, tap.position) for tap in taps]
+    watched = np.concatenate([[[0, 0]], nearest_nodes(grid, places)])
+    rows = (steps - 1) // every + 1
+    kept = _recording(watched, every, rows)
+    kept.velocity[0, :, 0] = [stack.layers[i].speed for i in watched[:, 0]]
+    nodes, position = _field_nodes(stack, grid)
+    coarse = max(1, steps // _FIELD_ROWS)
+    pictured = _recording(nodes, coarse, (steps - 1) // coarse + 1)
+    norms = np.zeros(6)
+    lost, touches = 0.0, np.empty((0, 3))
+    # one step more than is kept, so that the last acceleration has both its neighbours
+    if isinstance(load, Impactor):
+        table = np.zeros((_MOST_TOUCHES, 3))
+        count, _, entered, through, lost = _impact_kernels.strike(
+            tables, state, _law(load), load.mass, load.speed, steps + 1, (kept, pictured), norms, table
+        )
+        touches = table[: min(count, _MOST_TOUCHES)]
+    else:
+        history = load.at(grid.step * np.arange(steps + 1))
+        by_speed = getattr(load, "kind", "force") == "speed"
+        entered, through = _kernels.drive(tables, state, history, by_speed, (kept, pictured), norms)
+    return BarRun(
+        stack=stack,
+        load=load,
+        grid=grid,
+        time=grid.step * every * np.arange(rows),
+        face_force=kept.force[:, 0],
+        force=kept.force[:, 1:],
+        velocity=kept.velocity[:, 1:, 1],
+        acceleration=(kept.velocity[:, 1:, 2] - kept.velocity[:, 1:, 0]) / (2.0 * grid.step),
+        bound=error_bound(stack, grid, norms, places),
+        field_time=grid.step * coarse * np.arange(pictured.force.shape[0]),
+        field_position=position,
+        field_force=pictured.force,
+        touches=touches,
+        impulse=entered,
+        end_impulse=through,
+        momentum=_kernels.momentum(tables, state) - before,
+        energy_lost=lost,
+    )
+
+
+def _law(load: Impactor) -> Law:
+    """Return the contact law of an impactor as the kernels take it."""
+    if load.contact is None:
+        return Law(math.inf, 1.0, 0.0, load.slowest_approach)
+    law = load.contact
+    numbers = (float(np.asarray(x)) for x in (law.stiffness, law.exponent, law.hysteresis_factor))
+    return Law(*numbers, load.slowest_approach)
+
+
+def _recording(nodes: NDArray[np.int64], every: int, rows: int) -> Recording:
+    """Return an empty recording."""
+    return Recording(nodes, every, np.zeros((rows, len(nodes))), np.zeros((rows, len(nodes), 3)))
+
+
+def _field_nodes(stack: Stack, grid: Grid) -> tuple[NDArray[np.int64], Array]:
+    """Return (layer, node) and position from the first face, m, of the places of the x-t field."""
+    share = _FIELD_PLACES / stack.transit
+    rows, position, begin = [], [], 0.0
+    for i, (layer, count) in enumerate(zip(stack.layers, grid.counts, strict=True)):
+        nodes = np.unique(np.linspace(0, count, max(2, round(share * layer.transit))).round().astype(np.int64))
+        rows.append(np.column_stack([np.full(nodes.size, i), nodes]))
+        position.append(begin + layer.length * nodes / count)
+        begin += layer.length
+    return np.concatenate(rows), np.concatenate(position)
+
+
+__all__ = ["BarRun", "State", "Tables", "Tap", "Wanted", "run_bar"]

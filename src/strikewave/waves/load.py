@@ -1,0 +1,176 @@
+"""What loads the first face of a stack: a force, or the speed of the face, as a function of time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.contact.impact import Contact
+from strikewave.errors import nearest
+
+Array = NDArray[np.float64]
+
+SHAPES = ("half-sine", "sine-squared", "rectangle", "triangle", "trapezoid")
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """A force pulse of a named shape: 0 before time 0 and after its duration T, peak F0 between.
+
+    ====================  =============================================================
+    half-sine             F0 sin(pi t/T)
+    sine-squared          F0 sin^2(pi t/T)
+    rectangle             F0
+    triangle              rises to F0 at ``rise`` (T/2), falls to 0 at T
+    trapezoid             rises to F0 in ``rise`` (T/4), stays, falls in the same time
+    ====================  =============================================================
+
+    Parameters
+    ----------
+    shape : str
+        One of `SHAPES`.
+    peak, duration : float
+        F0 in N, T in s.
+    rise : float, optional
+        Of triangle and trapezoid, s.
+
+    Examples
+    --------
+    >>> pulse = Pulse("half-sine", 100.0, 2e-4)
+    >>> float(pulse.at(np.array([1e-4]))[0]), round(pulse.impulse, 6)
+    (100.0, 0.012732)
+    """
+
+    shape: str
+    peak: float
+    duration: float
+    rise: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.shape not in SHAPES:
+            raise ValueError(f"unknown shape {self.shape!r}; {nearest(self.shape, SHAPES)}")
+        if not 0.0 < self.duration < math.inf or not math.isfinite(self.peak):
+            raise ValueError(f"a pulse needs a finite peak and a duration above zero, got {self}")
+        if self.shape in ("triangle", "trapezoid"):
+            most = self.duration if self.shape == "triangle" else 0.5 * self.duration
+            if self.rise == 0.0:
+                object.__setattr__(self, "rise", self.duration / (2.0 if self.shape == "triangle" else 4.0))
+            if not 0.0 < self.rise <= most:
+                raise ValueError(f"the rise must be above zero and at most {most:g} s, got {self.rise:g} s")
+
+    def at(self, time: Array) -> Array:
+        """Return the force at times, N."""
+        t, end = np.asarray(time, dtype=float), self.duration
+        x = np.pi * t / end
+        if self.shape == "half-sine":
+            force = np.sin(x)
+        elif self.shape == "sine-squared":
+            force = np.sin(x) ** 2
+        elif self.shape == "rectangle":
+            force = np.ones_like(t)
+        else:
+            fall = end - self.rise
+            corners, heights = [0.0, self.rise, fall, end], [0.0, 1.0, 1.0, 0.0]
+            if self.shape == "triangle":
+                corners, heights = [0.0, self.rise, end], [0.0, 1.0, 0.0]
+            force = np.interp(t, corners, heights)
+        return np.where((t >= 0.0) & (t < end), self.peak * force, 0.0)
+
+    @property
+    def impulse(self) -> float:
+        """Integral of the force, N s."""
+        share = {
+            "half-sine": 2.0 / math.pi,
+            "sine-squared": 0.5,
+            "rectangle": 1.0,
+            "triangle": 0.5,
+            "trapezoid": 1.0 - self.rise / self.duration,
+        }[self.shape]
+        return self.peak * self.duration * share
+
+    @property
+    def rise_time(self) -> float:
+        """Time from 10 to 90 % of the peak, s; 0 for a jump."""
+        if self.shape == "rectangle":
+            return 0.0
+        if self.shape == "half-sine":
+            return self.duration * (math.asin(0.9) - math.asin(0.1)) / math.pi
+        if self.shape == "sine-squared":
+            return self.duration * (math.asin(math.sqrt(0.9)) - math.asin(math.sqrt(0.1))) / math.pi
+        return 0.8 * self.rise
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """A measured load: force (N) or speed of the face (m/s) at times, straight between; 0 outside.
+
+    Times are shifted so that the first is 0.
+    """
+
+    time: Array = field(repr=False)
+    values: Array = field(repr=False)
+    kind: Literal["force", "speed"] = "force"
+
+    def __post_init__(self) -> None:
+        t, f = np.asarray(self.time, dtype=float), np.asarray(self.values, dtype=float)
+        if t.ndim != 1 or t.shape != f.shape or t.size < 2:
+            raise ValueError(f"a load needs at least two times and as many values, got {t.shape} and {f.shape}")
+        if not (np.all(np.isfinite(t)) and np.all(np.isfinite(f)) and np.all(np.diff(t) > 0.0)):
+            raise ValueError("the times of a load must rise, and all its values be finite")
+        object.__setattr__(self, "time", t - t[0])
+        object.__setattr__(self, "values", f)
+
+    def at(self, time: Array) -> Array:
+        """Return the load at times."""
+        return np.interp(time, self.time, self.values, left=0.0, right=0.0)
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample, s."""
+        return float(self.time[-1])
+
+    @property
+    def rise_time(self) -> float:
+        """Time from 10 to 90 % of the largest value, s; 0 where it begins or ends with a jump."""
+        peak = int(np.argmax(np.abs(self.values)))
+        share = np.abs(self.values[: peak + 1]) / abs(self.values[peak]) if self.values[peak] else np.ones(1)
+        if share[0] > 0.1:
+            return 0.0
+        low, high = (int(np.flatnonzero(share >= level)[0]) for level in (0.1, 0.9))
+
+        def place(k: int, level: float) -> float:
+            part = (level - share[k - 1]) / (share[k] - share[k - 1])
+            return float(self.time[k - 1] + part * (self.time[k] - self.time[k - 1]))
+
+        return place(high, 0.9) - place(low, 0.1)
+
+
+@dataclass(frozen=True)
+class Impactor:
+    """A rigid striker that hits the first face by a contact law; it may come back and touch again.
+
+    Parameters
+    ----------
+    mass, speed : float
+        kg, and m/s towards the face.
+    contact : Contact or None
+        The law; None for a rigid contact, where striker and face move together while they push.
+    slowest_approach : float, optional
+        Lowest approach speed that the hysteresis factor uses, m/s.
+    """
+
+    mass: float
+    speed: float
+    contact: Contact | None = None
+    slowest_approach: float = 1e-6
+
+    def __post_init__(self) -> None:
+        if not (0.0 < self.mass < math.inf and 0.0 < self.speed < math.inf):
+            raise ValueError(f"an impactor needs a mass and a speed above zero, got {self}")
+
+
+Load = Pulse | Sampled | Impactor

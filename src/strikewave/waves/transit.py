@@ -1,0 +1,276 @@
+"""The stack on a grid of time steps: which step, what it costs in accuracy, and the tables for the kernels.
+
+Delay lines are exact when every transit time is a whole number of steps. Other transits are rounded:
+`choose_grid` finds a step for which all of them are nearly whole at once, and `error_bound` says what the
+rounding can do to the result.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.waves._kernels import (
+    BONDED,
+    BRANCHES,
+    DAMPING,
+    ELASTIC,
+    MASS,
+    MOST_BRANCHES,
+    PRELOAD,
+    RESISTANCE,
+    STIFFNESS,
+    UNILATERAL,
+    State,
+    Tables,
+)
+from strikewave.waves.layers import Joint, Stack
+
+Array = NDArray[np.float64]
+
+MOST_NODES = 50_000_000
+"""A grid with more nodes than this is refused: its waves would take more than 0.8 GB."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A time step and the number of steps that each layer's transit takes.
+
+    Attributes
+    ----------
+    step : float
+        s.
+    counts : tuple of int
+        Steps of each transit, at least 1.
+    mismatch : float
+        Largest relative difference between a transit used and the true one.
+    """
+
+    step: float
+    counts: tuple[int, ...]
+    mismatch: float
+
+    def lengths(self, stack: Stack) -> tuple[float, ...]:
+        """Return the lengths that the layers have on this grid, m."""
+        return tuple(n * self.step * x.bar_speed for n, x in zip(self.counts, stack.layers, strict=True))
+
+
+def grid_of(stack: Stack, step: float) -> Grid:
+    """Return the grid of a stack for a given step, s: each transit rounded to whole steps, one at least.
+
+    Raises
+    ------
+    ValueError
+        If the step is not above zero, or so small that the waves would not fit in memory.
+
+    Examples
+    --------
+    >>> from strikewave.waves import Layer
+    >>> bar = Layer("bar", 1.0, 1.0, 1.0, 1.04)
+    >>> grid = grid_of(Stack((bar,)), 0.1)
+    >>> grid.counts, round(grid.mismatch, 4)
+    ((10,), 0.0385)
+    """
+    if not 0.0 < step < math.inf:
+        raise ValueError(f"the step must be above zero, got {step!r} s")
+    transits = np.array([layer.transit for layer in stack.layers])
+    if transits.sum() / step > MOST_NODES:
+        raise ValueError(
+            f"a step of {step:.3g} s cuts the stack into {transits.sum() / step:.3g} nodes; "
+            f"at most {MOST_NODES:.0e}: take a step above {transits.sum() / MOST_NODES:.3g} s"
+        )
+    counts = np.maximum(np.rint(transits / step), 1.0)
+    return Grid(step, tuple(int(n) for n in counts), float(np.max(np.abs(counts * step / transits - 1.0))))
+
+
+def choose_grid(stack: Stack, mismatch: float, largest: float, smallest: float) -> Grid:
+    """Return the coarsest grid whose transits all are whole steps to a wanted relative mismatch.
+
+    Steps t_k/n of the shortest transit, n = 1, 2, .., are tried between ``largest`` and ``smallest``: a
+    simultaneous rational approximation by search. Each is shifted so that the mismatch is shared evenly
+    among the layers. Where none is good enough, the best one is returned.
+
+    Parameters
+    ----------
+    mismatch : float
+        Largest relative difference between a transit used and the true one.
+    largest, smallest : float
+        Steps to try, s.
+
+    Examples
+    --------
+    >>> from strikewave.waves import BONDED, Layer
+    >>> first, second = (Layer("bar", 1.0, 1.0, 1.0, length) for length in (0.3, 0.7))
+    >>> choose_grid(Stack((first, second), (BONDED,)), 1e-9, 0.5, 1e-4).counts
+    (3, 7)
+    """
+    transits = np.array([layer.transit for layer in stack.layers])
+    smallest = max(smallest, transits.sum() / MOST_NODES)
+    shortest = float(transits.min())
+    first = max(1, math.ceil(shortest / largest))
+    last = max(first, math.floor(shortest / smallest))
+    best: Grid | None = None
+    for begin in range(first, last + 1, 4096):
+        n = np.arange(begin, min(begin + 4096, last + 1), dtype=float)
+        steps = shortest / n
+        counts = np.maximum(np.rint(transits[:, None] / steps), 1.0)
+        ratios = counts * steps / transits[:, None]
+        high, low = ratios.max(axis=0), ratios.min(axis=0)
+        shared = 2.0 / (high + low)
+        worst = high * shared - 1.0
+        good = np.flatnonzero(worst <= mismatch)
+        k = int(good[0]) if good.size else int(np.argmin(worst))
+        if best is None or worst[k] < best.mismatch:
+            best = Grid(float(steps[k] * shared[k]), tuple(int(c) for c in counts[:, k]), float(worst[k]))
+        if good.size:
+            return best
+    assert best is not None
+    return best
+
+
+def tables_of(stack: Stack, grid: Grid) -> Tables:
+    """Return the stack on a grid as the kernels take it.
+
+    Raises
+    ------
+    ValueError
+        If a joint has more branches than the kernels hold.
+    """
+    dt = grid.step
+    nodes = np.array(grid.counts, dtype=np.int64) + 1
+    impedance = np.array([layer.impedance for layer in stack.layers])
+    joints = max(len(stack.joints), 1)
+    kind = np.zeros(len(stack.joints), dtype=np.int64)
+    value, branch = np.zeros((joints, 5)), np.zeros((joints, MOST_BRANCHES, 2))
+    for i, joint in enumerate(stack.joints):
+        kind[i] = _fill_joint(joint, dt, value[i], branch[i])
+    return Tables(
+        dt,
+        impedance,
+        nodes,
+        np.concatenate([[0], np.cumsum(nodes)[:-1]]),
+        kind,
+        value,
+        branch,
+        _end_coefficients(stack, dt),
+    )
+
+
+def _fill_joint(joint: Joint, dt: float, value: Array, branch: Array) -> int:
+    """Fill the values and branches of a joint and return what it does."""
+    value[STIFFNESS], value[DAMPING], value[PRELOAD] = joint.stiffness, joint.damping, joint.preload
+    if joint.mass > 0.0:
+        value[RESISTANCE] = 2.0 * joint.mass / dt
+        return MASS
+    if joint.unilateral:
+        return UNILATERAL
+    if math.isinf(joint.stiffness):
+        return BONDED
+    springs = [(0.5 * dt * joint.stiffness, 0.0)]
+    springs += [(0.5 * dt * part.stiffness, 0.5 * dt / part.relaxation) for part in joint.branches]
+    if len(springs) > MOST_BRANCHES:
+        raise ValueError(f"a joint has at most {MOST_BRANCHES - 1} Maxwell branches, got {len(joint.branches)}")
+    for k, (r, h) in enumerate(springs):
+        branch[k] = r / (1.0 + h), (1.0 - h) / (1.0 + h)
+    value[BRANCHES] = len(springs)
+    value[RESISTANCE] = joint.damping + branch[:, 0].sum()
+    return ELASTIC
+
+
+def _end_coefficients(stack: Stack, dt: float) -> Array:
+    """Return f = own a + wave P and a' = beta f + sigma R v of the end."""
+    z, end = stack.layers[-1].impedance, stack.end
+    if end.kind == "rigid":
+        return np.array([0.0, 2.0, 0.0, 0.0, 0.0])
+    resistance, beta, sigma = {
+        "free": (0.0, 0.0, 0.0),
+        "matched": (z, 0.0, 0.0),
+        "dashpot": (end.value, 0.0, 0.0),
+        "spring": (0.5 * dt * end.value, 1.0, 1.0),
+        "mass": (2.0 * end.value / dt, -1.0, -1.0),
+    }[end.kind]
+    share = 1.0 / (1.0 + resistance / z)
+    return np.array([share, 2.0 * resistance / z * share, resistance, beta, sigma])
+
+
+def state_at_rest(stack: Stack, grid: Grid) -> State:
+    """Return the state before the load: no force anywhere, each layer at its own speed, gaps open."""
+    nodes = np.array(grid.counts, dtype=np.int64) + 1
+    z = np.repeat([layer.impedance for layer in stack.layers], nodes)
+    v = np.repeat([layer.speed for layer in stack.layers], nodes)
+    joints = max(len(stack.joints), 1)
+    state = State(
+        0.5 * z * v,
+        -0.5 * z * v,
+        np.full(nodes.size, -1, dtype=np.int64) % nodes,
+        np.zeros((joints, 2)),
+        np.zeros((joints, MOST_BRANCHES)),
+        np.zeros(1),
+    )
+    for i, joint in enumerate(stack.joints):
+        state.joint[i, 0] = -joint.gap
+    return state
+
+
+def nearest_nodes(grid: Grid, places: Sequence[tuple[int, float]]) -> NDArray[np.int64]:
+    """Return (layer, node) for places given as layer index and fraction of the layer from its loaded side."""
+    rows = [(layer, round(fraction * grid.counts[layer])) for layer, fraction in places]
+    return np.array(rows, dtype=np.int64).reshape(-1, 2)
+
+
+@dataclass(frozen=True)
+class ErrorBound:
+    """Largest error that rounding the transits can cause at the taps, until the end of the run.
+
+    Attributes
+    ----------
+    velocity, acceleration : float
+        m/s and m/s^2; infinite where the theorem does not hold.
+    """
+
+    velocity: float
+    acceleration: float
+
+
+def error_bound(stack: Stack, grid: Grid, integrals: Array, places: Sequence[tuple[int, float]]) -> ErrorBound:
+    """Bound the error of velocity and acceleration at places of a stack on a grid.
+
+    On the grid each wave runs with a transit wrong by at most the relative mismatch d. The error e of
+    the waves then obeys the exact equations with a source -d times the rate of the computed waves w.
+    Bonded, compliant and lossy joints and all ends never add energy, so in the energy norm (squared: the
+    integral of (P^2 + M^2)/Z over the stack)
+
+        |e| <= d I1,   |e'| <= d I2,   |e''| <= d I3,   I_k = integral over the run of |k-th rate of w|.
+
+    In a layer of impedance Z and transit t, Sobolev's inequality turns norms into values:
+    v^2 <= (2/Z) [|e|^2/t + 2 |e| (|e'| + d |w'|)]; likewise for the acceleration with one more rate. A tap
+    between nodes is read half a step away at most. The load counts as sampled at the steps: a corner in it
+    is rounded over one step, and a jump makes the bound large, as it must.
+
+    Parameters
+    ----------
+    integrals : ndarray
+        I1, I2, I3 and the largest norms |w'|, |w''|, |w'''|, shape (6,), as `run_bar` gathers them.
+    places : sequence of (int, float)
+        Layer and fraction of each tap.
+    """
+    if any(joint.unilateral for joint in stack.joints) or any(layer.speed for layer in stack.layers):
+        return ErrorBound(math.inf, math.inf)
+    d = grid.mismatch
+    e0, e1, e2 = d * integrals[:3]
+    w1, w2, w3 = integrals[3:]
+    velocity = acceleration = 0.0
+    for layer, fraction in places:
+        z, transit = stack.layers[layer].impedance, stack.layers[layer].transit
+        away = abs(fraction * grid.counts[layer] - round(fraction * grid.counts[layer])) * grid.step
+        here = math.sqrt(2.0 / z * (e0**2 / transit + 2.0 * e0 * (e1 + d * w1)))
+        rate = math.sqrt(2.0 / z * (e1**2 / transit + 2.0 * e1 * (e2 + d * w2)))
+        slope = math.sqrt(2.0 / z * (w1**2 / transit + 2.0 * w1 * w2)) if away else 0.0
+        bend = math.sqrt(2.0 / z * (w2**2 / transit + 2.0 * w2 * w3)) if away else 0.0
+        velocity = max(velocity, here + away * slope)
+        acceleration = max(acceleration, rate + away * bend)
+    return ErrorBound(velocity, acceleration)
