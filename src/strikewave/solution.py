@@ -240,9 +240,8 @@ def build_dataset(case: Case, run: RotaryRun, found: Sequence[Blow]) -> xarray.D
     """Sample a run into a dataset: the whole train, each blow in detail, the ideal record, the table."""
     import xarray
 
-    place = run.places
-    time = np.arange(0.0, run.motion.end.time, case.solver.output_step.si)
-    states, forces = run.motion.sample(time)
+    time = np.arange(0.0, run.end, case.solver.output_step.si)
+    train = run.sample(time)
     pulse_time = np.arange(-round(WINDOW_BEFORE / PULSE_STEP), round(WINDOW_AFTER / PULSE_STEP) + 1) * PULSE_STEP
     force, acceleration = (np.full((len(found), pulse_time.size), np.nan) for _ in range(2))
     for row, blow in enumerate(found):
@@ -251,20 +250,20 @@ def build_dataset(case: Case, run: RotaryRun, found: Sequence[Blow]) -> xarray.D
             force[row, : since.size], acceleration[row, : since.size] = f[: pulse_time.size], a[: pulse_time.size]
     recorder = case.recorder
     record_time = recorder.begin + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
-    inside = (record_time >= 0.0) & (record_time <= run.motion.end.time)
+    inside = (record_time >= 0.0) & (record_time <= run.end)
     record = np.zeros(record_time.size)
-    record[inside] = run.rigid_acceleration(run.motion.sample(record_time[inside])[1])
+    record[inside] = run.sample(record_time[inside]).rigid_acceleration
 
     def quantity(dimension: Any, values: Any, unit: str, name: str) -> tuple[Any, Any, dict[str, str]]:
         return dimension, values, {"units": unit, "long_name": name}
 
     variables = {
-        "contact_force": quantity("time", forces[:, place.contacts].sum(axis=1), "N", "contact force"),
-        "rigid_acceleration": quantity("time", run.rigid_acceleration(forces), "m/s^2", "rigid-body acceleration"),
-        "nose_position": quantity("time", states[:, place.nose], "m", "position of the struck face along the blow"),
-        "assembly_position": quantity("time", states[:, place.assembly], "m", "position of the assembly"),
-        "assembly_speed": quantity("time", states[:, place.bodies + place.assembly], "m/s", "speed of the assembly"),
-        "turntable_speed": quantity("time", states[:, place.angle + 1], "rad/s", "turntable speed"),
+        "contact_force": quantity("time", train.contact_force, "N", "contact force"),
+        "rigid_acceleration": quantity("time", train.rigid_acceleration, "m/s^2", "rigid-body acceleration"),
+        "nose_position": quantity("time", train.face_place, "m", "position of the struck face along the blow"),
+        "assembly_position": quantity("time", train.assembly_place, "m", "position of the assembly"),
+        "assembly_speed": quantity("time", train.assembly_speed, "m/s", "speed of the assembly"),
+        "turntable_speed": quantity("time", train.turntable_speed, "rad/s", "turntable speed"),
         "pulse_force": quantity(("blow", "pulse_time"), force, "N", "contact force of each blow"),
         "pulse_acceleration": quantity(
             ("blow", "pulse_time"), acceleration, "m/s^2", "rigid-body acceleration of each blow"

@@ -53,7 +53,7 @@ FIRST, SECOND = 3, 4
 
 INERTIA, RADIUS, SET_SPEED, GAIN, TORQUE, DRAG = 0, 1, 2, 3, 4, 5
 VALVE_DELAY, STROKE, STROKE_TIME, RELEASE_DELAY, RETRACT_TIME = 6, 7, 8, 9, 10
-BLOWS = 11
+BLOWS, LAYERED = 11, 12
 """Places in `RotarySystem.settings`, SI."""
 
 
@@ -143,32 +143,37 @@ def rotary_rates(system, t, y, mode, memory, dy):
 
 
 @leaf_kernel
+def own_switches(settings, links, t, angle, speed, mode, memory, g):
+    """Fill the four switch functions of drive, feed and passing strikers."""
+    drive, limit = mode[links + DRIVE], settings[TORQUE]
+    wanted = wanted_torque(settings, speed)
+    g[0], g[1] = 1.0, 1.0
+    if drive == REGULATED:
+        g[0], g[1] = limit - wanted, wanted
+    elif drive == FULL_TORQUE:
+        g[0] = wanted - limit
+    else:
+        g[1] = -wanted
+    phase, since = mode[links + FEED], t - memory[links + FEED_START]
+    g[FEED_SWITCH] = 1.0
+    if phase == WAITING:
+        g[FEED_SWITCH] = settings[VALVE_DELAY] - since
+    elif phase == FEEDING:
+        g[FEED_SWITCH] = settings[STROKE_TIME] - since
+    elif phase == RELEASED:
+        g[FEED_SWITCH] = settings[RELEASE_DELAY] - since
+    elif phase == RETRACTING:
+        g[FEED_SWITCH] = settings[RETRACT_TIME] - since
+    g[APEX_SWITCH] = memory[links + NEXT_APEX] - angle
+
+
+@leaf_kernel
 def rotary_switches(system, t, y, mode, memory, g):
     """Fill the switch functions of links, drive, feed and passing strikers."""
-    settings, links, bodies = system.settings, system.joins.shape[0], system.bodies.shape[0]
+    links, bodies = system.joins.shape[0], system.bodies.shape[0]
     place_bases(system, t, y, mode, memory)
     link_switches(system.joins, system.values, y, system.bases, bodies, mode, memory, g)
-    own = 2 * links
-    drive, limit = mode[links + DRIVE], settings[TORQUE]
-    wanted = wanted_torque(settings, y[2 * bodies + 1])
-    g[own], g[own + 1] = 1.0, 1.0
-    if drive == REGULATED:
-        g[own], g[own + 1] = limit - wanted, wanted
-    elif drive == FULL_TORQUE:
-        g[own] = wanted - limit
-    else:
-        g[own + 1] = -wanted
-    phase, since = mode[links + FEED], t - memory[links + FEED_START]
-    g[own + FEED_SWITCH] = 1.0
-    if phase == WAITING:
-        g[own + FEED_SWITCH] = settings[VALVE_DELAY] - since
-    elif phase == FEEDING:
-        g[own + FEED_SWITCH] = settings[STROKE_TIME] - since
-    elif phase == RELEASED:
-        g[own + FEED_SWITCH] = settings[RELEASE_DELAY] - since
-    elif phase == RETRACTING:
-        g[own + FEED_SWITCH] = settings[RETRACT_TIME] - since
-    g[own + APEX_SWITCH] = memory[links + NEXT_APEX] - y[2 * bodies]
+    own_switches(system.settings, links, t, y[2 * bodies], y[2 * bodies + 1], mode, memory, g[2 * links :])
 
 
 @leaf_kernel
@@ -179,20 +184,11 @@ def _release_when_done(settings, t, mode, memory, links):
 
 
 @leaf_kernel
-def rotary_switch(system, k, t, y, mode, memory):
-    """Change the mode at switch k: a link, the drive, the feed, or a striker at its apex.
+def own_switch(settings, links, strikers, own, t, mode, memory):
+    """Change the mode at a switch of drive, feed, or a striker at its apex.
 
     A pass counts once the object is held in place, or earlier if the striker touched it.
     """
-    bodies, links = system.bodies.shape[0], system.joins.shape[0]
-    strikers = system.bases.shape[1] - 1
-    if k < 2 * links:
-        place_bases(system, t, y, mode, memory)
-        code = link_switch(system.joins, system.values, k, y, system.bases, bodies, mode, memory)
-        if k // 2 < strikers and code == RESTART:
-            mode[links + TOUCHED] = 1
-        return code
-    own = k - 2 * links
     if own < FEED_SWITCH:
         if mode[links + DRIVE] != REGULATED:
             mode[links + DRIVE] = REGULATED
@@ -209,8 +205,27 @@ def rotary_switch(system, k, t, y, mode, memory):
         if mode[links + TOUCHED] == 1 or mode[links + FEED] == HELD:
             mode[links + PASSES] += 1
         mode[links + TOUCHED] = 0
-    _release_when_done(system.settings, t, mode, memory, links)
+    _release_when_done(settings, t, mode, memory, links)
     return CONTINUE
+
+
+@leaf_kernel
+def rotary_switch(system, k, t, y, mode, memory):
+    """Change the mode at switch k: a link, the drive, the feed, or a striker at its apex.
+
+    Where the struck object is a stack of layers, the first touch stops the integration.
+    """
+    bodies, links = system.bodies.shape[0], system.joins.shape[0]
+    strikers = system.bases.shape[1] - 1
+    if k < 2 * links:
+        place_bases(system, t, y, mode, memory)
+        code = link_switch(system.joins, system.values, k, y, system.bases, bodies, mode, memory)
+        if k // 2 < strikers and code == RESTART:
+            mode[links + TOUCHED] = 1
+            if system.settings[LAYERED] > 0.0:
+                return STOP
+        return code
+    return own_switch(system.settings, links, strikers, k - 2 * links, t, mode, memory)
 
 
 @overload(_integrator.derivatives, jit_options=LEAF)

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.contact.chain import contacts
-from strikewave.machines._kernels import APEX_SWITCH, FEED, HELD
+from strikewave.machines._kernels import APEX_SWITCH
 from strikewave.machines.rotary import RotaryRun
 from strikewave.signal.pulse import measure_pulse
 
@@ -84,29 +83,17 @@ class Blow:
 
 def contact_table(run: RotaryRun) -> Array:
     """Return all contacts in order of time: begin, end, approach speed, striker (from 0), pass; shape (N, 5)."""
-    place = run.places
-    rows = []
-    for striker in range(place.strikers):
-        found = contacts(run.motion, striker)
-        rows.append(np.column_stack([found, np.full(len(found), striker, dtype=float)]))
-    table = np.concatenate(rows)
-    table = table[np.argsort(table[:, 0], kind="stable")]
-    angles = run.motion.sample(table[:, 0])[0][:, place.angle] if len(table) else np.empty(0)
+    table = run.contacts()
+    angles = run.sample(table[:, 0]).turntable_angle if len(table) else np.empty(0)
     return np.column_stack([table, np.round(angles / run.machine.pitch)])
 
 
 def counted_passes(run: RotaryRun) -> dict[int, float]:
     """Return the passes whose apex fell while the object was held in place: pass number to time, s."""
-    record, place = run.motion.record, run.places
-    held = record.mode[:, place.links + FEED] == HELD
-    if not held.any():
-        return {}
-    begin = record.time[held][0]
-    end = record.time[held][-1] + record.step[held][-1]
-    apex = record.event[:, 0] == place.own_switches + APEX_SWITCH
-    times = record.event_time[apex]
-    times = times[(times >= begin) & (times <= end)]
-    angles = run.motion.sample(times)[0][:, place.angle]
+    phases = dict(run.phases)
+    times = run.switch_times(APEX_SWITCH)
+    times = times[(times >= phases["fed"]) & (times <= phases["retract command"] + 1e-12)]
+    angles = run.sample(times).turntable_angle if times.size else np.empty(0)
     return {round(a / run.machine.pitch): float(t) for a, t in zip(angles, times, strict=True)}
 
 
@@ -118,14 +105,13 @@ def blows(run: RotaryRun) -> tuple[Blow, ...]:
     """
     table, counted = contact_table(run), counted_passes(run)
     passes = sorted({*counted, *(int(p) for p in table[:, 4])})
-    per_step = run.motion.impulses()
     starts = [float(table[table[:, 4] == p, 0][0]) if p in table[:, 4] else counted[p] for p in passes]
     found = []
     for index, (number, start) in enumerate(zip(passes, starts, strict=True), start=1):
-        until = starts[index] if index < len(starts) else run.motion.end.time
+        until = starts[index] if index < len(starts) else run.end
         rows = table[table[:, 4] == number]
         if len(rows):
-            found.append(_struck(run, index, rows, per_step, until))
+            found.append(_struck(run, index, rows, until))
         else:
             found.append(_missed(run, index, number, start))
     return tuple(found)
@@ -138,15 +124,14 @@ def pulse_window(
 
     The window ends at ``until`` (s after first touch), or where the motion ends.
     """
-    after = min(until, run.motion.end.time - touch)
+    after = min(until, run.end - touch)
     first, last = -round(min(WINDOW_BEFORE, touch) / step), int(after / step)
     since = step * np.arange(first, last + 1, dtype=np.float64)
-    _, forces = run.motion.sample(touch + since)
-    return since, forces[:, run.places.contacts].sum(axis=1), run.rigid_acceleration(forces)
+    moments = run.sample(touch + since)
+    return since, moments.contact_force, moments.rigid_acceleration
 
 
 def _missed(run: RotaryRun, index: int, number: int, time: float) -> Blow:
-    state = run.motion.sample(np.array([time]))[0][0]
     nothing = dict.fromkeys(
         ("approach_speed", "rebound_speed", "rigid_peak", "width", "rise", "retreat", "momentum_error"), math.nan
     )
@@ -154,64 +139,57 @@ def _missed(run: RotaryRun, index: int, number: int, time: float) -> Blow:
     return Blow(
         index=index,
         kind="missed",
-        striker=number % run.places.strikers + 1,
+        striker=number % run.machine.strikers.count + 1,
         time=time,
         contacts=0,
-        turntable_speed=float(state[run.places.angle + 1]),
+        turntable_speed=float(run.sample(np.array([time])).turntable_speed[0]),
         **nothing,
         **zeros,
     )
 
 
-def _struck(run: RotaryRun, index: int, rows: Array, per_step: Array, until: float) -> Blow:
-    place, record, struck = run.places, run.motion.record, run.machine.struck
+def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
+    struck = run.machine.struck
     begin, end = float(rows[0, 0]), float(rows[:, 1].max())
     striker = int(rows[0, 3])
-    states, _ = run.motion.sample(np.array([begin, end]))
-    speeds = states[:, place.bodies : place.angle]
-    masses = np.array([struck.nose_mass, struck.assembly_mass])
-    momentum = speeds[:, place.nose :] @ masses
-    within = (record.time >= begin - 1e-15) & (record.time + record.step <= end + 1e-15)
-    links = per_step[within].sum(axis=0)
-    contact = float(links[place.contacts].sum())
-    support = float(links[place.stop] - links[place.support]) + struck.mass * struck.gravity * (end - begin)
-    change = float(momentum[1] - momentum[0])
+    edges = run.sample(np.array([begin, end]))
+    contact, support = run.impulses(begin, end)
+    velocity_change = float(np.diff(edges.object_speed)[0])
     since, force, acceleration = pulse_window(run, begin, min(until, end + WINDOW_AFTER) - begin)
     pulse = measure_pulse(acceleration, SAMPLE_STEP, since[0]) if acceleration.max() > 0 else None
     free = min(until, max(dict(run.phases)["retract"], end))
-    path = run.motion.sample(np.linspace(begin, free, 2001))[0][:, place.assembly]
+    path = run.sample(np.linspace(begin, free, 2001)).assembly_place
     width = pulse.width if pulse else math.nan
     return Blow(
         index=index,
-        kind=_kind(run, rows, per_step, width),
+        kind=_kind(run, rows, width),
         striker=striker + 1,
         time=begin,
         contacts=len(rows),
         approach_speed=float(rows[0, 2]),
-        rebound_speed=float(speeds[1, place.nose] - speeds[1, striker]),
+        rebound_speed=run.span_at(np.nextafter(end, begin)).parting_speed(end, striker),
         impulse=contact + support,
         contact_impulse=contact,
         support_impulse=support,
-        momentum_error=abs(contact + support - change) / contact,
+        momentum_error=abs(contact + support - struck.mass * velocity_change) / contact,
         peak_force=float(force.max()),
         rigid_peak=pulse.peak if pulse else math.nan,
         width=width,
         rise=pulse.rise if pulse else math.nan,
-        velocity_change=change / struck.mass,
+        velocity_change=velocity_change,
         retreat=float(path.max() - path[0]),
-        turntable_speed=float(states[0, place.angle + 1]),
+        turntable_speed=float(edges.turntable_speed[0]),
     )
 
 
-def _kind(run: RotaryRun, rows: Array, per_step: Array, width: float) -> str:
+def _kind(run: RotaryRun, rows: Array, width: float) -> str:
     if rows[0, 2] < GLANCING_SHARE * run.machine.nominal_approach:
         return "glancing"
-    record = run.motion.record
     gaps = np.flatnonzero(rows[1:, 0] - rows[:-1, 1] > width)
     if gaps.size:
-        contact = per_step[:, run.places.contacts].sum(axis=1)
-        inside = (record.time >= rows[0, 0]) & (record.time < rows[:, 1].max())
-        later = (record.time >= rows[gaps[0] + 1, 0]) & inside
-        if contact[later].sum() > DOUBLE_SHARE * contact[inside].sum():
+        end = float(rows[:, 1].max())
+        later, _ = run.impulses(float(rows[gaps[0] + 1, 0]), end)
+        whole, _ = run.impulses(float(rows[0, 0]), end)
+        if later > DOUBLE_SHARE * whole:
             return "double"
     return "full"

@@ -8,9 +8,10 @@ speed w sqrt(2 R q - q^2), which falls as the object has not come back all the w
 
 from __future__ import annotations
 
+import bisect
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, Links
 from strikewave.contact._integrator import Control
 from strikewave.contact.chain import Link, Spring, Touch, first_modes, link_arrays, stored_energy
 from strikewave.contact.impact import Contact, elastic_indentation
-from strikewave.contact.motion import Motion, State, integrate
+from strikewave.contact.motion import State, integrate
 from strikewave.errors import IntegrationError
 from strikewave.machines._kernels import (
     APEX_SWITCH,
@@ -32,6 +33,8 @@ from strikewave.machines._kernels import (
     RotarySystem,
 )
 from strikewave.machines.feed import Feed, angle_at_valve_signal, expected_time
+from strikewave.machines.layered import LayeredObject, strike
+from strikewave.machines.spans import ChainSpan, Moments, Places, Span
 from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, StruckObject
 from strikewave.machines.turntable import Turntable, braking_time, speed_after_wait, spin_up_time
 
@@ -69,13 +72,14 @@ class Strikers:
 
 @dataclass(frozen=True)
 class RotaryMachine:
-    """Turntable, strikers, feed, object, and the engagement of the noses (m)."""
+    """Turntable, strikers, feed, object, the engagement of the noses (m), and the object's layers if it has any."""
 
     turntable: Turntable
     strikers: Strikers
     feed: Feed
     struck: StruckObject
     engagement: float
+    layered: LayeredObject | None = None
 
     @property
     def pitch(self) -> float:
@@ -97,8 +101,8 @@ class RotaryRun:
     ----------
     machine : RotaryMachine
         What ran.
-    motion : Motion
-        Everything between valve signal and end of the retraction.
+    spans : tuple of Span
+        Everything between valve signal and end of the retraction, one span after the other.
     phases : tuple of (str, float)
         Name and time of each phase, s.
     energy_error : float
@@ -106,77 +110,54 @@ class RotaryRun:
     """
 
     machine: RotaryMachine
-    motion: Motion
+    spans: tuple[Span, ...]
     phases: tuple[tuple[str, float], ...]
     energy_error: float
 
     @property
-    def places(self) -> Places:
-        """Where bodies and links stand in states and forces."""
-        return Places(self.machine.strikers.count)
+    def end(self) -> float:
+        """Time at which the object is back, s."""
+        return self.spans[-1].end
 
-    def rigid_acceleration(self, forces: Array) -> Array:
-        """Return the assembly's momentum rate over its mass from link forces (..., links), m/s^2."""
-        place, struck = self.places, self.machine.struck
-        total = forces[..., place.frame] - forces[..., place.support] + forces[..., place.stop]
-        return np.asarray(total / struck.assembly_mass + struck.gravity)
+    def span_at(self, time: float) -> Span:
+        """Return the span at a time; where two meet, the later one."""
+        begins = [span.begin for span in self.spans]
+        return self.spans[max(bisect.bisect_right(begins, time) - 1, 0)]
 
+    def sample(self, times: Array) -> Moments:
+        """Return what the machine does at times between 0 and the end, in any order.
 
-@dataclass(frozen=True)
-class Places:
-    """Indices into the state and the links for a number of strikers."""
+        Raises
+        ------
+        ValueError
+            If a time lies outside.
+        """
+        wanted = np.atleast_1d(np.asarray(times, dtype=float))
+        if len(self.spans) == 1:
+            return self.spans[0].sample(wanted)
+        begins = np.array([span.begin for span in self.spans])
+        which = np.maximum(np.searchsorted(begins, wanted, side="right") - 1, 0)
+        out = Moments(*(np.empty(wanted.size) for _ in Moments._fields))
+        for k in np.unique(which):
+            here = which == k
+            for column, values in zip(out, self.spans[k].sample(wanted[here]), strict=True):
+                column[here] = values
+        return out
 
-    strikers: int
+    def contacts(self) -> Array:
+        """Return begin, end (s), approach speed (m/s) and striker (from 0) of each contact in order of time."""
+        rows = np.concatenate([span.contacts() for span in self.spans])
+        return rows[np.argsort(rows[:, 0], kind="stable")]
 
-    @property
-    def bodies(self) -> int:
-        """Number of bodies."""
-        return self.strikers + 2
+    def switch_times(self, which: int) -> Array:
+        """Return when one of the machine's own switches changed, s."""
+        rows = np.concatenate([span.switches() for span in self.spans])
+        return rows[rows[:, 0] == which, 1]
 
-    @property
-    def nose(self) -> int:
-        """Body index of the nose."""
-        return self.strikers
-
-    @property
-    def assembly(self) -> int:
-        """Body index of the assembly."""
-        return self.strikers + 1
-
-    @property
-    def angle(self) -> int:
-        """State index of the turntable's angle; its speed follows."""
-        return 2 * self.bodies
-
-    @property
-    def contacts(self) -> slice:
-        """Links between strikers and nose."""
-        return slice(0, self.strikers)
-
-    @property
-    def frame(self) -> int:
-        """Link of the frame."""
-        return 2 * self.strikers
-
-    @property
-    def support(self) -> int:
-        """Link of the heavy-load spring."""
-        return 2 * self.strikers + 1
-
-    @property
-    def stop(self) -> int:
-        """Link of the stop."""
-        return 2 * self.strikers + 2
-
-    @property
-    def links(self) -> int:
-        """Number of links."""
-        return 2 * self.strikers + 3
-
-    @property
-    def own_switches(self) -> int:
-        """Place of the machine's own switch functions, after two a link."""
-        return 2 * self.links
+    def impulses(self, begin: float, end: float) -> tuple[float, float]:
+        """Return the impulses on the object of contacts and of supports with gravity between two times, N s."""
+        parts = [span.impulses(begin, end) for span in self.spans if span.begin < end and span.end > begin]
+        return sum(part[0] for part in parts), sum(part[1] for part in parts)
 
 
 def machine_links(machine: RotaryMachine) -> tuple[list[Link], list[str]]:
@@ -203,6 +184,7 @@ def rotary_system(machine: RotaryMachine) -> RotarySystem:
     tables = link_arrays(links, nodes)
     settings = [disc.inertia, disc.radius, disc.speed, disc.speed_gain, disc.torque, disc.drag]
     settings += [feed.valve_delay, feed.stroke, feed.stroke_time, feed.release_delay, feed.retract_time, feed.blows]
+    settings.append(0.0 if machine.layered is None else 1.0)
     return RotarySystem(bodies, np.zeros((5, count + 1)), tables.joins, tables.values, np.array(settings))
 
 
@@ -251,7 +233,8 @@ def run_rotary(
     """Run the machine from rest to rest.
 
     Spin-up and braking follow closed forms; from the valve signal to the end of the retraction everything
-    is integrated together, with every contact, stop, drive limit and feed phase as a located switch.
+    is integrated together, with every contact, stop, drive limit and feed phase as a located switch. Where
+    the object is a stack of layers, each blow is followed by `strike` instead.
 
     Parameters
     ----------
@@ -271,7 +254,7 @@ def run_rotary(
     """
     disc, feed, place = machine.turntable, machine.feed, Places(machine.strikers.count)
     system = rotary_system(machine)
-    start = start_state(machine, system)
+    start = state = start_state(machine, system)
     approach = machine.nominal_approach
     pitch_time = machine.pitch / disc.speed
     depth = elastic_indentation(machine.strikers.contact, machine.struck.nose_mass, approach)
@@ -282,29 +265,35 @@ def run_rotary(
     expected = expected_time(feed, pitch_time)
     control = Control(tolerance, scale, 2e-3 * depth / approach, 0.02 * pitch_time, 3.0 * expected)
     report = None if progress is None else (lambda t: progress(min(t / expected, 1.0)))
-    motion = integrate(system, start, control, (place.links, place.own_switches + OWN_SWITCHES), report)
-    if motion.end.mode[place.links + FEED] != RETRACTING or motion.end.time >= control.end:
-        done = int(motion.end.mode[place.links + PASSES])
+    spans: list[Span] = []
+    while True:
+        motion = integrate(system, state, control, (place.links, place.own_switches + OWN_SWITCHES), report)
+        spans.append(ChainSpan(machine.struck, place, motion))
+        state = motion.end
+        if machine.layered is None or not np.any(state.mode[place.contacts] != OPEN):
+            break
+        blow, state = strike(machine.layered, machine.struck, system, state, place.strikers)
+        spans.append(blow)
+    if state.mode[place.links + FEED] != RETRACTING or state.time >= control.end:
+        done = int(state.mode[place.links + PASSES])
         raise IntegrationError(
-            f"after {motion.end.time:.3g} s only {done} of {feed.blows} passes were made and the turntable turns at "
-            f"{motion.end.y[place.angle + 1]:.3g} rad/s: give it more inertia or torque, or less engagement"
+            f"after {state.time:.3g} s only {done} of {feed.blows} passes were made and the turntable turns at "
+            f"{state.y[place.angle + 1]:.3g} rad/s: give it more inertia or torque, or less engagement"
         )
-    first = place.angle + 2
-    dissipated = motion.end.y[first : first + place.links].sum()
-    driven, dragged, fed = motion.end.y[first + place.links :]
-    gained = energy(machine, system, motion.end) - energy(machine, system, start)
-    flowed = abs(driven) + dragged + np.abs(motion.end.y[first : first + place.links]).sum()
-    missing = gained - (driven - dragged - dissipated + fed)
-    return RotaryRun(machine, motion, _phases(machine, motion), float(abs(missing) / flowed))
+    dissipated = state.y[place.energies : place.energies + place.links]
+    driven, dragged, fed = state.y[place.energies + place.links :]
+    gained = energy(machine, system, state) - energy(machine, system, start)
+    flowed = abs(driven) + dragged + np.abs(dissipated).sum()
+    missing = gained - (driven - dragged - dissipated.sum() + fed)
+    run = RotaryRun(machine, tuple(spans), (), float(abs(missing) / flowed))
+    last_speed = float(state.y[place.angle + 1])
+    return replace(run, phases=_phases(run, last_speed))
 
 
-def _phases(machine: RotaryMachine, motion: Motion) -> tuple[tuple[str, float], ...]:
+def _phases(run: RotaryRun, last_speed: float) -> tuple[tuple[str, float], ...]:
     """Return name and time of each phase; 0 is the valve signal."""
-    disc, feed, place = machine.turntable, machine.feed, Places(machine.strikers.count)
-    feeding = motion.record.event[:, 0] == place.own_switches + FEED_SWITCH
-    times = motion.record.event_time[feeding]
-    closed = np.any(motion.record.mode[:, place.contacts] != OPEN, axis=1)
-    touched = motion.record.time[closed]
+    disc, feed = run.machine.turntable, run.machine.feed
+    times, touched = run.switch_times(FEED_SWITCH), run.contacts()
     at_speed = -feed.wait
     named = [
         ("spin-up", at_speed - spin_up_time(disc)),
@@ -314,9 +303,9 @@ def _phases(machine: RotaryMachine, motion: Motion) -> tuple[tuple[str, float], 
         ("fed", float(times[1])),
         ("retract command", float(times[2]) - feed.release_delay),
         ("retract", float(times[2])),
-        ("brake", motion.end.time),
-        ("stopped", motion.end.time + braking_time(disc, float(motion.end.y[place.angle + 1]))),
+        ("brake", run.end),
+        ("stopped", run.end + braking_time(disc, last_speed)),
     ]
-    if touched.size:
-        named.append(("blows", float(touched[0])))
+    if len(touched):
+        named.append(("blows", float(touched[0, 0])))
     return tuple(sorted(named, key=lambda item: item[1]))

@@ -14,6 +14,11 @@ from strikewave.waves._kernels import advance, arriving_at_face, force_and_veloc
 
 _ITERATIONS = 60
 
+DEPTH, RATE, FORCE, APPROACH, CLOSED, POWER, LOST, COUNT, QUIET = range(9)
+"""Places in the state of a contact: d, d', F, v0 of this interval, 1 while it touches, power lost, energy lost,
+intervals so far, time since the last one."""
+CONTACT_SIZE = 9
+
 
 class Law(NamedTuple):
     """A contact law F = K d^n (1 + chi d'/v0); an infinite K is a rigid contact."""
@@ -61,6 +66,53 @@ def contact_force(law, d, half, approach, c0, c1, guess):
     return f
 
 
+@leaf_kernel
+def begin_contact(contact, approach):
+    """Set a contact to first touch at an approach speed."""
+    contact[:] = 0.0
+    contact[RATE] = contact[APPROACH] = approach
+
+
+@leaf_kernel
+def press(law, contact, touches, t, dt, c0, c1):
+    """Move a contact on to time t and return its force, N; c0 - c1 F is the indentation rate.
+
+    ``touches`` gets begin, end and approach speed of each interval of contact. The very first step, in which
+    nothing has moved yet, counts as touching.
+    """
+    first = contact[COUNT] == 0.0
+    half = 0.0 if first else 0.5 * dt
+    was, closed = contact[DEPTH], contact[CLOSED] > 0.0
+    if law.stiffness == np.inf:
+        force = max((c0 + was / dt) / c1, 0.0)
+        rate = c0 - c1 * force
+        d = 0.0 if first else min(was + dt * rate, 0.0)
+        touching, power = force > 0.0, 0.0
+    else:
+        ahead = was + half * contact[RATE]
+        if not closed and ahead + half * c0 > 0.0:
+            contact[APPROACH] = max(contact[RATE], 0.0)
+        force = contact_force(law, ahead, half, contact[APPROACH], c0, c1, contact[FORCE])
+        rate = c0 - c1 * force
+        d = ahead + half * rate
+        touching = d > 0.0 or first
+        power = (force - law.stiffness * d**law.exponent) * rate if d > 0.0 else 0.0
+    contact[LOST] += half * (power + contact[POWER])
+    if touching != closed:
+        at = t - (dt * d / (d - was) if d != was else 0.0)
+        if touching:
+            contact[COUNT] += 1.0
+        k = int(contact[COUNT]) - 1
+        if k < touches.shape[0]:
+            touches[k, 1] = at
+            if touching:
+                touches[k, 0], touches[k, 2] = at, contact[RATE]
+    contact[DEPTH], contact[RATE], contact[FORCE], contact[POWER] = d, rate, force, power
+    contact[CLOSED] = 1.0 if touching else 0.0
+    contact[QUIET] = 0.0 if touching else contact[QUIET] + dt
+    return force
+
+
 @kernel
 def strike(tables, state, law, mass, speed, steps, recordings, integrals, touches):
     """Let a rigid striker hit the stack at step 0, and follow both for so many steps.
@@ -69,47 +121,16 @@ def strike(tables, state, law, mass, speed, steps, recordings, integrals, touche
     of the striker, the impulse on the stack, that on its end, and the energy lost in the contact.
     """
     dt, z = tables.step, tables.impedance[0]
-    histories, norms = np.zeros((4, 4)), np.zeros(3)
+    histories, norms, contact = np.zeros((4, 4)), np.zeros(3), np.empty(CONTACT_SIZE)
     last = tables.nodes.size - 1
-    rigid = law.stiffness == np.inf
-    d, rate, force, v, approach = 0.0, speed, 0.0, speed, speed
-    count, closed = 0, False
-    entered, through, lost, spent = 0.0, 0.0, 0.0, 0.0
+    begin_contact(contact, speed)
+    v, entered, through = speed, 0.0, 0.0
     for n in range(steps):
         m = arriving_at_face(tables, state)
         inertia = 0.5 * dt / mass if n > 0 else 0.0
-        free = v - inertia * force
-        c0, c1 = free + 2.0 * m / z, inertia + 1.0 / z
-        moved = 0.5 * dt if n > 0 else 0.0
-        was = d
-        if rigid:
-            force = max((c0 + d / dt) / c1, 0.0)
-            rate_new = c0 - c1 * force
-            d = min(d + dt * rate_new, 0.0) if n > 0 else 0.0
-            touching = force > 0.0
-        else:
-            ahead = d + moved * rate
-            if not closed and ahead + moved * c0 > 0.0:
-                approach = max(rate, 0.0)
-            force = contact_force(law, ahead, moved, approach, c0, c1, force)
-            rate_new = c0 - c1 * force
-            d = ahead + moved * rate_new
-            touching = d > 0.0 or n == 0
-        if touching and not closed:
-            if count < touches.shape[0]:
-                touches[count, 0] = n * dt - (dt * d / (d - was) if d > was else 0.0)
-                touches[count, 1] = steps * dt
-                touches[count, 2] = rate
-            count += 1
-        if closed and not touching and count <= touches.shape[0]:
-            touches[count - 1, 1] = n * dt - (dt * d / (d - was) if d < was else 0.0)
-        closed = touching
+        free = v - inertia * contact[FORCE]
+        force = press(law, contact, touches, n * dt, dt, free + 2.0 * m / z, inertia + 1.0 / z)
         v = free - inertia * force
-        rate = rate_new
-        if not rigid and d > 0.0:
-            power = (force - law.stiffness * d**law.exponent) * rate
-            lost += 0.5 * dt * (power + spent)
-            spent = power
         f = advance(tables, state, force - m)
         entered += force * dt
         through += f * dt
@@ -118,4 +139,7 @@ def strike(tables, state, law, mass, speed, steps, recordings, integrals, touche
         f_end, v_end = force_and_velocity(tables, state, last, tables.nodes[last] - 1)
         ze = tables.impedance[last]
         watch(tables, force - m, m, 0.5 * (f_end + ze * v_end), 0.5 * (f_end - ze * v_end), histories, norms, integrals)
-    return count, v, entered, through, lost
+    count = int(contact[COUNT])
+    if contact[CLOSED] > 0.0 and count <= touches.shape[0]:
+        touches[count - 1, 1] = steps * dt
+    return count, v, entered, through, contact[LOST]

@@ -23,8 +23,8 @@ RESISTANCE, STIFFNESS, DAMPING, PRELOAD, BRANCHES = 0, 1, 2, 3, 4
 """Columns of `Tables.joint_value`: sum of R, spring, dashpot, preload; number of branches."""
 END_OWN, END_WAVE, END_RESISTANCE, END_BETA, END_SIGMA = 0, 1, 2, 3, 4
 """Places in `Tables.end`: f = own a + wave P; a' = beta f + sigma R v."""
-COMPRESSION, RATE = 0, 1
-"""Columns of `State.joint`: x and x' (of a joint with mass: w and v)."""
+COMPRESSION, RATE, LOST = 0, 1, 2
+"""Columns of `State.joint`: x and x' (of a joint with mass: w and v), and the energy lost, J."""
 
 
 class Tables(NamedTuple):
@@ -86,9 +86,13 @@ def elastic_joint(tables, state, i, b, y):
         own += state.memory[i, j]
     f = (own + value[RESISTANCE] * b) / (1.0 + value[RESISTANCE] * y)
     rate = b - y * f
+    lost = value[DAMPING] * rate * rate
     for j in range(count):
-        push = tables.branch[i, j, 0] * rate
-        state.memory[i, j] = tables.branch[i, j, 1] * (state.memory[i, j] + push) + push
+        resistance, beta = tables.branch[i, j, 0], tables.branch[i, j, 1]
+        own = state.memory[i, j] + resistance * rate
+        state.memory[i, j] = beta * own + resistance * rate
+        lost += 0.5 * own * own * (1.0 - beta) / resistance
+    state.joint[i, LOST] += tables.step * lost
     state.joint[i, COMPRESSION] += 0.5 * tables.step * (state.joint[i, RATE] + rate)
     state.joint[i, RATE] = rate
     return f
@@ -113,7 +117,10 @@ def unilateral_joint(tables, state, i, b, y):
     touching = value[STIFFNESS] * (ahead + 0.5 * step * (b - y * f)) > -value[PRELOAD]
     if not touching or f < -value[PRELOAD]:
         f = -value[PRELOAD]
+        touching = False
     rate = b - y * f
+    if touching:
+        state.joint[i, LOST] += step * value[DAMPING] * rate * rate
     state.joint[i, COMPRESSION] = ahead + 0.5 * step * rate
     state.joint[i, RATE] = rate
     return f

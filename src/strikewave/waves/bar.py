@@ -115,9 +115,7 @@ class BarRun:
         )
 
 
-def run_bar(
-    stack: Stack, load: Load, taps: Sequence[Tap], duration: float, wanted: Wanted | None = None
-) -> BarRun:
+def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, wanted: Wanted | None = None) -> BarRun:
     """Follow a stack under its load from rest.
 
     The step is the one asked for, or it is refined until the error bound keeps what is wanted, as far as
@@ -166,8 +164,7 @@ def run_bar(
         grid = choose_grid(stack, mismatch, largest, smallest)
         run = _run(stack, load, taps, duration, grid, math.ceil(duration / grid.step / MOST_SAMPLES))
         over, over_rate = (
-            bound / most
-            for bound, most in zip(run.relative_bound, (wanted.velocity, wanted.acceleration), strict=True)
+            bound / most for bound, most in zip(run.relative_bound, (wanted.velocity, wanted.acceleration), strict=True)
         )
         # behind a corner of the load the acceleration jumps: no step then bounds its error
         hopeless = over_rate > 0.5 * before
@@ -224,20 +221,20 @@ def _run(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, grid: G
         )
         touches = table[: min(count, _MOST_TOUCHES)]
     else:
-        history = load.at(grid.step * np.arange(steps + 1))
+        history = load.at(grid.step * np.arange(steps + 1.0))
         by_speed = getattr(load, "kind", "force") == "speed"
         entered, through = _kernels.drive(tables, state, history, by_speed, (kept, pictured), norms)
     return BarRun(
         stack=stack,
         load=load,
         grid=grid,
-        time=grid.step * every * np.arange(rows),
+        time=grid.step * every * np.arange(rows, dtype=np.float64),
         face_force=kept.force[:, 0],
         force=kept.force[:, 1:],
         velocity=kept.velocity[:, 1:, 1],
         acceleration=(kept.velocity[:, 1:, 2] - kept.velocity[:, 1:, 0]) / (2.0 * grid.step),
         bound=error_bound(stack, grid, norms, places),
-        field_time=grid.step * coarse * np.arange(pictured.force.shape[0]),
+        field_time=grid.step * coarse * np.arange(pictured.force.shape[0], dtype=np.float64),
         field_position=position,
         field_force=pictured.force,
         touches=touches,
@@ -253,8 +250,8 @@ def _law(load: Impactor) -> Law:
     if load.contact is None:
         return Law(math.inf, 1.0, 0.0, load.slowest_approach)
     law = load.contact
-    numbers = (float(np.asarray(x)) for x in (law.stiffness, law.exponent, law.hysteresis_factor))
-    return Law(*numbers, load.slowest_approach)
+    k, n, chi = (float(np.asarray(x)) for x in (law.stiffness, law.exponent, law.hysteresis_factor))
+    return Law(k, n, chi, load.slowest_approach)
 
 
 def _recording(nodes: NDArray[np.int64], every: int, rows: int) -> Recording:

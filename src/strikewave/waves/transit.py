@@ -207,7 +207,7 @@ def state_at_rest(stack: Stack, grid: Grid) -> State:
         0.5 * z * v,
         -0.5 * z * v,
         np.full(nodes.size, -1, dtype=np.int64) % nodes,
-        np.zeros((joints, 2)),
+        np.zeros((joints, 3)),
         np.zeros((joints, MOST_BRANCHES)),
         np.zeros(1),
     )

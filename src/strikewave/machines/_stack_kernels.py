@@ -1,0 +1,243 @@
+"""Compiled blow on a stack: strikers, turntable, contact law and delay lines together, step by step.
+
+The stack moves in a frame of its own that starts with the object's speed and falls with gravity; waves are
+what differs from it. The machine's bodies follow the trapezoidal rule with the contact force of this step
+found as in `strikewave.waves._impact_kernels`; spring, damper and stop act on the far end of the stack.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from strikewave.compiled import kernel, leaf_kernel
+from strikewave.contact._chain_kernels import MASS, PLACE, SPEED
+from strikewave.machines._kernels import (
+    APEX_SWITCH,
+    FEED,
+    FEED_SWITCH,
+    RETRACTING,
+    own_switch,
+    own_switches,
+    rotary_rates,
+)
+from strikewave.waves._impact_kernels import CLOSED, CONTACT_SIZE, COUNT, FORCE, LOST, QUIET, begin_contact, press
+from strikewave.waves._kernels import (
+    END_BETA,
+    END_OWN,
+    END_RESISTANCE,
+    END_SIGMA,
+    END_WAVE,
+    advance,
+    arriving_at_face,
+    force_and_velocity,
+    record,
+)
+
+(
+    CONTACT_FORCE,
+    RIGID_ACCELERATION,
+    FACE_PLACE,
+    NOSE_PLACE,
+    NOSE_SPEED,
+    ASSEMBLY_PLACE,
+    ASSEMBLY_SPEED,
+    TURNTABLE_ANGLE,
+    TURNTABLE_SPEED,
+    STRIKER_SPEED,
+    FACE_SPEED,
+    CONTACT_IMPULSE,
+    END_IMPULSE,
+) = range(13)
+"""Columns of the history of a blow; nose and assembly by the mean of what they consist of."""
+COLUMNS = 13
+
+SETTLED, CROWDED, ENDLESS = 0, 1, 2
+"""Why a blow ended: all quiet; two strikers in touch at once; the history is full."""
+
+
+class Supports(NamedTuple):
+    """What holds the far end on the carriage: heavy-load spring with damper, and stop; SI."""
+
+    spring: float
+    preload: float
+    damper: float
+    rest: float
+    stop: float
+    stop_damping: float
+    stop_offset: float
+
+
+class Blow(NamedTuple):
+    """One blow on a stack: who strikes, from where, and how long to follow it; SI."""
+
+    striker: int
+    approach: float
+    time: float
+    speed: float
+    gravity: float
+    face: float
+    end: float
+    first_of_assembly: int
+    nose_mass: float
+    assembly_mass: float
+    nose_speed: float
+    assembly_speed: float
+    settle: float
+    every: int
+
+
+@leaf_kernel
+def hold(supports, tables, state, place, frame, wave, carriage, carriage_speed):
+    """Set the end of the stack to f = a + R v of spring, damper and stop; return the spring's part of a.
+
+    ``frame`` and ``wave`` are the speeds of the frame and, a step ago, of the end in it.
+    """
+    d, rate = place - carriage - supports.rest, frame - carriage_speed
+    spring, resistance = supports.preload + supports.spring * d + supports.damper * rate, supports.damper
+    deep = carriage - place - supports.stop_offset
+    stop = 0.0
+    if deep > 0.0 and supports.stop * deep > supports.stop_damping * (rate + wave):
+        stop = supports.stop * deep - supports.stop_damping * rate
+        resistance += supports.stop_damping
+    z = tables.impedance[tables.impedance.size - 1]
+    share = 1.0 / (1.0 + resistance / z)
+    tables.end[END_OWN], tables.end[END_WAVE] = share, 2.0 * resistance / z * share
+    tables.end[END_RESISTANCE], tables.end[END_BETA], tables.end[END_SIGMA] = resistance, 0.0, 0.0
+    state.end[0] = spring - stop
+    return spring
+
+
+@leaf_kernel
+def move_machine(system, t, dt, y, mode, memory, push, rates):
+    """Move strikers and turntable to time t by the trapezoidal rule; ``push`` (N) acts back on each striker.
+
+    ``rates`` holds the rates a step ago and takes the new ones.
+    """
+    strikers = system.bodies.shape[0]
+    angle = 2 * strikers
+    old, new = rates[0], rates[1]
+    for i in range(strikers):
+        old[strikers + i] -= push[i] / system.bodies[i, MASS]
+        y[i] += dt * (y[strikers + i] + 0.5 * dt * old[strikers + i])
+        y[strikers + i] += dt * old[strikers + i]
+    y[angle] += dt * (y[angle + 1] + 0.5 * dt * old[angle + 1])
+    y[angle + 1] += dt * old[angle + 1]
+    rotary_rates(system, t, y, mode, memory, new)
+    for i in range(strikers):
+        y[strikers + i] += 0.5 * dt * (new[strikers + i] - push[i] / system.bodies[i, MASS] - old[strikers + i])
+    y[angle + 1] += 0.5 * dt * (new[angle + 1] - old[angle + 1])
+    for i in range(angle + 2, y.size):
+        y[i] += 0.5 * dt * (old[i] + new[i])
+    for i in range(y.size):
+        old[i] = new[i]
+
+
+@leaf_kernel
+def switch_machine(system, t, y, mode, memory, g, switches, changed):
+    """Let drive, feed and passing strikers change their modes; list the changes; return how many there are."""
+    strikers, links = system.bodies.shape[0], system.joins.shape[0]
+    own_switches(system.settings, links, t, y[2 * strikers], y[2 * strikers + 1], mode, memory, g)
+    for k in range(APEX_SWITCH + 1):
+        if g[k] < 0.0 and not (k == FEED_SWITCH and mode[links + FEED] == RETRACTING):
+            own_switch(system.settings, links, strikers, k, t, mode, memory)
+            if changed < switches.shape[0]:
+                switches[changed, 0], switches[changed, 1] = k, t
+            changed += 1
+    return changed
+
+
+@leaf_kernel
+def another_touches(y, strikers, striker, face):
+    """Tell whether another striker than this one reaches beyond the face."""
+    found = False
+    for i in range(strikers):
+        found = found or (i != striker and y[i] > face)
+    return found
+
+
+@kernel
+def follow(tables, state, law, machine, supports, blow, recording, history, touches, switches):
+    """Follow one blow from first touch until it has settled.
+
+    ``machine`` is (system, y, mode, memory) with strikers only, moved on in place. Fills ``history`` every so
+    many steps, ``touches`` and ``switches`` (which, time); returns why it ended, the steps made, the numbers
+    of touches and switches, the displacement of the end in its frame, the impulse that the waves got, and
+    energies: lost in stop, damper and contact, given by the feed, and half of the last step's push on the end.
+    """
+    system, y, mode, memory = machine
+    dt, z, g = tables.step, tables.impedance[0], np.empty(APEX_SWITCH + 1)
+    last, strikers, s = tables.nodes.size - 1, system.bodies.shape[0], blow.striker
+    rates, push, contact = np.empty((2, y.size)), np.zeros(strikers), np.empty(CONTACT_SIZE)
+    mass = system.bodies[s, MASS]
+    rotary_rates(system, blow.time, y, mode, memory, rates[0])
+    begin_contact(contact, blow.approach)
+    u_face, u_end, u_nose, u_assembly, v_face, v_end = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    v_nose, v_assembly = blow.nose_speed, blow.assembly_speed
+    was_force, was_in, was_end, was_carried, was_damped = 0.0, 0.0, 0.0, 0.0, 0.0
+    entered, through, net = 0.0, 0.0, 0.0
+    lost_stop, lost_damper, fed = 0.0, 0.0, 0.0
+    why, changed, n = ENDLESS, 0, 0
+    while n < history.shape[0] * blow.every:
+        t, since = blow.time + n * dt, n * dt
+        frame, fallen = blow.speed + blow.gravity * since, (blow.speed + 0.5 * blow.gravity * since) * since
+        m = arriving_at_face(tables, state)
+        inertia, half = 0.0, 0.0
+        if n > 0:
+            inertia, half = 0.5 * dt / mass, 0.5 * dt
+            push[s] = contact[FORCE]
+            move_machine(system, t, dt, y, mode, memory, push, rates)
+        free = y[strikers + s] + inertia * contact[FORCE]
+        force = press(law, contact, touches, t, dt, free - frame + 2.0 * m / z, inertia + 1.0 / z)
+        y[strikers + s] = free - inertia * force
+
+        carriage, carriage_speed = system.bases[PLACE, strikers], system.bases[SPEED, strikers]
+        place = blow.end + fallen + u_end + dt * v_end
+        spring = hold(supports, tables, state, place, frame, v_end, carriage, carriage_speed)
+        f_end = advance(tables, state, force - m)
+        _, v_new = force_and_velocity(tables, state, last, tables.nodes[last] - 1)
+        f_in, _ = force_and_velocity(tables, state, blow.first_of_assembly, 0)
+        v_now = (force - 2.0 * m) / z
+        u_face += half * (v_face + v_now)
+        u_end += half * (v_end + v_new)
+        v_face, v_end = v_now, v_new
+
+        rate, deep = frame + v_end - carriage_speed, carriage - place - supports.stop_offset
+        damped = supports.damper * rate * rate
+        if deep > 0.0:
+            damped_stop = (supports.stop * deep - (spring + supports.damper * v_end - f_end)) * rate
+            lost_stop += dt * damped_stop
+        if n > 0:
+            kick = half * (was_force + force - was_in - f_in) / blow.nose_mass
+            u_nose += dt * (v_nose + 0.5 * kick)
+            v_nose += kick
+            kick = half * (was_in + f_in - was_end - f_end) / blow.assembly_mass
+            u_assembly += dt * (v_assembly + 0.5 * kick)
+            v_assembly += kick
+            entered += half * (was_force + force)
+            through += half * (was_end + f_end)
+            fed -= half * (was_carried + f_end * carriage_speed)
+            lost_damper += half * (was_damped + damped)
+        was_force, was_in, was_end = force, f_in, f_end
+        was_carried, was_damped = f_end * carriage_speed, damped
+        net += dt * (force - f_end)
+        record(tables, state, recording, n)
+        if n % blow.every == 0:
+            row = history[n // blow.every]
+            row[CONTACT_FORCE] = force
+            row[RIGID_ACCELERATION] = (f_in - f_end) / blow.assembly_mass + blow.gravity
+            row[FACE_PLACE], row[FACE_SPEED] = blow.face + fallen + u_face, frame + v_face
+            row[NOSE_PLACE], row[NOSE_SPEED] = blow.face + fallen + u_nose, frame + v_nose
+            row[ASSEMBLY_PLACE], row[ASSEMBLY_SPEED] = blow.end + fallen + u_assembly, frame + v_assembly
+            row[TURNTABLE_ANGLE], row[TURNTABLE_SPEED] = y[2 * strikers], y[2 * strikers + 1]
+            row[STRIKER_SPEED] = y[strikers + s]
+            row[CONTACT_IMPULSE], row[END_IMPULSE] = entered, through
+        changed = switch_machine(system, t, y, mode, memory, g, switches, changed)
+        n += 1
+        if (n - 1) % blow.every == 0:
+            crowded = another_touches(y, strikers, s, blow.face + fallen + u_face)
+            if crowded or contact[QUIET] > blow.settle:
+                why = CROWDED if contact[CLOSED] > 0.0 else SETTLED
+                break
+    last_push = 0.5 * dt * was_end * v_end
+    energies = (lost_stop, lost_damper, contact[LOST], fed, last_push)
+    return why, n, int(contact[COUNT]), changed, u_end, net, energies

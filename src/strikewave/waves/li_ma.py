@@ -1,0 +1,299 @@
+"""The stress-wave route of Li & Ma 2019: a specimen between two endless fixtures, as printed and corrected.
+
+A wave eps_i(t) comes down the upper fixture, enters the specimen at interface I (x = 0) and runs to and
+fro between it and interface II (x = l). Time t counts from its first arrival at x; compression and
+motion along the blow are positive. Symbols: c = sqrt(Ee/rhoe) wave speed of the specimen (m/s), l its
+length (m), t0 = l/c, tl = (l - x)/c, gamma, F_I and F_II of `Sandwich`, q = -F_I F_II. Index 1 is the
+upper fixture, e the specimen, 2 the lower fixture. Both routes are a sum over waves, see `arrivals`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import PchipInterpolator
+
+from strikewave.errors import InputError, nearest
+from strikewave.waves.layers import Layer
+
+Floats = NDArray[np.float64]
+History = Callable[[Floats], Floats]
+
+ROUTES = ("as printed", "corrected")
+"""The two routes by name."""
+
+
+@dataclass(frozen=True)
+class Sandwich:
+    """A specimen between two fixtures, whose lengths count in `valid_until` only; equations of Li & Ma 2019.
+
+    Examples
+    --------
+    >>> steel = Layer("fixture", 7800.0, 210e9, 1e-4, 0.03)
+    >>> alloy = Layer("specimen", 2800.0, 70e9, 1e-4, 0.02)
+    >>> stack = Sandwich(steel, alloy, steel)
+    >>> round(stack.gamma, 4), round(stack.first_reflection, 4), round(stack.second_reflection, 4)
+    (1.5421, -0.486, 0.486)
+    """
+
+    upper: Layer
+    specimen: Layer
+    lower: Layer
+
+    @property
+    def gamma(self) -> float:
+        """First strain in the specimen over incident strain, gamma = (E1/Ee) (A1/Ae) 2/(1 + n_I), n_I = Z1/Ze.
+
+        Eqs (27)-(29); (28) prints the incident stress where the strain is meant.
+        """
+        one, specimen = self.upper, self.specimen
+        entry = 2.0 / (1.0 + one.impedance / specimen.impedance)
+        return (one.modulus / specimen.modulus) * entry * (one.area / specimen.area)
+
+    @property
+    def first_reflection(self) -> float:
+        """F_I = (1 - n_I)/(1 + n_I), n_I = Z1/Ze; interface I throws a backward wave back by -F_I; eq (33)."""
+        ratio = self.upper.impedance / self.specimen.impedance
+        return (1.0 - ratio) / (1.0 + ratio)
+
+    @property
+    def second_reflection(self) -> float:
+        """F_II = (1 - n_II)/(1 + n_II), n_II = Ze/Z2: -1 at a free end, 0 matched, 1 at a rigid wall; eq (31)."""
+        ratio = self.specimen.impedance / self.lower.impedance
+        return (1.0 - ratio) / (1.0 + ratio)
+
+    @property
+    def transit(self) -> float:
+        """Time of a wave through the specimen, t0 = l/c, s."""
+        return self.specimen.transit
+
+    def valid_until(self, position: float) -> float:
+        """Return when a fixture's far end is first heard at x, min(2 t1, 2 tl + 2 t2), s after the first arrival.
+
+        t1, t2 are the transit times of the fixtures. Both routes take them as endless: no longer than this.
+        """
+        return 2.0 * min(self.upper.transit, (1.0 - position) * self.transit + self.lower.transit)
+
+
+class Incident(NamedTuple):
+    """Strain and strain rate (1/s) of the incident wave as functions of an array of times (s); zero up to t = 0."""
+
+    strain: History
+    rate: History
+
+
+def incident_strain(times: ArrayLike, force: ArrayLike, upper: Layer) -> Incident:
+    """Return the wave of a force (N) that travels forward in the upper fixture, eps_i = F/(E1 A1).
+
+    A monotone cubic runs through the samples and never overshoots them; the rate is its derivative.
+    Outside the samples both are zero, so a force that starts or ends above zero does so in a jump, which
+    the rate does not contain. Source: F = E A eps; the curve is Fritsch & Butland's 1984 (scipy's PCHIP).
+
+    Examples
+    --------
+    >>> bar = Layer("bar", 8000.0, 200e9, 1e-3, 0.1)
+    >>> wave = incident_strain([0.0, 1e-4, 2e-4], [0.0, 2e4, 0.0], bar)
+    >>> print(wave.strain(np.array([1e-4, 3e-4])) * 1e6, wave.rate(np.array([1e-4])))
+    [100.   0.] [0.]
+    """
+    samples = np.asarray(times, dtype=float)
+    curve = PchipInterpolator(samples, np.asarray(force, dtype=float) / (upper.modulus * upper.area))
+
+    def within(values: History) -> History:
+        return lambda t: np.where((t >= samples[0]) & (t <= samples[-1]), values(t), 0.0)
+
+    return Incident(within(curve), within(curve.derivative()))
+
+
+class Arrival(NamedTuple):
+    """One wave at x: its delay after the first in t0, its strain and its velocity/c over the incident strain."""
+
+    transits: float
+    strain: float
+    velocity: float
+
+
+def arrivals(sandwich: Sandwich, position: float, transfers: int, route: str) -> list[Arrival]:
+    """Return the first waves that pass x = position l, as many as there are transfers.
+
+    Corrected: forward waves gamma q^m at 2 m t0, each followed by its echo gamma F_II q^m at
+    2 m t0 + 2 tl, with velocity -c times its strain. Source: d'Alembert's solution.
+
+    As printed, k = transfers: the terms of (36), n by twos to k. Its k-th window, tl + (k - 2) t0 < t
+    <= tl + (k - 1) t0, opens as the k-th wave comes, so that each term is on from its own delay. S(k)
+    changes nothing: with n = 2, 4, .., k the sum behind it is empty at k = 2. Amplitudes are right, but
+
+    - the echo from interface II comes after tl; it has that far to go and back, 2 tl, and a round trip
+      ends 2 t0 after the first arrival, not tl + t0;
+    - v = +c eps is taken for backward waves too, which move against the blow: v = -c eps;
+    - the limits "n = 3" and "n = 2" below the sums contradict the n = 3, 5, .., k and n = 2, 4, .., k
+      beside them, and the windows are written with the running n where k is meant;
+    - (34) and (35) close the bracket of gamma before their later terms; (36) does not.
+
+    Source: Li & Ma 2019, eqs (36), (37), (40).
+
+    Raises
+    ------
+    ValueError
+        If the route is unknown, the position outside 0 to 1, or there is not at least one transfer.
+
+    Examples
+    --------
+    >>> bar = Layer("bar", 7800.0, 210e9, 1e-4, 0.02)
+    >>> stack = Sandwich(bar, bar, bar)
+    >>> [wave.transits for wave in arrivals(stack, 0.5, 5, "corrected")]
+    [0.0, 1.0, 2.0, 3.0, 4.0]
+    >>> [wave.transits for wave in arrivals(stack, 0.5, 5, "as printed")]
+    [0.0, 0.5, 1.5, 2.5, 3.5]
+    """
+    if route not in ROUTES:
+        raise InputError("route", route, " or ".join(f'"{one}"' for one in ROUTES), nearest(route, ROUTES))
+    if transfers < 1:
+        raise ValueError(f"at least one transfer is needed, got {transfers!r}")
+    if not 0.0 <= position <= 1.0:
+        raise ValueError(f"the position x/l must lie within 0 to 1, got {position!r}")
+    rest = 1.0 - position
+    if route == "as printed":
+        return [Arrival(delay, size, size) for delay, size in _printed(sandwich, rest, transfers)]
+    one, two = -sandwich.first_reflection, sandwich.second_reflection
+    waves = []
+    for number in range(transfers):
+        trips, echo = divmod(number, 2)
+        size = sandwich.gamma * (one * two) ** trips * two**echo
+        waves.append(Arrival(2.0 * (trips + echo * rest), size, -size if echo else size))
+    return waves
+
+
+def _printed(sandwich: Sandwich, rest: float, k: int) -> list[tuple[float, float]]:
+    """Return delay over t0 and factor of each term of eq (36) for k transfers; rest = tl/t0."""
+    one, two = -sandwich.first_reflection, sandwich.second_reflection
+    terms = [(0.0, 1.0)]
+    if k % 2:
+        for n in range(3, k + 1, 2):
+            terms.append((rest + n - 3, one ** ((n - 3) // 2) * two ** ((n - 1) // 2)))
+            terms.append((rest + n - 2, one ** ((n - 1) // 2) * two ** ((n - 1) // 2)))
+    else:
+        correction = 0.0 if k == 2 else 1.0  # S(k), eq (37)
+        for n in range(2, k + 1, 2):
+            if n >= 3:
+                terms.append((rest + n - 3, correction * one ** ((n - 2) // 2) * two ** ((n - 2) // 2)))
+            terms.append((rest + n - 2, one ** ((n - 2) // 2) * two ** (n // 2)))
+    return [(delay, sandwich.gamma * factor) for delay, factor in terms]
+
+
+def strain(
+    sandwich: Sandwich, incident: Incident, position: float, times: ArrayLike, route: str, transfers: int | None = None
+) -> Floats:
+    """Return the strain at x = position l, times in s from the first arrival there; see `arrivals` for the routes.
+
+    Corrected: R(t) + L(t) with R = gamma sum_m q^m eps_i(t - 2 m t0) and
+    L = gamma F_II sum_m q^m eps_i(t - 2 m t0 - 2 tl). Without ``transfers`` all waves that have come
+    by the last time count. Source: Li & Ma 2019, eq (36).
+
+    Examples
+    --------
+    >>> bar = Layer("bar", 7800.0, 210e9, 1e-4, 0.02)
+    >>> step = Incident(np.ones_like, np.zeros_like)
+    >>> print(strain(Sandwich(bar, bar, bar), step, 0.5, [-1e-6, 1e-6], "corrected"))
+    [0. 1.]
+    """
+    waves = arrivals(sandwich, position, _count(sandwich, times, transfers), route)
+    return _added(sandwich, incident.strain, times, [(wave.transits, wave.strain) for wave in waves])
+
+
+def velocity(
+    sandwich: Sandwich, incident: Incident, position: float, times: ArrayLike, route: str, transfers: int | None = None
+) -> Floats:
+    """Return the particle velocity at x, m/s: corrected c (R - L), as printed c eps; arguments as in `strain`.
+
+    As printed a free end stands still and a rigid wall moves, the wrong way round; Li & Ma 2019, eq (38).
+
+    Examples
+    --------
+    >>> bar = Layer("bar", 8000.0, 200e9, 1e-4, 0.02)
+    >>> step = Incident(lambda t: 1e-3 * np.ones_like(t), np.zeros_like)
+    >>> print(velocity(Sandwich(bar, bar, bar), step, 0.5, [1e-6], "corrected"))
+    [5.]
+    """
+    waves = arrivals(sandwich, position, _count(sandwich, times, transfers), route)
+    speed = sandwich.specimen.bar_speed
+    return _added(sandwich, incident.strain, times, [(wave.transits, speed * wave.velocity) for wave in waves])
+
+
+def acceleration(
+    sandwich: Sandwich, incident: Incident, position: float, times: ArrayLike, route: str, transfers: int | None = None
+) -> Floats:
+    """Return the acceleration at x, m/s^2: the time derivative of `velocity`; arguments as in `strain`.
+
+    For a pulse that is slow beside t0, (40) overstates it by Z2/Ze. Source: Li & Ma 2019, eq (40).
+
+    Examples
+    --------
+    >>> bar = Layer("bar", 8000.0, 200e9, 1e-4, 0.02)
+    >>> ramp = Incident(lambda t: 10.0 * t, lambda t: 10.0 * np.ones_like(t))
+    >>> print(acceleration(Sandwich(bar, bar, bar), ramp, 0.5, [1e-6], "corrected"))
+    [50000.]
+    """
+    return velocity(sandwich, Incident(incident.rate, incident.rate), position, times, route, transfers)
+
+
+def mean_acceleration(
+    sandwich: Sandwich, incident: Incident, times: ArrayLike, route: str, transfers: int | None = None
+) -> Floats:
+    """Return the acceleration averaged over the specimen, m/s^2; times in s from the arrival at interface I.
+
+    (1/l) int a dx in closed form: a wave whose delay d runs evenly from d0 at x = 0 to d1 at x = l adds
+    c [eps_i(t - d0) - eps_i(t - d1)]/(d1 - d0). Corrected, the sum is Newton's law, [F(0) - F(l)]/m. As
+    printed, every wave but the first is at all x at once, d0 = d1, and adds its rate; Li & Ma 2019, eq (40).
+
+    Examples
+    --------
+    >>> bar = Layer("bar", 8000.0, 200e9, 1e-4, 0.05)
+    >>> ramp = Incident(lambda t: 10.0 * t, lambda t: 10.0 * np.ones_like(t))
+    >>> print(mean_acceleration(Sandwich(bar, bar, bar), ramp, [5e-6, 2e-5], "corrected"))
+    [25000. 50000.]
+    """
+    count, speed = _count(sandwich, times, transfers), sandwich.specimen.bar_speed
+    together, spread = [], []
+    for top, bottom in zip(*(arrivals(sandwich, x, count, route) for x in (0.0, 1.0)), strict=True):
+        enters, leaves = top.transits, bottom.transits + 1.0
+        if enters == leaves:  # whole numbers, exact
+            together.append((enters, speed * top.velocity))
+        else:
+            weight = speed * top.velocity / ((leaves - enters) * sandwich.transit)
+            spread += [(enters, weight), (leaves, -weight)]
+    return _added(sandwich, incident.rate, times, together) + _added(sandwich, incident.strain, times, spread)
+
+
+def superposed(rigid: ArrayLike, wave: ArrayLike) -> Floats:
+    """Return the total of Li & Ma 2019, rigid-body plus stress-wave acceleration, m/s^2.
+
+    Wrong as mechanics: the mean of the wave acceleration over the specimen already is its rigid-body
+    acceleration, so that the sum counts it twice. An exact solution of the finite stack holds both.
+
+    Examples
+    --------
+    >>> print(superposed([1.0, 2.0], [10.0, 20.0]))
+    [11. 22.]
+    """
+    return np.asarray(np.asarray(rigid, dtype=float) + np.asarray(wave, dtype=float))
+
+
+def _count(sandwich: Sandwich, times: ArrayLike, transfers: int | None) -> int:
+    """Return how many transfers to count by the last time: the k-th wave does not come before (k - 2) t0."""
+    arrived = int(np.max(np.asarray(times, dtype=float), initial=0.0) / sandwich.transit) + 2
+    return arrived if transfers is None else min(transfers, arrived)
+
+
+def _added(sandwich: Sandwich, history: History, times: ArrayLike, waves: list[tuple[float, float]]) -> Floats:
+    """Return the sum of waves, each a delay over t0 and a factor on the history, zero until it comes."""
+    total = np.zeros_like(times, dtype=float)
+    for transits, factor in waves:
+        if factor != 0.0:
+            later = np.asarray(times) - transits * sandwich.transit
+            total = total + factor * np.where(later > 0.0, history(np.maximum(later, 0.0)), 0.0)
+    return total
