@@ -9,40 +9,32 @@ from __future__ import annotations
 import functools
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from strikewave.errors import MISSING, InputError, InputErrors, nearest, show
-from strikewave.quantities import (
-    Acceleration,
-    BlowCount,
-    Count,
-    Damping,
-    Duration,
-    FeedTime,
-    Force,
-    Frequency,
-    Inertia,
-    Length,
-    Mass,
-    OutputStep,
-    Provenance,
-    Range,
-    Restitution,
-    Rotation,
-    RotationDrag,
-    RotationGain,
-    SampleCount,
-    Share,
-    Speed,
-    SpringRate,
-    Tolerance,
-    Torque,
-    Value,
+from strikewave.quantities import Provenance, Range, Value
+from strikewave.tables import (
+    PUBLISHED_QUANTITIES,
+    ContactTable,
+    FeedTable,
+    LoadTable,
+    Machine,
+    Object,
+    Published,
+    Recorder,
+    SensorTable,
+    Solver,
+    StackTable,
+    Striker,
+    Table,
+    TapTable,
+    case_name,
+    read_published,
 )
 from strikewave.units import DIMENSIONS
 
@@ -51,167 +43,76 @@ LARGEST_FILE = 1_000_000
 """A case file above this many bytes is refused."""
 
 
-TABLES = ("machine", "striker", "feed", "object", "contact", "recorder", "solver")
+TABLES = ("machine", "striker", "feed", "object", "contact", "stack", "load", "tap", "sensor", "recorder", "solver")
 """The tables of a case that hold quantities."""
+RIG = ("machine", "striker", "feed", "object", "contact", "recorder")
+"""The tables that a machine needs."""
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+class Rig(NamedTuple):
+    """The tables of a machine case, all of them there."""
 
-
-class Machine(_Table):
-    """[machine]: a rotary machine."""
-
-    kind: Literal["rotary"]
-    speed: Rotation
-    strikers: Count
-    radius: Length
-    engagement: Length
-    inertia: Inertia
-    torque: Torque
-    speed_gain: RotationGain
-    drag: RotationDrag
-    brake: Torque
-
-
-class Striker(_Table):
-    """[striker]: the impact component on its mount."""
-
-    mass: Mass
-    material: str
-    nose_radius: Length
-    contact_length: Length
-    mount_stiffness: SpringRate
-    mount_damping: Damping
-
-
-class FeedTable(_Table):
-    """[feed]: the hydraulic feed."""
-
-    blows: BlowCount
-    wait: Duration
-    valve_delay: FeedTime
-    stroke: Length
-    stroke_time: FeedTime
-    arrival: Share
-    release_delay: FeedTime
-    retract_time: FeedTime
-
-
-class Object(_Table):
-    """[object]: everything that moves when struck, and what holds it; gravity above 0 pushes it away."""
-
-    mass: Mass
-    nose_mass: Mass
-    material: str
-    frame_stiffness: SpringRate
-    frame_damping: Damping
-    spring: SpringRate
-    preload: Force
-    damper: Damping
-    stop_stiffness: SpringRate
-    stop_restitution: Restitution
-    gravity: Acceleration
-
-
-class ContactTable(_Table):
-    """[contact]: law of the contact between nose and face."""
-
-    law: str = "palmgren"
-    damping: str = "exact"
-    restitution: Restitution
-    slowest_approach: Speed
-
-
-class Recorder(_Table):
-    """[recorder]: triggered by the valve signal."""
-
-    sampling_rate: Frequency
-    delay: Duration
-    pre_trigger: Duration
-    memory: SampleCount
-
-    @property
-    def begin(self) -> float:
-        """Time of the first sample after the valve signal, s."""
-        return self.delay.si - self.pre_trigger.si
-
-
-class Solver(_Table):
-    """[solver]: how exactly to compute, and how densely to keep the whole train."""
-
-    tolerance: Tolerance = Value(si=1e-9, typed=1e-9)
-    output_step: OutputStep = Value(si=1e-5, typed="10 us")
-
-
-PUBLISHED_QUANTITIES = {
-    "first.rigid_peak": "m/s^2",
-    "first.width": "s",
-    "first.peak_force": "N",
-    "typical.rigid_peak": "m/s^2",
-    "typical.width": "s",
-    "count": "",
-    "window": "s",
-}
-"""What a published number can be set beside: its name and SI unit."""
-
-
-class Published(_Table):
-    """[[published]]: a number to set beside the result."""
-
-    quantity: str
-    value: Value
-    origin: Literal["measured", "simulated"]
-    role: Literal["fitted", "predicted", "shown"]
-    note: str = ""
-
-
-def _published(raw: Any) -> Any:
-    """Read a published number in the unit of the quantity it names."""
-    if not isinstance(raw, Mapping) or "quantity" not in raw or "value" not in raw:
-        return raw
-    quantity, value = raw["quantity"], raw["value"]
-    if not isinstance(quantity, str) or quantity not in PUBLISHED_QUANTITIES:
-        raise InputError("quantity", quantity, "a computed quantity", nearest(str(quantity), PUBLISHED_QUANTITIES))
-    unit = PUBLISHED_QUANTITIES[quantity]
-    if isinstance(value, Value):
-        return raw
-    read = Range(unit, 0.0, open_low=True).read(value)
-    return {**raw, "value": read.model_copy(update={"provenance": "published"})}
-
-
-def _name(raw: Any) -> Any:
-    """Check the name of a case: it names a folder."""
-    if isinstance(raw, str) and not re.fullmatch(r"[\w][\w .+-]{0,79}|", raw):
-        raise InputError("", raw, "letters, digits, space, dot, +, - and _, at most 80", "the name becomes a folder's")
-    return raw
-
-
-class Case(_Table):
-    """A case as read: frozen, every quantity in SI with its provenance."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
-
-    schema_version: Literal[1] = Field(alias="schema")
-    name: Annotated[str, BeforeValidator(_name)] = ""
-    title: str = ""
-    source: str = ""
     machine: Machine
     striker: Striker
     feed: FeedTable
     object: Object
     contact: ContactTable
     recorder: Recorder
+
+
+class Case(Table):
+    """A case as read: frozen, every quantity in SI with its provenance."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
+
+    schema_version: Literal[1] = Field(alias="schema")
+    name: Annotated[str, BeforeValidator(case_name)] = ""
+    title: str = ""
+    source: str = ""
+    machine: Machine | None = None
+    striker: Striker | None = None
+    feed: FeedTable | None = None
+    object: Object | None = None
+    contact: ContactTable | None = None
+    stack: StackTable = StackTable()
+    load: LoadTable | None = None
+    tap: tuple[TapTable, ...] = ()
+    sensor: tuple[SensorTable, ...] = ()
+    recorder: Recorder | None = None
     solver: Solver = Solver()
-    published: tuple[Annotated[Published, BeforeValidator(_published)], ...] = ()
+    published: tuple[Annotated[Published, BeforeValidator(read_published)], ...] = ()
+
+    @model_validator(mode="after")
+    def _whole(self) -> Case:
+        """Refuse a case without anything to run, and a machine without one of its tables."""
+        if self.machine is None and not self.stack.layer:
+            missing = [name for name in RIG if getattr(self, name) is None]
+            if len(missing) == len(RIG):
+                raise InputError("", MISSING, "[machine] with its tables, or [[stack.layer]] with [load]")
+        if self.machine is not None or not self.stack.layer:
+            lines = [f"{name}: missing; add [{name}]" for name in RIG if getattr(self, name) is None]
+            if lines:
+                raise InputErrors(lines)
+        return self
+
+    def rig(self) -> Rig:
+        """Return the tables of the machine.
+
+        Raises
+        ------
+        InputError
+            If the case is that of a bar alone.
+        """
+        if self.machine is None:
+            hint = "this case is a bar alone: `strikewave wave` runs it"
+            raise InputError("machine", MISSING, "[machine] with its tables", hint)
+        return Rig(*(getattr(self, name) for name in RIG))
 
     def values(self) -> dict[str, Value]:
-        """Return every quantity by its path, such as ``machine.speed``."""
+        """Return every quantity by its path, such as ``machine.speed`` or ``stack.layer.upper.length``."""
         found: dict[str, Value] = {}
-        for table in TABLES:
-            for key, value in getattr(self, table):
-                if isinstance(value, Value):
-                    found[f"{table}.{key}"] = value
+        for name in TABLES:
+            found.update(_values(getattr(self, name), name))
         return found
 
     def fitted_fields(self) -> list[str]:
@@ -227,17 +128,48 @@ class Case(_Table):
             return []
         origin = _published_values(self.source)
         values = {p: v for p, v in self.values().items() if p.partition(".")[0] not in ("recorder", "solver")}
-        return [path for path, value in values.items() if value.si != origin[path].si]
+        changed = [path for path, value in values.items() if path not in origin or value.si != origin[path].si]
+        gone = [p for p in origin if p not in values and p.partition(".")[0] not in ("recorder", "solver")]
+        return changed + gone
 
     def with_values(self, changes: Mapping[str, Value]) -> Case:
         """Return the case with some quantities replaced, by path."""
-        tables: dict[str, dict[str, Value]] = {}
+        case = self
         for path, value in changes.items():
-            table, _, key = path.partition(".")
             if path not in self.values():
                 raise InputError(path, value.typed, "a quantity of the case", nearest(path, self.values()))
-            tables.setdefault(table, {})[key] = value
-        return self.model_copy(update={t: getattr(self, t).model_copy(update=u) for t, u in tables.items()})
+            case = _with_value(case, path.split("."), value)
+        return case
+
+
+def _values(part: Any, path: str) -> Iterator[tuple[str, Value]]:
+    """Yield every quantity below a part of a case with its path."""
+    if isinstance(part, Value):
+        yield path, part
+    elif isinstance(part, BaseModel):
+        for key, value in part:
+            yield from _values(value, f"{path}.{key}")
+    elif isinstance(part, tuple):
+        for place, row in enumerate(part):
+            yield from _values(row, f"{path}.{row_name(row, place)}")
+
+
+def row_name(row: Any, place: int) -> str:
+    """Return how a path calls a row of an array of tables: by its name, what it comes after, or its place."""
+    get = row.get if isinstance(row, Mapping) else (lambda key, default: getattr(row, key, default))
+    return str(get("name", "") or get("after", "") or place)
+
+
+def _with_value(part: Any, places: list[str], value: Value) -> Any:
+    """Return a part of a case with the quantity at a path replaced."""
+    if not places:
+        return value
+    first, rest = places[0], places[1:]
+    if isinstance(part, tuple):
+        return tuple(
+            _with_value(row, rest, value) if row_name(row, place) == first else row for place, row in enumerate(part)
+        )
+    return part.model_copy(update={first: _with_value(getattr(part, first), rest, value)})
 
 
 @functools.cache
@@ -353,9 +285,16 @@ def _apply(document: dict[str, Any], change: str) -> None:
     *tables, key = path.split(".")
     place: Any = document
     for depth, table in enumerate(tables):
-        if not isinstance(place, dict) or not isinstance(place.setdefault(table, {}), dict):
+        inner: Any = None
+        if isinstance(place, dict):
+            inner = place.setdefault(table, {})
+        elif isinstance(place, list):
+            inner = next((row for k, row in enumerate(place) if table in (row_name(row, k), str(k))), None)
+        if not isinstance(inner, dict | list) or (isinstance(inner, list) and depth == len(tables) - 1):
             raise InputError("--set " + ".".join(tables[: depth + 1]), change, "a table of the case")
-        place = place[table]
+        place = inner
+    if not isinstance(place, dict):
+        raise InputError("--set " + path, change, "a table of the case")
     before = place.get(key)
     typed: Any = text
     for kind in (int, float):
@@ -388,6 +327,10 @@ def _lines(error: ValidationError) -> list[str]:
             lines.append(f"{path}: unknown key; {nearest(places[-1], known)}")
         elif fault["type"] == "missing":
             lines.append(f"{path}: missing; {_example(places)}")
+        elif isinstance(cause, InputErrors):
+            lines += cause.lines
+        elif fault["type"] == "tuple_type":
+            lines.append(f"{path}: got one table; write [[{path}]], once for each")
         elif fault["type"] == "literal_error":
             expected = fault.get("ctx", {}).get("expected", "")
             lines.append(str(InputError(path, fault["input"], str(expected))))
@@ -397,17 +340,27 @@ def _lines(error: ValidationError) -> list[str]:
 
 
 def _model_at(places: list[str]) -> type[BaseModel] | None:
+    """Return the model of the table at a path; a name or number stands for the row of an array of tables."""
     model: type[BaseModel] | None = Case
+    in_rows = False
     for place in places:
-        if place.isdigit() or model is None:
+        if in_rows:
+            in_rows = False
             continue
-        if place == "published":
-            model = Published
-            continue
-        field = model.model_fields.get(place)
-        kind = field.annotation if field else None
-        model = kind if isinstance(kind, type) and issubclass(kind, BaseModel) else None
+        field = model.model_fields.get(place) if model else None
+        model, in_rows = _table_in(field.annotation) if field else (None, False)
     return model
+
+
+def _table_in(kind: Any) -> tuple[type[BaseModel] | None, bool]:
+    """Return the table that an annotation holds, and whether it holds a row of them."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind, False
+    for part in get_args(kind):
+        table, rows = _table_in(part)
+        if table is not None:
+            return table, rows or get_origin(kind) is tuple
+    return None, False
 
 
 def _keys_at(places: list[str]) -> list[str]:
@@ -440,13 +393,28 @@ def document_of(case: Case) -> dict[str, Any]:
     head = {"schema": SCHEMA, "name": case.name, "title": case.title, "source": case.source}
     document: dict[str, Any] = {key: value for key, value in head.items() if value}
     for table in TABLES:
-        rows = getattr(case, table)
-        document[table] = {key: value.document() if isinstance(value, Value) else value for key, value in rows}
+        rows = _document(getattr(case, table))
+        if rows:
+            document[table] = rows
     document["published"] = [
         {key: value.typed if isinstance(value, Value) else value for key, value in entry if value != ""}
         for entry in case.published
     ]
     return document
+
+
+def _document(part: Any) -> Any:
+    """Return a part of a case as plain tables, without what is absent."""
+    if isinstance(part, Value):
+        return part.document()
+    if isinstance(part, BaseModel):
+        if isinstance(part, StackTable) and not part.layer:
+            return {}
+        rows = {key: _document(value) for key, value in part}
+        return {key: value for key, value in rows.items() if value not in (None, "", [], {})}
+    if isinstance(part, tuple):
+        return [_document(row) for row in part]
+    return part
 
 
 def dump_case(case: Case) -> str:
@@ -462,29 +430,29 @@ def dump_case(case: Case) -> str:
 
     document = tomlkit.document()
     for key, value in document_of(case).items():
-        if isinstance(value, dict):
-            table = tomlkit.table()
-            for name, entry in value.items():
-                if isinstance(entry, dict):
-                    inline = tomlkit.inline_table()
-                    inline.update(entry)
-                    table[name] = inline
-                else:
-                    table[name] = entry
-            document[key] = table
-        elif isinstance(value, list):
-            rows = tomlkit.aot()
-            for entry in value:
-                row = tomlkit.table()
-                row.update(entry)
-                rows.append(row)
-            document[key] = rows
-        else:
-            document[key] = value
+        document[key] = _toml(value)
     return tomlkit.dumps(document)
 
 
+def _toml(value: Any) -> Any:
+    """Turn plain tables into TOML's: a quantity stays on its line, rows become arrays of tables."""
+    import tomlkit
+
+    if isinstance(value, dict):
+        made: Any = tomlkit.inline_table() if "provenance" in value else tomlkit.table()
+        for key, entry in value.items():
+            made[key] = _toml(entry)
+        return made
+    if isinstance(value, list):
+        rows = tomlkit.aot()
+        for entry in value:
+            rows.append(_toml(entry))
+        return rows
+    return value
+
+
 __all__ = [
+    "PUBLISHED_QUANTITIES",
     "Case",
     "Provenance",
     "Value",

@@ -34,6 +34,22 @@ SOURCES: dict[str, str] = {
         "T. Schwager, T. Poschel, Coefficient of restitution and linear-dashpot model revisited, "
         "Granular Matter 9 (2007) 465-469, doi:10.1007/s10035-007-0065-z"
     ),
+    "emmerich-korn-1987": (
+        "H. Emmerich, M. Korn, Incorporation of attenuation into time-domain computations of seismic wave "
+        "fields, Geophysics 52 (1987) 1252-1264, doi:10.1190/1.1442386"
+    ),
+    "van-loan-1978": (
+        "C. F. Van Loan, Computing Integrals Involving the Matrix Exponential, IEEE Transactions on "
+        "Automatic Control 23 (1978) 395-404"
+    ),
+    "smallwood-1981": (
+        "D. O. Smallwood, An improved recursive formula for calculating shock response spectra, Shock and "
+        "Vibration Bulletin 51 (1981) 211-217"
+    ),
+    "patera-1984": (
+        "A. T. Patera, A spectral element method for fluid dynamics: laminar flow in a channel expansion, "
+        "Journal of Computational Physics 54 (1984) 468-488"
+    ),
 }
 
 

@@ -16,8 +16,8 @@ FEWEST_INTERVALS = 10.0
 """Sampling intervals a pulse below which the recorder is warned of: the worst loss of peak is then 1.2 %."""
 
 
-def notices(case: Case, found: Sequence[Blow], ledger: Mapping[str, float]) -> tuple[Notice, ...]:
-    """Return all notices of a run.
+def notices(case: Case, found: Sequence[Blow]) -> tuple[Notice, ...]:
+    """Return the notices of a run but for its ledger and its waves.
 
     Parameters
     ----------
@@ -25,11 +25,9 @@ def notices(case: Case, found: Sequence[Blow], ledger: Mapping[str, float]) -> t
         What ran.
     found : sequence of Blow
         Its blows.
-    ledger : mapping
-        ``energy_error`` and ``momentum_error`` as shares.
     """
     struck = [blow for blow in found if blow.kind != "missed"]
-    listed = [*_changed(case), *_ledger(ledger)]
+    listed = [*_changed(case)]
     if not struck:
         listed.append(
             Notice(
@@ -52,7 +50,8 @@ def _changed(case: Case) -> Iterator[Notice]:
         yield Notice("changed-case", message, float(len(changed)), 0.0)
 
 
-def _ledger(ledger: Mapping[str, float]) -> Iterator[Notice]:
+def ledger_notices(ledger: Mapping[str, float]) -> Iterator[Notice]:
+    """Yield each error of a ledger (``energy_error``, ``momentum_error``, shares) that is beyond the limit."""
     for key, error in ledger.items():
         if not error <= LEDGER_LIMIT:
             name = key.removesuffix("_error")
@@ -61,7 +60,7 @@ def _ledger(ledger: Mapping[str, float]) -> Iterator[Notice]:
 
 
 def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
-    made, wanted = sum(blow.kind != "missed" for blow in found), case.feed.blows.si
+    made, wanted = sum(blow.kind != "missed" for blow in found), case.rig().feed.blows.si
     if made != wanted:
         message = f"{made} blows instead of the {wanted:.0f} wanted"
         yield Notice("blow-count", message, float(made), wanted, broken=True)
@@ -79,12 +78,13 @@ def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
 
 def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     """Warn where a line contact goes beyond its first yield."""
-    bodies = material(case.striker.material), material(case.object.material)
+    rig = case.rig()
+    bodies = material(rig.striker.material), material(rig.object.material)
     strengths = [body.yield_strength for body in bodies if body.yield_strength is not None]
-    if case.contact.law != "palmgren" or not strengths:
+    if rig.contact.law != "palmgren" or not strengths:
         return
-    per_length = line_contact_yield_load(bodies[0], bodies[1], min(strengths), case.striker.nose_radius.si)
-    limit = per_length * case.striker.contact_length.si
+    per_length = line_contact_yield_load(bodies[0], bodies[1], min(strengths), rig.striker.nose_radius.si)
+    limit = per_length * rig.striker.contact_length.si
     peak = max(blow.peak_force for blow in struck)
     if peak > limit:
         message = (
@@ -96,7 +96,7 @@ def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
 
 
 def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
-    recorder = case.recorder
+    recorder = case.rig().recorder
     begin = recorder.begin
     end = begin + recorder.memory.si / recorder.sampling_rate.si
     last = struck[-1].time + struck[-1].width

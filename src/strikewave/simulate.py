@@ -8,12 +8,17 @@ from statistics import median
 import numpy as np
 
 from strikewave import citations
-from strikewave.build import build_machine, contact_stiffness
+from strikewave.build import build_channels, build_machine, build_taps, contact_stiffness
 from strikewave.case import Case
 from strikewave.contact import Contact, factor, solve_impact
+from strikewave.dataset import build_dataset
 from strikewave.machines import Blow, RotaryMachine, blows, run_rotary
-from strikewave.notices import notices
-from strikewave.solution import Comparison, RigidReference, Solution, build_dataset
+from strikewave.machines.spans import StackSpan
+from strikewave.notices import ledger_notices, notices
+from strikewave.readings import BlowReading, blow_history, blow_reading, without_peaks
+from strikewave.solution import Comparison, RigidReference, Solution, wave_setup
+from strikewave.validity import channel_notices, honest_bandwidth, wave_notices
+from strikewave.waves import Stack
 
 
 def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Solution:
@@ -41,9 +46,28 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
     11
     """
     machine = build_machine(case)
+    channels = build_channels(case)
+    taps = [name for name, _ in build_taps(case)] if machine.layered else []
+    bandwidth = stated_bandwidth(case, machine.layered.stack if machine.layered else None)
+    begin = case.rig().recorder.begin
     run = run_rotary(machine, case.solver.tolerance.si, progress)
     found = blows(run)
-    momentum = max((blow.momentum_error for blow in found if blow.kind != "missed"), default=0.0)
+    histories = [
+        None if blow.kind == "missed" else blow_history(run, blow, channels, bandwidth, begin) for blow in found
+    ]
+    seen = [history and blow_reading(history, channels, bandwidth) for history in histories]
+    listed = [
+        *notices(case, found),
+        *wave_notices(run, seen, bandwidth),
+        *channel_notices(channels, seen, machine.struck.assembly_mass),
+    ]
+    refused = any(notice.code == "rise-too-steep" for notice in listed)
+    readings = tuple(reading and (without_peaks(reading) if refused else reading) for reading in seen)
+    momentum = max(
+        [blow.momentum_error for blow in found if blow.kind != "missed"]
+        + [span.momentum_error for span in run.spans if isinstance(span, StackSpan)],
+        default=0.0,
+    )
     ledger = {"energy_error": run.energy_error, "momentum_error": momentum}
     struck = machine.struck
     return Solution(
@@ -52,12 +76,24 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
         masses={"striker": machine.strikers.mass, "object": struck.mass, "assembly": struck.assembly_mass},
         phases=run.phases,
         ledger=ledger,
-        published=compare(case, found),
-        warnings=notices(case, found, ledger),
+        published=compare(case, found, readings),
+        warnings=(*ledger_notices(ledger), *listed),
         reference=printed_law_on_rigid_object(case, machine),
+        readings=readings,
+        waves=wave_setup(machine.layered.stack, machine.layered.grid) if machine.layered else None,
         citations=_citations(case),
-        data=build_dataset(case, run, found),
+        data=build_dataset(case, run, found, histories, channels, taps, bandwidth),
     )
+
+
+def stated_bandwidth(case: Case, stack: Stack | None) -> float:
+    """Return the bandwidth at which total and wave acceleration are stated, Hz.
+
+    That of the case, or the largest one at which one-dimensional theory needs no warning.
+    """
+    if case.solver.bandwidth is not None:
+        return case.solver.bandwidth.si
+    return np.inf if stack is None else honest_bandwidth(stack)
 
 
 def printed_law_on_rigid_object(case: Case, machine: RotaryMachine) -> RigidReference:
@@ -67,39 +103,51 @@ def printed_law_on_rigid_object(case: Case, machine: RotaryMachine) -> RigidRefe
     approach speed.
     """
     law = contact_stiffness(case)
-    chi = float(factor("li-ma-printed", case.contact.restitution.si))
+    chi = float(factor("li-ma-printed", case.rig().contact.restitution.si))
     mass = machine.struck.mass
     blow = solve_impact(Contact(law.stiffness, law.exponent, chi), np.inf, mass, machine.nominal_approach)
     force = float(blow.peak_force)
     return RigidReference(machine.nominal_approach, force, force / mass, float(blow.duration))
 
 
-def published_value(name: str, found: Sequence[Blow]) -> float | None:
+def published_value(
+    name: str, found: Sequence[Blow], readings: Sequence[BlowReading | None], sensor: str = ""
+) -> float | None:
     """Return the computed number that a published one is set beside; None where there is none.
 
     ``first`` is the first blow that touched, ``typical`` the median of the later full or double blows, ``count`` the
     number of blows, ``window`` the time from the first to the last.
     """
-    struck = [blow for blow in found if blow.kind != "missed"]
+    struck = [(blow, reading) for blow, reading in zip(found, readings, strict=True) if reading is not None]
     if name == "count":
         return float(len(struck))
     if not struck:
         return None
     if name == "window":
-        return struck[-1].time - struck[0].time
+        return struck[-1][0].time - struck[0][0].time
     which, _, quantity = name.partition(".")
     if which == "first":
-        return float(getattr(struck[0], quantity))
-    later = [float(getattr(blow, quantity)) for blow in struck[1:] if blow.kind in ("full", "double")]
-    return median(later) if later else None
+        return _measured(*struck[0], quantity, sensor)
+    later = [_measured(*pair, quantity, sensor) for pair in struck[1:] if pair[0].kind in ("full", "double")]
+    numbers = [number for number in later if number is not None]
+    return median(numbers) if numbers else None
 
 
-def compare(case: Case, found: Sequence[Blow]) -> tuple[Comparison, ...]:
+def _measured(blow: Blow, reading: BlowReading, quantity: str, sensor: str) -> float | None:
+    """Return a number of one blow: of the blow itself, of its waves, or of a sensor."""
+    if quantity.startswith("sensor_"):
+        pulse = reading.sensors.get(sensor)
+        return None if pulse is None else float(getattr(pulse, quantity.removeprefix("sensor_")))
+    value = getattr(reading if quantity in ("total_peak", "wave_peak") else blow, quantity)
+    return None if value is None else float(value)
+
+
+def compare(case: Case, found: Sequence[Blow], readings: Sequence[BlowReading | None]) -> tuple[Comparison, ...]:
     """Set the published numbers of a case beside the computed ones; the difference is relative."""
     changed = case.changed_fields()
     rows = []
     for entry in case.published:
-        computed = published_value(entry.quantity, found)
+        computed = published_value(entry.quantity, found, readings, entry.sensor)
         difference = None if computed is None else computed / entry.value.si - 1.0
         rows.append(
             Comparison(
@@ -110,11 +158,13 @@ def compare(case: Case, found: Sequence[Blow]) -> tuple[Comparison, ...]:
                 difference=difference,
                 role="shown" if changed else entry.role,
                 note=f"the case differs in {', '.join(changed)}" if changed else entry.note,
+                sensor=entry.sensor,
             )
         )
     return tuple(rows)
 
 
 def _citations(case: Case) -> tuple[str, ...]:
-    keys = [case.source, contact_stiffness(case).source, "hunt-crossley-1975", "schwager-poschel-2007", "hairer-1993"]
+    origin = next((key for key in citations.SOURCES if case.source.startswith(key)), "")
+    keys = [origin, contact_stiffness(case).source, "hunt-crossley-1975", "schwager-poschel-2007", "hairer-1993"]
     return tuple(key for key in dict.fromkeys(keys) if key in citations.SOURCES)

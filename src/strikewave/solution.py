@@ -12,7 +12,6 @@ import dataclasses
 import io
 import json
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,15 +22,15 @@ from strikewave._version import __version__
 from strikewave.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
 from strikewave.errors import InputError
 from strikewave.machines import Blow
-from strikewave.machines.blows import KINDS, WINDOW_AFTER, WINDOW_BEFORE, pulse_window
-from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.blows import KINDS
+from strikewave.readings import BlowReading, SensorPulse
+from strikewave.waves import Grid, Stack
 
 if TYPE_CHECKING:
     import xarray
 
-SCHEMA = 1
-PULSE_STEP = 0.5e-6
-"""Sampling of the stored blow windows, s."""
+SCHEMA = 2
+"""Of the files of a solution; 2 adds readings and waves."""
 LARGEST_LOAD = 4_000_000_000
 """A solution file that would take more bytes than this is refused."""
 
@@ -104,6 +103,34 @@ class Comparison:
     difference: float | None
     role: str
     note: str = ""
+    sensor: str = ""
+
+
+@dataclass(frozen=True)
+class LayerUsed:
+    """A layer as asked for and as the time step made it, m and steps."""
+
+    name: str
+    length_asked: float
+    length_used: float
+    steps: int
+
+
+@dataclass(frozen=True)
+class WaveSetup:
+    """How the waves of a stack were followed: time step (s), largest mismatch of a transit, layers as used."""
+
+    step: float
+    mismatch: float
+    layers: tuple[LayerUsed, ...]
+
+
+def wave_setup(stack: Stack, grid: Grid) -> WaveSetup:
+    """Return how a stack was followed on a grid."""
+    rows = zip(stack.layers, grid.lengths(stack), grid.counts, strict=True)
+    return WaveSetup(
+        grid.step, grid.mismatch, tuple(LayerUsed(layer.name, layer.length, used, n) for layer, used, n in rows)
+    )
 
 
 @dataclass(frozen=True)
@@ -126,6 +153,10 @@ class Solution:
         What to know.
     reference : RigidReference
         The printed law on a rigid object.
+    readings : tuple of (BlowReading or None)
+        What taps and sensors show, one a blow; None where it missed.
+    waves : WaveSetup or None
+        How the waves were followed; None where the object is no stack.
     citations : tuple of str
         Keys of the sources of the models used.
     data : xarray.Dataset
@@ -140,6 +171,8 @@ class Solution:
     published: tuple[Comparison, ...]
     warnings: tuple[Notice, ...]
     reference: RigidReference
+    readings: tuple[BlowReading | None, ...]
+    waves: WaveSetup | None
     citations: tuple[str, ...]
     data: xarray.Dataset = field(repr=False, compare=False)
 
@@ -160,11 +193,12 @@ class Solution:
         """Return the JSON document of the run; values that do not exist are null."""
         hidden = set(DETAIL_COLUMNS)
         rows = []
-        for blow in self.blows:
+        nothing = BlowReading(None, None, None, {})
+        for blow, reading in zip(self.blows, self.readings, strict=True):
             row = {k: v for k, v in dataclasses.asdict(blow).items() if k not in hidden}
-            rows.append({**row, "wave_peak": None, "total_peak": None, "bandwidth": None, "sensors": {}})
+            rows.append({**row, **dataclasses.asdict(reading or nothing)})
         units = {k: u for k, u in BLOW_UNITS.items() if k not in hidden}
-        units |= {"wave_peak": "m/s^2", "total_peak": "m/s^2", "bandwidth": "Hz", "masses": "kg"}
+        units |= {"wave_peak": "m/s^2", "total_peak": "m/s^2", "bandwidth": "Hz", "peak": "m/s^2", "masses": "kg"}
         units |= {"ledger": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
         return plain(
             {
@@ -177,7 +211,7 @@ class Solution:
                 "masses": self.masses,
                 "phases": [{"name": name, "time": time} for name, time in self.phases],
                 "ledger": self.ledger,
-                "published": [without(dataclasses.asdict(c), "note") for c in self.published],
+                "published": [without(dataclasses.asdict(c), "note", "sensor") for c in self.published],
                 "fitted_fields": self.case.fitted_fields(),
             }
         )
@@ -201,6 +235,8 @@ class Solution:
             "published": [dataclasses.asdict(c) for c in self.published],
             "warnings": [dataclasses.asdict(n) for n in self.warnings],
             "reference": dataclasses.asdict(self.reference),
+            "readings": [dataclasses.asdict(r) if r else None for r in self.readings],
+            "waves": dataclasses.asdict(self.waves) if self.waves else None,
             "citations": self.citations,
         }
         attributes = {
@@ -234,58 +270,6 @@ def plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         value = value.item()
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def build_dataset(case: Case, run: RotaryRun, found: Sequence[Blow]) -> xarray.Dataset:
-    """Sample a run into a dataset: the whole train, each blow in detail, the ideal record, the table."""
-    import xarray
-
-    time = np.arange(0.0, run.end, case.solver.output_step.si)
-    train = run.sample(time)
-    pulse_time = np.arange(-round(WINDOW_BEFORE / PULSE_STEP), round(WINDOW_AFTER / PULSE_STEP) + 1) * PULSE_STEP
-    force, acceleration = (np.full((len(found), pulse_time.size), np.nan) for _ in range(2))
-    for row, blow in enumerate(found):
-        if blow.kind != "missed":
-            since, f, a = pulse_window(run, blow.time, WINDOW_AFTER, PULSE_STEP)
-            force[row, : since.size], acceleration[row, : since.size] = f[: pulse_time.size], a[: pulse_time.size]
-    recorder = case.recorder
-    record_time = recorder.begin + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
-    inside = (record_time >= 0.0) & (record_time <= run.end)
-    record = np.zeros(record_time.size)
-    record[inside] = run.sample(record_time[inside]).rigid_acceleration
-
-    def quantity(dimension: Any, values: Any, unit: str, name: str) -> tuple[Any, Any, dict[str, str]]:
-        return dimension, values, {"units": unit, "long_name": name}
-
-    variables = {
-        "contact_force": quantity("time", train.contact_force, "N", "contact force"),
-        "rigid_acceleration": quantity("time", train.rigid_acceleration, "m/s^2", "rigid-body acceleration"),
-        "nose_position": quantity("time", train.face_place, "m", "position of the struck face along the blow"),
-        "assembly_position": quantity("time", train.assembly_place, "m", "position of the assembly"),
-        "assembly_speed": quantity("time", train.assembly_speed, "m/s", "speed of the assembly"),
-        "turntable_speed": quantity("time", train.turntable_speed, "rad/s", "turntable speed"),
-        "pulse_force": quantity(("blow", "pulse_time"), force, "N", "contact force of each blow"),
-        "pulse_acceleration": quantity(
-            ("blow", "pulse_time"), acceleration, "m/s^2", "rigid-body acceleration of each blow"
-        ),
-        "record_acceleration": quantity(
-            "record_time", record, "m/s^2", "rigid-body acceleration as an ideal recorder samples it"
-        ),
-    }
-    for column in (f.name for f in dataclasses.fields(Blow)):
-        if column not in ("index", "kind"):
-            values = np.array([getattr(b, column) for b in found])
-            variables[f"blow_{column}"] = quantity(
-                "blow", values, BLOW_UNITS.get(column, "1"), column.replace("_", " ")
-            )
-    variables["blow_kind"] = quantity("blow", np.array([b.kind for b in found], dtype=object), "1", "kind")
-    coordinates = {
-        "time": quantity("time", time, "s", "time after the valve signal"),
-        "pulse_time": quantity("pulse_time", pulse_time, "s", "time after first touch"),
-        "record_time": quantity("record_time", record_time, "s", "time after the valve signal"),
-        "blow": ("blow", np.array([b.index for b in found], dtype=np.int64)),
-    }
-    return xarray.Dataset(variables, coordinates)
 
 
 def load_solution(path: Path | str) -> Solution:
@@ -328,6 +312,8 @@ def load_solution(path: Path | str) -> Solution:
             published=tuple(Comparison(**row) for row in state["published"]),
             warnings=tuple(Notice(**row) for row in state["warnings"]),
             reference=RigidReference(**state["reference"]),
+            readings=tuple(_reading(row) for row in state["readings"]),
+            waves=_waves(state["waves"]),
             citations=tuple(state["citations"]),
             data=data.drop_attrs(deep=False),
         )
@@ -337,3 +323,16 @@ def load_solution(path: Path | str) -> Solution:
         raise InputError(
             "solution", str(path), "a solution.nc that `strikewave run` wrote", f"it cannot be read ({error})"
         ) from error
+
+
+def _reading(row: dict[str, Any] | None) -> BlowReading | None:
+    if row is None:
+        return None
+    sensors = {name: SensorPulse(**pulse) for name, pulse in row["sensors"].items()}
+    return BlowReading(row["total_peak"], row["wave_peak"], row["bandwidth"], sensors)
+
+
+def _waves(row: dict[str, Any] | None) -> WaveSetup | None:
+    if row is None:
+        return None
+    return WaveSetup(row["step"], row["mismatch"], tuple(LayerUsed(**layer) for layer in row["layers"]))

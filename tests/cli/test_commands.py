@@ -59,10 +59,12 @@ def test_run_json_has_exactly_its_keys(strikewave, tmp_path):
 def test_run_writes_a_whole_result_that_runs_again_to_the_same_numbers(strikewave, tmp_path):
     code, out, err = strikewave("run", "li-ma-2019", "--set", "feed.blows=3", "--out", "a")
     assert code == 0
-    assert sorted(os.listdir("a")) == ["blows.csv", "case.toml", "solution.nc", "summary.svg"]
+    assert sorted(os.listdir("a")) == ["blows.csv", "case.toml", "report.html", "solution.nc", "summary.svg"]
     assert sorted(os.listdir(tmp_path)) == ["a"]
     assert "Published beside computed" in out
     assert "printed contact law on a rigid object" in err
+    assert "written: a/ (report.html, " in err
+    assert open("a/report.html", encoding="utf-8").read().startswith("<!doctype html>")
     assert strikewave("run", "a/case.toml", "--out", "b")[0] == 0
     assert open("a/blows.csv").read() == open("b/blows.csv").read()
     assert open("a/case.toml").read() == open("b/case.toml").read()

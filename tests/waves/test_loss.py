@@ -78,7 +78,7 @@ def test_work_of_a_cycle_is_that_of_the_loss():
         force = fit.stiffness * math.sin(w * t) + np.sum(y[:-1])
         return np.append(shares * speed - y[:-1] / tau, force * speed)
 
-    settled = 60.0 / f  # the longest relaxation has died by e^-20 and more
+    settled = 100.0 / f  # the longest relaxation has died by e^-20 and more
     assert settled > 20 * tau.max()
     y = solve_ivp(rates, (0.0, settled), np.zeros(tau.size + 1), rtol=1e-10, atol=1e-12, method="DOP853").y[:, -1]
     cycle = solve_ivp(

@@ -26,19 +26,6 @@ if TYPE_CHECKING:
 
 BROKEN = 3
 
-_SHOWN = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
-_COLUMNS = (
-    ("time", "s", "ms", 3),
-    ("approach_speed", "m/s", "m/s", 3),
-    ("impulse", "N s", "N s", 3),
-    ("peak_force", "N", "kN", 2),
-    ("rigid_peak", "m/s^2", "g", 1),
-    ("width", "s", "us", 1),
-    ("velocity_change", "m/s", "m/s", 3),
-    ("retreat", "m", "mm", 2),
-)
-"""Columns of the printed table: attribute, SI unit, unit shown, decimals."""
-
 
 def command(case: CaseName, changes: Changes = None, out: Out = None, force: Force = False, json: Json = False) -> int:
     """Run a machine case: table of blows, published beside computed, files in out/CASE.
@@ -64,9 +51,8 @@ def command(case: CaseName, changes: Changes = None, out: Out = None, force: For
     else:
         _print(solution)
     if folder is not None:
-        say(
-            f"written: {folder}{'/' if str(folder)[-1] != '/' else ''} (solution.nc, blows.csv, case.toml, summary.svg)"
-        )
+        files = "report.html, summary.svg, solution.nc, blows.csv, case.toml"
+        say(f"written: {folder}{'/' if str(folder)[-1] != '/' else ''} ({files})")
     say(f"done in {time.perf_counter() - begun:.2f} s")
     return BROKEN if solution.broken else 0
 
@@ -80,11 +66,13 @@ def default_folder(case: Case, changed: bool, text: str) -> Path:
 def write_result(solution: Solution, place: Path, text: str) -> None:
     """Write the files of a result into a folder."""
     from strikewave.figures import save, summary
+    from strikewave.report import report
 
     solution.save(place / "solution.nc")
     (place / "blows.csv").write_text(solution.table(), "utf-8")
     (place / "case.toml").write_text(text, "utf-8")
     save(summary(solution), place / "summary.svg")
+    (place / "report.html").write_text(report(solution), "utf-8", newline="\n")
 
 
 def _solve(case: Case) -> Solution:
@@ -112,9 +100,11 @@ def _solve(case: Case) -> Solution:
 
 
 def _print(solution: Solution) -> None:
-    columns = ["#", "kind", *(f"{name.replace('_', ' ')} ({unit})" for name, _, unit, _ in _COLUMNS), "contacts"]
+    from strikewave.report.numbers import BLOW_COLUMNS
+
+    columns = ["#", "kind", *(f"{name.replace('_', ' ')} ({unit})" for name, _, unit, _ in BLOW_COLUMNS), "contacts"]
     rows = [
-        [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in _COLUMNS), str(b.contacts)]
+        [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in BLOW_COLUMNS), str(b.contacts)]
         for b in solution.blows
     ]
     say(_header(solution))
@@ -143,27 +133,29 @@ def _print(solution: Solution) -> None:
 def _header(solution: Solution) -> str:
     """Return the main settings in one line."""
     case = solution.case
-    turntable, nominal = case.machine.speed.si, solution.reference.approach_speed
+    rig, nominal = case.rig(), solution.reference.approach_speed
+    turntable = rig.machine.speed.si
     settings = (
         f"{number(turntable, 'rad/s', 'rpm', 4)} rpm",
-        f"{case.machine.strikers.si:.0f} strikers",
-        f"engagement {number(case.machine.engagement.si, 'm', 'mm', 4)} mm",
+        f"{rig.machine.strikers.si:.0f} strikers",
+        f"engagement {number(rig.machine.engagement.si, 'm', 'mm', 4)} mm",
         f"nominal approach {nominal:.4g} m/s",
-        f"object {case.object.mass.si:.4g} kg",
-        f"{case.feed.blows.si:.0f} blows wanted",
+        f"object {solution.masses['object']:.4g} kg",
+        f"{rig.feed.blows.si:.0f} blows wanted",
     )
     return f"{case.name}: " + ", ".join(settings)
 
 
 def _print_published(solution: Solution) -> None:
     from strikewave.case import PUBLISHED_QUANTITIES
+    from strikewave.report.numbers import SHOWN_UNITS
 
     if not solution.published:
         return
     rows = []
     for entry in solution.published:
         unit = PUBLISHED_QUANTITIES[entry.quantity]
-        shown = _SHOWN[unit]
+        shown = SHOWN_UNITS[unit]
         pair = [
             number(v, unit, shown, 6) if unit else ("-" if v is None else f"{v:g}")
             for v in (entry.published, entry.computed)

@@ -40,7 +40,7 @@ from strikewave.waves._kernels import ELASTIC, LOST, RESISTANCE, Recording, Tabl
 from strikewave.waves._kernels import MASS as POINT_MASS
 from strikewave.waves._kernels import State as Waves
 from strikewave.waves.layers import Stack
-from strikewave.waves.transit import Grid, choose_grid, grid_of, nearest_nodes, state_at_rest, tables_of
+from strikewave.waves.transit import Grid, choose_grid, field_nodes, grid_of, nearest_nodes, state_at_rest, tables_of
 
 Array = NDArray[np.float64]
 
@@ -126,7 +126,12 @@ def machine_grid(stack: Stack, step: float | None = None) -> Grid:
 
 
 def strike(
-    layered: LayeredObject, struck: StruckObject, system: RotarySystem, start: State, strikers: int
+    layered: LayeredObject,
+    struck: StruckObject,
+    system: RotarySystem,
+    start: State,
+    strikers: int,
+    field: bool = False,
 ) -> tuple[StackSpan, State]:
     """Follow one blow on a stack, from the state at first touch to the state once it has settled.
 
@@ -142,6 +147,8 @@ def strike(
         Its state at first touch.
     strikers : int
         How many.
+    field : bool, optional
+        Whether to keep the x-t field.
 
     Raises
     ------
@@ -166,8 +173,11 @@ def strike(
     every = max(1, round(SAMPLE_STEP / grid.step))
     rows = int(LONGEST_BLOW / grid.step / every) + 1
     history, touches, switches = np.zeros((rows, COLUMNS)), np.zeros((_MOST_TOUCHES, 3)), np.zeros((_MOST_SWITCHES, 2))
-    watched = len(layered.taps)
-    taps = Recording(nearest_nodes(grid, layered.taps), every, np.zeros((rows, watched)), np.zeros((rows, watched, 3)))
+    nodes, field_position = nearest_nodes(grid, layered.taps), np.empty(0)
+    if field:
+        field_at, field_position = field_nodes(layered.stack, grid)
+        nodes = np.concatenate([nodes, field_at])
+    taps = Recording(nodes, every, np.zeros((rows, len(nodes))), np.zeros((rows, len(nodes), 3)))
     only = _strikers_only(system, strikers)
     ys = np.concatenate([x[:strikers], v[:strikers], y[place.angle : place.angle + 2], np.zeros(strikers + 3)])
     mode = np.concatenate([start.mode[place.mounts], start.mode[place.links :]])
@@ -215,6 +225,7 @@ def strike(
         striker=striker,
         history=history[:kept].copy(),
         taps=Recording(taps.nodes, every, taps.force[:kept].copy(), taps.velocity[:kept].copy()),
+        field_position=field_position,
         frame=(speed, struck.gravity),
         grid_step=grid.step,
         touches=touches[: min(contacts, _MOST_TOUCHES)],
@@ -232,8 +243,8 @@ def strike(
     end.y[place.angle : place.angle + 2] = ys[2 * strikers : 2 * strikers + 2]
     end.mode[place.links :], end.memory[place.links :] = mode[strikers:], memory[strikers:]
     place_bases(system, time, end.y, end.mode, end.memory)
-    nodes = np.concatenate([end.y[: place.bodies], system.bases[PLACE]])
-    end.mode[: place.links] = first_modes(Links(system.joins, system.values), nodes)
+    stands = np.concatenate([end.y[: place.bodies], system.bases[PLACE]])
+    end.mode[: place.links] = first_modes(Links(system.joins, system.values), stands)
     end.mode[place.contacts] = OPEN
 
     lost_stop, lost_damper, lost, fed, last_push = energies

@@ -272,7 +272,8 @@ def run_rotary(
         state = motion.end
         if machine.layered is None or not np.any(state.mode[place.contacts] != OPEN):
             break
-        blow, state = strike(machine.layered, machine.struck, system, state, place.strikers)
+        first = len(spans) == 1
+        blow, state = strike(machine.layered, machine.struck, system, state, place.strikers, field=first)
         spans.append(blow)
     if state.mode[place.links + FEED] != RETRACTING or state.time >= control.end:
         done = int(state.mode[place.links + PASSES])

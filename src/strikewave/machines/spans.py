@@ -21,6 +21,9 @@ from strikewave.waves._kernels import Recording
 
 Array = NDArray[np.float64]
 
+FIELD_STEP = 1e-6
+"""Spacing of the x-t field, s."""
+
 
 class Moments(NamedTuple):
     """What the machine does at given times, SI, one value a time."""
@@ -191,6 +194,8 @@ class StackSpan:
         Columns as `_stack_kernels` names them.
     taps : Recording
         Force and velocity at the taps and the places of the x-t field; velocities in the frame below.
+    field_position : ndarray
+        Places of the x-t field from the first face, m; empty where none was kept.
     frame : (float, float)
         Speed of the stack's frame at the beginning, and its acceleration.
     grid_step : float
@@ -207,6 +212,7 @@ class StackSpan:
     striker: int
     history: Array
     taps: Recording
+    field_position: Array
     frame: tuple[float, float]
     grid_step: float
     touches: Array
@@ -264,6 +270,13 @@ class StackSpan:
         velocity = self.taps.velocity[:, k]
         acceleration = (velocity[:, 2] - velocity[:, 0]) / (2.0 * self.grid_step) + gravity
         return self.taps.force[:, k], velocity[:, 1] + speed + gravity * since, acceleration
+
+    def field(self) -> tuple[Array, Array]:
+        """Return times after first touch, s, and force, N, at the places of the x-t field, shape (times, places)."""
+        size = self.field_position.size
+        rows = slice(None, None, max(1, round(FIELD_STEP / self.step)))
+        since = self.step * np.arange(len(self.history))
+        return since[rows], self.taps.force[rows, self.taps.force.shape[1] - size :]
 
 
 Span = ChainSpan | StackSpan

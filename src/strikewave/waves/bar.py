@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.waves import _impact_kernels, _kernels
 from strikewave.waves._impact_kernels import Law
-from strikewave.waves._kernels import Recording, State, Tables
+from strikewave.waves._kernels import Recording
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import Impactor, Load
 from strikewave.waves.transit import (
@@ -19,6 +19,7 @@ from strikewave.waves.transit import (
     Grid,
     choose_grid,
     error_bound,
+    field_nodes,
     grid_of,
     nearest_nodes,
     state_at_rest,
@@ -32,7 +33,7 @@ MOST_LAYER_STEPS = 1e7
 MOST_SAMPLES = 20_000
 """Samples of a tap that are kept when the step is chosen for the user."""
 _TRIES = 4
-_FIELD_ROWS, _FIELD_PLACES = 500, 300
+_FIELD_ROWS = 500
 _MOST_TOUCHES = 1000
 
 
@@ -208,7 +209,7 @@ def _run(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, grid: G
     rows = (steps - 1) // every + 1
     kept = _recording(watched, every, rows)
     kept.velocity[0, :, 0] = [stack.layers[i].speed for i in watched[:, 0]]
-    nodes, position = _field_nodes(stack, grid)
+    nodes, position = field_nodes(stack, grid)
     coarse = max(1, steps // _FIELD_ROWS)
     pictured = _recording(nodes, coarse, (steps - 1) // coarse + 1)
     norms = np.zeros(6)
@@ -257,18 +258,3 @@ def _law(load: Impactor) -> Law:
 def _recording(nodes: NDArray[np.int64], every: int, rows: int) -> Recording:
     """Return an empty recording."""
     return Recording(nodes, every, np.zeros((rows, len(nodes))), np.zeros((rows, len(nodes), 3)))
-
-
-def _field_nodes(stack: Stack, grid: Grid) -> tuple[NDArray[np.int64], Array]:
-    """Return (layer, node) and position from the first face, m, of the places of the x-t field."""
-    share = _FIELD_PLACES / stack.transit
-    rows, position, begin = [], [], 0.0
-    for i, (layer, count) in enumerate(zip(stack.layers, grid.counts, strict=True)):
-        nodes = np.unique(np.linspace(0, count, max(2, round(share * layer.transit))).round().astype(np.int64))
-        rows.append(np.column_stack([np.full(nodes.size, i), nodes]))
-        position.append(begin + layer.length * nodes / count)
-        begin += layer.length
-    return np.concatenate(rows), np.concatenate(position)
-
-
-__all__ = ["BarRun", "State", "Tables", "Tap", "Wanted", "run_bar"]

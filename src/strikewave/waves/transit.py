@@ -36,6 +36,10 @@ MOST_NODES = 50_000_000
 """A grid with more nodes than this is refused: its waves would take more than 0.8 GB."""
 
 
+FIELD_PLACES = 200
+"""Places of an x-t field."""
+
+
 @dataclass(frozen=True)
 class Grid:
     """A time step and the number of steps that each layer's transit takes.
@@ -220,6 +224,18 @@ def nearest_nodes(grid: Grid, places: Sequence[tuple[int, float]]) -> NDArray[np
     """Return (layer, node) for places given as layer index and fraction of the layer from its loaded side."""
     rows = [(layer, round(fraction * grid.counts[layer])) for layer, fraction in places]
     return np.array(rows, dtype=np.int64).reshape(-1, 2)
+
+
+def field_nodes(stack: Stack, grid: Grid, most: int = FIELD_PLACES) -> tuple[NDArray[np.int64], Array]:
+    """Return about so many (layer, node), evenly in time of travel, and their places from the first face, m."""
+    rows, places, begin = [], [], 0.0
+    for i, (layer, count) in enumerate(zip(stack.layers, grid.counts, strict=True)):
+        wanted = max(2, round(most * layer.transit / stack.transit))
+        nodes = np.unique(np.linspace(0, count, wanted).round().astype(np.int64))
+        rows.append(np.column_stack([np.full(nodes.size, i), nodes]))
+        places.append(begin + layer.length * nodes / count)
+        begin += layer.length
+    return np.concatenate(rows), np.concatenate(places)
 
 
 @dataclass(frozen=True)

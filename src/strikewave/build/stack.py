@@ -1,0 +1,264 @@
+"""Case in, stack, taps and load out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeVar
+
+from strikewave.case import Case
+from strikewave.contact import Contact, factor
+from strikewave.errors import MISSING, InputError, InputErrors, StrikewaveError, nearest
+from strikewave.materials import Material, material
+from strikewave.quantities import Value
+from strikewave.tables import JointTable, LayerTable, LoadTable
+from strikewave.waves import BONDED, End, Impactor, Joint, Layer, Load, Pulse, Stack, Tap, Wanted
+from strikewave.waves.loss import fit_loss
+
+T = TypeVar("T")
+
+
+class Matter(NamedTuple):
+    """What a table says of a material: the row of the table of materials, or numbers of its own."""
+
+    density: float | None
+    modulus: float | None
+    loss_factor: float | None
+    row: Material | None
+
+
+def read_file(path: str) -> Load:
+    """Read a load from a text file; see `strikewave.build.load_file`."""
+    from strikewave.build.load_file import read_load
+
+    return read_load(path)
+
+
+def need(value: Value | None, path: str, allowed: str, hint: str = "") -> float:
+    """Return the SI value of a field that this kind of part needs.
+
+    Raises
+    ------
+    InputError
+        If it is absent.
+    """
+    if value is None:
+        raise InputError(path, MISSING, allowed, hint)
+    return value.si
+
+
+def matter_of(table: Any, path: str) -> Matter:
+    """Return what a table says of a material; its own numbers overrule those of the named material."""
+    row = material(table.material, f"{path}.material") if table.material else None
+    density, modulus, loss = (getattr(table, key, None) for key in ("density", "modulus", "loss_factor"))
+    return Matter(
+        density.si if density else (row.density if row else None),
+        modulus.si if modulus else (row.youngs_modulus if row else None),
+        loss.si if loss else (row.loss_factor if row else None),
+        row,
+    )
+
+
+def area_of(table: Any, path: str, other: float | None = None) -> float:
+    """Return the area of a table that has a diameter or an area, m^2; ``other`` where it has neither."""
+    if table.diameter is not None and table.area is not None:
+        raise InputError(f"{path}.area", table.area.typed, "diameter or area, not both", "remove one of them")
+    if table.area is not None:
+        return float(table.area.si)
+    if table.diameter is not None:
+        return 0.25 * math.pi * float(table.diameter.si) ** 2
+    if other is None:
+        raise InputError(f"{path}.diameter", MISSING, "a diameter or an area", 'add diameter = "30 mm"')
+    return other
+
+
+def _layer(table: LayerTable) -> Layer:
+    path = f"stack.layer.{table.name}"
+    matter = matter_of(table, path)
+    if matter.density is None or matter.modulus is None:
+        raise InputError(f"{path}.material", MISSING, "a material, or density and modulus", 'add material = "65Mn"')
+    own = table.density is not None or table.modulus is not None
+    return Layer(
+        table.name,
+        matter.density,
+        matter.modulus,
+        area_of(table, path),
+        table.length.si,
+        table.diameter.si if table.diameter else 0.0,
+        matter.row.yield_strength if matter.row else None,
+        matter.row.poissons_ratio if matter.row and not own else None,
+        table.speed.si,
+    )
+
+
+_JOINT_FIELDS = {
+    "bonded": (),
+    "compliant": ("stiffness", "damping"),
+    "gasket": ("material", "modulus", "loss_factor", "thickness", "diameter", "area"),
+    "unilateral": ("stiffness", "damping", "gap", "preload"),
+    "mass": ("mass",),
+}
+
+
+def _joint(table: JointTable, before: Layer, after: Layer) -> Joint:
+    path = f"stack.joint.{table.after}"
+    fields = {key for keys in _JOINT_FIELDS.values() for key in keys}
+    foreign = [k for k in sorted(fields) if getattr(table, k) not in (None, "") and k not in _JOINT_FIELDS[table.kind]]
+    if foreign:
+        allowed = ", ".join(_JOINT_FIELDS[table.kind]) or "no other field"
+        raise InputError(
+            f"{path}.{foreign[0]}", _typed(getattr(table, foreign[0])), f"for a {table.kind} joint: {allowed}"
+        )
+    damping = table.damping.si if table.damping else 0.0
+    if table.kind == "compliant":
+        return Joint(need(table.stiffness, f"{path}.stiffness", "a stiffness", 'add stiffness = "90 MN/m"'), damping)
+    if table.kind == "mass":
+        return Joint(mass=need(table.mass, f"{path}.mass", "a mass", 'add mass = "5 gram"'))
+    if table.kind == "gasket":
+        return _gasket(table, path, min(before.area, after.area))
+    if table.kind == "unilateral":
+        stiffness = table.stiffness.si if table.stiffness else math.inf
+        gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
+        return checked(f"{path}", lambda: Joint(stiffness, damping, (), True, gap, preload))
+    return BONDED
+
+
+def _gasket(table: JointTable, path: str, area: float) -> Joint:
+    matter = matter_of(table, path)
+    if matter.modulus is None:
+        raise InputError(f"{path}.material", MISSING, "a material or a modulus", 'add material = "PTFE"')
+    thickness = need(table.thickness, f"{path}.thickness", "a thickness", 'add thickness = "1 mm"')
+    stiffness = matter.modulus * area_of(table, path, area) / thickness
+    low, high = table.band_low.si, table.band_high.si
+    fit = checked(f"{path}.loss_factor", lambda: fit_loss(stiffness, matter.loss_factor or 0.0, low, high))
+    return Joint(fit.stiffness, branches=fit.branches)
+
+
+def checked(path: str, make: Callable[[], T]) -> T:
+    """Make a part; what its own room refuses becomes an error that names the field."""
+    try:
+        return make()
+    except StrikewaveError:
+        raise
+    except ValueError as error:
+        raise InputErrors([f"{path}: {error}"]) from None
+
+
+def _typed(value: Any) -> Any:
+    return value.typed if isinstance(value, Value) else value
+
+
+def build_stack(case: Case) -> Stack:
+    """Return the stack of a case.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If a layer, joint or the end cannot be as it is said to be.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> len(build_stack(load_case("li-ma-2019-fig13")).layers) > 2
+    True
+    """
+    table = case.stack
+    names = [layer.name for layer in table.layer]
+    if not names:
+        raise InputError("stack.layer", MISSING, "at least one [[stack.layer]]")
+    _once("stack.layer", names)
+    _once("stack.joint", [joint.after for joint in table.joint])
+    layers = tuple(_layer(layer) for layer in table.layer)
+    joints = [BONDED] * (len(layers) - 1)
+    for joint in table.joint:
+        if joint.after not in names[:-1]:
+            hint = nearest(joint.after, names[:-1]) if names[:-1] else "a single layer has no joint"
+            raise InputError("stack.joint.after", joint.after, "a layer that another one follows", hint)
+        k = names.index(joint.after)
+        joints[k] = _joint(joint, layers[k], layers[k + 1])
+    return Stack(layers, tuple(joints), _end(case))
+
+
+def _end(case: Case) -> End:
+    end = case.stack.end
+    fields = {"mass": "mass", "spring": "stiffness", "dashpot": "damping"}
+    for kind, key in fields.items():
+        if getattr(end, key) is not None and end.kind != kind:
+            raise InputError(f"stack.end.{key}", _typed(getattr(end, key)), f'only with kind = "{kind}"')
+    if end.kind not in fields:
+        return End(end.kind)
+    key = fields[end.kind]
+    value = need(getattr(end, key), f"stack.end.{key}", f"a {key} for an end of kind {end.kind}")
+    return checked(f"stack.end.{key}", lambda: End(end.kind, value))
+
+
+def _once(path: str, names: list[str]) -> None:
+    twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
+    if twice is not None:
+        raise InputError(path, twice, "each name once", "give the second one another name")
+
+
+def build_taps(case: Case) -> tuple[tuple[str, Tap], ...]:
+    """Return name and place of each tap; the middle of each layer where a case names none."""
+    names = [layer.name for layer in case.stack.layer]
+    if not case.tap:
+        return tuple((f"{name} middle", Tap(k, 0.5)) for k, name in enumerate(names))
+    _once("tap", [tap.name for tap in case.tap])
+    for tap in case.tap:
+        if tap.layer not in names:
+            raise InputError(f"tap.{tap.name}.layer", tap.layer, "a layer of the stack", nearest(tap.layer, names))
+    return tuple((tap.name, Tap(names.index(tap.layer), tap.position.si)) for tap in case.tap)
+
+
+def build_load(case: Case, stack: Stack) -> Load:
+    """Return what loads the stack of a bar alone.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If the load lacks a field, or has one that its shape does not take.
+    """
+    load = case.load
+    if load is None:
+        hint = "or `strikewave run`, which strikes the stack with the machine" if case.machine else ""
+        raise InputError("load", MISSING, "a [load] with its shape", hint)
+    wants = {"contact": ("speed",), "file": ("file",)}.get(load.shape, ("peak", "duration", "rise"))
+    for key in ("peak", "duration", "rise", "speed", "file"):
+        if getattr(load, key) not in (None, "") and key not in wants:
+            allowed = f"for the shape {load.shape}: {', '.join(wants)}"
+            raise InputError(f"load.{key}", _typed(getattr(load, key)), allowed, "remove it")
+    if load.shape == "contact":
+        return _impactor(case, load, stack)
+    if load.shape == "file":
+        if not load.file:
+            raise InputError("load.file", MISSING, "a file with time and force", 'add file = "force.csv"')
+        return read_file(load.file)
+    peak = need(load.peak, "load.peak", "a force", 'add peak = "20 kN"')
+    duration = need(load.duration, "load.duration", "a time", 'add duration = "100 us"')
+    rise = load.rise.si if load.rise else 0.0
+    return checked("load", lambda: Pulse(load.shape, peak, duration, rise))
+
+
+def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
+    from strikewave.build.machine import face_stiffness
+
+    speed = need(load.speed, "load.speed", "the speed of the striker", 'add speed = "5 m/s"')
+    if case.striker is None or case.contact is None:
+        missing = "striker" if case.striker is None else "contact"
+        raise InputError(missing, MISSING, f"a [{missing}] table", "a load by contact needs [striker] and [contact]")
+    face = case.stack.layer[0].material
+    if not face:
+        raise InputError("stack.layer." + stack.layers[0].name + ".material", MISSING, "a material for the contact law")
+    law = face_stiffness(case.striker, case.contact, material(face))
+    chi = float(factor(case.contact.damping, case.contact.restitution.si))
+    return Impactor(
+        case.striker.mass.si,
+        speed,
+        Contact(law.stiffness, law.exponent, chi),
+        case.contact.slowest_approach.si,
+    )
+
+
+def wanted(case: Case) -> Wanted:
+    """Return how exact the waves of a case shall be."""
+    return Wanted(step=case.solver.step.si if case.solver.step else None)

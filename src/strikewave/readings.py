@@ -1,0 +1,155 @@
+"""What taps and sensors show of each blow: total and wave acceleration at a bandwidth, and sensor readings.
+
+Total is what a perfect sensor at a section would read; wave is total less the rigid-body acceleration of the
+assembly, both at the same bandwidth, so that nothing is counted twice. A peak is the value of largest
+magnitude, with its sign.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow
+from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.spans import StackSpan
+from strikewave.sensors import Reading, Recorder, Sensor, read
+from strikewave.signal.filters import zero_phase
+from strikewave.signal.pulse import measure_pulse
+
+Array = NDArray[np.float64]
+
+RIGID_STEP = 0.1e-6
+"""Spacing of the history that a sensor gets where the object is no stack, s."""
+
+
+class Channel(NamedTuple):
+    """A sensor, the index of the tap it sits at (None: it feels the rigid assembly), and its recorder."""
+
+    sensor: Sensor
+    tap: int | None
+    recorder: Recorder
+
+
+@dataclass(frozen=True)
+class SensorPulse:
+    """What a sensor made of one blow: peak (m/s^2), width at 10 % of the peak (s), and whether it clipped."""
+
+    peak: float
+    width: float
+    clipped: bool
+
+
+@dataclass(frozen=True)
+class BlowReading:
+    """What taps and sensors show of one blow.
+
+    Attributes
+    ----------
+    total_peak, wave_peak : float or None
+        At the first tap, at the bandwidth, m/s^2; None where the object is no stack.
+    bandwidth : float or None
+        Hz.
+    sensors : dict
+        `SensorPulse` by name.
+    """
+
+    total_peak: float | None
+    wave_peak: float | None
+    bandwidth: float | None
+    sensors: dict[str, SensorPulse]
+
+
+class BlowHistory(NamedTuple):
+    """Histories of one blow about first touch.
+
+    ``since`` is the time after first touch, s; ``rigid`` is at the bandwidth; ``force``, ``speed`` and ``total``
+    (at the bandwidth) have one row a tap; ``readings`` one a sensor, each with its own instants.
+    """
+
+    since: Array
+    rigid: Array
+    force: Array
+    speed: Array
+    total: Array
+    readings: tuple[Reading, ...]
+
+
+def largest(values: Array) -> float:
+    """Return the value of largest magnitude, with its sign.
+
+    Examples
+    --------
+    >>> largest(np.array([1.0, -3.0, 2.0]))
+    -3.0
+    """
+    return float(values[int(np.argmax(np.abs(values)))])
+
+
+def blow_history(
+    run: RotaryRun, blow: Blow, channels: Sequence[Channel], bandwidth: float, recorder_begin: float
+) -> BlowHistory:
+    """Return what taps and sensors show of a blow that touched.
+
+    Before first touch everything moves as the rigid assembly does; the history ends with the blow's window,
+    or where a stack has settled.
+
+    Parameters
+    ----------
+    bandwidth : float
+        -3 dB of the zero-phase filter that rigid and total acceleration pass, Hz.
+    recorder_begin : float
+        A sampling instant of the recorders, s after the valve signal.
+    """
+    span = run.span_at(blow.time + 1e-12)
+    layered = isinstance(span, StackSpan)
+    step = span.step if isinstance(span, StackSpan) else RIGID_STEP
+    last = span.end if isinstance(span, StackSpan) else min(blow.time + WINDOW_AFTER, run.end)
+    before = round(min(WINDOW_BEFORE, blow.time) / step)
+    after = math.floor((last - blow.time) / step + 1e-9)
+    since = step * np.arange(-before, after + 1, dtype=np.float64)
+    times = np.minimum(blow.time + since, last)
+    moments = run.sample(times)
+    rigid = moments.rigid_acceleration
+    taps = len(run.machine.layered.taps) if layered and run.machine.layered else 0
+    force, speed, total = (np.zeros((taps, since.size)) for _ in range(3))
+    for k in range(taps):
+        assert isinstance(span, StackSpan)
+        parts = span.tap(k)
+        size = min(parts[0].size, after + 1)
+        force[k, before : before + size] = parts[0][:size]
+        speed[k, :before], total[k, :before] = moments.object_speed[:before], rigid[:before]
+        speed[k, before : before + size], total[k, before : before + size] = parts[1][:size], parts[2][:size]
+    start = float(since[0])
+    readings = []
+    for channel in channels:
+        felt = rigid if channel.tap is None else total[channel.tap]
+        rate = channel.recorder.sampling_rate
+        phase = 0.0 if math.isinf(rate) else math.ceil(x := (blow.time + start - recorder_begin) * rate) - x
+        readings.append(read(channel.sensor, channel.recorder, felt, step, start, min(phase, 1.0 - 1e-9)))
+    if taps:
+        rigid, total = zero_phase(rigid, step, bandwidth), zero_phase(total, step, bandwidth)
+    return BlowHistory(since, rigid, force, speed, total, tuple(readings))
+
+
+def without_peaks(reading: BlowReading) -> BlowReading:
+    """Return a reading without the peaks that may not be quoted."""
+    return replace(reading, total_peak=None, wave_peak=None)
+
+
+def blow_reading(history: BlowHistory, channels: Sequence[Channel], bandwidth: float) -> BlowReading:
+    """Return the peaks of a blow's history."""
+    sensors = {}
+    for channel, reading in zip(channels, history.readings, strict=True):
+        values = reading.values
+        interval = float(reading.time[1] - reading.time[0]) if values.size > 1 else math.nan
+        width = measure_pulse(values, interval).width if values.size > 2 and values.max() > 0.0 else math.nan
+        sensors[channel.sensor.name] = SensorPulse(largest(values), width, reading.clipped)
+    if not len(history.total):
+        return BlowReading(None, None, None, sensors)
+    return BlowReading(largest(history.total[0]), largest(history.total[0] - history.rigid), bandwidth, sensors)

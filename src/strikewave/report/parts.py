@@ -1,0 +1,165 @@
+"""What a section of a report is made of: words, tables, pictures.
+
+All text is plain text: the page escapes it, so a title may hold ``<`` or ``&``.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NONE = "–"
+"""Stands where there is no number."""
+_NUMBER = re.compile(r"[+−-]?(\d[\d.,]*|inf)([eE][+-]?\d+)?( ?%)?")
+
+
+@dataclass(frozen=True)
+class Tag:
+    """A short word in a coloured box, in a cell of a table.
+
+    ``look`` is its colour: a provenance, a kind of blow, ``good`` or ``bad``; any other is grey.
+    """
+
+    text: str
+    look: str = ""
+
+
+Cell = str | int | float | Tag | None
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table with its caption.
+
+    Attributes
+    ----------
+    caption : str
+        What the table shows.
+    columns : sequence of str
+        Heads, with units.
+    rows : sequence of sequences
+        Text as it shall be read, numbers (written with four digits), `Tag`, or None for nothing.
+    empty : str
+        Words that stand for a table without rows.
+    """
+
+    caption: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+    empty: str = "Nothing to show."
+    kind: ClassVar[str] = "table"
+
+    def cells(self) -> list[list[Tag | str]]:
+        """Return all cells as text or tag.
+
+        Examples
+        --------
+        >>> Table("", ["a", "b"], [["x", 1234.567], [None, float("nan")]]).cells()
+        [['x', '1235'], ['–', '–']]
+        """
+        return [[cell if isinstance(cell, Tag) else written(cell) for cell in row] for row in self.rows]
+
+    def numeric(self) -> list[bool]:
+        """Return for each column whether it holds nothing but numbers, which are set to the right.
+
+        Examples
+        --------
+        >>> Table("", ["a", "b"], [["x", "1.5"], ["2", "-3 %"]]).numeric()
+        [False, True]
+        """
+        found = []
+        for place in range(len(self.columns)):
+            words = [row[place] for row in self.cells() if row[place] != NONE]
+            found.append(bool(words) and all(isinstance(w, str) and bool(_NUMBER.fullmatch(w)) for w in words))
+        return found
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A matplotlib figure with its caption.
+
+    Attributes
+    ----------
+    figure : matplotlib.figure.Figure
+        What to draw; one at most 5.5 inches wide shares its line with the next one.
+    caption : str
+        What the picture shows, below it.
+    label : str
+        What a reader hears who cannot see it; the caption if empty.
+    """
+
+    figure: Figure
+    caption: str
+    label: str = ""
+    kind: ClassVar[str] = "picture"
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Steps in a row, each leading to the next."""
+
+    steps: Sequence[str]
+    caption: str = ""
+    kind: ClassVar[str] = "flow"
+
+
+@dataclass(frozen=True)
+class Code:
+    """Text to be copied: commands, or a whole file behind ``summary``, which opens it."""
+
+    text: str
+    summary: str = ""
+    kind: ClassVar[str] = "code"
+
+
+Part = Table | Picture | Flow | Code
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of a report.
+
+    Attributes
+    ----------
+    title : str
+        Its head.
+    text : str
+        Paragraphs, with an empty line between them; they stand before the parts.
+    parts : sequence of Table, Picture, Flow or Code
+        What follows, in this order.
+
+    Examples
+    --------
+    >>> Section("Sensors", "Two of them.", [Table("Peaks", ["sensor", "peak (g)"], [["a", 4151.25]])]).paragraphs()
+    ['Two of them.']
+    """
+
+    title: str
+    text: str = ""
+    parts: Sequence[Part] = ()
+
+    def paragraphs(self) -> list[str]:
+        """Return the paragraphs of the text."""
+        return [words for words in (part.strip() for part in re.split(r"\n\s*\n", self.text)) if words]
+
+
+def written(value: str | int | float | None, digits: int = 4) -> str:
+    """Write a value for a cell: text stays, numbers get so many significant digits, no number is a dash.
+
+    Examples
+    --------
+    >>> written(19685.34), written(1.5e-7), written(None), written(11), written("as it is")
+    ('19685', '1.5e-07', '–', '11', 'as it is')
+    """
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return NONE
+    if isinstance(value, str | bool | int):
+        return str(value)
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e" in text and 1e-4 <= abs(value) < 1e7 else text

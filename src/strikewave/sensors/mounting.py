@@ -1,0 +1,262 @@
+"""How a sensor is held: an edge contact, gaskets and the sensor's mass, driven by the surface below.
+
+    surface -> [edge contact: a spring without mass] -> gasket | gasket | .. -> sensor mass
+
+The sensor is light beside what it is mounted on and does not load it back: the motion of the surface is given.
+
+In the frequency domain a gasket is a continuous layer with a complex modulus; in the time domain it is cut
+into spectral elements (Patera 1984; degree 4, Gauss-Lobatto nodes with their lumped mass), so fine that both
+agree to 1e-4 dB up to 100 kHz and 0.03 dB up to 200 kHz, with the Maxwell branches
+of the same loss.
+
+Symbols: rho density (kg/m^3), E modulus (Pa), A area (m^2), h thickness (m), eta loss factor (-),
+k = w sqrt(rho/E) wave number (1/m), w = 2 pi f.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from strikewave.sensors.response import IDENTITY, LinearSystem
+from strikewave.waves.loss import LossFit, dynamic_stiffness, fit_loss
+
+RESOLVED = 200e3
+"""Frequency up to which the elements follow the wave in a gasket, Hz."""
+
+ELEMENTS_PER_WAVE = 1.5
+"""Elements of degree 4 in a wavelength at that frequency."""
+
+MOST_STATES = 2000
+"""A buffer with more states than this is refused: its exponential would take a minute."""
+
+# Gauss-Lobatto nodes of degree 4 and their weights; the derivative of the polynomial through them at four
+# Gauss points, which makes the stiffness exact
+_NODES = np.array([-1.0, -math.sqrt(3.0 / 7.0), 0.0, math.sqrt(3.0 / 7.0), 1.0])
+_MASSES = np.array([0.1, 49.0 / 90.0, 32.0 / 45.0, 49.0 / 90.0, 0.1])
+_GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+_SLOPES = np.column_stack(
+    [
+        np.polyval(np.polyder(np.polyfit(_NODES, np.eye(5)[j], 4)), _GAUSS)  # of the j-th Lagrange polynomial
+        for j in range(5)
+    ]
+)
+
+
+@dataclass(frozen=True)
+class Gasket:
+    """A layer between surface and sensor.
+
+    Parameters
+    ----------
+    density, modulus : float
+        rho in kg/m^3; E in Pa: the storage modulus at the geometric mean of the band.
+    area, thickness : float
+        A in m^2, h in m.
+    loss_factor : float, optional
+        eta, constant over the band of the mounting.
+
+    Examples
+    --------
+    >>> rubber = Gasket(1100.0, 10e6, 1e-4, 2e-3, 0.3)
+    >>> round(rubber.mass * 1e3, 3), round(rubber.stiffness)
+    (0.22, 500000)
+    """
+
+    density: float
+    modulus: float
+    area: float
+    thickness: float
+    loss_factor: float = 0.0
+
+    def __post_init__(self) -> None:
+        for key in ("density", "modulus", "area", "thickness"):
+            if not 0.0 < getattr(self, key) < math.inf:
+                raise ValueError(f"{key} of a gasket must be above zero and finite, got {getattr(self, key)!r}")
+        if not 0.0 <= self.loss_factor < math.inf:
+            raise ValueError(f"loss factor of a gasket must be zero or above and finite, got {self.loss_factor!r}")
+
+    @property
+    def mass(self) -> float:
+        """Mass rho A h, kg."""
+        return self.density * self.area * self.thickness
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness E A / h, N/m."""
+        return self.modulus * self.area / self.thickness
+
+
+@dataclass(frozen=True)
+class Mounting:
+    """What lies between the surface and the sensor; nothing unless said otherwise.
+
+    Parameters
+    ----------
+    gaskets : tuple of Gasket, optional
+        From the surface to the sensor, bonded to each other.
+    sensor_mass : float, optional
+        Mass of the sensor and what moves with it, kg.
+    edge_stiffness : float, optional
+        Of the edge contact below the gaskets, N/m; infinite where there is none. The contact has no mass.
+    edge_damping : float, optional
+        Of the edge contact, N s/m.
+    band : tuple of float, optional
+        Lowest and highest frequency of constant loss, Hz.
+
+    Raises
+    ------
+    ValueError
+        If a value makes no sense, or a loss factor cannot be held over the band.
+
+    Examples
+    --------
+    >>> Mounting().direct
+    True
+    """
+
+    gaskets: tuple[Gasket, ...] = ()
+    sensor_mass: float = 0.0
+    edge_stiffness: float = math.inf
+    edge_damping: float = 0.0
+    band: tuple[float, float] = (1e3, 1e5)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "gaskets", tuple(self.gaskets))
+        object.__setattr__(self, "band", tuple(self.band))
+        if not 0.0 <= self.sensor_mass < math.inf:
+            raise ValueError(f"the sensor mass must be zero or above and finite, got {self.sensor_mass!r}")
+        if not self.edge_stiffness > 0.0:
+            raise ValueError(f"the stiffness of an edge contact must be above zero, got {self.edge_stiffness!r}")
+        if not 0.0 <= self.edge_damping < math.inf:
+            raise ValueError(f"the damping of an edge contact must be zero or above, got {self.edge_damping!r}")
+        if math.isinf(self.edge_stiffness) and self.edge_damping > 0.0:
+            raise ValueError("an edge contact of infinite stiffness has no damping")
+        for gasket in self.gaskets:
+            self.loss(gasket)
+
+    @property
+    def direct(self) -> bool:
+        """Whether the sensor moves with the surface: nothing between them yields, or nothing moves on it."""
+        return not self.gaskets and (math.isinf(self.edge_stiffness) or self.sensor_mass == 0.0)
+
+    def loss(self, gasket: Gasket) -> LossFit:
+        """Return the loss of a gasket for a storage modulus of one."""
+        return fit_loss(1.0, gasket.loss_factor, *self.band)
+
+
+def transmission(mounting: Mounting, frequencies: ArrayLike) -> NDArray[np.complex128]:
+    """Return the complex ratio of the sensor's to the surface's acceleration, of the continuous layers.
+
+    From the sensor (displacement u = 1, force m w^2) down through each gasket,
+
+        u' = u cos(k h) - F sin(k h) / (E A k),   F' = E A k u sin(k h) + F cos(k h)
+
+    with the complex modulus of its loss, and through the edge contact, u' = u - F / (k_e + i w c_e); the ratio
+    is 1 / u' at the surface. Derived from the wave equation of a rod, E A u'' + rho A w^2 u = 0, over each layer.
+
+    Parameters
+    ----------
+    mounting : Mounting
+        What is between them.
+    frequencies : array_like
+        f, Hz, zero or above.
+
+    Examples
+    --------
+    A layer a sixth of a wave thick, with a free face, doubles the motion: 1 / cos(pi/3):
+
+    >>> layer = Gasket(1000.0, 10e6, 1e-4, 1e-3)
+    >>> print(transmission(Mounting((layer,)), 100.0 / (6 * 1e-3)).real.round(9))
+    2.0
+    """
+    f = np.asarray(frequencies, dtype=float)
+    if not np.all(np.isfinite(f)) or np.any(f < 0.0):
+        raise ValueError("frequencies must be zero or above and finite")
+    w = 2.0 * np.pi * f
+    u, F = np.ones(f.shape, complex), mounting.sensor_mass * w**2 + 0j
+    if mounting.direct:
+        return u
+    for gasket in reversed(mounting.gaskets):
+        fit = mounting.loss(gasket)
+        modulus = gasket.modulus * dynamic_stiffness(fit.stiffness, fit.branches, f)
+        k = w * np.sqrt(gasket.density / modulus)
+        EA, kh = modulus * gasket.area, k * gasket.thickness
+        compliance = gasket.thickness * np.sinc(kh / np.pi) / EA  # sin(k h) / (E A k), also at rest
+        u, F = u * np.cos(kh) - F * compliance, EA * k * u * np.sin(kh) + F * np.cos(kh)
+    if math.isfinite(mounting.edge_stiffness):
+        u = u - F / (mounting.edge_stiffness + 1j * w * mounting.edge_damping)
+    with np.errstate(divide="ignore", invalid="ignore"):  # at a resonance without loss the sensor moves without end
+        return np.asarray(1.0 / u)
+
+
+def insertion_loss(mounting: Mounting, frequencies: ArrayLike) -> NDArray[np.float64]:
+    """Return by how much the mounting lowers a sine, -20 log10 |a_sensor / a_surface|, dB.
+
+    Positive where it isolates, negative where it magnifies. Exact for the continuous layers; see `transmission`.
+
+    Examples
+    --------
+    >>> rubber = Gasket(1100.0, 10e6, 1e-4, 2e-3, 0.3)
+    >>> insertion_loss(Mounting((rubber,), sensor_mass=5e-3), [1e3, 1e4, 1e5]).round(1)
+    array([-6.7, 29.1, 54. ])
+    """
+    with np.errstate(divide="ignore"):
+        return np.asarray(-20.0 * np.log10(np.abs(transmission(mounting, frequencies))))
+
+
+@functools.lru_cache(maxsize=32)
+def mounting_system(mounting: Mounting) -> LinearSystem:
+    """Return the mounting as a linear system from the surface's to the sensor's acceleration.
+
+    States are sqrt(mass) times each node's velocity against the surface and sqrt(stiffness) times each spring's
+    stretch, so that half their square sum is the energy, and A + A^T <= 0: the system is passive as built.
+
+    Raises
+    ------
+    ValueError
+        If the gaskets are so thick or soft that waves of 200 kHz need too many elements.
+    """
+    if mounting.direct:
+        return IDENTITY
+    masses, rows, decays = [0.0], [], []  # rows: (first node, factor of the velocities of the nodes from there)
+    if math.isfinite(mounting.edge_stiffness):
+        masses.append(0.0)
+        rows.append((0, math.sqrt(mounting.edge_stiffness) * np.array([-1.0, 1.0])))
+        decays.append(0.0)
+    for gasket in mounting.gaskets:
+        speed = math.sqrt(gasket.modulus / gasket.density)
+        count = math.ceil(ELEMENTS_PER_WAVE * RESOLVED * gasket.thickness / speed)
+        fit = mounting.loss(gasket)
+        springs = [(fit.stiffness, 0.0)] + [(branch.stiffness, 1.0 / branch.relaxation) for branch in fit.branches]
+        if len(masses) + len(rows) + 4 * count * (1 + len(springs)) > MOST_STATES:
+            raise ValueError(
+                f"a gasket of {gasket.thickness:g} m with a wave speed of {speed:g} m/s is too many wavelengths "
+                f"thick at {RESOLVED:g} Hz: take a thinner or stiffer one"
+            )
+        half = 0.5 * gasket.thickness / count
+        for _ in range(count):
+            start = len(masses) - 1
+            masses[-1] += gasket.density * gasket.area * half * _MASSES[0]
+            masses.extend(gasket.density * gasket.area * half * _MASSES[1:])
+            for slope, weight in zip(_SLOPES / half, _WEIGHTS * half * gasket.modulus * gasket.area, strict=True):
+                for share, decay in springs:
+                    rows.append((start, math.sqrt(share * weight) * slope))
+                    decays.append(decay)
+    masses[-1] += mounting.sensor_mass
+    stretch = np.zeros((len(rows), len(masses)))
+    for k, (start, factors) in enumerate(rows):
+        stretch[k, start : start + factors.size] = factors
+    root = np.sqrt(np.array(masses[1:]))  # the first node moves with the surface
+    G = stretch[:, 1:] / root
+    A = np.block([[np.zeros((root.size, root.size)), -G.T], [G, -np.diag(decays)]])
+    if mounting.edge_damping > 0.0:
+        A[0, 0] = -mounting.edge_damping / masses[1]
+    c = A[root.size - 1] / root[-1]  # acceleration against the surface plus that of the surface
+    b = np.concatenate([-root, np.zeros(len(rows))])
+    unit = float(np.linalg.norm(c))  # one unit for all states that keeps later systems on the same scale
+    return LinearSystem(A, b * unit, c / unit, 0.0)

@@ -1,0 +1,332 @@
+"""The tables of a case file as frozen models: which fields each has, and what each may be."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict
+
+from strikewave.errors import InputError, nearest
+from strikewave.quantities import (
+    Acceleration,
+    BlowCount,
+    Count,
+    Damping,
+    Duration,
+    FeedTime,
+    Force,
+    Frequency,
+    Inertia,
+    LayerSpeed,
+    Length,
+    Mass,
+    MaybeAcceleration,
+    MaybeArea,
+    MaybeBits,
+    MaybeDamping,
+    MaybeDensity,
+    MaybeForce,
+    MaybeFrequency,
+    MaybeGap,
+    MaybeLength,
+    MaybeLoss,
+    MaybeMass,
+    MaybeModulus,
+    MaybeOrder,
+    MaybePreload,
+    MaybeQuality,
+    MaybeSpeed,
+    MaybeSpringRate,
+    MaybeStep,
+    MaybeTime,
+    OutputStep,
+    Range,
+    Restitution,
+    Rotation,
+    RotationDrag,
+    RotationGain,
+    SampleCount,
+    Share,
+    Speed,
+    SpringRate,
+    Tolerance,
+    Torque,
+    Value,
+    ZeroShift,
+)
+
+
+class Table(BaseModel):
+    """What every table of a case is: frozen, without unknown keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Machine(Table):
+    """[machine]: a rotary machine."""
+
+    kind: Literal["rotary"]
+    speed: Rotation
+    strikers: Count
+    radius: Length
+    engagement: Length
+    inertia: Inertia
+    torque: Torque
+    speed_gain: RotationGain
+    drag: RotationDrag
+    brake: Torque
+
+
+class Striker(Table):
+    """[striker]: the impact component on its mount."""
+
+    mass: Mass
+    material: str
+    nose_radius: Length
+    contact_length: Length
+    mount_stiffness: SpringRate
+    mount_damping: Damping
+
+
+class FeedTable(Table):
+    """[feed]: the hydraulic feed."""
+
+    blows: BlowCount
+    wait: Duration
+    valve_delay: FeedTime
+    stroke: Length
+    stroke_time: FeedTime
+    arrival: Share
+    release_delay: FeedTime
+    retract_time: FeedTime
+
+
+class Object(Table):
+    """[object]: everything that moves when struck, and what holds it; gravity above 0 pushes it away.
+
+    The object is either a nose on a frame (mass, nose_mass, frame_stiffness, frame_damping), or a stack
+    (``assembly`` names the first layer of the part that carries the sensor).
+    """
+
+    mass: MaybeMass = None
+    nose_mass: MaybeMass = None
+    frame_stiffness: MaybeSpringRate = None
+    frame_damping: MaybeDamping = None
+    assembly: str = ""
+    material: str
+    spring: SpringRate
+    preload: Force
+    damper: Damping
+    stop_stiffness: SpringRate
+    stop_restitution: Restitution
+    gravity: Acceleration
+
+
+class ContactTable(Table):
+    """[contact]: law of the contact between nose and face."""
+
+    law: str = "palmgren"
+    damping: str = "exact"
+    restitution: Restitution
+    slowest_approach: Speed
+
+
+class Recorder(Table):
+    """[recorder]: triggered by the valve signal."""
+
+    sampling_rate: Frequency
+    delay: Duration
+    pre_trigger: Duration
+    memory: SampleCount
+
+    @property
+    def begin(self) -> float:
+        """Time of the first sample after the valve signal, s."""
+        return self.delay.si - self.pre_trigger.si
+
+
+def _word(raw: Any) -> Any:
+    """Check a name that stands in paths and heads of columns."""
+    if isinstance(raw, str) and re.fullmatch(r"\w[\w +-]{0,39}", raw) and not raw.isdigit():
+        return raw
+    raise InputError("", raw, "letters, digits, space, +, - and _, at most 40, not a number alone")
+
+
+Name = Annotated[str, BeforeValidator(_word)]
+
+
+class LayerTable(Table):
+    """[[stack.layer]]: loaded at its first face; material, or density and modulus; diameter, or area."""
+
+    name: Name
+    material: str = ""
+    density: MaybeDensity = None
+    modulus: MaybeModulus = None
+    length: Length
+    diameter: MaybeLength = None
+    area: MaybeArea = None
+    speed: LayerSpeed = Value(si=0.0, typed="0 m/s")
+
+
+class JointTable(Table):
+    """[[stack.joint]]: the joint behind the layer that ``after`` names; bonded where none is named.
+
+    A gasket has a thickness, an area (or diameter; else that of the thinner neighbour) and a material, or a
+    modulus and a loss factor that holds from ``band_low`` to ``band_high``.
+    """
+
+    after: Name
+    kind: Literal["bonded", "compliant", "gasket", "unilateral", "mass"]
+    stiffness: MaybeSpringRate = None
+    damping: MaybeDamping = None
+    gap: MaybeGap = None
+    preload: MaybePreload = None
+    mass: MaybeMass = None
+    material: str = ""
+    modulus: MaybeModulus = None
+    loss_factor: MaybeLoss = None
+    thickness: MaybeLength = None
+    diameter: MaybeLength = None
+    area: MaybeArea = None
+    band_low: Frequency = Value(si=1e3, typed="1 kHz")
+    band_high: Frequency = Value(si=1e5, typed="100 kHz")
+
+
+class EndTable(Table):
+    """[stack.end]: the far end; mass, stiffness or damping for the kinds that need one."""
+
+    kind: Literal["free", "matched", "rigid", "mass", "spring", "dashpot"] = "free"
+    mass: MaybeMass = None
+    stiffness: MaybeSpringRate = None
+    damping: MaybeDamping = None
+
+
+class StackTable(Table):
+    """[stack]: layers from the loaded face on, joints between them, and the far end."""
+
+    layer: tuple[LayerTable, ...] = ()
+    joint: tuple[JointTable, ...] = ()
+    end: EndTable = EndTable()
+
+
+class LoadTable(Table):
+    """[load]: a force pulse of a shape, a file (time and force, or speed of the face), or a contact.
+
+    A contact is the rigid [striker] that comes with ``speed`` under the law of [contact].
+    """
+
+    shape: Literal["half-sine", "sine-squared", "rectangle", "triangle", "trapezoid", "file", "contact"]
+    peak: MaybeForce = None
+    duration: MaybeTime = None
+    rise: MaybeTime = None
+    file: str = ""
+    speed: MaybeSpeed = None
+
+
+class TapTable(Table):
+    """[[tap]]: where a stack is watched; ``position`` is the fraction of the layer from its loaded side."""
+
+    name: Name
+    layer: str
+    position: Share = Value(si=0.5, typed=0.5)
+
+
+class GasketTable(Table):
+    """[[sensor.gasket]]: a layer under a buffered sensor, from the mounting surface up."""
+
+    material: str = ""
+    density: MaybeDensity = None
+    modulus: MaybeModulus = None
+    loss_factor: MaybeLoss = None
+    thickness: Length
+    diameter: MaybeLength = None
+    area: MaybeArea = None
+
+
+class SensorTable(Table):
+    """[[sensor]]: an accelerometer at a tap or at the rigid assembly, its mounting and its recorder.
+
+    ``model`` names one of the known accelerometers; resonance, quality and range overrule it. ``recorder`` is
+    "storage" (that of [recorder]), "oscilloscope", or "ideal"; sampling_rate, cutoff, order and bits overrule it.
+    """
+
+    name: Name
+    tap: str = ""
+    model: str = ""
+    resonance: MaybeFrequency = None
+    quality: MaybeQuality = None
+    range: MaybeAcceleration = None
+    zero_shift: ZeroShift = Value(si=0.0, typed="0 m/s^2")
+    mass: MaybeMass = None
+    gasket: tuple[GasketTable, ...] = ()
+    edge_stiffness: MaybeSpringRate = None
+    edge_damping: MaybeDamping = None
+    recorder: Literal["storage", "oscilloscope", "ideal"] = "ideal"
+    sampling_rate: MaybeFrequency = None
+    cutoff: MaybeFrequency = None
+    order: MaybeOrder = None
+    bits: MaybeBits = None
+
+
+class Solver(Table):
+    """[solver]: how exactly to compute, and how densely to keep the whole train.
+
+    ``duration`` is that of a bar alone, ``step`` the time step of its waves (chosen where left out), and
+    ``bandwidth`` that at which total and wave acceleration are stated (chosen where left out).
+    """
+
+    tolerance: Tolerance = Value(si=1e-9, typed=1e-9)
+    output_step: OutputStep = Value(si=1e-5, typed="10 us")
+    duration: MaybeTime = None
+    step: MaybeStep = None
+    bandwidth: MaybeFrequency = None
+
+
+PUBLISHED_QUANTITIES = {
+    "first.rigid_peak": "m/s^2",
+    "first.total_peak": "m/s^2",
+    "first.wave_peak": "m/s^2",
+    "first.sensor_peak": "m/s^2",
+    "first.sensor_width": "s",
+    "first.width": "s",
+    "first.peak_force": "N",
+    "typical.rigid_peak": "m/s^2",
+    "typical.width": "s",
+    "count": "",
+    "window": "s",
+}
+"""What a published number can be set beside: its name and SI unit."""
+
+
+class Published(Table):
+    """[[published]]: a number to set beside the result; ``sensor`` names the one it was read from."""
+
+    quantity: str
+    sensor: str = ""
+    value: Value
+    origin: Literal["measured", "simulated"]
+    role: Literal["fitted", "predicted", "shown"]
+    note: str = ""
+
+
+def read_published(raw: Any) -> Any:
+    """Read a published number in the unit of the quantity it names."""
+    if not isinstance(raw, Mapping) or "quantity" not in raw or "value" not in raw:
+        return raw
+    quantity, value = raw["quantity"], raw["value"]
+    if not isinstance(quantity, str) or quantity not in PUBLISHED_QUANTITIES:
+        raise InputError("quantity", quantity, "a computed quantity", nearest(str(quantity), PUBLISHED_QUANTITIES))
+    unit = PUBLISHED_QUANTITIES[quantity]
+    if isinstance(value, Value):
+        return raw
+    read = Range(unit, 0.0, open_low=True).read(value)
+    return {**raw, "value": read.model_copy(update={"provenance": "published"})}
+
+
+def case_name(raw: Any) -> Any:
+    """Check the name of a case: it names a folder."""
+    if isinstance(raw, str) and not re.fullmatch(r"[\w][\w .+-]{0,79}|", raw):
+        raise InputError("", raw, "letters, digits, space, dot, +, - and _, at most 80", "the name becomes a folder's")
+    return raw

@@ -1,0 +1,181 @@
+"""Where one-dimensional wave theory ends, and what joints and sensors could not do: notices for runs and bars.
+
+With t the rise time that is left at the stated bandwidth B, t^2 = (rise of the load)^2 + (0.35/B)^2, c the bar
+speed and d the diameter: below t c/d = 2 no peak acceleration is quoted, since the front disperses over lengths
+of the diameter; from 2 to 5 it comes with a warning.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.spans import StackSpan
+from strikewave.readings import BlowReading, Channel
+from strikewave.signal.pulse import measure_pulse
+from strikewave.solution import Notice
+from strikewave.units import STANDARD_GRAVITY
+from strikewave.waves import Layer, Stack
+
+Array = NDArray[np.float64]
+
+REFUSED, WARNED = 2.0, 5.0
+"""Rise time in diameters of travel below which a peak acceleration is refused, and warned of."""
+RISE_OF_BANDWIDTH = 0.35
+"""Rise time (10-90 %) times -3 dB bandwidth of a low-pass."""
+TENSION_SHARE = 0.01
+"""Tension in a joint below this share of the largest force is not worth a word."""
+HEAVY_SENSOR = 0.02
+"""Share of the assembly's mass above which a buffered sensor loads back what it sits on."""
+
+
+def honest_bandwidth(stack: Stack) -> float:
+    """Return the largest bandwidth at which peak accelerations need no warning, whatever the load, Hz.
+
+    B = 0.35 c / (5 d), the smallest of all layers.
+
+    Examples
+    --------
+    >>> from strikewave.waves import Layer
+    >>> round(honest_bandwidth(Stack((Layer("bar", 7820.0, 211e9, 7.0686e-4, 0.07),))))
+    12120
+    """
+    return min(RISE_OF_BANDWIDTH * layer.bar_speed / (WARNED * layer.diameter) for layer in stack.layers)
+
+
+def rise_in_diameters(stack: Stack, rise: float, bandwidth: float) -> tuple[float, Layer]:
+    """Return the smallest t c/d of all layers, and that layer."""
+    left = math.hypot(rise, RISE_OF_BANDWIDTH / bandwidth)
+    layer = min(stack.layers, key=lambda x: x.bar_speed / x.diameter)
+    return left * layer.bar_speed / layer.diameter, layer
+
+
+def rise_notices(stack: Stack, rise: float, bandwidth: float, peak: float | None = None) -> Iterator[Notice]:
+    """Yield what the rise of the load means for peak accelerations; ``peak`` is the one that may not be quoted."""
+    ratio, layer = rise_in_diameters(stack, rise, bandwidth)
+    at = "" if math.isinf(bandwidth) else f" at {bandwidth / 1e3:.3g} kHz"
+    what = f"a rise of {rise * 1e6:.3g} us{at} is {ratio:.2g} diameters of travel in {layer.name}"
+    if ratio < REFUSED:
+        shown = "" if peak is None else f" (one-dimensional theory would say {peak / STANDARD_GRAVITY:.4g} g)"
+        message = f"{what}: no peak acceleration is quoted below {REFUSED:g}{shown}; state it at a lower bandwidth"
+        yield Notice("rise-too-steep", message, ratio, REFUSED)
+    elif ratio < WARNED:
+        message = f"{what}: below {WARNED:g} the front disperses; trust peak accelerations to some 10 % at best"
+        yield Notice("rise-steep", message, ratio, WARNED)
+
+
+def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
+    """Yield layers shorter than thick, and layers whose stress passes yield.
+
+    ``largest_force`` is the largest magnitude of the force in each layer, N.
+    """
+    short = [layer for layer in stack.layers if layer.length < layer.diameter]
+    if short:
+        names = ", ".join(layer.name for layer in short)
+        worst = min(short, key=lambda x: x.length / x.diameter)
+        message = (
+            f"shorter than thick: {names}; one-dimensional theory knows neither their end effects nor their radial "
+            "motion"
+        )
+        yield Notice("short-layer", message, worst.length / worst.diameter, 1.0)
+    for layer, force in zip(stack.layers, largest_force, strict=True):
+        strength, stress = layer.yield_strength, force / layer.area
+        if strength is not None and stress > strength:
+            speed = strength * layer.area / layer.impedance
+            message = (
+                f"the stress in {layer.name} reaches {stress / 1e6:.4g} MPa, beyond its yield strength of "
+                f"{strength / 1e6:.4g} MPa (a wave of {speed:.3g} m/s): elastic waves no longer hold"
+            )
+            yield Notice("stress-yield", message, stress, strength)
+
+
+def joint_notices(stack: Stack, least_force: Array, greatest_force: Array) -> Iterator[Notice]:
+    """Yield joints that opened, closed their gap, or carry tension though bonded.
+
+    ``least_force`` and ``greatest_force`` are those at each joint, N.
+    """
+    most = float(np.max(np.abs([least_force, greatest_force]), initial=0.0))
+    for k, joint in enumerate(stack.joints):
+        where = f"between {stack.layers[k].name} and {stack.layers[k + 1].name}"
+        least, greatest = float(least_force[k]), float(greatest_force[k])
+        if joint.unilateral and joint.gap > 0.0:
+            closed = greatest > 0.0
+            said = "closes" if closed else "stays open and transmits nothing"
+            message = f"the gap of {joint.gap * 1e6:.3g} um {where} {said}"
+            yield Notice("joint-gap", message, greatest, 0.0)
+        elif joint.unilateral and least <= -joint.preload * (1.0 - 1e-9):
+            if joint.preload > 0.0 or least < TENSION_SHARE * most:
+                message = f"the joint {where} opens: tension reaches its preload of {joint.preload:.4g} N"
+                yield Notice("joint-opened", message, least, -joint.preload)
+        elif not joint.unilateral and least < -TENSION_SHARE * most:
+            message = (
+                f"the joint {where} carries a tension of {-least / 1e3:.3g} kN: true only if it is glued, welded or "
+                "bolted hard enough; else make it unilateral"
+            )
+            yield Notice("joint-tension", message, -least, TENSION_SHARE * most)
+
+
+def end_notices(stack: Stack, duration: float) -> Iterator[Notice]:
+    """Yield a matched end whose true echo would be back while the load lasts."""
+    echo = 2.0 * stack.layers[-1].transit
+    if stack.end.kind == "matched" and echo < duration:
+        message = (
+            f"the end is matched, as if {stack.layers[-1].name} were endless; at its length the echo would be back "
+            f"after {echo * 1e6:.3g} us, within the load of {duration * 1e6:.3g} us"
+        )
+        yield Notice("matched-end", message, echo, duration)
+
+
+def field_extremes(stack: Stack, position: Array, force: Array) -> tuple[Array, Array, Array]:
+    """Return largest magnitude of force in each layer, and least and greatest force at each joint, from a field."""
+    ends = np.cumsum([layer.length for layer in stack.layers])
+    which = np.minimum(np.searchsorted(ends * (1.0 + 1e-12), position), len(stack.layers) - 1)
+    largest = np.array([np.abs(force[:, which == k]).max(initial=0.0) for k in range(len(stack.layers))])
+    joints = [int(np.argmin(np.abs(position - end))) for end in ends[:-1]]
+    return largest, force[:, joints].min(axis=0, initial=np.inf), force[:, joints].max(axis=0, initial=-np.inf)
+
+
+def wave_notices(run: RotaryRun, readings: Sequence[BlowReading | None], bandwidth: float) -> tuple[Notice, ...]:
+    """Return the notices of the waves in the first blow on a stack."""
+    span = next((span for span in run.spans if isinstance(span, StackSpan)), None)
+    if span is None or run.machine.layered is None:
+        return ()
+    stack = run.machine.layered.stack
+    first = next(reading for reading in readings if reading is not None)
+    _, force = span.field()
+    largest, least, greatest = field_extremes(stack, span.field_position, force)
+    return (
+        *rise_notices(stack, contact_rise(span), bandwidth, first.total_peak),
+        *layer_notices(stack, largest),
+        *joint_notices(stack, least, greatest),
+    )
+
+
+def contact_rise(span: StackSpan) -> float:
+    """Return the rise of the contact force of a blow from 10 to 90 % of its peak, s."""
+    force = np.concatenate([[0.0], span.history[:, 0]])
+    return measure_pulse(force, span.step).rise
+
+
+def channel_notices(
+    channels: Sequence[Channel], readings: Sequence[BlowReading | None], assembly_mass: float
+) -> tuple[Notice, ...]:
+    """Return what clipped, and which sensor is too heavy for what it sits on."""
+    found = []
+    for channel in channels:
+        name = channel.sensor.name
+        struck = [reading for reading in readings if reading is not None]
+        clipped = [reading for reading in struck if reading.sensors[name].clipped]
+        if clipped:
+            limit = channel.sensor.range
+            message = f"sensor {name} clips in {len(clipped)} of {len(struck)} blows: take a larger range"
+            found.append(Notice("sensor-clipped", message, float(len(clipped)), 0.0 if math.isinf(limit) else limit))
+        share = channel.sensor.mounting.sensor_mass / assembly_mass
+        if share > HEAVY_SENSOR:
+            message = f"sensor {name} weighs {share:.1%} of the assembly: its buffer would load the assembly back"
+            found.append(Notice("heavy-sensor", message, share, HEAVY_SENSOR))
+    return tuple(found)

@@ -1,0 +1,237 @@
+"""Buffers: closed forms of layers and masses, and time against frequency domain."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from strikewave.sensors import Gasket, Mounting, Sensor, insertion_loss, output, transmission
+from strikewave.sensors.mounting import mounting_system
+from strikewave.waves.loss import fit_loss
+
+RUBBER = Gasket(1100.0, 10e6, 1e-4, 2e-3, 0.3)
+PTFE = Gasket(2200.0, 0.5e9, 1e-4, 1e-3, 0.08)
+ALUMINIUM = Gasket(2780.0, 72e9, 1e-4, 1e-3, 0.001)
+BUFFERS = {
+    "rubber": Mounting((RUBBER,), 5e-3),
+    "layers of different impedance": Mounting((PTFE, ALUMINIUM, PTFE), 5e-3),
+    "edge contact below": Mounting((PTFE, ALUMINIUM), 2e-3, 2e7, 30.0),
+    "no mass": Mounting((RUBBER,)),
+}
+
+
+def test_nothing_between_reads_the_surface_exactly(rng):
+    surface = rng.normal(size=5000) * 1e5
+    assert np.array_equal(output(Sensor(), surface, 1e-7), surface)
+    # without mass nothing moves on the edge contact
+    assert np.array_equal(output(Sensor(mounting=Mounting((), 0.0, 1e6, 3.0)), surface, 1e-7), surface)
+    assert np.array_equal(insertion_loss(Mounting(), [0.0, 1e3, 1e6]), [0.0, 0.0, 0.0])
+
+
+@given(st.floats(1e3, 1e5), st.floats(0.0, 3.0))
+def test_mass_on_an_edge_contact_has_the_transmissibility_of_the_textbook(natural, zeta):
+    # |T|^2 = (1 + (2 zeta r)^2) / ((1 - r^2)^2 + (2 zeta r)^2), r = f/f0
+    m, w = 5e-3, 2.0 * math.pi * natural
+    mounting = Mounting((), m, m * w**2, 2.0 * zeta * m * w)
+    f = np.geomspace(1e2, 1e6, 60)
+    r = f / natural
+    expected = np.sqrt((1 + (2 * zeta * r) ** 2) / ((1 - r**2) ** 2 + (2 * zeta * r) ** 2))
+    assert np.allclose(np.abs(transmission(mounting, f)), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("zeta", [0.01, 0.3, 1.0])
+@pytest.mark.parametrize("step", [1e-7, 1.3e-4])
+def test_mass_on_an_edge_contact_answers_a_step_in_closed_form(zeta, step):
+    # 1 - e^(-zeta w t) (cos wd t - (zeta w / wd) sin wd t): the damper lifts the mass at once
+    m, w = 5e-3, 2.0 * math.pi * 2e4
+    sensor = Sensor(mounting=Mounting((), m, m * w**2, 2.0 * zeta * m * w))
+    t = np.arange(2000) * step
+    got = output(sensor, np.ones(t.size), step)
+    if zeta < 1.0:
+        wd = w * math.sqrt(1.0 - zeta**2)
+        expected = 1.0 - np.exp(-zeta * w * t) * (np.cos(wd * t) - zeta * w / wd * np.sin(wd * t))
+    else:
+        expected = 1.0 - np.exp(-w * t) * (1.0 - w * t)
+    assert np.allclose(got, expected, atol=1e-9)
+
+
+@given(st.floats(0.05, 0.95))
+def test_layer_with_a_free_face(share):
+    # 1 / cos(k h): without bound where the layer is a quarter of a wave thick
+    quarter = RUBBER_SPEED / (4.0 * RUBBER.thickness)
+    got = transmission(Mounting((LOSSLESS,)), share * quarter)
+    assert got.real == pytest.approx(1.0 / math.cos(0.5 * math.pi * share), rel=1e-10)
+    assert got.imag == 0.0
+
+
+LOSSLESS = Gasket(1100.0, 10e6, 1e-4, 2e-3)
+RUBBER_SPEED = math.sqrt(10e6 / 1100.0)
+
+
+def test_quarter_wave_layer_magnifies_most():
+    quarter = RUBBER_SPEED / (4.0 * RUBBER.thickness)
+    assert insertion_loss(Mounting((LOSSLESS,)), quarter) < -200.0
+
+
+@given(st.floats(0.0, 20e-3), st.floats(1e3, 2e5))
+def test_layer_with_a_mass(mass, f):
+    # 1 / (cos k h - (m/m_layer) k h sin k h), from the boundary condition E A u' = m w^2 u
+    kh = 2.0 * math.pi * f * RUBBER.thickness / RUBBER_SPEED
+    expected = 1.0 / (math.cos(kh) - mass / LOSSLESS.mass * kh * math.sin(kh))
+    # near a resonance the difference of the two terms is small and loses digits
+    assert transmission(Mounting((LOSSLESS,), mass), f) == pytest.approx(
+        expected, rel=1e-10 * (1 + abs(expected) * kh * (1 + mass / LOSSLESS.mass))
+    )
+
+
+@pytest.mark.parametrize("eta", [0.05, 0.3, 0.8])
+def test_insertion_loss_of_a_mass_on_a_lossy_spring(eta):
+    # a gasket almost without mass is a spring K (1 + i eta); |T|^2 = (1 + eta^2) / ((1 - r^2)^2 + eta^2)
+    m, stiffness = 5e-3, 1e7
+    fit = fit_loss(1.0, eta, 1e3, 1e5)
+    spring = Gasket(1e-6, stiffness * 1e-3 / 1e-4, 1e-4, 1e-3, eta)
+    f = 1e4  # the geometric mean, where the storage stiffness is the one asked for
+    wt = 2.0 * math.pi * f * np.array([b.relaxation for b in fit.branches])
+    got_eta = float(np.sum(np.array([b.stiffness for b in fit.branches]) * wt / (1 + wt**2)))
+    assert got_eta == pytest.approx(eta, rel=0.05)
+    r2 = m * (2.0 * math.pi * f) ** 2 / stiffness
+    expected = -10.0 * math.log10((1 + got_eta**2) / ((1 - r2) ** 2 + got_eta**2))
+    # the gasket's mass is 2e-11 of the sensor's
+    assert insertion_loss(Mounting((spring,), m), f) == pytest.approx(expected, abs=1e-8)
+
+
+@pytest.mark.parametrize("mounting", BUFFERS.values(), ids=BUFFERS)
+def test_cutting_a_gasket_in_two_changes_nothing(mounting):
+    half = tuple(
+        Gasket(g.density, g.modulus, g.area, g.thickness / 2, g.loss_factor) for g in mounting.gaskets for _ in "ab"
+    )
+    halved = Mounting(half, mounting.sensor_mass, mounting.edge_stiffness, mounting.edge_damping)
+    f = np.geomspace(1e2, 1e6, 200)
+    assert np.allclose(transmission(mounting, f), transmission(halved, f), rtol=1e-9)
+
+
+@pytest.mark.parametrize("mounting", BUFFERS.values(), ids=BUFFERS)
+@pytest.mark.parametrize("f", [1e3, 3.3e3, 1e4, 33e3, 1e5])
+def test_sine_in_time_agrees_with_the_insertion_loss(mounting, f):
+    # elements leave 2e-5 dB in these buffers below 100 kHz; chords lower a sine by sinc(f h)^2 and add overtones beyond 399 f
+    step, settled = 1.0 / (400.0 * f), 12e-3
+    periods = math.ceil(settled * f) + 4
+    t = np.arange(400 * periods + 1) * step
+    answer = output(Sensor(mounting=mounting), np.sin(2.0 * np.pi * f * t), step)
+    last = slice(-1600, None)  # four whole periods
+    got = 2.0 * np.mean(answer[last] * np.exp(-2j * np.pi * f * t[last])) * 1j
+    got /= np.sinc(f * step) ** 2
+    assert -20.0 * math.log10(abs(got)) == pytest.approx(float(insertion_loss(mounting, f)), abs=2e-5)
+    assert abs(got / transmission(mounting, f) - 1.0) < 3e-6
+
+
+@pytest.mark.parametrize("mounting", BUFFERS.values(), ids=BUFFERS)
+def test_pulse_in_time_is_the_fourier_sum_of_the_continuous_layers(mounting):
+    # a Gaussian pulse of 16 kHz bandwidth, long enough for the buffer to come to rest; no shared step
+    step, size = 5e-7, 2**16
+    t = np.arange(size) * step
+    pulse = np.exp(-0.5 * ((t - 200e-6) / 10e-6) ** 2)
+    got = output(Sensor(mounting=mounting), pulse, step)
+    f = np.fft.rfftfreq(size, step)
+    expected = np.fft.irfft(np.fft.rfft(pulse) * np.sinc(f * step) ** 2 * transmission(mounting, f), size)
+    # the spectrum of the chords is that of the samples times sinc(f h)^2; the pulse holds nothing beyond 100 kHz
+    assert np.max(np.abs(got - expected)) < 1e-9 * np.max(np.abs(expected))
+
+
+def test_light_gasket_under_a_mass_is_the_maxwell_spring_of_the_integrator():
+    # the step of 1 us is thousands of the gasket's own periods, whose mass is 1e-8 of the sensor's
+    m, K, eta = 5e-3, 1e7, 0.3
+    fit = fit_loss(K, eta, 1e3, 1e5)
+    gasket = Gasket(5e-4, K * 1e-3 / 1e-4, 1e-4, 1e-3, eta)
+    shares = np.array([b.stiffness for b in fit.branches])
+    tau = np.array([b.relaxation for b in fit.branches])
+    step, size, width = 1e-6, 301, 100
+
+    def surface(t):  # a triangle, linear between samples
+        return max(0.0, 1.0 - abs(t / step - width) / width)
+
+    def rates(t, y):  # stretch, its rate, and the branches' forces
+        z, speed, branch = y[0], y[1], y[2:]
+        pull = fit.stiffness * z + np.sum(branch)
+        return np.concatenate([[speed, -pull / m - surface(t)], shares * speed - branch / tau])
+
+    y, expected = np.zeros(2 + tau.size), []
+    for a, b in [(0, width), (width, 2 * width), (2 * width, size - 1)]:
+        times = np.arange(a, b + 1) * step
+        solved = solve_ivp(rates, (times[0], times[-1]), y, method="DOP853", rtol=1e-11, atol=1e-16, t_eval=times)
+        y = solved.y[:, -1]
+        expected.extend(-(fit.stiffness * solved.y[0] + solved.y[2:].sum(axis=0))[(0 if a == 0 else 1) :] / m)
+    got = output(Sensor(mounting=Mounting((gasket,), m)), [surface(k * step) for k in range(size)], step)
+    assert np.allclose(got, expected, atol=2e-7)
+
+
+gaskets = st.builds(
+    Gasket,
+    st.floats(500.0, 8000.0),
+    st.floats(5e7, 2e11),
+    st.floats(1e-5, 1e-3),
+    st.floats(1e-4, 2e-3),
+    st.sampled_from([0.0, 0.01, 0.3, 0.8]),
+)
+
+
+@given(st.lists(gaskets, min_size=1, max_size=4), st.floats(0.0, 0.02), st.sampled_from([math.inf, 1e6, 1e9]))
+def test_every_buffer_is_passive(layers, mass, edge):
+    A = mounting_system(Mounting(tuple(layers), mass, edge)).A
+    assert np.max(np.linalg.eigvalsh(A + A.T)) <= 1e-12 * np.max(np.abs(A))
+
+
+@given(st.floats(-1e3, 1e3), st.integers(0, 20))
+def test_linear(scale, seed):
+    rng = np.random.default_rng(seed)
+    one, other = rng.normal(size=(2, 300))
+    sensor = Sensor(mounting=BUFFERS["edge contact below"], resonance=80e3)
+    both = output(sensor, one + scale * other, 1e-6)
+    assert np.allclose(
+        both, output(sensor, one, 1e-6) + scale * output(sensor, other, 1e-6), atol=1e-10 * (1 + abs(scale))
+    )
+
+
+@pytest.mark.parametrize("mounting", BUFFERS.values(), ids=BUFFERS)
+def test_slow_motion_passes_as_it_is(mounting):
+    # what is left at 1 Hz is (f/f0)^2 of the softest resonance near 1.5 kHz
+    assert abs(transmission(mounting, 1.0) - 1.0) < 2e-6
+    assert transmission(mounting, 0.0) == 1.0
+    assert output(Sensor(mounting=mounting), np.ones(40001), 1e-6)[-1] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_hundred_thousand_samples_take_less_than_a_tenth_of_a_second():
+    sensor = Sensor(mounting=Mounting((RUBBER, ALUMINIUM, RUBBER), 5e-3), resonance=350e3)
+    history = np.sin(np.arange(100_000) / 50.0)
+    output(sensor, history, 2e-7)
+    times = []
+    for _ in range(5):
+        begin = time.perf_counter()
+        output(sensor, history, 2e-7)
+        times.append(time.perf_counter() - begin)
+    assert min(times) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("make", "word"),
+    [
+        (lambda: Gasket(0.0, 1e9, 1e-4, 1e-3), "density"),
+        (lambda: Gasket(1e3, 1e9, 1e-4, math.inf), "thickness"),
+        (lambda: Gasket(1e3, 1e9, 1e-4, 1e-3, -0.1), "loss factor"),
+        (lambda: Mounting(sensor_mass=-1.0), "sensor mass"),
+        (lambda: Mounting(edge_stiffness=0.0), "edge contact"),
+        (lambda: Mounting(edge_stiffness=1e6, edge_damping=-1.0), "damping"),
+        (lambda: Mounting(edge_damping=1.0), "infinite stiffness"),
+        (lambda: Mounting((Gasket(1e3, 1e7, 1e-4, 1e-3, 4.0),), band=(1e2, 1e6)), "narrower band"),
+        (lambda: Mounting((RUBBER,), band=(1e5, 1e3)), "band"),
+        (lambda: transmission(Mounting(), [-1.0]), "frequencies"),
+        (lambda: mounting_system(Mounting((Gasket(1e3, 1e6, 1e-4, 0.05, 0.3),))), "thinner or stiffer"),
+    ],
+)
+def test_bad_values_are_refused_in_words(make, word):
+    with pytest.raises(ValueError, match=word):
+        make()

@@ -1,0 +1,119 @@
+"""Butterworth filters against their transfer function in closed form, and pulses that start from rest."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from strikewave.signal.filters import low_pass, zero_phase
+
+STEP = 1e-6
+
+
+def warped(f, cutoff):
+    return np.tan(np.pi * f * STEP) / np.tan(np.pi * cutoff * STEP)
+
+
+@pytest.mark.parametrize("order", [1, 2, 4, 7])
+@pytest.mark.parametrize("cutoff", [8e3, 100e3, 450e3])
+def test_causal_filter_has_the_butterworth_magnitude(order, cutoff):
+    size = 16384
+    impulse = np.zeros(size)
+    impulse[0] = 1.0
+    H = np.abs(np.fft.rfft(low_pass(impulse, STEP, cutoff, order)))
+    f = np.fft.rfftfreq(size, STEP)[:-1]
+    # the response has died within the window; what is left is round-off
+    assert np.allclose(H[:-1] ** 2, 1.0 / (1.0 + warped(f, cutoff) ** (2 * order)), atol=1e-10)
+
+
+@pytest.mark.parametrize("order", [1, 2, 4, 7])
+@pytest.mark.parametrize("cutoff", [8e3, 100e3, 450e3])
+def test_both_passes_together_have_the_cutoff_asked_for_and_no_phase(order, cutoff):
+    size = 16384
+    impulse = np.zeros(size)
+    impulse[size // 2] = 1.0
+    H = np.fft.rfft(np.roll(zero_phase(impulse, STEP, cutoff, order), -size // 2))
+    f = np.fft.rfftfreq(size, STEP)[:-1]
+    expected = 1.0 / (1.0 + (math.sqrt(2.0) - 1.0) * warped(f, cutoff) ** (2 * order))
+    assert np.allclose(H[:-1].real, expected, atol=1e-10)
+    assert np.allclose(H.imag, 0.0, atol=1e-10)
+    assert np.interp(cutoff, f, H[:-1].real) == pytest.approx(math.sqrt(0.5), abs=2e-4)  # between frequencies
+
+
+def test_peak_of_a_half_sine_is_that_of_its_fourier_integral():
+    # 10 kHz, two poles forward and back, a half-sine of 100 us: 4.9 % lower
+    T, cutoff, order, step = 100e-6, 10e3, 2, 1e-7
+
+    def spectrum(f):  # of cos(pi t/T) over |t| < T/2
+        return 0.5 * T * (np.sinc(f * T - 0.5) + np.sinc(f * T + 0.5))
+
+    def integrand(f):
+        return 2.0 * spectrum(f) / (1.0 + (math.sqrt(2.0) - 1.0) * (f / cutoff) ** (2 * order))
+
+    expected = quad(integrand, 0.0, 1e6, epsrel=1e-10, limit=1000)[0]  # beyond, less than 1e-12 is left
+    t = (np.arange(10001) - 5000) * step
+    filtered = zero_phase(np.where(np.abs(t) < T / 2, np.cos(np.pi * t / T), 0.0), step, cutoff, order)
+    # the bilinear transform bends the slope by (pi f dt)^2/3, 3e-6 at the cutoff
+    assert filtered[5000] == pytest.approx(expected, rel=2e-6)
+    assert 1.0 - filtered[5000] == pytest.approx(0.049, abs=5e-4)
+
+
+@given(st.sampled_from([1, 2, 4]), st.floats(2e3, 400e3))
+def test_pulse_from_rest_at_the_first_sample_stays_right(order, cutoff):
+    pulse = np.sin(np.linspace(0.0, np.pi, 101))
+    pulse[-1] = 0.0
+    within = np.concatenate([np.zeros(8000), pulse, np.zeros(8000)])
+    alone = zero_phase(pulse, STEP, cutoff, order)
+    # padding lasts until the response has fallen to 1e-13; order 1 near 2 kHz leaves the most behind the window
+    assert np.allclose(alone, zero_phase(within, STEP, cutoff, order)[8000:8101], atol=1e-11)
+
+
+def test_constants_and_mirrored_histories_stay(rng):
+    assert np.allclose(zero_phase(np.full(50, 3.0), STEP, 20e3), 3.0, rtol=1e-10)
+    history = rng.normal(size=300)
+    forward, back = zero_phase(history, STEP, 50e3), zero_phase(history[::-1], STEP, 50e3)[::-1]
+    inner = slice(150, 151)  # far from the ends, where the order of the passes is forgotten
+    assert np.allclose(forward[inner], back[inner], atol=1e-9)
+
+
+def test_causal_filter_knows_no_future_and_starts_from_rest():
+    history = np.ones(200)
+    later = history.copy()
+    later[120:] = 5.0
+    one, other = low_pass(history, STEP, 30e3), low_pass(later, STEP, 30e3)
+    assert np.array_equal(one[:120], other[:120])
+    assert 0.0 < one[0] < 0.01
+
+
+@given(scale=st.floats(-1e6, 1e6), shift=st.integers(1, 50))
+def test_linear_and_along_any_axis(scale, shift):
+    one = np.sin(np.arange(200) / 7.0)
+    two = np.roll(one, shift)
+    together = np.stack([one, scale * two], axis=1)
+    for run in (low_pass, zero_phase):
+        answer = run(together, STEP, 40e3, axis=0)
+        assert answer.shape == (200, 2)
+        assert np.allclose(answer[:, 0], run(one, STEP, 40e3), atol=1e-14)
+        assert np.allclose(answer[:, 1], scale * run(two, STEP, 40e3), rtol=1e-9, atol=1e-12 * max(1.0, abs(scale)))
+
+
+@pytest.mark.parametrize("run", [low_pass, zero_phase])
+@pytest.mark.parametrize(
+    ("values", "step", "cutoff", "order", "word"),
+    [
+        ([1.0, 2.0], STEP, 500e3, 4, "half the sampling rate, 500000 Hz"),
+        ([1.0, 2.0], STEP, 0.0, 4, "above zero"),
+        ([1.0, 2.0], STEP, math.nan, 4, "cutoff"),
+        ([1.0, 2.0], 0.0, 1e3, 4, "step"),
+        ([1.0, 2.0], STEP, 1e3, 0, "order"),
+        ([1.0, 2.0], STEP, 1e3, 2.5, "order"),
+        ([1.0, math.nan], STEP, 1e3, 4, "finite"),
+        ([], STEP, 1e3, 4, "samples"),
+    ],
+)
+def test_bad_values_are_refused_in_words(run, values, step, cutoff, order, word):
+    with pytest.raises(ValueError, match=word):
+        run(values, step, cutoff, order)
