@@ -13,7 +13,7 @@ from strikewave.machines import Blow
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window
 from strikewave.machines.rotary import RotaryRun
 from strikewave.machines.spans import StackSpan
-from strikewave.readings import BlowHistory, Channel
+from strikewave.readings import BlowHistory, Channel, Observed
 from strikewave.solution import BLOW_UNITS
 
 if TYPE_CHECKING:
@@ -28,30 +28,11 @@ def quantity(dimension: Any, values: Any, unit: str, name: str) -> tuple[Any, An
     return dimension, values, {"units": unit, "long_name": name}
 
 
-def build_dataset(
-    case: Case,
-    run: RotaryRun,
-    found: Sequence[Blow],
-    histories: Sequence[BlowHistory | None],
-    channels: Sequence[Channel],
-    taps: Sequence[str],
-    bandwidth: float,
-) -> xarray.Dataset:
-    """Sample a run into a dataset.
-
-    Parameters
-    ----------
-    histories : sequence of BlowHistory or None
-        One a blow; None where it missed.
-    channels : sequence of Channel
-        The sensors.
-    taps : sequence of str
-        Names of the taps.
-    bandwidth : float
-        Of total acceleration, Hz.
-    """
+def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
+    """Sample a run and what was seen of it into a dataset."""
     import xarray
 
+    run, found = seen.run, seen.blows
     time = np.arange(0.0, run.end, case.solver.output_step.si)
     train = run.sample(time)
     pulse_time = np.arange(-round(WINDOW_BEFORE / PULSE_STEP), round(WINDOW_AFTER / PULSE_STEP) + 1) * PULSE_STEP
@@ -93,10 +74,10 @@ def build_dataset(
         "record_time": quantity("record_time", record_time, "s", "time after the valve signal"),
         "blow": ("blow", np.array([b.index for b in found], dtype=np.int64)),
     }
-    if taps and run.machine.layered is not None:
-        variables |= _tap_variables(histories, len(taps), pulse_time, bandwidth)
-        coordinates["tap"] = ("tap", np.array(list(taps), dtype=object))
-    variables |= _reading_variables(histories, channels)
+    if seen.taps:
+        variables |= _tap_variables(seen.histories, len(seen.taps), pulse_time, seen.bandwidth)
+        coordinates["tap"] = ("tap", np.array(seen.taps, dtype=object))
+    variables |= _reading_variables(seen.histories, seen.channels)
     variables |= _field_variables(run)
     return xarray.Dataset(variables, coordinates)
 

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow
-from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.rotary import RotaryMachine, RotaryRun
 from strikewave.machines.spans import StackSpan
 from strikewave.sensors import Reading, Recorder, Sensor, read
 from strikewave.signal.filters import zero_phase
-from strikewave.signal.pulse import measure_pulse
+from strikewave.signal.pulse import measure_pulse, refine_peak
 
 Array = NDArray[np.float64]
 
@@ -81,14 +81,15 @@ class BlowHistory(NamedTuple):
 
 
 def largest(values: Array) -> float:
-    """Return the value of largest magnitude, with its sign.
+    """Return the value of largest magnitude, with its sign, between samples by a parabola.
 
     Examples
     --------
-    >>> largest(np.array([1.0, -3.0, 2.0]))
-    -3.0
+    >>> largest(np.array([1.0, -3.0, 2.0, -3.0, -4.0, -3.0]))
+    -4.0
     """
-    return float(values[int(np.argmax(np.abs(values)))])
+    sign = 1.0 if values.max() >= -values.min() else -1.0
+    return sign * refine_peak(sign * values, int(np.argmax(sign * values)))[1]
 
 
 def blow_history(
@@ -153,3 +154,20 @@ def blow_reading(history: BlowHistory, channels: Sequence[Channel], bandwidth: f
     if not len(history.total):
         return BlowReading(None, None, None, sensors)
     return BlowReading(largest(history.total[0]), largest(history.total[0] - history.rigid), bandwidth, sensors)
+
+
+class Observed(NamedTuple):
+    """A run and all that was seen of it: blows, channels, names of taps, bandwidth; histories and readings a blow."""
+
+    run: RotaryRun
+    blows: tuple[Blow, ...]
+    channels: tuple[Channel, ...]
+    taps: tuple[str, ...]
+    bandwidth: float
+    histories: tuple[BlowHistory | None, ...]
+    readings: tuple[BlowReading | None, ...]
+
+    @property
+    def machine(self) -> RotaryMachine:
+        """What ran."""
+        return self.run.machine

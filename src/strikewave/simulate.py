@@ -15,7 +15,7 @@ from strikewave.dataset import build_dataset
 from strikewave.machines import Blow, RotaryMachine, blows, run_rotary
 from strikewave.machines.spans import StackSpan
 from strikewave.notices import ledger_notices, notices
-from strikewave.readings import BlowReading, blow_history, blow_reading, without_peaks
+from strikewave.readings import BlowReading, Observed, blow_history, blow_reading, without_peaks
 from strikewave.solution import Comparison, RigidReference, Solution, wave_setup
 from strikewave.validity import channel_notices, honest_bandwidth, wave_notices
 from strikewave.waves import Stack
@@ -45,26 +45,17 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
     >>> len(solution.blows)
     11
     """
-    machine = build_machine(case)
-    channels = build_channels(case)
-    taps = [name for name, _ in build_taps(case)] if machine.layered else []
-    bandwidth = stated_bandwidth(case, machine.layered.stack if machine.layered else None)
-    begin = case.rig().recorder.begin
-    run = run_rotary(machine, case.solver.tolerance.si, progress)
-    found = blows(run)
-    histories = [
-        None if blow.kind == "missed" else blow_history(run, blow, channels, bandwidth, begin) for blow in found
-    ]
-    seen = [history and blow_reading(history, channels, bandwidth) for history in histories]
+    seen = observe(case, progress)
+    machine, run = seen.machine, seen.run
     listed = [
-        *notices(case, found),
-        *wave_notices(run, seen, bandwidth),
-        *channel_notices(channels, seen, machine.struck.assembly_mass),
+        *notices(case, seen.blows),
+        *wave_notices(run, seen.readings, seen.bandwidth),
+        *channel_notices(seen.channels, seen.readings, machine.struck.assembly_mass),
     ]
     refused = any(notice.code == "rise-too-steep" for notice in listed)
-    readings = tuple(reading and (without_peaks(reading) if refused else reading) for reading in seen)
+    readings = tuple(reading and (without_peaks(reading) if refused else reading) for reading in seen.readings)
     momentum = max(
-        [blow.momentum_error for blow in found if blow.kind != "missed"]
+        [blow.momentum_error for blow in seen.blows if blow.kind != "missed"]
         + [span.momentum_error for span in run.spans if isinstance(span, StackSpan)],
         default=0.0,
     )
@@ -72,18 +63,33 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
     struck = machine.struck
     return Solution(
         case=case,
-        blows=found,
+        blows=seen.blows,
         masses={"striker": machine.strikers.mass, "object": struck.mass, "assembly": struck.assembly_mass},
         phases=run.phases,
         ledger=ledger,
-        published=compare(case, found, readings),
+        published=compare(case, seen.blows, readings),
         warnings=(*ledger_notices(ledger), *listed),
         reference=printed_law_on_rigid_object(case, machine),
         readings=readings,
         waves=wave_setup(machine.layered.stack, machine.layered.grid) if machine.layered else None,
         citations=_citations(case),
-        data=build_dataset(case, run, found, histories, channels, taps, bandwidth),
+        data=build_dataset(case, seen),
     )
+
+
+def observe(case: Case, progress: Callable[[float], None] | None = None) -> Observed:
+    """Run a machine case and look at each blow with its taps and sensors; see `run_case`."""
+    machine, channels = build_machine(case), build_channels(case)
+    taps = tuple(name for name, _ in build_taps(case)) if machine.layered else ()
+    bandwidth = stated_bandwidth(case, machine.layered.stack if machine.layered else None)
+    run = run_rotary(machine, case.solver.tolerance.si, progress)
+    found = blows(run)
+    begin = case.rig().recorder.begin
+    histories = tuple(
+        None if blow.kind == "missed" else blow_history(run, blow, channels, bandwidth, begin) for blow in found
+    )
+    readings = tuple(history and blow_reading(history, channels, bandwidth) for history in histories)
+    return Observed(run, found, channels, taps, bandwidth, histories, readings)
 
 
 def stated_bandwidth(case: Case, stack: Stack | None) -> float:

@@ -99,24 +99,26 @@ def joint_notices(stack: Stack, least_force: Array, greatest_force: Array) -> It
     ``least_force`` and ``greatest_force`` are those at each joint, N.
     """
     most = float(np.max(np.abs([least_force, greatest_force]), initial=0.0))
+    pulled = []
     for k, joint in enumerate(stack.joints):
         where = f"between {stack.layers[k].name} and {stack.layers[k + 1].name}"
         least, greatest = float(least_force[k]), float(greatest_force[k])
         if joint.unilateral and joint.gap > 0.0:
-            closed = greatest > 0.0
-            said = "closes" if closed else "stays open and transmits nothing"
+            said = "closes" if greatest > 0.0 else "stays open and transmits nothing"
             message = f"the gap of {joint.gap * 1e6:.3g} um {where} {said}"
             yield Notice("joint-gap", message, greatest, 0.0)
-        elif joint.unilateral and least <= -joint.preload * (1.0 - 1e-9):
-            if joint.preload > 0.0 or least < TENSION_SHARE * most:
-                message = f"the joint {where} opens: tension reaches its preload of {joint.preload:.4g} N"
-                yield Notice("joint-opened", message, least, -joint.preload)
+        elif joint.unilateral and joint.preload > 0.0 and least <= -joint.preload * (1.0 - 1e-9):
+            message = f"the joint {where} opens: tension reaches its preload of {joint.preload:.4g} N"
+            yield Notice("joint-opened", message, least, -joint.preload)
         elif not joint.unilateral and least < -TENSION_SHARE * most:
-            message = (
-                f"the joint {where} carries a tension of {-least / 1e3:.3g} kN: true only if it is glued, welded or "
-                "bolted hard enough; else make it unilateral"
-            )
-            yield Notice("joint-tension", message, -least, TENSION_SHARE * most)
+            pulled.append((least, where))
+    if pulled:
+        words = ", ".join(f"{where} ({-least / 1e3:.3g} kN)" for least, where in pulled)
+        message = (
+            f"tension in the joint {words}: true only if it is glued, welded or bolted hard enough; else make it "
+            "unilateral, with the preload of its bolt"
+        )
+        yield Notice("joint-tension", message, -min(pulled)[0], TENSION_SHARE * most)
 
 
 def end_notices(stack: Stack, duration: float) -> Iterator[Notice]:

@@ -178,6 +178,8 @@ def strike(
         field_at, field_position = field_nodes(layered.stack, grid)
         nodes = np.concatenate([nodes, field_at])
     taps = Recording(nodes, every, np.zeros((rows, len(nodes))), np.zeros((rows, len(nodes), 3)))
+    for k, (layer, node) in enumerate(nodes):
+        taps.velocity[0, k, 0] = waves.force_and_velocity(tables, waves_now, layer, node)[1]
     only = _strikers_only(system, strikers)
     ys = np.concatenate([x[:strikers], v[:strikers], y[place.angle : place.angle + 2], np.zeros(strikers + 3)])
     mode = np.concatenate([start.mode[place.mounts], start.mode[place.links :]])
@@ -217,6 +219,7 @@ def strike(
             f"a blow on the stack lasts longer than {LONGEST_BLOW * 1e3:g} ms: the contact or its mount is too soft"
         )
     kept = (steps - 1) // every + 1
+    taps.velocity[kept - 1, :, 2] = 2.0 * taps.velocity[kept - 1, :, 1] - taps.velocity[kept - 1, :, 0]
     last, time = history[kept - 1], start.time + (steps - 1) * grid.step
     span = StackSpan(
         struck=struck,

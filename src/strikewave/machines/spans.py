@@ -275,7 +275,7 @@ class StackSpan:
         """Return times after first touch, s, and force, N, at the places of the x-t field, shape (times, places)."""
         size = self.field_position.size
         rows = slice(None, None, max(1, round(FIELD_STEP / self.step)))
-        since = self.step * np.arange(len(self.history))
+        since = self.step * np.arange(len(self.history), dtype=np.float64)
         return since[rows], self.taps.force[rows, self.taps.force.shape[1] - size :]
 
 

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from strikewave.build import build_machine
 from strikewave.case import Case
 from strikewave.errors import InputError
-from strikewave.machines import blows, run_rotary
 from strikewave.quantities import Value
-from strikewave.simulate import published_value
+from strikewave.simulate import observe, published_value
 
 FAILED = 10.0
 """Residual of a target that a trial run has no number for."""
@@ -48,7 +46,8 @@ def calibrate(case: Case, accuracy: float = 1e-8) -> Fit:
     from scipy.optimize import least_squares
 
     fields = case.fitted_fields()
-    targets = {entry.quantity: entry.value.si for entry in case.published if entry.role == "fitted"}
+    wanted = [entry for entry in case.published if entry.role == "fitted"]
+    targets = {f"{entry.quantity} {entry.sensor}".strip(): entry.value.si for entry in wanted}
     if not fields or len(fields) > len(targets):
         raise InputError(
             "published",
@@ -74,10 +73,10 @@ def calibrate(case: Case, accuracy: float = 1e-8) -> Fit:
     def miss(logs: np.ndarray) -> np.ndarray:
         nonlocal runs
         runs += 1
-        found = blows(run_rotary(build_machine(at(logs)), case.solver.tolerance.si))
-        computed = [published_value(name, found) for name in targets]
+        seen = observe(at(logs))
+        computed = [published_value(entry.quantity, seen.blows, seen.readings, entry.sensor) for entry in wanted]
         return np.array(
-            [FAILED if c is None else c / wanted - 1.0 for c, wanted in zip(computed, targets.values(), strict=True)]
+            [FAILED if c is None else c / entry.value.si - 1.0 for c, entry in zip(computed, wanted, strict=True)]
         )
 
     answer = least_squares(miss, np.zeros(len(fields)), diff_step=1e-4, xtol=accuracy, ftol=1e-14, gtol=1e-14)

@@ -102,14 +102,16 @@ def elastic_joint(tables, state, i, b, y):
 def unilateral_joint(tables, state, i, b, y):
     """Return the force of a joint that pushes only, and move its compression (below zero: open).
 
-    A rigid one closes within the step in which its gap would turn negative.
+    A rigid one closes within the step in which its gap would turn negative, and loses what that step cuts off.
     """
     value, step = tables.joint_value[i], tables.step
     x = state.joint[i, COMPRESSION]
     if value[STIFFNESS] == np.inf:
         f = max((b + x / step) / y, -value[PRELOAD])
-        state.joint[i, RATE] = b - y * f
-        state.joint[i, COMPRESSION] = min(x + step * state.joint[i, RATE], 0.0)
+        rate = b - y * f
+        state.joint[i, RATE] = rate
+        state.joint[i, COMPRESSION] = min(x + step * rate, 0.0)
+        state.joint[i, LOST] += step * (f + value[PRELOAD]) * rate
         return f
     ahead = x + 0.5 * step * state.joint[i, RATE]
     r = 0.5 * step * value[STIFFNESS] + value[DAMPING]
@@ -208,6 +210,17 @@ def record(tables, state, recording, n):
 
 
 @leaf_kernel
+def unilateral_energy(tables, state, i):
+    """Return the energy in the spring of a unilateral joint and in the bolt that its opening pulls, J."""
+    value, x = tables.joint_value[i], state.joint[i, COMPRESSION]
+    if value[STIFFNESS] == np.inf:
+        return -value[PRELOAD] * x
+    x += 0.5 * tables.step * state.joint[i, RATE]
+    pulled = min(x + value[PRELOAD] / value[STIFFNESS], 0.0)
+    return 0.5 * value[STIFFNESS] * (x - pulled) ** 2 - value[PRELOAD] * pulled
+
+
+@leaf_kernel
 def energy(tables, state):
     """Return the energy of the waves in flight, of springs and of masses, J."""
     total = 0.0
@@ -226,9 +239,8 @@ def energy(tables, state):
             for j in range(int(value[BRANCHES])):
                 resistance, beta = tables.branch[i, j, 0], tables.branch[i, j, 1]
                 total += state.memory[i, j] ** 2 * tables.step / (2.0 * resistance * (1.0 + beta))
-        elif value[STIFFNESS] < np.inf:
-            x = max(state.joint[i, COMPRESSION], -value[PRELOAD] / value[STIFFNESS])
-            total += 0.5 * value[STIFFNESS] * x * x
+        elif tables.joint_kind[i] == UNILATERAL:
+            total += unilateral_energy(tables, state, i)
     if tables.end[END_BETA] != 0.0:
         total += state.end[0] ** 2 * tables.step / (4.0 * tables.end[END_RESISTANCE])
     return total
