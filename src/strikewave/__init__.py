@@ -18,6 +18,7 @@ _HOMES = {
     "load_case": "strikewave.case",
     "dump_case": "strikewave.case",
     "run_case": "strikewave.simulate",
+    "run_wave": "strikewave.bar",
     "Solution": "strikewave.solution",
     "load_solution": "strikewave.solution",
     "material": "strikewave.materials",

@@ -22,6 +22,7 @@ SOURCES: dict[str, str] = {
         "form of eqs (2)-(4) of Li & Ma 2019 with the equivalent modulus of eq (5) inverted"
     ),
     "johnson-1985": "K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, ch. 4 (Hertz)",
+    "kolsky-1963": "H. Kolsky, Stress Waves in Solids, Dover, New York 1963, ch. III (bars)",
     "hairer-1993": (
         "E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., "
         "Springer 1993, sections II.5-II.6 (DOP853)"

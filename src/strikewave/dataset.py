@@ -13,8 +13,9 @@ from strikewave.machines import Blow
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window
 from strikewave.machines.rotary import RotaryRun
 from strikewave.machines.spans import StackSpan
-from strikewave.readings import BlowHistory, Channel, Observed
+from strikewave.readings import BlowHistory, Channel, Observed, View
 from strikewave.solution import BLOW_UNITS
+from strikewave.waves.li_ma import ROUTES
 
 if TYPE_CHECKING:
     import xarray
@@ -75,16 +76,16 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
         "blow": ("blow", np.array([b.index for b in found], dtype=np.int64)),
     }
     if seen.taps:
-        variables |= _tap_variables(seen.histories, len(seen.taps), pulse_time, seen.bandwidth)
+        variables |= _tap_variables(seen.histories, len(seen.taps), pulse_time, seen.view)
+        variables |= _route_variables(seen.histories, len(seen.taps), pulse_time, seen.view)
         coordinates["tap"] = ("tap", np.array(seen.taps, dtype=object))
-    variables |= _reading_variables(seen.histories, seen.channels)
+        coordinates["route"] = ("route", np.array(ROUTES, dtype=object))
+    variables |= _reading_variables(seen.histories, seen.view.channels)
     variables |= _field_variables(run)
     return xarray.Dataset(variables, coordinates)
 
 
-def _tap_variables(
-    histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, bandwidth: float
-) -> dict[str, Any]:
+def _tap_variables(histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: View) -> dict[str, Any]:
     """Return force, speed and total acceleration at the taps, and the rigid acceleration at the same bandwidth."""
     force, speed, total = (np.full((len(histories), taps, pulse_time.size), np.nan) for _ in range(3))
     rigid = np.full((len(histories), pulse_time.size), np.nan)
@@ -100,7 +101,7 @@ def _tap_variables(
             force[row, k], speed[row, k], total[row, k] = (
                 at(values[k]) for values in (history.force, history.speed, history.total)
             )
-    where, band = ("blow", "tap", "pulse_time"), f"at {bandwidth:g} Hz"
+    where, band = ("blow", "tap", "pulse_time"), f"{view.route}, at {view.bandwidth:g} Hz"
     return {
         "tap_force": quantity(where, force, "N", "force in the stack at each tap"),
         "tap_speed": quantity(where, speed, "m/s", "speed at each tap"),
@@ -109,6 +110,17 @@ def _tap_variables(
             ("blow", "pulse_time"), rigid, "m/s^2", f"rigid-body acceleration of each blow, {band}"
         ),
     }
+
+
+def _route_variables(histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: View) -> dict[str, Any]:
+    """Return the wave acceleration of the first blow by the paper's routes, where a tap has two neighbours."""
+    waves = np.full((len(ROUTES), taps, pulse_time.size), np.nan)
+    first = next((history for history in histories if history is not None), None)
+    if first is not None:
+        for (tap, route), values in first.routes.items():
+            waves[ROUTES.index(route), tap] = np.interp(pulse_time, first.since, values, left=np.nan, right=np.nan)
+    name = f"stress-wave acceleration, first blow, by the routes of Li & Ma 2019, at {view.bandwidth:g} Hz"
+    return {"route_acceleration": quantity(("route", "tap", "pulse_time"), waves, "m/s^2", name)}
 
 
 def _reading_variables(histories: Sequence[BlowHistory | None], channels: Sequence[Channel]) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from strikewave.errors import InputError, show
 
 MARK = "case.toml"
 """The file that marks a folder as a result."""
-RESULT_FILES = (MARK, "solution.nc", "blows.csv", "summary.svg", "report.html")
+RESULT_FILES = (MARK, "waves.nc", "taps.csv", "solution.nc", "blows.csv", "summary.svg", "report.html")
 """What a result consists of; a folder that holds anything else is never replaced."""
 
 

@@ -8,7 +8,6 @@ magnitude, with its sign.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -21,6 +20,8 @@ from strikewave.machines.spans import StackSpan
 from strikewave.sensors import Reading, Recorder, Sensor, read
 from strikewave.signal.filters import zero_phase
 from strikewave.signal.pulse import measure_pulse, refine_peak
+from strikewave.waves.li_ma import ROUTES, superposed
+from strikewave.waves.routes import EXACT, route_history, specimen_of
 
 Array = NDArray[np.float64]
 
@@ -65,11 +66,33 @@ class BlowReading:
     sensors: dict[str, SensorPulse]
 
 
+class View(NamedTuple):
+    """How a run is looked at.
+
+    Attributes
+    ----------
+    channels : tuple of Channel
+        The sensors.
+    bandwidth : float
+        -3 dB of the zero-phase filter that rigid and total acceleration pass, Hz.
+    recorder_begin : float
+        A sampling instant of the recorders, s after the valve signal.
+    route : str
+        "exact", or a route of the paper.
+    """
+
+    channels: tuple[Channel, ...]
+    bandwidth: float
+    recorder_begin: float
+    route: str = EXACT
+
+
 class BlowHistory(NamedTuple):
     """Histories of one blow about first touch.
 
     ``since`` is the time after first touch, s; ``rigid`` is at the bandwidth; ``force``, ``speed`` and ``total``
-    (at the bandwidth) have one row a tap; ``readings`` one a sensor, each with its own instants.
+    (at the bandwidth) have one row a tap; ``readings`` one a sensor, each with its own instants; ``routes`` holds
+    the wave acceleration (at the bandwidth) by tap and route of the paper.
     """
 
     since: Array
@@ -78,6 +101,7 @@ class BlowHistory(NamedTuple):
     speed: Array
     total: Array
     readings: tuple[Reading, ...]
+    routes: dict[tuple[int, str], Array]
 
 
 def largest(values: Array) -> float:
@@ -92,50 +116,52 @@ def largest(values: Array) -> float:
     return sign * refine_peak(sign * values, int(np.argmax(sign * values)))[1]
 
 
-def blow_history(
-    run: RotaryRun, blow: Blow, channels: Sequence[Channel], bandwidth: float, recorder_begin: float
-) -> BlowHistory:
+def blow_history(run: RotaryRun, blow: Blow, view: View) -> BlowHistory:
     """Return what taps and sensors show of a blow that touched.
 
     Before first touch everything moves as the rigid assembly does; the history ends with the blow's window,
-    or where a stack has settled.
-
-    Parameters
-    ----------
-    bandwidth : float
-        -3 dB of the zero-phase filter that rigid and total acceleration pass, Hz.
-    recorder_begin : float
-        A sampling instant of the recorders, s after the valve signal.
+    or where a stack has settled. By a route of the paper, total is the rigid acceleration and the wave's on
+    top of it, driven by the contact force.
     """
     span = run.span_at(blow.time + 1e-12)
-    layered = isinstance(span, StackSpan)
+    layered = run.machine.layered if isinstance(span, StackSpan) else None
     step = span.step if isinstance(span, StackSpan) else RIGID_STEP
     last = span.end if isinstance(span, StackSpan) else min(blow.time + WINDOW_AFTER, run.end)
     before = round(min(WINDOW_BEFORE, blow.time) / step)
     after = math.floor((last - blow.time) / step + 1e-9)
     since = step * np.arange(-before, after + 1, dtype=np.float64)
-    times = np.minimum(blow.time + since, last)
-    moments = run.sample(times)
-    rigid = moments.rigid_acceleration
-    taps = len(run.machine.layered.taps) if layered and run.machine.layered else 0
-    force, speed, total = (np.zeros((taps, since.size)) for _ in range(3))
-    for k in range(taps):
+    moments = run.sample(np.minimum(blow.time + since, last))
+    rigid, routes = moments.rigid_acceleration, {}
+    taps = layered.taps if layered else ()
+    force, speed, total = (np.zeros((len(taps), since.size)) for _ in range(3))
+    for k, (layer, position) in enumerate(taps):
         assert isinstance(span, StackSpan)
+        assert layered is not None
         parts = span.tap(k)
         size = min(parts[0].size, after + 1)
         force[k, before : before + size] = parts[0][:size]
         speed[k, :before], total[k, :before] = moments.object_speed[:before], rigid[:before]
         speed[k, before : before + size], total[k, before : before + size] = parts[1][:size], parts[2][:size]
+        if specimen_of(layered.stack, layer) is None:
+            continue
+        for route in ROUTES:
+            wave = route_history(layered.stack, layer, position, since, moments.contact_force, route)
+            routes[k, route] = wave.acceleration
+            if route == view.route:
+                force[k], speed[k] = wave.force, moments.object_speed + wave.velocity
+                total[k] = superposed(rigid, wave.acceleration)
     start = float(since[0])
     readings = []
-    for channel in channels:
+    for channel in view.channels:
         felt = rigid if channel.tap is None else total[channel.tap]
         rate = channel.recorder.sampling_rate
-        phase = 0.0 if math.isinf(rate) else math.ceil(x := (blow.time + start - recorder_begin) * rate) - x
-        readings.append(read(channel.sensor, channel.recorder, felt, step, start, min(phase, 1.0 - 1e-9)))
+        at = (blow.time + start - view.recorder_begin) * rate
+        phase = 0.0 if math.isinf(rate) else min(math.ceil(at) - at, 1.0 - 1e-9)
+        readings.append(read(channel.sensor, channel.recorder, felt, step, start, phase))
     if taps:
-        rigid, total = zero_phase(rigid, step, bandwidth), zero_phase(total, step, bandwidth)
-    return BlowHistory(since, rigid, force, speed, total, tuple(readings))
+        rigid, total = zero_phase(rigid, step, view.bandwidth), zero_phase(total, step, view.bandwidth)
+        routes = {key: zero_phase(values, step, view.bandwidth) for key, values in routes.items()}
+    return BlowHistory(since, rigid, force, speed, total, tuple(readings), routes)
 
 
 def without_peaks(reading: BlowReading) -> BlowReading:
@@ -143,27 +169,26 @@ def without_peaks(reading: BlowReading) -> BlowReading:
     return replace(reading, total_peak=None, wave_peak=None)
 
 
-def blow_reading(history: BlowHistory, channels: Sequence[Channel], bandwidth: float) -> BlowReading:
+def blow_reading(history: BlowHistory, view: View) -> BlowReading:
     """Return the peaks of a blow's history."""
     sensors = {}
-    for channel, reading in zip(channels, history.readings, strict=True):
+    for channel, reading in zip(view.channels, history.readings, strict=True):
         values = reading.values
         interval = float(reading.time[1] - reading.time[0]) if values.size > 1 else math.nan
         width = measure_pulse(values, interval).width if values.size > 2 and values.max() > 0.0 else math.nan
         sensors[channel.sensor.name] = SensorPulse(largest(values), width, reading.clipped)
     if not len(history.total):
         return BlowReading(None, None, None, sensors)
-    return BlowReading(largest(history.total[0]), largest(history.total[0] - history.rigid), bandwidth, sensors)
+    return BlowReading(largest(history.total[0]), largest(history.total[0] - history.rigid), view.bandwidth, sensors)
 
 
 class Observed(NamedTuple):
-    """A run and all that was seen of it: blows, channels, names of taps, bandwidth; histories and readings a blow."""
+    """A run and all that was seen of it: blows, how it was looked at, names of taps; histories and readings a blow."""
 
     run: RotaryRun
     blows: tuple[Blow, ...]
-    channels: tuple[Channel, ...]
+    view: View
     taps: tuple[str, ...]
-    bandwidth: float
     histories: tuple[BlowHistory | None, ...]
     readings: tuple[BlowReading | None, ...]
 

@@ -12,13 +12,15 @@ from strikewave.build import build_channels, build_machine, build_taps, contact_
 from strikewave.case import Case
 from strikewave.contact import Contact, factor, solve_impact
 from strikewave.dataset import build_dataset
+from strikewave.errors import InputError
 from strikewave.machines import Blow, RotaryMachine, blows, run_rotary
 from strikewave.machines.spans import StackSpan
 from strikewave.notices import ledger_notices, notices
-from strikewave.readings import BlowReading, Observed, blow_history, blow_reading, without_peaks
+from strikewave.readings import BlowReading, Observed, View, blow_history, blow_reading, without_peaks
 from strikewave.solution import Comparison, RigidReference, Solution, wave_setup
 from strikewave.validity import channel_notices, honest_bandwidth, wave_notices
 from strikewave.waves import Stack
+from strikewave.waves.routes import EXACT, specimen_of
 
 
 def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Solution:
@@ -49,8 +51,8 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
     machine, run = seen.machine, seen.run
     listed = [
         *notices(case, seen.blows),
-        *wave_notices(run, seen.readings, seen.bandwidth),
-        *channel_notices(seen.channels, seen.readings, machine.struck.assembly_mass),
+        *wave_notices(run, seen.readings, seen.view.bandwidth),
+        *channel_notices(seen.view.channels, seen.readings, machine.struck.assembly_mass),
     ]
     refused = any(notice.code == "rise-too-steep" for notice in listed)
     readings = tuple(reading and (without_peaks(reading) if refused else reading) for reading in seen.readings)
@@ -79,17 +81,18 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
 
 def observe(case: Case, progress: Callable[[float], None] | None = None) -> Observed:
     """Run a machine case and look at each blow with its taps and sensors; see `run_case`."""
-    machine, channels = build_machine(case), build_channels(case)
-    taps = tuple(name for name, _ in build_taps(case)) if machine.layered else ()
-    bandwidth = stated_bandwidth(case, machine.layered.stack if machine.layered else None)
+    machine = build_machine(case)
+    stack = machine.layered.stack if machine.layered else None
+    taps = build_taps(case) if machine.layered else ()
+    route = case.solver.route
+    if route != EXACT and not any(stack and specimen_of(stack, tap.layer) for _, tap in taps):
+        raise InputError("solver.route", route, EXACT, "no tap lies in a layer between two others")
+    view = View(build_channels(case), stated_bandwidth(case, stack), case.rig().recorder.begin, route)
     run = run_rotary(machine, case.solver.tolerance.si, progress)
     found = blows(run)
-    begin = case.rig().recorder.begin
-    histories = tuple(
-        None if blow.kind == "missed" else blow_history(run, blow, channels, bandwidth, begin) for blow in found
-    )
-    readings = tuple(history and blow_reading(history, channels, bandwidth) for history in histories)
-    return Observed(run, found, channels, taps, bandwidth, histories, readings)
+    histories = tuple(None if blow.kind == "missed" else blow_history(run, blow, view) for blow in found)
+    readings = tuple(history and blow_reading(history, view) for history in histories)
+    return Observed(run, found, view, tuple(name for name, _ in taps), histories, readings)
 
 
 def stated_bandwidth(case: Case, stack: Stack | None) -> float:

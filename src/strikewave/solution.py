@@ -16,10 +16,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from strikewave._version import __version__
 from strikewave.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
+from strikewave.documents import head, plain, without
 from strikewave.errors import InputError
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
@@ -202,11 +201,9 @@ class Solution:
         units |= {"ledger": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
         return plain(
             {
-                "schema": SCHEMA,
-                "version": __version__,
-                "units": units,
-                "warnings": [without(dataclasses.asdict(n), "broken") for n in self.warnings],
+                **head(units, [without(dataclasses.asdict(n), "broken") for n in self.warnings]),
                 "case": self.case.name,
+                "route": self.case.solver.route,
                 "blows": rows,
                 "masses": self.masses,
                 "phases": [{"name": name, "time": time} for name, time in self.phases],
@@ -246,30 +243,6 @@ class Solution:
             "tables": json.dumps(state),
         }
         self.data.assign_attrs(attributes).to_netcdf(path, engine="h5netcdf")
-
-
-def without(row: dict[str, Any], *keys: str) -> dict[str, Any]:
-    """Return a row without some keys."""
-    return {k: v for k, v in row.items() if k not in keys}
-
-
-def plain(value: Any) -> Any:
-    """Return nested data fit for JSON: numpy numbers become Python's, NaN and infinity become null.
-
-    Examples
-    --------
-    >>> plain({"a": np.float64("nan"), "b": (1, 2.5)})
-    {'a': None, 'b': [1, 2.5]}
-    """
-    if isinstance(value, dict):
-        return {str(k): plain(v) for k, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(v) for v in value]
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def load_solution(path: Path | str) -> Solution:

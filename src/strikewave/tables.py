@@ -19,7 +19,6 @@ from strikewave.quantities import (
     Force,
     Frequency,
     Inertia,
-    LayerSpeed,
     Length,
     Mass,
     MaybeAcceleration,
@@ -30,6 +29,7 @@ from strikewave.quantities import (
     MaybeForce,
     MaybeFrequency,
     MaybeGap,
+    MaybeLayerSpeed,
     MaybeLength,
     MaybeLoss,
     MaybeMass,
@@ -37,6 +37,7 @@ from strikewave.quantities import (
     MaybeOrder,
     MaybePreload,
     MaybeQuality,
+    MaybeShift,
     MaybeSpeed,
     MaybeSpringRate,
     MaybeStep,
@@ -54,7 +55,6 @@ from strikewave.quantities import (
     Tolerance,
     Torque,
     Value,
-    ZeroShift,
 )
 
 
@@ -167,14 +167,14 @@ class LayerTable(Table):
     length: Length
     diameter: MaybeLength = None
     area: MaybeArea = None
-    speed: LayerSpeed = Value(si=0.0, typed="0 m/s")
+    speed: MaybeLayerSpeed = None
 
 
 class JointTable(Table):
     """[[stack.joint]]: the joint behind the layer that ``after`` names; bonded where none is named.
 
     A gasket has a thickness, an area (or diameter; else that of the thinner neighbour) and a material, or a
-    modulus and a loss factor that holds from ``band_low`` to ``band_high``.
+    modulus and a loss factor that holds from ``band_low`` to ``band_high`` (1 and 100 kHz where left out).
     """
 
     after: Name
@@ -190,8 +190,8 @@ class JointTable(Table):
     thickness: MaybeLength = None
     diameter: MaybeLength = None
     area: MaybeArea = None
-    band_low: Frequency = Value(si=1e3, typed="1 kHz")
-    band_high: Frequency = Value(si=1e5, typed="100 kHz")
+    band_low: MaybeFrequency = None
+    band_high: MaybeFrequency = None
 
 
 class EndTable(Table):
@@ -258,7 +258,7 @@ class SensorTable(Table):
     resonance: MaybeFrequency = None
     quality: MaybeQuality = None
     range: MaybeAcceleration = None
-    zero_shift: ZeroShift = Value(si=0.0, typed="0 m/s^2")
+    zero_shift: MaybeShift = None
     mass: MaybeMass = None
     gasket: tuple[GasketTable, ...] = ()
     edge_stiffness: MaybeSpringRate = None
@@ -274,7 +274,8 @@ class Solver(Table):
     """[solver]: how exactly to compute, and how densely to keep the whole train.
 
     ``duration`` is that of a bar alone, ``step`` the time step of its waves (chosen where left out), and
-    ``bandwidth`` that at which total and wave acceleration are stated (chosen where left out).
+    ``bandwidth`` that at which total and wave acceleration are stated (chosen where left out). ``route`` is "exact",
+    or one of the routes of Li & Ma 2019, which take the neighbours of a tap's layer as endless.
     """
 
     tolerance: Tolerance = Value(si=1e-9, typed=1e-9)
@@ -282,6 +283,7 @@ class Solver(Table):
     duration: MaybeTime = None
     step: MaybeStep = None
     bandwidth: MaybeFrequency = None
+    route: Literal["exact", "as printed", "corrected"] = "exact"
 
 
 PUBLISHED_QUANTITIES = {

@@ -87,14 +87,14 @@ def _layer(table: LayerTable) -> Layer:
         table.diameter.si if table.diameter else 0.0,
         matter.row.yield_strength if matter.row else None,
         matter.row.poissons_ratio if matter.row and not own else None,
-        table.speed.si,
+        table.speed.si if table.speed else 0.0,
     )
 
 
 _JOINT_FIELDS = {
     "bonded": (),
     "compliant": ("stiffness", "damping"),
-    "gasket": ("material", "modulus", "loss_factor", "thickness", "diameter", "area"),
+    "gasket": ("material", "modulus", "loss_factor", "thickness", "diameter", "area", "band_low", "band_high"),
     "unilateral": ("stiffness", "damping", "gap", "preload"),
     "mass": ("mass",),
 }
@@ -129,7 +129,7 @@ def _gasket(table: JointTable, path: str, area: float) -> Joint:
         raise InputError(f"{path}.material", MISSING, "a material or a modulus", 'add material = "PTFE"')
     thickness = need(table.thickness, f"{path}.thickness", "a thickness", 'add thickness = "1 mm"')
     stiffness = matter.modulus * area_of(table, path, area) / thickness
-    low, high = table.band_low.si, table.band_high.si
+    low, high = (end.si if end else usual for end, usual in ((table.band_low, 1e3), (table.band_high, 1e5)))
     fit = checked(f"{path}.loss_factor", lambda: fit_loss(stiffness, matter.loss_factor or 0.0, low, high))
     return Joint(fit.stiffness, branches=fit.branches)
 

@@ -13,7 +13,7 @@ from typing import Any
 import typer
 
 from strikewave._version import __version__
-from strikewave.cli import cases, diff, impact, materials, new, run, validate
+from strikewave.cli import cases, diff, impact, materials, new, run, validate, wave
 from strikewave.cli.common import say
 from strikewave.errors import StrikewaveError, StrikewaveWarning
 
@@ -27,6 +27,7 @@ app = typer.Typer(
 )
 for name, command in (
     ("run", run.command),
+    ("wave", wave.command),
     ("impact", impact.command),
     ("new", new.command),
     ("validate", validate.command),

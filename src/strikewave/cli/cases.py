@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from strikewave.cli.common import Json, head, print_json, table
+from strikewave.cli.common import Json, print_json, table
+from strikewave.documents import head
 
 
 def command(json: Json = False) -> int:

@@ -11,10 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
-from strikewave._version import __version__
 from strikewave.units import in_unit
-
-SCHEMA = 1
 
 CaseName = Annotated[
     str, typer.Argument(metavar="CASE", help="A case file, or the name of a published case.", show_default=False)
@@ -32,14 +29,9 @@ Out = Annotated[
 Force = Annotated[bool, typer.Option("--force", help="Replace what another run left there.")]
 
 
-def print_json(document: dict[str, Any]) -> None:
-    """Print one JSON document on stdout."""
-    sys.stdout.write(json.dumps(document, indent=2, allow_nan=False, ensure_ascii=False) + "\n")
-
-
-def head(units: dict[str, str], warnings: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
-    """Return the keys that every JSON document begins with."""
-    return {"schema": SCHEMA, "version": __version__, "units": units, "warnings": list(warnings)}
+def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
+    """Print one JSON document on stdout; without indentation where it holds long histories."""
+    sys.stdout.write(json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False) + "\n")
 
 
 def say(text: str) -> None:

@@ -6,7 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
-from strikewave.cli.common import Json, head, print_json, table
+from strikewave.cli.common import Json, print_json, table
+from strikewave.documents import head
 
 
 def flat(document: dict[str, Any], prefix: str = "") -> dict[str, str]:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from strikewave.cli.common import Json, head, number, print_json, say, table
+from strikewave.cli.common import Json, number, print_json, say, table
+from strikewave.documents import head
 
 if TYPE_CHECKING:
     from strikewave.contact import Stiffness

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 
-from strikewave.cli.common import Json, head, print_json, significant, table
+from strikewave.cli.common import Json, print_json, significant, table
+from strikewave.documents import head
 
 
 def command(json: Json = False) -> int:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 
-from strikewave.cli.common import CaseName, Changes, Json, head, print_json, table
+from strikewave.cli.common import CaseName, Changes, Json, print_json, table
+from strikewave.documents import head
 
 
 def command(case: CaseName, changes: Changes = None, json: Json = False) -> int:

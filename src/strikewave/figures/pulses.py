@@ -46,14 +46,12 @@ def thin(time: Array, values: Array, columns: int = PIXEL_COLUMNS) -> tuple[Arra
     """
     if values.size <= 2 * columns:
         return time, values
-    length = values.size // columns
-    rows = values[: length * columns].reshape(columns, length)
-    starts = np.arange(columns) * length
-    rest = np.arange(length * columns, values.size)
-    ends = [rest[[values[rest].argmin(), values[rest].argmax()]]] if rest.size else []
-    kept = np.unique(
-        np.concatenate([starts + rows.argmin(axis=1), starts + rows.argmax(axis=1), *ends, [values.size - 1]])
-    )
+    length = -(-values.size // columns)
+    starts = np.arange(0, values.size, length)
+    ends = np.append(starts[1:], values.size)
+    low = [start + int(np.argmin(values[start:end])) for start, end in zip(starts, ends, strict=True)]
+    high = [start + int(np.argmax(values[start:end])) for start, end in zip(starts, ends, strict=True)]
+    kept = np.unique([*low, *high, values.size - 1])
     return time[kept], values[kept]
 
 

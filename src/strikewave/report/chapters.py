@@ -178,7 +178,8 @@ def _flat(part: Any, path: str) -> Iterator[tuple[str, Any]]:
             yield from _flat(row, f"{start}{row_name(row, place)}")
     elif isinstance(part, BaseModel) and not isinstance(part, Value):
         for key, entry in part:
-            yield from _flat(entry, f"{start}{key}")
+            if not (path and key in ("name", "after")):  # the path says it
+                yield from _flat(entry, f"{start}{key}")
     elif part is not None and part != "":
         yield path, part
 

@@ -19,10 +19,12 @@ from strikewave._version import __version__
 from strikewave.report import chapters
 from strikewave.report.numbers import listed, with_unit
 from strikewave.report.parts import NONE, Picture, Section, Tag
+from strikewave.report.wave_chapters import bar_sections, sensor_section, stack_section
 
 if TYPE_CHECKING:
     from jinja2 import Template
 
+    from strikewave.bar import BarSolution
     from strikewave.machines import Blow
     from strikewave.solution import Solution
 
@@ -46,14 +48,17 @@ def report(solution: Solution, sections: Sequence[Section] = ()) -> str:
     >>> page.splitlines()[0], "<script" in page
     ('<!doctype html>', False)
     """
-    solution = _complete(solution)
+    whole, solution = solution, _complete(solution)
     text = chapters.case_text(solution.case)
     digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
-    struck_by_machine = [chapters.blow_table(solution), chapters.pulse_pictures(solution)]
+    struck_by_machine = []
+    if _has_machine(solution):
+        struck_by_machine = [chapters.blow_table(solution), chapters.pulse_pictures(solution)]
+        struck_by_machine += [*stack_section(whole), *sensor_section(whole)]
     listing = [
         chapters.setup(solution),
         chapters.inputs(solution.case),
-        *(struck_by_machine if _has_machine(solution) else []),
+        *struck_by_machine,
         *sections,
         chapters.published(solution),
         chapters.warnings(solution),
@@ -73,6 +78,18 @@ def report(solution: Solution, sections: Sequence[Section] = ()) -> str:
         sections=list(_numbered(listing)),
     )
     return _CONTROL.sub("\ufffd", page)
+
+
+def bar_report(solution: BarSolution) -> str:
+    """Return the report of a bar alone as one HTML page; see `report`.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_wave
+    >>> "x-t" in bar_report(run_wave(load_case("li-ma-2019-fig13-bar")))
+    False
+    """
+    return report(solution, bar_sections(solution))  # type: ignore[arg-type]  # what it lacks is said in words
 
 
 @functools.cache

@@ -64,8 +64,8 @@ class BarRun:
         What ran.
     time : ndarray
         Times of the samples, s, shape (N,).
-    face_force : ndarray
-        Force on the first face, N, shape (N,).
+    face_force, end_force : ndarray
+        Force on the first face and of the stack on its end, N, shape (N,).
     force, velocity, acceleration : ndarray
         At the taps, shape (N, taps). The acceleration is the central difference of the velocity over two
         steps of the grid.
@@ -88,6 +88,7 @@ class BarRun:
     grid: Grid
     time: Array = field(repr=False)
     face_force: Array = field(repr=False)
+    end_force: Array = field(repr=False)
     force: Array = field(repr=False)
     velocity: Array = field(repr=False)
     acceleration: Array = field(repr=False)
@@ -205,7 +206,7 @@ def _run(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, grid: G
     tables, state = tables_of(stack, grid), state_at_rest(stack, grid)
     before = _kernels.momentum(tables, state)
     places = [(tap.layer, tap.position) for tap in taps]
-    watched = np.concatenate([[[0, 0]], nearest_nodes(grid, places)])
+    watched = np.concatenate([[[0, 0]], [[len(stack.layers) - 1, grid.counts[-1]]], nearest_nodes(grid, places)])
     rows = (steps - 1) // every + 1
     kept = _recording(watched, every, rows)
     kept.velocity[0, :, 0] = [stack.layers[i].speed for i in watched[:, 0]]
@@ -231,9 +232,10 @@ def _run(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, grid: G
         grid=grid,
         time=grid.step * every * np.arange(rows, dtype=np.float64),
         face_force=kept.force[:, 0],
-        force=kept.force[:, 1:],
-        velocity=kept.velocity[:, 1:, 1],
-        acceleration=(kept.velocity[:, 1:, 2] - kept.velocity[:, 1:, 0]) / (2.0 * grid.step),
+        end_force=kept.force[:, 1],
+        force=kept.force[:, 2:],
+        velocity=kept.velocity[:, 2:, 1],
+        acceleration=(kept.velocity[:, 2:, 2] - kept.velocity[:, 2:, 0]) / (2.0 * grid.step),
         bound=error_bound(stack, grid, norms, places),
         field_time=grid.step * coarse * np.arange(pictured.force.shape[0], dtype=np.float64),
         field_position=position,

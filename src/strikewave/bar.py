@@ -1,0 +1,301 @@
+"""A bar alone: case in, solution out."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave._version import __version__
+from strikewave.build import build_load, build_stack, build_taps, wanted
+from strikewave.build.stack import checked, need
+from strikewave.case import Case, dump_case
+from strikewave.dataset import quantity
+from strikewave.documents import head, plain, without
+from strikewave.errors import InputError
+from strikewave.readings import largest
+from strikewave.signal.filters import zero_phase
+from strikewave.signal.pulse import measure_pulse
+from strikewave.solution import SCHEMA, Notice, WaveSetup, wave_setup
+from strikewave.validity import (
+    REFUSED,
+    end_notices,
+    field_extremes,
+    joint_notices,
+    layer_notices,
+    rise_in_diameters,
+    rise_notices,
+)
+from strikewave.waves import BarRun, Impactor, Pulse, Sampled, Tap, run_bar
+from strikewave.waves.li_ma import ROUTES
+from strikewave.waves.routes import EXACT, RouteHistory, route_history, specimen_of
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+
+LEDGER_LIMIT = 1e-6
+
+
+@dataclass(frozen=True)
+class BarSolution:
+    """What a bar under its load did.
+
+    Attributes
+    ----------
+    case : Case
+        What ran.
+    run : BarRun
+        Histories, field, bounds.
+    taps : tuple of (str, Tap)
+        Names and places.
+    waves : WaveSetup
+        Step, mismatch, layers as used.
+    rigid : ndarray
+        Acceleration of the stack as one rigid body, m/s^2, at the times of the run.
+    routes : dict
+        By tap and route: what the paper's routes say, where the tap lies between two fixtures.
+    accuracy : (float, float)
+        Error bounds of velocity and of acceleration (before any filter) over their largest values at the taps.
+    quoted : bool
+        Whether one-dimensional theory allows peak accelerations to be quoted.
+    warnings : tuple of Notice
+        What to know.
+    citations : tuple of str
+        Keys of the sources of the models used.
+    """
+
+    case: Case
+    run: BarRun = field(repr=False)
+    taps: tuple[tuple[str, Tap], ...]
+    waves: WaveSetup
+    rigid: Array = field(repr=False)
+    routes: dict[tuple[str, str], RouteHistory] = field(repr=False)
+    accuracy: tuple[float, float]
+    quoted: bool
+    warnings: tuple[Notice, ...]
+    citations: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        """The title of the case."""
+        return self.case.title or self.case.name
+
+    @property
+    def broken(self) -> bool:
+        """Whether a stated limit was broken."""
+        return any(notice.broken for notice in self.warnings)
+
+    @property
+    def ledger(self) -> dict[str, float]:
+        """Momentum of the stack against the impulses on it, as a share."""
+        return {"momentum_error": self.run.momentum_error}
+
+    def stress(self, k: int) -> Array:
+        """Return the stress at tap k, compression above zero, Pa."""
+        return np.asarray(self.run.force[:, k] / self.run.stack.layers[self.taps[k][1].layer].area)
+
+    def peaks(self, k: int, route: str = EXACT) -> dict[str, float | None]:
+        """Return the values of largest magnitude at tap k; no acceleration where theory allows none to be quoted."""
+        found = self.by_route(k, route)
+        if found is None:
+            return dict.fromkeys(RouteHistory._fields)
+        peaks: dict[str, float | None] = {key: largest(values) for key, values in found._asdict().items()}
+        return peaks if self.quoted else {**peaks, "acceleration": None}
+
+    @property
+    def route(self) -> str:
+        """The route that was chosen: exact, as printed, corrected."""
+        return self.case.solver.route
+
+    def by_route(self, k: int, route: str) -> RouteHistory | None:
+        """Return force, velocity and acceleration at tap k by a route; None where that knows no such tap."""
+        if route == EXACT:
+            return RouteHistory(self.run.force[:, k], self.run.velocity[:, k], self.run.acceleration[:, k])
+        return self.routes.get((self.taps[k][0], route))
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document: each tap by the route of the case."""
+        velocity, acceleration = self.accuracy
+        taps = []
+        for k, (name, tap) in enumerate(self.taps):
+            layer, found = self.run.stack.layers[tap.layer], self.by_route(k, self.route)
+            if found is not None:
+                place = {"name": name, "layer": layer.name, "position": tap.position, "route": self.route}
+                taps.append({**place, "time": self.run.time, **found._asdict(), "stress": found.force / layer.area})
+        units = {"step": "s", "length_asked": "m", "length_used": "m", "position": "1", "time": "s", "force": "N"}
+        units |= {"stress": "Pa", "velocity": "m/s", "acceleration": "m/s^2", "error_bound": "1", "bandwidth": "Hz"}
+        units |= {"acceleration_error_bound": "1", "solver_step": "s", "mismatch": "1", "momentum_error": "1"}
+        return plain(
+            {
+                **head(units, [without(dataclasses.asdict(n), "broken") for n in self.warnings]),
+                "case": self.case.name,
+                "step": float(self.run.time[1]) if self.run.time.size > 1 else self.waves.step,
+                "solver_step": self.waves.step,
+                "mismatch": self.waves.mismatch,
+                "bandwidth": self.case.solver.bandwidth.si if self.case.solver.bandwidth else None,
+                "error_bound": velocity,
+                "acceleration_error_bound": acceleration,
+                "momentum_error": self.run.momentum_error,
+                "layers": [dataclasses.asdict(layer) for layer in self.waves.layers],
+                "taps": taps,
+            }
+        )
+
+    def dataset(self) -> xarray.Dataset:
+        """Return all histories and the x-t field with units."""
+        import xarray
+
+        run, where = self.run, ("time", "tap")
+        stress = np.column_stack([self.stress(k) for k in range(len(self.taps))])
+        variables = {
+            "face_force": quantity("time", run.face_force, "N", "force on the first face"),
+            "rigid_acceleration": quantity("time", self.rigid, "m/s^2", "acceleration of the stack as one body"),
+            "tap_force": quantity(where, run.force, "N", "force at each tap"),
+            "tap_stress": quantity(where, stress, "Pa", "stress at each tap"),
+            "tap_velocity": quantity(where, run.velocity, "m/s", "velocity at each tap"),
+            "tap_acceleration": quantity(where, run.acceleration, "m/s^2", "acceleration at each tap"),
+            "field_force": quantity(("field_time", "field_place"), run.field_force, "N", "force along the stack"),
+            "field_position": quantity("field_place", run.field_position, "m", "distance from the first face"),
+        }
+        coordinates = {
+            "time": quantity("time", run.time, "s", "time after the start of the load"),
+            "field_time": quantity("field_time", run.field_time, "s", "time after the start of the load"),
+            "tap": ("tap", np.array([name for name, _ in self.taps], dtype=object)),
+        }
+        attributes = {
+            "strikewave_schema": SCHEMA,
+            "strikewave_version": __version__,
+            "case": dump_case(self.case),
+        }
+        return xarray.Dataset(variables, coordinates, attributes)
+
+    def table(self) -> str:
+        """Return the histories of all taps as CSV text, every column with its unit."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        units = (("force", "N"), ("stress", "Pa"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
+        writer.writerow(["time [s]", *(f"{name} {what} [{unit}]" for name, _ in self.taps for what, unit in units)])
+        columns = [self.run.time]
+        for k in range(len(self.taps)):
+            columns += [self.run.force[:, k], self.stress(k), self.run.velocity[:, k], self.run.acceleration[:, k]]
+        for row in zip(*columns, strict=True):
+            writer.writerow([f"{value:.9g}" for value in row])
+        return text.getvalue()
+
+    def save(self, path: Path) -> None:
+        """Write all histories as NetCDF."""
+        self.dataset().to_netcdf(path, engine="h5netcdf")
+
+
+def run_wave(case: Case) -> BarSolution:
+    """Run the stack of a case under its load.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If the case has no stack or load, or parts of it do not fit together.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> solution = run_wave(load_case("li-ma-2019-fig13-bar"))
+    >>> solution.run.momentum_error < 1e-9
+    True
+    """
+    stack, taps = build_stack(case), build_taps(case)
+    load = build_load(case, stack)
+    duration = need(case.solver.duration, "solver.duration", "how long to follow", 'add duration = "300 us"')
+    run = checked("solver", lambda: run_bar(stack, load, [tap for _, tap in taps], duration, wanted(case)))
+    rise = load_rise(run)
+    bandwidth = case.solver.bandwidth.si if case.solver.bandwidth else math.inf
+
+    def stated(acceleration: Array) -> Array:
+        if math.isinf(bandwidth):
+            return acceleration
+        return checked("solver.bandwidth", lambda: zero_phase(acceleration, float(run.time[1]), bandwidth, axis=0))
+
+    accuracy = run.relative_bound
+    run = dataclasses.replace(run, acceleration=stated(run.acceleration))
+    most, least, greatest = field_extremes(stack, run.field_position, run.field_force)
+    lasting = load.duration if isinstance(load, Pulse | Sampled) else float(run.touches[:, 1].max(initial=0.0))
+    listed = [
+        *_ledger(run),
+        *_jump(rise),
+        *(rise_notices(stack, rise, bandwidth, largest(run.acceleration.ravel())) if rise > 0.0 else ()),
+        *layer_notices(stack, most),
+        *joint_notices(stack, least, greatest),
+        *end_notices(stack, lasting),
+        *_missed_accuracy(case, accuracy[0]),
+    ]
+    quoted = rise > 0.0 and rise_in_diameters(stack, rise, bandwidth)[0] >= REFUSED
+    routes = {}
+    for name, tap in taps:
+        for route in ROUTES if specimen_of(stack, tap.layer) is not None else ():
+            wave = route_history(stack, tap.layer, tap.position, run.time, run.face_force, route)
+            routes[name, route] = wave._replace(acceleration=stated(wave.acceleration))
+    rigid = stated((run.face_force - run.end_force) / stack.mass)
+    _route_has_taps(case, routes)
+    origin = ("li-ma-2019",) if case.source.startswith("li-ma-2019") or routes else ()
+    return BarSolution(
+        case=case,
+        run=run,
+        taps=taps,
+        waves=wave_setup(stack, run.grid),
+        rigid=rigid,
+        routes=routes,
+        accuracy=accuracy,
+        quoted=quoted,
+        warnings=tuple(listed),
+        citations=(*origin, "kolsky-1963"),
+    )
+
+
+def _route_has_taps(case: Case, routes: dict[tuple[str, str], RouteHistory]) -> None:
+    if case.solver.route != EXACT and not routes:
+        raise InputError("solver.route", case.solver.route, EXACT, "no tap lies in a layer between two others")
+
+
+def load_rise(run: BarRun) -> float:
+    """Return the rise of the load from 10 to 90 % of its peak, s; 0 for a jump."""
+    if not isinstance(run.load, Impactor):
+        return run.load.rise_time
+    if run.load.contact is None:
+        return 0.0
+    force = np.concatenate([[0.0], run.face_force])
+    return measure_pulse(force, float(run.time[1])).rise if force.max() > 0.0 else 0.0
+
+
+def _jump(rise: float) -> list[Notice]:
+    if rise > 0.0:
+        return []
+    message = "the load jumps: velocities jump with it, and no finite peak acceleration exists; none is quoted"
+    return [Notice("discontinuous-load", message, rise, 0.0)]
+
+
+def _ledger(run: BarRun) -> list[Notice]:
+    if run.momentum_error <= LEDGER_LIMIT:
+        return []
+    message = f"the momentum ledger misses {run.momentum_error:.1e}"
+    return [Notice("momentum-ledger", message, run.momentum_error, LEDGER_LIMIT, broken=True)]
+
+
+def _missed_accuracy(case: Case, velocity: float) -> list[Notice]:
+    """Say where the wanted error could not be promised."""
+    asked = wanted(case)
+    if velocity <= asked.velocity:
+        return []
+    if math.isinf(velocity):
+        message = "no error bound: joints that open, or layers with a speed of their own, are beyond its theorem"
+        return [Notice("no-error-bound", message, math.inf, asked.velocity)]
+    why = "the step is that of the case" if asked.step else "no affordable step suits all transits"
+    message = f"the error bound of velocity is {velocity:.2g} of its peak instead of {asked.velocity:g}: {why}"
+    return [Notice("error-bound", message, velocity, asked.velocity)]

@@ -1,0 +1,83 @@
+"""``strikewave wave``: run a stack alone under its load."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_json, say, table
+from strikewave.cli.run import BROKEN, default_folder
+
+if TYPE_CHECKING:
+    from strikewave.bar import BarSolution
+
+
+def command(case: CaseName, changes: Changes = None, out: Out = None, force: Force = False, json: Json = False) -> int:
+    """Run a stack of layers under a load: force, stress, velocity and acceleration at its taps.
+
+    With --json, files are written only where --out says.
+    """
+    from strikewave.case import dump_case, load_case
+    from strikewave.files import check_place, whole_folder
+
+    begun = time.perf_counter()
+    read = load_case(case, changes or ())
+    text = dump_case(read)
+    folder = out or (None if json else default_folder(read, bool(changes), text))
+    if folder is not None:
+        check_place(folder, text, force)
+    from strikewave.bar import run_wave
+    from strikewave.compiled import is_cold
+
+    if is_cold():
+        say("compiling the kernels: once after install, about 20 s")
+    solution = run_wave(read)
+    if folder is not None:
+        with whole_folder(folder, text, force) as place:
+            write_result(solution, place, text)
+    if json:
+        print_json(solution.document(), indent=None)
+    else:
+        _print(solution)
+    if folder is not None:
+        say(f"written: {folder}/ (report.html, summary.svg, waves.nc, taps.csv, case.toml)")
+    say(f"done in {time.perf_counter() - begun:.2f} s")
+    return BROKEN if solution.broken else 0
+
+
+def write_result(solution: BarSolution, place: Path, text: str) -> None:
+    """Write the files of a result into a folder."""
+    from strikewave.figures import save
+    from strikewave.figures.bar import bar_summary
+    from strikewave.report import bar_report
+
+    solution.save(place / "waves.nc")
+    (place / "taps.csv").write_text(solution.table(), "utf-8")
+    (place / "case.toml").write_text(text, "utf-8")
+    save(bar_summary(solution), place / "summary.svg")
+    (place / "report.html").write_text(bar_report(solution), "utf-8", newline="\n")
+
+
+def _print(solution: BarSolution) -> None:
+    from strikewave.report.wave_chapters import error_words, tap_rows
+
+    stack = solution.run.stack
+    say(f"{solution.case.name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {stack.transit * 1e6:.4g} us")
+    columns = ["tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"]
+    rows = [[str(cell) for cell in row] for row in tap_rows(solution)]
+    table(f"{solution.title}: largest values at the taps", columns, rows, left=3)
+    used = [
+        [
+            layer.name,
+            number(layer.length_asked, "m", "mm", 7),
+            number(layer.length_used, "m", "mm", 7),
+            str(layer.steps),
+        ]
+        for layer in solution.waves.layers
+    ]
+    table("Layers as the time step makes them", ["layer", "asked (mm)", "used (mm)", "steps"], used)
+    say(error_words(solution))
+    say(f"ledger: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")
+    for notice in solution.warnings:
+        say(f"warning [{notice.code}]: {notice.message}")

@@ -1,0 +1,40 @@
+"""The JSON documents of the commands: what each begins with, and values fit for JSON."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from strikewave._version import __version__
+
+SCHEMA = 1
+"""Of every JSON document."""
+
+
+def head(units: dict[str, str], warnings: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
+    """Return the keys that every JSON document begins with."""
+    return {"schema": SCHEMA, "version": __version__, "units": units, "warnings": list(warnings)}
+
+
+def without(row: dict[str, Any], *keys: str) -> dict[str, Any]:
+    """Return a row without some keys."""
+    return {k: v for k, v in row.items() if k not in keys}
+
+
+def plain(value: Any) -> Any:
+    """Return nested data fit for JSON: numpy numbers become Python's, NaN and infinity become null.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> plain({"a": np.float64("nan"), "b": (1, 2.5)})
+    {'a': None, 'b': [1, 2.5]}
+    """
+    if isinstance(value, dict):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(v) for v in value]
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,312 @@
+"""The sections on stress waves and sensors: of a machine's first blow on a stack, and of a bar alone."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave.figures.waves import Trace, insertion_loss, traces, xt_diagram
+from strikewave.report.numbers import fixed, with_unit
+from strikewave.report.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.units import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from strikewave.bar import BarSolution
+    from strikewave.solution import Solution, WaveSetup
+
+_SINCE_TOUCH, _SINCE_LOAD = "time after first touch (µs)", "time after the start of the load (µs)"
+
+_PEAKS = (
+    "A peak is the value of largest magnitude, with its sign. Rigid is the momentum rate of the assembly over its "
+    "mass; total is what a perfect sensor at the section would read; wave is total less rigid, so that nothing is "
+    "counted twice."
+)
+_ROUTES = (
+    "The routes of Li & Ma 2019 take the neighbours of the specimen as endless, and are driven by the force on the "
+    "loaded face. As printed, echoes come back too early and a backward wave moves its section the wrong way; "
+    "corrected, both are mended. The paper then adds the wave to the rigid acceleration (superposed), which counts the "
+    "rigid motion twice. Exact is the finite stack itself."
+)
+
+
+def layer_table(setup: WaveSetup) -> Table:
+    """List the layers as asked for and as the time step made them."""
+    rows: list[list[Cell]] = [
+        [
+            layer.name,
+            written(layer.length_asked * 1e3, 7),
+            written(layer.length_used * 1e3, 7),
+            f"{layer.length_used / layer.length_asked - 1.0:+.1e}",
+            layer.steps,
+        ]
+        for layer in setup.layers
+    ]
+    caption = f"Layers as the time step of {setup.step * 1e9:.4g} ns makes them"
+    return Table(
+        caption, ["layer", "length asked (mm)", "length used (mm)", "difference", "steps of its transit"], rows
+    )
+
+
+def _edges(setup: WaveSetup) -> list[tuple[str, float]]:
+    ends = np.cumsum([layer.length_asked for layer in setup.layers])
+    return [(layer.name, float(end)) for layer, end in zip(setup.layers, ends, strict=True)]
+
+
+def stack_section(solution: Solution) -> list[Section]:
+    """Show rigid, total and wave acceleration of each blow, and the waves of the first one; nothing without a stack."""
+    setup = getattr(solution, "waves", None)
+    if setup is None:
+        return []
+    data, struck = solution.data, [k for k, reading in enumerate(solution.readings) if reading is not None]
+    if not struck or "tap_acceleration" not in data:
+        return [Section("Stress waves", "No blow touched the object: there are no waves to show.")]
+    first, names = struck[0], [str(name) for name in data["tap"].values]
+    reading = solution.readings[first]
+    assert reading is not None
+    route = solution.case.solver.route
+    band = "" if reading.bandwidth is None else f" at a bandwidth of {with_unit(reading.bandwidth, 'Hz', 'kHz', 3)}"
+    rows: list[list[Cell]] = []
+    for k in struck:
+        blow, seen = solution.blows[k], solution.readings[k]
+        assert seen is not None
+        numbers = (blow.rigid_peak, seen.total_peak, seen.wave_peak)
+        rows.append([str(blow.index), *(fixed(number, "m/s^2", "g", 0) for number in numbers)])
+    refused = reading.total_peak is None
+    text = f"{_PEAKS} Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
+    if refused:
+        text += " No peak of total and wave is quoted: see the warning on the rise."
+    parts: list[Part] = [
+        Table("Rigid, total and wave acceleration", ["blow", "rigid (g)", "total (g)", "wave (g)"], rows)
+    ]
+    time = data["pulse_time"].values
+    until = _settled(data["tap_force"].values[first])
+    curves = [
+        Trace(f"total, {name}", time[:until], data["tap_acceleration"].values[first, k, :until])
+        for k, name in enumerate(names[:3])
+    ]
+    curves.append(Trace("rigid", time[:until], data["rigid_acceleration_filtered"].values[first, :until]))
+    index = solution.blows[first].index
+    parts.append(
+        Picture(
+            traces(f"Total and rigid-body acceleration, blow {index}", curves, "g", _SINCE_TOUCH),
+            f"Total acceleration at the taps and rigid-body acceleration, both{band}; route: {route}.",
+        )
+    )
+    force = [Trace(name, time[:until], data["tap_force"].values[first, k, :until]) for k, name in enumerate(names[:4])]
+    force.append(Trace("contact", time[:until], data["pulse_force"].values[first, :until]))
+    parts.append(
+        Picture(
+            traces(f"Force in the stack, blow {index}", force, "kN", _SINCE_TOUCH),
+            f"Force in the stack at the taps, and the contact force that drives it; route: {route}.",
+        )
+    )
+    if "field_force" in data:
+        parts.append(
+            Picture(
+                xt_diagram(
+                    f"Force along the stack, blow {index}",
+                    data["field_time"].values,
+                    data["field_position"].values,
+                    data["field_force"].values,
+                    _edges(setup),
+                ),
+                "Force along the stack over time (exact): blue is compression, red tension; lines are faces of layers.",
+            )
+        )
+    sections = [Section("Stress waves", text, parts)]
+    waves = data["route_acceleration"].values
+    tap = next((k for k in range(len(names)) if np.isfinite(waves[:, k]).any()), None)
+    if tap is not None and route == "exact":
+        sections.append(_run_routes(solution, first, tap, until))
+    sections.append(Section("Accuracy of the waves", _mismatch_words(setup), [layer_table(setup)]))
+    return sections
+
+
+def _settled(force: Any) -> int:
+    """Return how many samples of a blow's window hold waves."""
+    return int(np.flatnonzero(np.isfinite(force).all(axis=0))[-1]) + 1
+
+
+def _run_routes(solution: Solution, first: int, tap: int, until: int) -> Section:
+    data = solution.data
+    time, name = data["pulse_time"].values[:until], str(data["tap"].values[tap])
+    rigid = data["rigid_acceleration_filtered"].values[first, :until]
+    exact = data["tap_acceleration"].values[first, tap, :until]
+    return _route_section(name, time, exact, rigid, data["route_acceleration"].values[:, tap, :until], _SINCE_TOUCH)
+
+
+def _route_section(name: str, time: Any, exact: Any, rigid: Any, waves: Any, since: str) -> Section:
+    """Set the paper's three routes beside the exact solution at one tap."""
+    printed, corrected = waves
+    curves = [
+        Trace("exact, total", time, exact),
+        Trace("as printed, wave", time, printed),
+        Trace("corrected, wave", time, corrected),
+        Trace("superposed: rigid + as printed", time, rigid + printed),
+    ]
+    rows: list[list[Cell]] = [[c.label, fixed(_largest(c.values), "m/s^2", "g", 0)] for c in curves]
+    return Section(
+        "The paper's routes beside the exact solution",
+        _ROUTES,
+        [
+            Picture(traces(f"Acceleration at {name} by four routes", curves, "g", since), f"Acceleration at {name}."),
+            Table(f"Largest acceleration at {name} by route", ["route", "peak (g)"], rows),
+        ],
+    )
+
+
+def _largest(values: Any) -> float:
+    finite = values[np.isfinite(values)]
+    return float(finite[np.argmax(np.abs(finite))]) if finite.size else math.nan
+
+
+def _mismatch_words(setup: WaveSetup) -> str:
+    return (
+        "Waves run on delay lines: exact but for the rounding of each transit to whole time steps. The largest "
+        f"relative difference of a transit is {setup.mismatch:.1e}."
+    )
+
+
+def sensor_section(solution: Solution) -> list[Section]:
+    """Show what each sensor made of the blows, and what its buffer takes off; nothing without sensors."""
+    tables = getattr(solution.case, "sensor", ())
+    readings = [reading for reading in getattr(solution, "readings", ()) or () if reading is not None]
+    if not tables or not readings:
+        return []
+    from strikewave.build import build_channels
+    from strikewave.sensors import insertion_loss as loss_of
+
+    channels, data = build_channels(solution.case), solution.data
+    struck = [k for k, reading in enumerate(solution.readings) if reading is not None]
+    rows: list[list[Cell]] = []
+    for k in struck:
+        seen = solution.readings[k]
+        assert seen is not None
+        for name, pulse in seen.sensors.items():
+            clipped = Tag("clipped", "bad") if pulse.clipped else Tag("no")
+            width = fixed(pulse.width, "s", "us", 1)
+            rows.append([str(solution.blows[k].index), name, fixed(pulse.peak, "m/s^2", "g", 0), width, clipped])
+    described: list[list[Cell]] = []
+    for channel in channels:
+        sensor, recorder = channel.sensor, channel.recorder
+        described.append(
+            [
+                sensor.name,
+                "direct" if sensor.mounting.direct else f"{len(sensor.mounting.gaskets)} gaskets",
+                _finite(sensor.resonance / 1e3),
+                _finite(sensor.range / STANDARD_GRAVITY),
+                _finite(recorder.sampling_rate / 1e3),
+                _finite(recorder.cutoff / 1e3),
+                str(recorder.bits or NONE),
+            ]
+        )
+    heads = ["sensor", "mounting", "resonance (kHz)", "range (g)", "sampling (kHz)", "filter (kHz)", "bits"]
+    curves = []
+    for k, channel in enumerate(channels):
+        values, start = data[f"reading_{k + 1}"], float(data[f"reading_{k + 1}_start"].values[struck[0]])
+        held = values.values[struck[0]]
+        curves.append(Trace(channel.sensor.name, start + float(values.attrs["step"]) * np.arange(held.size), held))
+    index = solution.blows[struck[0]].index
+    parts: list[Part] = [
+        Table("Sensors and their recorders", heads, described),
+        Picture(
+            traces(f"What the sensors read, blow {index}", curves, "g", _SINCE_TOUCH),
+            "Readings as the recorders kept them: mounting, resonance, range, filter, sampling and bits included.",
+        ),
+        Table("Sensor readings", ["blow", "sensor", "peak (g)", "width (µs)", "clipped"], rows),
+    ]
+    buffered = [channel.sensor for channel in channels if not channel.sensor.mounting.direct]
+    if buffered:
+        frequency = np.geomspace(1e3, 1e5, 201)
+        shown = np.array([1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5])
+        loss: list[list[Cell]] = [
+            [sensor.name, *(f"{value:.1f}" for value in loss_of(sensor.mounting, shown))] for sensor in buffered
+        ]
+        parts.append(
+            Picture(
+                insertion_loss([(s.name, frequency, loss_of(s.mounting, frequency)) for s in buffered]),
+                "What the buffer takes off the motion of the surface below it; below 0 it amplifies.",
+            )
+        )
+        parts.append(Table("Insertion loss (dB)", ["sensor", *(f"{f / 1e3:g} kHz" for f in shown)], loss))
+    return [Section("Sensors", "", parts)]
+
+
+def _finite(value: float) -> str:
+    return "none" if math.isinf(value) else written(value, 4)
+
+
+def tap_rows(solution: BarSolution) -> list[list[str]]:
+    """Return a row a tap with its largest values, for the route of the case."""
+    rows = []
+    for k, (name, tap) in enumerate(solution.taps):
+        peaks, layer = solution.peaks(k, solution.route), solution.run.stack.layers[tap.layer]
+        stress = None if peaks["force"] is None else peaks["force"] / layer.area
+        rows.append(
+            [
+                name,
+                solution.route,
+                layer.name,
+                f"{tap.position:g}",
+                fixed(peaks["force"], "N", "kN", 3),
+                fixed(stress, "Pa", "MPa", 2),
+                fixed(peaks["velocity"], "m/s", "m/s", 3),
+                fixed(peaks["acceleration"], "m/s^2", "g", 0),
+            ]
+        )
+    return rows
+
+
+def error_words(solution: BarSolution) -> str:
+    """Say how exact the waves of a bar are."""
+    velocity, acceleration = solution.accuracy
+    bounds = "no bound" if math.isinf(velocity) else f"velocity {velocity:.1e}, acceleration {acceleration:.1e}"
+    return (
+        f"error bound over the largest value at the taps: {bounds}; time step {solution.waves.step * 1e9:.4g} ns, "
+        f"largest mismatch of a transit {solution.waves.mismatch:.1e}"
+    )
+
+
+def bar_sections(solution: BarSolution) -> list[Section]:
+    """Show load, taps, x-t diagram, routes and accuracy of a bar alone."""
+    run, time = solution.run, solution.run.time
+    heads = ["tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"]
+    rows: list[list[Cell]] = [list(row) for row in tap_rows(solution)]
+    names = [name for name, _ in solution.taps[:4]]
+    parts: list[Part] = [Table("Largest values at the taps", heads, rows)]
+    force = [Trace(name, time, run.force[:, k]) for k, name in enumerate(names)]
+    speed = [Trace(name, time, run.velocity[:, k]) for k, name in enumerate(names)]
+    total = [Trace(name, time, run.acceleration[:, k]) for k, name in enumerate(names)]
+    parts += [
+        Picture(
+            traces("Force", [*force, Trace("first face", time, run.face_force)], "kN", _SINCE_LOAD),
+            "Force at the taps, and on the first face (exact).",
+        ),
+        Picture(traces("Velocity", speed, "m/s", _SINCE_LOAD), "Velocity at the taps (exact)."),
+        Picture(
+            traces("Acceleration", [*total, Trace("the whole stack", time, solution.rigid)], "g", _SINCE_LOAD),
+            "Acceleration at the taps (exact), and of the stack as one body.",
+        ),
+        Picture(
+            xt_diagram(
+                "Force along the stack",
+                run.field_time,
+                run.field_position,
+                run.field_force,
+                _edges(solution.waves),
+            ),
+            "Force along the stack over time (exact): blue is compression, red tension; lines are faces of layers.",
+        ),
+    ]
+    sections = [Section("Stress waves", "", parts)]
+    tap = next((k for k, (name, _) in enumerate(solution.taps) if (name, "corrected") in solution.routes), None)
+    if tap is not None:
+        name = solution.taps[tap][0]
+        waves = [solution.routes[name, route].acceleration for route in ("as printed", "corrected")]
+        sections.append(_route_section(name, time, run.acceleration[:, tap], solution.rigid, waves, _SINCE_LOAD))
+    words = error_words(solution)
+    words = words[0].upper() + words[1:]
+    sections.append(Section("Accuracy of the waves", f"{words}.", [layer_table(solution.waves)]))
+    return sections
