@@ -1,6 +1,7 @@
 """Markers by folder, fixed seeds, and one run of the published case shared by all tests."""
 
 import os
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -53,3 +54,20 @@ def solution(published):
 def environment(tmp_path):
     """An environment for child processes that keeps the kernel cache of this machine."""
     return {**os.environ, "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "160"}
+
+
+@pytest.fixture
+def strikewave(monkeypatch, capsys, tmp_path):
+    """Run a command in this process, in an empty folder; return exit code, stdout, stderr."""
+    from strikewave.cli import app
+
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["strikewave", *map(str, words)])
+        with pytest.raises(SystemExit) as stopped:
+            app.main()
+        captured = capsys.readouterr()
+        return stopped.value.code, captured.out, captured.err
+
+    return call

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import functools
 import io
 import math
 from dataclasses import dataclass, field
@@ -14,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.build import build_load, build_stack, build_taps, wanted
+from strikewave.build import build_channels, build_load, build_stack, build_taps, wanted
 from strikewave.build.stack import checked, need
 from strikewave.case import Case, dump_case
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
 from strikewave.errors import InputError
-from strikewave.readings import largest
+from strikewave.readings import Channel, SensorPulse, largest, sensor_pulse
+from strikewave.sensors import Reading, read
 from strikewave.signal.filters import zero_phase
 from strikewave.signal.pulse import measure_pulse
 from strikewave.solution import SCHEMA, Notice, WaveSetup, wave_setup
@@ -63,6 +65,10 @@ class BarSolution:
         Acceleration of the stack as one rigid body, m/s^2, at the times of the run.
     routes : dict
         By tap and route: what the paper's routes say, where the tap lies between two fixtures.
+    channels : tuple of Channel
+        The sensors.
+    readings : tuple of Reading
+        What their recorders kept; a sensor gets the acceleration before any filter.
     accuracy : (float, float)
         Error bounds of velocity and of acceleration (before any filter) over their largest values at the taps.
     quoted : bool
@@ -79,6 +85,8 @@ class BarSolution:
     waves: WaveSetup
     rigid: Array = field(repr=False)
     routes: dict[tuple[str, str], RouteHistory] = field(repr=False)
+    channels: tuple[Channel, ...]
+    readings: tuple[Reading, ...] = field(repr=False)
     accuracy: tuple[float, float]
     quoted: bool
     warnings: tuple[Notice, ...]
@@ -88,6 +96,12 @@ class BarSolution:
     def title(self) -> str:
         """The title of the case."""
         return self.case.title or self.case.name
+
+    @property
+    def sensors(self) -> dict[str, SensorPulse]:
+        """Peak, width and clipping of each sensor's reading."""
+        pairs = zip(self.channels, self.readings, strict=True)
+        return {channel.sensor.name: sensor_pulse(reading) for channel, reading in pairs}
 
     @property
     def broken(self) -> bool:
@@ -133,7 +147,14 @@ class BarSolution:
                 taps.append({**place, "time": self.run.time, **found._asdict(), "stress": found.force / layer.area})
         units = {"step": "s", "length_asked": "m", "length_used": "m", "position": "1", "time": "s", "force": "N"}
         units |= {"stress": "Pa", "velocity": "m/s", "acceleration": "m/s^2", "error_bound": "1", "bandwidth": "Hz"}
-        units |= {"acceleration_error_bound": "1", "solver_step": "s", "mismatch": "1", "momentum_error": "1"}
+        units |= {
+            "acceleration_error_bound": "1",
+            "solver_step": "s",
+            "mismatch": "1",
+            "momentum_error": "1",
+            "peak": "m/s^2",
+            "width": "s",
+        }
         return plain(
             {
                 **head(units, [without(dataclasses.asdict(n), "broken") for n in self.warnings]),
@@ -147,6 +168,7 @@ class BarSolution:
                 "momentum_error": self.run.momentum_error,
                 "layers": [dataclasses.asdict(layer) for layer in self.waves.layers],
                 "taps": taps,
+                "sensors": {name: dataclasses.asdict(pulse) for name, pulse in self.sensors.items()},
             }
         )
 
@@ -223,7 +245,14 @@ def run_wave(case: Case) -> BarSolution:
             return acceleration
         return checked("solver.bandwidth", lambda: zero_phase(acceleration, float(run.time[1]), bandwidth, axis=0))
 
-    accuracy = run.relative_bound
+    accuracy, channels = run.relative_bound, build_channels(case)
+    whole = (run.face_force - run.end_force) / stack.mass
+    readings = []
+    for channel in channels:
+        felt = whole if channel.tap is None else run.acceleration[:, channel.tap]
+        readings.append(
+            checked(f"sensor.{channel.sensor.name}", functools.partial(read, *channel[::2], felt, float(run.time[1])))
+        )
     run = dataclasses.replace(run, acceleration=stated(run.acceleration))
     most, least, greatest = field_extremes(stack, run.field_position, run.field_force)
     lasting = load.duration if isinstance(load, Pulse | Sampled) else float(run.touches[:, 1].max(initial=0.0))
@@ -242,7 +271,7 @@ def run_wave(case: Case) -> BarSolution:
         for route in ROUTES if specimen_of(stack, tap.layer) is not None else ():
             wave = route_history(stack, tap.layer, tap.position, run.time, run.face_force, route)
             routes[name, route] = wave._replace(acceleration=stated(wave.acceleration))
-    rigid = stated((run.face_force - run.end_force) / stack.mass)
+    rigid = stated(whole)
     _route_has_taps(case, routes)
     origin = ("li-ma-2019",) if case.source.startswith("li-ma-2019") or routes else ()
     return BarSolution(
@@ -252,6 +281,8 @@ def run_wave(case: Case) -> BarSolution:
         waves=wave_setup(stack, run.grid),
         rigid=rigid,
         routes=routes,
+        channels=channels,
+        readings=tuple(readings),
         accuracy=accuracy,
         quoted=quoted,
         warnings=tuple(listed),

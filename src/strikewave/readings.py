@@ -164,6 +164,14 @@ def blow_history(run: RotaryRun, blow: Blow, view: View) -> BlowHistory:
     return BlowHistory(since, rigid, force, speed, total, tuple(readings), routes)
 
 
+def sensor_pulse(reading: Reading) -> SensorPulse:
+    """Return peak, width and clipping of a reading."""
+    values = reading.values
+    interval = float(reading.time[1] - reading.time[0]) if values.size > 1 else math.nan
+    width = measure_pulse(values, interval).width if values.size > 2 and values.max() > 0.0 else math.nan
+    return SensorPulse(largest(values), width, reading.clipped)
+
+
 def without_peaks(reading: BlowReading) -> BlowReading:
     """Return a reading without the peaks that may not be quoted."""
     return replace(reading, total_peak=None, wave_peak=None)
@@ -171,12 +179,8 @@ def without_peaks(reading: BlowReading) -> BlowReading:
 
 def blow_reading(history: BlowHistory, view: View) -> BlowReading:
     """Return the peaks of a blow's history."""
-    sensors = {}
-    for channel, reading in zip(view.channels, history.readings, strict=True):
-        values = reading.values
-        interval = float(reading.time[1] - reading.time[0]) if values.size > 1 else math.nan
-        width = measure_pulse(values, interval).width if values.size > 2 and values.max() > 0.0 else math.nan
-        sensors[channel.sensor.name] = SensorPulse(largest(values), width, reading.clipped)
+    pairs = zip(view.channels, history.readings, strict=True)
+    sensors = {channel.sensor.name: sensor_pulse(reading) for channel, reading in pairs}
     if not len(history.total):
         return BlowReading(None, None, None, sensors)
     return BlowReading(largest(history.total[0]), largest(history.total[0] - history.rigid), view.bandwidth, sensors)

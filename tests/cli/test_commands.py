@@ -11,24 +11,6 @@ from xml.etree import ElementTree
 
 import pytest
 
-from strikewave.cli import app
-
-
-@pytest.fixture
-def strikewave(monkeypatch, capsys, tmp_path):
-    """Run a command in this process, in an empty folder; return exit code, stdout, stderr."""
-    monkeypatch.chdir(tmp_path)
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["strikewave", *map(str, words)])
-        with pytest.raises(SystemExit) as stopped:
-            app.main()
-        captured = capsys.readouterr()
-        return stopped.value.code, captured.out, captured.err
-
-    return call
-
-
 BLOW_KEYS = {
     "index", "kind", "time", "contacts", "approach_speed", "rebound_speed", "impulse", "peak_force", "rigid_peak", "width",
     "velocity_change", "wave_peak", "total_peak", "bandwidth", "turntable_speed", "sensors",
@@ -40,7 +22,7 @@ def test_run_json_has_exactly_its_keys(strikewave, tmp_path):
     assert code == 0
     document = json.loads(out)
     assert set(document) == {
-        "schema", "version", "units", "warnings", "case", "blows", "masses", "phases", "ledger", "published", "fitted_fields",
+        "schema", "version", "units", "warnings", "case", "route", "blows", "masses", "phases", "ledger", "published", "fitted_fields",
     }  # fmt: skip
     assert all(set(blow) == BLOW_KEYS for blow in document["blows"])
     assert set(document["masses"]) == {"striker", "object", "assembly"}

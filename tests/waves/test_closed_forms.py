@@ -358,7 +358,7 @@ def scipy_striker(law, mass, speed, z, transit, t):
     The backward wave at the face is M(t) = -P(t - 2 T), P = F - M, known from the interval before; an infinite T
     is a matched bar.
     """
-    period = min(2 * transit, t[-1])
+    period = min(2 * transit, 1.01 * t[-1])
     pieces = []
 
     def backward(k, s):
@@ -403,7 +403,7 @@ def scipy_striker(law, mass, speed, z, transit, t):
         (0.1, (4.7e9, 10 / 9, 0.0)),
         (0.1, (4.7e9, 10 / 9, 0.6)),
         (0.1, (5e10, 1.5, 0.8)),
-        (0.5, (2e11, 1.5, 0.0)),
+        (1.0, (2e11, 1.5, 0.0)),
     ],
     ids=["elastic line", "lossy line", "lossy point", "heavy striker"],
 )
@@ -411,7 +411,7 @@ def scipy_striker(law, mass, speed, z, transit, t):
 def test_contact_law_on_a_bar(mass, law, length):
     """A striker at 4 m/s against scipy: second order, at 5 ns a few 1e-7 of the peak force.
 
-    On a short free bar the waves come back several times while the contact lasts; a heavy striker touches it twice.
+    On a short free bar the waves come back several times while the contact lasts.
     The order is not met to the last digit: a release lies anywhere within its step.
     """
     speed, until = 4.0, 60e-6
@@ -426,6 +426,7 @@ def test_contact_law_on_a_bar(mass, law, length):
         found = run.face_force[:: round(STEPS[0] / step)][: len(times)]
         errors.append(np.abs(found - expected).max() / expected.max())
     assert_second_order(errors, 0.05)
-    assert errors[-1] < 3e-7, errors
-    if length == "short" and mass == 0.5:
-        assert len(run.touches) == 2
+    assert errors[-1] < 2e-7, errors
+    ends = times[np.flatnonzero(expected)[-1]]
+    if ends < times[-1]:
+        assert ends <= run.touches[-1, 1] <= ends + STEPS[0]

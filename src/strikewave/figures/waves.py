@@ -110,13 +110,12 @@ def xt_diagram(title: str, time: Array, position: Array, force: Array, edges: Se
     axes = figure.add_subplot()
     most = float(np.abs(force).max()) / 1e3 or 1.0
     mesh = axes.pcolormesh(
-        time * 1e6,
-        position * 1e3,
+        _edges(time) * 1e6,
+        _edges(position) * 1e3,
         force.T / 1e3,
         cmap="RdBu",
         vmin=-most,
         vmax=most,
-        shading="nearest",
         rasterized=True,
     )
     begin = 0.0
@@ -140,6 +139,11 @@ def xt_diagram(title: str, time: Array, position: Array, force: Array, edges: Se
     axes.set_ylabel("distance from the loaded face (mm)")
     axes.invert_yaxis()
     return figure
+
+
+def _edges(centres: Array) -> Array:
+    """Return the edges of cells about their centres; both sides of a joint have the same place and share an edge."""
+    return np.concatenate([centres[:1], 0.5 * (centres[1:] + centres[:-1]), centres[-1:]])
 
 
 def insertion_loss(curves: Sequence[tuple[str, Array, Array]]) -> Figure:

@@ -10,10 +10,16 @@ import numpy as np
 from strikewave.figures.waves import Trace, insertion_loss, traces, xt_diagram
 from strikewave.report.numbers import fixed, with_unit
 from strikewave.report.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.sensors import insertion_loss as loss_of
 from strikewave.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.figure import Figure
+
     from strikewave.bar import BarSolution
+    from strikewave.readings import Channel
     from strikewave.solution import Solution, WaveSetup
 
 _SINCE_TOUCH, _SINCE_LOAD = "time after first touch (µs)", "time after the start of the load (µs)"
@@ -176,7 +182,6 @@ def sensor_section(solution: Solution) -> list[Section]:
     if not tables or not readings:
         return []
     from strikewave.build import build_channels
-    from strikewave.sensors import insertion_loss as loss_of
 
     channels, data = build_channels(solution.case), solution.data
     struck = [k for k, reading in enumerate(solution.readings) if reading is not None]
@@ -188,9 +193,21 @@ def sensor_section(solution: Solution) -> list[Section]:
             clipped = Tag("clipped", "bad") if pulse.clipped else Tag("no")
             width = fixed(pulse.width, "s", "us", 1)
             rows.append([str(solution.blows[k].index), name, fixed(pulse.peak, "m/s^2", "g", 0), width, clipped])
+    curves = []
+    for k, channel in enumerate(channels):
+        values, start = data[f"reading_{k + 1}"], float(data[f"reading_{k + 1}_start"].values[struck[0]])
+        held = values.values[struck[0]]
+        curves.append(Trace(channel.sensor.name, start + float(values.attrs["step"]) * np.arange(held.size), held))
+    index = solution.blows[struck[0]].index
+    picture = traces(f"What the sensors read, blow {index}", curves, "g", _SINCE_TOUCH)
+    table = Table("Sensor readings", ["blow", "sensor", "peak (g)", "width (µs)", "clipped"], rows)
+    return [_sensors(channels, picture, table)]
+
+
+def _sensors(channels: Sequence[Channel], picture: Figure, readings: Table) -> Section:
+    """Describe the sensors, show what they read, and what their buffers take off."""
     described: list[list[Cell]] = []
-    for channel in channels:
-        sensor, recorder = channel.sensor, channel.recorder
+    for sensor, _, recorder in channels:
         described.append(
             [
                 sensor.name,
@@ -203,35 +220,30 @@ def sensor_section(solution: Solution) -> list[Section]:
             ]
         )
     heads = ["sensor", "mounting", "resonance (kHz)", "range (g)", "sampling (kHz)", "filter (kHz)", "bits"]
-    curves = []
-    for k, channel in enumerate(channels):
-        values, start = data[f"reading_{k + 1}"], float(data[f"reading_{k + 1}_start"].values[struck[0]])
-        held = values.values[struck[0]]
-        curves.append(Trace(channel.sensor.name, start + float(values.attrs["step"]) * np.arange(held.size), held))
-    index = solution.blows[struck[0]].index
-    parts: list[Part] = [
-        Table("Sensors and their recorders", heads, described),
-        Picture(
-            traces(f"What the sensors read, blow {index}", curves, "g", _SINCE_TOUCH),
-            "Readings as the recorders kept them: mounting, resonance, range, filter, sampling and bits included.",
-        ),
-        Table("Sensor readings", ["blow", "sensor", "peak (g)", "width (µs)", "clipped"], rows),
-    ]
+    words = "Readings as the recorders kept them: mounting, resonance, range, filter, sampling and bits included."
+    parts: list[Part] = [Table("Sensors and their recorders", heads, described), Picture(picture, words), readings]
     buffered = [channel.sensor for channel in channels if not channel.sensor.mounting.direct]
     if buffered:
         frequency = np.geomspace(1e3, 1e5, 201)
-        shown = np.array([1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5])
-        loss: list[list[Cell]] = [
-            [sensor.name, *(f"{value:.1f}" for value in loss_of(sensor.mounting, shown))] for sensor in buffered
-        ]
-        parts.append(
-            Picture(
-                insertion_loss([(s.name, frequency, loss_of(s.mounting, frequency)) for s in buffered]),
-                "What the buffer takes off the motion of the surface below it; below 0 it amplifies.",
-            )
-        )
-        parts.append(Table("Insertion loss (dB)", ["sensor", *(f"{f / 1e3:g} kHz" for f in shown)], loss))
-    return [Section("Sensors", "", parts)]
+        curves = [(sensor.name, frequency, loss_of(sensor.mounting, frequency)) for sensor in buffered]
+        words = "What the buffer takes off the motion of the surface below it; below 0 it amplifies."
+        parts += [Picture(insertion_loss(curves), words), loss_table(channels)]
+    return Section("Sensors", "", parts)
+
+
+LOSS_FREQUENCIES = (1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5)
+"""Where the insertion loss of a buffer is listed, Hz."""
+
+
+def loss_table(channels: Sequence[Channel]) -> Table:
+    """List the insertion loss of the buffered sensors."""
+    shown = np.array(LOSS_FREQUENCIES)
+    rows: list[list[Cell]] = [
+        [sensor.name, *(f"{value:.1f}" for value in loss_of(sensor.mounting, shown))]
+        for sensor, _, _ in channels
+        if not sensor.mounting.direct
+    ]
+    return Table("Insertion loss (dB)", ["sensor", *(f"{f / 1e3:g} kHz" for f in shown)], rows)
 
 
 def _finite(value: float) -> str:
@@ -301,6 +313,23 @@ def bar_sections(solution: BarSolution) -> list[Section]:
         ),
     ]
     sections = [Section("Stress waves", "", parts)]
+    if solution.channels:
+        read = [
+            Trace(channel.sensor.name, reading.time, reading.values)
+            for channel, reading in zip(solution.channels, solution.readings, strict=True)
+        ]
+        pulses: list[list[Cell]] = [
+            [
+                name,
+                fixed(pulse.peak, "m/s^2", "g", 0),
+                fixed(pulse.width, "s", "us", 1),
+                Tag("clipped", "bad") if pulse.clipped else Tag("no"),
+            ]
+            for name, pulse in solution.sensors.items()
+        ]
+        picture = traces("What the sensors read", read, "g", _SINCE_LOAD)
+        table = Table("Sensor readings", ["sensor", "peak (g)", "width (µs)", "clipped"], pulses)
+        sections.append(_sensors(solution.channels, picture, table))
     tap = next((k for k, (name, _) in enumerate(solution.taps) if (name, "corrected") in solution.routes), None)
     if tap is not None:
         name = solution.taps[tap][0]
