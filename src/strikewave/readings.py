@@ -105,19 +105,20 @@ class BlowHistory(NamedTuple):
 
 
 def largest(values: Array) -> float:
-    """Return the value of largest magnitude, with its sign, between samples by a parabola.
+    """Return the value of largest magnitude, with its sign, between samples by a parabola; NaN is passed over.
 
     Examples
     --------
     >>> largest(np.array([1.0, -3.0, 2.0, -3.0, -4.0, -3.0]))
     -4.0
     """
+    values = values[np.isfinite(values)]
     sign = 1.0 if values.max() >= -values.min() else -1.0
     return sign * refine_peak(sign * values, int(np.argmax(sign * values)))[1]
 
 
-def blow_history(run: RotaryRun, blow: Blow, view: View) -> BlowHistory:
-    """Return what taps and sensors show of a blow that touched.
+def blow_history(run: RotaryRun, blow: Blow, view: View, routes: bool = False) -> BlowHistory:
+    """Return what taps and sensors show of a blow that touched; with ``routes``, also by those of the paper.
 
     Before first touch everything moves as the rigid assembly does; the history ends with the blow's window,
     or where a stack has settled. By a route of the paper, total is the rigid acceleration and the wave's on
@@ -131,7 +132,7 @@ def blow_history(run: RotaryRun, blow: Blow, view: View) -> BlowHistory:
     after = math.floor((last - blow.time) / step + 1e-9)
     since = step * np.arange(-before, after + 1, dtype=np.float64)
     moments = run.sample(np.minimum(blow.time + since, last))
-    rigid, routes = moments.rigid_acceleration, {}
+    rigid, by_route = moments.rigid_acceleration, {}
     taps = layered.taps if layered else ()
     force, speed, total = (np.zeros((len(taps), since.size)) for _ in range(3))
     for k, (layer, position) in enumerate(taps):
@@ -145,8 +146,10 @@ def blow_history(run: RotaryRun, blow: Blow, view: View) -> BlowHistory:
         if specimen_of(layered.stack, layer) is None:
             continue
         for route in ROUTES:
+            if not routes and route != view.route:
+                continue
             wave = route_history(layered.stack, layer, position, since, moments.contact_force, route)
-            routes[k, route] = wave.acceleration
+            by_route[k, route] = wave.acceleration
             if route == view.route:
                 force[k], speed[k] = wave.force, moments.object_speed + wave.velocity
                 total[k] = superposed(rigid, wave.acceleration)
@@ -159,9 +162,12 @@ def blow_history(run: RotaryRun, blow: Blow, view: View) -> BlowHistory:
         phase = 0.0 if math.isinf(rate) else min(math.ceil(at) - at, 1.0 - 1e-9)
         readings.append(read(channel.sensor, channel.recorder, felt, step, start, phase))
     if taps:
-        rigid, total = zero_phase(rigid, step, view.bandwidth), zero_phase(total, step, view.bandwidth)
-        routes = {key: zero_phase(values, step, view.bandwidth) for key, values in routes.items()}
-    return BlowHistory(since, rigid, force, speed, total, tuple(readings), routes)
+        filtered = zero_phase(np.vstack([rigid, total, *by_route.values()]), step, view.bandwidth)
+        # near the end the filter would need what comes after the stack has been let go
+        filtered[:, since > since[-1] - min(1.0 / view.bandwidth, 0.5 * since[-1])] = np.nan
+        rigid, total = filtered[0], filtered[1 : len(taps) + 1]
+        by_route = dict(zip(by_route, filtered[len(taps) + 1 :], strict=True))
+    return BlowHistory(since, rigid, force, speed, total, tuple(readings), by_route)
 
 
 def sensor_pulse(reading: Reading) -> SensorPulse:

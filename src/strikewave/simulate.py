@@ -90,7 +90,10 @@ def observe(case: Case, progress: Callable[[float], None] | None = None) -> Obse
     view = View(build_channels(case), stated_bandwidth(case, stack), case.rig().recorder.begin, route)
     run = run_rotary(machine, case.solver.tolerance.si, progress)
     found = blows(run)
-    histories = tuple(None if blow.kind == "missed" else blow_history(run, blow, view) for blow in found)
+    first = next((blow for blow in found if blow.kind != "missed"), None)
+    histories = tuple(
+        None if blow.kind == "missed" else blow_history(run, blow, view, routes=blow is first) for blow in found
+    )
     readings = tuple(history and blow_reading(history, view) for history in histories)
     return Observed(run, found, view, tuple(name for name, _ in taps), histories, readings)
 

@@ -53,7 +53,7 @@ FIRST, SECOND = 3, 4
 
 INERTIA, RADIUS, SET_SPEED, GAIN, TORQUE, DRAG = 0, 1, 2, 3, 4, 5
 VALVE_DELAY, STROKE, STROKE_TIME, RELEASE_DELAY, RETRACT_TIME = 6, 7, 8, 9, 10
-BLOWS, LAYERED = 11, 12
+BLOWS, LAYERED, PITCH_SINE, PITCH_COSINE = 11, 12, 13, 14
 """Places in `RotarySystem.settings`, SI."""
 
 
@@ -110,9 +110,11 @@ def place_bases(system, t, y, mode, memory):
     links, angle = system.joins.shape[0], 2 * system.bodies.shape[0]
     strikers, radius = bases.shape[1] - 1, settings[RADIUS]
     theta, speed = y[angle], y[angle + 1]
+    sine, cosine = math.sin(theta), math.cos(theta)
+    turn_sine, turn_cosine = settings[PITCH_SINE], settings[PITCH_COSINE]
     for i in range(strikers):
-        p = theta - i * 2.0 * math.pi / strikers
-        sine, cosine = math.sin(p), math.cos(p)
+        if i > 0:
+            sine, cosine = sine * turn_cosine - cosine * turn_sine, cosine * turn_cosine + sine * turn_sine
         bases[PLACE, i] = radius * (cosine - 1.0)
         bases[SPEED, i] = -radius * sine * speed
         bases[FIRST, i], bases[SECOND, i] = -radius * sine, -radius * cosine

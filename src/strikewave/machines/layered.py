@@ -50,8 +50,8 @@ SAMPLE_STEP = 0.1e-6
 """Spacing of what is kept of a blow, s."""
 LONGEST_BLOW = 10e-3
 """A blow in touch for longer than this is refused, s."""
-MISMATCH = 1e-5
-LARGEST_STEP, SMALLEST_STEP = 40e-9, 10e-9
+MISMATCH = 1e-4
+LARGEST_STEP, SMALLEST_STEP = 40e-9, 20e-9
 """Wanted mismatch of the transits, and steps to try, s."""
 _MOST_TOUCHES, _MOST_SWITCHES = 64, 16
 

@@ -184,7 +184,7 @@ def rotary_system(machine: RotaryMachine) -> RotarySystem:
     tables = link_arrays(links, nodes)
     settings = [disc.inertia, disc.radius, disc.speed, disc.speed_gain, disc.torque, disc.drag]
     settings += [feed.valve_delay, feed.stroke, feed.stroke_time, feed.release_delay, feed.retract_time, feed.blows]
-    settings.append(0.0 if machine.layered is None else 1.0)
+    settings += [0.0 if machine.layered is None else 1.0, math.sin(machine.pitch), math.cos(machine.pitch)]
     return RotarySystem(bodies, np.zeros((5, count + 1)), tables.joins, tables.values, np.array(settings))
 
 

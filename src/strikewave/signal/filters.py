@@ -6,6 +6,7 @@ cutoff W_c and order n. Second-order sections, so that low cutoffs keep their di
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -109,7 +110,11 @@ def _butterworth(cutoff: float, step: float, order: int, widened: float = 1.0) -
             f"the cutoff must lie above zero and below half the sampling rate, {0.5 / step:g} Hz, got {cutoff:g} Hz: "
             "take a lower cutoff or a finer step"
         )
-    share = 2.0 / math.pi * math.atan(widened * math.tan(math.pi * cutoff * step))
+    return _sections(order, 2.0 / math.pi * math.atan(widened * math.tan(math.pi * cutoff * step)))
+
+
+@functools.lru_cache(maxsize=64)
+def _sections(order: int, share: float) -> Array:
     return np.asarray(signal.butter(order, share, output="sos"))
 
 

@@ -292,8 +292,9 @@ def _count(sandwich: Sandwich, times: ArrayLike, transfers: int | None) -> int:
 def _added(sandwich: Sandwich, history: History, times: ArrayLike, waves: list[tuple[float, float]]) -> Floats:
     """Return the sum of waves, each a delay over t0 and a factor on the history, zero until it comes."""
     total = np.zeros_like(times, dtype=float)
+    least = 1e-17 * max((abs(factor) for _, factor in waves), default=0.0)  # lost in rounding
     for transits, factor in waves:
-        if factor != 0.0:
+        if abs(factor) > least:
             later = np.asarray(times) - transits * sandwich.transit
             total = total + factor * np.where(later > 0.0, history(np.maximum(later, 0.0)), 0.0)
     return total

@@ -1,0 +1,335 @@
+"""Transits that are no whole number of steps: how the error falls, and that the printed bound holds.
+
+References are the same stacks on a fine step on which every transit is whole by construction, so that only
+the rounding of the coarse one is seen.
+"""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from strikewave.materials import material
+from strikewave.waves import (
+    BONDED,
+    Branch,
+    End,
+    Joint,
+    Layer,
+    Pulse,
+    Sampled,
+    Stack,
+    Tap,
+    Wanted,
+    choose_grid,
+    grid_of,
+    round_bar,
+    run_bar,
+)
+
+FINE = 1e-9
+
+
+def timed(name, impedance, transit):
+    """Return a layer by impedance and transit time; unit density and area, so that Z = c."""
+    return Layer(name, 1.0, impedance * impedance, 1.0, transit * impedance)
+
+
+def timed_stack(impedances, transits, joints, end):
+    layers = tuple(timed(f"{k}", z, t) for k, (z, t) in enumerate(zip(impedances, transits, strict=True)))
+    return Stack(layers, tuple(joints), end)
+
+
+JOINTS = {
+    "bonded": (BONDED, BONDED),
+    "compliant": (Joint(2e10), Joint(1e10, 2e3)),
+    "gasket": (Joint(1e10, branches=(Branch(1e10, 2e-6),)), Joint(8e9, branches=(Branch(5e9, 9e-6),))),
+}
+
+
+@pytest.mark.parametrize("kind", JOINTS)
+@pytest.mark.parametrize("end", ["free", "matched", "rigid"])
+def test_error_falls_with_the_step(kind, end):
+    """First order: transits of 10, 17.4 and 13.4 steps keep their fraction .4 when the step is divided by 6."""
+    coarse = 2e-7
+    stack = timed_stack([3e4, 1e4, 2e4], [10 * coarse, 17.4 * coarse, 13.4 * coarse], JOINTS[kind], End(end))
+    load = Pulse("sine-squared", 1e4, 30e-6)
+    taps = [Tap(0, 0.0), Tap(1, 0.0), Tap(2, 0.0)]
+    # .4 of a step is whole at a fifth of it; smaller still, so that the trapezoidal rule leaves nothing
+    whole = coarse / 6**2 / 10
+    reference = run_bar(stack, load, taps, 80e-6, Wanted(step=whole))
+    assert reference.grid.mismatch < 1e-12
+    velocity, acceleration, mismatch = [], [], []
+    for k in range(3):
+        run = run_bar(stack, load, taps, 80e-6, Wanted(step=coarse / 6**k))
+        exact = reference.velocity[:: round(run.grid.step / whole)][: len(run.time)]
+        velocity.append(np.abs(run.velocity - exact).max())
+        # the same central difference of both: what it smears is no error of rounding
+        rate = (exact[2:] - exact[:-2]) / (2 * run.grid.step)
+        acceleration.append(np.abs(run.acceleration[1:-1] - rate).max())
+        # it overstates, but not so much as to be of no use
+        assert 0.01 < velocity[-1] / run.bound.velocity <= 1.0
+        assert 0.002 < acceleration[-1] / run.bound.acceleration <= 1.0
+        mismatch.append(run.grid.mismatch)
+    assert mismatch == pytest.approx([0.4 / 13.4, 0.4 / 80.4, 0.4 / 482.4], rel=1e-9)
+    # the acceleration has corners where the pulse begins and ends; its largest error sits beside one, at a sample
+    for errors, near in ((velocity, 0.01), (acceleration, 0.05)):
+        found = np.log(np.asarray(errors[:-1]) / errors[1:]) / math.log(6)
+        assert abs(found[-1] - 1.0) < near, f"orders {found}, errors {errors}"
+
+
+@st.composite
+def rounded_stacks(draw):
+    """Random stacks whose transits are whole at FINE, a smooth load, taps, and a coarser step that rounds them."""
+    count = draw(st.integers(2, 5))
+    base = draw(st.lists(st.integers(200, 6000), min_size=count, max_size=count))
+    z = [1e4 * 10.0**x for x in draw(st.lists(st.floats(-1.0, 1.0), min_size=count, max_size=count))]
+    joints, shortest = [], FINE * sum(base)
+    for before, after in itertools.pairwise(z):
+        kind = draw(st.sampled_from(["bonded", "compliant", "gasket"]))
+        y = 1 / before + 1 / after
+        relaxation = 10.0 ** draw(st.floats(-6.0, -4.5))
+        stiffness = 1 / (y * relaxation)
+        if kind == "bonded":
+            joints.append(BONDED)
+            continue
+        shortest = min(shortest, 20 * relaxation)
+        if kind == "compliant":
+            joints.append(Joint(stiffness, draw(st.floats(0.0, 2.0)) / y))
+        else:
+            tau = 10.0 ** draw(st.floats(-6.0, -4.0))
+            joints.append(Joint(stiffness, branches=(Branch(stiffness * draw(st.floats(0.1, 3.0)), tau),)))
+    kind = draw(st.sampled_from(["free", "matched", "rigid", "mass", "spring", "dashpot"]))
+    lasting = 10.0 ** draw(st.floats(-6.0, -4.0))
+    value = {"mass": z[-1] * lasting, "spring": z[-1] / lasting, "dashpot": z[-1] * 1e5 * lasting}.get(kind, 0.0)
+    stack = timed_stack(z, [FINE * n for n in base], joints, End(kind, value))
+    load = Pulse("sine-squared", 1e4, draw(st.floats(10e-6, 80e-6)))
+    places = st.tuples(st.integers(0, count - 1), st.sampled_from([0.0, 1.0]) | st.floats(0.0, 1.0))
+    taps = [Tap(*place) for place in draw(st.lists(places, min_size=1, max_size=3))]
+    duration = draw(st.floats(20e-6, 120e-6))
+    # a fiftieth of what must be resolved, as a run takes at most when it chooses
+    largest = min(shortest, load.rise_time, duration) / 50.0
+    most = max(2, min(int(largest / FINE), *base))
+    return stack, load, taps, duration, draw(st.integers(max(2, most // 2), most))
+
+
+@settings(max_examples=60)
+@given(rounded_stacks())
+def test_bound_is_never_exceeded(case):
+    """Rounding alone never does more than the bound; with the trapezoidal rule, 1e-3 and 1e-2 of the peak more.
+
+    What rounding does is seen between two fine runs: of the stack, and of the lengths that the coarse grid gives it.
+    """
+    stack, load, taps, duration, ratio = case
+    step = ratio * FINE
+    run = run_bar(stack, load, taps, duration, Wanted(step=step))
+    assume(run.grid.mismatch > 0.0)
+    exact = run_bar(stack, load, taps, duration + 2 * step, Wanted(step=FINE))
+    assert exact.grid.mismatch < 1e-12
+    transits = [n * step for n in run.grid.counts]
+    other = timed_stack([x.impedance for x in stack.layers], transits, stack.joints, stack.end)
+    assert [x.length for x in other.layers] == pytest.approx(run.grid.lengths(stack), rel=1e-12)
+    rounded = run_bar(other, load, taps, duration + 2 * step, Wanted(step=FINE))
+    assert rounded.grid.mismatch < 1e-12
+    velocity = np.abs(rounded.velocity - exact.velocity).max()
+    acceleration = np.abs(rounded.acceleration - exact.acceleration)[1:].max()
+    assert velocity <= run.bound.velocity
+    assert acceleration <= run.bound.acceleration
+    n = len(run.time)
+    found, peak = exact.velocity[::ratio][:n], np.abs(exact.velocity).max()
+    assert np.abs(run.velocity - found).max() <= run.bound.velocity + 1e-3 * peak
+    found, peak = exact.acceleration[::ratio][:n], np.abs(exact.acceleration).max()
+    assert np.abs(run.acceleration - found)[1:].max() <= run.bound.acceleration + 1e-2 * peak
+
+
+THREE = (
+    round_bar("steel", material("65Mn"), 0.0703, 0.03),
+    round_bar("aluminium", material("2A12"), 0.0371, 0.03),
+    round_bar("end", material("45 steel"), 0.0519, 0.025),
+)
+
+
+@pytest.mark.parametrize(
+    "joints", [(BONDED, BONDED), (Joint(5e9), Joint(3e9, branches=(Branch(3e9, 5e-6),)))], ids=["bonded", "held"]
+)
+def test_default_reaches_what_it_promises(joints):
+    """Three layers without a common step: 1e-3 of the velocity, 1e-2 of the acceleration, by bound and by error.
+
+    The reference has a mismatch at least ten times smaller.
+    """
+    stack, load = Stack(THREE, joints), Pulse("sine-squared", 2e4, 100e-6)
+    taps = [Tap(2, 1.0), Tap(0, 0.37)]
+    run = run_bar(stack, load, taps, 300e-6)
+    assert run.grid.mismatch > 0.0
+    assert run.relative_bound[0] <= 1e-3
+    assert run.relative_bound[1] <= 1e-2
+    grid = choose_grid(stack, run.grid.mismatch / 10, 4e-9, 2e-10)
+    fine = run_bar(stack, load, taps, 301e-6, Wanted(step=grid.step))
+    assert fine.grid.mismatch <= 0.1 * run.grid.mismatch
+    for name, share in (("velocity", 1e-3), ("acceleration", 1e-2)):
+        found, exact = getattr(run, name), getattr(fine, name)
+        for k in range(len(taps)):
+            error = np.abs(found[1:, k] - np.interp(run.time[1:], fine.time, exact[:, k])).max()
+            assert error <= share * np.abs(exact).max(), (name, k)
+
+
+def test_asking_for_more_gives_more():
+    """A hundredth of the error asked for: the bound keeps it."""
+    stack, load = Stack(THREE, (BONDED, BONDED)), Pulse("sine-squared", 2e4, 100e-6)
+    run = run_bar(stack, load, [Tap(2, 1.0)], 150e-6, Wanted(1e-5, 1e-4))
+    assert run.relative_bound[0] <= 1e-5
+    assert run.relative_bound[1] <= 1e-4
+
+
+def test_bound_that_cannot_be_kept_is_reported():
+    """Many layers, a long run: the bound of the best try is larger than what is wanted, finite, and no error."""
+    layers = tuple(timed(f"{k}", 1e4, 1e-6 * math.sqrt(p)) for k, p in enumerate([2, 3, 5, 7, 11, 13, 17, 19, 23, 29]))
+    stack, load = Stack(layers, (BONDED,) * 9), Pulse("sine-squared", 1e4, 20e-6)
+    run = run_bar(stack, load, [Tap(9, 1.0)], 2e-3)
+    assert 1e-3 < run.relative_bound[0] < math.inf
+    assert 0.0 < run.bound.velocity < math.inf
+    assert len(run.time) <= 20_001
+
+
+@pytest.mark.parametrize("shape", ["rectangle", "half-sine", "triangle", "trapezoid"])
+def test_corner_of_the_load_leaves_the_acceleration_unbounded(shape):
+    """Behind a corner the acceleration jumps: its bound stays above the wanted 1e-2 at every step, and says so."""
+    run = run_bar(Stack(THREE, (BONDED, BONDED)), Pulse(shape, 1e4, 50e-6), [Tap(2, 1.0)], 100e-6)
+    assert run.grid.mismatch > 0.0
+    assert 1e-2 < run.relative_bound[1] < math.inf
+    # without a jump the velocity has no more than corners, and keeps its 1e-3
+    assert (run.relative_bound[0] > 1e-3) == (shape == "rectangle")
+
+
+def test_no_bound_where_the_theorem_does_not_hold():
+    """A joint that opens, or a layer that comes with a speed: infinite, and still a run."""
+    first, second = THREE[:2]
+    load = Pulse("sine-squared", 1e4, 50e-6)
+    for joint in (Joint(unilateral=True), Joint(1e9, unilateral=True, preload=1e3), Joint(unilateral=True, gap=1e-6)):
+        run = run_bar(Stack((first, second), (joint,)), load, [Tap(1, 1.0)], 50e-6)
+        assert run.bound.velocity == run.bound.acceleration == math.inf
+        assert np.all(np.isfinite(run.velocity))
+    striker = round_bar("striker", material("65Mn"), 0.05, 0.03, speed=3.0)
+    run = run_bar(Stack((striker, second), (BONDED,)), load, [Tap(1, 1.0)], 50e-6)
+    assert run.bound.velocity == run.bound.acceleration == math.inf
+
+
+def test_whole_steps_leave_nothing_to_bound():
+    """Transits that are whole steps: a bound of rounding size only."""
+    stack = timed_stack([1e4, 3e4], [3e-6, 7e-6], [BONDED], End("free"))
+    run = run_bar(stack, Pulse("sine-squared", 1e4, 30e-6), [Tap(1, 1.0)], 100e-6, Wanted(step=1e-7))
+    assert run.grid.counts == (30, 70)
+    assert run.relative_bound[0] < 1e-10
+    assert run.relative_bound[1] < 1e-10
+
+
+def test_tap_between_nodes_is_in_the_bound():
+    """On whole steps the nearest node is what is read: half a step away at most, and the bound covers that."""
+    stack = timed_stack([1e4], [10e-6], [], End("free"))
+    load = Pulse("sine-squared", 1e4, 30e-6)
+    exact = run_bar(stack, load, [Tap(0, 0.4925)], 100e-6, Wanted(step=1e-8))
+    run = run_bar(stack, load, [Tap(0, 0.4925)], 100e-6, Wanted(step=2e-7))
+    assert run.grid.mismatch < 1e-12
+    for name in ("velocity", "acceleration"):
+        error = np.abs(getattr(run, name) - getattr(exact, name)[::20][: len(run.time)])[1:].max()
+        assert 0.0 < error <= getattr(run.bound, name)
+
+
+TRANSITS = st.lists(st.floats(1e-6, 50e-6), min_size=1, max_size=6)
+
+
+def of_transits(transits):
+    return timed_stack([1e4] * len(transits), transits, [BONDED] * (len(transits) - 1), End("free"))
+
+
+@given(TRANSITS, st.floats(-6.0, -2.0), st.floats(1e-8, 5e-7), st.floats(1.0, 100.0))
+def test_chosen_grid_is_consistent(transits, mismatch, largest, range_):
+    """Counts, step and mismatch fit together, no worse than plain rounding at the same step, within the limits."""
+    stack, wanted = of_transits(transits), 10.0**mismatch
+    smallest = largest / range_
+    grid = choose_grid(stack, wanted, largest, smallest)
+    ratios = np.array(grid.counts) * grid.step / np.array(transits)
+    assert np.abs(ratios - 1.0).max() == pytest.approx(grid.mismatch, abs=1e-13)
+    assert grid.mismatch <= grid_of(stack, grid.step).mismatch + 1e-13
+    assert min(grid.counts) >= 1
+    # the even share of the mismatch shifts the step by no more than the mismatch
+    shortest = min(transits)
+    unshifted = shortest / round(shortest / grid.step)
+    assert abs(grid.step / unshifted - 1.0) <= grid.mismatch + 1e-13
+    assert unshifted <= largest * (1 + 1e-12)
+    if len(transits) == 1:
+        assert grid.mismatch < 1e-15
+
+
+@given(TRANSITS, st.floats(-6.0, -2.0), st.floats(1e-8, 5e-7), st.floats(1.0, 100.0))
+def test_chosen_grid_is_the_coarsest_or_else_the_best(transits, mismatch, largest, range_):
+    """Against trying t/n one by one, each with the best shift: the first that is good enough, or the best of all."""
+    wanted, smallest, shortest = 10.0**mismatch, largest / range_, min(transits)
+    first = max(1, math.ceil(shortest / largest))
+    tried = []
+    for n in range(first, max(first, math.floor(shortest / smallest)) + 1):
+        ratios = [max(round(t * n / shortest), 1) * shortest / n / t for t in transits]
+        tried.append((max(ratios) - min(ratios)) / (max(ratios) + min(ratios)))
+        if tried[-1] <= wanted * (1 - 1e-9):
+            break
+    grid = choose_grid(of_transits(transits), wanted, largest, smallest)
+    assert grid.mismatch == pytest.approx(min(tried), abs=1e-12) or grid.mismatch <= wanted
+    if tried[-1] <= wanted * (1 - 1e-9):
+        assert round(shortest / grid.step) <= first + len(tried) - 1
+
+
+@given(
+    st.lists(st.integers(1, 300), min_size=1, max_size=6),
+    st.floats(1e-9, 1e-7),
+    st.floats(0.02, 1.0),
+)
+def test_whole_steps_are_found(counts, unit, part):
+    """Transits that are multiples of a unit: the largest step within the limit that divides them all, exactly."""
+    common = math.gcd(*counts)
+    stack = of_transits([n * unit for n in counts])
+    largest = common * unit * part * (1 + 1e-9)
+    pieces = math.ceil(1.0 / (part * (1 + 1e-9)))
+    # no two ratios of counts up to 300 differ by less than 1/300^2 unless they are equal
+    grid = choose_grid(stack, 1e-9, largest, largest / 3)
+    assert grid.counts == tuple(n // common * pieces for n in counts)
+    assert grid.mismatch < 1e-13
+
+
+def test_steps_that_cannot_be_used_are_refused():
+    stack = of_transits([1e-5])
+    for step in (0.0, -1e-9, math.nan, math.inf):
+        with pytest.raises(ValueError, match="step must be above zero"):
+            grid_of(stack, step)
+    with pytest.raises(ValueError, match="nodes; at most"):
+        grid_of(stack, 1e-13)
+    # one step at least
+    assert grid_of(stack, 1e-3).counts == (1,)
+
+
+def test_runs_that_make_no_sense_are_refused():
+    stack, load = of_transits([1e-5]), Pulse("sine-squared", 1e4, 20e-6)
+    with pytest.raises(ValueError, match="at least one tap"):
+        run_bar(stack, load, [], 1e-4)
+    for tap in (Tap(1, 0.5), Tap(-1, 0.5), Tap(0, 1.1), Tap(0, math.nan)):
+        with pytest.raises(ValueError, match="outside the stack of 1 layers"):
+            run_bar(stack, load, [tap], 1e-4)
+    for duration in (0.0, -1.0, math.nan, math.inf):
+        with pytest.raises(ValueError, match="duration must be above zero"):
+            run_bar(stack, load, [Tap(0, 0.5)], duration)
+
+
+def test_measured_load_gets_a_step_too():
+    """A sampled sine-squared is the pulse itself, to what straight lines between its samples leave."""
+    stack, pulse = Stack(THREE, (BONDED, BONDED)), Pulse("sine-squared", 2e4, 100e-6)
+    t = np.linspace(0.0, 100e-6, 2001)
+    run = run_bar(stack, Sampled(t, pulse.at(t)), [Tap(2, 1.0)], 150e-6)
+    same = run_bar(stack, pulse, [Tap(2, 1.0)], 150e-6, Wanted(step=run.grid.step))
+    n = math.ceil(150e-6 / run.grid.step / 20_000)
+    # the sagitta of 50 ns of sin^2, 2 (pi/100 us)^2 (50 ns)^2/8 of the peak, in each of a few waves at once
+    sagitta = 2 * (math.pi / 100e-6) ** 2 * (50e-9) ** 2 / 8
+    size = len(run.time)
+    difference = np.abs(run.velocity - same.velocity[::n][:size]).max() / np.abs(same.velocity).max()
+    assert difference < 5 * sagitta
