@@ -82,7 +82,7 @@ def leaf_kernel(function: F) -> F:
     return _compiled(function, LEAF)
 
 
-LEAF: Any = {"_nrt": False}
+LEAF: Any = {"_nrt": False, "forceinline": True}
 """Numba's options of a kernel that makes no array."""
 
 

@@ -156,7 +156,7 @@ def another_touches(y, strikers, striker, face):
 
 
 @kernel
-def follow(tables, state, law, machine, supports, blow, recording, history, touches, switches):
+def follow(tables, state, law, machine, supports, blow, recordings, history, touches, switches):
     """Follow one blow from first touch until it has settled.
 
     ``machine`` is (system, y, mode, memory) with strikers only, moved on in place. Fills ``history`` every so
@@ -220,7 +220,8 @@ def follow(tables, state, law, machine, supports, blow, recording, history, touc
         was_force, was_in, was_end = force, f_in, f_end
         was_carried, was_damped = f_end * carriage_speed, damped
         net += dt * (force - f_end)
-        record(tables, state, recording, n)
+        for recording in recordings:
+            record(tables, state, recording, n)
         if n % blow.every == 0:
             row = history[n // blow.every]
             row[CONTACT_FORCE] = force

@@ -48,6 +48,8 @@ SETTLE = 0.5e-3
 """Time after the last release for which a stack is followed, s."""
 SAMPLE_STEP = 0.1e-6
 """Spacing of what is kept of a blow, s."""
+FIELD_STEP = 1e-6
+"""Spacing of the x-t field, s."""
 LONGEST_BLOW = 10e-3
 """A blow in touch for longer than this is refused, s."""
 MISMATCH = 1e-4
@@ -174,10 +176,12 @@ def strike(
     rows = int(LONGEST_BLOW / grid.step / every) + 1
     history, touches, switches = np.zeros((rows, COLUMNS)), np.zeros((_MOST_TOUCHES, 3)), np.zeros((_MOST_SWITCHES, 2))
     nodes, field_position = nearest_nodes(grid, layered.taps), np.empty(0)
+    watched, coarse = nodes[:0], every * max(1, round(FIELD_STEP / (every * grid.step)))
     if field:
-        field_at, field_position = field_nodes(layered.stack, grid)
-        nodes = np.concatenate([nodes, field_at])
+        watched, field_position = field_nodes(layered.stack, grid)
     taps = Recording(nodes, every, np.zeros((rows, len(nodes))), np.zeros((rows, len(nodes), 3)))
+    field_rows, places = rows * every // coarse + 1, len(watched)
+    whole = Recording(watched, coarse, np.zeros((field_rows, places)), np.zeros((field_rows, places, 3)))
     for k, (layer, node) in enumerate(nodes):
         taps.velocity[0, k, 0] = waves.force_and_velocity(tables, waves_now, layer, node)[1]
     only = _strikers_only(system, strikers)
@@ -207,7 +211,7 @@ def strike(
         (only, ys, mode, memory),
         supports,
         blow,
-        taps,
+        (taps, whole),
         history,
         touches,
         switches,
@@ -229,6 +233,8 @@ def strike(
         history=history[:kept].copy(),
         taps=Recording(taps.nodes, every, taps.force[:kept].copy(), taps.velocity[:kept].copy()),
         field_position=field_position,
+        field_step=coarse * grid.step,
+        field_force=whole.force[: (steps - 1) // coarse + 1].copy(),
         frame=(speed, struck.gravity),
         grid_step=grid.step,
         touches=touches[: min(contacts, _MOST_TOUCHES)],

@@ -21,9 +21,6 @@ from strikewave.waves._kernels import Recording
 
 Array = NDArray[np.float64]
 
-FIELD_STEP = 1e-6
-"""Spacing of the x-t field, s."""
-
 
 class Moments(NamedTuple):
     """What the machine does at given times, SI, one value a time."""
@@ -193,9 +190,11 @@ class StackSpan:
     history : ndarray
         Columns as `_stack_kernels` names them.
     taps : Recording
-        Force and velocity at the taps and the places of the x-t field; velocities in the frame below.
+        Force and velocity at the taps; velocities in the frame below.
     field_position : ndarray
         Places of the x-t field from the first face, m; empty where none was kept.
+    field_step, field_force : float and ndarray
+        Spacing of its times, s, and force, N, shape (times, places).
     frame : (float, float)
         Speed of the stack's frame at the beginning, and its acceleration.
     grid_step : float
@@ -213,6 +212,8 @@ class StackSpan:
     history: Array
     taps: Recording
     field_position: Array
+    field_step: float
+    field_force: Array
     frame: tuple[float, float]
     grid_step: float
     touches: Array
@@ -273,10 +274,7 @@ class StackSpan:
 
     def field(self) -> tuple[Array, Array]:
         """Return times after first touch, s, and force, N, at the places of the x-t field, shape (times, places)."""
-        size = self.field_position.size
-        rows = slice(None, None, max(1, round(FIELD_STEP / self.step)))
-        since = self.step * np.arange(len(self.history), dtype=np.float64)
-        return since[rows], self.taps.force[rows, self.taps.force.shape[1] - size :]
+        return self.field_step * np.arange(len(self.field_force), dtype=np.float64), self.field_force
 
 
 Span = ChainSpan | StackSpan

@@ -119,11 +119,11 @@ def unilateral_joint(tables, state, i, b, y):
     touching = value[STIFFNESS] * (ahead + 0.5 * step * (b - y * f)) > -value[PRELOAD]
     if not touching or f < -value[PRELOAD]:
         f = -value[PRELOAD]
-        touching = False
     rate = b - y * f
-    if touching:
-        state.joint[i, LOST] += step * value[DAMPING] * rate * rate
-    state.joint[i, COMPRESSION] = ahead + 0.5 * step * rate
+    middle = ahead + 0.5 * step * rate
+    # the dashpot's part: where it would pull, what the spring still gives back is lost in it
+    state.joint[i, LOST] += step * (f - max(value[STIFFNESS] * middle, -value[PRELOAD])) * rate
+    state.joint[i, COMPRESSION] = middle
     state.joint[i, RATE] = rate
     return f
 
