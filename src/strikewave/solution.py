@@ -218,9 +218,17 @@ class Solution:
         text = io.StringIO()
         names = [f.name for f in dataclasses.fields(Blow)]
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow([f"{n} [{BLOW_UNITS[n]}]" if n in BLOW_UNITS else n for n in names])
-        for blow in self.blows:
-            writer.writerow(["" if isinstance(v, float) and math.isnan(v) else v for v in dataclasses.astuple(blow)])
+        waves = ("total_peak", "wave_peak", "bandwidth") if self.waves else ()
+        sensors = list(dict.fromkeys(name for r in self.readings if r is not None for name in r.sensors))
+        head = [f"{n} [{BLOW_UNITS[n]}]" if n in BLOW_UNITS else n for n in names]
+        head += [f"{n} [{'Hz' if n == 'bandwidth' else 'm/s^2'}]" for n in waves]
+        head += [column for n in sensors for column in (f"{n} peak [m/s^2]", f"{n} width [s]", f"{n} clipped")]
+        writer.writerow(head)
+        for blow, reading in zip(self.blows, self.readings, strict=True):
+            row: list[Any] = [*dataclasses.astuple(blow), *(getattr(reading, n, None) for n in waves)]
+            for name in sensors:
+                row += dataclasses.astuple(reading.sensors[name]) if reading is not None else [None] * 3
+            writer.writerow(["" if v is None or (isinstance(v, float) and math.isnan(v)) else v for v in row])
         return text.getvalue()
 
     def save(self, path: Path) -> None:

@@ -7,11 +7,14 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from strikewave.units import in_unit
+
+if TYPE_CHECKING:
+    from strikewave.readings import Channel
 
 CaseName = Annotated[
     str, typer.Argument(metavar="CASE", help="A case file, or the name of a published case.", show_default=False)
@@ -93,3 +96,12 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], lef
     if not console.is_terminal:
         console.width = int(os.environ.get("COLUMNS", "160")) if os.environ.get("COLUMNS", "160").isdigit() else 160
     console.print(made)
+
+
+def print_losses(channels: Sequence[Channel]) -> None:
+    """Print the insertion loss of the buffered sensors."""
+    from strikewave.report.wave_chapters import loss_table
+
+    losses = loss_table(channels)
+    if losses.rows:
+        table(losses.caption, losses.columns, [[str(cell) for cell in row] for row in losses.rows])

@@ -16,6 +16,7 @@ from strikewave.cli.common import (
     fixed,
     number,
     print_json,
+    print_losses,
     say,
     table,
 )
@@ -109,6 +110,7 @@ def _print(solution: Solution) -> None:
     ]
     say(_header(solution))
     table(solution.title, columns, rows, left=2)
+    _print_waves(solution)
     _print_published(solution)
     r = solution.reference
     pulse = (
@@ -128,6 +130,30 @@ def _print(solution: Solution) -> None:
     say(f"ledger: energy {ledger['energy_error']:.1e}, momentum {ledger['momentum_error']:.1e} (limit 1e-6)")
     for notice in solution.warnings:
         say(f"warning [{notice.code}]: {notice.message}")
+
+
+def _print_waves(solution: Solution) -> None:
+    """Print what taps and sensors show of each blow, and the insertion loss of the buffers."""
+    from strikewave.build import build_channels
+
+    found = [(blow, reading) for blow, reading in zip(solution.blows, solution.readings, strict=True) if reading]
+    names = [sensor.name for sensor in solution.case.sensor]
+    if not found or not (solution.waves or names):
+        return
+    band = found[0][1].bandwidth
+    stated = "" if band is None else f", total and wave at {number(band, 'Hz', 'kHz', 3)} kHz"
+    rows = []
+    for blow, reading in found:
+        peaks = [blow.rigid_peak, reading.total_peak, reading.wave_peak] if solution.waves else [blow.rigid_peak]
+        cells = [number(peak, "m/s^2", "g", 5) for peak in peaks]
+        for name in names:
+            pulse = reading.sensors[name]
+            cells.append(number(pulse.peak, "m/s^2", "g", 5) + (" clipped" if pulse.clipped else ""))
+        rows.append([str(blow.index), *cells])
+    waves = ["rigid (g)", "total (g)", "wave (g)"] if solution.waves else ["rigid (g)"]
+    title = f"Peak accelerations, route {solution.case.solver.route}{stated}"
+    table(title, ["#", *waves, *(f"sensor {name} (g)" for name in names)], rows, left=0)
+    print_losses(build_channels(solution.case))
 
 
 def _header(solution: Solution) -> str:

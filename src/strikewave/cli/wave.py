@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_json, say, table
+from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_json, print_losses, say, table
 from strikewave.cli.run import BROKEN, default_folder
 
 if TYPE_CHECKING:
@@ -77,6 +77,18 @@ def _print(solution: BarSolution) -> None:
         for layer in solution.waves.layers
     ]
     table("Layers as the time step makes them", ["layer", "asked (mm)", "used (mm)", "steps"], used)
+    if solution.channels:
+        read = [
+            [
+                name,
+                number(pulse.peak, "m/s^2", "g", 5),
+                number(pulse.width, "s", "us", 4),
+                "yes" if pulse.clipped else "no",
+            ]
+            for name, pulse in solution.sensors.items()
+        ]
+        table("What the sensors read", ["sensor", "peak (g)", "width (us)", "clipped"], read)
+        print_losses(solution.channels)
     say(error_words(solution))
     say(f"ledger: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")
     for notice in solution.warnings:

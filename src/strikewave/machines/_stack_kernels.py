@@ -173,9 +173,9 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
     begin_contact(contact, blow.approach)
     u_face, u_end, u_nose, u_assembly, v_face, v_end = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     v_nose, v_assembly = blow.nose_speed, blow.assembly_speed
-    was_force, was_in, was_end, was_carried, was_damped = 0.0, 0.0, 0.0, 0.0, 0.0
+    was_force, was_in, was_end, was_carried, was_damped, was_stopped = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     entered, through, net = 0.0, 0.0, 0.0
-    lost_stop, lost_damper, fed = 0.0, 0.0, 0.0
+    lost_stop, lost_damper, fed, push_ends = 0.0, 0.0, 0.0, 0.0
     why, changed, n = ENDLESS, 0, 0
     while n < history.shape[0] * blow.every:
         t, since = blow.time + n * dt, n * dt
@@ -202,10 +202,9 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
         v_face, v_end = v_now, v_new
 
         rate, deep = frame + v_end - carriage_speed, carriage - place - supports.stop_offset
-        damped = supports.damper * rate * rate
+        damped, stopped = supports.damper * rate * rate, 0.0
         if deep > 0.0:
-            damped_stop = (supports.stop * deep - (spring + supports.damper * v_end - f_end)) * rate
-            lost_stop += dt * damped_stop
+            stopped = (supports.stop * deep - (spring + supports.damper * v_end - f_end)) * rate
         if n > 0:
             kick = half * (was_force + force - was_in - f_in) / blow.nose_mass
             u_nose += dt * (v_nose + 0.5 * kick)
@@ -217,8 +216,11 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
             through += half * (was_end + f_end)
             fed -= half * (was_carried + f_end * carriage_speed)
             lost_damper += half * (was_damped + damped)
+            lost_stop += half * (was_stopped + stopped)
+        else:
+            push_ends = 0.5 * dt * f_end * v_end
         was_force, was_in, was_end = force, f_in, f_end
-        was_carried, was_damped = f_end * carriage_speed, damped
+        was_carried, was_damped, was_stopped = f_end * carriage_speed, damped, stopped
         net += dt * (force - f_end)
         for recording in recordings:
             record(tables, state, recording, n)
@@ -239,6 +241,6 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
             if crowded or contact[QUIET] > blow.settle:
                 why = CROWDED if contact[CLOSED] > 0.0 else SETTLED
                 break
-    last_push = 0.5 * dt * was_end * v_end
-    energies = (lost_stop, lost_damper, contact[LOST], fed, last_push)
+    push_ends += 0.5 * dt * was_end * v_end
+    energies = (lost_stop, lost_damper, contact[LOST], fed, push_ends)
     return why, n, int(contact[COUNT]), changed, u_end, net, energies
