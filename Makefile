@@ -1,24 +1,25 @@
-# strikewave: `make demo` sets everything up and runs the published machine; `make test` runs all tests.
+# strikewave: `make demo` sets everything up, runs the published machine and writes its reports; `make test` runs all tests.
 # Needs Python 3.11 or newer with venv, and make. On Windows: pip install . (see README.md).
 
 VENV ?= .venv
 PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN = $(VENV)/bin
-CASE ?= li-ma-2019
+CASES ?= li-ma-2019 li-ma-2019-fig13
 
 .PHONY: demo test lint bench clean help
 .DEFAULT_GOAL := help
 
 help:
-	@echo "make demo    set up, then run the published machine ($(CASE)) into out/$(CASE)"
+	@echo "make demo    set up, then run the published machine into out/ with a report each ($(CASES))"
 	@echo "make test    set up, then run all tests"
 	@echo "make lint    set up, then style, types and import contract"
 	@echo "make bench   set up, then time everything beside its peers (writes docs/benchmarks.md)"
 	@echo "make clean   remove the environment and caches"
 
 demo: $(VENV)/core
-	$(BIN)/strikewave run $(CASE)
+	@for case in $(CASES); do $(BIN)/strikewave run $$case || exit 1; done
+	@for case in $(CASES); do echo "open in a browser: out/$$case/report.html"; done
 
 test: $(VENV)/dev
 	$(BIN)/python -m pytest

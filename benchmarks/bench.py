@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numba
 import numpy as np
+import waves_bench
 from scipy.integrate import solve_ivp
 
 from strikewave import load_case, run_case
@@ -110,6 +111,9 @@ def processes():
     """Whole processes and the warm run of the published case."""
     case = load_case("li-ma-2019")
     run_case(case)
+    struck = load_case("li-ma-2019-fig13")
+    run_case(struck)
+    stacked = best(lambda: run_case(struck))
     python = sys.executable
 
     def process(*words):
@@ -118,6 +122,7 @@ def processes():
     folder = ROOT / ".bench"
     rows = [
         ("run_case of li-ma-2019, 11 blows, warm", write(best(lambda: run_case(case))), "< 0.5 s"),
+        ("run_case of li-ma-2019-fig13: 11 blows, stack of 5 layers, sensor, taps", write(stacked), "< 0.5 s"),
         (
             "whole process with all files",
             write(process("-m", "strikewave", "run", "li-ma-2019", "--out", str(folder))),
@@ -166,8 +171,14 @@ def main():
             f"{write(floor)} for as many.",
             "## The published machine",
             table(("work", "time", "target"), processes()),
+            "## Waves in a layered bar",
+            "Layer steps a second of the bare delay lines, one core, bonded joints.",
+            table(("bar", "layer steps", "target", "above the floor", "against elwaspatid"), waves_bench.rows()),
+            "Floor: a layer step reads two waves and writes two, 32 bytes, at the speed at which numpy copies memory. Few "
+            "layers stay in the cache and can be below it.",
             "## Peers",
-            "scipy runs above. Exudyn and MuJoCo are not installed with the project and are not timed here.",
+            "scipy and elwaspatid run above, elwaspatid where `pip install elwaspatid` was done. Exudyn and MuJoCo are not "
+            "installed with the project and are not timed here.",
         ]
     )
     print(text)

@@ -189,7 +189,7 @@ def _print_published(solution: Solution) -> None:
         difference = "-" if entry.difference is None else f"{entry.difference:+.1%}"
         rows.append(
             [
-                f"{entry.quantity} ({shown})" if shown else entry.quantity,
+                entry.quantity + (f" of {entry.sensor}" if entry.sensor else "") + (f" ({shown})" if shown else ""),
                 entry.measured_or_simulated,
                 entry.role,
                 *pair,

@@ -162,7 +162,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
     ``machine`` is (system, y, mode, memory) with strikers only, moved on in place. Fills ``history`` every so
     many steps, ``touches`` and ``switches`` (which, time); returns why it ended, the steps made, the numbers
     of touches and switches, the displacement of the end in its frame, the impulse that the waves got, and
-    energies: lost in stop, damper and contact, given by the feed, and half of the last step's push on the end.
+    energies: lost in stop, damper and contact, given by the feed, and half of what first and last step push the end.
     """
     system, y, mode, memory = machine
     dt, z, g = tables.step, tables.impedance[0], np.empty(APEX_SWITCH + 1)

@@ -256,12 +256,12 @@ def strike(
     end.mode[: place.links] = first_modes(Links(system.joins, system.values), stands)
     end.mode[place.contacts] = OPEN
 
-    lost_stop, lost_damper, lost, fed, last_push = energies
+    lost_stop, lost_damper, lost, fed, push_ends = energies
     since = time - start.time
     frame = speed + struck.gravity * since
     fallen = (speed + 0.5 * struck.gravity * since) * since
     moved = np.array([last[_stack_kernels.NOSE_SPEED], last[_stack_kernels.ASSEMBLY_SPEED]]) - frame
-    ringing += last_push + _let_go(system, place, end, tables, waves_now, (frame, blow.end + fallen + u_end), moved)
+    ringing += push_ends + _let_go(system, place, end, tables, waves_now, (frame, blow.end + fallen + u_end), moved)
     at = place.energies
     end.y[at + striker] += lost
     end.y[at + strikers : at + 2 * strikers] += ys[2 * strikers + 2 : 3 * strikers + 2]

@@ -285,6 +285,7 @@ def published(solution: Solution) -> Section:
         unit = SHOWN_UNITS.get(si, si)
         which, _, quantity = entry.quantity.partition(".")
         words = _PUBLISHED_WORDS.get(which, which) + (f": {quantity.replace('_', ' ')}" if quantity else "")
+        words += f" of {entry.sensor}" if getattr(entry, "sensor", "") else ""
         values = [
             NONE if v is None or math.isnan(v) else written(float(in_unit(v, si, unit)) if si else v, 6)
             for v in (entry.published, entry.computed)

@@ -73,19 +73,18 @@ def stack_section(solution: Solution) -> list[Section]:
     assert reading is not None
     route = solution.case.solver.route
     band = "" if reading.bandwidth is None else f" at a bandwidth of {with_unit(reading.bandwidth, 'Hz', 'kHz', 3)}"
+    refused = reading.total_peak is None
     rows: list[list[Cell]] = []
     for k in struck:
         blow, seen = solution.blows[k], solution.readings[k]
         assert seen is not None
         numbers = (blow.rigid_peak, seen.total_peak, seen.wave_peak)
         rows.append([str(blow.index), *(fixed(number, "m/s^2", "g", 0) for number in numbers)])
-    refused = reading.total_peak is None
     text = f"{_PEAKS} Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
     if refused:
         text += " No peak of total and wave is quoted: see the warning on the rise."
-    parts: list[Part] = [
-        Table("Rigid, total and wave acceleration", ["blow", "rigid (g)", "total (g)", "wave (g)"], rows)
-    ]
+    table = Table("Rigid, total and wave acceleration", ["blow", "rigid (g)", "total (g)", "wave (g)"], rows)
+    parts: list[Part] = [] if refused else [table]
     time = data["pulse_time"].values
     until = _settled(data["tap_force"].values[first])
     curves = [
@@ -158,7 +157,9 @@ def _route_section(name: str, time: Any, exact: Any, rigid: Any, waves: Any, sin
         _ROUTES,
         [
             Picture(traces(f"Acceleration at {name} by four routes", curves, "g", since), f"Acceleration at {name}."),
-            Table(f"Largest acceleration at {name} by route", ["route", "peak (g)"], rows),
+            Table(
+                f"Largest acceleration at {name} by route, within one-dimensional theory", ["route", "peak (g)"], rows
+            ),
         ],
     )
 
