@@ -21,7 +21,7 @@ from strikewave.case import Case, dump_case
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
 from strikewave.errors import InputError
-from strikewave.readings import Channel, SensorPulse, largest, sensor_pulse
+from strikewave.readings import Channel, SensorPulse, largest, sensor_pulse, sensor_sources
 from strikewave.sensors import Reading, read
 from strikewave.signal.filters import zero_phase
 from strikewave.signal.pulse import measure_pulse
@@ -286,7 +286,7 @@ def run_wave(case: Case) -> BarSolution:
         accuracy=accuracy,
         quoted=quoted,
         warnings=tuple(listed),
-        citations=(*origin, "kolsky-1963"),
+        citations=(*origin, "kolsky-1963", *sensor_sources(channels)),
     )
 
 

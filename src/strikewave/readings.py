@@ -8,6 +8,7 @@ magnitude, with its sign.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -168,6 +169,14 @@ def blow_history(run: RotaryRun, blow: Blow, view: View, routes: bool = False) -
         rigid, total = filtered[0], filtered[1 : len(taps) + 1]
         by_route = dict(zip(by_route, filtered[len(taps) + 1 :], strict=True))
     return BlowHistory(since, rigid, force, speed, total, tuple(readings), by_route)
+
+
+def sensor_sources(channels: Sequence[Channel]) -> list[str]:
+    """Return the keys of the sources of the sensor models that take part."""
+    if all(channel.sensor == Sensor(channel.sensor.name) for channel in channels):
+        return []
+    buffered = any(not channel.sensor.mounting.direct for channel in channels)
+    return ["smallwood-1981", "van-loan-1978", *(["patera-1984", "emmerich-korn-1987"] if buffered else [])]
 
 
 def sensor_pulse(reading: Reading) -> SensorPulse:

@@ -16,7 +16,15 @@ from strikewave.errors import InputError
 from strikewave.machines import Blow, RotaryMachine, blows, run_rotary
 from strikewave.machines.spans import StackSpan
 from strikewave.notices import ledger_notices, notices
-from strikewave.readings import BlowReading, Observed, View, blow_history, blow_reading, without_peaks
+from strikewave.readings import (
+    BlowReading,
+    Observed,
+    View,
+    blow_history,
+    blow_reading,
+    sensor_sources,
+    without_peaks,
+)
 from strikewave.solution import Comparison, RigidReference, Solution, wave_setup
 from strikewave.validity import channel_notices, honest_bandwidth, wave_notices
 from strikewave.waves import Stack
@@ -74,7 +82,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
         reference=printed_law_on_rigid_object(case, machine),
         readings=readings,
         waves=wave_setup(machine.layered.stack, machine.layered.grid) if machine.layered else None,
-        citations=_citations(case),
+        citations=_citations(case, seen),
         data=build_dataset(case, seen),
     )
 
@@ -176,7 +184,11 @@ def compare(case: Case, found: Sequence[Blow], readings: Sequence[BlowReading | 
     return tuple(rows)
 
 
-def _citations(case: Case) -> tuple[str, ...]:
+def _citations(case: Case, seen: Observed) -> tuple[str, ...]:
+    """Return the keys of the sources of the models that took part."""
     origin = next((key for key in citations.SOURCES if case.source.startswith(key)), "")
     keys = [origin, contact_stiffness(case).source, "hunt-crossley-1975", "schwager-poschel-2007", "hairer-1993"]
+    if seen.machine.layered:
+        keys += ["kolsky-1963", *(["li-ma-2019"] if case.solver.route != EXACT else [])]
+    keys += sensor_sources(seen.view.channels)
     return tuple(key for key in dict.fromkeys(keys) if key in citations.SOURCES)

@@ -293,7 +293,8 @@ def test_the_paper_by_choice_superposes_rigid_and_wave():
     changes = ["feed.blows=1", "solver.bandwidth=100 kHz"]
     exact = observe(load_case("li-ma-2019-fig13", changes))
     printed = observe(load_case("li-ma-2019-fig13", [*changes, "solver.route=as printed"]))
-    wave = exact.histories[0].routes[0, "as printed"]
-    superposed = exact.histories[0].rigid + wave
-    assert printed.histories[0].total[0] == pytest.approx(superposed, abs=1e-9 * np.abs(superposed).max())
-    assert printed.histories[0].total[1] == pytest.approx(exact.histories[0].total[1])  # the far end has one neighbour
+    known = np.isfinite(exact.histories[0].rigid)
+    superposed = (exact.histories[0].rigid + exact.histories[0].routes[0, "as printed"])[known]
+    total = printed.histories[0].total[:, known]
+    assert total[0] == pytest.approx(superposed, abs=1e-9 * np.abs(superposed).max())
+    assert total[1] == pytest.approx(exact.histories[0].total[1][known])  # the far end has one neighbour only

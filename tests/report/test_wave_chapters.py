@@ -1,0 +1,77 @@
+"""The sections on stress waves and sensors: what they show is what the solution holds."""
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+
+from strikewave import load_case, run_case, run_wave
+from strikewave.report import bar_report, report
+from strikewave.report.wave_chapters import LOSS_FREQUENCIES, loss_table
+from strikewave.units import STANDARD_GRAVITY
+
+
+@pytest.fixture(scope="module")
+def struck():
+    return run_case(load_case("li-ma-2019-fig5", ["feed.blows=2"]))
+
+
+@pytest.fixture(scope="module")
+def bar():
+    return run_wave(load_case("li-ma-2019-fig13-bar"))
+
+
+def test_every_peak_of_taps_and_sensors_stands_in_the_report(struck):
+    page = report(struck)
+    for blow, reading in zip(struck.blows, struck.readings, strict=True):
+        for value in (blow.rigid_peak, reading.total_peak, reading.wave_peak):
+            assert f"{value / STANDARD_GRAVITY:.0f}" in page
+        for pulse in reading.sensors.values():
+            assert f"{pulse.peak / STANDARD_GRAVITY:.0f}" in page
+    for words in ("Force along the stack", "Insertion loss", "direct", "buffered", "route: exact"):
+        assert words in page
+    assert page.count("data:image/png") == 2  # the x-t field and its scale are the only rasters
+
+
+def test_a_gap_and_a_refused_peak_are_said_in_the_report():
+    page = report(run_case(load_case("li-ma-2019-fig13", ["feed.blows=1"])))
+    assert "rise-too-steep" in page
+    assert "No peak of total and wave is quoted" in page
+    assert "Rigid, total and wave acceleration</caption>" not in page
+    for route in ("exact, total", "as printed, wave", "corrected, wave", "superposed: rigid + as printed"):
+        assert route in page
+
+
+def test_insertion_loss_table_is_that_of_the_continuous_layers(struck):
+    from strikewave.build import build_channels
+    from strikewave.sensors import insertion_loss
+
+    channels = build_channels(struck.case)
+    table = loss_table(channels)
+    (row,) = table.rows
+    expected = insertion_loss(channels[1].sensor.mounting, np.array(LOSS_FREQUENCIES))
+    assert row[0] == "buffered"
+    assert [float(cell) for cell in row[1:]] == pytest.approx(expected, abs=0.051)  # one decimal is written
+
+
+def test_bar_report_lists_the_lengths_used_and_the_bound(bar):
+    page = bar_report(bar)
+    assert f"velocity {bar.accuracy[0]:.1e}" in page
+    for layer in bar.waves.layers:
+        assert layer.name in page
+        assert f"<td>{layer.steps}</td>" in page.replace(' class="number"', "") or str(layer.steps) in page
+    assert "strikewave wave" in page
+    assert re.search(r"SHA-256|sha256", page)
+
+
+def test_names_of_layers_and_taps_are_text_in_the_report(bar):
+    hostile = "<script>alert(1)</script>"
+    stack = dataclasses.replace(bar.waves, layers=(dataclasses.replace(bar.waves.layers[0], name=hostile),))
+    page = bar_report(dataclasses.replace(bar, waves=stack))
+    assert hostile not in page
+    assert "&lt;script&gt;" in page
+
+
+def test_the_same_run_gives_the_same_page(bar):
+    assert bar_report(bar) == bar_report(run_wave(load_case("li-ma-2019-fig13-bar")))
