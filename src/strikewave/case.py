@@ -95,6 +95,11 @@ class Case(Table):
                 raise InputErrors(lines)
         return self
 
+    @property
+    def command(self) -> str:
+        """The command that runs it: "run" a machine, or "wave" a bar alone."""
+        return "run" if self.machine is not None else "wave"
+
     def rig(self) -> Rig:
         """Return the tables of the machine.
 

@@ -3,6 +3,7 @@
 from strikewave.build.machine import build_machine, contact_stiffness
 from strikewave.build.sensor import build_channels
 from strikewave.build.stack import build_load, build_stack, build_taps, wanted
+from strikewave.case import Case
 
 __all__ = [
     "build_channels",
@@ -10,6 +11,25 @@ __all__ = [
     "build_machine",
     "build_stack",
     "build_taps",
+    "check",
     "contact_stiffness",
     "wanted",
 ]
+
+
+def check(case: Case) -> None:
+    """Build all parts of a case, so that what does not fit together is said.
+
+    Raises
+    ------
+    InputError, InputErrors
+        As the builders do.
+    """
+    if case.machine is not None:
+        build_machine(case)
+    if case.stack.layer:
+        stack = build_stack(case)
+        build_taps(case)
+        if case.load is not None or case.machine is None:
+            build_load(case, stack)
+    build_channels(case)

@@ -12,7 +12,9 @@ def command(json: Json = False) -> int:
 
     found = [load_case(name) for name in bundled_cases()]
     if json:
-        print_json({**head({}), "cases": [{"name": c.name, "title": c.title, "source": c.source} for c in found]})
+        listed = [{"name": c.name, "title": c.title, "source": c.source, "command": c.command} for c in found]
+        print_json({**head({}), "cases": listed})
     else:
-        table("Published cases", ["name", "title"], [[c.name, c.title] for c in found], left=2)
+        rows = [[f"strikewave {c.command} {c.name}", c.title] for c in found]
+        table("Published cases", ["to run it", "title"], rows, left=2)
     return 0

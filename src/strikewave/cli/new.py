@@ -33,5 +33,5 @@ def command(
     text = dump_case(case.model_copy(update={"name": path.stem}))
     parse_case(text)  # refuses a name that no result folder may have
     write_whole(path, text)
-    say(f"written: {path}; change a value, then: strikewave run {path}")
+    say(f"written: {path}; change a value, then: strikewave {case.command} {path}")
     return 0

@@ -10,12 +10,12 @@ from strikewave.documents import head
 
 def command(case: CaseName, changes: Changes = None, json: Json = False) -> int:
     """Check a case without running it; list every value and where it comes from."""
-    from strikewave.build import build_machine
+    from strikewave.build import check
     from strikewave.case import load_case
     from strikewave.quantities import PROVENANCES
 
     read = load_case(case, changes or ())
-    build_machine(read)
+    check(read)
     values = read.values()
     counted = Counter[str](value.provenance for value in values.values())
     if json:

@@ -2,7 +2,8 @@
 
 During a blow the contact law acts on the first face of the stack, its waves run, and spring, damper and
 stop hold its end. Once all is quiet the parts before and behind the frame go on as the two bodies of
-`StruckObject`, with their momentum and mean place; the energy still ringing is let go and counted as lost.
+`StruckObject`, with their momentum and mean place, the frame bent no more than the stack's energy allows; the
+energy still ringing is let go and counted as lost.
 """
 
 from __future__ import annotations
@@ -252,16 +253,21 @@ def strike(
     end.y[place.angle : place.angle + 2] = ys[2 * strikers : 2 * strikers + 2]
     end.mode[place.links :], end.memory[place.links :] = mode[strikers:], memory[strikers:]
     place_bases(system, time, end.y, end.mode, end.memory)
-    stands = np.concatenate([end.y[: place.bodies], system.bases[PLACE]])
-    end.mode[: place.links] = first_modes(Links(system.joins, system.values), stands)
-    end.mode[place.contacts] = OPEN
 
     lost_stop, lost_damper, lost, fed, push_ends = energies
     since = time - start.time
     frame = speed + struck.gravity * since
     fallen = (speed + 0.5 * struck.gravity * since) * since
     moved = np.array([last[_stack_kernels.NOSE_SPEED], last[_stack_kernels.ASSEMBLY_SPEED]]) - frame
-    ringing += push_ends + _let_go(system, place, end, tables, waves_now, (frame, blow.end + fallen + u_end), moved)
+    at_end = (frame, blow.end + fallen + u_end)
+    left = _let_go(system, place, end, tables, waves_now, at_end, moved)
+    if left < 0.0:
+        _ease(system, place, end, -left)
+        left = _let_go(system, place, end, tables, waves_now, at_end, moved)
+    ringing += push_ends + left
+    stands = np.concatenate([end.y[: place.bodies], system.bases[PLACE]])
+    end.mode[: place.links] = first_modes(Links(system.joins, system.values), stands)
+    end.mode[place.contacts] = OPEN
     at = place.energies
     end.y[at + striker] += lost
     end.y[at + strikers : at + 2 * strikers] += ys[2 * strikers + 2 : 3 * strikers + 2]
@@ -271,6 +277,19 @@ def strike(
     end.y[at + place.links :] += ys[3 * strikers + 2 :]
     end.y[-1] += fed
     return span, end
+
+
+def _ease(system: RotarySystem, place: Places, bodies: State, energy: float) -> None:
+    """Take an energy out of the frame's bend, as far as there is any; the centre of mass stays.
+
+    Parts that an open joint let fly apart stand farther from each other than the frame is bent.
+    """
+    masses = system.bodies[place.nose :, MASS]
+    bend = bodies.y[place.nose] - bodies.y[place.assembly]
+    kept = 1.0 - energy / (0.5 * system.values[place.frame, STIFFNESS] * bend**2) if bend else 0.0
+    less = bend * (1.0 - math.sqrt(max(kept, 0.0)))
+    bodies.y[place.nose] -= less * masses[1] / masses.sum()
+    bodies.y[place.assembly] += less * masses[0] / masses.sum()
 
 
 def _supports(system: RotarySystem, place: Places) -> Supports:
