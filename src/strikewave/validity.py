@@ -27,6 +27,8 @@ REFUSED, WARNED = 2.0, 5.0
 """Rise time in diameters of travel below which a peak acceleration is refused, and warned of."""
 RISE_OF_BANDWIDTH = 0.35
 """Rise time (10-90 %) times -3 dB bandwidth of a low-pass."""
+MISMATCH_LIMIT = 0.01
+"""Relative error of a transit beyond which the step of a struck stack is warned of."""
 TENSION_SHARE = 0.01
 """Tension in a joint below this share of the largest force is not worth a word."""
 HEAVY_SENSOR = 0.02
@@ -148,9 +150,18 @@ def wave_notices(run: RotaryRun, readings: Sequence[BlowReading | None], bandwid
         return ()
     stack = run.machine.layered.stack
     first = next(reading for reading in readings if reading is not None)
+    grid = run.machine.layered.grid
+    coarse = []
+    if grid.mismatch > MISMATCH_LIMIT:
+        message = (
+            f"the time step of {grid.step * 1e9:.4g} ns changes a transit by {grid.mismatch:.1%}: leave solver.step "
+            "out, or take a finer one"
+        )
+        coarse.append(Notice("coarse-step", message, grid.mismatch, MISMATCH_LIMIT))
     _, force = span.field()
     largest, least, greatest = field_extremes(stack, span.field_position, force)
     return (
+        *coarse,
         *rise_notices(stack, contact_rise(span), bandwidth, first.total_peak),
         *layer_notices(stack, largest),
         *joint_notices(stack, least, greatest),

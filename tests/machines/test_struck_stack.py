@@ -14,7 +14,7 @@ from strikewave.build import build_machine
 from strikewave.errors import StrikewaveError
 from strikewave.machines import _stack_kernels as column
 from strikewave.machines import blows, rotary, run_rotary
-from strikewave.machines import layered as layered_object
+from strikewave.machines import strike as one_blow
 from strikewave.machines.layered import LayeredObject, machine_grid
 from strikewave.machines.spans import Places, StackSpan
 from strikewave.simulate import observe
@@ -200,9 +200,10 @@ def run_and_book_the_frame(machine):
     """Return a run and the energy that each of its blows books as lost in the object, J."""
     booked = []
 
-    def strike(layered, struck, system, start, strikers, **others):
-        span, end = layered_object.strike(layered, struck, system, start, strikers, **others)
-        at = Places(strikers).energies + Places(strikers).frame
+    def strike(layered, struck, system, start, **others):
+        span, end = one_blow.strike(layered, struck, system, start, **others)
+        place = Places(machine.strikers.count)
+        at = place.energies + place.frame
         booked.append(end.y[at] - start.y[at])
         return span, end
 

@@ -33,8 +33,9 @@ from strikewave.machines._kernels import (
     RotarySystem,
 )
 from strikewave.machines.feed import Feed, angle_at_valve_signal, expected_time
-from strikewave.machines.layered import LayeredObject, strike
+from strikewave.machines.layered import LayeredObject
 from strikewave.machines.spans import ChainSpan, Moments, Places, Span
+from strikewave.machines.strike import strike
 from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, StruckObject
 from strikewave.machines.turntable import Turntable, braking_time, speed_after_wait, spin_up_time
 
@@ -273,7 +274,7 @@ def run_rotary(
         if machine.layered is None or not np.any(state.mode[place.contacts] != OPEN):
             break
         first = len(spans) == 1
-        blow, state = strike(machine.layered, machine.struck, system, state, place.strikers, field=first)
+        blow, state = strike(machine.layered, machine.struck, system, state, field=first)
         spans.append(blow)
     if state.mode[place.links + FEED] != RETRACTING or state.time >= control.end:
         done = int(state.mode[place.links + PASSES])

@@ -33,6 +33,8 @@ MOST_LAYER_STEPS = 1e7
 MOST_SAMPLES = 20_000
 """Samples of a tap that are kept when the step is chosen for the user."""
 _TRIES = 4
+RELAXATION_STEPS = 20.0
+"""Relaxation times of a joint or an end that 50 steps may cover: one takes 2.5 steps at least."""
 _FIELD_ROWS = 500
 _MOST_TOUCHES = 1000
 
@@ -178,7 +180,7 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
 
 
 def _shortest_time(stack: Stack, load: Load) -> float:
-    """Return the shortest time that a run must resolve: rise of the load, relaxation of a joint, s."""
+    """Return the shortest time, s, that 50 steps must resolve: rise of the load, relaxation of joints and end."""
     times = [stack.transit]
     if isinstance(load, Impactor):
         if load.contact is None:
@@ -187,10 +189,16 @@ def _shortest_time(stack: Stack, load: Load) -> float:
             times.append(_indentation_time(stack, load))
     else:
         times.append(load.rise_time or load.duration)
-    for joint, before, after in zip(stack.joints, stack.layers, stack.layers[1:], strict=False):
-        if math.isfinite(joint.stiffness):
-            times.append(20.0 / (joint.stiffness * (1.0 / before.impedance + 1.0 / after.impedance)))
-    return min(times)
+    z = [layer.impedance for layer in stack.layers]
+    slow = []
+    for joint, before, after in zip(stack.joints, z, z[1:], strict=False):
+        if joint.mass > 0.0:
+            slow.append(joint.mass / (before + after))
+        elif math.isfinite(joint.stiffness):
+            slow.append(1.0 / (joint.stiffness * (1.0 / before + 1.0 / after)))
+    if stack.end.kind in ("mass", "spring"):
+        slow.append(stack.end.value / z[-1] if stack.end.kind == "mass" else z[-1] / stack.end.value)
+    return min([*times, *(RELAXATION_STEPS * time for time in slow)])
 
 
 def _indentation_time(stack: Stack, load: Impactor) -> float:

@@ -242,6 +242,9 @@ def field_nodes(stack: Stack, grid: Grid, most: int = FIELD_PLACES) -> tuple[NDA
 class ErrorBound:
     """Largest error that rounding the transits can cause at the taps, until the end of the run.
 
+    Springs, masses and gaskets follow the trapezoidal rule, whose own error (second order in the step over
+    their relaxation time) comes on top; bonded joints and the simple ends have none.
+
     Attributes
     ----------
     velocity, acceleration : float

@@ -1,0 +1,319 @@
+"""One blow on a stack: from the bodies at first touch to waves, and back once all is quiet.
+
+During a blow the contact law acts on the first face of the stack, its waves run, and spring, damper and
+stop hold its end. Once all is quiet the parts before and behind the frame go on as the two bodies of
+`StruckObject`, with their momentum and mean place, the frame bent no more than the stack's energy allows; the
+energy still ringing is let go and counted as lost.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.contact._chain_kernels import (
+    DAMPING,
+    EXPONENT,
+    MASS,
+    OFFSET,
+    OPEN,
+    PLACE,
+    PRELOAD,
+    SLOWEST,
+    SPEED,
+    STIFFNESS,
+    Links,
+)
+from strikewave.contact.chain import first_modes, stored_energy
+from strikewave.contact.motion import State
+from strikewave.errors import IntegrationError
+from strikewave.machines import _stack_kernels as column
+from strikewave.machines._kernels import RotarySystem, place_bases
+from strikewave.machines._stack_kernels import COLUMNS, CROWDED, ENDLESS, Blow, Supports, follow
+from strikewave.machines.layered import LayeredObject
+from strikewave.machines.spans import Places, StackSpan
+from strikewave.machines.struck_object import StruckObject
+from strikewave.waves import _kernels as waves
+from strikewave.waves._impact_kernels import Law
+from strikewave.waves._kernels import ELASTIC, LOST, RESISTANCE, Recording, Tables
+from strikewave.waves._kernels import MASS as POINT_MASS
+from strikewave.waves._kernels import State as Waves
+from strikewave.waves.transit import field_nodes, nearest_nodes, state_at_rest, tables_of
+
+Array = NDArray[np.float64]
+
+SETTLE = 0.5e-3
+"""Time after the last release for which a stack is followed, s."""
+SAMPLE_STEP, FIELD_STEP = 0.1e-6, 1e-6
+"""Spacing of what is kept of a blow, and of its x-t field, s."""
+LONGEST_BLOW = 10e-3
+"""A blow in touch for longer than this is refused, s."""
+_MOST_TOUCHES, _MOST_SWITCHES = 64, 16
+
+
+def strike(
+    layered: LayeredObject,
+    struck: StruckObject,
+    system: RotarySystem,
+    start: State,
+    field: bool = False,
+) -> tuple[StackSpan, State]:
+    """Follow one blow on a stack, from the state at first touch to the state once it has settled.
+
+    Parameters
+    ----------
+    layered : LayeredObject
+        What is struck.
+    struck : StruckObject
+        The same as bodies, with what supports it.
+    system : RotarySystem
+        The machine with these bodies.
+    start : State
+        Its state at first touch.
+    field : bool, optional
+        Whether to keep the x-t field.
+
+    Raises
+    ------
+    IntegrationError
+        If two strikers touch at once, or the contact lasts beyond `LONGEST_BLOW`.
+    """
+    going = _Strike(layered, struck, system, start)
+    step = layered.grid.step
+    every = max(1, round(SAMPLE_STEP / step))
+    rows = int(LONGEST_BLOW / step / every) + 1
+    taps, whole, places = going.recordings(rows, every, field)
+    history, touches, switches = np.zeros((rows, COLUMNS)), np.zeros((_MOST_TOUCHES, 3)), np.zeros((_MOST_SWITCHES, 2))
+    machine, blow = going.strikers_alone(), going.blow(every)
+    law, supports = _law(system, going.striker), going.supports
+    why, steps, contacts, changed, u_end, net, energies = follow(
+        going.tables, going.waves, law, machine, supports, blow, (taps, whole), history, touches, switches
+    )
+    if why == CROWDED:
+        raise IntegrationError("two strikers touch the object at once: take fewer strikers, or less engagement")
+    if why == ENDLESS:
+        raise IntegrationError(
+            f"a blow on the stack lasts longer than {LONGEST_BLOW * 1e3:g} ms: the contact or its mount is too soft"
+        )
+    kept = (steps - 1) // every + 1
+    # the last acceleration has no velocity after it: straight on
+    taps.velocity[kept - 1, :, 2] = 2.0 * taps.velocity[kept - 1, :, 1] - taps.velocity[kept - 1, :, 0]
+    last = history[kept - 1]
+    gained = waves.momentum(going.tables, going.waves) - going.momentum
+    span = StackSpan(
+        struck=struck,
+        begin=start.time,
+        step=every * step,
+        striker=going.striker,
+        history=history[:kept].copy(),
+        taps=Recording(taps.nodes, every, taps.force[:kept].copy(), taps.velocity[:kept].copy()),
+        field_position=places,
+        field_step=whole.every * step,
+        field_force=whole.force[: (steps - 1) // whole.every + 1].copy(),
+        frame=(going.speed, struck.gravity),
+        grid_step=step,
+        touches=touches[: min(contacts, _MOST_TOUCHES)],
+        switched=switches[: min(changed, _MOST_SWITCHES)],
+        momentum_error=float(abs(net - gained) / last[column.CONTACT_IMPULSE]),
+    )
+    end = going.state_after(start.time + (steps - 1) * step, last, machine)
+    going.settle_accounts(end, last, machine[1], u_end, energies)
+    return span, end
+
+
+class _Strike:
+    """What the steps of one blow share: the state at first touch, and the stack in its moving frame."""
+
+    def __init__(self, layered: LayeredObject, struck: StruckObject, system: RotarySystem, start: State) -> None:
+        self.layered, self.struck, self.system, self.start = layered, struck, system, start
+        self.count = system.bodies.shape[0] - 2
+        self.place = place = Places(self.count)
+        place_bases(system, start.time, start.y, start.mode, start.memory)
+        self.striker = int(np.flatnonzero(start.mode[place.contacts] != OPEN)[0])
+        self.x, self.v = start.y[: place.bodies], start.y[place.bodies : place.angle]
+        masses = np.array([layered.nose_mass, layered.assembly_mass])
+        self.speed = float(masses @ self.v[place.nose :] / masses.sum())
+        self.relative = self.v[place.nose :] - self.speed
+        self.supports = _supports(system, place)
+        self.tables, self.waves = tables_of(layered.stack, layered.grid), state_at_rest(layered.stack, layered.grid)
+        carriage, carriage_speed = (float(system.bases[row, self.count]) for row in (PLACE, SPEED))
+        held = _end_force(self.supports, float(self.x[place.assembly]) - carriage, self.speed - carriage_speed)
+        _settle_in(layered, self.tables, self.waves, held, self.relative)
+        self.momentum = waves.momentum(self.tables, self.waves)
+        self.ringing = self._beyond_bodies(start, self.speed, float(self.x[place.assembly]), self.relative)
+
+    def recordings(self, rows: int, every: int, field: bool) -> tuple[Recording, Recording, Array]:
+        """Return empty recordings of the taps and of the x-t field, and the places of the field, m."""
+        grid = self.layered.grid
+        nodes = nearest_nodes(grid, self.layered.taps)
+        watched, places = field_nodes(self.layered.stack, grid) if field else (nodes[:0], np.empty(0))
+        coarse = every * max(1, round(FIELD_STEP / (every * grid.step)))
+        taps = Recording(nodes, every, np.zeros((rows, len(nodes))), np.zeros((rows, len(nodes), 3)))
+        for k, (layer, node) in enumerate(nodes):
+            taps.velocity[0, k, 0] = waves.force_and_velocity(self.tables, self.waves, layer, node)[1]
+        size = rows * every // coarse + 1
+        whole = Recording(watched, coarse, np.zeros((size, len(watched))), np.zeros((size, len(watched), 3)))
+        return taps, whole, places
+
+    def strikers_alone(self) -> tuple[RotarySystem, Array, NDArray[np.int64], Array]:
+        """Return the machine without the object: system, state, modes, memory."""
+        place, start, n = self.place, self.start, self.count
+        y = [self.x[:n], self.v[:n], start.y[place.angle : place.angle + 2], np.zeros(n + 3)]
+        mode = np.concatenate([start.mode[place.mounts], start.mode[place.links :]])
+        memory = np.concatenate([start.memory[place.mounts], start.memory[place.links :]])
+        return _strikers_only(self.system, n), np.concatenate(y), mode, memory
+
+    def blow(self, every: int) -> Blow:
+        """Return the blow as the kernel takes it."""
+        return Blow(
+            striker=self.striker,
+            approach=float(self.start.memory[self.striker]),
+            time=self.start.time,
+            speed=self.speed,
+            gravity=self.struck.gravity,
+            face=float(self.x[self.place.nose]),
+            end=float(self.x[self.place.assembly]),
+            first_of_assembly=self.layered.first_of_assembly,
+            nose_mass=self.layered.nose_mass,
+            assembly_mass=self.layered.assembly_mass,
+            nose_speed=float(self.relative[0]),
+            assembly_speed=float(self.relative[1]),
+            settle=SETTLE,
+            every=every,
+        )
+
+    def state_after(
+        self, time: float, last: Array, machine: tuple[RotarySystem, Array, NDArray[np.int64], Array]
+    ) -> State:
+        """Return the state of the machine with two bodies, its modes and energies still those of before."""
+        place, n, (_, moved, mode, memory) = self.place, self.count, machine
+        end = State(time, self.start.y.copy(), self.start.mode.copy(), self.start.memory.copy())
+        end.y[:n], end.y[place.bodies : place.bodies + n] = moved[:n], moved[n : 2 * n]
+        end.y[place.nose], end.y[place.assembly] = last[column.NOSE_PLACE], last[column.ASSEMBLY_PLACE]
+        end.y[place.bodies + place.nose] = last[column.NOSE_SPEED]
+        end.y[place.bodies + place.assembly] = last[column.ASSEMBLY_SPEED]
+        end.y[place.angle : place.angle + 2] = moved[2 * n : 2 * n + 2]
+        end.mode[place.links :], end.memory[place.links :] = mode[n:], memory[n:]
+        place_bases(self.system, time, end.y, end.mode, end.memory)
+        return end
+
+    def settle_accounts(self, end: State, last: Array, moved: Array, u_end: float, energies: tuple[float, ...]) -> None:
+        """Let the stack's ringing go, set the modes of the links, and book every energy of the blow."""
+        place, n, gravity = self.place, self.count, self.struck.gravity
+        lost_stop, lost_damper, lost, fed, push_ends = energies
+        since = end.time - self.start.time
+        frame = self.speed + gravity * since
+        stands = float(self.x[place.assembly]) + (self.speed + 0.5 * gravity * since) * since + u_end
+        relative = last[[column.NOSE_SPEED, column.ASSEMBLY_SPEED]] - frame
+        left = self._beyond_bodies(end, frame, stands, relative)
+        if left < 0.0:
+            _ease(self.system, place, end, -left)
+            left = self._beyond_bodies(end, frame, stands, relative)
+        nodes = np.concatenate([end.y[: place.bodies], self.system.bases[PLACE]])
+        end.mode[: place.links] = first_modes(Links(self.system.joins, self.system.values), nodes)
+        end.mode[place.contacts] = OPEN
+        at = place.energies
+        end.y[at + self.striker] += lost
+        end.y[at + n : at + 2 * n] += moved[2 * n + 2 : 3 * n + 2]
+        end.y[at + place.frame] += left + push_ends - self.ringing + float(self.waves.joint[:, LOST].sum())
+        end.y[at + place.support] += lost_damper
+        end.y[at + place.stop] += lost_stop
+        end.y[at + place.links :] += moved[3 * n + 2 :]
+        end.y[-1] += fed
+
+    def _beyond_bodies(self, bodies: State, speed: float, stands: float, relative: Array) -> float:
+        """Return the energy of the object as a stack less that as two bodies, J.
+
+        ``speed`` is that of the stack's frame, ``stands`` the place of its end, ``relative`` the speeds of nose and
+        assembly in the frame. Both views have the same momentum and height; they differ in ringing, and in
+        where the end stands.
+        """
+        place, system = self.place, self.system
+        masses = system.bodies[place.nose :, MASS]
+        of_object = [place.frame, place.support, place.stop]
+        frame_too, held = (Links(system.joins[k], system.values[k]) for k in (of_object, of_object[1:]))
+        nodes = np.concatenate([bodies.y[: place.bodies], system.bases[PLACE]])
+        v = bodies.y[place.bodies + place.nose : place.angle]
+        as_bodies = 0.5 * float(masses @ v**2) + stored_energy(frame_too, nodes)
+        nodes[place.assembly] = stands
+        moving = 0.5 * float(masses.sum()) * speed**2 + speed * float(masses @ relative)
+        return waves.energy(self.tables, self.waves) + moving + stored_energy(held, nodes) - as_bodies
+
+
+def _ease(system: RotarySystem, place: Places, bodies: State, energy: float) -> None:
+    """Take an energy out of the frame's bend, as far as there is any; the centre of mass stays.
+
+    Parts that an open joint let fly apart stand farther from each other than the frame is bent.
+    """
+    masses = system.bodies[place.nose :, MASS]
+    bend = bodies.y[place.nose] - bodies.y[place.assembly]
+    kept = 1.0 - energy / (0.5 * system.values[place.frame, STIFFNESS] * bend**2) if bend else 0.0
+    less = bend * (1.0 - math.sqrt(max(kept, 0.0)))
+    bodies.y[place.nose] -= less * masses[1] / masses.sum()
+    bodies.y[place.assembly] += less * masses[0] / masses.sum()
+
+
+def _supports(system: RotarySystem, place: Places) -> Supports:
+    """Return what holds the end, from the links of the machine."""
+    spring, stop = system.values[place.support], system.values[place.stop]
+    numbers = [*spring[[STIFFNESS, PRELOAD, DAMPING, OFFSET]], *stop[[STIFFNESS, DAMPING, OFFSET]]]
+    return Supports(*(float(number) for number in numbers))
+
+
+def _end_force(supports: Supports, place: float, speed: float) -> float:
+    """Return the force of spring, damper and stop on an end at a place and speed from the carriage, N."""
+    spring = supports.preload + supports.spring * (place - supports.rest) + supports.damper * speed
+    deep = -place - supports.stop_offset
+    stop = max(supports.stop * deep - supports.stop_damping * speed, 0.0) if deep > 0.0 else 0.0
+    return spring - stop
+
+
+def _law(system: RotarySystem, striker: int) -> Law:
+    """Return the contact law of a striker."""
+    value = system.values[striker]
+    return Law(*(float(value[k]) for k in (STIFFNESS, EXPONENT, DAMPING, SLOWEST)))
+
+
+def _strikers_only(system: RotarySystem, strikers: int) -> RotarySystem:
+    """Return the machine with its strikers on their mounts alone; nodes are strikers, then bases."""
+    mounts = slice(strikers, 2 * strikers)
+    joins = system.joins[mounts].copy()
+    joins[:, 1] -= np.where(joins[:, 1] >= strikers, 2, 0)
+    joins[:, 2] -= np.where(joins[:, 2] >= strikers, 2, 0)
+    return RotarySystem(
+        system.bodies[:strikers].copy(), system.bases.copy(), joins, system.values[mounts].copy(), system.settings
+    )
+
+
+def _settle_in(layered: LayeredObject, tables: Tables, state: Waves, held: float, relative: Array) -> None:
+    """Fill the waves of a stack that moves as two rigid parts while its end is held by a force.
+
+    The force in a section is the share of the mass before it, f = held m(s)/m, so that the stack starts
+    without ringing; across an open gap it would not hold together, and the stack starts free of force.
+    """
+    stack = layered.stack
+    total, passed = layered.nose_mass + layered.assembly_mass, 0.0
+    if any(joint.gap > 0.0 for joint in stack.joints):
+        held = 0.0
+    for i, layer in enumerate(stack.layers):
+        v = float(relative[0 if i < layered.first_of_assembly else 1])
+        nodes, begin = int(tables.nodes[i]), int(tables.start[i])
+        place, z = int(state.place[i]), float(tables.impedance[i])
+        share = (passed + layer.mass * np.arange(nodes) / (nodes - 1)) / total
+        force = held * share
+        ahead, behind = (place - np.arange(nodes)) % nodes, (place - np.arange(nodes)[::-1]) % nodes
+        state.forward[begin + ahead] = 0.5 * (force + z * v)
+        state.backward[begin + behind] = 0.5 * (force - z * v)
+        passed += layer.mass
+        if i < len(stack.joints):
+            joint, f = stack.joints[i], held * passed / total
+            if tables.joint_kind[i] == POINT_MASS:
+                push = held * joint.mass / total
+                state.joint[i, 0], state.joint[i, 1] = tables.joint_value[i, RESISTANCE] * v - push, v
+            elif joint.gap == 0.0 and math.isfinite(joint.stiffness):
+                state.joint[i, 0] = f / joint.stiffness
+                if tables.joint_kind[i] == ELASTIC:
+                    state.memory[i, 0] = f
+            passed += joint.mass
