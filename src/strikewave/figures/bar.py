@@ -48,5 +48,5 @@ def bar_summary(solution: BarSolution) -> Figure:
     if len(solution.taps) > 1:
         above_right(grid[0, 1])
     if not solution.quoted:
-        grid[1, 1].set_title("Acceleration: no peak may be quoted, see the warnings", loc="left", fontsize=10)
+        grid[1, 1].set_title("Acceleration (peaks not to be quoted)", loc="left", fontsize=10)
     return figure
