@@ -7,6 +7,7 @@ import dataclasses
 import functools
 import io
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,27 +16,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.build import build_channels, build_load, build_stack, build_taps, wanted
+from strikewave.build import build_channels, build_load, build_stack, build_taps, check_route, wanted
 from strikewave.build.stack import checked, need
 from strikewave.case import Case, dump_case
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
 from strikewave.errors import InputError
-from strikewave.readings import Channel, SensorPulse, largest, sensor_pulse, sensor_sources
+from strikewave.readings import Channel, SensorPulse, front, largest, sensor_pulse, sensor_sources, stated
 from strikewave.sensors import Reading, read
-from strikewave.signal.filters import zero_phase
 from strikewave.signal.pulse import measure_pulse
 from strikewave.solution import SCHEMA, Notice, WaveSetup, wave_setup
 from strikewave.validity import (
     REFUSED,
+    channel_notices,
     end_notices,
     field_extremes,
+    grid_notices,
     joint_notices,
     layer_notices,
     rise_in_diameters,
     rise_notices,
 )
-from strikewave.waves import BarRun, Impactor, Pulse, Sampled, Tap, run_bar
+from strikewave.waves import BarRun, Impactor, Pulse, Sampled, Stack, Tap, run_bar
 from strikewave.waves.li_ma import ROUTES
 from strikewave.waves.routes import EXACT, RouteHistory, route_history, specimen_of
 
@@ -94,8 +96,9 @@ class BarSolution:
 
     @property
     def title(self) -> str:
-        """The title of the case."""
-        return self.case.title or self.case.name
+        """The title of the case, with its route where that is not the exact one."""
+        route = "" if self.route == EXACT else f"; route {self.route}"
+        return (self.case.title or self.case.name) + route
 
     @property
     def sensors(self) -> dict[str, SensorPulse]:
@@ -172,19 +175,27 @@ class BarSolution:
             }
         )
 
+    def _histories(self) -> Iterator[tuple[Array, Array, Array, Array]]:
+        """Yield force, stress, velocity, acceleration at each tap by the route of the case; NaN where it has none."""
+        for k, (_, tap) in enumerate(self.taps):
+            nothing = np.full(self.run.time.size, np.nan)
+            found = self.by_route(k, self.route) or RouteHistory(nothing, nothing, nothing)
+            stress = found.force / self.run.stack.layers[tap.layer].area
+            yield found.force, stress, found.velocity, found.acceleration
+
     def dataset(self) -> xarray.Dataset:
         """Return all histories and the x-t field with units."""
         import xarray
 
         run, where = self.run, ("time", "tap")
-        stress = np.column_stack([self.stress(k) for k in range(len(self.taps))])
+        force, stress, velocity, acceleration = (np.column_stack(c) for c in zip(*self._histories(), strict=True))
         variables = {
             "face_force": quantity("time", run.face_force, "N", "force on the first face"),
             "rigid_acceleration": quantity("time", self.rigid, "m/s^2", "acceleration of the stack as one body"),
-            "tap_force": quantity(where, run.force, "N", "force at each tap"),
+            "tap_force": quantity(where, force, "N", "force at each tap"),
             "tap_stress": quantity(where, stress, "Pa", "stress at each tap"),
-            "tap_velocity": quantity(where, run.velocity, "m/s", "velocity at each tap"),
-            "tap_acceleration": quantity(where, run.acceleration, "m/s^2", "acceleration at each tap"),
+            "tap_velocity": quantity(where, velocity, "m/s", "velocity at each tap"),
+            "tap_acceleration": quantity(where, acceleration, "m/s^2", "acceleration at each tap"),
             "field_force": quantity(("field_time", "field_place"), run.field_force, "N", "force along the stack"),
             "field_position": quantity("field_place", run.field_position, "m", "distance from the first face"),
         }
@@ -197,6 +208,7 @@ class BarSolution:
             "strikewave_schema": SCHEMA,
             "strikewave_version": __version__,
             "case": dump_case(self.case),
+            "route": self.route,
         }
         return xarray.Dataset(variables, coordinates, attributes)
 
@@ -205,12 +217,14 @@ class BarSolution:
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         units = (("force", "N"), ("stress", "Pa"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
-        writer.writerow(["time [s]", *(f"{name} {what} [{unit}]" for name, _ in self.taps for what, unit in units)])
+        by = "" if self.route == EXACT else f", {self.route}"
+        heads = [f"{name} {what} [{unit}]{by}" for name, _ in self.taps for what, unit in units]
+        writer.writerow(["time [s]", *heads])
         columns = [self.run.time]
-        for k in range(len(self.taps)):
-            columns += [self.run.force[:, k], self.stress(k), self.run.velocity[:, k], self.run.acceleration[:, k]]
+        for force, stress, velocity, acceleration in self._histories():
+            columns += [force, stress, velocity, acceleration]
         for row in zip(*columns, strict=True):
-            writer.writerow([f"{value:.9g}" for value in row])
+            writer.writerow(["" if math.isnan(value) else f"{value:.9g}" for value in row])
         return text.getvalue()
 
     def save(self, path: Path) -> None:
@@ -233,66 +247,93 @@ def run_wave(case: Case) -> BarSolution:
     >>> solution.run.momentum_error < 1e-9
     True
     """
-    stack, taps = build_stack(case), build_taps(case)
+    stack, taps, channels = build_stack(case), build_taps(case), build_channels(case)
     load = build_load(case, stack)
+    check_route(case, taps, channels)
     duration = need(case.solver.duration, "solver.duration", "how long to follow", 'add duration = "300 us"')
     run = checked("solver", lambda: run_bar(stack, load, [tap for _, tap in taps], duration, wanted(case)))
-    rise = load_rise(run)
-    bandwidth = case.solver.bandwidth.si if case.solver.bandwidth else math.inf
-
-    def stated(acceleration: Array) -> Array:
-        if math.isinf(bandwidth):
-            return acceleration
-        return checked("solver.bandwidth", lambda: zero_phase(acceleration, float(run.time[1]), bandwidth, axis=0))
-
-    accuracy, channels = run.relative_bound, build_channels(case)
-    whole = (run.face_force - run.end_force) / stack.mass
-    readings = []
-    for channel in channels:
-        felt = whole if channel.tap is None else run.acceleration[:, channel.tap]
-        readings.append(
-            checked(f"sensor.{channel.sensor.name}", functools.partial(read, *channel[::2], felt, float(run.time[1])))
+    bandwidth, step = case.solver.bandwidth.si if case.solver.bandwidth else math.inf, float(run.time[1])
+    if not math.isinf(bandwidth) and not 1.0 / duration <= bandwidth < 0.5 / step:
+        allowed = f"{1.0 / duration:.3g} to {0.5 / step:.3g} Hz: one over the duration, half the sampling rate"
+        raise InputError("solver.bandwidth", f"{bandwidth:g} Hz", allowed)
+    routes = _routes(stack, taps, run)
+    rigid = (run.face_force - run.end_force) / stack.mass
+    accuracy, felt = run.relative_bound, _felt(case.solver.route, taps, run, routes)
+    readings = tuple(
+        checked(
+            f"sensor.{sensor.name}",
+            functools.partial(read, sensor, recorder, rigid if tap is None else felt[tap], step),
         )
-    run = dataclasses.replace(run, acceleration=stated(run.acceleration))
-    most, least, greatest = field_extremes(stack, run.field_position, run.field_force)
+        for sensor, tap, recorder in channels
+    )
+    rise = min([load_rise(run), *(front(values, step) for values in run.acceleration.T)])
+    peak = largest(run.acceleration.ravel())
+    run = dataclasses.replace(run, acceleration=_from_rest(run.acceleration.T, step, bandwidth).T)
+    for key, wave in routes.items():
+        routes[key] = wave._replace(acceleration=_from_rest(wave.acceleration, step, bandwidth))
+    most, least, greatest = field_extremes(stack, run.field_position, np.array([run.field_least, run.field_greatest]))
     lasting = load.duration if isinstance(load, Pulse | Sampled) else float(run.touches[:, 1].max(initial=0.0))
-    listed = [
-        *_ledger(run),
-        *_jump(rise),
-        *(rise_notices(stack, rise, bandwidth, largest(run.acceleration.ravel())) if rise > 0.0 else ()),
-        *layer_notices(stack, most),
-        *joint_notices(stack, least, greatest),
-        *end_notices(stack, lasting),
-        *_missed_accuracy(case, accuracy[0]),
-    ]
-    quoted = rise > 0.0 and rise_in_diameters(stack, rise, bandwidth)[0] >= REFUSED
-    routes = {}
-    for name, tap in taps:
-        for route in ROUTES if specimen_of(stack, tap.layer) is not None else ():
-            wave = route_history(stack, tap.layer, tap.position, run.time, run.face_force, route)
-            routes[name, route] = wave._replace(acceleration=stated(wave.acceleration))
-    rigid = stated(whole)
-    _route_has_taps(case, routes)
-    origin = ("li-ma-2019",) if case.source.startswith("li-ma-2019") or routes else ()
-    return BarSolution(
+    solution = BarSolution(
         case=case,
         run=run,
         taps=taps,
         waves=wave_setup(stack, run.grid),
-        rigid=rigid,
+        rigid=_from_rest(rigid, step, bandwidth),
         routes=routes,
         channels=channels,
-        readings=tuple(readings),
+        readings=readings,
         accuracy=accuracy,
-        quoted=quoted,
-        warnings=tuple(listed),
-        citations=(*origin, "kolsky-1963", *sensor_sources(channels)),
+        quoted=rise > 0.0 and rise_in_diameters(stack, rise, bandwidth)[0] >= REFUSED,
+        warnings=(),
+        citations=_citations(case, routes, channels),
     )
+    listed = [
+        *_ledger(run),
+        *grid_notices(run.grid),
+        *_jump(rise),
+        *(rise_notices(stack, rise, bandwidth, peak) if rise > 0.0 else ()),
+        *layer_notices(stack, most),
+        *joint_notices(stack, least, greatest),
+        *end_notices(stack, lasting),
+        *channel_notices(channels, [solution.sensors], stack.mass),
+        *_missed_accuracy(case, run, accuracy[0]),
+    ]
+    return dataclasses.replace(solution, warnings=tuple(listed))
 
 
-def _route_has_taps(case: Case, routes: dict[tuple[str, str], RouteHistory]) -> None:
-    if case.solver.route != EXACT and not routes:
-        raise InputError("solver.route", case.solver.route, EXACT, "no tap lies in a layer between two others")
+def _routes(stack: Stack, taps: Sequence[tuple[str, Tap]], run: BarRun) -> dict[tuple[str, str], RouteHistory]:
+    """Return what the paper's routes say of each tap in a layer between two others."""
+    return {
+        (name, route): route_history(stack, tap.layer, tap.position, run.time, run.face_force, route)
+        for name, tap in taps
+        if specimen_of(stack, tap.layer) is not None
+        for route in ROUTES
+    }
+
+
+def _felt(
+    route: str, taps: Sequence[tuple[str, Tap]], run: BarRun, routes: dict[tuple[str, str], RouteHistory]
+) -> list[Array]:
+    """Return the acceleration that a sensor at each tap feels, by the route of the case."""
+    found = []
+    for k, (name, _) in enumerate(taps):
+        wave = routes.get((name, route))
+        found.append(run.acceleration[:, k] if wave is None else wave.acceleration)
+    return found
+
+
+def _from_rest(values: Array, step: float, bandwidth: float) -> Array:
+    """Return histories (rows) at a bandwidth; before the load nothing accelerates."""
+    if math.isinf(bandwidth):
+        return values
+    rest = min(math.ceil(2.0 / (bandwidth * step)), 4 * values.shape[-1])
+    led = np.concatenate([np.zeros((*values.shape[:-1], rest)), values], axis=-1)
+    return stated(led, step, bandwidth)[..., rest:]
+
+
+def _citations(case: Case, routes: dict[tuple[str, str], RouteHistory], channels: Sequence[Channel]) -> tuple[str, ...]:
+    origin = ("li-ma-2019",) if case.source.startswith("li-ma-2019") or routes else ()
+    return (*origin, "kolsky-1963", *sensor_sources(channels))
 
 
 def load_rise(run: BarRun) -> float:
@@ -319,14 +360,17 @@ def _ledger(run: BarRun) -> list[Notice]:
     return [Notice("momentum-ledger", message, run.momentum_error, LEDGER_LIMIT, broken=True)]
 
 
-def _missed_accuracy(case: Case, velocity: float) -> list[Notice]:
+def _missed_accuracy(case: Case, run: BarRun, velocity: float) -> list[Notice]:
     """Say where the wanted error could not be promised."""
     asked = wanted(case)
     if velocity <= asked.velocity:
         return []
     if math.isinf(velocity):
-        message = "no error bound: joints that open, or layers with a speed of their own, are beyond its theorem"
+        if not np.any(run.velocity):
+            message = "nothing moves at the taps: the load is zero, or has not reached them by the end"
+        else:
+            message = "no error bound: a striker, joints that open, and layers with a speed are beyond its theorem"
         return [Notice("no-error-bound", message, math.inf, asked.velocity)]
-    why = "the step is that of the case" if asked.step else "no affordable step suits all transits"
+    why = "the step is that of the case" if asked.step else "a finer step would take too long"
     message = f"the error bound of velocity is {velocity:.2g} of its peak instead of {asked.velocity:g}: {why}"
     return [Notice("error-bound", message, velocity, asked.velocity)]

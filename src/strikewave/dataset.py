@@ -82,7 +82,7 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
         coordinates["route"] = ("route", np.array(ROUTES, dtype=object))
     variables |= _reading_variables(seen.histories, seen.view.channels)
     variables |= _field_variables(run)
-    return xarray.Dataset(variables, coordinates)
+    return xarray.Dataset(variables, coordinates, {"route": seen.view.route})
 
 
 def _tap_variables(histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: View) -> dict[str, Any]:
@@ -132,7 +132,8 @@ def _reading_variables(histories: Sequence[BlowHistory | None], channels: Sequen
         values, start, step = np.full((len(readings), size), np.nan), np.full(len(readings), np.nan), 0.0
         for row, reading in enumerate(readings):
             if reading is not None:
-                values[row, : reading.values.size], start[row] = reading.values, reading.time[0]
+                values[row, : reading.values.size] = reading.values
+                start[row] = reading.time[0] if reading.time.size else np.nan
                 step = float(reading.time[1] - reading.time[0]) if reading.time.size > 1 else step
         name, where = channel.sensor.name, f"reading_{k + 1}"
         found[where] = quantity(("blow", f"sample_{k + 1}"), values, "m/s^2", f"reading of the sensor {name}")

@@ -20,7 +20,7 @@ from strikewave.machines.rotary import RotaryMachine, RotaryRun
 from strikewave.machines.spans import StackSpan
 from strikewave.sensors import Reading, Recorder, Sensor, read
 from strikewave.signal.filters import zero_phase
-from strikewave.signal.pulse import measure_pulse, refine_peak
+from strikewave.signal.pulse import crossing, measure_pulse
 from strikewave.waves.li_ma import ROUTES, superposed
 from strikewave.waves.routes import EXACT, route_history, specimen_of
 
@@ -93,7 +93,8 @@ class BlowHistory(NamedTuple):
 
     ``since`` is the time after first touch, s; ``rigid`` is at the bandwidth; ``force``, ``speed`` and ``total``
     (at the bandwidth) have one row a tap; ``readings`` one a sensor, each with its own instants; ``routes`` holds
-    the wave acceleration (at the bandwidth) by tap and route of the paper.
+    the wave acceleration (at the bandwidth) by tap and route of the paper; ``front`` is the rise time of the steepest
+    front at any tap, before the filter, s.
     """
 
     since: Array
@@ -103,19 +104,19 @@ class BlowHistory(NamedTuple):
     total: Array
     readings: tuple[Reading, ...]
     routes: dict[tuple[int, str], Array]
+    front: float
 
 
 def largest(values: Array) -> float:
-    """Return the value of largest magnitude, with its sign, between samples by a parabola; NaN is passed over.
+    """Return the value of largest magnitude, with its sign; NaN is passed over, and of nothing it is NaN.
 
     Examples
     --------
-    >>> largest(np.array([1.0, -3.0, 2.0, -3.0, -4.0, -3.0]))
-    -4.0
+    >>> largest(np.array([1.0, -3.0, 2.0, np.nan]))
+    -3.0
     """
-    values = values[np.isfinite(values)]
-    sign = 1.0 if values.max() >= -values.min() else -1.0
-    return sign * refine_peak(sign * values, int(np.argmax(sign * values)))[1]
+    known = values[np.isfinite(values)]
+    return float(known[int(np.argmax(np.abs(known)))]) if known.size else math.nan
 
 
 def blow_history(run: RotaryRun, blow: Blow, view: View, routes: bool = False) -> BlowHistory:
@@ -133,7 +134,7 @@ def blow_history(run: RotaryRun, blow: Blow, view: View, routes: bool = False) -
     after = math.floor((last - blow.time) / step + 1e-9)
     since = step * np.arange(-before, after + 1, dtype=np.float64)
     moments = run.sample(np.minimum(blow.time + since, last))
-    rigid, by_route = moments.rigid_acceleration, {}
+    rigid, by_route, without = moments.rigid_acceleration, {}, []
     taps = layered.taps if layered else ()
     force, speed, total = (np.zeros((len(taps), since.size)) for _ in range(3))
     for k, (layer, position) in enumerate(taps):
@@ -144,31 +145,82 @@ def blow_history(run: RotaryRun, blow: Blow, view: View, routes: bool = False) -
         force[k, before : before + size] = parts[0][:size]
         speed[k, :before], total[k, :before] = moments.object_speed[:before], rigid[:before]
         speed[k, before : before + size], total[k, before : before + size] = parts[1][:size], parts[2][:size]
-        if specimen_of(layered.stack, layer) is None:
-            continue
-        for route in ROUTES:
-            if not routes and route != view.route:
-                continue
+        known = specimen_of(layered.stack, layer) is not None
+        for route in ROUTES if known and (routes or view.route != EXACT) else ():
             wave = route_history(layered.stack, layer, position, since, moments.contact_force, route)
             by_route[k, route] = wave.acceleration
             if route == view.route:
                 force[k], speed[k] = wave.force, moments.object_speed + wave.velocity
                 total[k] = superposed(rigid, wave.acceleration)
+        if view.route != EXACT and not known:
+            without.append(k)
     start = float(since[0])
     readings = []
     for channel in view.channels:
         felt = rigid if channel.tap is None else total[channel.tap]
-        rate = channel.recorder.sampling_rate
-        at = (blow.time + start - view.recorder_begin) * rate
-        phase = 0.0 if math.isinf(rate) else min(math.ceil(at) - at, 1.0 - 1e-9)
-        readings.append(read(channel.sensor, channel.recorder, felt, step, start, phase))
+        readings.append(_recorded(channel, felt, step, start, blow.time - view.recorder_begin))
+    steepest = min((front(values, step) for values in total), default=math.inf)
     if taps:
-        filtered = zero_phase(np.vstack([rigid, total, *by_route.values()]), step, view.bandwidth)
-        # near the end the filter would need what comes after the stack has been let go
-        filtered[:, since > since[-1] - min(1.0 / view.bandwidth, 0.5 * since[-1])] = np.nan
+        filtered = stated(np.vstack([rigid, total, *by_route.values()]), step, view.bandwidth)
         rigid, total = filtered[0], filtered[1 : len(taps) + 1]
         by_route = dict(zip(by_route, filtered[len(taps) + 1 :], strict=True))
-    return BlowHistory(since, rigid, force, speed, total, tuple(readings), by_route)
+        for history in (force, speed, total):
+            history[without] = np.nan
+    return BlowHistory(since, rigid, force, speed, total, tuple(readings), by_route, steepest)
+
+
+def _recorded(channel: Channel, felt: Array, step: float, start: float, touched: float) -> Reading:
+    """Return what a channel keeps of a history from ``start`` on; a slow recorder may take no sample in it.
+
+    ``touched`` is the time of first touch after a sampling instant of the recorder.
+    """
+    rate = channel.recorder.sampling_rate
+    if math.isinf(rate):
+        return read(channel.sensor, channel.recorder, felt, step, start)
+    at = (touched + start) * rate
+    phase = min(math.ceil(at) - at, 1.0 - 1e-9)
+    if phase / rate > (felt.size - 1) * step:
+        return Reading(np.empty(0), np.empty(0), False, False, math.nan, 0.0)
+    return read(channel.sensor, channel.recorder, felt, step, start, phase)
+
+
+def stated(values: Array, step: float, bandwidth: float) -> Array:
+    """Return histories (rows) at a bandwidth; before the first sample they hold its value.
+
+    Near the end the filter would need what comes after: the last 1/bandwidth, at most half of it all, is NaN.
+
+    Raises
+    ------
+    ValueError
+        If the bandwidth is not below half the sampling rate.
+    """
+    if math.isinf(bandwidth):
+        return values
+    filtered = zero_phase(values, step, bandwidth)
+    lost = min(math.ceil(1.0 / (bandwidth * step)), values.shape[-1] // 2)
+    filtered[..., values.shape[-1] - lost :] = np.nan
+    return filtered
+
+
+def front(acceleration: Array, step: float) -> float:
+    """Return the rise time (10-90 %) of the steepest front in a history: 0.8 of its time above a tenth of its peak.
+
+    A velocity that rises along a line has a front of 0.8 of that time; one that jumps has one of a few steps.
+
+    Examples
+    --------
+    >>> ramp = np.where((np.arange(100) >= 40) & (np.arange(100) < 60), 1.0, 0.0)
+    >>> round(front(ramp, 1e-6) * 1e6, 1)
+    16.6
+    """
+    values = np.abs(acceleration)
+    place = int(np.argmax(values))
+    if not values[place] > 0.0:
+        return math.inf
+    edges = [crossing(values, place, 0.1 * float(values[place]), side) for side in (-1, 1)]
+    begin = edges[0] if math.isfinite(edges[0]) else 0.0
+    end = edges[1] if math.isfinite(edges[1]) else float(values.size)
+    return 0.8 * (end - begin) * step
 
 
 def sensor_sources(channels: Sequence[Channel]) -> list[str]:
@@ -182,6 +234,8 @@ def sensor_sources(channels: Sequence[Channel]) -> list[str]:
 def sensor_pulse(reading: Reading) -> SensorPulse:
     """Return peak, width and clipping of a reading."""
     values = reading.values
+    if values.size == 0:
+        return SensorPulse(math.nan, math.nan, False)
     interval = float(reading.time[1] - reading.time[0]) if values.size > 1 else math.nan
     width = measure_pulse(values, interval).width if values.size > 2 and values.max() > 0.0 else math.nan
     return SensorPulse(largest(values), width, reading.clipped)

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from statistics import median
 
 import numpy as np
 
 from strikewave import citations
-from strikewave.build import build_channels, build_machine, build_taps, contact_stiffness
+from strikewave.build import build_channels, build_machine, build_taps, check_route, contact_stiffness
 from strikewave.case import Case
 from strikewave.contact import Contact, factor, solve_impact
 from strikewave.dataset import build_dataset
 from strikewave.errors import InputError
 from strikewave.machines import Blow, RotaryMachine, blows, run_rotary
 from strikewave.machines.spans import StackSpan
+from strikewave.machines.strike import kept_step
 from strikewave.notices import ledger_notices, notices
 from strikewave.readings import (
     BlowReading,
@@ -28,7 +30,10 @@ from strikewave.readings import (
 from strikewave.solution import Comparison, RigidReference, Solution, wave_setup
 from strikewave.validity import channel_notices, honest_bandwidth, wave_notices
 from strikewave.waves import Stack
-from strikewave.waves.routes import EXACT, specimen_of
+from strikewave.waves.routes import EXACT
+
+LOWEST_BANDWIDTH = 1e3
+"""Lowest bandwidth of the acceleration of a blow, which lasts a millisecond, Hz."""
 
 
 def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Solution:
@@ -59,8 +64,12 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
     machine, run = seen.machine, seen.run
     listed = [
         *notices(case, seen.blows),
-        *wave_notices(run, seen.readings, seen.view.bandwidth),
-        *channel_notices(seen.view.channels, seen.readings, machine.struck.assembly_mass),
+        *wave_notices(run, seen.histories, seen.readings, seen.view.bandwidth),
+        *channel_notices(
+            seen.view.channels,
+            [reading.sensors for reading in seen.readings if reading is not None],
+            machine.struck.assembly_mass,
+        ),
     ]
     refused = any(notice.code == "rise-too-steep" for notice in listed)
     readings = tuple(reading and (without_peaks(reading) if refused else reading) for reading in seen.readings)
@@ -93,9 +102,13 @@ def observe(case: Case, progress: Callable[[float], None] | None = None) -> Obse
     stack = machine.layered.stack if machine.layered else None
     taps = build_taps(case) if machine.layered else ()
     route = case.solver.route
-    if route != EXACT and not any(stack and specimen_of(stack, tap.layer) for _, tap in taps):
-        raise InputError("solver.route", route, EXACT, "no tap lies in a layer between two others")
-    view = View(build_channels(case), stated_bandwidth(case, stack), case.rig().recorder.begin, route)
+    channels = build_channels(case)
+    if route != EXACT and stack is None:
+        raise InputError("solver.route", route, EXACT, "the object of this case is no stack")
+    check_route(case, taps, channels)
+    view = View(channels, stated_bandwidth(case, stack), case.rig().recorder.begin, route)
+    if machine.layered is not None:
+        check_rates(case, view, kept_step(machine.layered.grid))
     run = run_rotary(machine, case.solver.tolerance.si, progress)
     found = blows(run)
     first = next((blow for blow in found if blow.kind != "missed"), None)
@@ -104,6 +117,28 @@ def observe(case: Case, progress: Callable[[float], None] | None = None) -> Obse
     )
     readings = tuple(history and blow_reading(history, view) for history in histories)
     return Observed(run, found, view, tuple(name for name, _ in taps), histories, readings)
+
+
+def check_rates(case: Case, view: View, step: float) -> None:
+    """Refuse a bandwidth or a filter that the histories of a stack, or its short blows, cannot show.
+
+    Raises
+    ------
+    InputError
+        With the field.
+    """
+    highest = 0.5 / step
+    bandwidth = case.solver.bandwidth
+    if bandwidth is not None and not LOWEST_BANDWIDTH <= view.bandwidth < highest:
+        allowed = f"{LOWEST_BANDWIDTH / 1e3:g} kHz to {highest / 1e6:.3g} MHz, half the rate at which waves are kept"
+        raise InputError("solver.bandwidth", bandwidth.typed, allowed)
+    for channel in view.channels:
+        cutoff = channel.recorder.cutoff
+        if not math.isinf(cutoff) and cutoff >= highest:
+            field = f"sensor.{channel.sensor.name}.cutoff"
+            raise InputError(
+                field, f"{cutoff:g} Hz", f"below {highest / 1e6:.3g} MHz, half the rate at which waves are kept"
+            )
 
 
 def stated_bandwidth(case: Case, stack: Stack | None) -> float:

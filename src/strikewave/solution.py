@@ -181,7 +181,8 @@ class Solution:
         changed = self.case.changed_fields()
         shown = ", ".join(f"{path} = {self.case.values()[path].typed}" for path in changed[:3])
         more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
-        return (self.case.title or self.case.name) + (f"; here {shown}{more}" if changed else "")
+        route = "" if self.case.solver.route == "exact" else f"; route {self.case.solver.route}"
+        return (self.case.title or self.case.name) + (f"; here {shown}{more}" if changed else "") + route
 
     @property
     def broken(self) -> bool:
@@ -198,6 +199,7 @@ class Solution:
             rows.append({**row, **dataclasses.asdict(reading or nothing)})
         units = {k: u for k, u in BLOW_UNITS.items() if k not in hidden}
         units |= {"wave_peak": "m/s^2", "total_peak": "m/s^2", "bandwidth": "Hz", "peak": "m/s^2", "masses": "kg"}
+        units |= {"step": "s", "mismatch": "1", "length_asked": "m", "length_used": "m"}
         units |= {"ledger": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
         return plain(
             {
@@ -208,6 +210,7 @@ class Solution:
                 "masses": self.masses,
                 "phases": [{"name": name, "time": time} for name, time in self.phases],
                 "ledger": self.ledger,
+                "waves": dataclasses.asdict(self.waves) if self.waves else None,
                 "published": [without(dataclasses.asdict(c), "note", "sensor") for c in self.published],
                 "fitted_fields": self.case.fitted_fields(),
             }
@@ -219,13 +222,14 @@ class Solution:
         names = [f.name for f in dataclasses.fields(Blow)]
         writer = csv.writer(text, lineterminator="\n")
         waves = ("total_peak", "wave_peak", "bandwidth") if self.waves else ()
+        route = [self.case.solver.route] if self.waves else []
         sensors = list(dict.fromkeys(name for r in self.readings if r is not None for name in r.sensors))
         head = [f"{n} [{BLOW_UNITS[n]}]" if n in BLOW_UNITS else n for n in names]
-        head += [f"{n} [{'Hz' if n == 'bandwidth' else 'm/s^2'}]" for n in waves]
+        head += [f"{n} [{'Hz' if n == 'bandwidth' else 'm/s^2'}]" for n in waves] + ["route"] * len(route)
         head += [column for n in sensors for column in (f"{n} peak [m/s^2]", f"{n} width [s]", f"{n} clipped")]
         writer.writerow(head)
         for blow, reading in zip(self.blows, self.readings, strict=True):
-            row: list[Any] = [*dataclasses.astuple(blow), *(getattr(reading, n, None) for n in waves)]
+            row: list[Any] = [*dataclasses.astuple(blow), *(getattr(reading, n, None) for n in waves), *route]
             for name in sensors:
                 row += dataclasses.astuple(reading.sensors[name]) if reading is not None else [None] * 3
             writer.writerow(["" if v is None or (isinstance(v, float) and math.isnan(v)) else v for v in row])

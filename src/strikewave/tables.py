@@ -26,6 +26,7 @@ from strikewave.quantities import (
     MaybeBits,
     MaybeDamping,
     MaybeDensity,
+    MaybeError,
     MaybeForce,
     MaybeFrequency,
     MaybeGap,
@@ -248,6 +249,8 @@ class GasketTable(Table):
 class SensorTable(Table):
     """[[sensor]]: an accelerometer at a tap or at the rigid assembly, its mounting and its recorder.
 
+    With gaskets it is buffered: ``mass`` is then its own, and the edge is what the gaskets stand on; without
+    them it is mounted directly.
     ``model`` names one of the known accelerometers; resonance, quality and range overrule it. ``recorder`` is
     "storage" (that of [recorder]), "oscilloscope", or "ideal"; sampling_rate, cutoff, order and bits overrule it.
     """
@@ -273,7 +276,8 @@ class SensorTable(Table):
 class Solver(Table):
     """[solver]: how exactly to compute, and how densely to keep the whole train.
 
-    ``duration`` is that of a bar alone, ``step`` the time step of its waves (chosen where left out), and
+    ``duration`` is that of a bar alone, ``error`` the wanted one of its velocities over their peak (1e-3; that of
+    accelerations is ten times as large), ``step`` the time step of waves (chosen where left out), and
     ``bandwidth`` that at which total and wave acceleration are stated (chosen where left out). ``route`` is "exact",
     or one of the routes of Li & Ma 2019, which take the neighbours of a tap's layer as endless.
     """
@@ -282,6 +286,7 @@ class Solver(Table):
     output_step: OutputStep = Value(si=1e-5, typed="10 us")
     duration: MaybeTime = None
     step: MaybeStep = None
+    error: MaybeError = None
     bandwidth: MaybeFrequency = None
     route: Literal["exact", "as printed", "corrected"] = "exact"
 

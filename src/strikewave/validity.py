@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from strikewave.machines.rotary import RotaryRun
 from strikewave.machines.spans import StackSpan
-from strikewave.readings import BlowReading, Channel
+from strikewave.readings import BlowHistory, BlowReading, Channel, SensorPulse
 from strikewave.signal.pulse import measure_pulse
 from strikewave.solution import Notice
 from strikewave.units import STANDARD_GRAVITY
-from strikewave.waves import Layer, Stack
+from strikewave.waves import Grid, Layer, Stack
 
 Array = NDArray[np.float64]
 
@@ -143,29 +143,37 @@ def field_extremes(stack: Stack, position: Array, force: Array) -> tuple[Array, 
     return largest, force[:, joints].min(axis=0, initial=np.inf), force[:, joints].max(axis=0, initial=-np.inf)
 
 
-def wave_notices(run: RotaryRun, readings: Sequence[BlowReading | None], bandwidth: float) -> tuple[Notice, ...]:
-    """Return the notices of the waves in the first blow on a stack."""
+def wave_notices(
+    run: RotaryRun,
+    histories: Sequence[BlowHistory | None],
+    readings: Sequence[BlowReading | None],
+    bandwidth: float,
+) -> tuple[Notice, ...]:
+    """Return the notices of the waves: rises of all blows, forces of the first one on a stack."""
     span = next((span for span in run.spans if isinstance(span, StackSpan)), None)
     if span is None or run.machine.layered is None:
         return ()
     stack = run.machine.layered.stack
     first = next(reading for reading in readings if reading is not None)
-    grid = run.machine.layered.grid
-    coarse = []
+    fronts = [history.front for history in histories if history is not None]
+    _, force = span.field()
+    largest, least, greatest = field_extremes(stack, span.field_position, force)
+    return (
+        *grid_notices(run.machine.layered.grid),
+        *rise_notices(stack, min(contact_rise(span), *fronts), bandwidth, first.total_peak),
+        *layer_notices(stack, largest),
+        *joint_notices(stack, least, greatest),
+    )
+
+
+def grid_notices(grid: Grid) -> Iterator[Notice]:
+    """Yield a time step that changes a layer noticeably."""
     if grid.mismatch > MISMATCH_LIMIT:
         message = (
             f"the time step of {grid.step * 1e9:.4g} ns changes a transit by {grid.mismatch:.1%}: leave solver.step "
             "out, or take a finer one"
         )
-        coarse.append(Notice("coarse-step", message, grid.mismatch, MISMATCH_LIMIT))
-    _, force = span.field()
-    largest, least, greatest = field_extremes(stack, span.field_position, force)
-    return (
-        *coarse,
-        *rise_notices(stack, contact_rise(span), bandwidth, first.total_peak),
-        *layer_notices(stack, largest),
-        *joint_notices(stack, least, greatest),
-    )
+        yield Notice("coarse-step", message, grid.mismatch, MISMATCH_LIMIT)
 
 
 def contact_rise(span: StackSpan) -> float:
@@ -175,18 +183,24 @@ def contact_rise(span: StackSpan) -> float:
 
 
 def channel_notices(
-    channels: Sequence[Channel], readings: Sequence[BlowReading | None], assembly_mass: float
+    channels: Sequence[Channel], pulses: Sequence[dict[str, SensorPulse]], assembly_mass: float
 ) -> tuple[Notice, ...]:
-    """Return what clipped, and which sensor is too heavy for what it sits on."""
+    """Return what clipped, what a slow recorder missed, and which sensor is too heavy for what it sits on.
+
+    ``pulses`` are those of each blow, by name of the sensor.
+    """
     found = []
     for channel in channels:
         name = channel.sensor.name
-        struck = [reading for reading in readings if reading is not None]
-        clipped = [reading for reading in struck if reading.sensors[name].clipped]
+        clipped = sum(pulse[name].clipped for pulse in pulses)
         if clipped:
             limit = channel.sensor.range
-            message = f"sensor {name} clips in {len(clipped)} of {len(struck)} blows: take a larger range"
-            found.append(Notice("sensor-clipped", message, float(len(clipped)), 0.0 if math.isinf(limit) else limit))
+            message = f"sensor {name} clips in {clipped} of {len(pulses)} pulses: take a larger range"
+            found.append(Notice("sensor-clipped", message, float(clipped), 0.0 if math.isinf(limit) else limit))
+        missed = sum(math.isnan(pulse[name].peak) for pulse in pulses)
+        if missed:
+            message = f"the recorder of sensor {name} takes no sample in {missed} of {len(pulses)} pulses: too slow"
+            found.append(Notice("recorder-slow", message, channel.recorder.sampling_rate, 0.0))
         share = channel.sensor.mounting.sensor_mass / assembly_mass
         if share > HEAVY_SENSOR:
             message = f"sensor {name} weighs {share:.1%} of the assembly: its buffer would load the assembly back"

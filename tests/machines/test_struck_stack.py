@@ -216,13 +216,13 @@ def run_and_book_the_frame(machine):
 def test_object_never_gains_energy_by_a_blow_of_its_own(base, drawn):
     """What joints lose and what still rings when nose and assembly go on as bodies: never less than nothing.
 
-    Supports hold the end of the stack, and the mean of the assembly between blows: that alone is worth 1e-4.
+    Supports hold the end of the stack, and the mean of the assembly between blows: some 400 N over some um, 1e-3.
     """
     stack, first = drawn
     run, booked = run_and_book_the_frame(with_stack(base, stack, first, 50e-9))
     assert len(booked) == len(stack_spans(run))
     for energy in booked:
-        assert energy > -1e-4 * 0.5 * run.machine.struck.mass * run.machine.nominal_approach**2
+        assert energy > -1e-3 * 0.5 * run.machine.struck.mass * run.machine.nominal_approach**2
 
 
 def test_parts_thrown_apart_do_not_bend_the_frame(base):

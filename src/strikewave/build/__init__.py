@@ -2,7 +2,7 @@
 
 from strikewave.build.machine import build_machine, contact_stiffness
 from strikewave.build.sensor import build_channels
-from strikewave.build.stack import build_load, build_stack, build_taps, wanted
+from strikewave.build.stack import build_load, build_stack, build_taps, check_route, wanted
 from strikewave.case import Case
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "build_stack",
     "build_taps",
     "check",
+    "check_route",
     "contact_stiffness",
     "wanted",
 ]

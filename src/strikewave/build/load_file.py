@@ -15,6 +15,8 @@ from strikewave.waves import Load, Sampled
 
 LARGEST_FILE = 100_000_000
 """A file above this many bytes is refused."""
+LARGEST_NUMBER = 1e12
+"""Larger numbers than this are refused: no load has them."""
 _UNIT = re.compile(r"[\[(]([^\])]{1,30})[\])]\s*$")
 
 
@@ -42,19 +44,31 @@ def read_load(path: str) -> Load:
     if len(lines) < 3:
         raise InputError("load.file", path, "at least three lines of two columns")
     mark = next((m for m in (";", "\t", ",") if m in lines[0]), None)
-    rows = [row.split() for row in lines] if mark is None else list(csv.reader(lines, delimiter=mark))
+    try:
+        split = (
+            (row.split() for row in lines) if mark is None else csv.reader(lines, delimiter=mark, skipinitialspace=True)
+        )
+        rows = list(split)
+    except csv.Error as error:
+        raise InputError("load.file", path, "two columns of numbers", str(error)) from None
     units = ["s", "N"]
     if not _is_number(rows[0][0]):
-        for k, head in enumerate(rows[0][:2]):
-            found = _UNIT.search(head.strip())
-            units[k] = found[1] if found else units[k]
+        found = [_UNIT.search(head.strip(" \"'")) for head in (rows[0] if mark else [lines[0]])[:2]]
+        if len(found) < 2 or None in found:
+            allowed = 'a first line with a unit in brackets for each column, such as "time [us], force [kN]"'
+            raise InputError("load.file", lines[0][:60], allowed, "or no head at all: then s and N")
+        units = [match[1] for match in found if match]
         rows = rows[1:]
-    try:
-        numbers = np.array([[float(cell) for cell in row[:2]] for row in rows], dtype=float)
-    except ValueError as error:
-        raise InputError("load.file", path, "two columns of numbers", show(str(error), 80)) from None
-    if numbers.ndim != 2 or numbers.shape[1] != 2:
-        raise InputError("load.file", path, "two columns of numbers")
+    numbers = np.empty((len(rows), 2))
+    for k, row in enumerate(rows):
+        try:
+            numbers[k] = float(row[0]), float(row[1])
+        except (ValueError, IndexError):
+            raise InputError(
+                "load.file", show(",".join(row), 60), "two columns of numbers", f"row {k + 1} of {path}"
+            ) from None
+    if not np.all(np.abs(numbers) < LARGEST_NUMBER):
+        raise InputError("load.file", path, f"finite numbers below {LARGEST_NUMBER:.0e}")
     time = numbers[:, 0] * _factor(units[0], "s", path)
     for si, kind in (("N", "force"), ("m/s", "speed"), ("m/s^2", "acceleration")):
         try:

@@ -23,6 +23,8 @@ T = TypeVar("T")
 
 MOST_SAMPLES = 2e6
 """Samples of the whole train beyond which a solution is refused."""
+FINEST_STEP, COARSEST_STEP = 1e-9, 1e-6
+"""Time steps of a struck stack, s: finer ones take minutes, coarser ones lose the contact."""
 MOST_STACK_BLOWS = 100
 """Most blows on a stack: about 1 MB of waves is kept of each."""
 LONGEST_INTERVAL = 0.5
@@ -125,6 +127,11 @@ def _layered(case: Case) -> LayeredObject | None:
         allowed = f"at most {MOST_STACK_BLOWS} where the object is a stack"
         raise InputError("feed.blows", case.rig().feed.blows.typed, allowed, "its waves are kept for each blow")
     step = case.solver.step.si if case.solver.step else None
+    if step is not None and not FINEST_STEP <= step <= COARSEST_STEP:
+        allowed = f"{FINEST_STEP * 1e9:g} to {COARSEST_STEP * 1e9:g} ns where a machine strikes a stack"
+        raise InputError(
+            "solver.step", case.solver.step.typed if case.solver.step else step, allowed, "or leave it out"
+        )
     grid = checked("solver.step", lambda: machine_grid(stack, step))
     taps = tuple((tap.layer, tap.position) for _, tap in build_taps(case))
     return LayeredObject(stack, names.index(table.assembly), grid, taps)

@@ -67,7 +67,7 @@ def _recorder(case: Case, table: SensorTable) -> Recorder:
 
 
 def _mounting(table: SensorTable, path: str) -> Mounting:
-    if not table.gasket and table.edge_stiffness is None:
+    if not table.gasket:
         return Mounting()
     if table.mass is None:
         raise InputError(f"{path}.mass", MISSING, "the mass of a buffered sensor", 'add mass = "5 gram"')

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeVar
 
 from strikewave.case import Case
@@ -11,11 +11,16 @@ from strikewave.contact import Contact, factor
 from strikewave.errors import MISSING, InputError, InputErrors, StrikewaveError, nearest
 from strikewave.materials import Material, material
 from strikewave.quantities import Value
+from strikewave.readings import Channel
 from strikewave.tables import JointTable, LayerTable, LoadTable
 from strikewave.waves import BONDED, End, Impactor, Joint, Layer, Load, Pulse, Stack, Tap, Wanted
 from strikewave.waves.loss import fit_loss
+from strikewave.waves.routes import EXACT
 
 T = TypeVar("T")
+
+NO_LOAD = 1e-6
+"""Duration of the load of zero that a striker bar stands under, s."""
 
 
 class Matter(NamedTuple):
@@ -219,6 +224,8 @@ def build_load(case: Case, stack: Stack) -> Load:
         If the load lacks a field, or has one that its shape does not take.
     """
     load = case.load
+    if load is None and any(layer.speed for layer in stack.layers):
+        return Pulse("rectangle", 0.0, NO_LOAD)
     if load is None:
         hint = "or `strikewave run`, which strikes the stack with the machine" if case.machine else ""
         raise InputError("load", MISSING, "a [load] with its shape", hint)
@@ -260,5 +267,27 @@ def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
 
 
 def wanted(case: Case) -> Wanted:
-    """Return how exact the waves of a case shall be."""
-    return Wanted(step=case.solver.step.si if case.solver.step else None)
+    """Return how exact the waves of a case shall be; acceleration ten times as coarse as velocity."""
+    step = case.solver.step.si if case.solver.step else None
+    if case.solver.error is None:
+        return Wanted(step=step)
+    return Wanted(case.solver.error.si, 10.0 * case.solver.error.si, step)
+
+
+def check_route(case: Case, taps: Sequence[tuple[str, Tap]], channels: Sequence[Channel]) -> None:
+    """Refuse a route of the paper where the first tap, or one that a sensor sits at, has no neighbour on one side.
+
+    Raises
+    ------
+    InputError
+        If so.
+    """
+    if case.solver.route == EXACT:
+        return
+    last = len(case.stack.layer) - 1
+    for k in sorted({0, *(channel.tap for channel in channels if channel.tap is not None)}):
+        name, tap = taps[k]
+        if not 0 < tap.layer < last:
+            allowed = f'a layer between two others for the route "{case.solver.route}"'
+            hint = 'move the tap, or take solver.route = "exact"'
+            raise InputError(f"tap.{name}.layer", case.stack.layer[tap.layer].name, allowed, hint)

@@ -39,8 +39,7 @@ def command(case: CaseName, changes: Changes = None, out: Out = None, force: For
     begun = time.perf_counter()
     read = load_case(case, changes or ())
     text = dump_case(read)
-    folder = out or (None if json else default_folder(read, bool(changes), text))
-    force = force or out is None  # out/NAME always holds the last run of that name
+    folder, force = place_of_result(read, changes, out, force, json)
     if folder is not None:
         check_place(folder, text, force)
     solution = _solve(read)
@@ -58,10 +57,20 @@ def command(case: CaseName, changes: Changes = None, out: Out = None, force: For
     return BROKEN if solution.broken else 0
 
 
-def default_folder(case: Case, changed: bool, text: str) -> Path:
-    """Return out/NAME; a changed case gets a name of its own, so that it never meets the unchanged one."""
-    mark = "-" + hashlib.sha256(text.encode()).hexdigest()[:8] if changed else ""
-    return Path("out") / f"{case.name or 'case'}{mark}"
+def place_of_result(
+    case: Case, changes: Changes, out: Path | None, force: bool, json: bool
+) -> tuple[Path | None, bool]:
+    """Return the folder of a result, None for none, and whether it may replace what is there.
+
+    out/NAME always holds the last run of that name; a changed case gets a name of its own, so that it never
+    meets the unchanged one.
+    """
+    from strikewave.case import dump_case
+
+    if out is not None or json:
+        return out, force
+    mark = "-" + hashlib.sha256(dump_case(case).encode()).hexdigest()[:8] if changes else ""
+    return Path("out") / f"{case.name or 'case'}{mark}", True
 
 
 def write_result(solution: Solution, place: Path, text: str) -> None:
@@ -152,6 +161,12 @@ def _print_waves(solution: Solution) -> None:
         rows.append([str(blow.index), *cells])
     waves = ["rigid (g)", "total (g)", "wave (g)"] if solution.waves else ["rigid (g)"]
     title = f"Peak accelerations, route {solution.case.solver.route}{stated}"
+    setup = solution.waves
+    if setup is not None:
+        say(
+            f"waves: time step {setup.step * 1e9:.4g} ns, which changes a layer's length by {setup.mismatch:.1e} of it "
+            "at most (layer by layer in the report)"
+        )
     table(title, ["#", *waves, *(f"sensor {name} (g)" for name in names)], rows, left=0)
     print_losses(build_channels(solution.case))
 

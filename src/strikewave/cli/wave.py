@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_json, print_losses, say, table
-from strikewave.cli.run import BROKEN, default_folder
+from strikewave.cli.run import BROKEN, place_of_result
 
 if TYPE_CHECKING:
     from strikewave.bar import BarSolution
@@ -24,7 +24,7 @@ def command(case: CaseName, changes: Changes = None, out: Out = None, force: For
     begun = time.perf_counter()
     read = load_case(case, changes or ())
     text = dump_case(read)
-    folder = out or (None if json else default_folder(read, bool(changes), text))
+    folder, force = place_of_result(read, changes, out, force, json)
     if folder is not None:
         check_place(folder, text, force)
     from strikewave.bar import run_wave

@@ -34,7 +34,7 @@ from strikewave.machines._kernels import (
 )
 from strikewave.machines.feed import Feed, angle_at_valve_signal, expected_time
 from strikewave.machines.layered import LayeredObject
-from strikewave.machines.spans import ChainSpan, Moments, Places, Span
+from strikewave.machines.spans import ChainSpan, Moments, Places, Span, StackSpan
 from strikewave.machines.strike import strike
 from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, StruckObject
 from strikewave.machines.turntable import Turntable, braking_time, speed_after_wait, spin_up_time
@@ -269,11 +269,12 @@ def run_rotary(
     spans: list[Span] = []
     while True:
         motion = integrate(system, state, control, (place.links, place.own_switches + OWN_SWITCHES), report)
-        spans.append(ChainSpan(machine.struck, place, motion))
+        if motion.record.time.size:  # none where the next striker touches at once
+            spans.append(ChainSpan(machine.struck, place, motion))
         state = motion.end
         if machine.layered is None or not np.any(state.mode[place.contacts] != OPEN):
             break
-        first = len(spans) == 1
+        first = not any(isinstance(span, StackSpan) for span in spans)
         blow, state = strike(machine.layered, machine.struck, system, state, field=first)
         spans.append(blow)
     if state.mode[place.links + FEED] != RETRACTING or state.time >= control.end:

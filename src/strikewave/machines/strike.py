@@ -40,7 +40,7 @@ from strikewave.waves._impact_kernels import Law
 from strikewave.waves._kernels import ELASTIC, LOST, RESISTANCE, Recording, Tables
 from strikewave.waves._kernels import MASS as POINT_MASS
 from strikewave.waves._kernels import State as Waves
-from strikewave.waves.transit import field_nodes, nearest_nodes, state_at_rest, tables_of
+from strikewave.waves.transit import Grid, field_nodes, nearest_nodes, state_at_rest, tables_of
 
 Array = NDArray[np.float64]
 
@@ -51,6 +51,11 @@ SAMPLE_STEP, FIELD_STEP = 0.1e-6, 1e-6
 LONGEST_BLOW = 10e-3
 """A blow in touch for longer than this is refused, s."""
 _MOST_TOUCHES, _MOST_SWITCHES = 64, 16
+
+
+def kept_step(grid: Grid) -> float:
+    """Return the spacing of what is kept of a blow, s: whole steps, near `SAMPLE_STEP`."""
+    return max(1, round(SAMPLE_STEP / grid.step)) * grid.step
 
 
 def strike(
@@ -82,7 +87,7 @@ def strike(
     """
     going = _Strike(layered, struck, system, start)
     step = layered.grid.step
-    every = max(1, round(SAMPLE_STEP / step))
+    every = round(kept_step(layered.grid) / step)
     rows = int(LONGEST_BLOW / step / every) + 1
     taps, whole, places = going.recordings(rows, every, field)
     history, touches, switches = np.zeros((rows, COLUMNS)), np.zeros((_MOST_TOUCHES, 3)), np.zeros((_MOST_SWITCHES, 2))

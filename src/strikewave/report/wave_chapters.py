@@ -139,11 +139,14 @@ def _run_routes(solution: Solution, first: int, tap: int, until: int) -> Section
     time, name = data["pulse_time"].values[:until], str(data["tap"].values[tap])
     rigid = data["rigid_acceleration_filtered"].values[first, :until]
     exact = data["tap_acceleration"].values[first, tap, :until]
-    return _route_section(name, time, exact, rigid, data["route_acceleration"].values[:, tap, :until], _SINCE_TOUCH)
+    reading = solution.readings[first]
+    quoted = reading is not None and reading.total_peak is not None
+    waves = data["route_acceleration"].values[:, tap, :until]
+    return _route_section(name, quoted, time, exact, rigid, waves, _SINCE_TOUCH)
 
 
-def _route_section(name: str, time: Any, exact: Any, rigid: Any, waves: Any, since: str) -> Section:
-    """Set the paper's three routes beside the exact solution at one tap."""
+def _route_section(name: str, quoted: bool, time: Any, exact: Any, rigid: Any, waves: Any, since: str) -> Section:
+    """Set the paper's three routes beside the exact solution at one tap; peaks only where they may be quoted."""
     printed, corrected = waves
     curves = [
         Trace("exact, total", time, exact),
@@ -152,14 +155,13 @@ def _route_section(name: str, time: Any, exact: Any, rigid: Any, waves: Any, sin
         Trace("superposed: rigid + as printed", time, rigid + printed),
     ]
     rows: list[list[Cell]] = [[c.label, fixed(_largest(c.values), "m/s^2", "g", 0)] for c in curves]
+    peaks = Table(f"Largest acceleration at {name} by route", ["route", "peak (g)"], rows)
     return Section(
         "The paper's routes beside the exact solution",
         _ROUTES,
         [
             Picture(traces(f"Acceleration at {name} by four routes", curves, "g", since), f"Acceleration at {name}."),
-            Table(
-                f"Largest acceleration at {name} by route, within one-dimensional theory", ["route", "peak (g)"], rows
-            ),
+            *([peaks] if quoted else []),
         ],
     )
 
@@ -335,7 +337,9 @@ def bar_sections(solution: BarSolution) -> list[Section]:
     if tap is not None:
         name = solution.taps[tap][0]
         waves = [solution.routes[name, route].acceleration for route in ("as printed", "corrected")]
-        sections.append(_route_section(name, time, run.acceleration[:, tap], solution.rigid, waves, _SINCE_LOAD))
+        sections.append(
+            _route_section(name, solution.quoted, time, run.acceleration[:, tap], solution.rigid, waves, _SINCE_LOAD)
+        )
     words = error_words(solution)
     words = words[0].upper() + words[1:]
     sections.append(Section("Accuracy of the waves", f"{words}.", [layer_table(solution.waves)]))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.compiled import kernel, leaf_kernel
-from strikewave.waves._kernels import advance, arriving_at_face, force_and_velocity, record, watch
+from strikewave.waves._kernels import advance, arriving_at_face, force_and_velocity, record, watch, widen
 
 _ITERATIONS = 60
 
@@ -114,7 +114,7 @@ def press(law, contact, touches, t, dt, c0, c1):
 
 
 @kernel
-def strike(tables, state, law, mass, speed, steps, recordings, integrals, touches):
+def strike(tables, state, law, mass, speed, steps, recordings, extremes, integrals, touches):
     """Let a rigid striker hit the stack at step 0, and follow both for so many steps.
 
     Fills ``touches`` (begin, end, approach speed of each contact) and returns how many there were, the speed
@@ -136,6 +136,7 @@ def strike(tables, state, law, mass, speed, steps, recordings, integrals, touche
         through += f * dt
         for recording in recordings:
             record(tables, state, recording, n)
+        widen(tables, state, extremes, n)
         f_end, v_end = force_and_velocity(tables, state, last, tables.nodes[last] - 1)
         ze = tables.impedance[last]
         watch(tables, force - m, m, 0.5 * (f_end + ze * v_end), 0.5 * (f_end - ze * v_end), histories, norms, integrals)

@@ -189,6 +189,26 @@ def force_and_velocity(tables, state, layer, node):
     return p + m, (p - m) / tables.impedance[layer]
 
 
+class Extremes(NamedTuple):
+    """Least and greatest force at nodes (layer, node), looked at every so many steps."""
+
+    nodes: np.ndarray
+    every: int
+    least: np.ndarray
+    greatest: np.ndarray
+
+
+@leaf_kernel
+def widen(tables, state, extremes, n):
+    """Take the forces after step n into the extremes."""
+    if n % extremes.every != 0:
+        return
+    for k in range(extremes.nodes.shape[0]):
+        f, _ = force_and_velocity(tables, state, extremes.nodes[k, 0], extremes.nodes[k, 1])
+        extremes.least[k] = min(extremes.least[k], f)
+        extremes.greatest[k] = max(extremes.greatest[k], f)
+
+
 @leaf_kernel
 def record(tables, state, recording, n):
     """Write what the nodes of a recording hold after step n."""
@@ -290,7 +310,7 @@ def watch(tables, sent, came, through, left, histories, norms, integrals):
 
 
 @kernel
-def drive(tables, state, load, by_speed, recordings, integrals):
+def drive(tables, state, load, by_speed, recordings, extremes, integrals):
     """Run a stack under a prescribed force (or face speed) at every step.
 
     Fills ``integrals`` with the time integrals of the energy norms of the first three time derivatives
@@ -307,6 +327,7 @@ def drive(tables, state, load, by_speed, recordings, integrals):
         through += f * tables.step
         for recording in recordings:
             record(tables, state, recording, n)
+        widen(tables, state, extremes, n)
         f_end, v_end = force_and_velocity(tables, state, last, tables.nodes[last] - 1)
         z = tables.impedance[last]
         watch(tables, sent, m, 0.5 * (f_end + z * v_end), 0.5 * (f_end - z * v_end), histories, norms, integrals)

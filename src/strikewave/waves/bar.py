@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.waves import _impact_kernels, _kernels
 from strikewave.waves._impact_kernels import Law
-from strikewave.waves._kernels import Recording
+from strikewave.waves._kernels import Extremes, Recording
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import Impactor, Load
 from strikewave.waves.transit import (
@@ -30,8 +30,10 @@ Array = NDArray[np.float64]
 
 MOST_LAYER_STEPS = 1e7
 """Layer steps of one try that the choice of a step may cost: about half a second."""
-MOST_SAMPLES = 20_000
-"""Samples of a tap that are kept when the step is chosen for the user."""
+MOST_SAMPLES, MOST_ROWS = 20_000, 2e6
+"""Samples of a tap that are kept when the step is chosen for the user, and with fast changes over long times."""
+WORST_MISMATCH, REFUSED_LAYER_STEPS = 0.1, 1e11
+"""A step that changes a transit by more, or makes more layer steps, is refused."""
 _TRIES = 4
 RELAXATION_STEPS = 20.0
 """Relaxation times of a joint or an end that 50 steps may cover: one takes 2.5 steps at least."""
@@ -72,9 +74,14 @@ class BarRun:
         At the taps, shape (N, taps). The acceleration is the central difference of the velocity over two
         steps of the grid.
     bound : ErrorBound
-        Largest error from rounding the transits.
+        Largest error: from rounding the transits, and what half the step changes where springs or masses take
+        part; infinite where joints open or a striker comes.
+    places, duration : tuple and float
+        Layer and fraction of each tap; s.
     field_time, field_position, field_force : ndarray
         The x-t field: s, m from the first face, N with shape (times, places).
+    field_least, field_greatest : ndarray
+        Least and greatest force at the places of the field over all steps, N.
     touches : ndarray
         Contacts with an impactor: begin, end, approach speed; shape (n, 3).
     impulse, end_impulse : float
@@ -95,9 +102,13 @@ class BarRun:
     velocity: Array = field(repr=False)
     acceleration: Array = field(repr=False)
     bound: ErrorBound
+    places: tuple[tuple[int, float], ...]
+    duration: float
     field_time: Array = field(repr=False)
     field_position: Array = field(repr=False)
     field_force: Array = field(repr=False)
+    field_least: Array = field(repr=False)
+    field_greatest: Array = field(repr=False)
     touches: Array = field(repr=False)
     impulse: float
     end_impulse: float
@@ -106,8 +117,10 @@ class BarRun:
 
     @property
     def momentum_error(self) -> float:
-        """Impulses less momentum, over the impulse of the load."""
-        return abs(self.impulse - self.end_impulse - self.momentum) / max(abs(self.impulse), 1e-300)
+        """Impulses less momentum, over the impulse of the load or the momentum that the layers came with."""
+        moving = sum(abs(layer.mass * layer.speed) for layer in self.stack.layers)
+        flowed = max(abs(self.impulse), abs(self.end_impulse), moving, 1e-300)
+        return abs(self.impulse - self.end_impulse - self.momentum) / flowed
 
     @property
     def relative_bound(self) -> tuple[float, float]:
@@ -159,14 +172,24 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
             raise ValueError(f"{tap} lies outside the stack of {len(stack.layers)} layers")
     if not 0.0 < duration < math.inf:
         raise ValueError(f"the duration must be above zero, got {duration!r} s")
+    places, shortest = [(tap.layer, tap.position) for tap in taps], min(_shortest_time(stack, load), duration)
     if wanted.step is not None:
-        return _run(stack, load, taps, duration, grid_of(stack, wanted.step), 1)
+        grid = grid_of(stack, wanted.step)
+        if grid.mismatch > WORST_MISMATCH:
+            raise ValueError(
+                f"a step of {wanted.step:g} s changes a transit by {grid.mismatch:.0%}: take one below "
+                f"{0.1 * min(layer.transit for layer in stack.layers):.3g} s"
+            )
+        if duration / grid.step * len(stack.layers) > REFUSED_LAYER_STEPS:
+            raise ValueError(f"a step of {wanted.step:g} s over {duration:g} s would take hours: take a larger one")
+        return _with_lumped_error(_run(stack, load, places, duration, grid, _Kept(1, shortest)), _Kept(1, shortest))
     smallest = duration * len(stack.layers) / MOST_LAYER_STEPS
-    largest = max(min(_shortest_time(stack, load), duration) / 50.0, smallest)
+    largest = max(shortest / 50.0, smallest)
     mismatch, before = 1e-4, math.inf
     for _ in range(_TRIES):
         grid = choose_grid(stack, mismatch, largest, smallest)
-        run = _run(stack, load, taps, duration, grid, math.ceil(duration / grid.step / MOST_SAMPLES))
+        kept = _Kept(_sampling(duration, grid.step, shortest), shortest)
+        run = _run(stack, load, places, duration, grid, kept)
         over, over_rate = (
             bound / most for bound, most in zip(run.relative_bound, (wanted.velocity, wanted.acceleration), strict=True)
         )
@@ -175,8 +198,59 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
         missed = over if hopeless else max(over, over_rate)
         if missed <= 1.0 or not math.isfinite(missed) or grid.mismatch > mismatch:
             break
-        mismatch, before = grid.mismatch / (2.0 * missed), over_rate
-    return run
+        if grid.mismatch < 1e-12:  # what is left is the way from the tap to the nearest node
+            largest = max(grid.step / (2.0 * missed), smallest)
+        else:
+            mismatch = grid.mismatch / (2.0 * missed)
+        before = over_rate
+    return _with_lumped_error(run, kept)
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """What is kept of a run: every so many steps; the shortest time to be resolved, s."""
+
+    every: int
+    shortest: float
+
+
+def _sampling(duration: float, step: float, shortest: float) -> int:
+    """Return of how many steps one is kept: about `MOST_SAMPLES` in all, but 50 of them in the shortest time.
+
+    Raises
+    ------
+    ValueError
+        If that would be too many.
+    """
+    every = max(1, min(math.ceil(duration / step / MOST_SAMPLES), int(shortest / 50.0 / step)))
+    if duration / step / every > MOST_ROWS:
+        raise ValueError(
+            f"{duration:g} s of a load or joint that changes within {shortest:.3g} s are "
+            f"{duration / step / every:.1e} samples; at most {MOST_ROWS:.0e}: follow a shorter time"
+        )
+    return every
+
+
+def _with_lumped_error(run: BarRun, kept: _Kept) -> BarRun:
+    """Run again at half the step where springs or masses take part, and add what that changes to the bound.
+
+    The trapezoidal rule is of second order: the finer run is off by a third of the difference, the bound
+    takes all of it.
+    """
+    stack, grid = run.stack, run.grid
+    lumped = any(joint.kind != "bonded" for joint in stack.joints) or stack.end.kind in ("mass", "spring")
+    if not lumped or math.isinf(run.bound.velocity):
+        return run
+    fine = Grid(0.5 * grid.step, tuple(2 * n for n in grid.counts), grid.mismatch)
+    again = _run(stack, run.load, run.places, run.duration, fine, _Kept(2 * kept.every, kept.shortest))
+    rows = min(len(run.time), len(again.time))
+    changes = (
+        float(np.abs(getattr(again, name)[:rows] - getattr(run, name)[:rows]).max(initial=0.0))
+        for name in ("velocity", "acceleration")
+    )
+    velocity, acceleration = changes
+    bound = ErrorBound(again.bound.velocity + velocity, again.bound.acceleration + acceleration)
+    return replace(again, bound=bound)
 
 
 def _shortest_time(stack: Stack, load: Load) -> float:
@@ -208,12 +282,14 @@ def _indentation_time(stack: Stack, load: Impactor) -> float:
     return float((stack.layers[0].impedance * load.speed / k) ** (1.0 / n) / load.speed)
 
 
-def _run(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, grid: Grid, every: int) -> BarRun:
-    """Follow a stack on a grid, keeping every so many steps."""
+def _run(
+    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, grid: Grid, keep: _Kept
+) -> BarRun:
+    """Follow a stack on a grid."""
+    every = keep.every
     steps = int(duration / grid.step * (1.0 + 1e-12)) + 1
     tables, state = tables_of(stack, grid), state_at_rest(stack, grid)
     before = _kernels.momentum(tables, state)
-    places = [(tap.layer, tap.position) for tap in taps]
     watched = np.concatenate([[[0, 0]], [[len(stack.layers) - 1, grid.counts[-1]]], nearest_nodes(grid, places)])
     rows = (steps - 1) // every + 1
     kept = _recording(watched, every, rows)
@@ -221,19 +297,21 @@ def _run(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, grid: G
     nodes, position = field_nodes(stack, grid)
     coarse = max(1, steps // _FIELD_ROWS)
     pictured = _recording(nodes, coarse, (steps - 1) // coarse + 1)
+    often = max(1, int(keep.shortest / 20.0 / grid.step))
+    extremes = Extremes(nodes, often, np.zeros(len(nodes)), np.zeros(len(nodes)))
     norms = np.zeros(6)
-    lost, touches = 0.0, np.empty((0, 3))
+    lost, touches, struck = 0.0, np.empty((0, 3)), isinstance(load, Impactor)
     # one step more than is kept, so that the last acceleration has both its neighbours
     if isinstance(load, Impactor):
         table = np.zeros((_MOST_TOUCHES, 3))
         count, _, entered, through, lost = _impact_kernels.strike(
-            tables, state, _law(load), load.mass, load.speed, steps + 1, (kept, pictured), norms, table
+            tables, state, _law(load), load.mass, load.speed, steps + 1, (kept, pictured), extremes, norms, table
         )
         touches = table[: min(count, _MOST_TOUCHES)]
     else:
         history = load.at(grid.step * np.arange(steps + 1.0))
         by_speed = getattr(load, "kind", "force") == "speed"
-        entered, through = _kernels.drive(tables, state, history, by_speed, (kept, pictured), norms)
+        entered, through = _kernels.drive(tables, state, history, by_speed, (kept, pictured), extremes, norms)
     return BarRun(
         stack=stack,
         load=load,
@@ -244,10 +322,14 @@ def _run(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, grid: G
         force=kept.force[:, 2:],
         velocity=kept.velocity[:, 2:, 1],
         acceleration=(kept.velocity[:, 2:, 2] - kept.velocity[:, 2:, 0]) / (2.0 * grid.step),
-        bound=error_bound(stack, grid, norms, places),
+        bound=ErrorBound(math.inf, math.inf) if struck else error_bound(stack, grid, norms, places),
+        places=tuple(places),
+        duration=duration,
         field_time=grid.step * coarse * np.arange(pictured.force.shape[0], dtype=np.float64),
         field_position=position,
         field_force=pictured.force,
+        field_least=extremes.least,
+        field_greatest=extremes.greatest,
         touches=touches,
         impulse=entered,
         end_impulse=through,

@@ -106,9 +106,9 @@ class Pulse:
 
 @dataclass(frozen=True)
 class Sampled:
-    """A measured load: force (N) or speed of the face (m/s) at times, straight between; 0 outside.
+    """A measured load: force (N) or speed of the face (m/s) at times, straight between.
 
-    Times are shifted so that the first is 0.
+    Times are shifted so that the first is 0. After the last one the force is 0, and the face keeps its speed.
     """
 
     time: Array = field(repr=False)
@@ -126,7 +126,8 @@ class Sampled:
 
     def at(self, time: Array) -> Array:
         """Return the load at times."""
-        return np.interp(time, self.time, self.values, left=0.0, right=0.0)
+        after = 0.0 if self.kind == "force" else float(self.values[-1])
+        return np.interp(time, self.time, self.values, left=0.0, right=after)
 
     @property
     def duration(self) -> float:
@@ -138,7 +139,8 @@ class Sampled:
         """Time from 10 to 90 % of the largest value, s; 0 where it begins or ends with a jump."""
         peak = int(np.argmax(np.abs(self.values)))
         share = np.abs(self.values[: peak + 1]) / abs(self.values[peak]) if self.values[peak] else np.ones(1)
-        if share[0] > 0.1:
+        ends = abs(self.values[-1]) > 0.1 * abs(self.values[peak]) and self.kind == "force"
+        if share[0] > 0.1 or ends:
             return 0.0
         low, high = (int(np.flatnonzero(share >= level)[0]) for level in (0.1, 0.9))
 
