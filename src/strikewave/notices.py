@@ -56,8 +56,8 @@ def ledger_notices(ledger: Mapping[str, float]) -> Iterator[Notice]:
         if not error <= LEDGER_LIMIT:
             name = key.removesuffix("_error")
             message = (
-                f"the {name} ledger misses {error:.1e}: lower solver.tolerance (solver.step, for a stack), or take less "
-                "extreme values"
+                f"the {name} ledger misses {error:.1e}: lower solver.tolerance (solver.step for a stack), or take "
+                "less extreme values"
             )
             yield Notice(f"{name}-ledger", message, error, LEDGER_LIMIT, broken=True)
 

@@ -297,4 +297,4 @@ def test_the_paper_by_choice_superposes_rigid_and_wave():
     superposed = (exact.histories[0].rigid + exact.histories[0].routes[0, "as printed"])[known]
     total = printed.histories[0].total[:, known]
     assert total[0] == pytest.approx(superposed, abs=1e-9 * np.abs(superposed).max())
-    assert total[1] == pytest.approx(exact.histories[0].total[1][known])  # the far end has one neighbour only
+    assert np.isnan(total[1]).all()  # the far end has one neighbour only: no route knows it

@@ -360,12 +360,16 @@ def test_open_gap_leaves_the_last_part_behind(base):
         (["object.frame_damping=200 N s/m"], r"object\.frame_damping: got .*; remove it"),
         (["feed.blows=101"], r"feed\.blows: got 101; allowed: at most 100 where the object is a stack"),
         (["stack.layer.nose.speed=1 m/s"], r"stack\.layer\.nose\.speed: got .*; allowed: no speed of its own"),
-        (["solver.step=1e-16"], r"solver\.step: a step of 1e-16 s cuts the stack into .* nodes; at most .*: take"),
+        (["solver.step=1e-10"], r"solver\.step: got .*; allowed: 1 to 1000 ns where a machine strikes a stack"),
+        (["solver.step=5 us"], r"solver\.step: got .*; allowed: 1 to 1000 ns where a machine strikes a stack"),
+        (["solver.bandwidth=1 GHz"], r"solver\.bandwidth: got .*; allowed: 1 kHz to .* MHz"),
+        (["sensor.direct.cutoff=1 GHz"], r"sensor\.direct\.cutoff: got .*; allowed: below .* MHz"),
+        (["solver.route=corrected"], r"tap\.sensors\.layer: got \"specimen\"; allowed: a layer between two others"),
     ],
 )
 def test_stack_that_cannot_be_struck_is_refused_in_one_line(changes, line):
     with pytest.raises(StrikewaveError, match=f"^{line}") as error:
-        build_machine(load_case(CASE, changes))
+        observe(load_case(CASE, changes))
     assert "\n" not in str(error.value)
 
 

@@ -28,7 +28,7 @@ from strikewave.waves import (
     run_bar,
 )
 from strikewave.waves._impact_kernels import Law
-from strikewave.waves._kernels import Recording
+from strikewave.waves._kernels import Extremes, Recording
 from strikewave.waves.transit import state_at_rest, tables_of
 
 STEP = 1e-7
@@ -235,9 +235,10 @@ def test_energy_of_a_striker_goes_into_stack_and_contact(stack, exponent, chi):
         tables, state = tables_of(stack, grid), state_at_rest(stack, grid)
         steps = round(60e-6 / step)
         nothing = Recording(np.zeros((0, 2), dtype=np.int64), 1, np.zeros((1, 0)), np.zeros((1, 0, 3)))
+        unseen = Extremes(np.zeros((0, 2), dtype=np.int64), 1, np.zeros(0), np.zeros(0))
         touches = np.zeros((50, 3))
         count, v, entered, _, lost = _impact_kernels.strike(
-            tables, state, law, mass, speed, steps, (nothing, nothing), np.zeros(6), touches
+            tables, state, law, mass, speed, steps, (nothing, nothing), unseen, np.zeros(6), touches
         )
         before = 0.5 * mass * speed**2
         contact_open = touches[count - 1, 1] < (steps - 1) * step

@@ -82,9 +82,7 @@ def _run() -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except MemoryError:
-        say(
-            "out of memory: a smaller recorder.memory, a larger solver.output_step or solver.step, or fewer taps take less"
-        )
+        say("out of memory: a smaller recorder.memory, a larger solver.output_step or step, or fewer taps take less")
         return 2
     except Exception as error:
         if hasattr(error, "format_message"):  # typer's own errors: a wrong option, a missing argument

@@ -32,7 +32,7 @@ MOST_LAYER_STEPS = 1e7
 """Layer steps of one try that the choice of a step may cost: about half a second."""
 MOST_SAMPLES, MOST_ROWS = 20_000, 2e6
 """Samples of a tap that are kept when the step is chosen for the user, and with fast changes over long times."""
-WORST_MISMATCH, REFUSED_LAYER_STEPS = 0.1, 1e11
+WORST_MISMATCH, REFUSED_LAYER_STEPS = 0.5, 1e11
 """A step that changes a transit by more, or makes more layer steps, is refused."""
 _TRIES = 4
 RELAXATION_STEPS = 20.0
@@ -178,7 +178,7 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
         if grid.mismatch > WORST_MISMATCH:
             raise ValueError(
                 f"a step of {wanted.step:g} s changes a transit by {grid.mismatch:.0%}: take one below "
-                f"{0.1 * min(layer.transit for layer in stack.layers):.3g} s"
+                f"{0.5 * min(layer.transit for layer in stack.layers):.3g} s"
             )
         if duration / grid.step * len(stack.layers) > REFUSED_LAYER_STEPS:
             raise ValueError(f"a step of {wanted.step:g} s over {duration:g} s would take hours: take a larger one")
@@ -232,10 +232,9 @@ def _sampling(duration: float, step: float, shortest: float) -> int:
 
 
 def _with_lumped_error(run: BarRun, kept: _Kept) -> BarRun:
-    """Run again at half the step where springs or masses take part, and add what that changes to the bound.
+    """Run again at half the step where springs or masses take part, and add twice what that changes to the bound.
 
-    The trapezoidal rule is of second order: the finer run is off by a third of the difference, the bound
-    takes all of it.
+    The trapezoidal rule is of second order, so that the run is off by 4/3 of the change.
     """
     stack, grid = run.stack, run.grid
     lumped = any(joint.kind != "bonded" for joint in stack.joints) or stack.end.kind in ("mass", "spring")
@@ -244,13 +243,12 @@ def _with_lumped_error(run: BarRun, kept: _Kept) -> BarRun:
     fine = Grid(0.5 * grid.step, tuple(2 * n for n in grid.counts), grid.mismatch)
     again = _run(stack, run.load, run.places, run.duration, fine, _Kept(2 * kept.every, kept.shortest))
     rows = min(len(run.time), len(again.time))
-    changes = (
-        float(np.abs(getattr(again, name)[:rows] - getattr(run, name)[:rows]).max(initial=0.0))
-        for name in ("velocity", "acceleration")
-    )
-    velocity, acceleration = changes
-    bound = ErrorBound(again.bound.velocity + velocity, again.bound.acceleration + acceleration)
-    return replace(again, bound=bound)
+
+    def change(name: str) -> float:
+        return float(np.abs(getattr(again, name)[:rows] - getattr(run, name)[:rows]).max(initial=0.0))
+
+    velocity, acceleration = run.bound.velocity + 2.0 * change("velocity"), run.bound.acceleration
+    return replace(run, bound=ErrorBound(velocity, acceleration + 2.0 * change("acceleration")))
 
 
 def _shortest_time(stack: Stack, load: Load) -> float:
