@@ -30,3 +30,13 @@ def test_fit_without_fitted_values_is_refused():
     case = load_case("li-ma-2019", ["machine.engagement=5 mm", "object.frame_stiffness=90 MN/m"])
     with pytest.raises(InputError, match="at least as many targets"):
         calibrate(case)
+
+
+def test_engagement_of_the_two_sensor_case_is_found_again():
+    """From 10 % off, fitted to the buffered sensor's first peak alone; the directly mounted one is no target."""
+    case = load_case("li-ma-2019-fig5")
+    fitted = case.values()["machine.engagement"]
+    off = case.with_values({"machine.engagement": fitted.model_copy(update={"si": 1.1 * fitted.si})})
+    fit = calibrate(off)
+    assert fit.case.values()["machine.engagement"].si == pytest.approx(fitted.si, rel=1e-5)  # a peak is read at samples
+    assert set(fit.misses) == {"first.sensor_peak buffered"}

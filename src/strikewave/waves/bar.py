@@ -32,8 +32,8 @@ MOST_LAYER_STEPS = 1e7
 """Layer steps of one try that the choice of a step may cost: about half a second."""
 MOST_SAMPLES, MOST_ROWS = 20_000, 2e6
 """Samples of a tap that are kept when the step is chosen for the user, and with fast changes over long times."""
-WORST_MISMATCH, REFUSED_LAYER_STEPS = 0.5, 1e11
-"""A step that changes a transit by more, or makes more layer steps, is refused."""
+WORST_MISMATCH = 0.5
+"""A step that changes a transit by more is refused."""
 _TRIES = 4
 RELAXATION_STEPS = 20.0
 """Relaxation times of a joint or an end that 50 steps may cover: one takes 2.5 steps at least."""
@@ -180,8 +180,11 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
                 f"a step of {wanted.step:g} s changes a transit by {grid.mismatch:.0%}: take one below "
                 f"{0.5 * min(layer.transit for layer in stack.layers):.3g} s"
             )
-        if duration / grid.step * len(stack.layers) > REFUSED_LAYER_STEPS:
-            raise ValueError(f"a step of {wanted.step:g} s over {duration:g} s would take hours: take a larger one")
+        if duration / grid.step > MOST_ROWS:
+            raise ValueError(
+                f"a step of {wanted.step:g} s over {duration:g} s makes {duration / grid.step:.1e} samples; at most "
+                f"{MOST_ROWS:.0e}: take a step above {duration / MOST_ROWS:.3g} s"
+            )
         return _with_lumped_error(_run(stack, load, places, duration, grid, _Kept(1, shortest)), _Kept(1, shortest))
     smallest = duration * len(stack.layers) / MOST_LAYER_STEPS
     largest = max(shortest / 50.0, smallest)
