@@ -125,17 +125,24 @@ class Case(Table):
         return [path for path, value in self.values().items() if value.provenance == "fitted"]
 
     def changed_fields(self) -> list[str]:
-        """Return the paths whose values differ from the published case that this one comes from.
+        """Return the paths whose values or choices differ from the published case that this one comes from.
 
-        Recorder and solver do not count: they change no motion.
+        The solver does not count, nor the recorder where no sensor feels it: they change no result.
         """
         if self.source not in bundled_cases():
             return []
-        origin = _published_values(self.source)
-        values = {p: v for p, v in self.values().items() if p.partition(".")[0] not in ("recorder", "solver")}
-        changed = [path for path, value in values.items() if path not in origin or value.si != origin[path].si]
-        gone = [p for p in origin if p not in values and p.partition(".")[0] not in ("recorder", "solver")]
-        return changed + gone
+        aside = ("solver",) if self.sensor else ("solver", "recorder")
+        origin, mine = _published_entries(self.source), self.entries()
+        changed = [path for path, value in mine.items() if path not in origin or value != origin[path]]
+        gone = [path for path in origin if path not in mine]
+        return [path for path in changed + gone if path.partition(".")[0] not in aside]
+
+    def entries(self) -> dict[str, float | str]:
+        """Return every quantity (SI) and every choice, such as a material, by its path."""
+        found: dict[str, float | str] = {}
+        for name in TABLES:
+            found.update(_entries(getattr(self, name), name))
+        return found
 
     def with_values(self, changes: Mapping[str, Value]) -> Case:
         """Return the case with some quantities replaced, by path."""
@@ -159,6 +166,21 @@ def _values(part: Any, path: str) -> Iterator[tuple[str, Value]]:
             yield from _values(row, f"{path}.{row_name(row, place)}")
 
 
+def _entries(part: Any, path: str) -> Iterator[tuple[str, float | str]]:
+    """Yield every quantity, in SI, and every word below a part of a case with its path."""
+    if isinstance(part, Value):
+        yield path, part.si
+    elif isinstance(part, str):
+        if part:
+            yield path, part
+    elif isinstance(part, BaseModel):
+        for key, value in part:
+            yield from _entries(value, f"{path}.{key}")
+    elif isinstance(part, tuple):
+        for place, row in enumerate(part):
+            yield from _entries(row, f"{path}.{row_name(row, place)}")
+
+
 def row_name(row: Any, place: int) -> str:
     """Return how a path calls a row of an array of tables: by its name, what it comes after, or its place."""
     get = row.get if isinstance(row, Mapping) else (lambda key, default: getattr(row, key, default))
@@ -178,9 +200,9 @@ def _with_value(part: Any, places: list[str], value: Value) -> Any:
 
 
 @functools.cache
-def _published_values(name: str) -> dict[str, Value]:
-    """Return the quantities of a published case; it is read once."""
-    return load_case(name).values()
+def _published_entries(name: str) -> dict[str, float | str]:
+    """Return quantities and choices of a published case; it is read once."""
+    return load_case(name).entries()
 
 
 def bundled_cases() -> list[str]:
@@ -256,9 +278,8 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
         document = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         reason = show(str(error) or "nested too deeply", 120).strip('"')
-        raise InputErrors(
-            [f"{name or 'case'}: not a TOML file: {reason}; `strikewave new` writes an example"]
-        ) from None
+        hint = "values with a unit stand in quotes; `strikewave new` writes an example"
+        raise InputErrors([f"{name or 'case'}: not a TOML file: {reason}; {hint}"]) from None
     _check_schema(document)
     for change in changes:
         _apply(document, change)
@@ -401,11 +422,11 @@ def document_of(case: Case) -> dict[str, Any]:
         rows = _document(getattr(case, table))
         if rows:
             document[table] = rows
-    document["published"] = [
+    published = [
         {key: value.typed if isinstance(value, Value) else value for key, value in entry if value != ""}
         for entry in case.published
     ]
-    return document
+    return {**document, "published": published} if published else document
 
 
 def _document(part: Any) -> Any:

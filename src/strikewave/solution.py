@@ -179,7 +179,9 @@ class Solution:
     def title(self) -> str:
         """The title of the case, with the fields in which it differs from the published one."""
         changed = self.case.changed_fields()
-        shown = ", ".join(f"{path} = {self.case.values()[path].typed}" for path in changed[:3])
+        values, words = self.case.values(), self.case.entries()
+        now = {path: values[path].typed if path in values else words.get(path, "left out") for path in changed}
+        shown = ", ".join(f"{path} = {now[path]}" for path in changed[:3])
         more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
         route = "" if self.case.solver.route == "exact" else f"; route {self.case.solver.route}"
         return (self.case.title or self.case.name) + (f"; here {shown}{more}" if changed else "") + route

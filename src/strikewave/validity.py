@@ -63,11 +63,22 @@ def rise_notices(stack: Stack, rise: float, bandwidth: float, peak: float | None
     what = f"a rise of {rise * 1e6:.3g} us{at} is {ratio:.2g} diameters of travel in {layer.name}"
     if ratio < REFUSED:
         shown = "" if peak is None else f" (one-dimensional theory would say {peak / STANDARD_GRAVITY:.4g} g)"
-        message = f"{what}: no peak acceleration is quoted below {REFUSED:g}{shown}; state it at a lower bandwidth"
+        message = (
+            f"{what}: no peak acceleration is quoted below {REFUSED:g}{shown}, and sensor readings are no better "
+            f'founded; state it at a lower bandwidth: --set solver.bandwidth="{_quotable(layer, rise)} kHz"'
+        )
         yield Notice("rise-too-steep", message, ratio, REFUSED)
     elif ratio < WARNED:
         message = f"{what}: below {WARNED:g} the front disperses; trust peak accelerations to some 10 % at best"
         yield Notice("rise-steep", message, ratio, WARNED)
+
+
+def _quotable(layer: Layer, rise: float) -> str:
+    """Return a bandwidth at which a peak acceleration is quoted with a warning, kHz, rounded down."""
+    left = math.sqrt(max((REFUSED * layer.diameter / layer.bar_speed) ** 2 - rise**2, 0.0))
+    highest = RISE_OF_BANDWIDTH / left / 1e3
+    digit = 10.0 ** (math.floor(math.log10(highest)) - 1)
+    return f"{math.floor(highest / digit - 1e-9) * digit:.3g}"
 
 
 def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
@@ -117,8 +128,8 @@ def joint_notices(stack: Stack, least_force: Array, greatest_force: Array) -> It
     if pulled:
         words = ", ".join(f"{where} ({-least / 1e3:.3g} kN)" for least, where in pulled)
         message = (
-            f"tension in the joint {words}: true only if it is glued, welded or bolted hard enough; else make it "
-            "unilateral, with the preload of its bolt"
+            f"tension in the joint {words}: true only if it is glued, welded or bolted hard enough (a gasket counts as "
+            "glued on both sides); else make it unilateral, with the preload of its bolt"
         )
         yield Notice("joint-tension", message, -min(pulled)[0], TENSION_SHARE * most)
 

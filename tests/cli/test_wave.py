@@ -298,3 +298,42 @@ def test_the_paper_by_choice_superposes_rigid_and_wave():
     total = printed.histories[0].total[:, known]
     assert total[0] == pytest.approx(superposed, abs=1e-9 * np.abs(superposed).max())
     assert np.isnan(total[1]).all()  # the far end has one neighbour only: no route knows it
+
+
+def test_a_route_runs_through_to_the_report_though_a_tap_has_none(strikewave):
+    """The far end of the two cylinders has one neighbour only: its columns are empty, the rest is there."""
+    words = ("--set", "solver.route=as printed", "--set", "feed.blows=1", "--out", "r")
+    code, out, _ = strikewave("run", "li-ma-2019-fig13", *words)
+    assert code == 0
+    assert "route as printed" in out
+    assert "as printed" in open("r/blows.csv").read()
+    assert "route: as printed" in open("r/report.html", encoding="utf-8").read()
+
+
+def test_a_changed_material_makes_another_case(strikewave):
+    from strikewave import load_case
+
+    case = load_case("li-ma-2019-fig5", ["sensor.buffered.gasket.0.material=rubber", "recorder.sampling_rate=50 kHz"])
+    assert set(case.changed_fields()) == {"sensor.buffered.gasket.0.material", "recorder.sampling_rate"}
+
+
+def test_the_bandwidth_that_the_warning_names_is_quotable(strikewave, bar):
+    """What is advised works: a peak acceleration is then quoted, with the milder warning."""
+    _, out, _ = strikewave("wave", bar, "--json", "--set", "load.duration=10 us")
+    (notice,) = [w for w in json.loads(out)["warnings"] if w["code"] == "rise-too-steep"]
+    advised = notice["message"].rpartition("--set ")[2].replace('"', "")
+    _, out, _ = strikewave("wave", bar, "--json", "--set", "load.duration=10 us", "--set", advised)
+    codes = {w["code"] for w in json.loads(out)["warnings"]}
+    assert "rise-too-steep" not in codes
+    assert "rise-steep" in codes
+
+
+def test_the_case_of_the_docs_runs(strikewave, tmp_path):
+    """The example of docs/waves.md, as it stands there."""
+    from pathlib import Path
+
+    text = (Path(__file__).parents[2] / "docs" / "waves.md").read_text("utf-8")
+    (tmp_path / "docs.toml").write_text(text.partition("```toml\n")[2].partition("```")[0])
+    code, out, _ = strikewave("wave", "docs.toml", "--json")
+    assert code == 0
+    assert "joint-gap" in {w["code"] for w in json.loads(out)["warnings"]}

@@ -2,7 +2,7 @@
 
 from strikewave.build.machine import build_machine, contact_stiffness
 from strikewave.build.sensor import build_channels
-from strikewave.build.stack import build_load, build_stack, build_taps, check_route, wanted
+from strikewave.build.stack import build_load, build_stack, build_taps, check_route, need, wanted
 from strikewave.case import Case
 
 __all__ = [
@@ -33,4 +33,5 @@ def check(case: Case) -> None:
         build_taps(case)
         if case.load is not None or case.machine is None:
             build_load(case, stack)
+            need(case.solver.duration, "solver.duration", "how long to follow", 'add duration = "300 us"')
     build_channels(case)

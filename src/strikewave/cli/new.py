@@ -30,7 +30,7 @@ def command(
     if not path.absolute().parent.is_dir():
         raise InputError("FILE", str(path), "a file in a folder that exists")
     case = load_case(origin)
-    text = dump_case(case.model_copy(update={"name": path.stem}))
+    text = dump_case(case.model_copy(update={"name": path.stem, "title": f"{path.stem}, from {origin}"}))
     parse_case(text)  # refuses a name that no result folder may have
     write_whole(path, text)
     say(f"written: {path}; change a value, then: strikewave {case.command} {path}")

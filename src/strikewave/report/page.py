@@ -19,7 +19,7 @@ from strikewave._version import __version__
 from strikewave.report import chapters
 from strikewave.report.numbers import listed, with_unit
 from strikewave.report.parts import NONE, Picture, Section, Tag
-from strikewave.report.wave_chapters import bar_sections, sensor_section, stack_section
+from strikewave.report.wave_chapters import bar_sections, bar_words, felt_words, sensor_section, stack_section
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -73,7 +73,7 @@ def report(solution: Solution, sections: Sequence[Section] = ()) -> str:
         digest=digest,
         css=_css(),
         status=_status(solution),
-        summary=_summary(solution),
+        summary=_summary(solution, whole),
         numbers=_key_numbers(solution),
         sections=list(_numbered(listing)),
     )
@@ -139,7 +139,8 @@ def _numbered(listing: Sequence[Section]) -> Iterator[dict[str, Any]]:
 
 def _complete(solution: Any) -> Any:
     """Return what the page asks of a solution; what it has not is None."""
-    names = ("blows", "data", "published", "warnings", "ledger", "masses", "phases", "citations", "reference")
+    names = ["blows", "data", "published", "warnings", "ledger", "masses", "phases", "citations", "reference"]
+    names += ["readings", "taps", "waves"]
     found = {name: getattr(solution, name, None) for name in names}
     return SimpleNamespace(title=solution.title, case=solution.case, **found)
 
@@ -166,10 +167,10 @@ def _interval(struck: Sequence[Blow]) -> float | None:
     return median(b.time - a.time for a, b in pairwise(struck)) if len(struck) > 1 else None
 
 
-def _summary(solution: Solution) -> str:
+def _summary(solution: Solution, whole: Any) -> str:
     """Say in words what happened."""
     if not _has_machine(solution):
-        return "A stack alone, without a machine: what its waves did stands in the sections below."
+        return bar_words(whole) if getattr(solution, "taps", None) else "A stack alone, without a machine."
     struck = _struck(solution)
     if not struck:
         missed = len(solution.blows or ())
@@ -193,6 +194,7 @@ def _summary(solution: Solution) -> str:
     if later:
         peak, span = (median(getattr(blow, name) for blow in later) for name in ("rigid_peak", "width"))
         words.append(f"Later blows: {with_unit(peak, 'm/s^2', 'g')} and {with_unit(span, 's', 'us')} (medians).")
+    words += felt_words(whole)
     return " ".join(words)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.figures.waves import Trace, insertion_loss, traces, xt_diagram
-from strikewave.report.numbers import fixed, with_unit
+from strikewave.report.numbers import fixed, listed, with_unit
 from strikewave.report.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.sensors import insertion_loss as loss_of
 from strikewave.units import STANDARD_GRAVITY
@@ -131,7 +131,7 @@ def stack_section(solution: Solution) -> list[Section]:
 
 def _settled(force: Any) -> int:
     """Return how many samples of a blow's window hold waves."""
-    return int(np.flatnonzero(np.isfinite(force).all(axis=0))[-1]) + 1
+    return int(np.flatnonzero(np.isfinite(force).any(axis=0))[-1]) + 1
 
 
 def _run_routes(solution: Solution, first: int, tap: int, until: int) -> Section:
@@ -246,7 +246,9 @@ def loss_table(channels: Sequence[Channel]) -> Table:
         for sensor, _, _ in channels
         if not sensor.mounting.direct
     ]
-    return Table("Insertion loss (dB)", ["sensor", *(f"{f / 1e3:g} kHz" for f in shown)], rows)
+    return Table(
+        "Insertion loss (dB; below 0 the mounting amplifies)", ["sensor", *(f"{f / 1e3:g} kHz" for f in shown)], rows
+    )
 
 
 def _finite(value: float) -> str:
@@ -272,6 +274,30 @@ def tap_rows(solution: BarSolution) -> list[list[str]]:
             ]
         )
     return rows
+
+
+def felt_words(solution: Solution) -> list[str]:
+    """Say in words what taps and sensors felt of the first blow; nothing without a stack or sensors."""
+    reading = next((r for r in getattr(solution, "readings", None) or () if r is not None), None)
+    if reading is None:
+        return []
+    words = []
+    if reading.total_peak is not None and reading.bandwidth is not None and "tap" in solution.data:
+        band, tap = with_unit(reading.bandwidth, "Hz", "kHz", 3), solution.data["tap"].values[0]
+        words.append(f"At the tap {tap} it reaches {with_unit(reading.total_peak, 'm/s^2', 'g')} in all, at {band}.")
+    read = [f"{name} {with_unit(pulse.peak, 'm/s^2', 'g')}" for name, pulse in reading.sensors.items()]
+    if read:
+        words.append(f"Sensors read, with resonance and all they pass beyond that bandwidth: {listed(read)}.")
+    return words
+
+
+def bar_words(solution: BarSolution) -> str:
+    """Say in words what a bar alone felt at its taps."""
+    words = []
+    for name, _, layer, _, force, stress, velocity, acceleration in tap_rows(solution):
+        quoted = f" and {acceleration} g" if acceleration != NONE else ""
+        words.append(f"{name} (in {layer}): {force} kN, {stress} MPa, {velocity} m/s{quoted}")
+    return f"A stack alone under its load, route {solution.route}. Largest values, with their sign: {'; '.join(words)}."
 
 
 def error_words(solution: BarSolution) -> str:

@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import linalg
 
 Array = NDArray[np.float64]
 
@@ -132,6 +131,8 @@ def ramp_invariant(system: LinearSystem, step: float) -> Recursion:
     """
     if not 0.0 < step < math.inf:
         raise ValueError(f"the step must be above zero and finite, got {step!r}")
+    from scipy import linalg
+
     states = system.b.size
     block = np.zeros((states + 2, states + 2))
     block[:states, :states] = system.A * step

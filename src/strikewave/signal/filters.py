@@ -11,7 +11,6 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import signal
 
 Array = NDArray[np.float64]
 
@@ -47,6 +46,8 @@ def low_pass(values: ArrayLike, step: float, cutoff: float, order: int = 4, axis
     >>> low_pass(np.ones(400), step=1e-6, cutoff=20e3)[[0, 20, 399]].round(3)
     array([0.   , 0.409, 1.   ])
     """
+    from scipy import signal
+
     sections = _butterworth(cutoff, step, order)
     return np.asarray(signal.sosfilt(sections, _history(values), axis=axis))
 
@@ -88,6 +89,8 @@ def zero_phase(values: ArrayLike, step: float, cutoff: float, order: int = 4, ax
     >>> print(zero_phase(pulse, 1e-6, 10e3, order=2).max().round(3))
     0.951
     """
+    from scipy import signal
+
     sections = _butterworth(cutoff, step, order, (math.sqrt(2.0) - 1.0) ** (-0.5 / order) if order > 0 else 1.0)
     history = np.moveaxis(_history(values), axis, -1)
     radius = float(np.max(np.abs(signal.sos2zpk(sections)[1])))
@@ -115,6 +118,8 @@ def _butterworth(cutoff: float, step: float, order: int, widened: float = 1.0) -
 
 @functools.lru_cache(maxsize=64)
 def _sections(order: int, share: float) -> Array:
+    from scipy import signal
+
     return np.asarray(signal.butter(order, share, output="sos"))
 
 

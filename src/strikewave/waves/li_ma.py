@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator
 
 from strikewave.errors import InputError, nearest
 from strikewave.waves.layers import Layer
@@ -100,6 +99,8 @@ def incident_strain(times: ArrayLike, force: ArrayLike, upper: Layer) -> Inciden
     >>> print(wave.strain(np.array([1e-4, 3e-4])) * 1e6, wave.rate(np.array([1e-4])))
     [100.   0.] [0.]
     """
+    from scipy.interpolate import PchipInterpolator
+
     samples = np.asarray(times, dtype=float)
     curve = PchipInterpolator(samples, np.asarray(force, dtype=float) / (upper.modulus * upper.area))
 

@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import optimize
 
 from strikewave.waves.layers import Branch
 
@@ -156,6 +155,8 @@ def _least_squares(
     times = np.exp(np.linspace(half, -half, count) if count > 1 else np.zeros(1)) / (2.0 * np.pi * middle)
     x = 2.0 * np.pi * np.append(np.geomspace(low, high, 121), middle)[:, None] * times
     K = np.column_stack([np.ones(x.shape[0]), x * (x + 1j) / (1.0 + x * x)])
+    from scipy import optimize
+
     K, K_middle = K[:-1], K[-1].real
     storage = np.ones(K.shape[0])
     heavy = 1e4  # the row that sets the scale; the rest below divides what it misses away
