@@ -34,6 +34,18 @@ def test_every_peak_of_taps_and_sensors_stands_in_the_report(struck):
     assert page.count("data:image/png") == 2  # the x-t field and its scale are the only rasters
 
 
+def test_the_summary_says_what_the_specimen_and_the_sensors_felt(struck, bar):
+    reading = struck.readings[0]
+    page = report(struck)
+    assert f"At the tap sensors it reaches {reading.total_peak / STANDARD_GRAVITY:.0f} g in all, at 11.9 kHz." in page
+    for name, pulse in reading.sensors.items():
+        assert f"{name} {pulse.peak / STANDARD_GRAVITY:.0f} g" in page
+    assert (
+        "A stack alone under its load, route exact. Largest values, with their sign: sensor (in sensor):"
+        in bar_report(bar)
+    )
+
+
 def test_a_gap_and_a_refused_peak_are_said_in_the_report():
     page = report(run_case(load_case("li-ma-2019-fig13", ["feed.blows=1"])))
     assert "rise-too-steep" in page

@@ -167,10 +167,10 @@ def _interval(struck: Sequence[Blow]) -> float | None:
     return median(b.time - a.time for a, b in pairwise(struck)) if len(struck) > 1 else None
 
 
-def _summary(solution: Solution, whole: Any) -> str:
+def _summary(solution: Solution, given: Any) -> str:
     """Say in words what happened."""
     if not _has_machine(solution):
-        return bar_words(whole) if getattr(solution, "taps", None) else "A stack alone, without a machine."
+        return bar_words(given) if getattr(solution, "taps", None) else "A stack alone, without a machine."
     struck = _struck(solution)
     if not struck:
         missed = len(solution.blows or ())
@@ -194,7 +194,7 @@ def _summary(solution: Solution, whole: Any) -> str:
     if later:
         peak, span = (median(getattr(blow, name) for blow in later) for name in ("rigid_peak", "width"))
         words.append(f"Later blows: {with_unit(peak, 'm/s^2', 'g')} and {with_unit(span, 's', 'us')} (medians).")
-    words += felt_words(whole)
+    words += felt_words(given)
     return " ".join(words)
 
 
