@@ -22,6 +22,7 @@ from strikewave.case import Case, dump_case
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
 from strikewave.errors import InputError
+from strikewave.notices import LEDGER_LIMIT
 from strikewave.readings import Channel, SensorPulse, front, largest, sensor_pulse, sensor_sources, stated
 from strikewave.sensors import Reading, read
 from strikewave.signal.pulse import measure_pulse
@@ -45,8 +46,6 @@ if TYPE_CHECKING:
     import xarray
 
 Array = NDArray[np.float64]
-
-LEDGER_LIMIT = 1e-6
 
 
 @dataclass(frozen=True)

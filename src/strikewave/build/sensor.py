@@ -6,7 +6,7 @@ import dataclasses
 import math
 from typing import Any
 
-from strikewave.build.stack import area_of, build_taps, checked, matter_of
+from strikewave.build.stack import area_of, build_taps, checked, matter_of, once
 from strikewave.case import Case
 from strikewave.errors import MISSING, InputError, nearest
 from strikewave.quantities import Value
@@ -23,10 +23,7 @@ def build_channels(case: Case) -> tuple[Channel, ...]:
     InputError, InputErrors
         If a sensor names what is not there, or has values that do not fit together.
     """
-    names = [sensor.name for sensor in case.sensor]
-    twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
-    if twice is not None:
-        raise InputError("sensor", twice, "each name once", "give the second one another name")
+    once("sensor", [sensor.name for sensor in case.sensor])
     return tuple(_channel(case, table) for table in case.sensor)
 
 

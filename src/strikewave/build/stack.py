@@ -32,13 +32,6 @@ class Matter(NamedTuple):
     row: Material | None
 
 
-def read_file(path: str) -> Load:
-    """Read a load from a text file; see `strikewave.build.load_file`."""
-    from strikewave.build.load_file import read_load
-
-    return read_load(path)
-
-
 def need(value: Value | None, path: str, allowed: str, hint: str = "") -> float:
     """Return the SI value of a field that this kind of part needs.
 
@@ -171,8 +164,8 @@ def build_stack(case: Case) -> Stack:
     names = [layer.name for layer in table.layer]
     if not names:
         raise InputError("stack.layer", MISSING, "at least one [[stack.layer]]")
-    _once("stack.layer", names)
-    _once("stack.joint", [joint.after for joint in table.joint])
+    once("stack.layer", names)
+    once("stack.joint", [joint.after for joint in table.joint])
     layers = tuple(_layer(layer) for layer in table.layer)
     joints = [BONDED] * (len(layers) - 1)
     for joint in table.joint:
@@ -197,7 +190,8 @@ def _end(case: Case) -> End:
     return checked(f"stack.end.{key}", lambda: End(end.kind, value))
 
 
-def _once(path: str, names: list[str]) -> None:
+def once(path: str, names: list[str]) -> None:
+    """Refuse a name that stands twice."""
     twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
     if twice is not None:
         raise InputError(path, twice, "each name once", "give the second one another name")
@@ -208,7 +202,7 @@ def build_taps(case: Case) -> tuple[tuple[str, Tap], ...]:
     names = [layer.name for layer in case.stack.layer]
     if not case.tap:
         return tuple((f"{name} middle", Tap(k, 0.5)) for k, name in enumerate(names))
-    _once("tap", [tap.name for tap in case.tap])
+    once("tap", [tap.name for tap in case.tap])
     for tap in case.tap:
         if tap.layer not in names:
             raise InputError(f"tap.{tap.name}.layer", tap.layer, "a layer of the stack", nearest(tap.layer, names))
@@ -239,7 +233,9 @@ def build_load(case: Case, stack: Stack) -> Load:
     if load.shape == "file":
         if not load.file:
             raise InputError("load.file", MISSING, "a file with time and force", 'add file = "force.csv"')
-        return read_file(load.file)
+        from strikewave.build.load_file import read_load
+
+        return read_load(load.file)
     peak = need(load.peak, "load.peak", "a force", 'add peak = "20 kN"')
     duration = need(load.duration, "load.duration", "a time", 'add duration = "100 us"')
     rise = load.rise.si if load.rise else 0.0

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from strikewave.cli.carry_out import Work, carry_out
 from strikewave.cli.common import (
     CaseName,
     Changes,
@@ -15,7 +14,6 @@ from strikewave.cli.common import (
     Out,
     fixed,
     number,
-    print_json,
     print_losses,
     say,
     table,
@@ -25,52 +23,14 @@ if TYPE_CHECKING:
     from strikewave.case import Case
     from strikewave.solution import Solution
 
-BROKEN = 3
-
 
 def command(case: CaseName, changes: Changes = None, out: Out = None, force: Force = False, json: Json = False) -> int:
     """Run a machine case: table of blows, published beside computed, files in out/CASE.
 
     With --json, files are written only where --out says.
     """
-    from strikewave.case import dump_case, load_case
-    from strikewave.files import check_place, whole_folder
-
-    begun = time.perf_counter()
-    read = load_case(case, changes or ())
-    text = dump_case(read)
-    folder, force = place_of_result(read, changes, out, force, json)
-    if folder is not None:
-        check_place(folder, text, force)
-    solution = _solve(read)
-    if folder is not None:
-        with whole_folder(folder, text, force) as place:
-            write_result(solution, place, text)
-    if json:
-        print_json(solution.document())
-    else:
-        _print(solution)
-    if folder is not None:
-        files = "report.html, summary.svg, solution.nc, blows.csv, case.toml"
-        say(f"written: {folder}{'/' if str(folder)[-1] != '/' else ''} ({files})")
-    say(f"done in {time.perf_counter() - begun:.2f} s")
-    return BROKEN if solution.broken else 0
-
-
-def place_of_result(
-    case: Case, changes: Changes, out: Path | None, force: bool, json: bool
-) -> tuple[Path | None, bool]:
-    """Return the folder of a result, None for none, and whether it may replace what is there.
-
-    out/NAME always holds the last run of that name; a changed case gets a name of its own, so that it never
-    meets the unchanged one.
-    """
-    from strikewave.case import dump_case
-
-    if out is not None or json:
-        return out, force
-    mark = "-" + hashlib.sha256(dump_case(case).encode()).hexdigest()[:8] if changes else ""
-    return Path("out") / f"{case.name or 'case'}{mark}", True
+    files = "report.html, summary.svg, solution.nc, blows.csv, case.toml"
+    return carry_out(Work(_solve, write_result, _print, files), case, changes, out, force, json)
 
 
 def write_result(solution: Solution, place: Path, text: str) -> None:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_json, print_losses, say, table
-from strikewave.cli.run import BROKEN, place_of_result
+from strikewave.cli.carry_out import Work, carry_out
+from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_losses, say, table
 
 if TYPE_CHECKING:
     from strikewave.bar import BarSolution
+    from strikewave.case import Case
 
 
 def command(case: CaseName, changes: Changes = None, out: Out = None, force: Force = False, json: Json = False) -> int:
@@ -18,32 +18,17 @@ def command(case: CaseName, changes: Changes = None, out: Out = None, force: For
 
     With --json, files are written only where --out says.
     """
-    from strikewave.case import dump_case, load_case
-    from strikewave.files import check_place, whole_folder
+    files = "report.html, summary.svg, waves.nc, taps.csv, case.toml"
+    return carry_out(Work(_solve, write_result, _print, files, indent=None), case, changes, out, force, json)
 
-    begun = time.perf_counter()
-    read = load_case(case, changes or ())
-    text = dump_case(read)
-    folder, force = place_of_result(read, changes, out, force, json)
-    if folder is not None:
-        check_place(folder, text, force)
+
+def _solve(case: Case) -> BarSolution:
     from strikewave.bar import run_wave
     from strikewave.compiled import is_cold
 
     if is_cold():
         say("compiling the kernels: once after install, about 20 s")
-    solution = run_wave(read)
-    if folder is not None:
-        with whole_folder(folder, text, force) as place:
-            write_result(solution, place, text)
-    if json:
-        print_json(solution.document(), indent=None)
-    else:
-        _print(solution)
-    if folder is not None:
-        say(f"written: {folder}/ (report.html, summary.svg, waves.nc, taps.csv, case.toml)")
-    say(f"done in {time.perf_counter() - begun:.2f} s")
-    return BROKEN if solution.broken else 0
+    return run_wave(case)
 
 
 def write_result(solution: BarSolution, place: Path, text: str) -> None:
