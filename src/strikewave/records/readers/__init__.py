@@ -1,0 +1,90 @@
+"""Read a measured file of any known format; the format is found by content, never by name.
+
+Each module of this folder reads one format, and has ``NAMES`` (what the format is called), ``sniff`` (do these
+first bytes begin such a file?) and ``read`` (path and options in, record out). Every file is taken as hostile:
+nothing in it is run, sizes it claims are checked against its true size before memory is taken, and whatever is
+wrong with it ends in an `InputError`.
+"""
+
+from __future__ import annotations
+
+import importlib
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+from strikewave.errors import InputError, StrikewaveError
+from strikewave.records.record import Record
+
+FORMATS = ("tdms", "mdf", "ide", "rigol", "hdf", "mat", "netcdf", "parquet", "wav", "uff", "excel", "lvm", "text")
+"""Modules, in the order in which they are asked; text, which takes almost anything, comes last."""
+HEAD = 8192
+"""Bytes shown to ``sniff``."""
+LARGEST_ARRAY = 16 * 2**30
+"""A file whose channels would take more bytes in memory is refused."""
+
+
+class Options(NamedTuple):
+    """What the user says about a file that the file does not say itself.
+
+    Attributes
+    ----------
+    rate : float or None
+        Sampling rate, Hz, for files without time; overrules a time column.
+    time : str or None
+        Name or number (from 1) of the column that holds time.
+    channels : tuple of str
+        Names or numbers of the channels wanted, where reading fewer saves memory; empty for all.
+    """
+
+    rate: float | None = None
+    time: str | None = None
+    channels: tuple[str, ...] = ()
+
+
+def read_record(path: str | Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
+    """Read a file of any known format.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is empty, of no known format, damaged, or needs an extra that is missing.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "blow.txt"
+    ...     _ = file.write_text("time [ms], board [g]\\n0.00, 1\\n0.01, 5\\n0.02, 2\\n0.03, 1\\n")
+    ...     record = read_record(file)
+    >>> [(c.name, c.unit, c.values.tolist(), round(c.step, 9)) for c in record.channels]
+    [('board', 'g', [1.0, 5.0, 2.0, 1.0], 1e-05)]
+    """
+    file = Path(path)
+    if options.rate is not None and not 0.0 < options.rate < math.inf:
+        raise InputError("--rate", options.rate, "a sampling rate above zero")
+    try:
+        if not file.is_file():
+            raise InputError("FILE", str(path), "a file that exists", "this is a folder" if file.is_dir() else "")
+        with file.open("rb") as opened:
+            head = opened.read(HEAD)
+    except OSError as error:
+        raise InputError("FILE", str(path), "a file that can be read", error.strerror or "") from None
+    if not head.strip(b"\0 \t\r\n"):
+        raise InputError("FILE", str(path), "a file with samples", "it is empty")
+    try:
+        return _reader(head).read(file, options)
+    except StrikewaveError:
+        raise
+    except MemoryError:
+        raise InputError("FILE", str(path), "a file that fits into memory", "read fewer channels") from None
+    except Exception as error:
+        raise InputError("FILE", str(path), "a file that is whole", f"{type(error).__name__}: {error}"[:200]) from None
+
+
+def _reader(head: bytes):  # type: ignore[no-untyped-def]  # a module
+    for name in FORMATS:
+        module = importlib.import_module(f"{__name__}.{name}")
+        if module.sniff(head):
+            return module
+    raise InputError("FILE", head[:16], "a known format: " + ", ".join(FORMATS))

@@ -1,0 +1,107 @@
+"""A record: the channels of one file, evenly sampled, as the file has them or calibrated to SI."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.errors import InputError, nearest
+from strikewave.records.finding import Finding
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One measured history.
+
+    Attributes
+    ----------
+    name : str
+        As the file has it, or ``channel 1`` and so on.
+    values : ndarray
+        Samples, float64; NaN where the file has none.
+    step : float
+        Time between samples, s; NaN where the file does not say.
+    start : float
+        Time of the first sample, s.
+    unit : str
+        Of the values, as the file writes it; empty where it does not say.
+    stamps : ndarray or None
+        The file's own time stamps, s, one a sample; None where it has a rate instead.
+    """
+
+    name: str
+    values: Array
+    step: float = float("nan")
+    start: float = 0.0
+    unit: str = ""
+    stamps: Array | None = None
+
+    @property
+    def sampling_rate(self) -> float:
+        """Samples a second, Hz."""
+        return 1.0 / self.step
+
+    @property
+    def duration(self) -> float:
+        """Time from the first sample to the last, s."""
+        return (self.values.size - 1) * self.step
+
+    @property
+    def time(self) -> Array:
+        """Time of each sample, s, on an even grid."""
+        return self.start + self.step * np.arange(self.values.size)
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """The channels of one file.
+
+    Attributes
+    ----------
+    path : str
+        As it was given.
+    format : str
+        What the file turned out to be, such as ``text`` or ``tdms``.
+    channels : tuple of Channel
+        In the order of the file, without its time column.
+    findings : tuple of Finding
+        What reading it showed: a last line cut off, a column left out.
+    """
+
+    path: str
+    format: str
+    channels: tuple[Channel, ...]
+    findings: tuple[Finding, ...] = ()
+
+    def channel(self, wanted: str | int = 1) -> Channel:
+        """Return a channel by its name, or by its number counted from 1.
+
+        Raises
+        ------
+        InputError
+            If there is no such channel.
+
+        Examples
+        --------
+        >>> record = Record("a.csv", "text", (Channel("board", np.zeros(3)), Channel("frame", np.ones(3))))
+        >>> record.channel(2).name, record.channel("board").name
+        ('frame', 'board')
+        """
+        names = [channel.name for channel in self.channels]
+        if str(wanted) in names:
+            return self.channels[names.index(str(wanted))]
+        text = str(wanted).strip()
+        if text.isdecimal() and 1 <= int(text) <= len(names):
+            return self.channels[int(text) - 1]
+        listed = ", ".join(f"{k} {name}" for k, name in enumerate(names[:40], start=1))
+        hint = f"{self.path} has: {listed}" if text.isdecimal() else nearest(text, names)
+        raise InputError("--channel", wanted, f"a name, or a number from 1 to {len(names)}", hint)
+
+    def only(self, wanted: Sequence[str | int]) -> Record:
+        """Return the record with some of its channels, in the order asked for; all of them for none asked."""
+        return replace(self, channels=tuple(self.channel(w) for w in wanted)) if wanted else self
