@@ -1,0 +1,216 @@
+"""Measure the blows that were found in a record.
+
+The zero line is the record just before the blow. Noise is smoothed by local parabolas, at each sample over the
+longest window that the noise allows, so that a clean record stays as it is. Where the noise hides a tenth of the
+peak, the figures are those of the smooth pulse that fits best, and the pulse says so.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
+from strikewave.records.smooth_pulse import SmoothPulse, fit_smooth_pulse
+from strikewave.records.smoothing import smooth
+from strikewave.signal.pulse import WIDTH_FRACTION, crossing, measure_pulse
+
+Array = NDArray[np.float64]
+
+FOOT = 0.02
+"""Share of the peak at which a pulse begins and ends when its area is taken."""
+CLEAR = 3.0
+"""Standard deviations of the smoothed record that a tenth of the peak must have to be read off it."""
+
+
+@dataclass(frozen=True)
+class RecordedPulse:
+    """One blow in a record, in the unit of the record and seconds.
+
+    Attributes
+    ----------
+    time : float
+        Time of the peak, s.
+    peak : float
+        Largest value above the zero line, with its sign.
+    rise, width : float
+        Time from 10 to 90 % of the peak, and above 10 % of it, s; NaN where the record is cut.
+    velocity_change : float
+        Integral from foot to foot, where 2 % of the peak is left.
+    ringing_frequency : float
+        Of what swings after the pulse, Hz; NaN where nothing stands out.
+    offset : float
+        The zero line before the pulse.
+    noise : float
+        Standard deviation of a single sample.
+    method : str
+        ``record`` where the figures are read off the record, ``fit`` where noise hides a tenth of the peak.
+    smooth : SmoothPulse
+        The smooth pulse that fits best: what is left when ringing is taken off.
+    begin, end : float
+        Time of the feet, s.
+    """
+
+    time: float
+    peak: float
+    rise: float
+    width: float
+    velocity_change: float
+    ringing_frequency: float
+    offset: float
+    noise: float
+    method: str
+    smooth: SmoothPulse
+    begin: float
+    end: float
+
+
+def find_pulses(values: Array, step: float, start: float = 0.0) -> list[RecordedPulse]:
+    """Find and measure the blows of an evenly sampled record.
+
+    Parameters
+    ----------
+    values : ndarray
+        The record: any unit, any offset, either sign; finite.
+    step : float
+        Time between samples, s.
+    start : float, optional
+        Time of the first sample, s.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than 16 samples or one is not finite.
+
+    Examples
+    --------
+    >>> t = np.arange(20_000) * 5e-6
+    >>> noise = np.random.default_rng(1).normal(size=t.size)
+    >>> blow = np.where(abs(t - 0.03) < 100e-6, 5000.0 * np.cos(np.pi * (t - 0.03) / 200e-6), 0.0)
+    >>> [pulse] = find_pulses(blow + 50.0 + noise, 5e-6)
+    >>> round(pulse.peak, -1), round(pulse.width * 1e6), round(pulse.velocity_change, 2), round(pulse.offset)
+    (5000.0, 187, 0.64, 50)
+    """
+    if values.ndim != 1 or values.size < 16:
+        raise ValueError(f"a record needs at least 16 samples in one row, got shape {values.shape}")
+    if not np.all(np.isfinite(values)):
+        raise ValueError("the record holds values that are not finite")
+    line = robust_line(values)
+    sign, boxes = find_boxes(values, line)
+    noise = sample_noise(values)
+    measured = []
+    for k, box in enumerate(boxes):
+        earliest = boxes[k - 1].last if k else 0
+        latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
+        offset = _offset(values, box, earliest, line.at(box.first))
+        measured.append(_measure(values, Stretch(box, earliest, latest, sign, offset, noise, step, start)))
+    return measured
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Where one blow lies in a record, between its neighbours, and its zero line."""
+
+    box: Box
+    earliest: int
+    latest: int
+    sign: int
+    offset: float
+    noise: float
+    step: float
+    start: float
+
+    def time(self, place: float) -> float:
+        """Return the time of a sample, s."""
+        return self.start + place * self.step
+
+
+def _offset(values: Array, box: Box, earliest: int, otherwise: float) -> float:
+    """Return the mean of the record just before a blow, where there is room; else the line of the whole record."""
+    end = box.first - box.width
+    begin = max(end - 4 * box.width, earliest + 2 * box.width if earliest else 0)
+    return float(np.mean(values[begin:end])) if end - begin >= max(box.width, 4) else otherwise
+
+
+def _measure(values: Array, stretch: Stretch) -> RecordedPulse:
+    box, step = stretch.box, stretch.step
+    begin = max(box.first - box.width - 2, (stretch.earliest + box.first) // 2 if stretch.earliest else 0, 0)
+    end = min(
+        box.last + box.width + 3, (stretch.latest + box.last + 1) // 2 if stretch.latest < values.size else values.size
+    )
+    raw = stretch.sign * (values[begin:end] - stretch.offset)
+    places = np.arange(begin, end, dtype=float)
+    fitted = fit_smooth_pulse(
+        stretch.start + places * step, raw, stretch.time(box.first - 0.15 * box.width), 1.3 * box.width * step
+    )
+    clean, spread = smooth(raw, stretch.noise, max(box.width // 3, 2))
+    core = clean.copy()
+    core[: max(box.first - box.width // 2 - begin, 0)] = np.minimum(
+        core[: max(box.first - box.width // 2 - begin, 0)], 0.0
+    )
+    index = int(np.argmax(core))
+    pulse = measure_pulse(core, step, stretch.time(begin))
+    readable = WIDTH_FRACTION * pulse.peak >= CLEAR * float(np.max(spread[max(index - 1, 0) : index + 2]))
+    feet = [crossing(core, index, FOOT * pulse.peak, side) for side in (-1, 1)]
+    first = 0.0 if math.isnan(feet[0]) else feet[0]
+    last = core.size - 1.0 if math.isnan(feet[1]) else feet[1]
+    grid = np.unique(np.concatenate([[first], np.arange(math.ceil(first), math.floor(last) + 1), [last]]))
+    area = float(np.trapezoid(np.interp(grid, np.arange(raw.size), raw), grid)) * step
+    sign = stretch.sign
+    smooth_pulse = fitted._replace(peak=sign * fitted.peak)
+    shared = {
+        "ringing_frequency": _ringing(values, stretch),
+        "offset": stretch.offset,
+        "noise": stretch.noise,
+        "smooth": smooth_pulse,
+    }
+    if readable:
+        return RecordedPulse(
+            time=pulse.time,
+            peak=sign * pulse.peak,
+            rise=pulse.rise,
+            width=pulse.width,
+            velocity_change=sign * area,
+            method="record",
+            begin=stretch.time(begin + first),
+            end=stretch.time(begin + last),
+            **shared,
+        )
+    return RecordedPulse(
+        time=fitted.time,
+        peak=sign * fitted.peak,
+        rise=fitted.rise(),
+        width=fitted.width(),
+        velocity_change=sign * fitted.area(),
+        method="fit",
+        begin=fitted.begin,
+        end=fitted.begin + fitted.length,
+        **shared,
+    )
+
+
+def _ringing(values: Array, stretch: Stretch) -> float:
+    """Return the frequency of what swings after a blow, from the highest peak of its spectrum, Hz.
+
+    NaN where that peak does not stand out of the noise, or where fewer than four swings fit before the next blow.
+    """
+    begin = stretch.box.last + stretch.box.width // 4
+    end = min(stretch.latest - stretch.box.width, begin + 40 * stretch.box.width, values.size)
+    if end - begin < 32:
+        return math.nan
+    part = values[begin:end] - stretch.offset
+    window = np.hanning(2 * part.size)[part.size :]
+    power = np.abs(np.fft.rfft((part - np.mean(part)) * window, 4 * part.size)) ** 2
+    lowest = 4 * 4
+    if power.size <= lowest + 3:
+        return math.nan
+    k = lowest + int(np.argmax(power[lowest:-1]))
+    noise = stretch.noise**2 * float(np.sum(window**2))
+    if power[k] < 30.0 * max(noise, 1e-24 * power.max(initial=1.0)) or k == lowest:
+        return math.nan
+    left, middle, right = np.log(power[k - 1 : k + 2])
+    shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
+    return (k + shift) / (4 * part.size * stretch.step)

@@ -1,0 +1,196 @@
+"""Find the blows of a record, without thresholds set by hand.
+
+A blow is a one-sided excursion. Boxes of all widths slide over the record; the mean r of a box of w
+samples stands out where it exceeds what noise alone would give anywhere in the record once in a hundred
+records; the noise of each width is measured from the record itself. The box that holds the largest energy
+w r^2 gives sign and scale; the others must be of its sign and scale (a third to three times its width), have at
+least a fifth of its area, and stand out from what swings around them, so that ringing is no blow.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.records._pulse_kernels import strongest_boxes
+
+Array = NDArray[np.float64]
+
+FALSE_ALARM = 0.01
+"""Records of pure noise in which a pulse is found."""
+TRIALS = 40
+"""Independent chances that noise has for each box side by side, found with pure noise."""
+SMALLEST_AREA = 0.2
+"""A blow has at least this share of the area of the largest one of its record."""
+SCALES = 3.0
+"""The widths of the blows of one record differ by at most this factor from the largest one."""
+STANDS_OUT = 2.0
+"""A blow is this much higher than what swings before it."""
+
+
+class Line(NamedTuple):
+    """A straight zero line: value at the first sample, and rise a sample."""
+
+    level: float
+    slope: float
+
+    def at(self, place: float) -> float:
+        """Return the value at a sample."""
+        return self.level + self.slope * place
+
+
+class Box(NamedTuple):
+    """The samples from ``first`` on, ``width`` of them, whose mean stands out."""
+
+    first: int
+    width: int
+    mean: float
+
+    @property
+    def last(self) -> int:
+        """One past the last sample."""
+        return self.first + self.width
+
+
+def robust_line(values: Array, blocks: int = 64) -> Line:
+    """Fit a line that blows do not bend: repeated medians over the medians of equal blocks.
+
+    Half of the blocks may hold anything.
+
+    Source: A. F. Siegel, Robust regression using repeated medians, Biometrika 69 (1982) 242-244.
+
+    Examples
+    --------
+    >>> values = 5.0 + 0.01 * np.arange(1000)
+    >>> values[300:400] = 1e6
+    >>> [round(v, 6) for v in robust_line(values)]
+    [5.0, 0.01]
+    """
+    size = max(values.size // blocks, 1)
+    count = values.size // size
+    stride = max(size // 4096, 1)
+    middles = np.median(values[: count * size].reshape(count, size)[:, ::stride], axis=1)
+    places = np.arange(count) * size + 0.5 * (size - 1)
+    if count < 3:
+        return Line(float(np.median(middles)), 0.0)
+    run = places[:, None] - places
+    np.fill_diagonal(run, 1.0)
+    slopes = (middles[:, None] - middles) / run
+    others = ~np.eye(count, dtype=bool)
+    slope = float(np.median(np.median(slopes[others].reshape(count, count - 1), axis=1)))
+    return Line(float(np.median(middles - slope * places)), slope)
+
+
+def sample_noise(values: Array) -> float:
+    """Return the standard deviation of white noise in a record, from the differences between its samples.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 1.0, 100_000)
+    >>> noise = np.random.default_rng(1).normal(size=t.size)
+    >>> abs(sample_noise(1e3 * np.sin(20.0 * t) + noise) - 1.0) < 0.02
+    True
+    """
+    step = max(values.size // 2**20, 1)
+    jumps = np.abs(values[1::step] - values[:-1:step][: values[1::step].size])
+    return 1.4826 / math.sqrt(2.0) * float(np.median(jumps)) if jumps.size else 0.0
+
+
+def find_boxes(values: Array, line: Line) -> tuple[int, list[Box]]:
+    """Return the sign of the blows of a record, and a box for each, in the order of time.
+
+    Examples
+    --------
+    >>> values = np.random.default_rng(1).normal(size=4000)
+    >>> values[1000:1100] -= 20.0
+    >>> sign, boxes = find_boxes(values, robust_line(values))
+    >>> sign, len(boxes), abs(boxes[0].first - 1000) < 3
+    (-1, 1, True)
+    """
+    found = {sign: _standing_out(values, line, sign) for sign in (1, -1)}
+    best = {sign: max(boxes, key=_energy, default=None) for sign, boxes in found.items()}
+    chosen = max(best, key=lambda sign: -1.0 if best[sign] is None else _energy(best[sign]))
+    top = best[chosen]
+    if top is None:
+        return 1, []
+    alike = [box for box in found[chosen] if top.width / SCALES <= box.width <= top.width * SCALES]
+    kept: list[Box] = []
+    claimed: list[Box] = []
+    single = sample_noise(values)
+    for box in sorted(alike, key=_energy, reverse=True):
+        if box.width * box.mean < SMALLEST_AREA * top.width * top.mean or _touches(box, claimed):
+            continue
+        claimed.append(box)
+        if box.first >= 0.5 * box.width and not _swings(values, line, chosen, box, kept, single):
+            kept.append(box)
+    return chosen, sorted(kept)
+
+
+def _touches(box: Box, others: list[Box]) -> bool:
+    return any(box.first < o.last + 0.3 * o.width and o.first - 0.3 * o.width < box.last for o in others)
+
+
+def _energy(box: Box) -> float:
+    return box.width * box.mean**2
+
+
+def _standing_out(values: Array, line: Line, sign: int) -> list[Box]:
+    boxes: list[Box] = []
+    spread, before = 0.0, 1
+    for width in _widths(values.size):
+        means = _box_means(values, line, width)
+        spread = max(1.4826 * float(np.median(np.abs(means))), spread * math.sqrt(before / width))
+        before = width
+        least = max(spread * _threshold(values.size / width), 1e-12 * float(np.abs(means).max()))
+        room = np.empty((values.size // width + 2, 2))
+        count = strongest_boxes(values, line.level, line.slope, width, sign, least, room)
+        boxes += [Box(int(first), width, float(mean)) for first, mean in room[:count]]
+    return boxes
+
+
+def _widths(size: int) -> list[int]:
+    """Return widths from 3 samples to a third of the record, half an octave apart."""
+    last = max(size // 3, 3)
+    return sorted({int(round(3.0 * math.sqrt(2.0) ** k)) for k in range(1 + int(2.0 * math.log2(last / 3.0)))})
+
+
+def _box_means(values: Array, line: Line, width: int) -> Array:
+    """Return means of boxes side by side, at most about 2^17 samples of them, without the zero line."""
+    count = values.size // width
+    step = max(count * width // 2**17, 1)
+    firsts = np.arange(0, count, step)
+    means = values[: count * width].reshape(count, width)[firsts].mean(axis=1)
+    return means - line.at(firsts * width + 0.5 * (width - 1))
+
+
+def _threshold(places: float) -> float:
+    """Return how many standard deviations noise exceeds at one of so many places in `FALSE_ALARM` of records.
+
+    A box that slides, over all widths and both signs, has about `TRIALS` independent chances a place.
+    """
+    from scipy.special import ndtri
+
+    return float(-ndtri(FALSE_ALARM / (TRIALS * max(places, 1.0))))
+
+
+def _swings(values: Array, line: Line, sign: int, box: Box, others: list[Box], single: float) -> bool:
+    """Tell whether a box is one lobe of something that swings: what lies beside it is as deep as it is high."""
+    begin = max([box.first - 3 * box.width, 0, *(o.last for o in others if o.last <= box.first)])
+    end = min([box.last + 3 * box.width, values.size, *(o.first for o in others if o.first >= box.last)])
+    half = max(box.width // 2, 2)
+    noise = 3.0 * single / math.sqrt(half)
+    before = _deepest(values, line, sign, begin, box.first, half) - noise
+    after = _deepest(values, line, sign, box.last, end, half) - noise
+    return before > box.mean / STANDS_OUT or after > box.mean
+
+
+def _deepest(values: Array, line: Line, sign: int, begin: int, end: int, width: int) -> float:
+    """Return how far the mean over a box falls below zero between two samples."""
+    if end - begin < width:
+        return 0.0
+    part = -sign * (values[begin:end] - line.at(0) - line.slope * np.arange(begin, end))
+    sums = np.cumsum(np.concatenate([[0.0], part]))
+    return float(np.max(sums[width:] - sums[:-width])) / width

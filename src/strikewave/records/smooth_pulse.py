@@ -1,0 +1,122 @@
+"""A smooth pulse fitted to a noisy or ringing one."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+MOST_SAMPLES = 240
+"""A longer stretch is averaged down to this many before it is fitted."""
+
+
+class SmoothPulse(NamedTuple):
+    """a(t) = A sin^p(pi u), where u goes straight from 0 to 1/2 while the pulse rises and on to 1 while it falls.
+
+    p = 1 is a half-sine, p = 2 a haversine, a late rise a saw-tooth.
+
+    Attributes
+    ----------
+    peak : float
+        A.
+    begin, length : float
+        When it begins and how long it lasts, s.
+    rise_share : float
+        Share of the length in which it rises.
+    power : float
+        p.
+    misfit : float
+        Root mean square of what is left, over the peak.
+    """
+
+    peak: float
+    begin: float
+    length: float
+    rise_share: float
+    power: float
+    misfit: float = 0.0
+
+    def at(self, time: Array) -> Array:
+        """Return the pulse at some times.
+
+        Examples
+        --------
+        >>> SmoothPulse(2.0, 0.0, 1.0, 0.5, 1.0).at(np.array([-1.0, 0.5, 0.75])).round(4)
+        array([0.    , 2.    , 1.4142])
+        """
+        share = np.clip((time - self.begin) / self.length, 0.0, 1.0)
+        rising = share < self.rise_share
+        u = np.where(rising, share / (2.0 * self.rise_share), 1.0 - (1.0 - share) / (2.0 * (1.0 - self.rise_share)))
+        return np.asarray(self.peak * np.maximum(np.sin(np.pi * u), 0.0) ** self.power)
+
+    @property
+    def time(self) -> float:
+        """Time of the peak, s."""
+        return self.begin + self.rise_share * self.length
+
+    def width(self, share: float = 0.1) -> float:
+        """Return the time above a share of the peak, s."""
+        return self.length * (1.0 - 2.0 * self._phase(share))
+
+    def rise(self) -> float:
+        """Return the time from 10 to 90 % of the peak, s."""
+        return self.length * self.rise_share * 2.0 * (self._phase(0.9) - self._phase(0.1))
+
+    def area(self) -> float:
+        """Return the integral: A T Gamma((p+1)/2) / (sqrt(pi) Gamma(p/2 + 1)).
+
+        Examples
+        --------
+        >>> round(SmoothPulse(1.0, 0.0, 1.0, 0.3, 1.0).area() - 2.0 / math.pi, 12)
+        0.0
+        """
+        half = 0.5 * self.power
+        return (
+            self.peak * self.length * math.exp(math.lgamma(half + 0.5) - math.lgamma(half + 1.0)) / math.sqrt(math.pi)
+        )
+
+    def _phase(self, share: float) -> float:
+        return math.asin(share ** (1.0 / self.power)) / math.pi
+
+
+def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float, rise_share: float = 0.5) -> SmoothPulse:
+    """Fit a smooth positive pulse by least squares, beginning from a guess of its begin and length.
+
+    Parameters
+    ----------
+    time, values : ndarray
+        Samples around one pulse, its zero line taken off, s.
+    begin, length : float
+        Where the pulse is thought to lie, s.
+    rise_share : float, optional
+        In which share of its length it is thought to rise.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 400e-6, 81)
+    >>> true = SmoothPulse(5.0, 100e-6, 200e-6, 0.4, 1.5)
+    >>> found = fit_smooth_pulse(t, true.at(t), 120e-6, 150e-6)
+    >>> bool(abs(found.width() / true.width() - 1.0) < 1e-4)
+    True
+    """
+    from scipy.optimize import least_squares
+
+    factor = -(-values.size // MOST_SAMPLES)
+    whole = values.size // factor * factor
+    t = (time[:whole].reshape(-1, factor).mean(axis=1) - begin) / length
+    scale = float(np.max(values)) or 1.0
+    y = values[:whole].reshape(-1, factor).mean(axis=1) / scale
+    low, high = (0.05, t[0] - 0.5, 0.2, 0.05, 0.3), (3.0, t[-1], 4.0, 0.95, 4.0)
+
+    def left(v: Array) -> Array:
+        return SmoothPulse(*v).at(t) - y
+
+    start = np.clip((1.0, -0.1, 1.2, rise_share, 1.3), np.add(low, 1e-6), np.subtract(high, 1e-6))
+    best = least_squares(left, start, bounds=(low, high), x_scale=(1.0, 0.1, 0.3, 0.2, 1.0), max_nfev=50, xtol=1e-6)
+    peak, first, run, share, power = (float(v) for v in best.x)
+    misfit = math.sqrt(2.0 * best.cost / y.size) / peak
+    return SmoothPulse(peak * scale, begin + first * length, run * length, share, power, misfit)
