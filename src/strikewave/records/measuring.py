@@ -1,6 +1,6 @@
 """Measure the blows that were found in a record.
 
-The zero line is the record just before the blow. Noise is smoothed by local parabolas, at each sample over the
+The zero line is the median of the record before the blow. Noise is smoothed by local parabolas, at each sample over the
 longest window that the noise allows, so that a clean record stays as it is. Where the noise hides a tenth of the
 peak, the figures are those of the smooth pulse that fits best, and the pulse says so.
 """
@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 FOOT = 0.02
 """Share of the peak at which a pulse begins and ends when its area is taken."""
+LOOK_BACK = 40
+"""Widths of a blow before it over which the zero line is taken: more than its foot lasts."""
 CLEAR = 3.0
 """Standard deviations of the smoothed record that a tenth of the peak must have to be read off it."""
 
@@ -129,10 +131,10 @@ class Stretch:
 
 
 def _offset(values: Array, box: Box, earliest: int, otherwise: float) -> float:
-    """Return the mean of the record just before a blow, where there is room; else the line of the whole record."""
+    """Return the median of the record before a blow, where there is room; else the line of the whole record."""
     end = box.first - box.width
-    begin = max(end - 4 * box.width, earliest + 2 * box.width if earliest else 0)
-    return float(np.mean(values[begin:end])) if end - begin >= max(box.width, 4) else otherwise
+    begin = max(end - LOOK_BACK * box.width, earliest + 2 * box.width if earliest else 0)
+    return float(np.median(values[begin:end])) if end - begin >= max(box.width, 4) else otherwise
 
 
 def _measure(values: Array, stretch: Stretch) -> RecordedPulse:
@@ -160,35 +162,20 @@ def _measure(values: Array, stretch: Stretch) -> RecordedPulse:
     grid = np.unique(np.concatenate([[first], np.arange(math.ceil(first), math.floor(last) + 1), [last]]))
     area = float(np.trapezoid(np.interp(grid, np.arange(raw.size), raw), grid)) * step
     sign = stretch.sign
-    smooth_pulse = fitted._replace(peak=sign * fitted.peak)
-    shared = {
-        "ringing_frequency": _ringing(values, stretch),
-        "offset": stretch.offset,
-        "noise": stretch.noise,
-        "smooth": smooth_pulse,
-    }
-    if readable:
-        return RecordedPulse(
-            time=pulse.time,
-            peak=sign * pulse.peak,
-            rise=pulse.rise,
-            width=pulse.width,
-            velocity_change=sign * area,
-            method="record",
-            begin=stretch.time(begin + first),
-            end=stretch.time(begin + last),
-            **shared,
-        )
+    figures = (pulse.time, sign * pulse.peak, pulse.rise, pulse.width, sign * area)
+    ends = (stretch.time(begin + first), stretch.time(begin + last))
+    if not readable:
+        figures = (fitted.time, sign * fitted.peak, fitted.rise(), fitted.width(), sign * fitted.area())
+        ends = (fitted.begin, fitted.begin + fitted.length)
     return RecordedPulse(
-        time=fitted.time,
-        peak=sign * fitted.peak,
-        rise=fitted.rise(),
-        width=fitted.width(),
-        velocity_change=sign * fitted.area(),
-        method="fit",
-        begin=fitted.begin,
-        end=fitted.begin + fitted.length,
-        **shared,
+        *figures,
+        ringing_frequency=_ringing(values, stretch),
+        offset=stretch.offset,
+        noise=stretch.noise,
+        method="record" if readable else "fit",
+        smooth=fitted._replace(peak=sign * fitted.peak),
+        begin=ends[0],
+        end=ends[1],
     )
 
 

@@ -10,7 +10,7 @@ least a fifth of its area, and stand out from what swings around them, so that r
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,8 @@ class Line(NamedTuple):
     level: float
     slope: float
 
-    def at(self, place: float) -> float:
-        """Return the value at a sample."""
+    def at(self, place: Any) -> Any:
+        """Return the value at a sample, or at several."""
         return self.level + self.slope * place
 
 
@@ -112,7 +112,7 @@ def find_boxes(values: Array, line: Line) -> tuple[int, list[Box]]:
     """
     found = {sign: _standing_out(values, line, sign) for sign in (1, -1)}
     best = {sign: max(boxes, key=_energy, default=None) for sign, boxes in found.items()}
-    chosen = max(best, key=lambda sign: -1.0 if best[sign] is None else _energy(best[sign]))
+    chosen = max(best, key=lambda sign: _energy(best[sign]))
     top = best[chosen]
     if top is None:
         return 1, []
@@ -133,8 +133,8 @@ def _touches(box: Box, others: list[Box]) -> bool:
     return any(box.first < o.last + 0.3 * o.width and o.first - 0.3 * o.width < box.last for o in others)
 
 
-def _energy(box: Box) -> float:
-    return box.width * box.mean**2
+def _energy(box: Box | None) -> float:
+    return -1.0 if box is None else box.width * box.mean**2
 
 
 def _standing_out(values: Array, line: Line, sign: int) -> list[Box]:
@@ -154,7 +154,7 @@ def _standing_out(values: Array, line: Line, sign: int) -> list[Box]:
 def _widths(size: int) -> list[int]:
     """Return widths from 3 samples to a third of the record, half an octave apart."""
     last = max(size // 3, 3)
-    return sorted({int(round(3.0 * math.sqrt(2.0) ** k)) for k in range(1 + int(2.0 * math.log2(last / 3.0)))})
+    return sorted({round(3.0 * math.sqrt(2.0) ** k) for k in range(1 + int(2.0 * math.log2(last / 3.0)))})
 
 
 def _box_means(values: Array, line: Line, width: int) -> Array:

@@ -54,7 +54,7 @@ class Channel:
     @property
     def time(self) -> Array:
         """Time of each sample, s, on an even grid."""
-        return self.start + self.step * np.arange(self.values.size)
+        return np.asarray(self.start + self.step * np.arange(self.values.size), dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
