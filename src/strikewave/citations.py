@@ -47,6 +47,9 @@ SOURCES: dict[str, str] = {
         "D. O. Smallwood, An improved recursive formula for calculating shock response spectra, Shock and "
         "Vibration Bulletin 51 (1981) 211-217"
     ),
+    "iso-18431-4": (
+        "ISO 18431-4:2007, Mechanical vibration and shock - Signal processing - Part 4: Shock-response spectrum analysis"
+    ),
     "patera-1984": (
         "A. T. Patera, A spectral element method for fluid dynamics: laminar flow in a channel expansion, "
         "Journal of Computational Physics 54 (1984) 468-488"

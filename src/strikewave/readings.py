@@ -19,7 +19,7 @@ from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow
 from strikewave.machines.rotary import RotaryMachine, RotaryRun
 from strikewave.machines.spans import StackSpan
 from strikewave.sensors import Reading, Recorder, Sensor, read
-from strikewave.signal.filters import zero_phase
+from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import crossing, measure_pulse
 from strikewave.waves.li_ma import ROUTES, superposed
 from strikewave.waves.routes import EXACT, route_history, specimen_of
@@ -196,7 +196,7 @@ def stated(values: Array, step: float, bandwidth: float) -> Array:
     """
     if math.isinf(bandwidth):
         return values
-    filtered = zero_phase(values, step, bandwidth)
+    filtered = Filter(bandwidth).apply(values, step)
     lost = min(math.ceil(1.0 / (bandwidth * step)), values.shape[-1] // 2)
     filtered[..., values.shape[-1] - lost :] = np.nan
     return filtered

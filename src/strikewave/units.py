@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,9 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
     "kg/m^3": ("a density", "7820 kg/m^3"),
     "Hz": ("a frequency", "200 kHz"),
     "J": ("an energy", "10 J"),
+    "V": ("a voltage", "10 V"),
+    "C": ("a charge", "100 pC"),
+    "1": ("a strain or another ratio", "200 ustrain"),
 }
 """The SI unit of every kind of quantity used here, its name, and an example that can be typed."""
 
@@ -169,3 +173,23 @@ def in_unit(value: float, si: str, unit: str) -> float:
     1000.0
     """
     return _times(value, 1.0 / _factor(unit, si))
+
+
+def convertible(unit: str, choices: Iterable[str]) -> tuple[str, float] | None:
+    """Return the first SI unit of some choices that a unit can be turned into, and its factor; None where none fits.
+
+    Examples
+    --------
+    >>> convertible("mV", ("m/s^2", "V")), convertible("furlong", ("m",))
+    (('V', 0.001), None)
+    """
+    import pint
+
+    if len(unit) > _LONGEST or not re.fullmatch(_UNIT, unit.strip()):
+        return None
+    for si in choices:
+        try:
+            return si, _times(1.0, _factor(unit.strip(), si))
+        except (pint.PintError, ValueError, TypeError, ArithmeticError, AssertionError):
+            continue
+    return None

@@ -8,9 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from strikewave.signal.filters import low_pass, zero_phase
+from strikewave.signal.filters import Filter, effect_on_half_sine, low_pass
 
 STEP = 1e-6
+
+
+def zero_phase(values, step, cutoff, order=4, axis=-1):
+    return Filter(cutoff, order).apply(values, step, axis)
 
 
 def warped(f, cutoff):
@@ -117,3 +121,61 @@ def test_linear_and_along_any_axis(scale, shift):
 def test_bad_values_are_refused_in_words(run, values, step, cutoff, order, word):
     with pytest.raises(ValueError, match=word):
         run(values, step, cutoff, order)
+
+
+@pytest.mark.parametrize(("duration", "left"), [(100e-6, 0.28), (200e-6, 0.52), (300e-6, 0.70)])
+def test_cfc_1000_leaves_of_a_half_sine_what_sae_j211_gives(duration, left):
+    assert effect_on_half_sine(Filter.sae_j211(1000), duration).peak == pytest.approx(left, abs=5e-3)  # two digits
+
+
+def test_sae_j211_recursion_as_the_standard_writes_it(rng):
+    # SAE J211-1 appendix C: the difference equation of one pass, forward then backward, from rest
+    step, cfc = 1e-5, 1000.0
+    wd = 2.0 * math.pi * cfc * 2.0775
+    wa = math.sin(wd * step / 2.0) / math.cos(wd * step / 2.0)
+    a0 = wa**2 / (1.0 + math.sqrt(2.0) * wa + wa**2)
+    b1 = -2.0 * (wa**2 - 1.0) / (1.0 + math.sqrt(2.0) * wa + wa**2)
+    b2 = (-1.0 + math.sqrt(2.0) * wa - wa**2) / (1.0 + math.sqrt(2.0) * wa + wa**2)
+
+    def once(x):
+        y = np.zeros_like(x)
+        for k in range(2, x.size):
+            y[k] = a0 * (x[k] + 2.0 * x[k - 1] + x[k - 2]) + b1 * y[k - 1] + b2 * y[k - 2]
+        return y
+
+    x = np.zeros(3000)
+    x[1400:1600] = rng.normal(size=200)
+    standard = once(once(x)[::-1])[::-1]
+    assert np.allclose(Filter.sae_j211(cfc).apply(x, step), standard, atol=1e-12)
+
+
+def test_both_conventions_differ_by_the_stated_factor_in_cutoff():
+    both = Filter(10e3, 2, "both")
+    each = Filter(10e3 * (math.sqrt(2.0) - 1.0) ** -0.25, 2, "each")
+    f = np.linspace(0.0, 100e3, 101)
+    assert np.allclose(both.gain(f, 1e-9), each.gain(f, 1e-9), rtol=1e-7)  # the warped scale bends by (pi f dt)^2/3
+    assert both.half_power(1e-9) == pytest.approx(10e3, rel=1e-12)
+
+
+def test_two_poles_at_10_khz_take_off_a_half_sine_of_100_us_what_the_conventions_say():
+    assert 1.0 - effect_on_half_sine(Filter(10e3, 2, "each"), 100e-6).peak == pytest.approx(0.108, abs=5e-4)
+    assert 1.0 - effect_on_half_sine(Filter(10e3, 2, "both"), 100e-6).peak == pytest.approx(0.049, abs=5e-4)
+
+
+def test_advised_cutoff_takes_two_percent_off_the_half_sine_it_is_for():
+    from strikewave.signal.filters import advised_cutoff
+
+    width = 200e-6 * (1.0 - 2.0 * math.asin(0.1) / math.pi)
+    cutoff = advised_cutoff(math.nan, width)
+    assert 1.0 - effect_on_half_sine(Filter(cutoff), 200e-6).peak == pytest.approx(0.02, abs=1e-4)
+    # a rise twice as steep asks for twice the cutoff
+    assert advised_cutoff(0.5 * 200e-6 * (math.asin(0.9) - math.asin(0.1)) / math.pi, width) == pytest.approx(
+        2 * cutoff
+    )
+    with pytest.raises(ValueError, match="rise or the width"):
+        advised_cutoff(math.nan, math.nan)
+
+
+def test_unknown_convention_is_refused():
+    with pytest.raises(ValueError, match="both"):
+        Filter(1e3, convention="one")

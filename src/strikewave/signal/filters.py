@@ -8,9 +8,13 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from strikewave.signal.pulse import measure_pulse
 
 Array = NDArray[np.float64]
 
@@ -52,54 +56,191 @@ def low_pass(values: ArrayLike, step: float, cutoff: float, order: int = 4, axis
     return np.asarray(signal.sosfilt(sections, _history(values), axis=axis))
 
 
-def zero_phase(values: ArrayLike, step: float, cutoff: float, order: int = 4, axis: int = -1) -> Array:
-    """Filter a history forward and back: no delay, and -3 dB at the cutoff for both passes together.
+@dataclass(frozen=True)
+class Filter:
+    """A zero-phase Butterworth low-pass: run forward, then back, so that it delays nothing.
 
-    Each pass alone has its cutoff where W_c = tan(pi f_c dt) / (sqrt(2) - 1)^(1/(2 n)), higher than the one
-    asked for, because two passes square the response; the slope is that of 2 n poles. A filter whose single
-    pass has the cutoff takes twice as much: the two conventions differ by a factor 1.25 in cutoff at n = 2.
+    Two passes square the response. ``convention`` says what the cutoff means: at ``both`` passes together lose
+    3 dB there, or ``each`` of them does (6 dB together). The two differ by a factor 1.25 in cutoff at 2 poles.
+    Each pass alone has its cutoff where W_c = tan(pi f_c dt), for ``both`` over (sqrt(2) - 1)^(1/(2 n)).
 
-    Outside, the history is taken to hold its first and its last value, as long as the response lasts: a
-    pulse that starts from rest at its first sample stays as it is (mirrored padding would bend it).
+    Attributes
+    ----------
+    cutoff : float
+        Frequency of -3 dB, Hz.
+    order : int
+        Poles of each pass, n.
+    convention : str
+        ``both`` or ``each``.
+    name : str
+        What to call it; empty for its numbers.
+
+    Examples
+    --------
+    A half-sine of 100 us through 10 kHz, the two conventions:
+
+    >>> t = np.arange(-100, 201) * 1e-6
+    >>> pulse = np.where((t > 0) & (t < 100e-6), np.sin(np.pi * t / 100e-6), 0.0)
+    >>> [round(float(Filter(10e3, 2, how).apply(pulse, 1e-6).max()), 3) for how in ("both", "each")]
+    [0.951, 0.892]
+    """
+
+    cutoff: float
+    order: int = 4
+    convention: str = "both"
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if self.convention not in ("both", "each"):
+            raise ValueError(f'the convention of a filter is "both" or "each", got {self.convention!r}')
+
+    @classmethod
+    def sae_j211(cls, channel_class: float) -> Filter:
+        """Return the filter of a channel frequency class: 2 poles, each pass -3 dB at 2.0775 times the class.
+
+        CFC 60, 180, 600 and 1000 are the usual ones.
+
+        Source: SAE J211-1, Instrumentation for impact test, part 1, appendix C.
+
+        Examples
+        --------
+        >>> round(Filter.sae_j211(1000).half_power(1e-6))
+        1667
+        """
+        return cls(2.0775 * channel_class, 2, "each", f"CFC {channel_class:g} (SAE J211)")
+
+    def __str__(self) -> str:
+        how = "for both passes together" if self.convention == "both" else "for each pass"
+        return self.name or f"zero-phase Butterworth, {self.order} poles a pass, -3 dB at {self.cutoff:g} Hz {how}"
+
+    def apply(self, values: ArrayLike, step: float, axis: int = -1) -> Array:
+        """Filter a history; outside, it is taken to hold its first and its last value.
+
+        A pulse that starts from rest at its first sample stays as it is (mirrored padding would bend it).
+
+        Parameters
+        ----------
+        values : array_like
+            Evenly sampled history.
+        step : float
+            Time between samples, s.
+        axis : int, optional
+            Axis of time.
+
+        Raises
+        ------
+        ValueError
+            If the cutoff is not below half the sampling rate, or another value makes no sense.
+        """
+        from scipy import signal
+
+        sections = _butterworth(self.cutoff, step, self.order, self._widened())
+        history = np.moveaxis(_history(values), axis, -1)
+        radius = float(np.max(np.abs(signal.sos2zpk(sections)[1])))
+        length = math.ceil(math.log(SETTLED) / math.log(radius)) if radius > 0.0 else 1
+        padded = np.pad(history, [(0, 0)] * (history.ndim - 1) + [(length, length)], mode="edge")
+        for _ in range(2):  # forward, then back
+            state = signal.sosfilt_zi(sections).reshape(-1, *(1,) * (history.ndim - 1), 2) * padded[..., :1]
+            padded = signal.sosfilt(sections, padded, zi=state)[0][..., ::-1]
+        return np.ascontiguousarray(np.moveaxis(padded[..., length : padded.shape[-1] - length], -1, axis))
+
+    def gain(self, frequency: ArrayLike, step: float) -> Array:
+        """Return the gain of both passes: 1 / (1 + (W/W_c)^(2 n))."""
+        warped = np.tan(np.pi * np.asarray(frequency, dtype=float) * step)
+        corner = self._widened() * math.tan(math.pi * self.cutoff * step)
+        return np.asarray(1.0 / (1.0 + (warped / corner) ** (2 * self.order)))
+
+    def half_power(self, step: float) -> float:
+        """Return the frequency at which both passes together lose 3 dB, Hz."""
+        corner = self._widened() * math.tan(math.pi * self.cutoff * step)
+        return math.atan(corner * (math.sqrt(2.0) - 1.0) ** (0.5 / self.order)) / (math.pi * step)
+
+    def _widened(self) -> float:
+        if self.convention == "each" or self.order < 1:
+            return 1.0
+        return float((math.sqrt(2.0) - 1.0) ** (-0.5 / self.order))
+
+
+class Effect(NamedTuple):
+    """What a filter leaves of a half-sine: shares of its peak and of its width at 10 %."""
+
+    peak: float
+    width: float
+
+
+def effect_on_half_sine(filter_: Filter, duration: float, samples: int = 400) -> Effect:
+    """Return what a filter leaves of a half-sine.
 
     Parameters
     ----------
-    values : array_like
-        Evenly sampled history.
-    step : float
-        Time between samples, s.
-    cutoff : float
-        Frequency of -3 dB of both passes together, Hz, below half the sampling rate.
-    order : int, optional
-        Poles of each pass.
-    axis : int, optional
-        Axis of time.
+    filter_ : Filter
+        The filter.
+    duration : float
+        Of the half-sine, from zero to zero, s.
+    samples : int, optional
+        Steps in which it is computed.
+
+    Examples
+    --------
+    CFC 1000 on 100, 200 and 300 us:
+
+    >>> [round(effect_on_half_sine(Filter.sae_j211(1000), t).peak, 2) for t in (100e-6, 200e-6, 300e-6)]
+    [0.28, 0.52, 0.7]
+    """
+    step = min(duration / samples, 0.02 / filter_.cutoff)
+    count = round(duration / step)
+    reach = count + math.ceil(3.0 / (filter_.cutoff * step))
+    places = np.arange(-reach, count + reach + 1)
+    pulse = np.where((places > 0) & (places < count), np.sin(np.pi * places / count), 0.0)
+    before, after = (measure_pulse(history, step) for history in (pulse, filter_.apply(pulse, step)))
+    return Effect(after.peak / before.peak, after.width / before.width)
+
+
+def advised_cutoff(rise: float, width: float, loss: float = 0.02) -> float:
+    """Return the lowest cutoff of a 4-pole zero-phase filter that takes at most ``loss`` off a pulse's peak, Hz.
+
+    The pulse is taken as the half-sine that is as steep: of a half-sine of duration T, the rise from 10 to 90 %
+    is (asin 0.9 - asin 0.1) T / pi and the width at 10 % is T (1 - 2 asin(0.1) / pi).
+
+    Parameters
+    ----------
+    rise, width : float
+        From 10 to 90 % of the peak, and at 10 % of it, s; NaN where it is not known.
+    loss : float, optional
+        Share of the peak that may be lost.
 
     Raises
     ------
     ValueError
-        If the cutoff is not below half the sampling rate, or another value makes no sense.
+        If neither rise nor width is known.
 
     Examples
     --------
-    A half-sine of 100 us through 10 kHz:
-
-    >>> t = np.arange(-100, 201) * 1e-6
-    >>> pulse = np.where((t > 0) & (t < 100e-6), np.sin(np.pi * t / 100e-6), 0.0)
-    >>> print(zero_phase(pulse, 1e-6, 10e3, order=2).max().round(3))
-    0.951
+    >>> cutoff = advised_cutoff(math.nan, 187.25e-6)
+    >>> round(effect_on_half_sine(Filter(cutoff), 200e-6).peak, 3)
+    0.98
     """
-    from scipy import signal
+    known = [
+        value
+        for value in (
+            rise * math.pi / (math.asin(0.9) - math.asin(0.1)),
+            width / (1.0 - 2.0 * math.asin(0.1) / math.pi),
+        )
+        if value > 0.0
+    ]
+    if not known:
+        raise ValueError("a cutoff needs the rise or the width of the pulse")
+    return _cutoff_times_duration(loss) / min(known)
 
-    sections = _butterworth(cutoff, step, order, (math.sqrt(2.0) - 1.0) ** (-0.5 / order) if order > 0 else 1.0)
-    history = np.moveaxis(_history(values), axis, -1)
-    radius = float(np.max(np.abs(signal.sos2zpk(sections)[1])))
-    length = math.ceil(math.log(SETTLED) / math.log(radius)) if radius > 0.0 else 1
-    padded = np.pad(history, [(0, 0)] * (history.ndim - 1) + [(length, length)], mode="edge")
-    for _ in range(2):  # forward, then back
-        state = signal.sosfilt_zi(sections).reshape(-1, *(1,) * (history.ndim - 1), 2) * padded[..., :1]
-        padded = signal.sosfilt(sections, padded, zi=state)[0][..., ::-1]
-    return np.ascontiguousarray(np.moveaxis(padded[..., length : padded.shape[-1] - length], -1, axis))
+
+@functools.lru_cache(maxsize=32)
+def _cutoff_times_duration(loss: float) -> float:
+    """Return the cutoff of a half-sine of 1 s, Hz."""
+    from scipy.optimize import brentq
+
+    return float(
+        brentq(lambda cutoff: 1.0 - effect_on_half_sine(Filter(cutoff), 1.0).peak - loss, 0.3, 20.0, xtol=1e-4)
+    )
 
 
 def _butterworth(cutoff: float, step: float, order: int, widened: float = 1.0) -> Array:

@@ -1,0 +1,283 @@
+"""From what a file holds (volts, counts, g) to SI: sensitivity, excitation, gain, polarity, unit.
+
+    value = polarity x count x file value / (gain x sensitivity x excitation / rated excitation)
+
+Each factor is left out where it is not given. All are texts with units, kept as they were typed, so that a result
+can say what made it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from strikewave.errors import InputError, nearest
+from strikewave.records.finding import Finding
+from strikewave.records.record import Channel
+from strikewave.units import convertible, parse_quantity
+
+MEASURED = ("m/s^2", "m/s", "m", "N", "Pa", "1")
+"""SI units that a channel can have once calibrated; 1 is strain."""
+FOLDER_FILE = "calibration.toml"
+"""The file that calibrates all records of its folder; FILE.toml calibrates FILE alone and goes first."""
+LARGEST_FILE = 1_000_000
+_SPELLINGS = {
+    "G": "g", "gs": "g", "g's": "g", "gn": "g", "g_n": "g", "grav": "g",
+    "volt": "V", "volts": "V", "v": "V", "millivolts": "mV",
+    "m/s2": "m/s^2", "m/s²": "m/s^2", "m/sec^2": "m/s^2", "m/s/s": "m/s^2",
+    "me": "ustrain", "ue": "ustrain", "µe": "ustrain", "με": "ustrain", "µε": "ustrain", "microstrain": "ustrain",
+}  # fmt: skip
+
+
+class Scale(NamedTuple):
+    """The number that turns file values into an SI unit; the unit is empty where nobody says what the file holds."""
+
+    factor: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What turns the values of a channel into SI.
+
+    Attributes
+    ----------
+    unit : str
+        Of the file's values, such as ``g`` or ``mV``; overrules what the file says.
+    sensitivity : str
+        Output per quantity, such as ``1.2 mV/g``, ``-4 pC/N``, ``0.2 uV/V/g``.
+    gain : str
+        Of the amplifier: a number, or ``10 mV/pC`` of a charge amplifier.
+    excitation, rated_excitation : str
+        Voltage of the bridge in the test, and that at which the sensitivity holds.
+    count : str
+        Voltage of one count of the converter, such as ``305.2 uV``.
+    polarity : int
+        1, or -1 for a sensor mounted the other way.
+    """
+
+    unit: str = ""
+    sensitivity: str = ""
+    gain: str = ""
+    excitation: str = ""
+    rated_excitation: str = ""
+    count: str = ""
+    polarity: int = 1
+
+    def scale(self, file_unit: str = "", field: str = "calibration") -> Scale:
+        """Return the factor to SI and its unit.
+
+        Raises
+        ------
+        InputError
+            If the parts do not fit together, or one cannot be read.
+
+        Examples
+        --------
+        >>> Calibration(sensitivity="2 mV/N", gain="10").scale("V")
+        Scale(factor=50.0, unit='N')
+        """
+        if self.polarity not in (1, -1) or isinstance(self.polarity, bool):
+            raise InputError(f"{field}.polarity", self.polarity, "1 or -1")
+        unit = self.unit or file_unit
+        if not self.sensitivity:
+            spare = [name for name in ("gain", "excitation", "rated_excitation", "count") if getattr(self, name)]
+            if spare:
+                raise InputError(f"{field}.{spare[0]}", getattr(self, spare[0]), "nothing without a sensitivity")
+            if self.unit and known_unit(unit) is None:
+                raise InputError(f"{field}.unit", unit, "a unit of " + ", ".join((*MEASURED[:-1], "strain", "V")))
+            known = known_unit(unit)
+            return Scale(float(self.polarity), "") if known is None else Scale(self.polarity * known[1], known[0])
+        output, per, measured = _sensitivity(self.sensitivity, f"{field}.sensitivity")
+        volts = parse_quantity(self.count, "V", f"{field}.count") if self.count else _volts(unit, field)
+        per *= self._excited(output, field) * self._gain(output, field)
+        factor = self.polarity * volts / per if per else math.inf
+        if not math.isfinite(factor) or factor == 0.0:
+            raise InputError(f"{field}.sensitivity", self.sensitivity, "factors that are not zero")
+        return Scale(factor, measured)
+
+    def _excited(self, output: str, field: str) -> float:
+        volts = parse_quantity(self.excitation, "V", f"{field}.excitation") if self.excitation else 0.0
+        if output == "V/V":
+            if not volts:
+                raise InputError(
+                    f"{field}.excitation", self.excitation, "a voltage", "the sensitivity is per volt of it"
+                )
+            return volts
+        if bool(self.excitation) != bool(self.rated_excitation):
+            missing = "rated_excitation" if self.excitation else "excitation"
+            raise InputError(f"{field}.{missing}", "", "a voltage", "excitation and rated_excitation go together")
+        return volts / parse_quantity(self.rated_excitation, "V", f"{field}.rated_excitation") if volts else 1.0
+
+    def _gain(self, output: str, field: str) -> float:
+        if output == "C":
+            if not self.gain:
+                raise InputError(f"{field}.gain", "", "a gain in mV/pC", "the sensitivity is a charge")
+            found = _number_and_unit(self.gain, f"{field}.gain", ("V/C",))
+            return found[0] * found[2]
+        try:
+            gain = float(self.gain or 1.0)
+        except ValueError:
+            gain = math.nan
+        if not (math.isfinite(gain) and gain != 0.0):
+            raise InputError(f"{field}.gain", self.gain, "a number that is not zero")
+        return gain
+
+    def stated(self) -> dict[str, Any]:
+        """Return what is stated, as typed."""
+        return {k: v for k, v in dataclasses.asdict(self).items() if v not in ("", 1)}
+
+
+def known_unit(text: str) -> tuple[str, float] | None:
+    """Return the SI unit of a unit as files write it, and the factor to it; None for an unknown one.
+
+    Examples
+    --------
+    >>> known_unit("G"), known_unit("m/s²"), known_unit("bananas")
+    (('m/s^2', 9.80665), ('m/s^2', 1.0), None)
+    """
+    plain = text.strip().strip("[]()").strip()
+    return convertible(_SPELLINGS.get(plain, _SPELLINGS.get(plain.lower(), plain)), (*MEASURED, "V"))
+
+
+def calibrated(channel: Channel, calibration: Calibration, field: str = "calibration") -> tuple[Channel, list[Finding]]:
+    """Return a channel in SI; its unit stays empty where nobody says what the file holds.
+
+    Raises
+    ------
+    InputError
+        As `Calibration.scale` does.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> channel, findings = calibrated(Channel("board", np.array([1.0])), Calibration(unit="kN"))
+    >>> channel.values.tolist(), channel.unit, findings
+    ([1000.0], 'N', [])
+    """
+    scale = calibration.scale(channel.unit, field)
+    findings = []
+    if not scale.unit:
+        said = f'its unit "{channel.unit}" is not known' if channel.unit else "the file names no unit"
+        message = f"{said}: figures are in the file's own numbers; say what they are, such as --unit g"
+        findings.append(Finding("unit-unknown", message, severity="good"))
+    elif scale.unit == "V":
+        message = 'the file holds volts: figures are in V; say what one volt is, such as --sensitivity "1.2 mV/g"'
+        findings.append(Finding("not-calibrated", message, severity="good"))
+    values = channel.values if scale.factor == 1.0 else channel.values * scale.factor
+    return dataclasses.replace(channel, values=values, unit=scale.unit), findings
+
+
+def _volts(unit: str, field: str) -> float:
+    """Return the volts that one of the file's numbers stands for; volts where the file does not say."""
+    known = known_unit(unit) if unit else ("V", 1.0)
+    if known is None or known[0] != "V":
+        hint = "a sensitivity is for a file in volts; for counts give count"
+        raise InputError(f"{field}.unit", unit, "V or mV", hint)
+    return known[1]
+
+
+def _number_and_unit(text: str, field: str, choices: tuple[str, ...]) -> tuple[float, str, float]:
+    match = re.fullmatch(r"\s*([+-]?[0-9.]{1,20}(?:[eE][+-]?\d{1,3})?)\s*(\S.{0,40})", text[:80])
+    found = convertible(match[2], choices) if match else None
+    try:
+        number = float(match[1]) if match else math.nan
+    except ValueError:
+        number = math.nan
+    if found is None or not math.isfinite(number) or number == 0.0:
+        example = "10 mV/pC" if choices == ("V/C",) else "1.2 mV/g"
+        raise InputError(field, text, f'a number that is not zero and its unit, such as "{example}"')
+    return number, *found
+
+
+def _sensitivity(text: str, field: str) -> tuple[str, float, str]:
+    """Return output (V, C or V/V), its SI value per SI quantity, and the SI unit of the quantity."""
+    per = {"m/s^2": "s^2/m", "m/s": "s/m", "m": "1/m", "N": "1/N", "Pa": "1/Pa"}
+    choices = {
+        f"{output}*{inverse}".replace("*1/", "/"): (output, si) for output in "VC" for si, inverse in per.items()
+    }
+    choices |= {inverse: ("V/V", si) for si, inverse in per.items()}
+    choices |= {"V": ("V", "1"), "C": ("C", "1")}
+    number, si, factor = _number_and_unit(text, field, tuple(choices))
+    output, measured = choices[si]
+    return output, number * factor, measured
+
+
+def calibrations_beside(path: Path) -> dict[str, dict[str, Any]]:
+    """Return what the small files beside a record state: a table a channel, ``all`` for all of them.
+
+    Raises
+    ------
+    InputError
+        If such a file is too large, is not TOML, or has a key that is not known.
+    """
+    stated: dict[str, dict[str, Any]] = {}
+    for file in (path.with_name(FOLDER_FILE), path.with_name(path.name + ".toml")):
+        if file.is_file():
+            for name, table in read_calibrations(file).items():
+                stated[name] = {**stated.get(name, {}), **table}
+    return stated
+
+
+def read_calibrations(file: Path) -> dict[str, dict[str, Any]]:
+    """Read a calibration file: ``schema = 1``, then ``[all]`` and ``[channel.NAME]`` tables.
+
+    Raises
+    ------
+    InputError
+        If the file is too large, is not TOML, or has a key that is not known.
+    """
+    try:
+        if file.stat().st_size > LARGEST_FILE:
+            raise InputError(str(file), f"{file.stat().st_size} bytes", f"at most {LARGEST_FILE} bytes")
+        data = tomllib.loads(file.read_text("utf-8-sig"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(str(file), str(error)[:60], "a calibration in TOML") from None
+    if data.pop("schema", 1) != 1:
+        raise InputError(f"{file}: schema", "another", "1")
+    extra = sorted(set(data) - {"all", "channel"})
+    if extra:
+        raise InputError(
+            f"{file}: {extra[0]}", "unknown", "tables [all] and [channel.NAME]", nearest(extra[0], ("all", "channel"))
+        )
+    channels = data.get("channel", {})
+    tables = {"all": data["all"]} if "all" in data else {}
+    if not isinstance(channels, Mapping):
+        raise InputError(f"{file}: channel", channels, "tables [channel.NAME]")
+    return {name: _checked(table, f"{file}: {name}") for name, table in (tables | dict(channels)).items()}
+
+
+def _checked(table: Any, field: str) -> dict[str, Any]:
+    known = {f.name: f.type for f in dataclasses.fields(Calibration)}
+    if not isinstance(table, Mapping):
+        raise InputError(field, table, "a table")
+    for key, value in table.items():
+        if key not in known:
+            raise InputError(f"{field}.{key}", "unknown", "a part of a calibration", nearest(key, known))
+        if key == "polarity":
+            continue
+        if key == "gain" and isinstance(value, int | float) and not isinstance(value, bool):
+            continue
+        if not isinstance(value, str):
+            raise InputError(f"{field}.{key}", value, 'a text with its unit, such as "1.2 mV/g"')
+    return {key: str(value) if key == "gain" else value for key, value in table.items()}
+
+
+def calibration_of(stated: Mapping[str, Mapping[str, Any]], name: str, number: int) -> Calibration:
+    """Return the calibration of a channel: its own table over the one for all; by name or by number.
+
+    Examples
+    --------
+    >>> calibration_of({"all": {"unit": "V"}, "2": {"unit": "g"}}, "frame", 2).unit
+    'g'
+    """
+    merged: dict[str, Any] = {}
+    for key in ("all", str(number), name):
+        merged |= stated.get(key, {})
+    return Calibration(**merged)

@@ -1,0 +1,234 @@
+"""Many records of the same test in one table: means, scatter, bounds and trend."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from strikewave.records.finding import Finding
+from strikewave.records.reading import ChannelReading, FileReading
+
+SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")
+"""The figures of a campaign."""
+CONFIDENCE = 0.95
+"""Of all bounds."""
+SHORTER = 0.9
+"""A record that lasts less than this share of the usual one is shorter than its siblings."""
+
+
+class Statistic(NamedTuple):
+    """Mean and scatter of a figure; NaN where there are too few values.
+
+    Attributes
+    ----------
+    mean : float
+        In the unit of the figure.
+    cv : float
+        Standard deviation over the size of the mean.
+    low, high : float
+        Bounds of the mean at 95 % (Student's t).
+    n : int
+        Values that went in.
+    cv_low, cv_high : float
+        Bounds of the scatter at 95 %.
+    """
+
+    mean: float
+    cv: float
+    low: float
+    high: float
+    n: int
+    cv_low: float = math.nan
+    cv_high: float = math.nan
+
+
+class Trend(NamedTuple):
+    """Straight line through a figure over the files.
+
+    Attributes
+    ----------
+    slope : float
+        Change a file, in the unit of the figure.
+    low, high : float
+        Its bounds at 95 %.
+    change : float
+        From the first file to the last along the line, over the size of the mean.
+    """
+
+    slope: float
+    low: float
+    high: float
+    change: float
+
+
+@dataclass(frozen=True, eq=False)
+class Campaign:
+    """All files of a test, for one channel.
+
+    Attributes
+    ----------
+    channel : str
+        Name of the channel in the first file.
+    statistics : dict
+        A `Statistic` for each of `SUMMED` that has a value.
+    trends : dict
+        A `Trend` over the files in the order given, for each figure with three files or more.
+    left_out : tuple of (path, figures, reason)
+        What did not go in.
+    points : dict
+        For each figure, pairs of file number (from 0) and value.
+    """
+
+    channel: str
+    statistics: dict[str, Statistic]
+    trends: dict[str, Trend]
+    left_out: tuple[tuple[str, tuple[str, ...], str], ...]
+    points: dict[str, tuple[tuple[int, float], ...]]
+
+
+def statistic(values: ArrayLike) -> Statistic:
+    """Return mean, scatter and their bounds at 95 %.
+
+    The bounds of the scatter are those of Vangel: sqrt of u / (n - 1) about the sample's CV, mended for its size.
+
+    Source: M. G. Vangel, Confidence intervals for a normal coefficient of variation, The American Statistician
+    50 (1996) 21-26.
+
+    Examples
+    --------
+    >>> [round(float(v), 4) for v in statistic([1.0, 2.0, 3.0])[:5]]
+    [2.0, 0.5, -0.4841, 4.4841, 3.0]
+    """
+    sample = np.asarray(values, dtype=float)
+    n = sample.size
+    mean = float(np.mean(sample)) if n else math.nan
+    if n < 2:
+        return Statistic(mean, math.nan, math.nan, math.nan, n)
+    from scipy.special import chdtri, stdtrit
+
+    spread = float(np.std(sample, ddof=1))
+    reach = float(stdtrit(n - 1, 0.5 + 0.5 * CONFIDENCE)) * spread / math.sqrt(n)
+    cv = spread / abs(mean) if mean else math.inf
+    upper, lower = (float(chdtri(n - 1, share)) for share in (0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE))
+    bounds = [_vangel(cv, u, n) for u in (upper, lower)]
+    return Statistic(mean, cv, mean - reach, mean + reach, n, *bounds)
+
+
+def _vangel(cv: float, u: float, n: int) -> float:
+    if not math.isfinite(cv):
+        return math.nan
+    below = ((u + 2.0) / n - 1.0) * cv**2 + u / (n - 1)
+    return cv / math.sqrt(below) if below > 0.0 else math.inf
+
+
+def trend(places: ArrayLike, values: ArrayLike) -> Trend:
+    """Return the least-squares line of values over their places, with bounds at 95 %.
+
+    Examples
+    --------
+    >>> trend([0, 1, 2, 3], [1.0, 2.0, 3.0, 4.0]).slope
+    1.0
+    """
+    from scipy.special import stdtrit
+    from scipy.stats import linregress
+
+    x, y = np.asarray(places, dtype=float), np.asarray(values, dtype=float)
+    line = linregress(x, y)
+    reach = float(stdtrit(x.size - 2, 0.5 + 0.5 * CONFIDENCE)) * float(line.stderr) if x.size > 2 else math.nan
+    slope, mean = float(line.slope), float(np.mean(y))
+    return Trend(slope, slope - reach, slope + reach, slope * float(np.ptp(x)) / abs(mean) if mean else math.nan)
+
+
+def compare(files: Sequence[FileReading]) -> list[FileReading]:
+    """Return the files with what only their siblings show: other sign, shorter, another sampling rate.
+
+    Examples
+    --------
+    >>> compare([])
+    []
+    """
+    if len(files) < 3:
+        return list(files)
+    changed = list(files)
+    for number in sorted({reading.number for file in files for reading in file.channels}):
+        found = [(k, reading) for k, file in enumerate(files) for reading in file.channels if reading.number == number]
+        for (k, reading), finding in _strangers(found):
+            channels = tuple(
+                one.with_finding(finding) if one.number == reading.number else one for one in changed[k].channels
+            )
+            changed[k] = dataclasses.replace(changed[k], channels=channels)
+    return changed
+
+
+def _strangers(found: list[tuple[int, ChannelReading]]) -> list[tuple[tuple[int, ChannelReading], Finding]]:
+    if len(found) < 3:
+        return []
+    strange = []
+    signs = [math.copysign(1.0, reading.pulses[0].peak) if reading.pulses else 0.0 for _, reading in found]
+    usual_sign = math.copysign(1.0, sum(signs))
+    lasts = [reading.channel.duration for _, reading in found]
+    usual = float(np.median(lasts))
+    rate = float(np.median([reading.channel.step for _, reading in found]))
+    for one, sign, last in zip(found, signs, lasts, strict=True):
+        if sign == -usual_sign and abs(sum(signs)) > 0.0:
+            words = "its blows have the other sign than those of the other files: --polarity turns a channel"
+            strange.append((one, Finding("polarity-differs", words, sign, "suspect", ("peak", "velocity_change"))))
+        if last < SHORTER * usual:
+            words = f"it lasts {last:.4g} s, the other files {usual:.4g} s: it may have been cut off"
+            strange.append((one, Finding("truncated", words, last, "suspect", ("interval",))))
+        if abs(one[1].channel.step / rate - 1.0) > 0.01:
+            words = f"sampled at {1.0 / one[1].channel.step:.6g} Hz, the other files at {1.0 / rate:.6g} Hz"
+            strange.append((one, Finding("rate-differs", words, 1.0 / one[1].channel.step, "good")))
+    return strange
+
+
+def summed(files: Sequence[FileReading], number: int | None = None) -> Campaign | None:
+    """Sum up one channel of all files; None where no file has it.
+
+    Bad records, and figures that a finding harms, are left out and named.
+
+    Parameters
+    ----------
+    files : sequence of FileReading
+        In the order of the test.
+    number : int, optional
+        Channel, by its place in the files, from 1; the first that was read by default.
+    """
+    have = [
+        (k, file, reading)
+        for k, file in enumerate(files)
+        for reading in (file.channels[:1] if number is None else file.channels)
+        if number is None or reading.number == number
+    ]
+    if not have:
+        return None
+    points: dict[str, tuple[tuple[int, float], ...]] = {}
+    for name in SUMMED:
+        pairs = [(k, v) for k, file, reading in have if not _file_bad(file) for v in reading.figures(name)]
+        if pairs:
+            points[name] = tuple(pairs)
+    statistics = {name: statistic([v for _, v in pairs]) for name, pairs in points.items()}
+    trends = {
+        name: trend(*zip(*pairs, strict=True)) for name, pairs in points.items() if len({k for k, _ in pairs}) > 2
+    }
+    left_out = [entry for _, file, reading in have for entry in _left_out(file, reading)]
+    return Campaign(have[0][2].channel.name, statistics, trends, tuple(left_out), points)
+
+
+def _file_bad(file: FileReading) -> bool:
+    return any(finding.severity == "bad" for finding in file.findings)
+
+
+def _left_out(file: FileReading, reading: ChannelReading) -> list[tuple[str, tuple[str, ...], str]]:
+    entries = []
+    for finding in (*file.findings, *reading.findings):
+        harmed = tuple(name for name in SUMMED if name in finding.harms or finding.severity == "bad")
+        if harmed:
+            entries.append((file.path, harmed, finding.message))
+    return entries

@@ -1,0 +1,155 @@
+"""An even clock and finite samples: what was missing or uneven is mended where it can be, and said."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.errors import InputError
+from strikewave.records.finding import FIGURES, Finding
+from strikewave.records.record import Channel
+
+Array = NDArray[np.float64]
+
+UNEVEN = 0.01
+"""Share of a step by which time stamps may stray, besides the rounding of their digits."""
+GAP = 1.5
+"""A step longer than this many is a gap."""
+MOST_LOST = 0.1
+"""A record that lacks more than this share of its samples is bad."""
+
+
+def even(channel: Channel) -> tuple[Channel, list[Finding]]:
+    """Return a channel on an even clock without missing samples, and what had to be mended.
+
+    Raises
+    ------
+    InputError
+        If the file gives no time and no rate was said.
+
+    Examples
+    --------
+    >>> stamps = np.array([0.0, 1.0, 2.0, 3.0, 5.0, 6.0])
+    >>> mended, findings = even(Channel("a", np.array([0.0, 1.0, np.nan, 3.0, 5.0, 6.0]), 1.0, stamps=stamps))
+    >>> mended.values.tolist(), [finding.code for finding in findings]
+    ([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], ['gap', 'not-a-number'])
+    """
+    if channel.stamps is None and not channel.step > 0.0:
+        hint = 'such as --rate "200 kHz"; or name the column that holds time with --time'
+        raise InputError("--rate", f"nothing for {channel.name}", "a sampling rate: the file gives no time", hint)
+    findings: list[Finding] = []
+    if channel.stamps is not None:
+        channel, findings = _on_even_clock(channel, channel.stamps)
+    channel, missing = _filled(channel)
+    return channel, findings + missing
+
+
+def _on_even_clock(channel: Channel, stamps: Array) -> tuple[Channel, list[Finding]]:
+    findings = []
+    finite = np.isfinite(stamps)
+    if not finite.all():
+        share = 1.0 - float(finite.mean())
+        findings.append(
+            Finding("time-missing", f"{share:.2%} of the time stamps are no numbers; their samples are left out", share)
+        )
+    values, stamps = channel.values[finite], stamps[finite]
+    steps = np.diff(stamps)
+    back = int(np.count_nonzero(steps < 0.0))
+    same = int(np.count_nonzero(steps == 0.0))
+    if back:
+        where = float(stamps[int(np.argmax(steps < 0.0))])
+        words = f"time runs backwards {_times(back)}, first after {where:g} s: are these several records in one file?"
+        findings.append(Finding("time-backwards", words, back, "bad", FIGURES, where))
+    if back or same:
+        order = np.argsort(stamps, kind="stable")
+        stamps, first = np.unique(stamps[order], return_index=True)
+        values = values[order][first]
+        if same:
+            words = f"{same} time stamps stand twice; the first sample of each is kept"
+            findings.append(Finding("time-twice", words, same))
+        steps = np.diff(stamps)
+    if stamps.size < 2:
+        return dataclasses.replace(channel, values=values, stamps=None), findings
+    step = _step(stamps, steps)
+    findings += _gaps(stamps, steps, step)
+    grid_size = round((stamps[-1] - stamps[0]) / step) + 1
+    rounding = _rounding(stamps)
+    stray = 0.0
+    if grid_size == stamps.size:
+        stray = float(np.max(np.abs(stamps - stamps[0] - step * np.arange(stamps.size))))
+    if grid_size != stamps.size or stray > UNEVEN * step + rounding:
+        if grid_size > 4 * stamps.size + 1000:
+            return dataclasses.replace(channel, values=values, step=step, start=float(stamps[0]), stamps=None), findings
+        if not any(f.code == "gap" for f in findings):
+            words = f"time stamps stray by up to {stray / step:.1%} of a step; the record is put on an even clock"
+            findings.append(
+                Finding("time-uneven", words, stray, "suspect" if stray > 0.1 * step else "good", ("spectrum",))
+            )
+        grid = stamps[0] + step * np.arange(grid_size)
+        values = np.interp(grid, stamps, values)
+    return dataclasses.replace(channel, values=values, step=step, start=float(stamps[0]), stamps=None), findings
+
+
+def _step(stamps: Array, steps: Array) -> float:
+    """Return the step: from first stamp to last where nothing is missing, the usual one otherwise."""
+    usual = float(np.median(steps))
+    mean = float(stamps[-1] - stamps[0]) / steps.size
+    if abs(mean - usual) <= UNEVEN * usual + _rounding(stamps):
+        return mean
+    near = steps[np.abs(steps - usual) < 0.5 * usual]
+    return float(np.mean(near)) if near.size else usual
+
+
+def _rounding(stamps: Array) -> float:
+    """Return the last digit of time stamps that were rounded when they were written, s."""
+    sample = stamps[:: max(stamps.size // 200, 1)]
+    largest = float(np.max(np.abs(sample)))
+    if largest == 0.0:
+        return 0.0
+    for digits in range(3, 15):
+        unit = 10.0 ** (math.floor(math.log10(largest)) - digits + 1)
+        if np.all(np.abs(sample / unit - np.round(sample / unit)) < 1e-4):
+            return unit
+    return float(np.spacing(largest))
+
+
+def _gaps(stamps: Array, steps: Array, step: float) -> list[Finding]:
+    wide = np.flatnonzero(steps > GAP * step + _rounding(stamps))
+    if not wide.size:
+        return []
+    lost = float(np.sum(steps[wide])) - step * wide.size
+    share = lost / float(stamps[-1] - stamps[0])
+    longest = int(wide[np.argmax(steps[wide])])
+    words = (
+        f"{wide.size} gap{'s' if wide.size > 1 else ''} in time, {share:.2%} of the record, the longest "
+        f"{steps[longest]:.3g} s after {stamps[longest]:g} s; bridged by straight lines"
+    )
+    severity, harms = ("bad", FIGURES) if share > MOST_LOST else ("suspect", ("spectrum",))
+    return [Finding("gap", words, lost, severity, harms, float(stamps[longest]), float(stamps[longest + 1]))]
+
+
+def _filled(channel: Channel) -> tuple[Channel, list[Finding]]:
+    values = channel.values
+    missing = ~np.isfinite(values)
+    count = int(np.count_nonzero(missing))
+    if not count:
+        return channel, []
+    first = channel.start + channel.step * int(np.argmax(missing))
+    if count == values.size:
+        words = "no sample is a number"
+        return channel, [Finding("not-a-number", words, count, "bad", FIGURES)]
+    places = np.arange(values.size)
+    filled = values.copy()
+    filled[missing] = np.interp(places[missing], places[~missing], values[~missing])
+    share = count / values.size
+    words = f"{count} samples ({share:.2%}) are no finite numbers, the first at {first:g} s; bridged by straight lines"
+    severity, harms = ("bad", FIGURES) if share > MOST_LOST else ("suspect", ("spectrum",))
+    finding = Finding("not-a-number", words, count, severity, harms, first)
+    return dataclasses.replace(channel, values=filled), [finding]
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"

@@ -1,0 +1,358 @@
+"""What is wrong with a record: each check is one short function that finds one fault.
+
+Every check takes an `Examined` and returns findings; `examine` asks them all.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.records.finding import FIGURES, Finding
+from strikewave.records.measuring import RecordedPulse
+from strikewave.records.pulses import robust_line, sample_noise
+from strikewave.units import STANDARD_GRAVITY, in_unit
+
+Array = NDArray[np.float64]
+
+BLOW = ("peak", "rise", "width", "velocity_change")
+"""Figures of a single blow."""
+
+
+@dataclass(frozen=True, eq=False)
+class Examined:
+    """A record on an even clock, with the blows found in it.
+
+    Attributes
+    ----------
+    values : ndarray
+        Finite samples.
+    step, start : float
+        Time between samples, and of the first, s.
+    unit : str
+        SI unit of the values; empty where it is not known.
+    pulses : sequence of RecordedPulse
+        As `find_pulses` gives them.
+    drop_height : float
+        What the fall before the blow was stated to be, m; NaN where it was not.
+    """
+
+    values: Array
+    step: float
+    start: float = 0.0
+    unit: str = ""
+    pulses: tuple[RecordedPulse, ...] = ()
+    drop_height: float = math.nan
+
+    @property
+    def largest(self) -> RecordedPulse | None:
+        """The blow with the highest peak."""
+        return max(self.pulses, key=lambda pulse: abs(pulse.peak), default=None)
+
+    def said(self, value: float) -> str:
+        """Write a value with its unit: accelerations in g."""
+        if self.unit == "m/s^2":
+            return f"{in_unit(value, 'm/s^2', 'g'):.5g} g"
+        return f"{value:.5g} {self.unit}".strip()
+
+    def time(self, place: float) -> float:
+        """Return the time of a sample, s."""
+        return self.start + self.step * place
+
+    def place(self, time: float) -> int:
+        """Return the sample nearest to a time, inside the record."""
+        return min(max(round((time - self.start) / self.step), 0), self.values.size - 1)
+
+
+def examine(record: Examined) -> list[Finding]:
+    """Return everything that is wrong with a record, the worst first.
+
+    Examples
+    --------
+    >>> [finding.code for finding in examine(Examined(np.full(1000, 3.0), 1e-5))]
+    ['dead']
+    """
+    if float(np.ptp(record.values)) == 0.0:
+        words = f"every sample is {record.said(record.values[0])}: the channel is dead or not connected"
+        return [Finding("dead", words, float(record.values[0]), "bad", FIGURES)]
+    findings = [finding for check in CHECKS for finding in check(record)]
+    return sorted(findings, key=lambda f: ("bad", "suspect", "good").index(f.severity))
+
+
+def no_pulse(record: Examined) -> list[Finding]:
+    """Find that nothing in the record is a blow."""
+    if record.pulses:
+        return []
+    reach = float(np.ptp(record.values))
+    if reach > 30.0 * sample_noise(record.values):
+        words = f"the record spans {record.said(reach)}, but no one-sided blow stands out: it drifts, or swings"
+    else:
+        words = "no blow stands out of the noise"
+    return [Finding("no-pulse", words, 0.0, "bad", (*BLOW, "interval"))]
+
+
+def not_settled(record: Examined) -> list[Finding]:
+    """Find a zero that is far off or drifts, or a record that begins while something still swings."""
+    line = robust_line(record.values)
+    noise = sample_noise(record.values)
+    spread = 1.4826 * float(np.median(np.abs(record.values - line.at(np.arange(record.values.size)))))
+    drift = line.slope * (record.values.size - 1)
+    middle = line.at(0.5 * record.values.size)
+    pulse = record.largest
+    if pulse is None:
+        findings = []
+        part = max(record.values.size // 20, 8)
+        begin, end = (float(np.ptp(piece)) for piece in (record.values[:part], record.values[-part:]))
+        if begin > 5.0 * end and begin > 20.0 * noise:
+            words = (
+                f"the record begins while something still swings ({record.said(begin)} from top to bottom, at its end "
+                f"{record.said(end)})"
+            )
+            findings.append(Finding("not-settled", words, begin, "bad", FIGURES, record.start))
+        elif abs(drift) > 20.0 * max(noise, spread) or abs(middle) > 100.0 * max(spread, noise):
+            words = f"the zero stands at {record.said(middle)} and drifts by {record.said(drift)}: it has not settled"
+            findings.append(Finding("not-settled", words, middle, "bad", FIGURES))
+        return findings
+    share = max(abs(drift), abs(pulse.offset)) / abs(pulse.peak)
+    if share <= 0.05:
+        return []
+    words = (
+        f"the zero stands at {record.said(pulse.offset)}, {abs(pulse.offset / pulse.peak):.1%} of the peak, and "
+        f"drifts by {record.said(drift)} over the record; it is taken off"
+    )
+    severity = "suspect" if share > 0.5 else "good"
+    return [Finding("not-settled", words, pulse.offset, severity, ("spectrum",) if share > 0.5 else ())]
+
+
+def clipped(record: Examined) -> list[Finding]:
+    """Find where the record stops at one value again and again: the recorder's range ended there.
+
+    A plateau of a rounded top in a coarse recorder is no clipping: there the steps beside it are long too.
+    """
+    findings = []
+    for sign in (1.0, -1.0):
+        run = _plateau(sign * record.values)
+        if run is None:
+            continue
+        first, last, level = run
+        struck = [p for p in record.pulses if record.place(p.begin) <= last and first <= record.place(p.end)]
+        width = (last - first + 1) * record.step
+        where = "in a blow" if struck else "outside the blows"
+        words = f"clipped at {record.said(sign * level)} for {width * 1e6:.4g} us {where}: the true peak is larger"
+        severity, harms = ("bad", BLOW) if struck else ("suspect", ("ringing_frequency", "spectrum"))
+        findings.append(Finding("clipped", words, sign * level, severity, harms, record.time(first), record.time(last)))
+    return findings
+
+
+def saturated(record: Examined) -> list[Finding]:
+    """Find a top flatter than that of any smooth pulse: an amplifier at its limit, or a pulse meant to be flat."""
+    findings = []
+    for pulse in record.pulses:
+        if pulse.method != "record" or not pulse.width > 8.0 * record.step:
+            continue
+        inside = np.abs(record.values[record.place(pulse.begin) : record.place(pulse.end) + 1] - pulse.offset)
+        depth = min(0.02 + 4.0 * pulse.noise / abs(pulse.peak), 0.5)
+        flat = _longest(inside >= (1.0 - depth) * abs(pulse.peak)) * record.step / pulse.width
+        usual = (1.0 - 2.0 / math.pi * math.asin(1.0 - depth)) * 1.07
+        if flat > usual + 0.15:
+            words = (
+                f"the top is flat for {flat:.0%} of the width (a half-sine's for {usual:.0%}): the sensor or an "
+                "amplifier may have saturated, unless the pulse is meant to be flat"
+            )
+            findings.append(Finding("flat-top", words, flat, "suspect", ("peak",), pulse.begin, pulse.end))
+    return findings[:1]
+
+
+def zero_shift(record: Examined) -> list[Finding]:
+    """Find a zero after the blows that is not that before them."""
+    if not record.pulses:
+        return []
+    last = record.pulses[-1]
+    tail = record.values[max(record.place(last.end) + 1, record.values.size - record.values.size // 8) :]
+    if (
+        tail.size < 16
+        or not last.width > 0.0
+        or record.place(last.end) + 20 * last.width / record.step > record.values.size
+    ):
+        return []
+    line = robust_line(record.values)
+    before = record.pulses[0]
+    shift = float(np.median(tail)) - before.offset
+    drift = line.slope * (record.values.size - record.place(before.begin))
+    unsure = 1.25 * float(np.std(tail)) / math.sqrt(min(tail.size, 100)) + abs(drift)
+    share = abs(shift) / abs(before.peak)
+    if abs(shift) < 3.0 * unsure or share < 0.01:
+        return []
+    severity = "suspect" if share > 0.03 else "good"
+    words = f"after the blows the zero has shifted by {record.said(shift)}, {share:.1%} of the peak: velocities drift"
+    return [Finding("zero-shift", words, shift, severity, ("velocity_change", "spectrum"), last.end)]
+
+
+def velocity_drift(record: Examined) -> list[Finding]:
+    """Find an integrated velocity that wanders off after the last blow."""
+    if not record.pulses:
+        return []
+    pulse = record.pulses[-1]
+    after = record.values[record.place(pulse.end) :] - pulse.offset
+    total = abs(pulse.velocity_change)
+    if after.size < 16 or not total > 0.0:
+        return []
+    drift = float(np.sum(after)) * record.step
+    share = abs(drift) / total
+    if share < 0.5:
+        return []
+    words = (
+        f"after the last blow the integrated velocity drifts by {share:.0%} of the velocity change until the record "
+        "ends: spectra at low frequency and long integrals are not to be trusted"
+    )
+    return [Finding("velocity-drift", words, drift, "suspect" if share > 2.0 else "good", ("spectrum",), pulse.end)]
+
+
+def few_samples(record: Examined) -> list[Finding]:
+    """Find blows of few samples: the highest of n in a half-sine may miss its peak by 1 - cos(pi / (2 n))."""
+    widths = [p.width for p in record.pulses if p.width > 0.0]
+    if not widths:
+        return []
+    count = min(widths) / record.step
+    if count >= 20.0:
+        return []
+    loss = 1.0 - math.cos(math.pi / (2.0 * max(count, 1.0)))
+    severity = "bad" if count < 5.0 else "suspect" if count < 10.0 else "good"
+    words = f"a blow has {count:.1f} samples: its peak may be missed by {loss:.1%}; sample faster"
+    return [Finding("few-samples", words, count, severity, ("peak", "rise", "width") if count < 10.0 else ())]
+
+
+def aliased(record: Examined) -> list[Finding]:
+    """Find a spectrum that has not fallen off at half the sampling rate: what lies above is folded into it."""
+    pulse = record.largest
+    if pulse is None or not pulse.width > 0.0:
+        return []
+    reach = max(round(4.0 * pulse.width / record.step), 64)
+    centre = record.place(pulse.time)
+    part = record.values[max(centre - reach, 0) : centre + reach] - pulse.offset
+    spectrum = np.abs(np.fft.rfft(part * np.hanning(part.size)))
+    top = spectrum[int(0.85 * spectrum.size) :]
+    level = math.sqrt(float(np.mean(top**2))) / float(np.max(spectrum))
+    noise = pulse.noise * math.sqrt(0.375 * part.size) / float(np.max(spectrum))
+    if level < 0.02 or level < 4.0 * noise:
+        return []
+    words = (
+        f"at half the sampling rate the spectrum still has {level:.1%} of its largest value: what lies above was "
+        "folded into the record; sample faster or filter before"
+    )
+    return [Finding("alias", words, level, "suspect", ("peak", "rise", "spectrum"))]
+
+
+def polarity(record: Examined) -> list[Finding]:
+    """Find blows that are negative."""
+    if not record.pulses or record.pulses[0].peak > 0.0:
+        return []
+    words = "the blows are negative: is the sensor mounted the other way? --polarity -1 turns it"
+    return [Finding("polarity", words, -1.0, "suspect")]
+
+
+def cut(record: Examined) -> list[Finding]:
+    """Find a blow that runs into the begin or the end of the record."""
+    findings = []
+    for pulse in record.pulses:
+        at_end = record.place(pulse.end) >= record.values.size - 2
+        if at_end or math.isnan(pulse.width):
+            where = "end" if at_end else "begin"
+            words = f"the blow at {pulse.time:.6g} s is cut by the {where} of the record"
+            findings.append(Finding("cut", words, pulse.time, "suspect", BLOW, pulse.begin, pulse.end))
+    return findings
+
+
+def noisy(record: Examined) -> list[Finding]:
+    """Find noise that hides a tenth of the peak: the figures are then those of a fitted smooth pulse."""
+    fitted = [p for p in record.pulses if p.method == "fit"]
+    if not fitted:
+        return []
+    ratio = min(20.0 * math.log10(abs(p.peak) / p.noise) for p in fitted if p.noise > 0.0)
+    severity = "suspect" if ratio < 15.0 else "good"
+    words = f"the noise is only {ratio:.0f} dB below the peak: figures are those of a fitted smooth pulse"
+    return [Finding("noisy", words, ratio, severity, ("rise",))]
+
+
+def larger_elsewhere(record: Examined) -> list[Finding]:
+    """Find a record that goes higher outside the blows than in them: it swings rather than being struck."""
+    pulse = record.largest
+    if pulse is None:
+        return []
+    away = np.ones(record.values.size, dtype=bool)
+    for one in record.pulses:
+        away[record.place(one.begin) : record.place(one.end) + 1] = False
+    if not away.any():
+        return []
+    highest = float(np.max(np.abs(record.values[away] - pulse.offset)))
+    if highest <= abs(pulse.peak) + 5.0 * pulse.noise:
+        return []
+    words = (
+        f"outside the blows the record reaches {record.said(highest)}, more than their peak "
+        f"{record.said(abs(pulse.peak))}: it swings; take the shock response spectrum rather than the pulse"
+    )
+    return [Finding("swings", words, highest, "suspect", BLOW)]
+
+
+def beyond_drop_height(record: Examined) -> list[Finding]:
+    """Find a velocity change that a fall from the stated height cannot give: sqrt(2 g h) to twice that."""
+    if not (record.drop_height > 0.0 and record.unit == "m/s^2" and record.pulses):
+        return []
+    speed = math.sqrt(2.0 * STANDARD_GRAVITY * record.drop_height)
+    change = max(abs(p.velocity_change) for p in record.pulses)
+    if change > 2.0 * speed:
+        words = f"the velocity change, {change:.3g} m/s, is above twice the speed of the fall, {2.0 * speed:.3g} m/s"
+        return [Finding("drop-height", words, change, "bad", ("peak", "velocity_change", "spectrum"))]
+    if change < 0.9 * speed:
+        words = f"the velocity change, {change:.3g} m/s, is below the speed of the fall, {speed:.3g} m/s"
+        return [Finding("drop-height", words, change, "suspect", ("peak", "velocity_change", "spectrum"))]
+    return []
+
+
+CHECKS = (
+    no_pulse,
+    not_settled,
+    clipped,
+    saturated,
+    zero_shift,
+    velocity_drift,
+    few_samples,
+    aliased,
+    polarity,
+    cut,
+    noisy,
+    larger_elsewhere,
+    beyond_drop_height,
+)
+"""Every check, in the order of their findings."""
+
+
+def _plateau(values: Array) -> tuple[int, int, float] | None:
+    """Return first and last sample and height of the longest run at the largest value, where that is a clipped one."""
+    level = float(np.max(values))
+    at = np.flatnonzero(values == level)
+    runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
+    run = max(runs, key=len)
+    first, last = int(run[0]), int(run[-1])
+    if run.size < 3:
+        return None
+    near = values[max(first - 10 * run.size, 0) : last + 10 * run.size + 1]
+    levels = np.unique(near)
+    if levels.size < 3:
+        return None
+    resolution = float(np.min(np.diff(levels)))
+    beside = 0
+    for direction in (-1, 1):
+        k = first - 1 if direction < 0 else last + 1
+        while 0 <= k < values.size and values[k] >= level - 2.0 * resolution:
+            beside, k = beside + 1, k + direction
+    return (first, last, level) if run.size >= 3 * max(beside, 1) else None
+
+
+def _longest(flags: NDArray[np.bool_]) -> int:
+    """Return the length of the longest run of true."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return int(np.max(edges[1::2] - edges[::2])) if edges.size else 0

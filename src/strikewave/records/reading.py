@@ -1,0 +1,192 @@
+"""What a record says: calibrated, examined, its blows measured."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+from strikewave.records.calibration import Calibration, calibrated, calibration_of
+from strikewave.records.clock import even
+from strikewave.records.finding import FIGURES, Finding, worst
+from strikewave.records.health import Examined, examine
+from strikewave.records.measuring import RecordedPulse, find_pulses
+from strikewave.records.record import Channel, Record
+from strikewave.signal.filters import Filter
+
+FEWEST = 16
+"""Samples that a record needs."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is wanted of records.
+
+    Attributes
+    ----------
+    channels : tuple of str
+        Names, or numbers from 1; empty for all.
+    calibrations : mapping
+        What is stated of the channels, over what the files beside the data say: a table a channel, or ``all``.
+    drop_height : float
+        Fall before the blow, m; NaN where none is stated.
+    filter : Filter or None
+        Low-pass taken before the blows are measured.
+    """
+
+    channels: tuple[str, ...] = ()
+    calibrations: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    drop_height: float = math.nan
+    filter: Filter | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class ChannelReading:
+    """One channel of a file, and what it says.
+
+    Attributes
+    ----------
+    channel : Channel
+        In SI, on an even clock, without gaps; filtered where that was asked for.
+    number : int
+        Place in the file, from 1.
+    pulses : tuple of RecordedPulse
+        Its blows.
+    findings : tuple of Finding
+        Its health.
+    calibration : Calibration
+        What made SI of the file's numbers.
+    unfiltered : tuple of RecordedPulse
+        The blows before the filter; empty where there is none.
+    """
+
+    channel: Channel
+    number: int
+    pulses: tuple[RecordedPulse, ...]
+    findings: tuple[Finding, ...]
+    calibration: Calibration
+    unfiltered: tuple[RecordedPulse, ...] = ()
+
+    @property
+    def status(self) -> str:
+        """``good``, ``suspect`` or ``bad``."""
+        return worst(self.findings)
+
+    @property
+    def intervals(self) -> list[float]:
+        """Times from each peak to the next, s."""
+        times = [pulse.time for pulse in self.pulses]
+        return [later - earlier for earlier, later in pairwise(times)]
+
+    def figures(self, name: str) -> list[float]:
+        """Return a figure of all blows, those that a finding harms left out."""
+        if any(name in finding.harms or finding.severity == "bad" for finding in self.findings):
+            return []
+        values = self.intervals if name == "interval" else [float(getattr(pulse, name)) for pulse in self.pulses]
+        return [value for value in values if math.isfinite(value)]
+
+    def with_finding(self, finding: Finding) -> ChannelReading:
+        """Return the reading with one finding more."""
+        return dataclasses.replace(self, findings=(*self.findings, finding))
+
+
+@dataclass(frozen=True, eq=False)
+class FileReading:
+    """A file, and what it says."""
+
+    path: str
+    format: str
+    channels: tuple[ChannelReading, ...]
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def all_findings(self) -> list[Finding]:
+        """Those of the file and of its channels, the worst first."""
+        together = [*self.findings, *(f for channel in self.channels for f in channel.findings)]
+        return sorted(together, key=lambda f: ("bad", "suspect", "good").index(f.severity))
+
+    @property
+    def status(self) -> str:
+        """``good``, ``suspect`` or ``bad``."""
+        return worst(self.all_findings)
+
+    @property
+    def reasons(self) -> list[str]:
+        """Why the file is not good, in words, each once."""
+        return list(dict.fromkeys(f.message for f in self.all_findings if f.severity != "good"))
+
+
+def read_channel(channel: Channel, number: int, calibration: Calibration, request: Request) -> ChannelReading:
+    """Calibrate a channel, put it on an even clock, find and measure its blows, and examine it.
+
+    Raises
+    ------
+    InputError
+        If the calibration does not fit, or nobody gave a time or rate.
+    """
+    channel, said = calibrated(channel, calibration, f"calibration of {channel.name}")
+    channel, mended = even(channel)
+    findings = [*said, *mended]
+    if channel.values.size < FEWEST or any(f.severity == "bad" and f.code == "not-a-number" for f in mended):
+        if channel.values.size < FEWEST:
+            words = f"{channel.values.size} samples; a record needs at least {FEWEST}"
+            findings.append(Finding("too-short", words, channel.values.size, "bad", FIGURES))
+        return ChannelReading(channel, number, (), tuple(findings), calibration)
+    pulses = tuple(find_pulses(channel.values, channel.step, channel.start))
+    examined = Examined(channel.values, channel.step, channel.start, channel.unit, pulses, request.drop_height)
+    findings += examine(examined)
+    unfiltered: tuple[RecordedPulse, ...] = ()
+    if request.filter is not None:
+        unfiltered = pulses
+        channel = dataclasses.replace(channel, values=request.filter.apply(channel.values, channel.step))
+        pulses = tuple(find_pulses(channel.values, channel.step, channel.start))
+    return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
+
+
+def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: Request) -> FileReading:
+    """Return what the wanted channels of a record say.
+
+    Parameters
+    ----------
+    record : Record
+        As `read_record` gives it.
+    stated : mapping
+        Calibrations found beside the file; those of the request go first.
+    request : Request
+        What is wanted.
+
+    Raises
+    ------
+    InputError
+        As `read_channel` and `Record.channel` do.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.arange(4000) * 1e-5
+    >>> values = 100.0 * np.exp(-(((t - 0.02) / 1e-4) ** 2)) + 1e-3 * np.sin(1e9 * t)
+    >>> file = read_file(Record("a.csv", "text", (Channel("board", values, 1e-5, unit="g"),)), {}, Request())
+    >>> file.status, round(file.channels[0].pulses[0].peak)
+    ('good', 981)
+    """
+    wanted = record.only(request.channels).channels
+    numbers = [1 + next(k for k, one in enumerate(record.channels) if one is channel) for channel in wanted]
+    readings = []
+    for channel, number in zip(wanted, numbers, strict=True):
+        merged = _merged(stated, request.calibrations)
+        readings.append(read_channel(channel, number, calibration_of(merged, channel.name, number), request))
+    return FileReading(record.path, record.format, tuple(readings), record.findings)
+
+
+def _merged(*layers: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Lay tables over each other, channel by channel; a later ``all`` goes over an earlier channel."""
+    merged: dict[str, dict[str, Any]] = {}
+    for layer in layers:
+        for key in merged:
+            merged[key] |= layer.get("all", {})
+        for key, table in layer.items():
+            merged[key] = {**merged.get(key, {}), **table}
+    return merged
