@@ -11,16 +11,27 @@ from pathlib import Path
 
 from strikewave.errors import InputError, show
 
-MARK = "case.toml"
-"""The file that marks a folder as a result."""
-RESULT_FILES = (MARK, "waves.nc", "taps.csv", "solution.nc", "blows.csv", "summary.svg", "report.html")
+MARKS = ("case.toml", "record.toml")
+"""One of these files marks a folder as a result, and tells it from others."""
+RESULT_FILES = (
+    *MARKS,
+    "waves.nc",
+    "taps.csv",
+    "solution.nc",
+    "blows.csv",
+    "pulses.csv",
+    "spectrum.csv",
+    "summary.svg",
+    "tripartite.svg",
+    "report.html",
+)
 """What a result consists of; a folder that holds anything else is never replaced."""
 
 
 def check_place(folder: Path, identity: str, force: bool = False) -> None:
     """Refuse a result folder that holds something else.
 
-    A folder that is absent, empty, or holds a result of the very same case (its ``case.toml`` equals
+    A folder that is absent, empty, or holds the very same result (its ``case.toml`` or ``record.toml`` equals
     ``identity``) may be written; any other result only by ``force``; one that holds other files never.
 
     Raises
@@ -44,9 +55,9 @@ def _check(folder: Path, identity: str, force: bool) -> None:
         raise InputError("--out", str(folder), "a place that can be written", f"{parent} cannot")
     if not folder.exists() or not any(folder.iterdir()):
         return
-    mark = folder / MARK
+    mark = next((folder / name for name in MARKS if (folder / name).is_file()), None)
     foreign = sorted(entry.name for entry in folder.iterdir() if entry.name not in RESULT_FILES)
-    if foreign or not mark.is_file():
+    if foreign or mark is None:
         hint = (
             f"it holds files that are not of a result ({show(', '.join(foreign))}); move them, or choose another folder"
         )

@@ -218,6 +218,7 @@ def summed(files: Sequence[FileReading], number: int | None = None) -> Campaign 
         name: trend(*zip(*pairs, strict=True)) for name, pairs in points.items() if len({k for k, _ in pairs}) > 2
     }
     left_out = [entry for _, file, reading in have for entry in _left_out(file, reading)]
+    left_out += [(file.path, SUMMED, reason) for file in files if not file.channels for reason in file.reasons]
     return Campaign(have[0][2].channel.name, statistics, trends, tuple(left_out), points)
 
 
@@ -226,9 +227,8 @@ def _file_bad(file: FileReading) -> bool:
 
 
 def _left_out(file: FileReading, reading: ChannelReading) -> list[tuple[str, tuple[str, ...], str]]:
-    entries = []
-    for finding in (*file.findings, *reading.findings):
-        harmed = tuple(name for name in SUMMED if name in finding.harms or finding.severity == "bad")
-        if harmed:
-            entries.append((file.path, harmed, finding.message))
-    return entries
+    """Return the figures of a file that are left out, with all reasons; nothing where none is."""
+    found = [f for f in (*file.findings, *reading.findings) if f.severity == "bad" or set(f.harms) & set(SUMMED)]
+    harmed = {name for f in found for name in (SUMMED if f.severity == "bad" else f.harms)}
+    figures = tuple(name for name in SUMMED if name in harmed)
+    return [(file.path, figures, "; ".join(f.message for f in found))] if figures else []

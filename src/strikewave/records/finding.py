@@ -48,3 +48,8 @@ def worst(findings: Iterable[Finding]) -> str:
     'bad'
     """
     return max((finding.severity for finding in findings), key=STATUSES.index, default="good")
+
+
+def unreadable(why: str) -> Finding:
+    """Return the finding of a file that could not be read."""
+    return Finding("unreadable", why, severity="bad", harms=FIGURES)

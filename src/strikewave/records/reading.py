@@ -173,9 +173,10 @@ def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: 
     ('good', 981)
     """
     wanted = record.only(request.channels).channels
-    numbers = [1 + next(k for k, one in enumerate(record.channels) if one is channel) for channel in wanted]
+    places = {id(channel): number for channel, number in zip(record.channels, record.numbers, strict=True)}
     readings = []
-    for channel, number in zip(wanted, numbers, strict=True):
+    for channel in wanted:
+        number = places[id(channel)]
         merged = _merged(stated, request.calibrations)
         readings.append(read_channel(channel, number, calibration_of(merged, channel.name, number), request))
     return FileReading(record.path, record.format, tuple(readings), record.findings)

@@ -1,0 +1,269 @@
+"""``strikewave record``: what measured records say, file by file and together."""
+
+from __future__ import annotations
+
+import math
+import shlex
+import sys
+import time as clock
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from strikewave.cli import measured
+from strikewave.cli.common import Force, Json, Out, number, print_json, say, significant, table
+
+if TYPE_CHECKING:
+    from strikewave.records import Campaign, ChannelReading, FileReading, Record, Request
+    from strikewave.signal.filters import Filter
+
+UNREADABLE = 3
+"""Exit code where some files could not be read."""
+MOST_ROWS = 60
+"""Files shown in the table on the screen."""
+
+
+def command(
+    files: Annotated[
+        list[str], typer.Argument(metavar="FILE...", help="Measured files of any known format.", show_default=False)
+    ],
+    channel: measured.Channels = None,
+    unit: measured.Unit = None,
+    sensitivity: measured.Sensitivity = None,
+    gain: measured.Gain = None,
+    excitation: measured.Excitation = None,
+    rated_excitation: measured.RatedExcitation = None,
+    count: measured.Count = None,
+    polarity: measured.Polarity = None,
+    rate: measured.Rate = None,
+    time: measured.Time = None,
+    drop_height: Annotated[
+        str | None, typer.Option("--drop-height", help='Fall before the blow, such as "1.2 m".', show_default=False)
+    ] = None,
+    cutoff: Annotated[
+        str | None,
+        typer.Option("--filter", help="Zero-phase low-pass: -3 dB there for both passes.", show_default=False),
+    ] = None,
+    cfc: Annotated[
+        str | None,
+        typer.Option("--cfc", help="SAE J211 filter of this channel class, such as 1000.", show_default=False),
+    ] = None,
+    out: Out = None,
+    force: Force = False,
+    json: Json = False,
+) -> int:
+    """Examine records: status, health, pulses, campaign.
+
+    With --json, files are written only where --out says.
+    """
+    from strikewave.records import Request, compare, record_document, summed
+
+    begun = clock.perf_counter()
+    stated = measured.stated_of(
+        unit=unit, sensitivity=sensitivity, gain=gain, excitation=excitation,
+        rated_excitation=rated_excitation, count=count, polarity=polarity,
+    )  # fmt: skip
+    height = math.nan if drop_height is None else measured.positive(drop_height, "m", "--drop-height")
+    wanted = Request(tuple(channel or ()), stated, height, _filter(cutoff, cfc))
+    records = measured.read_all(files, measured.options_of(rate, time, channel))
+    readings = compare([_reading(file, record, wanted) for file, record in zip(files, records, strict=True)])
+    numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
+    campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
+    if out is not None or not json:
+        _write(readings, campaigns, wanted, out, force)
+    if json:
+        print_json(record_document(readings, campaigns, wanted.filter), indent=None)
+    else:
+        _print(readings, campaigns, wanted.filter)
+    say(f"done in {clock.perf_counter() - begun:.2f} s")
+    return UNREADABLE if any(isinstance(record, Exception) for record in records) else 0
+
+
+def _filter(cutoff: str | None, cfc: str | None) -> Filter | None:
+    from strikewave.errors import InputError
+    from strikewave.signal.filters import Filter
+
+    if cutoff is not None and cfc is not None:
+        raise InputError("--cfc", cfc, "either --filter or --cfc", "leave one out")
+    if cutoff is not None:
+        return Filter(measured.positive(cutoff, "Hz", "--filter"))
+    if cfc is None:
+        return None
+    try:
+        channel_class = float(cfc)
+    except ValueError:
+        channel_class = math.nan
+    if not 0.0 < channel_class < 1e6:
+        raise InputError("--cfc", cfc, "a channel frequency class, such as 60, 180, 600 or 1000")
+    return Filter.sae_j211(channel_class)
+
+
+def _reading(file: str, record: Record | Exception, wanted: Request) -> FileReading:
+    from strikewave.records import FileReading, calibrations_beside, read_file, unreadable
+
+    if isinstance(record, Exception):
+        return FileReading(file, "", (), (unreadable(str(record)),))
+    return read_file(record, calibrations_beside(Path(file)), wanted)
+
+
+def _write(
+    readings: Sequence[FileReading], campaigns: Sequence[Campaign], wanted: Request, out: Path | None, force: bool
+) -> None:
+    from strikewave.figures import save
+    from strikewave.figures.records import record_summary
+    from strikewave.files import whole_folder
+    from strikewave.records import pulse_table
+    from strikewave.report.record_page import RecordFacts, record_report
+
+    paths = [Path(reading.path) for reading in readings]
+    name = paths[0].stem if len(paths) == 1 else f"{paths[0].absolute().parent.name or 'records'}-{len(paths)}-records"
+    folder, replace = (Path("out") / name, True) if out is None else (out, force)
+    asked = shlex.join(["strikewave", *sys.argv[1:]])
+    with whole_folder(folder, text := _identity(asked, paths), replace) as place:
+        facts = RecordFacts(title=name, command=asked, filter=wanted.filter)
+        (place / "record.toml").write_text(text, "utf-8")
+        (place / "pulses.csv").write_text(pulse_table(readings), "utf-8")
+        save(record_summary(readings, campaigns[0] if campaigns else None), place / "summary.svg")
+        (place / "report.html").write_text(record_report(readings, campaigns, facts), "utf-8", newline="\n")
+    say(f"written: {folder}/ (report.html, summary.svg, pulses.csv, record.toml)")
+
+
+def _identity(asked: str, paths: Sequence[Path]) -> str:
+    """Return what was asked of which files, by their SHA-256."""
+    import tomlkit
+
+    document = tomlkit.document()
+    document.add("schema", tomlkit.item(1))
+    document.add("command", tomlkit.item(asked))
+    held = tomlkit.aot()
+    for path in paths:
+        if path.is_file():
+            held.append(tomlkit.item({"path": str(path), "sha256": measured.digest_of(path)}))
+    document.add("file", held)
+    return tomlkit.dumps(document)
+
+
+def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> None:
+    rows = [row for file in readings for row in _rows(file)]
+    columns = ["file", "channel", "status", "blows", "peak", "rise (us)", "width (us)", "velocity change", "why"]
+    shown = rows[:MOST_ROWS]
+    title = f"{len(readings)} records" if len(readings) > 1 else readings[0].path
+    table(
+        title if len(rows) == len(shown) else f"{title}, the first {MOST_ROWS} of {len(rows)} rows",
+        columns,
+        shown,
+        left=3,
+    )
+    for campaign in campaigns:
+        _print_campaign(campaign, readings)
+    _print_filter([reading for file in readings for reading in file.channels], filter_)
+    for warning in _warnings(readings):
+        say(warning)
+
+
+def _rows(file: FileReading) -> list[list[str]]:
+
+    if not file.channels:
+        return [[_short(file.path), "-", file.status, "-", "-", "-", "-", "-", "; ".join(file.reasons)]]
+    rows = []
+    for reading in file.channels:
+        why = [f.message for f in (*file.findings, *reading.findings) if f.severity != "good"]
+        unit = reading.channel.unit
+        means = {
+            name: _mean([getattr(pulse, name) for pulse in reading.pulses])
+            for name in ("peak", "rise", "width", "velocity_change")
+        }
+        rows.append(
+            [
+                _short(file.path),
+                reading.channel.name,
+                max(file.status, reading.status, key=("good", "suspect", "bad").index)
+                if file.findings
+                else reading.status,
+                str(len(reading.pulses)),
+                _value(means["peak"], unit),
+                number(means["rise"], "s", "us"),
+                number(means["width"], "s", "us"),
+                _integral(means["velocity_change"], unit),
+                "; ".join(why),
+            ]
+        )
+    return rows
+
+
+def _mean(values: Sequence[float]) -> float:
+    finite = [value for value in values if math.isfinite(value)]
+    return sum(finite) / len(finite) if finite else math.nan
+
+
+def _value(value: float, unit: str) -> str:
+    if value != value:
+        return "-"
+    return f"{number(value, 'm/s^2', 'g', 5)} g" if unit == "m/s^2" else f"{significant(value, 5)} {unit}".strip()
+
+
+def _integral(value: float, unit: str) -> str:
+    from strikewave.records.documents import INTEGRALS
+
+    return "-" if value != value else f"{significant(value, 4)} {INTEGRALS.get(unit, '')}".strip()
+
+
+def _print_campaign(campaign: Campaign, readings: Sequence[FileReading]) -> None:
+    unit = next(r.channel.unit for file in readings for r in file.channels if r.channel.name == campaign.channel)
+    writers: dict[str, Any] = {
+        "peak": lambda v: _value(v, unit),
+        "velocity_change": lambda v: _integral(v, unit),
+        "interval": lambda v: number(v, "s", "ms") + " ms",
+        "ringing_frequency": lambda v: number(v, "Hz", "Hz") + " Hz",
+    }
+    rows = []
+    for name, found in campaign.statistics.items():
+        write = writers.get(name, lambda v: number(v, "s", "us") + " us")
+        line = campaign.trends.get(name)
+        trend = "-" if line is None else f"{line.change:+.1%}" + ("" if line.low <= 0.0 <= line.high else " *")
+        bounds = "-" if found.n < 2 else f"{write(found.low)} to {write(found.high)}"
+        cv = "-" if found.n < 2 else f"{found.cv:.2%}"
+        rows.append([name.replace("_", " "), write(found.mean), cv, bounds, str(found.n), trend])
+    if not rows:
+        say(f"{campaign.channel}: nothing is left to sum up")
+        return
+    columns = ["figure", "mean", "scatter (CV)", "mean, 95 % bounds", "blows", "trend over the files"]
+    table(f"All files, channel {campaign.channel}", columns, rows)
+    if any(" *" in row[-1] for row in rows):
+        say("* a trend that scatter alone gives in less than 5 % of campaigns")
+    left = {path for path, _, _ in campaign.left_out}
+    if left:
+        say(f"left out, in part or whole: {', '.join(_short(path) for path in sorted(left))}")
+
+
+def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) -> None:
+    """Say what the filter did to each channel, or which cutoff would leave the steepest blow of all as it is."""
+    from strikewave.records.documents import cutoff_for, filter_effect
+
+    if filter_ is None:
+        cutoffs = [cutoff for cutoff in map(cutoff_for, readings) if cutoff is not None]
+        if cutoffs:
+            kilohertz = significant(max(cutoffs) / 1e3, 3)
+            say(f"a low-pass of {kilohertz} kHz or more keeps 98 % of the peak of every blow (--filter)")
+        return
+    for reading in readings:
+        effect = filter_effect(reading, filter_)
+        said = f"{reading.channel.name}: {effect['name']}"
+        if effect["peak_left"]:
+            peak, width = _mean(effect["peak_left"]), _mean(effect["width_left"])
+            said += f" leaves {peak:.1%} of the peak, {width:.1%} of the width"
+        if effect["half_sine_peak_left"] is not None:
+            said += f" (of a half-sine as wide {effect['half_sine_peak_left']:.1%})"
+        say(said)
+
+
+def _warnings(readings: Sequence[FileReading]) -> list[str]:
+    from strikewave.records.documents import warnings_of
+
+    return [f"warning [{w['code']}]: {w['message']}" for w in warnings_of(readings)]
+
+
+def _short(path: str) -> str:
+    return Path(path).name
