@@ -13,7 +13,7 @@ from typing import Any
 import typer
 
 from strikewave._version import __version__
-from strikewave.cli import cases, diff, impact, materials, new, record, run, validate, wave
+from strikewave.cli import cases, diff, impact, materials, new, record, run, srs, validate, wave
 from strikewave.cli.common import say
 from strikewave.errors import StrikewaveError, StrikewaveWarning
 
@@ -30,6 +30,7 @@ for name, command in (
     ("wave", wave.command),
     ("impact", impact.command),
     ("record", record.command),
+    ("srs", srs.command),
     ("new", new.command),
     ("validate", validate.command),
     ("diff", diff.command),

@@ -152,3 +152,18 @@ def digest_of(path: Path) -> str:
 
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def identity(asked: str, paths: Sequence[Path]) -> str:
+    """Return what was asked of which files, by their SHA-256."""
+    import tomlkit
+
+    document = tomlkit.document()
+    document.add("schema", tomlkit.item(1))
+    document.add("command", tomlkit.item(asked))
+    held = tomlkit.aot()
+    for path in paths:
+        if path.is_file():
+            held.append(tomlkit.item({"path": str(path), "sha256": digest_of(path)}))
+    document.add("file", held)
+    return tomlkit.dumps(document)

@@ -121,28 +121,13 @@ def _write(
     name = paths[0].stem if len(paths) == 1 else f"{paths[0].absolute().parent.name or 'records'}-{len(paths)}-records"
     folder, replace = (Path("out") / name, True) if out is None else (out, force)
     asked = shlex.join(["strikewave", *sys.argv[1:]])
-    with whole_folder(folder, text := _identity(asked, paths), replace) as place:
+    with whole_folder(folder, text := measured.identity(asked, paths), replace) as place:
         facts = RecordFacts(title=name, command=asked, filter=wanted.filter)
         (place / "record.toml").write_text(text, "utf-8")
         (place / "pulses.csv").write_text(pulse_table(readings), "utf-8")
         save(record_summary(readings, campaigns[0] if campaigns else None), place / "summary.svg")
         (place / "report.html").write_text(record_report(readings, campaigns, facts), "utf-8", newline="\n")
     say(f"written: {folder}/ (report.html, summary.svg, pulses.csv, record.toml)")
-
-
-def _identity(asked: str, paths: Sequence[Path]) -> str:
-    """Return what was asked of which files, by their SHA-256."""
-    import tomlkit
-
-    document = tomlkit.document()
-    document.add("schema", tomlkit.item(1))
-    document.add("command", tomlkit.item(asked))
-    held = tomlkit.aot()
-    for path in paths:
-        if path.is_file():
-            held.append(tomlkit.item({"path": str(path), "sha256": measured.digest_of(path)}))
-    document.add("file", held)
-    return tomlkit.dumps(document)
 
 
 def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> None:
