@@ -173,7 +173,7 @@ def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: 
     ('good', 981)
     """
     wanted = record.only(request.channels).channels
-    places = {id(channel): number for channel, number in zip(record.channels, record.numbers, strict=True)}
+    places = {id(channel): number for number, channel in enumerate(record.channels, start=1)}
     readings = []
     for channel in wanted:
         number = places[id(channel)]

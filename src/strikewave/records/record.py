@@ -32,8 +32,6 @@ class Channel:
         Of the values, as the file writes it; empty where it does not say.
     stamps : ndarray or None
         The file's own time stamps, s, one a sample; None where it has a rate instead.
-    number : int
-        Place in the file, from 1; 0 where that is its place in the record.
     """
 
     name: str
@@ -42,7 +40,6 @@ class Channel:
     start: float = 0.0
     unit: str = ""
     stamps: Array | None = None
-    number: int = 0
 
     @property
     def sampling_rate(self) -> float:
@@ -99,16 +96,11 @@ class Record:
         if str(wanted) in names:
             return self.channels[names.index(str(wanted))]
         text = str(wanted).strip()
-        if text.isdecimal() and int(text) in self.numbers:
-            return self.channels[self.numbers.index(int(text))]
-        listed = ", ".join(f"{k} {name}" for k, name in list(zip(self.numbers, names, strict=True))[:40])
+        if text.isdecimal() and 1 <= int(text) <= len(names):
+            return self.channels[int(text) - 1]
+        listed = ", ".join(f"{k} {name}" for k, name in enumerate(names[:40], start=1))
         hint = f"{self.path} has: {listed}" if text.isdecimal() else nearest(text, names)
-        raise InputError("--channel", wanted, f"a name, or a number from 1 to {max(self.numbers, default=0)}", hint)
-
-    @property
-    def numbers(self) -> list[int]:
-        """Places of the channels in the file, from 1."""
-        return [channel.number or place for place, channel in enumerate(self.channels, start=1)]
+        raise InputError("--channel", wanted, f"a name, or a number from 1 to {len(names)}", hint)
 
     def only(self, wanted: Sequence[str | int]) -> Record:
         """Return the record with some of its channels, in the order asked for; all of them for none asked."""

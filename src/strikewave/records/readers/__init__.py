@@ -43,7 +43,7 @@ class Options(NamedTuple):
 
 
 def read_record(path: str | Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
-    """Read a file of any known format.
+    r"""Read a file of any known format.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "blow.txt"
-    ...     _ = file.write_text("time [ms], board [g]\\n0.00, 1\\n0.01, 5\\n0.02, 2\\n0.03, 1\\n")
+    ...     _ = file.write_text("time [ms], board [g]\n0.00, 1\n0.01, 5\n0.02, 2\n0.03, 1\n")
     ...     record = read_record(file)
     >>> [(c.name, c.unit, c.values.tolist(), round(c.step, 9)) for c in record.channels]
     [('board', 'g', [1.0, 5.0, 2.0, 1.0], 1e-05)]

@@ -1,0 +1,379 @@
+"""Columns of numbers in text: encodings, the marks between cells, and a parser that takes any size in blocks."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from strikewave.errors import InputError
+from strikewave.records.readers import LARGEST_ARRAY
+from strikewave.records.record import Array
+
+BLOCK = 8 * 2**20
+"""Bytes read at a time."""
+LONGEST_LINE = 2**20
+"""A longer line, in bytes, is refused."""
+MOST_COLUMNS = 10_000
+"""A line with more cells is refused."""
+COMMENTS = ("#", "%", "//")
+"""A line that begins so is a comment."""
+_MISSING = frozenset({"nan", "+nan", "-nan", "na", "n/a", "null"})
+_NULLS = ["", " ", "nan", "NaN", "NAN", "+nan", "-nan", "-NaN", "NA", "N/A", "n/a", "null", "NULL"]
+_SMALL = 16 * 2**10
+_CONTROL = bytes(set(range(32)) - {9, 10, 12, 13, 26}) + b"\x7f"
+_ENDS = " \t\r\n\x1a\ufeff"
+
+
+class Marks(NamedTuple):
+    """What stands between cells, empty for blanks, and what stands before decimals."""
+
+    delimiter: str
+    decimal: str = "."
+
+
+class Region(NamedTuple):
+    """Lines of a file: from a byte on, or some lines after it, to an end; `cut` leaves out the last one."""
+
+    path: Path
+    encoding: str
+    start: int = 0
+    end: int | None = None
+    skip: int = 0
+    cut: bool = False
+    lone_returns: bool = False
+    line: int = 1
+
+
+class Grid(NamedTuple):
+    """How a line is cut into cells, how many it has, which are wanted, and the header that must not come again."""
+
+    marks: Marks
+    width: int
+    wanted: tuple[int, ...]
+    header: tuple[str, ...] = ()
+
+
+class Table(NamedTuple):
+    """Columns wanted, how many of their cells are no numbers, and the line of the first of these."""
+
+    columns: list[Array]
+    words: int
+    first_word: int
+
+
+def refuse(path: Path, allowed: str, hint: str = "") -> InputError:
+    """Return the error for a file that cannot be used."""
+    return InputError("FILE", str(path), allowed, hint)
+
+
+def encoding_of(head: bytes) -> str | None:
+    r"""Return the encoding of text by its first bytes, or None where they are no text.
+
+    Examples
+    --------
+    >>> encoding_of(b"t;a [\xb5V]"), encoding_of("t;a [µV]".encode()), encoding_of(b"\0\1\2")
+    ('cp1252', 'utf-8', None)
+    """
+    for bom, name in ((codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be")):
+        if head.startswith(bom):
+            text = codecs.getincrementaldecoder(name)("replace").decode(head)
+            return (
+                None
+                if text.encode("utf-8", "replace").translate(None, _CONTROL) != text.encode("utf-8", "replace")
+                else name
+            )
+    if head.translate(None, _CONTROL) != head:
+        return None
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(head)
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8"
+
+
+def decode(raw: bytes, encoding: str) -> str:
+    """Decode part of a file; what cannot be decoded becomes a replacement character."""
+    return codecs.getincrementaldecoder(encoding)("replace").decode(raw)
+
+
+def lines_of(text: str) -> list[str]:
+    """Split text at its line ends, of any system."""
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def cells_of(line: str, marks: Marks) -> list[str]:
+    """Cut a line into cells.
+
+    Examples
+    --------
+    >>> cells_of('"a, b", 1.5,', Marks(","))
+    ['a, b', '1.5', '']
+    """
+    line = line.strip("\x1a\ufeff\r\n")
+    if not marks.delimiter:
+        return line.replace('"', " ").split() or [""]
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(marks.delimiter)]
+    try:
+        row = next(csv.reader([line], delimiter=marks.delimiter, skipinitialspace=True))
+    except csv.Error:
+        return [line]
+    return [cell.strip() for cell in row]
+
+
+def number(cell: str, decimal: str = ".") -> float | None:
+    """Return what a cell says: NaN where it is empty or says so, None where it is no finite number.
+
+    Examples
+    --------
+    >>> number("1,5", ","), number(""), number("1e999"), number("over")
+    (1.5, nan, None, None)
+    """
+    if not cell or cell.lower() in _MISSING:
+        return math.nan
+    if decimal == ",":
+        if "." in cell or cell[-1] == ",":
+            return None
+        cell = cell.replace(",", ".", 1)
+    if "_" in cell or not cell.isascii():
+        return None
+    try:
+        value = float(cell)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def is_comment(line: str) -> bool:
+    """Tell whether a line is a comment."""
+    return line.lstrip(_ENDS).startswith(COMMENTS)
+
+
+def find_marks(lines: Sequence[str], path: Path) -> Marks:
+    """Find what stands between cells and before decimals: the marks under which most lines are numbers only.
+
+    Raises
+    ------
+    InputError
+        If commas stand both between numbers and within them.
+
+    Examples
+    --------
+    >>> find_marks(["1,5;2,3", "1,6;2,4"], Path("a.csv"))
+    Marks(delimiter=';', decimal=',')
+    """
+    orders = [Marks("\t"), Marks(";"), Marks(","), Marks(""), Marks("\t", ","), Marks(";", ","), Marks("", ",")]
+    if any('"' in line for line in lines):
+        orders.append(Marks(",", ","))
+    best = max(orders, key=lambda marks: _fit(lines, marks))
+    if best == Marks(","):
+        rows = [cells_of(line, best) for line in lines]
+        if _decimals_behind_commas(rows, 2):
+            return Marks("\t", ",")
+        if _decimals_behind_commas(rows, 0):
+            hint = "commas stand both between the numbers and within them: export it with semicolons or points"
+            raise refuse(path, "a file whose numbers can be told apart", hint)
+    return best
+
+
+def _fit(lines: Iterable[str], marks: Marks) -> tuple[int, int, int]:
+    """Count the lines that are numbers only and their numbers; the numbers on all lines where there are none."""
+    whole = inside = numbers = 0
+    for line in lines:
+        values = [number(cell, marks.decimal) for cell in cells_of(line, marks)[:MOST_COLUMNS]]
+        found = sum(value is not None and value == value for value in values)
+        clean = found > 0 and None not in values
+        whole, inside, numbers = whole + clean, inside + clean * found, numbers + found
+    return whole, inside, 0 if whole else numbers
+
+
+def _decimals_behind_commas(rows: list[list[str]], width: int) -> bool:
+    """Tell whether every second cell of whole numbers reads like decimals: 0,05 and -0,5 but not 01,05."""
+    rows = [row for row in rows if row and number(row[0]) is not None]
+    if not rows or any(len(row) % 2 or (len(row) != width if width else len(row) < 4) for row in rows):
+        return False
+    ahead = [cell.lstrip("+-") for row in rows for cell in row[::2]]
+    behind = [cell for row in rows for cell in row[1::2]]
+    if not all(cell.isdecimal() for cell in ahead + behind) or any(len(c) > 1 and c[0] == "0" for c in ahead):
+        return False
+    return any(len(c) > 1 and c[0] == "0" for c in behind) or any(row[0] == "-0" for row in rows)
+
+
+def parse(region: Region, grid: Grid, expected: int) -> Table:
+    """Read columns of numbers in blocks; blocks that are not clean are read again line by line.
+
+    Parameters
+    ----------
+    region : Region
+        Where in the file.
+    grid : Grid
+        How lines are cut, and what is wanted.
+    expected : int
+        About how many lines there are.
+
+    Raises
+    ------
+    InputError
+        If a line is too long or has more cells than the others, if the header comes again, or if the columns
+        would not fit into memory.
+    """
+    store = _Store(region.path, len(grid.wanted), expected)
+    line = region.line + region.skip
+    for block in blocks(region):
+        _take(block, line, grid, store, region.encoding)
+        line += block.count(b"\n")
+    return Table(store.columns(), store.words, store.first_word)
+
+
+class _Store:
+    """Columns that grow."""
+
+    def __init__(self, path: Path, count: int, expected: int) -> None:
+        self.path = path
+        self.used = 0
+        self.words = 0
+        self.first_word = 0
+        self._arrays = [np.empty(0)] * count
+        self._grow(expected)
+
+    def add(self, columns: Sequence[Array]) -> None:
+        """Append as many values to every column."""
+        end = self.used + (columns[0].size if columns else 0)
+        if self._arrays and end > self._arrays[0].size:
+            self._grow(end + end // 4 + 1000)
+        for array, values in zip(self._arrays, columns, strict=True):
+            array[self.used : end] = values
+        self.used = end
+
+    def columns(self) -> list[Array]:
+        """Return the columns as long as they are filled."""
+        loose = bool(self._arrays) and self.used < 0.5 * self._arrays[0].size
+        return [array[: self.used].copy() if loose else array[: self.used] for array in self._arrays]
+
+    def _grow(self, size: int) -> None:
+        most = LARGEST_ARRAY // (8 * max(1, len(self._arrays)))
+        if self.used > most or (self.used and size > most and self._arrays[0].size >= most):
+            raise refuse(self.path, f"channels of at most {LARGEST_ARRAY >> 30} GiB", "read fewer channels")
+        for k, old in enumerate(self._arrays):
+            self._arrays[k] = np.empty(min(size, most))
+            self._arrays[k][: self.used] = old[: self.used]
+
+
+def blocks(region: Region) -> Iterator[bytes]:
+    """Give whole lines, in UTF-8 or an encoding that keeps ASCII, in blocks of about `BLOCK` bytes.
+
+    Raises
+    ------
+    InputError
+        If a line is longer than a block.
+    """
+    held = carried = b""
+    skip = region.skip
+    for raw in _raw(region):
+        whole = carried + raw
+        end = whole.rfind(b"\n") + 1
+        if len(whole) - end > LONGEST_LINE:
+            raise refuse(region.path, f"lines of at most {LONGEST_LINE} bytes", "is this a text file of numbers?")
+        if held:
+            yield held
+        held, carried = whole[:end], whole[end:]
+        while skip and held:
+            held, skip = held[held.find(b"\n") + 1 :], skip - 1
+    last = held + carried
+    while skip and last:
+        last, skip = last.partition(b"\n")[2], skip - 1
+    if region.cut:
+        last = last[: last.rstrip(_ENDS[:5].encode()).rfind(b"\n") + 1]
+    if last:
+        yield last
+
+
+def _raw(region: Region) -> Iterator[bytes]:
+    wide = region.encoding.startswith("utf-16")
+    decoder = codecs.getincrementaldecoder(region.encoding)("replace")
+    with region.path.open("rb") as opened:
+        at = opened.seek(region.start)
+        while raw := opened.read(BLOCK if region.end is None else min(BLOCK, region.end - at)):
+            beginning, at = at == 0, at + len(raw)
+            raw = decoder.decode(raw).encode("utf-8", "replace") if wide else raw
+            raw = raw.removeprefix(codecs.BOM_UTF8) if beginning else raw
+            yield raw.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if region.lone_returns else raw
+
+
+def _take(block: bytes, line: int, grid: Grid, store: _Store, encoding: str) -> None:
+    """Read a block at once; halve it where that fails, so that only few lines are read one by one."""
+    columns = _at_once(block, grid)
+    if columns is not None:
+        return store.add(columns)
+    middle = block.rfind(b"\n", 0, len(block) // 2) + 1
+    if len(block) <= _SMALL or not middle:
+        return _one_by_one(block, line, grid, store, encoding)
+    _take(block[:middle], line, grid, store, encoding)
+    return _take(block[middle:], line + block.count(b"\n", 0, middle), grid, store, encoding)
+
+
+def _at_once(block: bytes, grid: Grid) -> list[Array] | None:
+    import pyarrow as pa  # type: ignore[import-untyped]
+    from pyarrow import csv as fast
+
+    delimiter, decimal = grid.marks
+    names = [str(k) for k in range(grid.width)]
+    kept = [names[k] for k in grid.wanted]
+    convert = fast.ConvertOptions(
+        column_types=dict.fromkeys(kept, pa.float64()),
+        include_columns=kept,
+        null_values=_NULLS,
+        decimal_point=decimal,
+    )
+    try:
+        table = fast.read_csv(
+            pa.BufferReader(block if delimiter else _single_blanks(block)),
+            fast.ReadOptions(column_names=names, use_threads=len(block) > 2**20),
+            fast.ParseOptions(delimiter=delimiter or " "),
+            convert,
+        )
+    except pa.ArrowInvalid:
+        return None
+    columns = [table.column(k).to_numpy() for k in range(len(kept))]
+    return None if any(np.isinf(column).any() for column in columns) else columns
+
+
+def _single_blanks(block: bytes) -> bytes:
+    block = block.replace(b"\r\n", b"\n").replace(b"\t", b" ")
+    while b"  " in block:
+        block = block.replace(b"  ", b" ")
+    return block.replace(b"\n ", b"\n").replace(b" \n", b"\n").strip(b" ")
+
+
+def _one_by_one(block: bytes, line: int, grid: Grid, store: _Store, encoding: str) -> None:
+    rows = []
+    text = block.decode("utf-8" if encoding.startswith("utf-16") else encoding, "replace")
+    for k, row in enumerate(lines_of(text), start=line):
+        if len(row) > LONGEST_LINE:
+            raise refuse(store.path, f"lines of at most {LONGEST_LINE} bytes", f"line {k} is longer")
+        if not row.strip(_ENDS) or is_comment(row):
+            continue
+        cells = cells_of(row, grid.marks)
+        if any(cells[grid.width :]):
+            hint = f"line {k} has {len(cells)}: is it damaged, or are two files in one?"
+            raise refuse(store.path, f"{grid.width} columns in every line", hint)
+        if grid.header and tuple(cells[: len(grid.header)]) == grid.header:
+            raise refuse(store.path, "one record in a file", f"the header comes again in line {k}: split it there")
+        rows.append([_value(cells[j] if j < len(cells) else "", grid, store, k) for j in grid.wanted])
+    if rows:
+        store.add(list(np.array(rows, dtype=float).T))
+
+
+def _value(cell: str, grid: Grid, store: _Store, line: int) -> float:
+    value = number(cell, grid.marks.decimal)
+    if value is not None:
+        return value
+    store.first_word = store.first_word or line
+    store.words += 1
+    return math.nan

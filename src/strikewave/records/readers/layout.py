@@ -1,0 +1,217 @@
+"""Where the numbers of a text file are: its encoding, its marks, its first line, its columns, a last line cut off."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from pathlib import Path
+from typing import NamedTuple
+
+from strikewave.records.finding import Finding
+from strikewave.records.readers.columns import (
+    LONGEST_LINE,
+    MOST_COLUMNS,
+    Marks,
+    cells_of,
+    decode,
+    encoding_of,
+    find_marks,
+    is_comment,
+    lines_of,
+    number,
+    refuse,
+)
+from strikewave.records.readers.headings import Headings, find_headings
+
+HEAD = 2**20
+"""Bytes from the beginning in which header and first data are looked for."""
+_PART = 2**16
+_OVER = re.compile(
+    r"[+-]?\d\S*|[<>+-]?\s?(?:over\w*|ovr|ovld|o\.?l\.?|inf\w*|∞|clip\w*|error)|-{1,9}|\*{1,9}|\?{1,9}", re.IGNORECASE
+)
+_DECIMALS = re.compile(r"[+-]?\d*(?:[.,](\d*))?(?:[eE][+-]?(\d*))?")
+
+
+class Look(NamedTuple):
+    """Lines from the beginning, the middle and the end of a file; `ended` when its last line has an end."""
+
+    path: Path
+    size: int
+    encoding: str
+    lone_returns: bool
+    head: list[str]
+    middle: list[str]
+    tail: list[str]
+    ended: bool
+
+
+class Layout(NamedTuple):
+    """Where the numbers are: first line, columns that hold some, columns that hold them in most lines."""
+
+    marks: Marks
+    width: int
+    first: int
+    filled: list[int]
+    full: list[int]
+    headings: Headings
+    above: list[str]
+    findings: list[Finding]
+
+
+def look_at(path: Path) -> Look:
+    """Look at the beginning, the middle and the end of a text file.
+
+    Raises
+    ------
+    InputError
+        If it is no text, or its lines are too long.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as opened:
+        head = opened.read(HEAD)
+        opened.seek(size // 2 & ~1)
+        middle = opened.read(_PART) if size > HEAD else b""
+        opened.seek(max(0, size - _PART) & ~1)
+        tail = opened.read(_PART) if size > HEAD else b""
+    encoding = encoding_of(head)
+    if encoding is None:
+        raise refuse(path, "text, or another known format", "it holds bytes that are no text")
+    lines = lines_of(decode(head, encoding).removeprefix("\ufeff"))
+    lone = (
+        b"\r" in head.replace(b"\r\n", b"")
+        if encoding in ("utf-8", "cp1252")
+        else "\r" in decode(head, encoding).replace("\r\n", "")
+    )
+    if size > HEAD:
+        lines, ends = lines[:-1], lines_of(decode(tail, encoding))[1:]
+        between = lines_of(decode(middle, encoding))[1:-1]
+    else:
+        ends, between = lines[-200:], lines[len(lines) // 2 :][:100]
+    if not lines:
+        raise refuse(path, f"lines of at most {LONGEST_LINE} bytes", "is this a text file of numbers?")
+    ended = not ends or not ends[-1].strip(" \t\x1a")
+    return Look(path, size, encoding, lone, lines, between[:100], [e for e in ends if e.strip()][-200:], ended)
+
+
+def lay_out(look: Look) -> Layout:
+    """Find the marks, the columns and the first line of the numbers, and what stands above them.
+
+    Raises
+    ------
+    InputError
+        If there are no columns of numbers, or too many.
+    """
+    short = len(look.head) <= 500 and look.size <= HEAD
+    body = [
+        line
+        for line in (look.head if short else look.head[:200] + look.middle + look.tail[:-1])
+        if line.strip() and not is_comment(line)
+    ]
+    while sum(map(len, body)) > 2**18 and len(body) > 8:
+        body = body[::2]
+    marks = find_marks(body, look.path)
+    rows = [[number(cell, marks.decimal) for cell in cells_of(line, marks)] for line in body]
+    rows = [row for row in rows if any(v is not None and v == v for v in row)]
+    clean = [row for row in rows if None not in row]
+    rows = clean if len(clean) >= max(2, len(rows) // 5) else rows
+    if not rows:
+        raise refuse(look.path, "columns of numbers", "no line of it holds numbers only")
+    width = Counter(map(len, rows)).most_common(1)[0][0]
+    if width > MOST_COLUMNS:
+        raise refuse(look.path, f"at most {MOST_COLUMNS} columns", f"it has {width}")
+    filled, full, findings = _columns_with_numbers([row for row in rows if len(row) == width], look.path)
+    findings = sorted(findings + _labels(body, marks, width, filled, findings))
+    first = _first_line(look, marks, width, full)
+    above = look.head[:first]
+    return Layout(marks, width, first, filled, full, find_headings(above, marks, width, filled), above, findings)
+
+
+def _columns_with_numbers(rows: list[list[float | None]], path: Path) -> tuple[list[int], list[int], list[Finding]]:
+    filled, full, findings = [], [], []
+    for k, column in enumerate(zip(*rows, strict=True)):
+        here = [value is not None and value == value for value in column]
+        numbers, words = sum(here), column.count(None)
+        sparse = numbers <= len(rows) // 100 or (numbers == 1 and here[0] and len(rows) > 2)
+        if numbers > words and not sparse:
+            filled.append(k)
+            full += [k] if 2 * numbers >= len(rows) else []
+        elif numbers or words:
+            what = "holds words" if words >= numbers else f"has a value in {numbers} of {len(rows)} lines looked at"
+            findings.append(Finding("column-dropped", f"column {k + 1} is left out: it {what}", k + 1.0, "good"))
+    if not filled:
+        raise refuse(path, "columns of numbers", "no column of it holds numbers in most lines")
+    return filled, full or filled, findings
+
+
+def _labels(body: list[str], marks: Marks, width: int, filled: list[int], known: list[Finding]) -> list[Finding]:
+    """Say which columns hold settings beside the first lines of the data."""
+    rows = [cells for cells in (cells_of(line, marks) for line in body) if len(cells) == width]
+    numbers = [row for row in rows if all(number(row[k], marks.decimal) is not None for k in filled)]
+    said = {finding.value for finding in known}
+    return [
+        Finding("column-dropped", f"column {k + 1} is left out: it holds settings", k + 1.0, "good")
+        for k in range(width)
+        if k not in filled and k + 1.0 not in said and any(row[k] for row in numbers)
+    ]
+
+
+def _first_line(look: Look, marks: Marks, width: int, full: list[int]) -> int:
+    """Return the first line of the data: the first with a number in every column, and lines like it above."""
+
+    def values(line: str) -> list[float | None]:
+        cells = cells_of(line, marks)
+        return [number(cells[k] if k < len(cells) else "", marks.decimal) for k in full]
+
+    def holds(line: str, least: int) -> bool:
+        found = [] if is_comment(line) else values(line)
+        return sum(v is not None and v == v for v in found) >= least
+
+    for least in (len(full), 1):
+        first = next((k for k, line in enumerate(look.head) if holds(line, least)), None)
+        if first is not None:
+            break
+    else:
+        raise refuse(look.path, "columns of numbers", f"the first {HEAD} bytes hold none")
+    while first > 0 and _nearly(look.head[first - 1], marks, width, full):
+        first -= 1
+    return first
+
+
+def _nearly(line: str, marks: Marks, width: int, full: list[int]) -> bool:
+    """Tell whether a line is one of data in which some cells are missing or over the range."""
+    cells = cells_of(line, marks)
+    if is_comment(line) or len(cells) != width or len(full) < 2:
+        return False
+    values = [number(cells[k], marks.decimal) for k in full]
+    rest = [cells[k] for k, value in zip(full, values, strict=True) if value is None]
+    return values[0] is not None and values[0] == values[0] and all(_OVER.fullmatch(cell[:20]) for cell in rest)
+
+
+def is_cut(look: Look, layout: Layout) -> bool:
+    """Tell whether the last line lacks columns, or ends in a number that was cut."""
+    lines = look.tail if look.size > HEAD else [x for x in look.head[layout.first :] if x.strip()][-200:]
+    if len(lines) < 3 or is_comment(lines[-1]):
+        return False
+    *before, last = (cells_of(line, layout.marks) for line in lines if not is_comment(line))
+    values = [number(last[k] if k < len(last) else "", layout.marks.decimal) for k in layout.full]
+    lacking = [k for k, value in zip(layout.full, values, strict=True) if value is None or value != value]
+    usual = all(k < len(row) and row[k] for row in before[-10:] for k in lacking)
+    if lacking and usual:
+        return not look.ended or len(last) < min(map(len, before[-10:]))
+    return not look.ended and not lacking and _number_is_cut(before, last, layout)
+
+
+def _number_is_cut(before: list[list[str]], last: list[str], layout: Layout) -> bool:
+    """Tell whether the last number has fewer digits than any above it, where these are all alike or many."""
+    k = max(k for k, cell in enumerate(last) if cell)
+    if k != len(last) - 1 or k not in layout.filled:
+        return False
+    above = [_digits(row[k]) for row in before if k < len(row) and row[k]]
+    alike = len(above) >= 8 and len(set(above)) == 1
+    own = _digits(last[k])
+    return (alike or len(above) >= 50) and any(mine < min(theirs) for mine, *theirs in zip(own, *above, strict=True))
+
+
+def _digits(cell: str) -> tuple[int, int]:
+    match = _DECIMALS.fullmatch(cell)
+    return (len(match[1] or ""), len(match[2] or "")) if match else (0, 0)

@@ -1,0 +1,271 @@
+"""Text with columns of numbers: CSV, TSV and blanks, from any instrument, with or without a header."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from strikewave.errors import InputError, nearest
+from strikewave.records.finding import Finding
+from strikewave.records.readers import Options
+from strikewave.records.readers.clock import (
+    last_digit,
+    rises_evenly,
+    said_step,
+    seconds_in,
+    step_of,
+    to_seconds,
+)
+from strikewave.records.readers.columns import (
+    Grid,
+    Region,
+    Table,
+    cells_of,
+    encoding_of,
+    is_comment,
+    number,
+    parse,
+    refuse,
+)
+from strikewave.records.readers.headings import is_counter, is_time
+from strikewave.records.readers.layout import Layout, Look, is_cut, lay_out, look_at
+from strikewave.records.record import Array, Channel, Record
+
+NAMES = ("text", "CSV", "TSV")
+_SHOWN = 1000
+
+
+def sniff(head: bytes) -> bool:
+    """Tell whether a file that begins so is text."""
+    return encoding_of(head) is not None
+
+
+def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
+    r"""Read columns of numbers from text.
+
+    Raises
+    ------
+    InputError
+        If the file is no text, holds no columns of numbers, has a line that does not fit the others, or lacks a
+        column or channel that the options name.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "blow.csv"
+    ...     _ = file.write_text("Zeit [ms];Platine [g]\n0,00;1,5\n0,01;5,25\n0,02;2,0\n")
+    ...     record = read(file)
+    >>> [(c.name, c.unit, c.values.tolist(), c.stamps.tolist()) for c in record.channels]
+    [('Platine', 'g', [1.5, 5.25, 2.0], [0.0, 1e-05, 2e-05])]
+    """
+    look = look_at(path)
+    layout = lay_out(look)
+    time = _time_column(look, layout, options)
+    shown, findings = _channels(look, layout, time)
+    wanted = _wanted(str(path), shown, options.channels)
+    clock = None if options.rate is not None else time
+    found, said = _numbers(look, layout, wanted if clock is None else {*wanted, clock})
+    stamps, lost = _with_time(found, clock, layout)
+    step, start, skip, told = _grid(look, layout, clock, stamps, [] if time is not None else list(shown))
+    size = next(iter(found.values())).size - skip
+    if size < 2:
+        raise refuse(path, "at least two lines of numbers")
+    if options.rate is not None:
+        step, start = 1.0 / options.rate, 0.0
+    unread = np.broadcast_to(np.float64(np.nan), (size,))
+    channels = [
+        Channel(name, found[k][skip:] if k in wanted else unread, step, start, unit, stamps)
+        for k, (name, unit) in shown.items()
+    ]
+    return Record(str(path), "text", tuple(channels), (*findings, *said, *lost, *told))
+
+
+def _wanted(path: str, shown: dict[int, tuple[str, str]], asked: Sequence[str]) -> set[int]:
+    """Return the columns of the channels asked for; the others keep their place and cost no memory."""
+    columns = {name: k for k, (name, _) in shown.items()}
+    blank = Record(path, "text", tuple(Channel(name, np.empty(0)) for name in columns))
+    return {columns[channel.name] for channel in blank.only(asked).channels}
+
+
+def _numbers(look: Look, layout: Layout, columns: set[int]) -> tuple[dict[int, Array], list[Finding]]:
+    """Read columns of numbers; say which cells are none, and whether the last line was cut."""
+    kept, cut = tuple(sorted(columns)), is_cut(look, layout)
+    region = Region(look.path, look.encoding, skip=layout.first, cut=cut, lone_returns=look.lone_returns)
+    table = parse(region, Grid(layout.marks, layout.width, kept, layout.headings.header), _expected(look))
+    findings = odd_cells(table)
+    if cut:
+        findings.append(Finding("truncated", "the last line is cut: it is left out"))
+    return dict(zip(kept, table.columns, strict=True)), findings
+
+
+def _time_column(look: Look, layout: Layout, options: Options) -> int | None:
+    if options.time is not None:
+        return _named_time(layout, options.time)
+    names, units, _ = layout.headings
+    if layout.headings.named or any(units):
+        by_name = [k for k in layout.filled if is_time(names[k], units[k])]
+        sure = [k for k in by_name if units[k] or len(names[k]) > 2]
+        return next((k for k in sure + by_name if k in sure or _rises(look, layout, k)), None)
+    if len(layout.filled) < 2:
+        return None
+    return next((k for k in layout.filled if _even(look, layout, k)), None)
+
+
+def _named_time(layout: Layout, wanted: str) -> int:
+    names = layout.headings.names
+    folded = [name.casefold() for name in names]
+    headers = [cell.casefold() for cell in layout.headings.header]
+    text = wanted.strip().casefold()
+    for known in (folded, headers):
+        if text and text in known:
+            k = known.index(text)
+            break
+    else:
+        if not (text.isdecimal() and len(text) < 9 and 1 <= int(text) <= layout.width):
+            hint = nearest(wanted, filter(None, names)) if layout.headings.named else ""
+            raise InputError("--time", wanted, f"the name of a column, or its number from 1 to {layout.width}", hint)
+        k = int(text) - 1
+    if k not in layout.filled:
+        raise InputError("--time", wanted, "a column of numbers", "this one holds words, or is almost empty")
+    unit = layout.headings.units[k]
+    if unit and seconds_in(unit) is None:
+        raise InputError("--time", wanted, "a column in s, ms, us or ns", f"its unit is {unit}: give --rate instead")
+    return k
+
+
+def _cells(lines: Iterable[str], layout: Layout, column: int) -> list[str]:
+    rows = (cells_of(line, layout.marks) for line in lines if line.strip() and not is_comment(line))
+    return [row[column] for row in rows if len(row) > column]
+
+
+def _values(look: Look, layout: Layout, column: int) -> tuple[list[str], Array]:
+    cells = _cells(look.head[layout.first : layout.first + _SHOWN], layout, column)
+    values = [number(cell, layout.marks.decimal) for cell in cells]
+    return cells, np.array([np.nan if value is None else value for value in values])
+
+
+def _even(look: Look, layout: Layout, column: int) -> bool:
+    cells, values = _values(look, layout, column)
+    return rises_evenly(values[:20], last_digit(cells[:20])) and rises_evenly(values, _coarsest(cells))
+
+
+def _rises(look: Look, layout: Layout, column: int) -> bool:
+    _, values = _values(look, layout, column)
+    return bool(values.size > 1 and values[-1] > values[0] and np.all(np.diff(values) >= 0.0))
+
+
+def _coarsest(cells: Sequence[str]) -> float:
+    """Return the last digit of times whose digits may grow fewer as they grow."""
+    return max(last_digit(cells[:50]), last_digit(cells[-50:]))
+
+
+def _channels(look: Look, layout: Layout, time: int | None) -> tuple[dict[int, tuple[str, str]], list[Finding]]:
+    """Name the channels by column; leave out time, and a column that counts samples."""
+    names, units, _ = layout.headings
+    findings = list(layout.findings)
+    shown: dict[int, tuple[str, str]] = {}
+    for k in layout.filled:
+        if k == time:
+            continue
+        if is_counter(names[k], units[k]) and np.all(np.diff(_values(look, layout, k)[1]) == 1.0):
+            findings.append(
+                Finding("column-dropped", f"column {k + 1} is left out: it counts the samples", severity="good")
+            )
+            continue
+        shown[k] = (names[k] or f"channel {len(shown) + 1}", units[k])
+    if not shown:
+        raise refuse(look.path, "a channel besides time")
+    unique = one_each([name for name, _ in shown.values()])
+    return {k: (name, shown[k][1]) for k, name in zip(shown, unique, strict=True)}, findings
+
+
+def one_each(names: Sequence[str]) -> list[str]:
+    """Give names that come again a number.
+
+    Examples
+    --------
+    >>> one_each(["a", "b", "a"])
+    ['a', 'b', 'a (2)']
+    """
+    taken: dict[str, None] = {}
+    for name in names:
+        taken[next(n for n in (name, *(f"{name} ({k})" for k in range(2, len(names) + 2))) if n not in taken)] = None
+    return list(taken)
+
+
+def _expected(look: Look) -> int:
+    """Return about how many lines the file has."""
+    lines = (look.head[-200:] + look.middle + look.tail) or [""]
+    letters = 2 if look.encoding.startswith("utf-16") else 1
+    return int(1.05 * look.size / (letters * (1 + sum(map(len, lines)) / len(lines)))) + 100
+
+
+def odd_cells(table: Table) -> list[Finding]:
+    """Say how many cells are no numbers."""
+    if not table.words:
+        return []
+    many = "1 cell is no number" if table.words == 1 else f"{table.words} cells are no numbers"
+    message = f"{many}, the first in line {table.first_word}: taken as missing"
+    return [Finding("not-a-number", message, float(table.words))]
+
+
+def _with_time(found: dict[int, Array], clock: int | None, layout: Layout) -> tuple[Array | None, list[Finding]]:
+    """Return the stamps, s; leave out lines without time."""
+    if clock is None:
+        return None, []
+    here = np.isfinite(found[clock])
+    lost = int(here.size - here.sum())
+    if lost:
+        for k, values in found.items():
+            found[k] = values[here]
+    message = f"{lost} lines have no time: they are left out"
+    said = [Finding("time-missing", message, float(lost))] if lost else []
+    return to_seconds(found[clock], layout.headings.units[clock]), said
+
+
+def _grid(
+    look: Look, layout: Layout, clock: int | None, stamps: Array | None, loose: list[int]
+) -> tuple[float, float, int, list[Finding]]:
+    """Return step, start, how many first lines are no samples, and what is to be said of it."""
+    if clock is not None and stamps is not None and stamps.size:
+        unit = seconds_in(layout.headings.units[clock]) or 1.0
+        cells = _cells(look.head[layout.first :][:50], layout, clock)
+        digit = max(last_digit(cells), last_digit(_cells(look.tail[-51:-1], layout, clock))) * unit
+        said = []
+        if not layout.headings.named and digit == 1.0 and np.all(np.diff(stamps[:_SHOWN]) == 1.0):
+            message = f"column {clock + 1} rises by 1 a line, taken as time in s: if it counts samples, give --rate"
+            said = [Finding("counter", message)]
+        return step_of(stamps, digit), float(stamps[0]), 0, said
+    step, start = said_step([re.sub(r"^[#%/\s]+", "", line) for line in look.head[: layout.first + 40]])
+    names, units, _ = layout.headings
+    for k in range(layout.width):
+        value = number(units[k], layout.marks.decimal)
+        if value is not None and value == value and not names[k].casefold().find("incr"):
+            step = value if value > 0.0 else step
+        if value is not None and value == value and names[k].casefold() == "start":
+            start = value
+    rows = [cells_of(line, layout.marks) for line in look.head[layout.first : layout.first + 22]]
+    if np.isnan(step) and _begins_with_a_clock(rows, loose, layout.marks.decimal):
+        begun = [number(rows[k][loose[0]], layout.marks.decimal) or 0.0 for k in (0, 1)]
+        message = "the first two lines are start and step of all columns: they are no samples"
+        return begun[1], begun[0], 2, [Finding("start-and-step", message, begun[1], "good")]
+    return step, start, 0, []
+
+
+def _begins_with_a_clock(rows: list[list[str]], shown: list[int], decimal: str) -> bool:
+    """Tell whether all columns share two first numbers, a start and a step, written as no sample is: 1e-07."""
+    if len(shown) < 2 or len(rows) < 22 or any(len(row) <= shown[-1] for row in rows):
+        return False
+    start, step = ({rows[k][j] for j in shown} for k in (0, 1))
+    samples = [row[j] for row in rows[2:] for j in shown]
+    if len(start) + len(step) > 2 or any("e" in cell.lower() for cell in samples):
+        return False
+    first, second = number(start.pop(), decimal), number(step.pop(), decimal)
+    written = all("e" in rows[1][j].lower() for j in shown)
+    if not written or first is None or second is None or not 0.0 < second < 1.0:
+        return False
+    return abs(first / second - round(first / second)) < 1e-6
