@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numba
 import numpy as np
+import planted_bench
+import records_bench
 import waves_bench
 from scipy.integrate import solve_ivp
 
@@ -176,9 +178,17 @@ def main():
             table(("bar", "layer steps", "target", "above the floor", "against elwaspatid"), waves_bench.rows()),
             "Floor: a layer step reads two waves and writes two, 32 bytes, at the speed at which numpy copies memory. Few "
             "layers stay in the cache and can be below it.",
+            records_bench.section(),
+            "## Planted blows",
+            f"{planted_bench.COUNT} records made by benchmarks/planted.py (seed {planted_bench.SEED}), which shares nothing "
+            "with what reads them: 1 to 15 blows of 80 to 400 us, four shapes, 100 kHz to 1 MHz, 5 to 60 dB over white noise, "
+            "offset, drift, half of them with ringing of 3 to 30 % and 3 to 30 kHz, a tenth clipped. Errors in percent, median "
+            "± scaled median deviation, against the blow without its ringing: a peak that carries ringing is larger. "
+            "Clipped records are left out of the errors.",
+            planted_bench.table(),
             "## Peers",
-            "scipy and elwaspatid run above, elwaspatid where `pip install elwaspatid` was done. Exudyn and MuJoCo are not "
-            "installed with the project and are not timed here.",
+            "scipy, pyyeti, endaq and elwaspatid run above where they are installed (`pip install pyyeti endaq elwaspatid`). "
+            "Exudyn and MuJoCo are not installed with the project and are not timed here.",
         ]
     )
     print(text)

@@ -38,7 +38,7 @@ def _products(values, rounds):
     for _ in range(rounds):
         for i in range(values.size):
             y = values[i]
-            for _ in range(64):
+            for _ in range(8):
                 y = y * 0.5 + 1.0
             values[i] = y
 
@@ -49,7 +49,7 @@ def floor(samples, frequencies):
     Four multiply-adds, a sum, a maximum and a minimum, at the rate of multiply-adds that do not wait for each other.
     """
     values = np.ones(1024)
-    return 7.0 * samples * frequencies * best(lambda: _products(values, 500)) / (500 * 1024 * 64)
+    return 7.0 * samples * frequencies * best(lambda: _products(values, 4000)) / (4000 * 1024 * 8)
 
 
 def ours(values, rate, frequencies, q, kind):

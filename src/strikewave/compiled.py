@@ -85,6 +85,11 @@ def leaf_kernel(function: F) -> F:
     return _compiled(function, LEAF)
 
 
+def fused_kernel(function: F) -> F:
+    """Compile a kernel whose products and sums may be rounded once together (fused multiply-add)."""
+    return _compiled(function, {"fastmath": {"contract"}})
+
+
 LEAF: Any = {"_nrt": False, "forceinline": True}
 """Numba's options of a small kernel that makes no array."""
 

@@ -1,0 +1,93 @@
+"""The largest responses of a bank of oscillators to one record, between its samples and after its end."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.signal import _srs_kernels as kernels
+from strikewave.signal.oscillators import PLACES, Bank, bend, free_extremes
+
+Array = NDArray[np.float64]
+
+REACH = 32
+"""Samples on each side that interpolation looks at: flat within 1e-4 up to 0.46 of the sampling rate."""
+
+
+def interpolate(history: Array, factor: int) -> Array:
+    """Interpolate a history band-limited, so that straight lines between the new samples carry its spectrum.
+
+    Lines between samples of a rate r attenuate by sinc^2(f/r), about 1 - (2 pi f/r)^2/12; three weights -1/12, 14/12,
+    -1/12 take that back up to order four. Outside, the history is held: a record cut while it is not
+    zero is not made to ring.
+    """
+    if factor == 1:
+        return history
+    from scipy import signal
+
+    reach = REACH * factor
+    taps = factor * signal.firwin(2 * reach + 1, 1.0 / factor, window=("kaiser", 8.0))
+    taps = np.convolve(taps, np.array([-1.0, 14.0, -1.0]) / 12.0)
+    held = np.pad(history, REACH + 1, mode="edge")
+    first = (REACH + 1) * factor + reach + 1
+    fine = signal.upfirdn(taps, held, up=factor)
+    return np.ascontiguousarray(fine[first : first + (history.size - 1) * factor + 1])
+
+
+def framed(body: Array, factor: int) -> tuple[Array, Array]:
+    """Return a record with its rise from zero over one step of the original, and its fall over one step."""
+    ramp = np.arange(1, factor) / factor
+    rising = np.concatenate([ramp * body[0], body]) if factor > 1 else body
+    return rising, np.concatenate([ramp[::-1] * body[-1], np.zeros(1)])
+
+
+def extremes(x: Array, tail: Array, oscillators: Bank, part: str) -> tuple[Array, Array]:
+    """Return the magnitudes of the largest responses while the record ``x`` lasts, after it, or both."""
+    state = np.zeros((2, oscillators.frequency.size))
+    during = _stretch(x, np.zeros(2), oscillators, state, part != "residual")
+    if part == "primary":
+        return during
+    before = np.concatenate([np.zeros(1), x])[-2:]
+    after = _stretch(tail, before, oscillators, state, True)
+    decay, stiffness, _, second = oscillators.filters
+    change = decay * state[1] - stiffness * state[0] + second * np.concatenate([before, tail])[-2]
+    weight = oscillators.weight
+    free = free_extremes(oscillators.frequency, oscillators.damping, weight * state[0], weight * change)
+    sides = np.maximum(after[0], free[0]), np.maximum(after[1], -free[1])
+    return sides if part == "residual" else (np.maximum(sides[0], during[0]), np.maximum(sides[1], during[1]))
+
+
+def _stretch(x: Array, before: Array, oscillators: Bank, state: Array, wanted: bool) -> tuple[Array, Array]:
+    """Take the state through the samples; return the magnitudes of the largest positive and negative response."""
+    segments = -(-x.size // kernels.SEGMENT)
+    record = np.empty((4, segments, state.shape[1]))
+    kernels.march(x, before, oscillators.filters, state, record)
+    if not wanted:
+        return state[0], state[1]
+    load = np.empty((2, segments))
+    kernels.loads(x, before, load)
+    found = np.zeros((5, 2, state.shape[1]))
+    for side, sign in enumerate((1.0, -1.0)):
+        shape = (oscillators.shapes, oscillators.bends, PLACES)
+        kernels.sharpen(sign, x, before, oscillators.filters, *shape, record, load, found[:, side])
+    seen = np.stack([record[0].max(axis=0), -record[1].min(axis=0)])
+    sides = np.maximum(np.maximum(seen, _polished(found, oscillators)), 0.0) * oscillators.weight
+    return sides[0], sides[1]
+
+
+def _polished(found: Array, oscillators: Bank) -> Array:
+    """Return the largest and minus the smallest response, by narrow parabolas around the places found in a step."""
+    place, start, change, flat, rising = found
+    sign = np.array([[1.0], [-1.0]])
+    for width in (0.08, 0.01, 0.001):
+        middle = np.clip(place, width, 1.0 - width)
+        u = middle + width * np.array([-1.0, 0.0, 1.0])[:, None, None]
+        P, R = bend(oscillators.frequency, oscillators.damping, u)
+        low, centre, high = sign * (start + u * change + flat * P + rising * R)
+        curvature = low - 2.0 * centre + high
+        with np.errstate(divide="ignore", invalid="ignore"):
+            shift = np.clip(0.5 * (low - high) / curvature, -1.0, 1.0)
+        shift = np.where(curvature < 0.0, shift, np.where(high > low, 1.0, -1.0))
+        top = centre + 0.5 * (high - low) * shift + 0.5 * curvature * shift**2
+        place = middle + width * shift
+    return np.asarray(np.maximum(top, np.maximum(low, high)))
