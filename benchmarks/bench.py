@@ -13,6 +13,7 @@ from pathlib import Path
 import numba
 import numpy as np
 import planted_bench
+import reading_bench
 import records_bench
 import waves_bench
 from scipy.integrate import solve_ivp
@@ -179,6 +180,7 @@ def main():
             "Floor: a layer step reads two waves and writes two, 32 bytes, at the speed at which numpy copies memory. Few "
             "layers stay in the cache and can be below it.",
             records_bench.section(),
+            reading_bench.section(),
             "## Planted blows",
             f"{planted_bench.COUNT} records made by benchmarks/planted.py (seed {planted_bench.SEED}), which shares nothing "
             "with what reads them: 1 to 15 blows of 80 to 400 us, four shapes, 100 kHz to 1 MHz, 5 to 60 dB over white noise, "
