@@ -7,12 +7,13 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
 BIN = $(VENV)/bin
 CASES ?= li-ma-2019 li-ma-2019-fig13
 
-.PHONY: demo test lint bench clean help
+.PHONY: demo test verify lint bench clean help
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo    set up, then run the published machine into out/ with a report each ($(CASES))"
 	@echo "make test    set up, then run all tests"
+	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records"
 	@echo "make lint    set up, then style, types and import contract"
 	@echo "make bench   set up, then time everything beside its peers (writes docs/benchmarks.md)"
 	@echo "make clean   remove the environment and caches"
@@ -23,6 +24,9 @@ demo: $(VENV)/core
 
 test: $(VENV)/dev
 	$(BIN)/python -m pytest
+
+verify: $(VENV)/dev
+	STRIKEWAVE_VERIFY=1 $(BIN)/python -m pytest tests/records/test_fuzz.py tests/records/test_planted.py
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check .
