@@ -1,0 +1,146 @@
+"""Read a file in a child process with limits, for formats whose libraries cannot be trusted with a hostile file.
+
+A damaged file may crash a library written in C, make it take all memory, or never end. In a child process that is one
+more file that cannot be read. Samples come back as plain float64 files, the rest as JSON; nothing is unpickled.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from strikewave.errors import InputError
+from strikewave.records.finding import Finding
+from strikewave.records.readers import LARGEST_ARRAY, Options
+from strikewave.records.record import Channel, Record
+
+MEMORY = 2**29
+"""What a child may take for a small file, bytes; larger files add `MEMORY_PER_BYTE`."""
+MEMORY_PER_BYTE = 100
+SECONDS = 20.0
+"""How long a child may take for a small file, s; each further megabyte adds one."""
+
+
+def isolated(reader: str, path: Path, options: Options) -> Record:
+    """Let a child process call ``parse`` of a reader and return what it found.
+
+    Parameters
+    ----------
+    reader : str
+        Name of the reader's module; it has ``parse`` with the arguments and result of ``read``.
+    path : Path
+        The file.
+    options : Options
+        What the user says about it.
+    """
+    size = path.stat().st_size
+    with tempfile.TemporaryDirectory(prefix="strikewave-", ignore_cleanup_errors=True) as folder:
+        task = {
+            "reader": reader,
+            "path": str(path.absolute()),
+            "folder": folder,
+            "options": options._asdict(),
+            "memory": min(MEMORY + MEMORY_PER_BYTE * size, 2 * LARGEST_ARRAY),
+        }
+        few = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMEXPR_MAX_THREADS"), "1")
+        environment = {**os.environ, **few, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+        command = [sys.executable, "-c", f"from {__name__} import work; work()"]
+        try:
+            subprocess.run(
+                command,
+                input=json.dumps(task).encode(),
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                env=environment,
+                timeout=SECONDS + size / 1e6,
+                check=True,
+            )
+            said = json.loads((Path(folder) / "said.json").read_text("utf-8"))
+        except subprocess.TimeoutExpired:
+            raise InputError("FILE", str(path), "a file that is whole", "reading it did not end") from None
+        except (subprocess.CalledProcessError, OSError, ValueError):
+            raise InputError("FILE", str(path), "a file that is whole", "its reader broke down") from None
+        return _record(path, reader, Path(folder), said)
+
+
+def _record(path: Path, reader: str, folder: Path, said: dict[str, Any]) -> Record:
+    if "error" in said:
+        told = said["error"]
+        got = str(path) if told["field"] == "FILE" else told["got"]
+        raise InputError(told["field"], got, told["allowed"], told["hint"])
+    stamps = [np.fromfile(folder / f"stamps{k}", np.float64) for k in range(said["stamps"])]
+    channels = []
+    for k, channel in enumerate(said["channels"]):
+        size, held = channel.pop("size"), channel.pop("held")
+        file = folder / f"values{k}"
+        values = np.fromfile(file, np.float64) if size is None else np.broadcast_to(np.float64(np.nan), (size,))
+        file.unlink(missing_ok=True)
+        channels.append(Channel(values=values, stamps=None if held is None else stamps[held], **channel))
+    findings = (Finding(**{**one, "harms": tuple(one["harms"])}) for one in said["findings"])
+    return Record(str(path), reader, tuple(channels), tuple(findings))
+
+
+def work() -> None:
+    """Do in the child what standard input asks for."""
+    task = json.loads(sys.stdin.read())
+    folder = Path(task["folder"])
+    _limit(task["memory"])
+    given = task["options"]
+    options = Options(given["rate"], given["time"], tuple(given["channels"]))
+    try:
+        record = importlib.import_module(f"{__package__}.{task['reader']}").parse(Path(task["path"]), options)
+        said = _written(record, folder)
+    except InputError as error:
+        said = _failed(str(error.got), error.allowed, error.hint)
+        said["error"]["field"] = error.field
+    except MemoryError:
+        said = _failed(task["path"], "a file that fits into memory", "read fewer channels")
+    except Exception as error:
+        said = _failed(task["path"], "a file that is whole", f"{type(error).__name__}: {error}"[:200])
+    (folder / "said.json").write_text(json.dumps(said), "utf-8")
+    sys.stdout.flush()
+    os._exit(0)
+
+
+def _failed(path: str, allowed: str, hint: str) -> dict[str, Any]:
+    return {"error": {"field": "FILE", "got": path, "allowed": allowed, "hint": hint}}
+
+
+def _limit(memory: int) -> None:
+    try:
+        import resource
+    except ImportError:
+        return
+    resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def _written(record: Record, folder: Path) -> dict[str, Any]:
+    held: dict[int, int] = {}
+    channels: list[dict[str, Any]] = []
+    for k, channel in enumerate(record.channels):
+        absent = channel.values.strides == (0,) and channel.values.size > 1
+        if not absent:
+            channel.values.tofile(folder / f"values{k}")
+        if channel.stamps is not None and id(channel.stamps) not in held:
+            held[id(channel.stamps)] = len(held)
+            channel.stamps.tofile(folder / f"stamps{held[id(channel.stamps)]}")
+        channels.append(
+            {
+                "name": channel.name,
+                "step": channel.step,
+                "start": channel.start,
+                "unit": channel.unit,
+                "size": channel.values.size if absent else None,
+                "held": held.get(id(channel.stamps)) if channel.stamps is not None else None,
+            }
+        )
+    return {"channels": channels, "stamps": len(held), "findings": [finding._asdict() for finding in record.findings]}

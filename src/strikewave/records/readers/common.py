@@ -1,0 +1,324 @@
+"""What the readers share: named arrays become channels, time is found among them, sizes are checked before reading."""
+
+from __future__ import annotations
+
+import importlib
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.errors import InputError, nearest
+from strikewave.records.finding import Finding
+from strikewave.records.readers import LARGEST_ARRAY, Options
+from strikewave.records.readers.clock import seconds_in, step_of, to_seconds
+from strikewave.records.readers.headings import is_time, name_and_unit
+from strikewave.records.record import Channel, Record
+
+Array = NDArray[np.float64]
+
+MOST_ARRAYS = 10_000
+"""A file with more arrays is refused."""
+MOST_COLUMNS = 64
+"""A 2-D array whose short side is longer is no table of channels."""
+LARGEST_RATIO = 1000.0
+"""A file that claims to hold more bytes than this for each byte it has is refused, once it claims `FREE_BYTES`."""
+FREE_BYTES = 256 * 2**20
+
+TIMES = {"time", "t", "times", "timestamp", "timestamps", "zeit", "temps"}
+"""Names of arrays that hold time; others that only sound like it do so where none of these is there."""
+_AXES = {"x", "s"}
+_RATES = {
+    "fs",
+    "sampling_rate",
+    "sample_rate",
+    "samplerate",
+    "samplingrate",
+    "sampling_frequency",
+    "samplefreq",
+    "rate",
+}
+_STEPS = {"dt", "wf_increment", "sampling_interval", "sample_interval", "sampling_period", "delta_t", "time_step"}
+_STARTS = {"t0", "start_time", "wf_start_offset", "starttime"}
+
+
+class Column(NamedTuple):
+    """One array of a file that is not loaded yet.
+
+    Attributes
+    ----------
+    name : str
+        As the file has it, with ``folder/`` before it where the file has folders.
+    size : int
+        Number of samples.
+    load : callable
+        Returns the samples.
+    unit : str
+        As the file writes it; empty where it does not say.
+    step, start : float
+        What the file says of the even grid of this array, s; NaN where it does not say.
+    folder : str
+        Arrays of the same folder share their time.
+    time : bool
+        True where the file itself says that this array is time.
+    """
+
+    name: str
+    size: int
+    load: Callable[[], Any]
+    unit: str = ""
+    step: float = math.nan
+    start: float = math.nan
+    folder: str = ""
+    time: bool = False
+
+
+def damaged(path: Path, hint: str, allowed: str = "a file that is whole") -> InputError:
+    """Return the error for a file that is wrong."""
+    return InputError("FILE", str(path), allowed, hint)
+
+
+def extra(module: str, path: Path) -> Any:
+    """Import a module that comes with the extra ``formats``; say how to install it where it is missing."""
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        hint = "install the readers of this format: pip install 'strikewave[formats]'"
+        raise InputError("FILE", str(path), f"a format whose reader is installed (no {module})", hint) from None
+
+
+def guard(path: Path, claimed: float, compressed: bool = True) -> None:
+    """Refuse a file that claims more bytes than it can hold, or more than fit.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    claimed : float
+        Bytes of samples that its header promises, as float64 where they are compressed, else as stored.
+    compressed : bool
+        Whether the format can hold more than its size.
+    """
+    size = path.stat().st_size
+    if not compressed and claimed > size:
+        raise damaged(path, f"it claims {claimed:.4g} bytes of samples and has {size}")
+    if claimed > LARGEST_ARRAY or (claimed > FREE_BYTES and claimed > LARGEST_RATIO * size):
+        raise damaged(path, f"it claims {claimed:.4g} bytes of samples", "a file that fits into memory")
+
+
+def text(value: object) -> str:
+    """Return an attribute as one line of text; empty for what is none."""
+    while isinstance(value, np.ndarray) and value.size == 1:
+        value = value.reshape(-1)[0]
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    return " ".join(value.split())[:200] if isinstance(value, str) else ""
+
+
+def number(value: object) -> float:
+    """Return an attribute as a finite float; NaN for what is none."""
+    try:
+        array = np.asarray(value)
+        found = float(array.reshape(-1)[0]) if array.size == 1 and array.dtype.kind in "biuf" else float(text(value))
+    except (ValueError, TypeError, OverflowError):
+        return math.nan
+    return found if math.isfinite(found) else math.nan
+
+
+def grid_of(said: Iterable[tuple[str, object]]) -> tuple[float, float]:
+    """Return step and start, s, from named attributes or scalars such as ``fs`` or ``dt``; NaN where none says."""
+    step = start = math.nan
+    for name, value in said:
+        word, unit = name_and_unit(name.rpartition("/")[2])
+        word = word.strip().lower().replace(" ", "_")
+        factor = {"khz": 1e3, "mhz": 1e6}.get(unit.lower(), 1.0)
+        if word in _RATES and number(value) > 0.0:
+            step = 1.0 / (number(value) * factor)
+        elif word in _STEPS and number(value) > 0.0:
+            step = number(value) * (seconds_in(unit) or 1.0)
+        elif word in _STARTS:
+            start = number(value) * (seconds_in(unit) or 1.0)
+    return step, start
+
+
+def on_grids(columns: Sequence[Column], said: Mapping[str, Iterable[tuple[str, object]]]) -> list[Column]:
+    """Give the longest arrays of each folder the step and start that attributes or scalars of the folder say."""
+    grids = {folder: grid_of(named) for folder, named in said.items()}
+    longest: dict[str, int] = {}
+    for column in columns:
+        longest[column.folder] = max(column.size, longest.get(column.folder, 0))
+    return [
+        column._replace(step=grids[column.folder][0], start=grids[column.folder][1])
+        if math.isnan(column.step) and column.folder in grids and column.size == longest[column.folder]
+        else column
+        for column in columns
+    ]
+
+
+def floats(values: Any) -> Array:
+    """Return samples as float64: masked ones become NaN, dates seconds since the first; no objects, no text."""
+    if isinstance(values, np.ma.MaskedArray):
+        values = np.ma.filled(values.astype(np.float64), np.nan)
+    array = np.asarray(values)
+    if array.dtype.kind in "mM":
+        since = array - array[:1] if array.dtype.kind == "M" else array
+        seconds = since.astype("timedelta64[ns]").astype(np.float64) * 1e-9
+        seconds[np.isnat(since)] = np.nan
+        return np.ascontiguousarray(seconds.reshape(-1))
+    if array.dtype.kind not in "biuf":
+        raise TypeError(f"samples of type {array.dtype}")
+    return np.ascontiguousarray(array.reshape(-1), dtype=np.float64)
+
+
+def columns_of(name: str, array: Any, unit: str = "", folder: str = "", **said: Any) -> list[Column]:
+    """Return the columns of a 1-D or 2-D array that is sliced only when a column is loaded; none for another one."""
+    shape = array.shape
+    long = [extent for extent in shape if extent != 1]
+    if len(long) == 1 or (len(shape) == 1 and shape[0]):
+        return [Column(name, int(np.prod(shape)), lambda: array[...], unit, folder=folder, **said)]
+    if len(long) != 2 or len(shape) != 2 or min(shape) > MOST_COLUMNS or min(shape) < 1:
+        return []
+    across = shape[0] < shape[1]
+
+    def load(k: int) -> Callable[[], Any]:
+        return (lambda: array[k, :]) if across else (lambda: array[:, k])
+
+    return [Column(f"{name} {k + 1}", max(shape), load(k), unit, folder=folder, **said) for k in range(min(shape))]
+
+
+def assemble(
+    path: Path,
+    form: str,
+    columns: Sequence[Column],
+    options: Options,
+    said: tuple[float, float] = (math.nan, math.nan),
+    findings: Iterable[Finding] = (),
+) -> Record:
+    """Make a record of a file's arrays.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    form : str
+        Name of the format.
+    columns : sequence of Column
+        Its arrays, in their order. Where the caller wants only some channels, the others keep their place and are
+        NaN, at no cost in memory.
+    options : Options
+        ``rate`` overrules every time, ``time`` names the time array.
+    said : tuple of float
+        Step and start, s, that hold for the whole file; NaN where it does not say.
+    findings : iterable of Finding
+        What reading showed so far.
+    """
+    columns = [column for column in columns if column.size]
+    if not columns:
+        raise damaged(path, "it has no arrays of numbers", "a file with samples")
+    if len(columns) > MOST_ARRAYS:
+        raise damaged(path, f"it has {len(columns)}", f"a file with at most {MOST_ARRAYS} arrays")
+    clocks = _clocks(columns, options)
+    rest = [column for column in columns if all(column is not clock for clock in clocks)]
+    found = [(column, _clock_of(column, clocks)) for column in rest]
+    kept, ignored = _kept(found, bool(clocks) and options.rate is None)
+    if not kept:
+        raise damaged(path, "it has nothing but time", "a file with samples")
+    wanted = [_wanted(k, column, options) for k, (column, _) in enumerate(kept, start=1)]
+    guard(path, 8.0 * sum(column.size for (column, _), want in zip(kept, wanted, strict=True) if want))
+    stamps: dict[int, tuple[Array, float, float]] = {}
+    channels = [_channel(*pair, want, options, said, stamps) for pair, want in zip(kept, wanted, strict=True)]
+    return Record(str(path), form, tuple(channels), (*findings, *left_out([c.name for c in ignored])))
+
+
+def left_out(names: Sequence[str]) -> tuple[Finding, ...]:
+    """Return the word on arrays that are no channels."""
+    if not names:
+        return ()
+    listed = ", ".join(str(name)[:40] for name in names[:8]) + (", ..." if len(names) > 8 else "")
+    return (Finding("array-ignored", f"{len(names)} arrays are no channels: {listed}", len(names), "good"),)
+
+
+def _clocks(columns: Sequence[Column], options: Options) -> list[Column]:
+    """Return the arrays that hold time: the one that the user names, else those that the file or their name tells."""
+    if options.time is not None:
+        asked, names = str(options.time).strip(), [column.name for column in columns]
+        chosen = [c for c in columns if asked in (c.name, _named(c)[0])]
+        if not chosen and asked.isdecimal() and 1 <= int(asked) <= len(columns):
+            chosen = [columns[int(asked) - 1]]
+        if not chosen:
+            raise InputError("--time", options.time, "the name or number of an array", nearest(asked, names))
+        return chosen[:1]
+    marked = [column for column in columns if column.time]
+    words = [_named(column)[0].removeprefix(column.folder).lower() for column in columns]
+    named = [column for column, word in zip(columns, words, strict=True) if word in TIMES]
+    if not marked + named:
+        named = [c for c, word in zip(columns, words, strict=True) if word not in _AXES and is_time(word, "")]
+    return marked + [column for column in named if all(column is not one for one in marked)]
+
+
+def _clock_of(column: Column, clocks: Sequence[Column]) -> Column | None:
+    fitting = [clock for clock in clocks if clock.size == column.size]
+    return next((clock for clock in fitting if clock.folder == column.folder), fitting[0] if fitting else None)
+
+
+def _kept(
+    found: list[tuple[Column, Column | None]], timed: bool
+) -> tuple[list[tuple[Column, Column | None]], list[Column]]:
+    """Keep the arrays over time; without time those with a grid of their own, else those of the fullest length."""
+    keep = [pair for pair in found if pair[1] is not None or not math.isnan(pair[0].step)]
+    if not keep:
+        sizes = [column.size for column, _ in found]
+        fullest = max(set(sizes), key=lambda size: (size * sizes.count(size), size), default=0)
+        keep = [pair for pair in found if pair[0].size == fullest and not timed]
+    return keep, [column for column, _ in found if all(column is not pair[0] for pair in keep)]
+
+
+def _wanted(k: int, column: Column, options: Options) -> bool:
+    asked = {str(word).strip() for word in options.channels}
+    return not asked or bool(asked & {str(k), column.name, _named(column)[0]})
+
+
+def _channel(
+    column: Column,
+    clock: Column | None,
+    wanted: bool,
+    options: Options,
+    said: tuple[float, float],
+    stamps: dict[int, tuple[Array, float, float]],
+) -> Channel:
+    """Load one channel and lay it on its grid."""
+    name, unit = _named(column)
+    step, start = (
+        own if not math.isnan(own) else of for own, of in zip((column.step, column.start), said, strict=True)
+    )
+    held = None
+    if options.rate is not None:
+        step = 1.0 / options.rate
+    elif clock is not None and wanted:
+        if id(clock) not in stamps:
+            stamps[id(clock)] = _stamps(clock)
+        held, step, start = stamps[id(clock)]
+    values = floats(column.load()) if wanted else np.broadcast_to(np.float64(np.nan), (column.size,))
+    if held is not None and held.size != values.size:
+        held = None
+    start = 0.0 if math.isnan(start) else start
+    return Channel(name, values, step, start, unit, held)
+
+
+def _named(column: Column) -> tuple[str, str]:
+    """Return name and unit, the unit from the name where the file does not say it otherwise."""
+    own = column.name.removeprefix(column.folder)
+    name, unit = name_and_unit(own)
+    return column.name[: len(column.name) - len(own)] + (name or own), column.unit or unit
+
+
+def _stamps(clock: Column) -> tuple[Array, float, float]:
+    """Return time stamps, s, with their step and start."""
+    with np.errstate(all="ignore"):
+        stamps = to_seconds(floats(clock.load()).copy(), _named(clock)[1])
+        step = step_of(stamps, 0.0)
+    start = float(stamps[0]) if stamps.size else math.nan
+    return stamps, step if math.isfinite(step) else math.nan, start

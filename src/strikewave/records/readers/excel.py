@@ -1,0 +1,127 @@
+"""Excel workbooks (.xlsx): the columns of numbers of each sheet, values only; no formula is worked out."""
+
+from __future__ import annotations
+
+import math
+import warnings
+import zipfile
+from array import array
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from strikewave.records.readers import Options
+from strikewave.records.readers.common import Column, assemble, damaged, extra, guard, left_out, text
+from strikewave.records.readers.headings import is_unit, name_and_unit
+from strikewave.records.record import Record
+
+NAMES = ("Excel",)
+MOST_ROWS = 2**20
+"""What Excel itself can hold."""
+MOST_CELLS = 20_000_000
+"""A workbook with more cells is refused; reading them would take minutes."""
+MOST_SHEETS = 100
+LONGEST_HEAD = 200
+"""Rows before the first row of numbers."""
+
+
+def sniff(head: bytes) -> bool:
+    """Return whether a file begins like an Office document."""
+    return head[:4] == b"PK\x03\x04" and any(
+        word in head for word in (b"[Content_Types].xml", b"_rels/", b"docProps/", b"xl/")
+    )
+
+
+def read(path: Path, options: Options) -> Record:
+    """Read the columns of numbers of a workbook; names and units come from the rows above them."""
+    openpyxl = extra("openpyxl", path)
+    try:
+        with zipfile.ZipFile(path) as packed:
+            guard(path, float(sum(one.file_size for one in packed.infolist())))
+    except zipfile.BadZipFile as error:
+        raise damaged(path, str(error)) from None
+    with path.open("rb") as opened, warnings.catch_warnings():
+        warnings.filterwarnings("ignore", module="openpyxl")
+        book = openpyxl.load_workbook(opened, read_only=True, data_only=True, keep_links=False)
+        try:
+            columns: list[Column] = []
+            left = MOST_CELLS
+            sheets = book.worksheets[:MOST_SHEETS]
+            for sheet in sheets:
+                sheet.reset_dimensions()
+                found, cells = _columns(path, sheet.iter_rows(values_only=True), left)
+                left -= cells
+                place = f"{sheet.title}/" if len(sheets) > 1 else ""
+                columns += [one._replace(name=place + one.name, folder=place) for one in found]
+            skipped = [one.name for one in columns if one.size == 0]
+            return assemble(path, "excel", columns, options, findings=left_out(skipped))
+        finally:
+            book.close()
+
+
+def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[list[Column], int]:
+    """Return the columns of a sheet and how many cells it has."""
+    above: list[tuple[Any, ...]] = []
+    held: dict[int, array[float]] = {}
+    cells = count = 0
+    for k, row in enumerate(rows):
+        cells += len(row) + 1
+        if k >= MOST_ROWS or cells > left:
+            raise damaged(path, f"a sheet has more than {k} rows", "a workbook of fewer cells")
+        if not count and not _numeric(row):
+            above = [*above, row][-LONGEST_HEAD:]
+            continue
+        for place in set(held).union(range(len(row))):
+            value = _number(row[place] if place < len(row) else None)
+            if place not in held:
+                if math.isnan(value):
+                    continue
+                held[place] = array("d", [math.nan]) * count
+            held[place].append(value)
+        count += 1
+    names = _names(above, max(held, default=-1) + 1)
+    columns = []
+    for place, numbers in sorted(held.items()):
+        values = np.frombuffer(numbers, np.float64)
+        (name, unit) = names[place]
+        columns.append(Column(name or f"column {place + 1}", values.size, _loader(values), unit))
+    return _trimmed(columns), cells
+
+
+def _loader(values: Any) -> Any:
+    return lambda: values
+
+
+def _trimmed(columns: list[Column]) -> list[Column]:
+    """Leave out the rows below the last number of any column."""
+    last = max((int(np.flatnonzero(~np.isnan(column.load()))[-1]) + 1 for column in columns), default=0)
+    return [column._replace(size=last, load=_loader(column.load()[:last])) for column in columns]
+
+
+def _numeric(row: tuple[Any, ...]) -> bool:
+    """Return whether most of what stands in a row is numbers."""
+    filled = [value for value in row if value is not None]
+    numbers = sum(not math.isnan(_number(value)) for value in filled)
+    return numbers > 0 and 2 * numbers >= len(filled)
+
+
+def _number(value: object) -> float:
+    if isinstance(value, int | float):
+        try:
+            return float(value)
+        except OverflowError:
+            return math.nan
+    return math.nan
+
+
+def _names(above: list[tuple[Any, ...]], width: int) -> list[tuple[str, str]]:
+    """Return name and unit of each column: of the last row of text, or of two where the last holds units only."""
+    rows = [[text(row[k]) if k < len(row) else "" for k in range(width)] for row in above]
+    rows = [row for row in rows if any(row)]
+    last = rows[-1] if rows else [""] * width
+    units = [word.strip("[]() ") for word in last]
+    if len(rows) > 1 and any(units) and all(is_unit(unit) for unit in units if unit):
+        return [(name_and_unit(name)[0], unit) for name, unit in zip(rows[-2], units, strict=True)]
+    return [name_and_unit(name) for name in last]

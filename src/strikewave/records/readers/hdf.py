@@ -1,0 +1,179 @@
+"""HDF5: plain files, NetCDF-4, MATLAB 7.3 and tables of pandas; links that leave the file are not followed.
+
+The file is read in a child process with limits, as damaged ones can keep the HDF5 library busy for ever.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from strikewave.records.readers import Options
+from strikewave.records.readers.child import isolated
+from strikewave.records.readers.common import (
+    MOST_ARRAYS,
+    MOST_COLUMNS,
+    Column,
+    assemble,
+    columns_of,
+    damaged,
+    grid_of,
+    guard,
+    left_out,
+    number,
+    on_grids,
+    text,
+)
+from strikewave.records.readers.headings import is_time
+from strikewave.records.record import Record
+
+NAMES = ("HDF5", "NetCDF-4", "MATLAB 7.3")
+DEEPEST = 16
+"""Groups in groups."""
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+def sniff(head: bytes) -> bool:
+    """Return whether a file begins like HDF5, perhaps behind a user block."""
+    return any(head[at : at + 8] == _SIGNATURE for at in (0, 512, 1024, 2048, 4096))
+
+
+def read(path: Path, options: Options) -> Record:
+    """Read the 1-D arrays, narrow tables and numeric fields of an HDF5 file."""
+    return isolated("hdf", path, options)
+
+
+def parse(path: Path, options: Options) -> Record:
+    """Read an HDF5 file in this process."""
+    h5py = importlib.import_module("h5py")
+    columns: list[Column] = []
+    skipped: list[str] = []
+    said: dict[str, list[tuple[str, Any]]] = {}
+    with h5py.File(path, "r") as file:
+        said[""] = _attributes(file)
+        for count, (folder, name, data) in enumerate(_datasets(file, h5py), start=1):
+            if count > MOST_ARRAYS:
+                raise damaged(path, f"it has more than {MOST_ARRAYS} arrays", "a file with fewer arrays")
+            if data.size == 1 and data.dtype.kind in "biuf":
+                said.setdefault(folder, _attributes(data.parent)).append((name, data[()]))
+            elif found := _columns(path, folder, name, data):
+                columns += found
+            else:
+                skipped.append(f"{folder}{name}")
+        for folder in {column.folder for column in columns} - set(said):
+            said[folder] = _attributes(file[folder])
+        return assemble(path, "hdf", on_grids(columns, said), options, grid_of(said[""]), left_out(skipped))
+
+
+def _datasets(group: Any, h5py: Any, folder: str = "", depth: int = 0) -> Iterator[tuple[str, str, Any]]:
+    """Yield the datasets of a group that lie in the file itself, each once."""
+    if depth > DEEPEST:
+        return
+    for name in list(group)[: MOST_ARRAYS + 1]:
+        link = group.get(name, getlink=True)
+        if not isinstance(link, h5py.HardLink) or name == "#refs#":
+            continue
+        kind = group.get(name, getclass=True)
+        if kind is h5py.Group:
+            yield from _datasets(group[name], h5py, f"{folder}{name}/", depth + 1)
+        elif kind is h5py.Dataset and _own(data := group[name]):
+            yield folder, name, data
+
+
+def _own(data: Any) -> bool:
+    """Return whether a dataset holds numbers, in this file."""
+    return (
+        data.shape is not None
+        and not data.is_virtual
+        and not data.external
+        and data.dtype.kind in "biufV"
+        and not data.dtype.hasobject
+    )
+
+
+def _columns(path: Path, folder: str, name: str, data: Any) -> list[Column]:
+    """Return what a dataset holds; nothing for coordinates without time, text and arrays of more dimensions."""
+    named = dict(_attributes(data))
+    scale = text(named.get("CLASS")) == "DIMENSION_SCALE"
+    if data.size == 0 or text(named.get("MATLAB_class")) == "char" or (scale and not is_time(name, "")):
+        return []
+    if data.chunks:
+        guard(path, float(np.prod(data.chunks, dtype=np.float64)) * data.dtype.itemsize)
+    if data.dtype.kind == "V":
+        return _fields(folder, name, data)
+    names = _block_names(data)
+    step, start = grid_of(named.items())
+    index = name == "axis1" and data.dtype.kind == "f"
+    found = columns_of(folder + name, _Scaled(data), _unit(named), folder, step=step, start=start, time=index)
+    return [c._replace(name=folder + names[k] if len(names) == len(found) else c.name) for k, c in enumerate(found)]
+
+
+def _fields(folder: str, name: str, data: Any) -> list[Column]:
+    """Return the numeric fields of a table."""
+    found: list[Column] = []
+    place = f"{folder}{name}/"
+    for field in (data.dtype.names or ())[:MOST_COLUMNS]:
+        kind = data.dtype[field]
+        if len(data.shape) == 1 and kind.base.kind in "biuf" and len(kind.shape) <= 1:
+            index = field == "index" and kind.base.kind == "f"
+            found += columns_of(place + field, _Field(data, field), folder=place, time=index)
+    return found
+
+
+class _Scaled:
+    """Slices of a dataset with scale, offset and fill value of the CF conventions applied."""
+
+    def __init__(self, data: Any) -> None:
+        self.data, self.shape = data, data.shape
+
+    def __getitem__(self, key: Any) -> Any:
+        fill = [number(self.data.attrs.get(name)) for name in ("_FillValue", "missing_value")]
+        scale, offset = number(self.data.attrs.get("scale_factor")), number(self.data.attrs.get("add_offset"))
+        values = self.data.astype(np.float64)[key]
+        for value in fill:
+            values[values == value] = np.nan
+        if not np.isnan(scale):
+            values *= scale
+        return values if np.isnan(offset) else values + offset
+
+
+class _Field:
+    """Slices of one field of a table."""
+
+    def __init__(self, data: Any, field: str) -> None:
+        self.data, self.field = data, field
+        self.shape = data.shape + data.dtype[field].shape
+
+    def __getitem__(self, key: Any) -> Any:
+        return self.data.fields(self.field)[()][key]
+
+
+def _block_names(data: Any) -> list[str]:
+    """Return the column names that pandas keeps beside a block of values."""
+    name = data.name.rpartition("/")[2]
+    beside = name.removesuffix("_values") + "_items"
+    if not name.endswith("_values") or type(data.parent.get(beside, getlink=True)).__name__ != "HardLink":
+        return []
+    items = data.parent[beside]
+    if not hasattr(items, "shape") or items.dtype.kind != "S" or items.size > MOST_COLUMNS:
+        return []
+    return [text(value) for value in items[()]]
+
+
+def _attributes(thing: Any) -> list[tuple[str, Any]]:
+    """Return the attributes that can be read."""
+    found = []
+    for name in list(thing.attrs)[:200]:
+        try:
+            found.append((name, thing.attrs[name]))
+        except (OSError, TypeError, ValueError, RuntimeError, KeyError):
+            continue
+    return found
+
+
+def _unit(named: dict[str, Any]) -> str:
+    return next((text(named[name]) for name in ("units", "unit", "Units", "Unit") if name in named), "")

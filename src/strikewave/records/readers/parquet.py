@@ -1,0 +1,66 @@
+"""Parquet: the flat numeric columns of a table."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from strikewave.records.readers import Options
+from strikewave.records.readers.common import Column, assemble, floats, grid_of, left_out, text
+from strikewave.records.record import Record
+
+NAMES = ("Parquet",)
+
+
+def sniff(head: bytes) -> bool:
+    """Return whether a file begins like Parquet."""
+    return head[:4] == b"PAR1"
+
+
+def read(path: Path, options: Options) -> Record:
+    """Read the numeric columns of a Parquet file, one at a time."""
+    arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
+    with parquet.ParquetFile(path, memory_map=True) as file:
+        rows, schema = file.metadata.num_rows, file.schema_arrow
+        columns, skipped = [], []
+        for k, field in enumerate(schema):
+            if _numeric(arrow.types, field.type):
+                named = _decoded(field.metadata)
+                unit = named.get("units", named.get("unit", ""))
+                columns.append(Column(field.name, rows, _loader(file, schema.names, k, rows), unit))
+            else:
+                skipped.append(field.name)
+        said = grid_of(_decoded(schema.metadata).items())
+        return assemble(path, "parquet", columns, options, said, left_out(skipped))
+
+
+def _numeric(types: Any, kind: Any) -> bool:
+    asked = (types.is_integer, types.is_floating, types.is_boolean, types.is_timestamp, types.is_duration)
+    return any(ask(kind) for ask in asked)
+
+
+def _decoded(metadata: dict[bytes, bytes] | None) -> dict[str, str]:
+    return {text(name).lower(): text(value) for name, value in (metadata or {}).items() if len(value) < 200}
+
+
+def _loader(file: Any, names: list[str], k: int, rows: int) -> Any:
+    """Return the function that loads one column, part by part."""
+
+    def load() -> Any:
+        out, at = np.empty(rows), 0
+        parts = []
+        for batch in file.iter_batches(2**18, columns=[names[k]], use_threads=False):
+            values = batch.column(0).to_numpy(zero_copy_only=False)
+            if values.dtype.kind in "mM":
+                parts.append(values)
+                continue
+            out[at : at + len(values)] = values
+            at += len(values)
+        if parts:
+            return floats(np.concatenate(parts))
+        return out[:at]
+
+    return load

@@ -1,0 +1,633 @@
+"""Every binary format, written by its own library or byte by byte from its layout, is read back to the bit."""
+
+import struct
+import sys
+import tracemalloc
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from strikewave.errors import InputError
+from strikewave.records.readers import FORMATS, Options, read_record
+
+STEP, START, SIZE = 2.0**-17, -(2.0**-8), 400
+TIME = START + STEP * np.arange(SIZE)
+BOARD = np.round(300.0 * np.sin(np.arange(SIZE) / 9.0)) / 16.0
+FRAME = np.round(90.0 * np.cos(np.arange(SIZE) / 5.0)) / 16.0
+SHARED = Path(__file__).parents[2].parent / "shared" / "data"
+
+
+def write_hdf(path):
+    import h5py
+
+    with h5py.File(path, "w", userblock_size=0) as file:
+        file["time"] = TIME
+        file["time"].attrs["units"] = "s"
+        file.create_dataset("blow 1/board", data=BOARD, compression="gzip", shuffle=True).attrs["units"] = "g"
+        file["blow 1/frame"] = FRAME.astype("f4")
+        file["note"] = "text"
+
+
+def write_mat(path):
+    from scipy.io import savemat
+
+    savemat(path, {"run": {"t": TIME, "board": BOARD, "n": 3.0}, "label": "text"}, do_compression=True)
+
+
+def write_netcdf(path):
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, "w") as file:
+        file.createDimension("time", SIZE)
+        for name, values, unit in (("time", TIME, "s"), ("board", BOARD, "g"), ("frame", FRAME, "g")):
+            variable = file.createVariable(name, "d", ("time",))
+            variable[:] = values
+            variable.units = unit
+
+
+def write_parquet(path):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    fields = [pa.field("time [s]", pa.float64()), pa.field("board", pa.float64(), metadata={"units": "g"})]
+    fields += [pa.field("frame [g]", pa.float32()), pa.field("note", pa.string())]
+    table = pa.table([TIME, BOARD, FRAME.astype("f4"), ["a"] * SIZE], schema=pa.schema(fields))
+    pq.write_table(table, path, compression="snappy")
+
+
+def write_wav(path, values=None, rate=96000):
+    from scipy.io import wavfile
+
+    wavfile.write(path, rate, (np.column_stack([BOARD, FRAME]) * 16).astype(np.int16) if values is None else values)
+
+
+def uff_set(binary, values=BOARD, label="board", unit="g", spacing=1, kind=1):
+    return {
+        "type": 58, "binary": binary, "func_type": kind, "rsp_node": 1, "rsp_dir": 1, "ref_node": 1, "ref_dir": 1,
+        "data": values, "x": TIME[: len(values)], "abscissa_spacing": spacing, "id1": "a blow", "rsp_ent_name": "NONE",
+        "ordinate_axis_lab": label, "ordinate_axis_units_lab": unit, "abscissa_axis_units_lab": "s",
+        "abscissa_spec_data_type": 17, "ordinate_spec_data_type": 12, "orddenom_spec_data_type": 0,
+        "z_axis_spec_data_type": 0,
+    }  # fmt: skip
+
+
+def write_uff(path, binary=0):
+    import pyuff
+
+    sets = [uff_set(binary), uff_set(binary, FRAME, "frame"), uff_set(binary, kind=4)]
+    Path(path).unlink(missing_ok=True)
+    pyuff.UFF(str(path)).write_sets(sets, "add")
+
+
+def write_tdms(path):
+    from nptdms import ChannelObject, GroupObject, TdmsWriter
+
+    said = {"wf_increment": STEP, "wf_start_offset": START, "unit_string": "g"}
+    with TdmsWriter(str(path)) as file:
+        for part in (slice(0, 150), slice(150, None)):
+            channels = [ChannelObject("blow", "board", BOARD[part], said)]
+            channels += [ChannelObject("blow", "frame", (FRAME[part] * 16).astype(np.int16), said)]
+            file.write_segment([GroupObject("blow"), *channels])
+
+
+def write_mdf(path, version="4.10"):
+    from asammdf import MDF, Signal
+
+    with MDF(version=version) as file:
+        signals = [Signal(BOARD, TIME, unit="g", name="board"), Signal(FRAME, TIME, unit="g", name="frame")]
+        file.append(signals, comment="a blow")
+        Path(file.save(path, overwrite=True)).rename(path)
+
+
+def ebml(number, value):
+    """Encode one EBML element: its number, its length in eight bytes, its value."""
+    if isinstance(value, list):
+        value = b"".join(ebml(*inner) for inner in value)
+    elif isinstance(value, str):
+        value = value.encode()
+    elif isinstance(value, int):
+        value = value.to_bytes(4, "big")
+    elif isinstance(value, float):
+        value = struct.pack(">d", value)
+    name = number.to_bytes((number.bit_length() + 7) // 8, "big")
+    return name + (2**56 | len(value)).to_bytes(8, "big") + value
+
+
+def write_ide(path):
+    """By the schema of the format: one sensor of two axes, 16 bits each, microseconds, 1/16 g a count."""
+    axes = [
+        (0x52A0, [(0x52A1, k), (0x52A2, name), (0x52A3, 1), (0x52A5, "Acceleration"), (0x52A6, "g")])
+        for k, name in enumerate("XY")
+    ]
+    channel = [(0x5272, 8), (0x5273, "board"), (0x5275, "<hh"), (0x5277, "1/1000000"), *axes]
+    sensors = (0x5240, [(0x5241, [(0x5242, 0), (0x5243, "accelerometer")])])
+    raw = (np.column_stack([BOARD, FRAME]) * 16).astype("<i2")
+    elements = [
+        (0x1A45DFA3, [(0x4282, "mide"), (0x4287, 4), (0x4285, 3)]),
+        (0x18526570, [sensors, (0x5270, [(0x5271, channel)])]),
+        (0x4B00, [(0x4B01, [(0x4B03, 1), (0x4B08, 1.0 / 16.0), (0x4B08, 0.0)])]),
+    ]
+    for k in range(0, SIZE, 100):
+        times = [(0xB8, 1000 * k), (0xB9, 1000 * (k + 99))]
+        elements.append((0xA1, [(0xB0, 8), *times, (0xB2, raw[k : k + 100].tobytes())]))
+    Path(path).write_bytes(b"".join(ebml(*element) for element in elements))
+
+
+RAW = (127 + np.round(80 * np.sin(np.arange(SIZE) / 9.0))).astype(np.uint8)
+
+
+def write_rigol(path):
+    """DS1000Z, channel 1 alone: file header, waveform header at byte 64, samples behind the horizontal block."""
+    head = struct.pack("<4sHH20s20s2sH", b"\x01\xff\xff\xff", 0, 0, b"DS1054Z", b"00.04.04.SP4", b"\1\0", 0)
+    off = struct.pack("<BBBBB3xffBB10x", 0, 0, 1, 0, 6, 1.0, 0.0, 0, 2)
+    channels = [struct.pack("<BBBBB3xffBB10x", 1, 0, 1, 0, 6, 0.5, -0.25, 0, 2), off, off, off]
+    body = struct.pack("<QqI2sHB3x5I", 10**6, 5 * 10**6, 0, b"\xd8\0", 0, 0b0001, *(0,) * 5)
+    body += struct.pack("<BBsBIf", 0, 0, b"\0", 0, SIZE, 0.25) + b"".join(channels)
+    at = 64 + len(body) + 12 + 8 * 4
+    body += bytes(12) + struct.pack("<8I", 0, 0, 16, at, 0, 0, 0, 0)
+    Path(path).write_bytes(head.ljust(64, b"\0") + body + bytes(16) + RAW.tobytes())
+
+
+def write_excel(path):
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    book.active.append(["Time/s", "board/g", "frame [g]"])
+    for row in zip(TIME, BOARD, FRAME, strict=True):
+        book.active.append([float(value) for value in row])
+    book.save(path)
+
+
+def write_lvm(path):
+    rows = "\n".join(f"{t:.12g}\t{a:.6f}" for t, a in zip(TIME - START, BOARD, strict=True))
+    Path(path).write_text(
+        "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
+        "Multi_Headings\tNo\nX_Columns\tOne\nTime_Pref\tRelative\n***End_of_Header***\t\n\t\n"
+        f"Channels\t1\t\nSamples\t{SIZE}\t\nX_Dimension\tTime\t\nX0\t0.0\t\nDelta_X\t{STEP!r}\t\n"
+        "***End_of_Header***\t\t\nX_Value\tboard\tComment\n" + rows + "\n"
+    )
+
+
+def write_text(path):
+    rows = "\n".join(f"{t:.12g},{a:.6f},{b:.6f}" for t, a, b in zip(TIME, BOARD, FRAME, strict=True))
+    Path(path).write_text("time [s],board [g],frame [g]\n" + rows + "\n")
+
+
+SAMPLES = {
+    "tdms": write_tdms, "mdf": write_mdf, "ide": write_ide, "rigol": write_rigol, "hdf": write_hdf, "mat": write_mat,
+    "netcdf": write_netcdf, "parquet": write_parquet, "wav": write_wav, "uff": write_uff, "excel": write_excel,
+    "lvm": write_lvm, "text": write_text,
+}  # fmt: skip
+NEEDS = {"tdms": "nptdms", "mdf": "asammdf", "ide": "idelib", "rigol": "RigolWFM", "excel": "openpyxl"}
+
+
+@pytest.fixture
+def sample(tmp_path):
+    def write(form, **how):
+        if form in NEEDS:
+            pytest.importorskip(NEEDS[form])
+        SAMPLES[form](tmp_path / f"blow.{form}", **how)
+        return tmp_path / f"blow.{form}"
+
+    return write
+
+
+def same(channel, values, step=STEP, start=START, unit="g", rough=1e-12):
+    assert channel.values.dtype == np.float64
+    assert np.array_equal(channel.values, values)
+    assert channel.step == pytest.approx(step, rel=rough)
+    assert channel.start == pytest.approx(start, rel=rough)
+    assert channel.unit == unit
+
+
+def names(record):
+    return [channel.name for channel in record.channels]
+
+
+def test_every_format_has_a_sample():
+    assert set(SAMPLES) == set(FORMATS)
+
+
+def test_hdf(sample):
+    record = read_record(sample("hdf"))
+    assert (record.format, names(record)) == ("hdf", ["blow 1/board", "blow 1/frame"])
+    same(record.channels[0], BOARD)
+    same(record.channels[1], FRAME, unit="")
+    assert np.array_equal(record.channels[0].stamps, TIME)
+    assert [finding.code for finding in record.findings] in ([], ["array-ignored"])
+
+
+def test_matlab_7_3(tmp_path):
+    """It is HDF5 behind a user block of 512 bytes; texts are arrays of small integers marked as such."""
+    import h5py
+
+    path = tmp_path / "blow.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        file["run/data"] = np.vstack([BOARD, FRAME])
+        file["run/fs"] = [[1.0 / STEP]]
+        file["run/name"] = np.full((4, 1), 65, np.uint16)
+        file["run/name"].attrs["MATLAB_class"] = np.bytes_("char")
+        file["run/cells"] = h5py.SoftLink("/run/data")
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+    record = read_record(path)
+    assert (record.format, names(record)) == ("hdf", ["run/data 1", "run/data 2"])
+    same(record.channels[1], FRAME, start=0.0, unit="")
+
+
+def test_hdf_links_that_leave_the_file_are_not_followed(tmp_path):
+    import h5py
+
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["secret"] = BOARD
+    np.arange(8.0).tofile(tmp_path / "raw.bin")
+    with h5py.File(tmp_path / "blow.h5", "w") as file:
+        file["frame"] = FRAME
+        file["board"] = h5py.ExternalLink(str(tmp_path / "other.h5"), "secret")
+        file.create_dataset("raw", (8,), "f8", external=[(str(tmp_path / "raw.bin"), 0, 64)])
+        layout = h5py.VirtualLayout((SIZE,), "f8")
+        layout[:] = h5py.VirtualSource(str(tmp_path / "other.h5"), "secret", (SIZE,))
+        file.create_virtual_dataset("virtual", layout)
+    assert names(read_record(tmp_path / "blow.h5")) == ["frame"]
+
+
+def test_hdf_scale_offset_fill_and_tables(tmp_path):
+    import h5py
+
+    table = np.zeros(SIZE, [("time", "f8"), ("board", "i2"), ("name", "S4")])
+    table["time"], table["board"] = TIME * 1e3, np.arange(SIZE)
+    with h5py.File(tmp_path / "blow.h5", "w") as file:
+        file["table"] = table
+        packed = file.create_dataset("packed", data=np.arange(7, dtype=np.int16))
+        packed.attrs.update({"scale_factor": 0.5, "add_offset": 1.0, "_FillValue": np.int16(3), "dt": 0.25})
+    record = read_record(tmp_path / "blow.h5")
+    assert names(record) == ["packed", "table/board"]
+    assert record.channels[0].values.tolist()[:3] == [1.0, 1.5, 2.0]
+    assert np.flatnonzero(np.isnan(record.channels[0].values)).tolist() == [3]
+    assert record.channels[0].step == 0.25
+    same(record.channels[1], np.arange(SIZE), step=1e3 * STEP, start=1e3 * START, unit="")
+
+
+def test_a_solution_of_strikewave(tmp_path):
+    """What `strikewave run` saves: histories over time are channels, those of single blows and taps are not."""
+    import xarray
+
+    variables = {
+        "force": ("time", BOARD, {"units": "N"}),
+        "pulse": (("blow", "pulse_time"), np.zeros((2, 7))),
+        "blow_speed": ("blow", [1.0, 2.0]),
+        "blow_kind": ("blow", np.array(["a", "b"], object)),
+    }
+    coordinates = {"time": ("time", TIME, {"units": "s"}), "pulse_time": np.arange(7.0), "blow": [1, 2]}
+    xarray.Dataset(variables, coordinates).to_netcdf(tmp_path / "solution.nc", engine="h5netcdf")
+    record = read_record(tmp_path / "solution.nc")
+    assert names(record) == ["force"]
+    same(record.channels[0], BOARD, unit="N")
+    assert {(finding.code, finding.severity) for finding in record.findings} == {("array-ignored", "good")}
+
+
+def test_pandas_tables(tmp_path):
+    """As pandas lays out a table of floats in its fixed format."""
+    import h5py
+
+    with h5py.File(tmp_path / "blow.h5", "w") as file:
+        file["df/axis1"] = TIME
+        file["df/block0_items"] = np.array([b"board", b"frame"])
+        file["df/block0_values"] = np.column_stack([BOARD, FRAME])
+    record = read_record(tmp_path / "blow.h5")
+    assert names(record) == ["df/board", "df/frame"]
+    same(record.channels[1], FRAME, unit="")
+
+
+@pytest.mark.parametrize("how", [{"do_compression": True}, {"do_compression": False}, {"format": "4"}])
+def test_matlab(tmp_path, how):
+    from scipy.io import savemat
+
+    savemat(tmp_path / "blow.mat", {"time": TIME, "both": np.column_stack([BOARD, FRAME]), "gain": 3.0}, **how)
+    record = read_record(tmp_path / "blow.mat")
+    assert (record.format, names(record)) == ("mat", ["both 1", "both 2"])
+    same(record.channels[0], BOARD, unit="")
+    same(record.channels[1], FRAME, unit="")
+
+
+def test_matlab_structs_cells_and_texts(tmp_path):
+    from scipy.io import savemat
+
+    cells = np.empty(2, object)
+    cells[:] = [BOARD, "text"]
+    run = {"fs": 1.0 / STEP, "board": (BOARD * 16).astype(np.int16), "deeper": {"frame": FRAME}, "cells": cells}
+    savemat(tmp_path / "blow.mat", {"run": run, "name": "text", "z": np.array([1j, 2.0])})
+    record = read_record(tmp_path / "blow.mat")
+    assert names(record) == ["run/board"]
+    same(record.channels[0], BOARD * 16, start=0.0, unit="")
+    assert "run/cells" in record.findings[0].message
+
+
+def test_netcdf(sample):
+    record = read_record(sample("netcdf"))
+    assert (record.format, names(record)) == ("netcdf", ["board", "frame"])
+    same(record.channels[0], BOARD)
+    same(record.channels[1], FRAME)
+
+
+def test_parquet(sample):
+    record = read_record(sample("parquet"))
+    assert (record.format, names(record)) == ("parquet", ["board", "frame"])
+    same(record.channels[0], BOARD)
+    same(record.channels[1], FRAME)
+
+
+@pytest.mark.parametrize("kind", ["u1", "i2", "i4", "f4", "f8"])
+def test_wav(sample, kind):
+    raw = np.arange(SIZE).reshape(-1, 2) * 0.25 if kind[0] == "f" else np.arange(SIZE).reshape(-1, 2) // 2 + 20
+    record = read_record(sample("wav", values=raw.astype(kind)))
+    scale = {"u1": 128.0, "i2": 2.0**15, "i4": 2.0**31}.get(kind, 1.0)
+    same(record.channel(2), (raw[:, 1] - (128.0 if kind == "u1" else 0.0)) / scale, 1.0 / 96000, 0.0, "")
+    assert [f.code for f in record.findings] == ["wav-scale"] * (kind[0] != "f")
+
+
+def test_wav_of_24_bits_by_hand(tmp_path):
+    values = [0, 1, -1, 2**23 - 1, -(2**23)]
+    data = b"".join(value.to_bytes(3, "little", signed=True) for value in values)
+    form = struct.pack("<HHIIHH", 1, 1, 1000, 3000, 3, 24)
+    chunks = b"fmt " + struct.pack("<I", 16) + form + b"LIST\x02\0\0\0ab" + b"data" + struct.pack("<I", len(data))
+    (tmp_path / "a.wav").write_bytes(b"RIFF" + struct.pack("<I", 0) + b"WAVE" + chunks + data)
+    record = read_record(tmp_path / "a.wav")
+    assert record.channels[0].values.tolist() == [value / 2**23 for value in values]
+    assert record.channels[0].step == 1e-3
+    (tmp_path / "a.wav").write_bytes((tmp_path / "a.wav").read_bytes()[:-4])
+    assert [f.code for f in read_record(tmp_path / "a.wav").findings] == ["wav-scale", "cut-off"]
+
+
+@pytest.mark.parametrize("binary", [0, 1])
+def test_uff(sample, binary):
+    record = read_record(sample("uff", binary=binary))
+    assert (record.format, names(record)) == ("uff", ["board", "frame"])
+    same(record.channels[0], BOARD, rough=1e-5)  # the header writes six digits
+    same(record.channels[1], FRAME, rough=1e-5)
+    assert "data set 58" in record.findings[0].message
+
+
+def test_uff_with_uneven_abscissa(tmp_path):
+    import pyuff
+
+    pyuff.UFF(str(tmp_path / "a.uff")).write_sets([uff_set(0, spacing=0)], "overwrite")
+    same(read_record(tmp_path / "a.uff").channels[0], BOARD, rough=1e-5)
+
+
+def test_tdms(sample):
+    record = read_record(sample("tdms"))
+    assert (record.format, names(record)) == ("tdms", ["blow/board", "blow/frame"])
+    same(record.channels[0], BOARD)
+    same(record.channels[1], FRAME * 16)
+    assert record.channels[0].stamps is None
+
+
+@pytest.mark.parametrize("version", ["3.30", "4.10"])
+def test_mdf(sample, version):
+    record = read_record(sample("mdf", version=version))
+    assert (record.format, names(record)) == ("mdf", ["board", "frame"])
+    same(record.channels[0], BOARD)
+    same(record.channels[1], FRAME)
+    assert np.array_equal(record.channels[0].stamps, TIME)
+
+
+def test_mdf_formulas_are_not_run(tmp_path):
+    asammdf = pytest.importorskip("asammdf")
+    from asammdf.blocks.conversion_utils import from_dict
+
+    linear, formula = from_dict({"a": 0.5, "b": 1.0}), from_dict({"formula": "X1 * 2"})
+    raw = np.arange(5, dtype=np.int16)
+    with asammdf.MDF() as file:
+        signals = [
+            asammdf.Signal(raw, TIME[:5], name=name, conversion=conversion)
+            for name, conversion in (("linear", linear), ("formula", formula))
+        ]
+        file.append(signals)
+        file.save(tmp_path / "blow.mf4")
+    record = read_record(tmp_path / "blow.mf4")
+    assert [channel.values.tolist() for channel in record.channels] == [[1.0, 1.5, 2.0, 2.5, 3.0], [0, 1, 2, 3, 4]]
+    assert [finding.code for finding in record.findings] == ["not-converted"]
+
+
+def test_ide(sample):
+    record = read_record(sample("ide"))
+    assert record.format == "ide"
+    assert [channel.unit for channel in record.channels] == ["g", "g"]
+    same(record.channels[0], BOARD, 1e-3, 0.0)
+    same(record.channels[1], FRAME, 1e-3, 0.0)
+
+
+def test_rigol(sample):
+    """By the layout: volts = (raw - 127) scale / 20 - shift + scale, here of 0.5 V a division and -0.25 V."""
+    record = read_record(sample("rigol"))
+    assert (record.format, names(record)) == ("rigol", ["CH1"])
+    volts = (RAW.astype(float) - 127.0) * 0.5 / 20.0 + 0.25 + 0.5
+    assert record.channels[0].values == pytest.approx(volts, abs=1e-15)
+    assert (record.channels[0].step, record.channels[0].unit) == (4e-9, "V")
+    assert record.channels[0].start == pytest.approx(5e-6 - SIZE / 2 * 4e-9, rel=1e-12)
+
+
+def test_rigol_leaves_matplotlib_and_the_network_alone(sample):
+    path = sample("rigol")
+    import subprocess
+
+    code = (
+        "import sys; from pathlib import Path; from strikewave.records.readers import rigol, Options;"
+        f"rigol.parse(Path({str(path)!r}), Options()); print({{'requests', 'matplotlib'}} & set(sys.modules))"
+    )
+    assert (
+        subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.strip()
+        == "set()"
+    )
+
+
+def test_excel(sample):
+    record = read_record(sample("excel"))
+    assert (record.format, names(record)) == ("excel", ["board", "frame"])
+    same(record.channels[0], BOARD)
+    same(record.channels[1], FRAME)
+
+
+def test_excel_sheets_units_below_names_and_gaps(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (["A blow"], [], ["time", "board"], ["ms", "g"], [0, 1], [1, None], [2, 3], [None, None]):
+        book.active.append(row)
+    book.create_sheet("notes").append(["text"])
+    book.save(tmp_path / "a.xlsx")
+    channel = read_record(tmp_path / "a.xlsx").channels[0]
+    assert (channel.name, channel.unit, channel.step) == ("Sheet/board", "g", 1e-3)
+    assert np.array_equal(channel.values, [1.0, np.nan, 3.0], equal_nan=True)
+
+
+def test_excel_of_a_split_hopkinson_bar():
+    pytest.importorskip("openpyxl")
+    path = SHARED / "steel945-shpb" / "yao_945steel_03.xlsx"
+    if not path.exists():
+        pytest.skip("no measured files beside the repository")
+    record = read_record(path)
+    assert names(record) == ["incident_bar_signal", "transmission_bar_signal"]
+    assert {channel.unit for channel in record.channels} == {"με"}
+    assert record.channels[0].values.size == 20000
+    assert record.channels[0].step == pytest.approx(3.2e-8, rel=1e-6)
+
+
+def test_excel_bombs_are_refused_before_they_are_unpacked(tmp_path):
+    with zipfile.ZipFile(tmp_path / "a.xlsx", "w", zipfile.ZIP_DEFLATED) as packed:
+        packed.writestr("[Content_Types].xml", bytes(300 * 2**20))
+    tracemalloc.start()
+    with pytest.raises(InputError, match="fits into memory"):
+        read_record(tmp_path / "a.xlsx")
+    assert tracemalloc.get_traced_memory()[1] < 64 * 2**20
+    tracemalloc.stop()
+
+
+@pytest.mark.parametrize("form", NEEDS)
+def test_a_missing_extra_says_how_to_install_it(sample, monkeypatch, form):
+    path = sample(form)
+    monkeypatch.setitem(sys.modules, NEEDS[form], None)
+    with pytest.raises(InputError, match=r"pip install 'strikewave\[formats\]'"):
+        read_record(path)
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_the_format_is_told_by_content(sample, form):
+    path = sample(form)
+    expected = read_record(path)
+    for name in ("a.csv", "a.xlsx", "a"):
+        path = path.rename(path.with_name(name))
+        record = read_record(path)
+        assert record.format == expected.format == form
+        assert names(record) == names(expected)
+
+
+@pytest.mark.parametrize("form", sorted(set(FORMATS) - {"text", "lvm"}))
+def test_rate_overrules_and_channels_not_asked_for_cost_nothing(sample, form):
+    path = sample(form)
+    record = read_record(path, Options(rate=50.0))
+    assert {channel.step for channel in record.channels} == {0.02}
+    assert all(channel.stamps is None for channel in record.channels)
+    whole = read_record(path)
+    some = read_record(path, Options(channels=(str(len(whole.channels)),)))
+    assert names(some) == names(whole)
+    assert np.array_equal(some.channels[-1].values, whole.channels[-1].values)
+    for channel in some.channels[:-1]:
+        assert channel.values.strides == (0,)
+        assert np.isnan(channel.values[0])
+
+
+def test_time_by_name_or_number(tmp_path):
+    from scipy.io import savemat
+
+    savemat(tmp_path / "a.mat", {"clock_ticks": TIME, "board": BOARD})
+    for time in ("clock_ticks", "1"):
+        record = read_record(tmp_path / "a.mat", Options(time=time))
+        assert names(record) == ["board"]
+        same(record.channels[0], BOARD, unit="")
+    assert np.isnan(read_record(tmp_path / "a.mat").channels[0].step)
+    with pytest.raises(InputError, match=r"--time.*did you mean \"clock_ticks\""):
+        read_record(tmp_path / "a.mat", Options(time="clock_tick"))
+
+
+def test_arrays_of_objects_are_refused(tmp_path):
+    """NumPy's own files hold pickles; they are no known format."""
+    np.save(tmp_path / "a.npy", np.array([{}], object), allow_pickle=True)
+    with pytest.raises(InputError):
+        read_record(tmp_path / "a.npy")
+
+
+def big_wav(path, count):
+    held = struct.pack(
+        "<4sI4s4sIHHIIHH4sI", b"RIFF", 0, b"WAVE", b"fmt ", 16, 1, 1, 10**6, 0, 2, 16, b"data", 2 * count
+    )
+    with open(path, "wb") as file:
+        file.write(held)
+        file.truncate(len(held) + 2 * count)
+
+
+def big_tdms(path, count):
+    nptdms = pytest.importorskip("nptdms")
+    part = np.zeros(2**20, np.float64)
+    with nptdms.TdmsWriter(str(path)) as file:
+        for _ in range(count // part.size):
+            file.write_segment([nptdms.ChannelObject("a", "b", part, {"wf_increment": 1e-6})])
+
+
+def big_hdf(path, count):
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        file.create_dataset("b", (count,), "f4", chunks=(2**16,)).attrs["dt"] = 1e-6
+        for k in range(0, count, 2**22):
+            file["b"][k : k + 2**22] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("write", "count"),
+    [(big_wav, 100 * 2**20), (big_tdms, 25 * 2**20), (big_hdf, 50 * 2**20)],
+    ids=["wav", "tdms", "hdf"],
+)
+def test_memory_of_200_mb(tmp_path, write, count):
+    """Peak memory stays near that of the float64 array itself."""
+    write(tmp_path / "big", count)
+    assert (tmp_path / "big").stat().st_size >= 200 * 2**20
+    tracemalloc.start()
+    channel = read_record(tmp_path / "big").channels[0]
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert channel.values.size == count
+    assert channel.step == pytest.approx(1e-6)
+    assert peak < 1.3 * channel.values.nbytes
+
+
+def nested_cells(depth):
+    """Return a MATLAB file of cells in cells, which makes readers that follow them run out of stack."""
+
+    def element(kind, data):
+        return struct.pack("<II", kind, len(data)) + data + bytes(-len(data) % 8)
+
+    body = b""
+    for _ in range(depth):
+        head = element(6, struct.pack("<II", 1, 0)) + element(5, struct.pack("<ii", 1, 1)) + element(1, b"")
+        body = element(14, head + body)
+    return b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM" + body
+
+
+HOSTILE = {
+    "wav without frames": b"RIFF\0\0\0\0WAVEfmt \x10\0\0\0\1\0\0\0\0\0\0\0\0\0\0\0\0\0\x10\0data\xff\xff\xff\xff",
+    "wav of no bits": b"RIFF\0\0\0\0WAVEfmt \x10\0\0\0\1\0\1\0\0\0\0\0\0\0\0\0\0\0\0\0data\xff\0\0\0" + bytes(300),
+    "cells without end": nested_cells(300),
+    "a matrix of all memory": b"\0\0\0\0\xff\xff\xff\x7f\xff\xff\xff\x7f\0\0\0\0\2\0\0\0a\0",
+    "hdf of its signature": b"\x89HDF\r\n\x1a\n" + bytes(100),
+    "netcdf of 2^31 dimensions": b"CDF\1\0\0\0\0\0\0\0\n\x7f\xff\xff\xff" + bytes(64),
+    "parquet of its magic": b"PAR1" + bytes(64) + b"\xff\xff\xff\x7fPAR1",
+    "uff of nothing": b"    -1\n    58\n    -1\n",
+    "zip of nothing": b"PK\3\4xl/" + bytes(64),
+    "tdms of 2^63 bytes": b"TDSm" + struct.pack("<lLQQ", 14, 4713, 2**62, 2**62),
+    "mdf of its magic": b"MDF     4.10    " + bytes(200),
+    "ide of its magic": b"\x1aE\xdf\xa3\x87\x42\x82\x84mide" + bytes(200),
+    "rigol of its magic": b"\x01\xff\xff\xff" + bytes(400),
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_files_end_in_an_input_error(tmp_path, name):
+    (tmp_path / "a").write_bytes(HOSTILE[name])
+    tracemalloc.start()
+    with pytest.raises(InputError):
+        read_record(tmp_path / "a")
+    assert tracemalloc.get_traced_memory()[1] < 64 * 2**20
+    tracemalloc.stop()
+
+
+def test_an_ide_file_whose_numbers_are_expressions(sample):
+    """``9**9**9`` in place of a number would keep a reader busy for ever that works it out."""
+    path = sample("ide")
+    held = path.read_bytes()
+    assert b"1/1000000" in held
+    path.write_bytes(held.replace(b"1/1000000", b"9**9**9**"))
+    with pytest.raises(InputError):
+        read_record(path)
