@@ -136,12 +136,13 @@ def trend(places: ArrayLike, values: ArrayLike) -> Trend:
     1.0
     """
     from scipy.special import stdtrit
-    from scipy.stats import linregress
 
     x, y = np.asarray(places, dtype=float), np.asarray(values, dtype=float)
-    line = linregress(x, y)
-    reach = float(stdtrit(x.size - 2, 0.5 + 0.5 * CONFIDENCE)) * float(line.stderr) if x.size > 2 else math.nan
-    slope, mean = float(line.slope), float(np.mean(y))
+    run = x - np.mean(x)
+    slope, mean = float(np.sum(run * y) / np.sum(run**2)), float(np.mean(y))
+    rest = y - mean - slope * run
+    error = math.sqrt(float(np.sum(rest**2)) / (x.size - 2) / float(np.sum(run**2))) if x.size > 2 else math.nan
+    reach = float(stdtrit(x.size - 2, 0.5 + 0.5 * CONFIDENCE)) * error if x.size > 2 else math.nan
     return Trend(slope, slope - reach, slope + reach, slope * float(np.ptp(x)) / abs(mean) if mean else math.nan)
 
 

@@ -7,7 +7,7 @@ import csv
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -340,8 +340,21 @@ def _at_once(block: bytes, grid: Grid) -> list[Array] | None:
         )
     except pa.ArrowInvalid:
         return None
-    columns = [table.column(k).to_numpy() for k in range(len(kept))]
+    columns = [_floats(table.column(k)) for k in range(len(kept))]
     return None if any(np.isinf(column).any() for column in columns) else columns
+
+
+def _floats(column: Any) -> Array:
+    """Return an Arrow column of float64, NaN where it has nothing; Arrow's own way would import pandas (0.3 s)."""
+    parts = []
+    for chunk in column.chunks:
+        valid, held = chunk.buffers()
+        part = np.frombuffer(held, np.float64, len(chunk), 8 * chunk.offset)
+        if chunk.null_count:
+            bits = np.unpackbits(np.frombuffer(valid, np.uint8), bitorder="little")
+            part = np.where(bits[chunk.offset : chunk.offset + len(chunk)], part, np.nan)
+        parts.append(part)
+    return parts[0] if len(parts) == 1 else np.concatenate([np.empty(0), *parts])
 
 
 def _single_blanks(block: bytes) -> bytes:
