@@ -23,6 +23,9 @@ _HOMES = {
     "load_solution": "strikewave.solution",
     "material": "strikewave.materials",
     "materials": "strikewave.materials",
+    "read_record": "strikewave.records",
+    "find_pulses": "strikewave.records",
+    "srs": "strikewave.signal.srs",
     "solve_impact": "strikewave.contact",
     "Contact": "strikewave.contact",
 }

@@ -48,8 +48,19 @@ SOURCES: dict[str, str] = {
         "Vibration Bulletin 51 (1981) 211-217"
     ),
     "iso-18431-4": (
-        "ISO 18431-4:2007, Mechanical vibration and shock - Signal processing - Part 4: Shock-response spectrum analysis"
+        "ISO 18431-4:2007, Mechanical vibration and shock - Signal processing - Part 4: Shock-response spectrum "
+        "analysis"
     ),
+    "goldenshluger-nemirovski-1997": (
+        "A. Goldenshluger, A. Nemirovski, On spatially adaptive estimation of nonparametric regression, "
+        "Mathematical Methods of Statistics 6 (1997) 135-170"
+    ),
+    "siegel-1982": ("A. F. Siegel, Robust regression using repeated medians, Biometrika 69 (1982) 242-244"),
+    "vangel-1996": (
+        "M. G. Vangel, Confidence intervals for a normal coefficient of variation, The American Statistician "
+        "50 (1996) 21-26"
+    ),
+    "sae-j211": ("SAE J211-1, Instrumentation for impact test, part 1: electronic instrumentation, appendix C"),
     "patera-1984": (
         "A. T. Patera, A spectral element method for fluid dynamics: laminar flow in a channel expansion, "
         "Journal of Computational Physics 54 (1984) 468-488"

@@ -192,7 +192,8 @@ def _number_and_unit(text: str, field: str, choices: tuple[str, ...]) -> tuple[f
         number = math.nan
     if found is None or not math.isfinite(number) or number == 0.0:
         example = "10 mV/pC" if choices == ("V/C",) else "1.2 mV/g"
-        raise InputError(field, text, f'a number that is not zero and its unit, such as "{example}"')
+        hint = "" if choices == ("V/C",) else "V or C (or V/V) per g, N, Pa, m/s, m or strain"
+        raise InputError(field, text, f'a number that is not zero and its unit, such as "{example}"', hint)
     return number, *found
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
+from strikewave.errors import InputError
 from strikewave.records.calibration import Calibration, calibrated, calibration_of
 from strikewave.records.clock import even
 from strikewave.records.finding import FIGURES, Finding, worst
@@ -125,7 +126,7 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
     Raises
     ------
     InputError
-        If the calibration does not fit, or nobody gave a time or rate.
+        If the calibration does not fit, nobody gave a time or rate, or the filter is beyond the sampling rate.
     """
     channel, said = calibrated(channel, calibration, f"calibration of {channel.name}")
     channel, mended = even(channel)
@@ -140,6 +141,9 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
     findings += examine(examined)
     unfiltered: tuple[RecordedPulse, ...] = ()
     if request.filter is not None:
+        if not request.filter.cutoff < 0.5 * channel.sampling_rate:
+            allowed = f"a cutoff below half the sampling rate of {channel.name}, {0.5 * channel.sampling_rate:g} Hz"
+            raise InputError("--filter", f"{request.filter.cutoff:g} Hz", allowed)
         unfiltered = pulses
         channel = dataclasses.replace(channel, values=request.filter.apply(channel.values, channel.step))
         pulses = tuple(find_pulses(channel.values, channel.step, channel.start))
