@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -57,8 +57,18 @@ Polarity = Annotated[
 ]
 
 
+def is_bare(text: str) -> bool:
+    """Tell whether a text is a number without a unit."""
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
 def stated_of(**given: Sequence[str] | None) -> dict[str, dict[str, Any]]:
     """Return what was typed of the calibration, a table a channel; ``all`` for values without one.
+
+    A bare voltage is in V.
 
     Raises
     ------
@@ -81,8 +91,27 @@ def stated_of(**given: Sequence[str] | None) -> dict[str, dict[str, Any]]:
                 if typed not in ("1", "+1", "-1"):
                     raise InputError("--polarity", value, "1 or -1")
                 typed = int(typed)
+            elif name in ("excitation", "rated_excitation", "count") and is_bare(typed):
+                typed += " V"
             stated.setdefault(channel.strip() if mark else "all", {})[name] = typed
     return stated
+
+
+def check_channels(stated: Mapping[str, Any], records: Iterable[Record]) -> None:
+    """Refuse a calibration of a channel that no record has.
+
+    Raises
+    ------
+    InputError
+        If there is one.
+    """
+    from strikewave.errors import InputError, nearest
+
+    known = {str(key) for record in records for key in (*record.numbers, *(c.name for c in record.channels))}
+    for channel, table in stated.items():
+        if channel != "all" and channel not in known:
+            option = "--" + next(iter(table)).replace("_", "-")
+            raise InputError(option, f"{channel}=", "a channel of the files, by name or number", nearest(channel, known))
 
 
 def options_of(rate: str | None, time: str | None, channels: Sequence[str] | None) -> Options:

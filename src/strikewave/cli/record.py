@@ -68,7 +68,9 @@ def command(
     height = math.nan if drop_height is None else measured.positive(drop_height, "m", "--drop-height")
     wanted = Request(tuple(channel or ()), stated, height, _filter(cutoff, cfc))
     records = measured.read_all(files, measured.options_of(rate, time, channel))
-    readings = compare([_reading(file, record, wanted) for file, record in zip(files, records, strict=True)])
+    measured.check_channels(stated, (record for record in records if not isinstance(record, Exception)))
+    read = [_reading(file, record, wanted) for file, record in zip(files, records, strict=True)]
+    readings = compare(read)
     numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
     campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
     if out is not None or not json:
@@ -112,27 +114,49 @@ def _write(
     readings: Sequence[FileReading], campaigns: Sequence[Campaign], wanted: Request, out: Path | None, force: bool
 ) -> None:
     from strikewave.figures import save
-    from strikewave.figures.records import record_summary
+    from strikewave.figures.spectra import record_summary
     from strikewave.files import whole_folder
     from strikewave.records import pulse_table
+    from strikewave.records.documents import warnings_of
     from strikewave.report.record_page import RecordFacts, record_report
 
     paths = [Path(reading.path) for reading in readings]
-    name = paths[0].stem if len(paths) == 1 else f"{paths[0].absolute().parent.name or 'records'}-{len(paths)}-records"
+    name = paths[0].stem if len(paths) == 1 else paths[0].absolute().parent.name or "records"
     folder, replace = (Path("out") / name, True) if out is None else (out, force)
     asked = shlex.join(["strikewave", *sys.argv[1:]])
     with whole_folder(folder, text := measured.identity(asked, paths), replace) as place:
-        facts = RecordFacts(title=name, command=asked, filter=wanted.filter)
+        facts = RecordFacts(
+            title=f"{len(paths)} records of {name}" if len(paths) > 1 else paths[0].name,
+            command=asked,
+            calibrations=_calibrations(wanted, paths),
+            filter=wanted.filter,
+            digests={str(path): measured.digest_of(path) for path in paths if path.is_file()},
+        )
         (place / "record.toml").write_text(text, "utf-8")
         (place / "pulses.csv").write_text(pulse_table(readings), "utf-8")
         save(record_summary(readings, campaigns[0] if campaigns else None), place / "summary.svg")
-        (place / "report.html").write_text(record_report(readings, campaigns, facts), "utf-8", newline="\n")
+        (place / "report.html").write_text(
+            record_report(readings, campaigns, facts, warnings_of(readings)), "utf-8", newline="\n"
+        )
     say(f"written: {folder}/ (report.html, summary.svg, pulses.csv, record.toml)")
+
+
+def _calibrations(wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str]]:
+    """Return where a calibration was stated, and what."""
+    from strikewave.records import calibrations_beside
+
+    layers = {"command line": wanted.calibrations}
+    layers |= {f"beside {path.name}": stated for path in paths if (stated := calibrations_beside(path))}
+    return [
+        (where, f"{channel}: " + ", ".join(f"{key} = {value}" for key, value in table.items()))
+        for where, stated in layers.items()
+        for channel, table in stated.items()
+    ]
 
 
 def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> None:
     rows = [row for file in readings for row in _rows(file)]
-    columns = ["file", "channel", "status", "blows", "peak", "rise (us)", "width (us)", "velocity change", "why"]
+    columns = ["file", "channel", "status", "blows", "peak", "rise (us)", "width (us)", "velocity change"]
     shown = rows[:MOST_ROWS]
     title = f"{len(readings)} records" if len(readings) > 1 else readings[0].path
     table(
@@ -151,10 +175,9 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
 def _rows(file: FileReading) -> list[list[str]]:
 
     if not file.channels:
-        return [[_short(file.path), "-", file.status, "-", "-", "-", "-", "-", "; ".join(file.reasons)]]
+        return [[_short(file.path), "-", file.status, "-", "-", "-", "-", "-"]]
     rows = []
     for reading in file.channels:
-        why = [f.message for f in (*file.findings, *reading.findings) if f.severity != "good"]
         unit = reading.channel.unit
         means = {
             name: _mean([getattr(pulse, name) for pulse in reading.pulses])
@@ -172,7 +195,6 @@ def _rows(file: FileReading) -> list[list[str]]:
                 number(means["rise"], "s", "us"),
                 number(means["width"], "s", "us"),
                 _integral(means["velocity_change"], unit),
-                "; ".join(why),
             ]
         )
     return rows
@@ -215,7 +237,7 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading]) -> None
         say(f"{campaign.channel}: nothing is left to sum up")
         return
     columns = ["figure", "mean", "scatter (CV)", "mean, 95 % bounds", "blows", "trend over the files"]
-    table(f"All files, channel {campaign.channel}", columns, rows)
+    table(f"All blows together: {campaign.channel}", columns, rows)
     if any(" *" in row[-1] for row in rows):
         say("* a trend that scatter alone gives in less than 5 % of campaigns")
     left = {path for path, _, _ in campaign.left_out}
@@ -231,7 +253,7 @@ def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) ->
         cutoffs = [cutoff for cutoff in map(cutoff_for, readings) if cutoff is not None]
         if cutoffs:
             kilohertz = significant(max(cutoffs) / 1e3, 3)
-            say(f"a low-pass of {kilohertz} kHz or more keeps 98 % of the peak of every blow (--filter)")
+            say(f"a low-pass of {kilohertz} kHz or more (--filter) leaves 98 % of a smooth pulse as steep as these")
         return
     for reading in readings:
         effect = filter_effect(reading, filter_)

@@ -114,7 +114,9 @@ def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> Chan
     from strikewave.records import Request, calibrations_beside, read_file, read_record
 
     wanted = Request(options.channels or ("1",), stated)
-    reading = read_file(read_record(file, options), calibrations_beside(Path(file)), wanted)
+    record = read_record(file, options)
+    measured.check_channels(stated, [record])
+    reading = read_file(record, calibrations_beside(Path(file)), wanted)
     for finding in reading.all_findings:
         if finding.severity != "good" and "spectrum" in finding.harms:
             say(f"{finding.severity} [{finding.code}]: {finding.message}")

@@ -1,13 +1,29 @@
 """Measured records: read, calibrate, check their health, find pulses, sum up a campaign."""
 
-from strikewave.records.calibration import Calibration, calibrations_beside
-from strikewave.records.campaign import Campaign, Statistic, Trend, compare, summed
-from strikewave.records.documents import pulse_table, record_document
-from strikewave.records.finding import Finding, unreadable, worst
-from strikewave.records.measuring import RecordedPulse, find_pulses
-from strikewave.records.readers import Options, read_record
-from strikewave.records.reading import ChannelReading, FileReading, Request, read_file
-from strikewave.records.record import Channel, Record
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from strikewave.records.calibration import Calibration, calibrations_beside
+    from strikewave.records.campaign import Campaign, Statistic, Trend, compare, summed
+    from strikewave.records.documents import pulse_table, record_document
+    from strikewave.records.finding import Finding, unreadable, worst
+    from strikewave.records.measuring import RecordedPulse, find_pulses
+    from strikewave.records.readers import Options, read_record
+    from strikewave.records.reading import ChannelReading, FileReading, Request, read_file
+    from strikewave.records.record import Channel, Record
+
+_ROOMS = {
+    "calibration": ("Calibration", "calibrations_beside"),
+    "campaign": ("Campaign", "Statistic", "Trend", "compare", "summed"),
+    "documents": ("pulse_table", "record_document"),
+    "finding": ("Finding", "unreadable", "worst"),
+    "measuring": ("RecordedPulse", "find_pulses"),
+    "readers": ("Options", "read_record"),
+    "reading": ("ChannelReading", "FileReading", "Request", "read_file"),
+    "record": ("Channel", "Record"),
+}
+_HOMES = {name: room for room, names in _ROOMS.items() for name in names}
 
 __all__ = [
     "Calibration",
@@ -33,3 +49,10 @@ __all__ = [
     "unreadable",
     "worst",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used: a process that only reads a file needs no compiled kernels."""
+    if name in _HOMES:
+        return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

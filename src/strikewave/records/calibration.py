@@ -17,6 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from strikewave.errors import InputError, nearest
 from strikewave.records.finding import Finding
 from strikewave.records.record import Channel
@@ -26,7 +28,9 @@ MEASURED = ("m/s^2", "m/s", "m", "N", "Pa", "1")
 """SI units that a channel can have once calibrated; 1 is strain."""
 FOLDER_FILE = "calibration.toml"
 """The file that calibrates all records of its folder; FILE.toml calibrates FILE alone and goes first."""
-LARGEST_FILE = 1_000_000
+LARGEST_FILE = 100_000
+MOST_DOTS = 40
+"""In one line of such a file: keys nested thousands deep take gigabytes to read."""
 _SPELLINGS = {
     "G": "g", "gs": "g", "g's": "g", "gn": "g", "g_n": "g", "grav": "g",
     "volt": "V", "volts": "V", "v": "V", "millivolts": "mV",
@@ -95,7 +99,7 @@ class Calibration:
             known = known_unit(unit)
             return Scale(float(self.polarity), "") if known is None else Scale(self.polarity * known[1], known[0])
         output, per, measured = _sensitivity(self.sensitivity, f"{field}.sensitivity")
-        volts = parse_quantity(self.count, "V", f"{field}.count") if self.count else _volts(unit, field)
+        volts = _voltage(self.count, f"{field}.count") if self.count else _volts(unit, field)
         per *= self._excited(output, field) * self._gain(output, field)
         factor = self.polarity * volts / per if per else math.inf
         if not math.isfinite(factor) or factor == 0.0:
@@ -103,7 +107,7 @@ class Calibration:
         return Scale(factor, measured)
 
     def _excited(self, output: str, field: str) -> float:
-        volts = parse_quantity(self.excitation, "V", f"{field}.excitation") if self.excitation else 0.0
+        volts = _voltage(self.excitation, f"{field}.excitation") if self.excitation else 0.0
         if output == "V/V":
             if not volts:
                 raise InputError(
@@ -113,7 +117,7 @@ class Calibration:
         if bool(self.excitation) != bool(self.rated_excitation):
             missing = "rated_excitation" if self.excitation else "excitation"
             raise InputError(f"{field}.{missing}", "", "a voltage", "excitation and rated_excitation go together")
-        return volts / parse_quantity(self.rated_excitation, "V", f"{field}.rated_excitation") if volts else 1.0
+        return volts / _voltage(self.rated_excitation, f"{field}.rated_excitation") if volts else 1.0
 
     def _gain(self, output: str, field: str) -> float:
         if output == "C":
@@ -170,8 +174,16 @@ def calibrated(channel: Channel, calibration: Calibration, field: str = "calibra
     elif scale.unit == "V":
         message = 'the file holds volts: figures are in V; say what one volt is, such as --sensitivity "1.2 mV/g"'
         findings.append(Finding("not-calibrated", message, severity="good"))
-    values = channel.values if scale.factor == 1.0 else channel.values * scale.factor
+    with np.errstate(over="ignore"):
+        values = channel.values if scale.factor == 1.0 else channel.values * scale.factor
     return dataclasses.replace(channel, values=values, unit=scale.unit), findings
+
+
+def _voltage(text: str, field: str) -> float:
+    value = parse_quantity(text, "V", field)
+    if not value > 0.0:
+        raise InputError(field, text, "a voltage above zero")
+    return value
 
 
 def _volts(unit: str, field: str) -> float:
@@ -185,7 +197,8 @@ def _volts(unit: str, field: str) -> float:
 
 def _number_and_unit(text: str, field: str, choices: tuple[str, ...]) -> tuple[float, str, float]:
     match = re.fullmatch(r"\s*([+-]?[0-9.]{1,20}(?:[eE][+-]?\d{1,3})?)\s*(\S.{0,40})", text[:80])
-    found = convertible(match[2], choices) if match else None
+    unit = re.sub(r"/\s*\(([^()/]*)/([^()/]*)\)", r"/\1*\2", match[2].replace("²", "^2")) if match else ""
+    found = convertible(unit, choices) if unit else None
     try:
         number = float(match[1]) if match else math.nan
     except ValueError:
@@ -193,7 +206,8 @@ def _number_and_unit(text: str, field: str, choices: tuple[str, ...]) -> tuple[f
     if found is None or not math.isfinite(number) or number == 0.0:
         example = "10 mV/pC" if choices == ("V/C",) else "1.2 mV/g"
         hint = "" if choices == ("V/C",) else "V or C (or V/V) per g, N, Pa, m/s, m or strain"
-        raise InputError(field, text, f'a number that is not zero and its unit, such as "{example}"', hint)
+        allowed = f'a number that is not zero and its unit, such as "{example}"'
+        raise InputError(field, text, allowed, hint)
     return number, *found
 
 
@@ -204,7 +218,9 @@ def _sensitivity(text: str, field: str) -> tuple[str, float, str]:
         f"{output}*{inverse}".replace("*1/", "/"): (output, si) for output in "VC" for si, inverse in per.items()
     }
     choices |= {inverse: ("V/V", si) for si, inverse in per.items()}
-    choices |= {"V": ("V", "1"), "C": ("C", "1")}
+    slashes = text.count("/")
+    choices |= {"V": ("V", "1"), "C": ("C", "1")} if slashes else {}
+    choices |= {"1": ("V/V", "1")} if slashes > 1 else {}
     number, si, factor = _number_and_unit(text, field, tuple(choices))
     output, measured = choices[si]
     return output, number * factor, measured
@@ -218,12 +234,25 @@ def calibrations_beside(path: Path) -> dict[str, dict[str, Any]]:
     InputError
         If such a file is too large, is not TOML, or has a key that is not known.
     """
-    stated: dict[str, dict[str, Any]] = {}
-    for file in (path.with_name(FOLDER_FILE), path.with_name(path.name + ".toml")):
-        if file.is_file():
-            for name, table in read_calibrations(file).items():
-                stated[name] = {**stated.get(name, {}), **table}
-    return stated
+    beside = (path.with_name(FOLDER_FILE), path.with_name(path.name + ".toml"))
+    return laid_over(*(read_calibrations(file) for file in beside if file.is_file()))
+
+
+def laid_over(*layers: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Lay tables over each other, channel by channel; a later ``all`` goes over an earlier channel.
+
+    Examples
+    --------
+    >>> laid_over({"frame": {"unit": "g"}}, {"all": {"unit": "V"}})
+    {'frame': {'unit': 'V'}, 'all': {'unit': 'V'}}
+    """
+    merged: dict[str, dict[str, Any]] = {}
+    for layer in layers:
+        for key in merged:
+            merged[key] |= layer.get("all", {})
+        for key, table in layer.items():
+            merged[key] = {**merged.pop(key, {}), **table}
+    return merged
 
 
 def read_calibrations(file: Path) -> dict[str, dict[str, Any]]:
@@ -237,11 +266,17 @@ def read_calibrations(file: Path) -> dict[str, dict[str, Any]]:
     try:
         if file.stat().st_size > LARGEST_FILE:
             raise InputError(str(file), f"{file.stat().st_size} bytes", f"at most {LARGEST_FILE} bytes")
-        data = tomllib.loads(file.read_text("utf-8-sig"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        text = file.read_text("utf-8-sig")
+        if max(line.count(".") for line in text.split("\n")) > MOST_DOTS:
+            raise InputError(str(file), "a key of many parts", "tables [all] and [channel.NAME]")
+        data = tomllib.loads(text)
+    except InputError:
+        raise
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(str(file), str(error)[:60], "a calibration in TOML") from None
-    if data.pop("schema", 1) != 1:
-        raise InputError(f"{file}: schema", "another", "1")
+    schema = data.pop("schema", 1)
+    if schema != 1 or isinstance(schema, bool):
+        raise InputError(f"{file}: schema", schema, "1")
     extra = sorted(set(data) - {"all", "channel"})
     if extra:
         raise InputError(
@@ -271,14 +306,17 @@ def _checked(table: Any, field: str) -> dict[str, Any]:
 
 
 def calibration_of(stated: Mapping[str, Mapping[str, Any]], name: str, number: int) -> Calibration:
-    """Return the calibration of a channel: its own table over the one for all; by name or by number.
+    """Return the calibration of a channel: its own table, by name or by number, over the one for all.
+
+    Where both its name and its number stand, the later goes over the earlier.
 
     Examples
     --------
     >>> calibration_of({"all": {"unit": "V"}, "2": {"unit": "g"}}, "frame", 2).unit
     'g'
     """
-    merged: dict[str, Any] = {}
-    for key in ("all", str(number), name):
-        merged |= stated.get(key, {})
+    merged = dict(stated.get("all", {}))
+    for key, table in stated.items():
+        if key in (str(number), name):
+            merged |= table
     return Calibration(**merged)

@@ -20,6 +20,8 @@ GAP = 1.5
 """A step longer than this many is a gap."""
 MOST_LOST = 0.1
 """A record that lacks more than this share of its samples is bad."""
+SENSELESS = 1e30
+"""No time, and no sample, is as large: instruments write such numbers for none (9.9e37)."""
 
 
 def even(channel: Channel) -> tuple[Channel, list[Finding]]:
@@ -49,14 +51,17 @@ def even(channel: Channel) -> tuple[Channel, list[Finding]]:
 
 def _on_even_clock(channel: Channel, stamps: Array) -> tuple[Channel, list[Finding]]:
     findings = []
-    finite = np.isfinite(stamps)
-    if not finite.all():
-        share = 1.0 - float(finite.mean())
-        findings.append(
-            Finding("time-missing", f"{share:.2%} of the time stamps are no numbers; their samples are left out", share)
-        )
-    values, stamps = channel.values[finite], stamps[finite]
+    here = np.abs(stamps) < SENSELESS
+    if not here.all():
+        share = 1.0 - float(here.mean())
+        words = f"{share:.2%} of the time stamps are no times; their samples are left out"
+        findings.append(Finding("time-missing", words, share))
+    values, stamps = channel.values[here], stamps[here]
     steps = np.diff(stamps)
+    rounded = _rounded(stamps, steps)
+    if rounded is not None:
+        start, step = rounded
+        return dataclasses.replace(channel, values=values, step=step, start=start, stamps=None), findings
     back = int(np.count_nonzero(steps < 0.0))
     same = int(np.count_nonzero(steps == 0.0))
     if back:
@@ -73,16 +78,17 @@ def _on_even_clock(channel: Channel, stamps: Array) -> tuple[Channel, list[Findi
         steps = np.diff(stamps)
     if stamps.size < 2:
         return dataclasses.replace(channel, values=values, stamps=None), findings
-    step = _step(stamps, steps)
-    findings += _gaps(stamps, steps, step)
-    grid_size = round((stamps[-1] - stamps[0]) / step) + 1
-    rounding = _rounding(stamps)
+    usual = float(np.median(steps))
+    near = steps[np.abs(steps - usual) <= 0.5 * usual]
+    step = float(np.mean(near)) if near.size else usual
+    grid_size = round(float(stamps[-1] - stamps[0]) / step) + 1
+    bridged = grid_size <= 4 * stamps.size + 1000
+    rounding = _last_digit(stamps) if _share_odd(steps, usual) > 0.1 else 0.0
+    findings += _gaps(stamps, steps, (step, rounding), bridged)
     stray = 0.0
     if grid_size == stamps.size:
         stray = float(np.max(np.abs(stamps - stamps[0] - step * np.arange(stamps.size))))
-    if grid_size != stamps.size or stray > UNEVEN * step + rounding:
-        if grid_size > 4 * stamps.size + 1000:
-            return dataclasses.replace(channel, values=values, step=step, start=float(stamps[0]), stamps=None), findings
+    if bridged and (grid_size != stamps.size or stray > UNEVEN * step + rounding):
         if not any(f.code == "gap" for f in findings):
             words = f"time stamps stray by up to {stray / step:.1%} of a step; the record is put on an even clock"
             findings.append(
@@ -93,31 +99,45 @@ def _on_even_clock(channel: Channel, stamps: Array) -> tuple[Channel, list[Findi
     return dataclasses.replace(channel, values=values, step=step, start=float(stamps[0]), stamps=None), findings
 
 
-def _step(stamps: Array, steps: Array) -> float:
-    """Return the step: from first stamp to last where nothing is missing, the usual one otherwise."""
-    usual = float(np.median(steps))
-    mean = float(stamps[-1] - stamps[0]) / steps.size
-    if abs(mean - usual) <= UNEVEN * usual + _rounding(stamps):
-        return mean
-    near = steps[np.abs(steps - usual) < 0.5 * usual]
-    return float(np.mean(near)) if near.size else usual
+def _rounded(stamps: Array, steps: Array) -> tuple[float, float] | None:
+    """Return start and step of time stamps that are even but for their last digit; None for others.
+
+    Rounding may make neighbours equal. One lost sample strays as little; but then all other steps are the same.
+    """
+    if steps.size < 2 or not stamps[-1] > stamps[0] or float(np.min(steps)) < 0.0:
+        return None
+    places = np.arange(stamps.size) - 0.5 * steps.size
+    middle = float(np.mean(stamps))
+    step = float(np.dot(places, stamps - middle) / np.dot(places, places))
+    stray = float(np.max(np.abs(stamps - middle - step * places)))
+    if _share_odd(steps, float(np.median(steps))) <= 0.005 or stray > 1.001 * _last_digit(stamps):
+        return None
+    return middle - 0.5 * step * steps.size, step
 
 
-def _rounding(stamps: Array) -> float:
-    """Return the last digit of time stamps that were rounded when they were written, s."""
-    sample = stamps[:: max(stamps.size // 200, 1)]
-    largest = float(np.max(np.abs(sample)))
-    if largest == 0.0:
+def _share_odd(steps: Array, usual: float) -> float:
+    """Return the share of steps that are not the usual one."""
+    return float(np.mean(np.abs(steps - usual) > UNEVEN * usual))
+
+
+def _last_digit(stamps: Array) -> float:
+    """Return the worth of the last digit of the largest time stamps, as they were rounded when written, s."""
+    part = np.abs(stamps[-max(stamps.size // 10, 50) :])
+    largest = float(np.max(part))
+    if largest < 1e-200:
         return 0.0
+    decade = math.floor(math.log10(largest))
+    part = part[part >= 10.0**decade]
     for digits in range(3, 15):
-        unit = 10.0 ** (math.floor(math.log10(largest)) - digits + 1)
-        if np.all(np.abs(sample / unit - np.round(sample / unit)) < 1e-4):
-            return unit
+        unit = 10.0 ** (decade - digits + 1)
+        if np.all(np.abs(part / unit - np.round(part / unit)) < 1e-4):
+            return max(unit, float(np.spacing(largest)))
     return float(np.spacing(largest))
 
 
-def _gaps(stamps: Array, steps: Array, step: float) -> list[Finding]:
-    wide = np.flatnonzero(steps > GAP * step + _rounding(stamps))
+def _gaps(stamps: Array, steps: Array, clock: tuple[float, float], bridged: bool) -> list[Finding]:
+    step, rounding = clock
+    wide = np.flatnonzero(steps > GAP * step + rounding)
     if not wide.size:
         return []
     lost = float(np.sum(steps[wide])) - step * wide.size
@@ -125,7 +145,8 @@ def _gaps(stamps: Array, steps: Array, step: float) -> list[Finding]:
     longest = int(wide[np.argmax(steps[wide])])
     words = (
         f"{wide.size} gap{'s' if wide.size > 1 else ''} in time, {share:.2%} of the record, the longest "
-        f"{steps[longest]:.3g} s after {stamps[longest]:g} s; bridged by straight lines"
+        f"{steps[longest]:.3g} s after {stamps[longest]:g} s; "
+        + ("bridged by straight lines" if bridged else "too long to be bridged")
     )
     severity, harms = ("bad", FIGURES) if share > MOST_LOST else ("suspect", ("spectrum",))
     return [Finding("gap", words, lost, severity, harms, float(stamps[longest]), float(stamps[longest + 1]))]
@@ -133,7 +154,7 @@ def _gaps(stamps: Array, steps: Array, step: float) -> list[Finding]:
 
 def _filled(channel: Channel) -> tuple[Channel, list[Finding]]:
     values = channel.values
-    missing = ~np.isfinite(values)
+    missing = ~(np.abs(values) < SENSELESS)
     count = int(np.count_nonzero(missing))
     if not count:
         return channel, []

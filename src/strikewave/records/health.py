@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.records.finding import FIGURES, Finding
-from strikewave.records.measuring import RecordedPulse
+from strikewave.records.measuring import LOOK_BACK, RecordedPulse
 from strikewave.records.pulses import robust_line, sample_noise
 from strikewave.units import STANDARD_GRAVITY, in_unit
 
@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 BLOW = ("peak", "rise", "width", "velocity_change")
 """Figures of a single blow."""
+HALF_SINE_WIDTH = 1.0 - 2.0 * math.asin(0.1) / math.pi
+"""Width at 10 % of the peak of a half-sine, over its duration."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +58,8 @@ class Examined:
         """Write a value with its unit: accelerations in g."""
         if self.unit == "m/s^2":
             return f"{in_unit(value, 'm/s^2', 'g'):.5g} g"
+        if self.unit == "1":
+            return f"{1e6 * value:.5g} ustrain"
         return f"{value:.5g} {self.unit}".strip()
 
     def time(self, place: float) -> float:
@@ -106,7 +110,13 @@ def not_settled(record: Examined) -> list[Finding]:
         findings = []
         part = max(record.values.size // 20, 8)
         begin, end = (float(np.ptp(piece)) for piece in (record.values[:part], record.values[-part:]))
-        if begin > 5.0 * end and begin > 20.0 * noise:
+        above, below = (float(np.max(sign * (record.values[:part] - middle))) for sign in (1.0, -1.0))
+        over = float(np.ptp(record.values[part : 2 * part])) < 0.1 * begin
+        if begin > 20.0 * max(noise, 0.25 * end) and over and min(above, below) < 0.1 * max(above, below):
+            peak = above if above > below else -below
+            words = f"the record begins in a blow, at {record.said(peak)}: it is cut; record some time before the blow"
+            findings.append(Finding("cut", words, record.start, "bad", FIGURES, record.start))
+        elif begin > 5.0 * end and begin > 20.0 * noise:
             words = (
                 f"the record begins while something still swings ({record.said(begin)} from top to bottom, at its end "
                 f"{record.said(end)})"
@@ -117,7 +127,14 @@ def not_settled(record: Examined) -> list[Finding]:
             findings.append(Finding("not-settled", words, middle, "bad", FIGURES))
         return findings
     share = max(abs(drift), abs(pulse.offset)) / abs(pulse.peak)
-    if share <= 0.05:
+    missed = 0.5 * LOOK_BACK * abs(line.slope) * max(pulse.width, record.step) / record.step / abs(pulse.peak)
+    if missed > 0.02:
+        words = (
+            f"the zero drifts by {record.said(drift)} over the record, so that the peak above it may be wrong by "
+            f"{missed:.1%}: let the sensor settle"
+        )
+        return [Finding("not-settled", words, pulse.offset, "suspect", (*BLOW, "spectrum"))]
+    if not share > 0.05:
         return []
     words = (
         f"the zero stands at {record.said(pulse.offset)}, {abs(pulse.offset / pulse.peak):.1%} of the peak, and "
@@ -130,11 +147,14 @@ def not_settled(record: Examined) -> list[Finding]:
 def clipped(record: Examined) -> list[Finding]:
     """Find where the record stops at one value again and again: the recorder's range ended there.
 
-    A plateau of a rounded top in a coarse recorder is no clipping: there the steps beside it are long too.
+    A plateau of a rounded top in a coarse recorder is no clipping: there the steps beside it are long too. Neither is
+    the quiet zero of a record that goes to one side of it only.
     """
     findings = []
+    pulse = record.largest
+    zero = float(np.median(record.values)) if pulse is None else pulse.offset
     for sign in (1.0, -1.0):
-        run = _plateau(sign * record.values)
+        run = _plateau(sign * record.values, sign * zero)
         if run is None:
             continue
         first, last, level = run
@@ -155,7 +175,8 @@ def saturated(record: Examined) -> list[Finding]:
             continue
         inside = np.abs(record.values[record.place(pulse.begin) : record.place(pulse.end) + 1] - pulse.offset)
         depth = min(0.02 + 4.0 * pulse.noise / abs(pulse.peak), 0.5)
-        flat = _longest(inside >= (1.0 - depth) * abs(pulse.peak)) * record.step / pulse.width
+        first, last = _longest(inside >= (1.0 - depth) * abs(pulse.peak))
+        flat = (last - first + 1) * record.step / pulse.width
         usual = (1.0 - 2.0 / math.pi * math.asin(1.0 - depth)) * 1.07
         if flat > usual + 0.15:
             words = (
@@ -168,6 +189,14 @@ def saturated(record: Examined) -> list[Finding]:
 
 def zero_shift(record: Examined) -> list[Finding]:
     """Find a zero after the blows that is not that before them."""
+    step = _level_step(record.values)
+    if step is not None:
+        place, shift = step
+        words = (
+            f"at {record.time(place):.6g} s the zero shifts by {record.said(shift)} and stays there: the sensor was "
+            "overloaded or came loose"
+        )
+        return [Finding("zero-shift", words, shift, "bad", FIGURES, record.time(place))]
     if not record.pulses:
         return []
     last = record.pulses[-1]
@@ -212,11 +241,11 @@ def velocity_drift(record: Examined) -> list[Finding]:
 
 
 def few_samples(record: Examined) -> list[Finding]:
-    """Find blows of few samples: the highest of n in a half-sine may miss its peak by 1 - cos(pi / (2 n))."""
+    """Find blows of few samples: a half-sine that lasts n of them may lose 1 - cos(pi / (2 n)) of its peak."""
     widths = [p.width for p in record.pulses if p.width > 0.0]
     if not widths:
         return []
-    count = min(widths) / record.step
+    count = min(widths) / HALF_SINE_WIDTH / record.step
     if count >= 20.0:
         return []
     loss = 1.0 - math.cos(math.pi / (2.0 * max(count, 1.0)))
@@ -330,29 +359,48 @@ CHECKS = (
 """Every check, in the order of their findings."""
 
 
-def _plateau(values: Array) -> tuple[int, int, float] | None:
+def _plateau(values: Array, zero: float) -> tuple[int, int, float] | None:
     """Return first and last sample and height of the longest run at the largest value, where that is a clipped one."""
     level = float(np.max(values))
-    at = np.flatnonzero(values == level)
-    runs = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
-    run = max(runs, key=len)
-    first, last = int(run[0]), int(run[-1])
-    if run.size < 3:
+    first, last = _longest(values == level)
+    size = last - first + 1
+    if size < 3:
         return None
-    near = values[max(first - 10 * run.size, 0) : last + 10 * run.size + 1]
+    near = values[max(first - 10 * size, 0) : last + 10 * size + 1]
     levels = np.unique(near)
     if levels.size < 3:
         return None
     resolution = float(np.min(np.diff(levels)))
+    if level - zero <= max(3.0 * resolution, 0.01 * (level - float(np.min(values)))):
+        return None
     beside = 0
     for direction in (-1, 1):
         k = first - 1 if direction < 0 else last + 1
         while 0 <= k < values.size and values[k] >= level - 2.0 * resolution:
             beside, k = beside + 1, k + direction
-    return (first, last, level) if run.size >= 3 * max(beside, 1) else None
+    return (first, last, level) if size >= 3 * max(beside, 1) else None
 
 
-def _longest(flags: NDArray[np.bool_]) -> int:
-    """Return the length of the longest run of true."""
+def _longest(flags: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return first and last place of the longest run of true; (0, -1) where there is none."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
-    return int(np.max(edges[1::2] - edges[::2])) if edges.size else 0
+    if not edges.size:
+        return 0, -1
+    k = int(np.argmax(edges[1::2] - edges[::2]))
+    return int(edges[2 * k]), int(edges[2 * k + 1]) - 1
+
+
+def _level_step(values: Array) -> tuple[int, float] | None:
+    """Return where a record steps from one quiet level to another, and by how much; None where it does not.
+
+    The step is at least 8 % of what the record spans, and ten times what either level strays.
+    """
+    sums = np.cumsum(values - np.mean(values))
+    place = int(np.argmax(np.abs(sums))) + 1
+    parts = values[:place], values[place:]
+    if min(part.size for part in parts) < max(16, values.size // 20):
+        return None
+    before, after = (float(np.median(part)) for part in parts)
+    stray = max(float(np.quantile(np.abs(part - np.median(part)), 0.8)) for part in parts)
+    shift = after - before
+    return (place, shift) if abs(shift) > max(10.0 * stray, 0.08 * float(np.ptp(values))) else None

@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 from strikewave.errors import InputError
-from strikewave.records.calibration import Calibration, calibrated, calibration_of
+from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
 from strikewave.records.finding import FIGURES, Finding, worst
 from strikewave.records.health import Examined, examine
@@ -178,20 +178,9 @@ def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: 
     """
     wanted = record.only(request.channels).channels
     places = {id(channel): number for number, channel in enumerate(record.channels, start=1)}
+    merged = laid_over(stated, request.calibrations)
     readings = []
     for channel in wanted:
         number = places[id(channel)]
-        merged = _merged(stated, request.calibrations)
         readings.append(read_channel(channel, number, calibration_of(merged, channel.name, number), request))
     return FileReading(record.path, record.format, tuple(readings), record.findings)
-
-
-def _merged(*layers: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
-    """Lay tables over each other, channel by channel; a later ``all`` goes over an earlier channel."""
-    merged: dict[str, dict[str, Any]] = {}
-    for layer in layers:
-        for key in merged:
-            merged[key] |= layer.get("all", {})
-        for key, table in layer.items():
-            merged[key] = {**merged.get(key, {}), **table}
-    return merged

@@ -9,6 +9,7 @@ import functools
 import hashlib
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from importlib import resources
 from itertools import pairwise
 from statistics import median
@@ -29,6 +30,47 @@ if TYPE_CHECKING:
     from strikewave.solution import Solution
 
 _CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff]")
+
+
+@dataclass(frozen=True)
+class Head:
+    """What stands above the sections of a page.
+
+    Attributes
+    ----------
+    title : str
+        Of the page.
+    kicker : str
+        What kind of report it is.
+    subject, name : str
+        What was run or read, such as ``Case``, and what it is called.
+    digest : str
+        SHA-256 of it; empty where there is none.
+    status : Tag
+        How it went.
+    summary : str
+        What happened, in words.
+    numbers : sequence of (str, str)
+        Key numbers: label and value with its unit.
+    foot : str
+        What the foot of the page says.
+    """
+
+    title: str
+    kicker: str
+    subject: str
+    name: str
+    digest: str
+    status: Tag
+    summary: str
+    numbers: Sequence[tuple[str, str]]
+    foot: str
+
+
+def whole_page(head: Head, sections: Sequence[Section]) -> str:
+    """Return a page: its head, a summary, the sections in their order."""
+    page = _template().render(vars(head), version=__version__, css=_css(), sections=list(_numbered(sections)))
+    return _CONTROL.sub("\ufffd", page)
 
 
 def report(solution: Solution, sections: Sequence[Section] = ()) -> str:
@@ -66,18 +108,21 @@ def report(solution: Solution, sections: Sequence[Section] = ()) -> str:
         chapters.sources(solution),
         chapters.reproduction(solution.case, text, digest),
     ]
-    page = _template().render(
-        title=solution.title,
-        name=solution.case.name,
-        version=__version__,
-        digest=digest,
-        css=_css(),
-        status=_status(solution),
-        summary=_summary(solution, whole),
-        numbers=_key_numbers(solution),
-        sections=list(_numbered(listing)),
+    name = solution.case.name
+    return whole_page(
+        Head(
+            title=solution.title,
+            kicker="Report of a run",
+            subject="Case",
+            name=name,
+            digest=digest,
+            status=_status(solution),
+            summary=_summary(solution, whole),
+            numbers=_key_numbers(solution),
+            foot=f"case {name or 'without name'} · SHA-256 of the case text {digest}",
+        ),
+        listing,
     )
-    return _CONTROL.sub("\ufffd", page)
 
 
 def bar_report(solution: BarSolution) -> str:
