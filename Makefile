@@ -26,7 +26,7 @@ test: $(VENV)/dev
 	$(BIN)/python -m pytest
 
 verify: $(VENV)/dev
-	STRIKEWAVE_VERIFY=1 $(BIN)/python -m pytest tests/records/test_fuzz.py tests/records/test_planted.py
+	STRIKEWAVE_VERIFY=1 $(BIN)/python -m pytest -n 2 --dist worksteal tests/records/test_fuzz.py tests/records/test_planted.py
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check .

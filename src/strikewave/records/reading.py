@@ -10,16 +10,21 @@ from itertools import pairwise
 from typing import Any
 
 from strikewave.errors import InputError
+import numpy as np
+
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
 from strikewave.records.finding import FIGURES, Finding, worst
 from strikewave.records.health import Examined, examine
 from strikewave.records.measuring import RecordedPulse, find_pulses
+from strikewave.records.pulses import robust_line
 from strikewave.records.record import Channel, Record
 from strikewave.signal.filters import Filter
 
 FEWEST = 16
 """Samples that a record needs."""
+STRAIGHT, TINY = 1e-10, 1e-100
+"""What is bent by less than this share of its largest value, or by so little, is a straight line."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +141,7 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
             words = f"{channel.values.size} samples; a record needs at least {FEWEST}"
             findings.append(Finding("too-short", words, channel.values.size, "bad", FIGURES))
         return ChannelReading(channel, number, (), tuple(findings), calibration)
-    pulses = tuple(find_pulses(channel.values, channel.step, channel.start))
+    pulses = _blows(channel)
     examined = Examined(channel.values, channel.step, channel.start, channel.unit, pulses, request.drop_height)
     findings += examine(examined)
     unfiltered: tuple[RecordedPulse, ...] = ()
@@ -146,8 +151,17 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
             raise InputError("--filter", f"{request.filter.cutoff:g} Hz", allowed)
         unfiltered = pulses
         channel = dataclasses.replace(channel, values=request.filter.apply(channel.values, channel.step))
-        pulses = tuple(find_pulses(channel.values, channel.step, channel.start))
+        pulses = _blows(channel)
     return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
+
+
+def _blows(channel: Channel) -> tuple[RecordedPulse, ...]:
+    """Return the blows of a channel; none where it is a straight line but for the last digits of its samples."""
+    values = channel.values
+    bent = float(np.max(np.abs(values - robust_line(values).at(np.arange(values.size)))))
+    if bent <= max(STRAIGHT * float(np.max(np.abs(values))), TINY):
+        return ()
+    return tuple(find_pulses(values, channel.step, channel.start))
 
 
 def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: Request) -> FileReading:
