@@ -107,11 +107,12 @@ def check_channels(stated: Mapping[str, Any], records: Iterable[Record]) -> None
     """
     from strikewave.errors import InputError, nearest
 
-    known = {str(key) for record in records for key in (*record.numbers, *(c.name for c in record.channels))}
+    known = {key for record in records for key in record.keys}
     for channel, table in stated.items():
         if channel != "all" and channel not in known:
             option = "--" + next(iter(table)).replace("_", "-")
-            raise InputError(option, f"{channel}=", "a channel of the files, by name or number", nearest(channel, known))
+            allowed = "a channel of the files, by name or number"
+            raise InputError(option, f"{channel}=", allowed, nearest(channel, known))
 
 
 def options_of(rate: str | None, time: str | None, channels: Sequence[str] | None) -> Options:

@@ -226,7 +226,7 @@ def _sensitivity(text: str, field: str) -> tuple[str, float, str]:
     return output, number * factor, measured
 
 
-def calibrations_beside(path: Path) -> dict[str, dict[str, Any]]:
+def calibrations_beside(path: str | Path) -> dict[str, dict[str, Any]]:
     """Return what the small files beside a record state: a table a channel, ``all`` for all of them.
 
     Raises
@@ -234,6 +234,7 @@ def calibrations_beside(path: Path) -> dict[str, dict[str, Any]]:
     InputError
         If such a file is too large, is not TOML, or has a key that is not known.
     """
+    path = Path(path)
     beside = (path.with_name(FOLDER_FILE), path.with_name(path.name + ".toml"))
     return laid_over(*(read_calibrations(file) for file in beside if file.is_file()))
 

@@ -189,7 +189,7 @@ def saturated(record: Examined) -> list[Finding]:
 
 def zero_shift(record: Examined) -> list[Finding]:
     """Find a zero after the blows that is not that before them."""
-    step = _level_step(record.values)
+    step = level_step(record.values)
     if step is not None:
         place, shift = step
         words = (
@@ -264,8 +264,11 @@ def aliased(record: Examined) -> list[Finding]:
     part = record.values[max(centre - reach, 0) : centre + reach] - pulse.offset
     spectrum = np.abs(np.fft.rfft(part * np.hanning(part.size)))
     top = spectrum[int(0.85 * spectrum.size) :]
-    level = math.sqrt(float(np.mean(top**2))) / float(np.max(spectrum))
-    noise = pulse.noise * math.sqrt(0.375 * part.size) / float(np.max(spectrum))
+    highest = float(np.max(spectrum))
+    if not highest > 0.0:
+        return []
+    level = math.sqrt(float(np.mean(top**2))) / highest
+    noise = pulse.noise * math.sqrt(0.375 * part.size) / highest
     if level < 0.02 or level < 4.0 * noise:
         return []
     words = (
@@ -390,7 +393,7 @@ def _longest(flags: NDArray[np.bool_]) -> tuple[int, int]:
     return int(edges[2 * k]), int(edges[2 * k + 1]) - 1
 
 
-def _level_step(values: Array) -> tuple[int, float] | None:
+def level_step(values: Array) -> tuple[int, float] | None:
     """Return where a record steps from one quiet level to another, and by how much; None where it does not.
 
     The step is at least 8 % of what the record spans, and ten times what either level strays.

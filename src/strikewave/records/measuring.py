@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,8 @@ FOOT = 0.02
 """Share of the peak at which a pulse begins and ends when its area is taken."""
 LOOK_BACK = 40
 """Widths of a blow before it over which the zero line is taken: more than its foot lasts."""
+TOES = 5
+"""Widths of a blow to either side in which its feet are sought."""
 CLEAR = 3.0
 """Standard deviations of the smoothed record that a tenth of the peak must have to be read off it."""
 
@@ -48,10 +51,10 @@ class RecordedPulse:
         The zero line before the pulse.
     noise : float
         Standard deviation of a single sample.
+    smooth : SmoothPulse
+        The smooth pulse that fits best; its misfit says how well. Strong ringing bends it.
     method : str
         ``record`` where the figures are read off the record, ``fit`` where noise hides a tenth of the peak.
-    smooth : SmoothPulse
-        The smooth pulse that fits best: what is left when ringing is taken off.
     begin, end : float
         Time of the feet, s.
     """
@@ -64,8 +67,8 @@ class RecordedPulse:
     ringing_frequency: float
     offset: float
     noise: float
-    method: str
     smooth: SmoothPulse
+    method: str
     begin: float
     end: float
 
@@ -138,45 +141,57 @@ def _offset(values: Array, box: Box, earliest: int, otherwise: float) -> float:
 
 
 def _measure(values: Array, stretch: Stretch) -> RecordedPulse:
-    box, step = stretch.box, stretch.step
-    begin = max(box.first - box.width - 2, (stretch.earliest + box.first) // 2 if stretch.earliest else 0, 0)
-    end = min(
-        box.last + box.width + 3, (stretch.latest + box.last + 1) // 2 if stretch.latest < values.size else values.size
-    )
-    raw = stretch.sign * (values[begin:end] - stretch.offset)
-    places = np.arange(begin, end, dtype=float)
-    fitted = fit_smooth_pulse(
-        stretch.start + places * step, raw, stretch.time(box.first - 0.15 * box.width), 1.3 * box.width * step
-    )
+    box, step, sign = stretch.box, stretch.step, stretch.sign
+    begin, end = _reach(stretch, values.size, TOES)
+    raw = sign * (values[begin:end] - stretch.offset)
     clean, spread = smooth(raw, stretch.noise, max(box.width // 3, 2))
-    core = clean.copy()
-    core[: max(box.first - box.width // 2 - begin, 0)] = np.minimum(
-        core[: max(box.first - box.width // 2 - begin, 0)], 0.0
-    )
-    index = int(np.argmax(core))
-    pulse = measure_pulse(core, step, stretch.time(begin))
-    readable = WIDTH_FRACTION * pulse.peak >= CLEAR * float(np.max(spread[max(index - 1, 0) : index + 2]))
-    feet = [crossing(core, index, FOOT * pulse.peak, side) for side in (-1, 1)]
-    first = 0.0 if math.isnan(feet[0]) else feet[0]
-    last = core.size - 1.0 if math.isnan(feet[1]) else feet[1]
+    inside = slice(max(box.first - box.width // 2 - begin, 0), box.last + box.width // 2 - begin)
+    index = inside.start + int(np.argmax(clean[inside]))
+    alone = np.minimum(clean, np.nextafter(clean[index], -math.inf))  # a neighbour is no peak of this blow
+    alone[inside] = clean[inside]
+    pulse = measure_pulse(alone, step, stretch.time(begin))
+    fitted = _fitted(values, stretch)
+    common = Common(_ringing(values, stretch), stretch.offset, stretch.noise, fitted._replace(peak=sign * fitted.peak))
+    if WIDTH_FRACTION * pulse.peak < CLEAR * float(np.max(spread[max(index - 1, 0) : index + 2])):
+        figures = (fitted.time, sign * fitted.peak, fitted.rise(), fitted.width(), sign * fitted.area())
+        return RecordedPulse(*figures, *common, "fit", fitted.begin, fitted.begin + fitted.length)
+    first, last = _feet(alone, index, FOOT * pulse.peak)
     grid = np.unique(np.concatenate([[first], np.arange(math.ceil(first), math.floor(last) + 1), [last]]))
     area = float(np.trapezoid(np.interp(grid, np.arange(raw.size), raw), grid)) * step
-    sign = stretch.sign
     figures = (pulse.time, sign * pulse.peak, pulse.rise, pulse.width, sign * area)
-    ends = (stretch.time(begin + first), stretch.time(begin + last))
-    if not readable:
-        figures = (fitted.time, sign * fitted.peak, fitted.rise(), fitted.width(), sign * fitted.area())
-        ends = (fitted.begin, fitted.begin + fitted.length)
-    return RecordedPulse(
-        *figures,
-        ringing_frequency=_ringing(values, stretch),
-        offset=stretch.offset,
-        noise=stretch.noise,
-        method="record" if readable else "fit",
-        smooth=fitted._replace(peak=sign * fitted.peak),
-        begin=ends[0],
-        end=ends[1],
-    )
+    return RecordedPulse(*figures, *common, "record", stretch.time(begin + first), stretch.time(begin + last))
+
+
+class Common(NamedTuple):
+    """What a blow has whether it is read off the record or fitted."""
+
+    ringing_frequency: float
+    offset: float
+    noise: float
+    smooth: SmoothPulse
+
+
+def _reach(stretch: Stretch, size: int, widths: int) -> tuple[int, int]:
+    """Return the samples around a blow, so many of its widths to either side, at most halfway to its neighbours."""
+    box = stretch.box
+    begin = max(box.first - widths * box.width - 2, (stretch.earliest + box.first) // 2 if stretch.earliest else 0, 0)
+    halfway = (stretch.latest + box.last + 1) // 2 if stretch.latest < size else size
+    return begin, min(box.last + widths * box.width + 3, halfway)
+
+
+def _fitted(values: Array, stretch: Stretch) -> SmoothPulse:
+    """Return the smooth pulse that fits a blow and its near surroundings."""
+    box = stretch.box
+    begin, end = _reach(stretch, values.size, 1)
+    time = np.asarray(stretch.start + np.arange(begin, end) * stretch.step, dtype=np.float64)
+    guess = stretch.time(box.first - 0.15 * box.width), 1.3 * box.width * stretch.step
+    return fit_smooth_pulse(time, stretch.sign * (values[begin:end] - stretch.offset), *guess)
+
+
+def _feet(alone: Array, index: int, level: float) -> tuple[float, float]:
+    """Return where a blow first falls to a level on either side of its peak; the ends where it does not."""
+    first, last = (crossing(alone, index, level, side) for side in (-1, 1))
+    return 0.0 if math.isnan(first) else first, alone.size - 1.0 if math.isnan(last) else last
 
 
 def _ringing(values: Array, stretch: Stretch) -> float:
@@ -200,4 +215,4 @@ def _ringing(values: Array, stretch: Stretch) -> float:
         return math.nan
     left, middle, right = np.log(power[k - 1 : k + 2])
     shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
-    return (k + shift) / (4 * part.size * stretch.step)
+    return float((k + shift) / (4 * part.size * stretch.step))

@@ -4,27 +4,29 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
-from strikewave.errors import InputError
 import numpy as np
 
+from strikewave.errors import InputError, nearest, show
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
 from strikewave.records.finding import FIGURES, Finding, worst
-from strikewave.records.health import Examined, examine
+from strikewave.records.health import BLOW, Examined, examine, level_step
 from strikewave.records.measuring import RecordedPulse, find_pulses
 from strikewave.records.pulses import robust_line
-from strikewave.records.record import Channel, Record
+from strikewave.records.record import Array, Channel, Record
 from strikewave.signal.filters import Filter
 
 FEWEST = 16
 """Samples that a record needs."""
-STRAIGHT, TINY = 1e-10, 1e-100
-"""What is bent by less than this share of its largest value, or by so little, is a straight line."""
+MUCH, HALF = 0.9, 0.5
+"""What a filter may leave of a peak without a word, and without harm."""
+STRAIGHT, TINY = 1e-6, 1e-100
+"""What is bent by less than this share of its largest value, or by so little, is a straight line: a count, a clock."""
 
 
 @dataclass(frozen=True)
@@ -134,6 +136,7 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         If the calibration does not fit, nobody gave a time or rate, or the filter is beyond the sampling rate.
     """
     channel, said = calibrated(channel, calibration, f"calibration of {channel.name}")
+    holes = _holes(channel)
     channel, mended = even(channel)
     findings = [*said, *mended]
     if channel.values.size < FEWEST or any(f.severity == "bad" and f.code == "not-a-number" for f in mended):
@@ -143,7 +146,7 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         return ChannelReading(channel, number, (), tuple(findings), calibration)
     pulses = _blows(channel)
     examined = Examined(channel.values, channel.step, channel.start, channel.unit, pulses, request.drop_height)
-    findings += examine(examined)
+    findings += [*examine(examined), *_in_blows(holes, pulses)]
     unfiltered: tuple[RecordedPulse, ...] = ()
     if request.filter is not None:
         if not request.filter.cutoff < 0.5 * channel.sampling_rate:
@@ -152,16 +155,70 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         unfiltered = pulses
         channel = dataclasses.replace(channel, values=request.filter.apply(channel.values, channel.step))
         pulses = _blows(channel)
+        findings += _changed(unfiltered, pulses)
     return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
 
 
+def _holes(channel: Channel) -> Array:
+    """Return the times of samples that are no numbers, s."""
+    missing = np.flatnonzero(~np.isfinite(channel.values))
+    if channel.stamps is not None:
+        return channel.stamps[missing]
+    return np.asarray(channel.start + channel.step * missing, dtype=np.float64)
+
+
+def _in_blows(holes: Array, pulses: Sequence[RecordedPulse]) -> list[Finding]:
+    """Find blows that lack samples: what bridges them is no measurement."""
+    for pulse in pulses:
+        count = int(np.count_nonzero((holes >= pulse.begin) & (holes <= pulse.end)))
+        if count:
+            words = f"{count} samples of the blow at {pulse.time:.6g} s are no numbers: its figures are not measured"
+            return [Finding("blow-incomplete", words, count, "bad", FIGURES, pulse.begin, pulse.end)]
+    return []
+
+
+def _changed(before: Sequence[RecordedPulse], after: Sequence[RecordedPulse]) -> list[Finding]:
+    """Find a filter that takes much off the blows, or takes some away."""
+    if len(before) != len(after):
+        words = f"the filter leaves {len(after)} of {len(before)} blows: take a higher cutoff"
+        return [Finding("filter-changes", words, len(after) - len(before), "suspect", BLOW)]
+    left = min((two.peak / one.peak for one, two in zip(before, after, strict=True)), default=1.0)
+    if left > MUCH:
+        return []
+    words = f"the filter leaves {left:.0%} of a peak: quote it with the filter, or take a higher cutoff"
+    severity, harms = ("suspect", BLOW) if left < HALF else ("good", ())
+    return [Finding("filter-changes", words, left, severity, harms)]
+
+
 def _blows(channel: Channel) -> tuple[RecordedPulse, ...]:
-    """Return the blows of a channel; none where it is a straight line but for the last digits of its samples."""
+    """Return the blows of a channel; where its zero steps from one level to another, those above both levels."""
+    step = level_step(channel.values)
+    if step is None:
+        return _found(channel)
+    place, shift = step
+    blows = _found(_lowered(channel, place, shift))
+    holding = [p for p in blows if p.begin - p.width < channel.start + place * channel.step < p.end + p.width]
+    if not holding:
+        return blows
+    return _found(_lowered(channel, math.ceil((holding[0].end - channel.start) / channel.step), shift))
+
+
+def _lowered(channel: Channel, place: int, shift: float) -> Channel:
+    """Return a channel with the samples from one place on lowered."""
+    after = np.arange(channel.values.size) >= place
+    return dataclasses.replace(channel, values=channel.values - shift * after)
+
+
+def _found(channel: Channel) -> tuple[RecordedPulse, ...]:
+    """Return the blows of a channel; none in a straight line, or where nothing of one is left above its own zero."""
     values = channel.values
     bent = float(np.max(np.abs(values - robust_line(values).at(np.arange(values.size)))))
     if bent <= max(STRAIGHT * float(np.max(np.abs(values))), TINY):
         return ()
-    return tuple(find_pulses(values, channel.step, channel.start))
+    try:
+        return tuple(find_pulses(values, channel.step, channel.start))
+    except ValueError:
+        return ()
 
 
 def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: Request) -> FileReading:
@@ -192,9 +249,26 @@ def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: 
     """
     wanted = record.only(request.channels).channels
     places = {id(channel): number for number, channel in enumerate(record.channels, start=1)}
-    merged = laid_over(stated, request.calibrations)
+    tables, unused = _by_number(record, laid_over(stated, request.calibrations))
     readings = []
     for channel in wanted:
         number = places[id(channel)]
-        readings.append(read_channel(channel, number, calibration_of(merged, channel.name, number), request))
-    return FileReading(record.path, record.format, tuple(readings), record.findings)
+        readings.append(read_channel(channel, number, calibration_of(tables, channel.name, number), request))
+    return FileReading(record.path, record.format, tuple(readings), (*record.findings, *unused))
+
+
+def _by_number(
+    record: Record, tables: Mapping[str, Mapping[str, Any]]
+) -> tuple[dict[str, dict[str, Any]], list[Finding]]:
+    """Return calibrations by the numbers of their channels, and a finding for each channel that the file lacks."""
+    known = record.keys
+    found: dict[str, dict[str, Any]] = {}
+    unused = []
+    for name, table in tables.items():
+        if name != "all" and name not in known:
+            words = f"a calibration is for {show(name)}, which the file does not have: {nearest(name, known)}"
+            unused.append(Finding("calibration-unused", words))
+            continue
+        key = name if name == "all" else str(known[name] + 1)
+        found[key] = {**found.get(key, {}), **table}
+    return found, unused

@@ -92,15 +92,22 @@ class Record:
         >>> record.channel(2).name, record.channel("board").name
         ('frame', 'board')
         """
-        names = [channel.name for channel in self.channels]
-        if str(wanted) in names:
-            return self.channels[names.index(str(wanted))]
         text = str(wanted).strip()
-        if text.isdecimal() and 1 <= int(text) <= len(names):
-            return self.channels[int(text) - 1]
+        if text in self.keys:
+            return self.channels[self.keys[text]]
+        names = [channel.name for channel in self.channels]
         listed = ", ".join(f"{k} {name}" for k, name in enumerate(names[:40], start=1))
         hint = f"{self.path} has: {listed}" if text.isdecimal() else nearest(text, names)
         raise InputError("--channel", wanted, f"a name, or a number from 1 to {len(names)}", hint)
+
+    @property
+    def keys(self) -> dict[str, int]:
+        """Place of each channel by what it can be called: its number from 1, its name, its name with its unit."""
+        found: dict[str, int] = {str(k + 1): k for k in range(len(self.channels))}
+        for k, channel in reversed(list(enumerate(self.channels))):
+            found |= {f"{channel.name} {o}{channel.unit}{c}": k for o, c in ("[]", "()")}
+            found[channel.name] = k
+        return found
 
     def only(self, wanted: Sequence[str | int]) -> Record:
         """Return the record with some of its channels, in the order asked for; all of them for none asked."""
