@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike
 
 from strikewave.records.finding import Finding
 from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.records.record import Array
 
 SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")
 """The figures of a campaign."""
 CONFIDENCE = 0.95
 """Of all bounds."""
-SHORTER = 0.9
-"""A record that lasts less than this share of the usual one is shorter than its siblings."""
+SHORTER, MOST = 0.9, 0.6
+"""A record that lasts less than this share of the usual one is shorter than its siblings, where most last as long."""
 
 
 class Statistic(NamedTuple):
@@ -92,32 +93,48 @@ class Campaign:
     points: dict[str, tuple[tuple[int, float], ...]]
 
 
-def statistic(values: ArrayLike) -> Statistic:
+def statistic(values: ArrayLike, files: ArrayLike | None = None) -> Statistic:
     """Return mean, scatter and their bounds at 95 %.
 
-    The bounds of the scatter are those of Vangel: sqrt of u / (n - 1) about the sample's CV, mended for its size.
+    Blows of one file are alike, so that where several files hold several blows the bounds count files: those of
+    the mean are Student's t of the means of the files. Those of the scatter are Vangel's.
 
-    Source: M. G. Vangel, Confidence intervals for a normal coefficient of variation, The American Statistician
-    50 (1996) 21-26.
+    Parameters
+    ----------
+    values : array_like
+        One a blow.
+    files : array_like, optional
+        Number of the file of each blow; all blows are independent by default.
+
+    Source: ``vangel-1996``.
 
     Examples
     --------
     >>> [round(float(v), 4) for v in statistic([1.0, 2.0, 3.0])[:5]]
     [2.0, 0.5, -0.4841, 4.4841, 3.0]
+    >>> statistic([1.0, 1.0, 2.0, 2.0, 3.0, 3.0], files=[0, 0, 1, 1, 2, 2]).high == statistic([1.0, 2.0, 3.0]).high
+    True
     """
     sample = np.asarray(values, dtype=float)
-    n = sample.size
-    mean = float(np.mean(sample)) if n else math.nan
-    if n < 2:
-        return Statistic(mean, math.nan, math.nan, math.nan, n)
+    mean = float(np.mean(sample)) if sample.size else math.nan
+    if sample.size < 2:
+        return Statistic(mean, math.nan, math.nan, math.nan, sample.size)
     from scipy.special import chdtri, stdtrit
 
-    spread = float(np.std(sample, ddof=1))
-    reach = float(stdtrit(n - 1, 0.5 + 0.5 * CONFIDENCE)) * spread / math.sqrt(n)
-    cv = spread / abs(mean) if mean else math.inf
+    cv = float(np.std(sample, ddof=1)) / abs(mean) if mean else math.inf
+    means = _file_means(np.zeros(sample.size) if files is None else np.asarray(files), sample)[1]
+    independent = means if means.size > 1 else sample
+    n = independent.size
+    reach = float(stdtrit(n - 1, 0.5 + 0.5 * CONFIDENCE)) * float(np.std(independent, ddof=1)) / math.sqrt(n)
     upper, lower = (float(chdtri(n - 1, share)) for share in (0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE))
     bounds = [_vangel(cv, u, n) for u in (upper, lower)]
-    return Statistic(mean, cv, mean - reach, mean + reach, n, *bounds)
+    return Statistic(mean, cv, mean - reach, mean + reach, sample.size, *bounds)
+
+
+def _file_means(files: Array, values: Array) -> tuple[Array, Array]:
+    """Return the files, each once, and the mean of the values of each."""
+    known, place = np.unique(files, return_inverse=True)
+    return np.asarray(known, dtype=float), np.bincount(place, weights=values) / np.bincount(place)
 
 
 def _vangel(cv: float, u: float, n: int) -> float:
@@ -130,6 +147,8 @@ def _vangel(cv: float, u: float, n: int) -> float:
 def trend(places: ArrayLike, values: ArrayLike) -> Trend:
     """Return the least-squares line of values over their places, with bounds at 95 %.
 
+    Values of the same place count as one, their mean.
+
     Examples
     --------
     >>> trend([0, 1, 2, 3], [1.0, 2.0, 3.0, 4.0]).slope
@@ -137,7 +156,7 @@ def trend(places: ArrayLike, values: ArrayLike) -> Trend:
     """
     from scipy.special import stdtrit
 
-    x, y = np.asarray(places, dtype=float), np.asarray(values, dtype=float)
+    x, y = _file_means(np.asarray(places), np.asarray(values, dtype=float))
     run = x - np.mean(x)
     slope, mean = float(np.sum(run * y) / np.sum(run**2)), float(np.mean(y))
     rest = y - mean - slope * run
@@ -147,7 +166,7 @@ def trend(places: ArrayLike, values: ArrayLike) -> Trend:
 
 
 def compare(files: Sequence[FileReading]) -> list[FileReading]:
-    """Return the files with what only their siblings show: other sign, shorter, another sampling rate.
+    """Return the files with what only their siblings show: another sign, length, unit or sampling rate.
 
     Examples
     --------
@@ -175,14 +194,22 @@ def _strangers(found: list[tuple[int, ChannelReading]]) -> list[tuple[tuple[int,
     usual_sign = math.copysign(1.0, sum(signs))
     lasts = [reading.channel.duration for _, reading in found]
     usual = float(np.median(lasts))
+    fixed = sum(abs(last - usual) <= 0.01 * usual for last in lasts) >= MOST * len(lasts)
+    units = [reading.channel.unit for _, reading in found]
+    usual_unit = max(units, key=units.count)
     rate = float(np.median([reading.channel.step for _, reading in found]))
     for one, sign, last in zip(found, signs, lasts, strict=True):
         if sign == -usual_sign and abs(sum(signs)) > 0.0:
             words = "its blows have the other sign than those of the other files: --polarity turns a channel"
             strange.append((one, Finding("polarity-differs", words, sign, "suspect", ("peak", "velocity_change"))))
-        if last < SHORTER * usual:
+        if fixed and last < SHORTER * usual:
             words = f"it lasts {last:.4g} s, the other files {usual:.4g} s: it may have been cut off"
-            strange.append((one, Finding("truncated", words, last, "suspect", ("interval",))))
+            strange.append((one, Finding("truncated", words, last, "suspect")))
+        if one[1].channel.unit != usual_unit:
+            words = (
+                f"it is in {one[1].channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"
+            )
+            strange.append((one, Finding("unit-differs", words, severity="suspect", harms=("peak", "velocity_change"))))
         if abs(one[1].channel.step / rate - 1.0) > 0.01:
             words = f"sampled at {1.0 / one[1].channel.step:.6g} Hz, the other files at {1.0 / rate:.6g} Hz"
             strange.append((one, Finding("rate-differs", words, 1.0 / one[1].channel.step, "good")))
@@ -214,7 +241,7 @@ def summed(files: Sequence[FileReading], number: int | None = None) -> Campaign 
         pairs = [(k, v) for k, file, reading in have if not _file_bad(file) for v in reading.figures(name)]
         if pairs:
             points[name] = tuple(pairs)
-    statistics = {name: statistic([v for _, v in pairs]) for name, pairs in points.items()}
+    statistics = {name: statistic([v for _, v in pairs], [k for k, _ in pairs]) for name, pairs in points.items()}
     trends = {
         name: trend(*zip(*pairs, strict=True)) for name, pairs in points.items() if len({k for k, _ in pairs}) > 2
     }

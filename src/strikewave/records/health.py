@@ -221,21 +221,23 @@ def zero_shift(record: Examined) -> list[Finding]:
 
 
 def velocity_drift(record: Examined) -> list[Finding]:
-    """Find an integrated velocity that wanders off after the last blow."""
+    """Find an integrated velocity that still wanders off long after the last blow, when nothing moves any more."""
     if not record.pulses:
         return []
     pulse = record.pulses[-1]
     after = record.values[record.place(pulse.end) :] - pulse.offset
     total = abs(pulse.velocity_change)
-    if after.size < 16 or not total > 0.0:
+    tail = after[-(after.size // 4) :]
+    if tail.size < 16 or not total > 0.0 or after.size * record.step < 40.0 * pulse.width:
         return []
-    drift = float(np.sum(after)) * record.step
+    drift = float(np.mean(tail)) * after.size * record.step
+    unsure = 3.0 * float(np.std(tail)) / math.sqrt(tail.size) * after.size * record.step
     share = abs(drift) / total
-    if share < 0.5:
+    if share < 0.5 or abs(drift) < unsure:
         return []
     words = (
-        f"after the last blow the integrated velocity drifts by {share:.0%} of the velocity change until the record "
-        "ends: spectra at low frequency and long integrals are not to be trusted"
+        f"long after the last blow the record stands {record.said(float(np.mean(tail)))} off its zero: the integrated "
+        f"velocity drifts by {share:.0%} of the velocity change until the record ends"
     )
     return [Finding("velocity-drift", words, drift, "suspect" if share > 2.0 else "good", ("spectrum",), pulse.end)]
 
@@ -344,6 +346,30 @@ def beyond_drop_height(record: Examined) -> list[Finding]:
     return []
 
 
+def ringing(record: Examined) -> list[Finding]:
+    """Find a blow after which the record swings by much of its peak: its peak and width hold that ringing too."""
+    pulse = record.largest
+    if pulse is None or not pulse.width > 0.0:
+        return []
+    begin = record.place(pulse.end + 0.25 * pulse.width)
+    after = record.values[begin : record.place(pulse.end + 5.0 * pulse.width)] - pulse.offset
+    others = [
+        p for p in record.pulses if p is not pulse and p.begin < pulse.end + 5.0 * pulse.width and p.end > pulse.end
+    ]
+    if after.size < 8 or others:
+        return []
+    swing = 0.5 * float(np.ptp(after))
+    share = swing / abs(pulse.peak)
+    if share < 0.15 or swing < 5.0 * pulse.noise:
+        return []
+    words = (
+        f"after the blow the record swings by {share:.0%} of the peak: peak, rise and width hold such ringing too; "
+        "see the smooth pulse, or filter"
+    )
+    severity, harms = ("suspect", ("peak", "rise", "width")) if share > 0.6 else ("good", ())
+    return [Finding("ringing", words, share, severity, harms, pulse.end)]
+
+
 CHECKS = (
     no_pulse,
     not_settled,
@@ -356,6 +382,7 @@ CHECKS = (
     polarity,
     cut,
     noisy,
+    ringing,
     larger_elsewhere,
     beyond_drop_height,
 )

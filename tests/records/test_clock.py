@@ -1,0 +1,179 @@
+"""An even clock: what is missing or uneven is mended and said; a rounded clock is an even one."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from strikewave.errors import InputError
+from strikewave.records.clock import even
+from strikewave.records.finding import FIGURES
+from strikewave.records.record import Channel
+
+STEP = 1e-5
+
+
+def put_even(stamps, values=None):
+    """Return step, values, and severity by code."""
+    stamps = np.asarray(stamps, dtype=float)
+    values = stamps.copy() if values is None else np.asarray(values, dtype=float)
+    channel, findings = even(Channel("a", values, stamps=stamps))
+    return channel, {finding.code: finding for finding in findings}
+
+
+def clock(size=20_000, step=STEP):
+    return step * np.arange(size)
+
+
+def test_an_even_clock_is_left_as_it_is():
+    channel, said = put_even(clock(), np.arange(20_000))
+    assert channel.step == pytest.approx(STEP, rel=1e-9)
+    assert np.array_equal(channel.values, np.arange(20_000))
+    assert said == {}
+
+
+@pytest.mark.parametrize(("first", "count"), [(5000, 1), (5000, 5), (5000, 50), (100, 1900)])
+def test_lost_samples_are_named_and_bridged_and_leave_the_rate(first, count):
+    channel, said = put_even(np.delete(clock(), np.s_[first : first + count]))
+    assert set(said) == {"gap"}
+    assert said["gap"].value == pytest.approx(count * STEP, rel=1e-6)
+    assert (said["gap"].severity, said["gap"].harms) == ("suspect", ("spectrum",))
+    assert said["gap"].start == pytest.approx((first - 1) * STEP)
+    assert channel.step == pytest.approx(STEP, rel=1e-9)
+    assert np.allclose(channel.values, clock(), rtol=0, atol=1e-12)
+
+
+def test_a_record_that_lacks_more_than_a_tenth_is_bad():
+    _, said = put_even(np.delete(clock(), np.s_[100:3100]))
+    assert (said["gap"].severity, said["gap"].harms) == ("bad", FIGURES)
+
+
+def test_samples_lost_here_and_there_leave_the_rate(rng):
+    kept = np.sort(rng.choice(20_000, 19_000, replace=False))
+    channel, said = put_even(clock()[kept])
+    assert channel.step == pytest.approx(STEP, rel=1e-9)
+    assert said["gap"].value == pytest.approx((kept[-1] - kept[0] + 1 - kept.size) * STEP, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("step", "write"),
+    [
+        (5e-6, "{:.5f}"),
+        (5e-6, "{:.6f}"),
+        (1.3e-5, "{:.4f}"),
+        (1.3e-5, "{:.5f}"),
+        (5e-6, "{:.4g}"),
+        (5e-6, "{:.6g}"),
+        (1.234567e-6, "{:.6g}"),
+        (1 / 48_000, "{:.5f}"),
+    ],
+)
+def test_a_clock_rounded_to_few_digits_counts_as_even(step, write):
+    stamps = np.array([float(write.format(t)) for t in clock(step=step)])
+    values = np.arange(stamps.size)
+    channel, said = put_even(stamps, values)
+    assert said == {}
+    assert np.array_equal(channel.values, values)
+    assert channel.step == pytest.approx(step, rel=2e-5)
+    assert channel.start == pytest.approx(0.0, abs=1e-4)
+
+
+def test_a_clock_that_begins_late_loses_no_samples_to_its_large_numbers():
+    channel, said = put_even(1e12 + clock(), np.arange(20_000))
+    assert channel.values.size == 20_000
+    assert channel.step == pytest.approx(STEP, rel=1e-3)
+    assert said == {}
+
+
+def test_jitter_is_named_by_its_size_and_taken_out(rng):
+    for share, severity in ((0.02, "good"), (0.2, "suspect")):
+        stamps = clock() + share * STEP * rng.uniform(-1.0, 1.0, 20_000)
+        channel, said = put_even(stamps, 1e3 * stamps)
+        assert set(said) == {"time-uneven"}
+        assert said["time-uneven"].severity == severity
+        assert said["time-uneven"].harms == ("spectrum",)
+        assert channel.step == pytest.approx(STEP, rel=1e-3)
+        assert np.allclose(channel.values[1:-1], 1e3 * channel.time[1:-1], rtol=0, atol=1e3 * STEP * 1e-6)
+
+
+def test_a_time_that_stands_twice_keeps_its_first_sample():
+    stamps = np.insert(clock(1000), 500, 499 * STEP)
+    values = np.insert(np.arange(1000.0), 500, -7.0)
+    channel, said = put_even(stamps, values)
+    assert set(said) == {"time-twice"}
+    assert said["time-twice"].value == 1
+    assert np.array_equal(channel.values, np.arange(1000.0))
+
+
+def test_time_that_runs_backwards_is_bad():
+    stamps = clock()
+    stamps[10_000:] -= 0.1
+    _, said = put_even(stamps)
+    assert (said["time-backwards"].severity, said["time-backwards"].harms) == ("bad", FIGURES)
+    assert said["time-backwards"].start == pytest.approx(9999 * STEP)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, 1e300, -1e300, 1.7e308])
+def test_a_stamp_that_is_no_time_costs_its_sample_alone(wrong):
+    stamps = clock(1000)
+    stamps[[100, 700]] = wrong, -wrong
+    channel, said = put_even(stamps, np.arange(1000))
+    assert said["time-missing"].value == pytest.approx(0.002)
+    assert channel.step == pytest.approx(STEP)
+    assert np.allclose(channel.values, np.arange(1000))
+
+
+def test_a_stamp_absurdly_far_away_takes_no_memory():
+    stamps = clock(1000)
+    stamps[-1] = 1e6
+    channel, said = put_even(stamps)
+    assert channel.values.size == 1000
+    assert said["gap"].severity == "bad"
+    assert "too long to be bridged" in said["gap"].message
+
+
+@pytest.mark.parametrize("stamps", [[], [0.0], [np.nan] * 20, [1.0] * 20])
+def test_a_clock_without_a_step_gives_too_few_samples_and_no_error(stamps):
+    channel, _ = put_even(stamps, np.arange(len(stamps)))
+    assert channel.values.size < 2
+
+
+def test_two_samples_make_a_clock():
+    channel, said = put_even([0.5, 0.75])
+    assert (channel.step, channel.start, said) == (0.25, 0.5, {})
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf, 9.9e37])
+def test_samples_that_are_no_numbers_are_bridged_and_counted(wrong):
+    values = np.arange(1000.0)
+    values[[0, 300, 301]] = wrong
+    channel, findings = even(Channel("a", values, STEP))
+    assert [f.code for f in findings] == ["not-a-number"]
+    assert (findings[0].value, findings[0].severity, findings[0].harms) == (3, "suspect", ("spectrum",))
+    assert channel.values[298:304].tolist() == [298, 299, 300, 301, 302, 303]
+    assert channel.values[0] == 1.0
+
+
+@pytest.mark.parametrize(("share", "severity"), [(0.05, "suspect"), (0.2, "bad"), (1.0, "bad")])
+def test_many_samples_that_are_no_numbers_make_a_record_bad(share, severity):
+    values = np.ones(1000)
+    values[: int(share * 1000)] = np.nan
+    _, findings = even(Channel("a", values, STEP))
+    assert findings[0].severity == severity
+
+
+@pytest.mark.parametrize("step", [np.nan, 0.0, -1.0])
+def test_without_time_a_rate_is_asked_for(step):
+    with pytest.raises(InputError, match="--rate"):
+        even(Channel("board", np.ones(20), step))
+
+
+@given(
+    st.lists(st.one_of(st.floats(), st.integers(0, 100).map(lambda k: 1e-3 * k)), max_size=60),
+)
+def test_any_stamps_end_in_an_even_clock(stamps):
+    channel, findings = put_even(stamps, np.ones(len(stamps)))
+    assert channel.stamps is None
+    assert channel.values.size <= 8 * len(stamps) + 2000
+    assert channel.values.size < 2 or channel.step > 0.0
+    assert all(finding.severity in ("good", "suspect", "bad") for finding in findings.values())
