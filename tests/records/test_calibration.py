@@ -146,7 +146,9 @@ def test_a_later_layer_goes_first_whatever_it_calls_the_channel():
 
 
 def test_files_beside_the_data_folder_then_file_then_what_is_typed(tmp_path):
-    (tmp_path / "calibration.toml").write_text('schema = 1\n[all]\nunit = "V"\n[channel.frame]\nsensitivity = "1 mV/g"\ngain = 10\n')
+    (tmp_path / "calibration.toml").write_text(
+        'schema = 1\n[all]\nunit = "V"\n[channel.frame]\nsensitivity = "1 mV/g"\ngain = 10\n'
+    )
     (tmp_path / "shot.csv.toml").write_text('[channel.frame]\nsensitivity = "2 mV/g"\n')
     assert calibrations_beside(tmp_path / "other.csv")["frame"] == {"sensitivity": "1 mV/g", "gain": "10"}
     beside = calibrations_beside(tmp_path / "shot.csv")

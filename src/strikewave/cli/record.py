@@ -155,7 +155,10 @@ def _calibrations(wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str
 
 
 def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> None:
-    rows = [row for file in readings for row in _rows(file)]
+    from strikewave.report.record_tables import short_names
+
+    names = short_names([file.path for file in readings])
+    rows = [row for file in readings for row in _rows(file, names[file.path])]
     columns = ["file", "channel", "status", "blows", "peak", "rise (us)", "width (us)", "velocity change"]
     shown = rows[:MOST_ROWS]
     title = f"{len(readings)} records" if len(readings) > 1 else readings[0].path
@@ -166,16 +169,16 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
         left=3,
     )
     for campaign in campaigns:
-        _print_campaign(campaign, readings)
+        _print_campaign(campaign, readings, names)
     _print_filter([reading for file in readings for reading in file.channels], filter_)
     for warning in _warnings(readings):
         say(warning)
 
 
-def _rows(file: FileReading) -> list[list[str]]:
+def _rows(file: FileReading, name: str) -> list[list[str]]:
 
     if not file.channels:
-        return [[_short(file.path), "-", file.status, "-", "-", "-", "-", "-"]]
+        return [[name, "-", file.status, "-", "-", "-", "-", "-"]]
     rows = []
     for reading in file.channels:
         unit = reading.channel.unit
@@ -185,7 +188,7 @@ def _rows(file: FileReading) -> list[list[str]]:
         }
         rows.append(
             [
-                _short(file.path),
+                name,
                 reading.channel.name,
                 max(file.status, reading.status, key=("good", "suspect", "bad").index)
                 if file.findings
@@ -208,6 +211,8 @@ def _mean(values: Sequence[float]) -> float:
 def _value(value: float, unit: str) -> str:
     if value != value:
         return "-"
+    if unit == "1":
+        return f"{significant(1e6 * value, 5)} ustrain"
     return f"{number(value, 'm/s^2', 'g', 5)} g" if unit == "m/s^2" else f"{significant(value, 5)} {unit}".strip()
 
 
@@ -217,7 +222,9 @@ def _integral(value: float, unit: str) -> str:
     return "-" if value != value else f"{significant(value, 4)} {INTEGRALS.get(unit, '')}".strip()
 
 
-def _print_campaign(campaign: Campaign, readings: Sequence[FileReading]) -> None:
+def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: dict[str, str]) -> None:
+    from strikewave.records.campaign import SUMMED
+
     unit = next(r.channel.unit for file in readings for r in file.channels if r.channel.name == campaign.channel)
     writers: dict[str, Any] = {
         "peak": lambda v: _value(v, unit),
@@ -240,9 +247,9 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading]) -> None
     table(f"All blows together: {campaign.channel}", columns, rows)
     if any(" *" in row[-1] for row in rows):
         say("* a trend that scatter alone gives in less than 5 % of campaigns")
-    left = {path for path, _, _ in campaign.left_out}
-    if left:
-        say(f"left out, in part or whole: {', '.join(_short(path) for path in sorted(left))}")
+    for path, figures, _ in campaign.left_out:
+        what = "all figures" if len(figures) == len(SUMMED) else ", ".join(figures).replace("_", " ")
+        say(f"left out: {what} of {names[path]}")
 
 
 def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) -> None:
@@ -270,7 +277,3 @@ def _warnings(readings: Sequence[FileReading]) -> list[str]:
     from strikewave.records.documents import warnings_of
 
     return [f"warning [{w['code']}]: {w['message']}" for w in warnings_of(readings)]
-
-
-def _short(path: str) -> str:
-    return Path(path).name

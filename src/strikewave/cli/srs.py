@@ -7,7 +7,7 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -15,6 +15,8 @@ from strikewave.cli import measured
 from strikewave.cli.common import Force, Json, Out, number, print_json, say, significant, table
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from strikewave.records import ChannelReading
     from strikewave.signal.srs import Scope, Spectrum
 
@@ -22,6 +24,16 @@ KIND_UNITS = {"absolute": "m/s^2", "displacement": "m", "pseudo-velocity": "m/s"
 SIDES = ("maximax", "positive", "negative")
 LOWEST, HIGHEST = 10.0, 100e3
 """Range of natural frequencies unless said otherwise, Hz; at most 2/5 of the sampling rate."""
+
+
+class Result(NamedTuple):
+    """Spectra of one channel of a file."""
+
+    file: str
+    reading: ChannelReading
+    spectra: list[Spectrum]
+    side: str
+    scope: Scope
 
 
 def command(
@@ -79,13 +91,18 @@ def command(
     frequencies = _frequencies(frequency, (low, high, per_octave), reading.channel.sampling_rate)
     scope = _scope(part, end, reading)
     values = reading.channel.values - _zero(reading)
-    spectra = [srs(values, reading.channel.step, frequencies, quality, one, scope) for one in kinds]
+
+    def of(one: str) -> Spectrum:
+        return srs(values, reading.channel.step, frequencies, quality, one, scope)
+
+    result = Result(file, reading, [of(one) for one in kinds], side, scope)
     if out is not None or not json:
-        _write(file, reading, spectra, side, out, force)
+        velocity = next((s for s in result.spectra if s.kind == "pseudo-velocity"), None) or of("pseudo-velocity")
+        _write(result, velocity, out, force)
     if json:
-        print_json(_document(file, reading, spectra, side), indent=None)
+        print_json(_document(result), indent=None)
     else:
-        _print(file, reading, spectra, side)
+        _print(result)
     return 0
 
 
@@ -120,8 +137,8 @@ def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> Chan
     for finding in reading.all_findings:
         if finding.severity != "good" and "spectrum" in finding.harms:
             say(f"{finding.severity} [{finding.code}]: {finding.message}")
-    if len(reading.channels) > 1:
-        say(f"several channels asked for; the spectrum is that of {reading.channels[0].channel.name}")
+    if len(reading.channels) > 1 or (not options.channels and len(record.channels) > 1):
+        say(f"the spectrum is that of {reading.channels[0].channel.name}; --channel takes another")
     return reading.channels[0]
 
 
@@ -158,6 +175,10 @@ def _scope(part: str, end: str | None, reading: ChannelReading) -> Scope:
     from strikewave.units import parse_typed
 
     _one_of(part, PARTS, "--part")
+    if end is None and part != "total" and reading.pulses:
+        last = reading.pulses[-1].end
+        say(f"the shock is taken to end with its last blow, at {last:.6g} s (--end)")
+        return Scope(part, max(last - reading.channel.start, 2.0 * reading.channel.step))
     if end is None:
         return Scope(part)
     after = parse_typed(end, "s", "--end") - reading.channel.start
@@ -174,8 +195,10 @@ def _zero(reading: ChannelReading) -> float:
     return reading.pulses[0].offset if reading.pulses else float(np.median(reading.channel.values))
 
 
-def _document(file: str, reading: ChannelReading, spectra: Sequence[Spectrum], side: str) -> dict[str, Any]:
+def _document(result: Result) -> dict[str, Any]:
     from strikewave.documents import head, plain
+
+    file, reading, spectra, side, scope = result
 
     has = reading.channel.unit or "the file's own numbers"
     told = "" if has == "m/s^2" else f" for a record in m/s^2; this one is in {has}"
@@ -191,6 +214,7 @@ def _document(file: str, reading: ChannelReading, spectra: Sequence[Spectrum], s
         "q": first.q if math.isfinite(first.q) else "inf",
         "side": side,
         "part": first.part,
+        "end": None if scope.end is None else scope.end + reading.channel.start,
         "frequency": first.frequency,
         **{spectrum.kind: spectrum.side(side) for spectrum in spectra},
     }
@@ -205,15 +229,20 @@ def _warnings(reading: ChannelReading) -> list[dict[str, Any]]:
     ]
 
 
-def _write(
-    file: str, reading: ChannelReading, spectra: Sequence[Spectrum], side: str, out: Path | None, force: bool
-) -> None:
+def _write(result: Result, velocity: Spectrum, out: Path | None, force: bool) -> None:
     from strikewave.figures import save
+    from strikewave.figures.records import plain
     from strikewave.figures.spectra import srs_figure, tripartite
     from strikewave.files import whole_folder
-    from strikewave.signal.srs import srs
 
+    file, reading, spectra, side, _ = result
     path = Path(file)
+
+    def titled(figure: Figure) -> Figure:
+        part = "" if spectra[0].part == "total" else f", {spectra[0].part} part"
+        figure.suptitle(plain(f"{path.name}, {reading.channel.name}{part}", 90), x=0.01, ha="left", fontsize=11)
+        return figure
+
     folder, replace = (Path("out") / f"srs-{path.stem}", True) if out is None else (out, force)
     text = measured.identity(shlex.join(["strikewave", *sys.argv[1:]]), [path])
     names = ["frequency (Hz)"] + [f"{s.kind} ({KIND_UNITS[s.kind]})" for s in spectra]
@@ -222,18 +251,13 @@ def _write(
     with whole_folder(folder, text, replace) as place:
         (place / "record.toml").write_text(text, "utf-8")
         (place / "spectrum.csv").write_text("\n".join(lines) + "\n", "utf-8")
-        save(srs_figure(spectra[0]), place / "summary.svg")
-        velocity = next((s for s in spectra if s.kind == "pseudo-velocity"), None)
-        if velocity is None:
-            first = spectra[0]
-            scope = _scope(first.part, None, reading)
-            values = reading.channel.values - _zero(reading)
-            velocity = srs(values, reading.channel.step, first.frequency, first.q, "pseudo-velocity", scope)
-        save(tripartite(velocity), place / "tripartite.svg")
+        save(titled(srs_figure(spectra[0], unit=reading.channel.unit)), place / "summary.svg")
+        save(titled(tripartite(velocity)), place / "tripartite.svg")
     say(f"written: {folder}/ (spectrum.csv, summary.svg, tripartite.svg, record.toml)")
 
 
-def _print(file: str, reading: ChannelReading, spectra: Sequence[Spectrum], side: str) -> None:
+def _print(result: Result) -> None:
+    file, reading, spectra, side, _ = result
     first = spectra[0]
     step = max(len(first.frequency) // 24, 1)
     shown = range(0, len(first.frequency), step)

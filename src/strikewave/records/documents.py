@@ -57,7 +57,7 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
         **dict.fromkeys(("peak", "offset", "noise", "smooth_peak"), unit or own),
         "velocity_change": INTEGRALS.get(unit, f"{unit} s") or f"{own}, times s",
         **dict.fromkeys(("ringing_frequency", "sampling_rate", "advised_cutoff", "cutoff"), "Hz"),
-        "cv": "1",
+        **dict.fromkeys(("cv", "smooth_misfit"), "1"),
     }
 
 
@@ -116,7 +116,12 @@ def pulse_row(pulse: RecordedPulse) -> dict[str, Any]:
     """Return a pulse as a row."""
     names = ("time", "peak", "rise", "width", "velocity_change", "ringing_frequency", "offset", "noise", "method")
     row = {name: getattr(pulse, name) for name in (*names, "begin", "end")}
-    return {**row, "smooth_peak": pulse.smooth.peak, "smooth_width": pulse.smooth.width()}
+    return {
+        **row,
+        "smooth_peak": pulse.smooth.peak,
+        "smooth_width": pulse.smooth.width(),
+        "smooth_misfit": pulse.smooth.misfit,
+    }
 
 
 def cutoff_for(reading: ChannelReading) -> float | None:
@@ -169,7 +174,8 @@ def pulse_table(files: Sequence[FileReading]) -> str:
         for k, pulse in enumerate(reading.pulses, start=1)
     ]
     names = ["file", "channel", "unit", "status", "index", "time", "peak", "rise", "width", "velocity_change"]
-    names += ["ringing_frequency", "offset", "noise", "method", "begin", "end", "smooth_peak", "smooth_width"]
+    names += ["ringing_frequency", "offset", "noise", "method", "begin", "end"]
+    names += ["smooth_peak", "smooth_width", "smooth_misfit"]
     writer = csv.DictWriter(text, names, lineterminator="\n")
     writer.writeheader()
     for row in rows:

@@ -15,7 +15,7 @@ from strikewave.errors import InputError, nearest, show
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
 from strikewave.records.finding import FIGURES, Finding, worst
-from strikewave.records.health import BLOW, Examined, examine, level_step
+from strikewave.records.health import Examined, examine, level_step
 from strikewave.records.measuring import RecordedPulse, find_pulses
 from strikewave.records.pulses import robust_line
 from strikewave.records.record import Array, Channel, Record
@@ -181,13 +181,12 @@ def _changed(before: Sequence[RecordedPulse], after: Sequence[RecordedPulse]) ->
     """Find a filter that takes much off the blows, or takes some away."""
     if len(before) != len(after):
         words = f"the filter leaves {len(after)} of {len(before)} blows: take a higher cutoff"
-        return [Finding("filter-changes", words, len(after) - len(before), "suspect", BLOW)]
+        return [Finding("filter-changes", words, len(after) - len(before), "suspect")]
     left = min((two.peak / one.peak for one, two in zip(before, after, strict=True)), default=1.0)
     if left > MUCH:
         return []
     words = f"the filter leaves {left:.0%} of a peak: quote it with the filter, or take a higher cutoff"
-    severity, harms = ("suspect", BLOW) if left < HALF else ("good", ())
-    return [Finding("filter-changes", words, left, severity, harms)]
+    return [Finding("filter-changes", words, left, "suspect" if left < HALF else "good")]
 
 
 def _blows(channel: Channel) -> tuple[RecordedPulse, ...]:

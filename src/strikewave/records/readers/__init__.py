@@ -13,7 +13,7 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
-from strikewave.errors import InputError, StrikewaveError
+from strikewave.errors import InputError, StrikewaveError, show
 from strikewave.records.record import Record
 
 FORMATS = ("tdms", "mdf", "ide", "rigol", "hdf", "mat", "netcdf", "parquet", "wav", "uff", "excel", "lvm", "text")
@@ -71,9 +71,10 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
     except OSError as error:
         raise InputError("FILE", str(path), "a file that can be read", error.strerror or "") from None
     if not head.strip(b"\0 \t\r\n"):
-        raise InputError("FILE", str(path), "a file with samples", "it is empty")
+        hint = "it holds nothing but zeros or blanks" if head else "it is empty"
+        raise InputError("FILE", str(path), "a file with samples", hint)
     try:
-        return _reader(head).read(file, options)
+        return _reader(path, head).read(file, options)
     except StrikewaveError:
         raise
     except MemoryError:
@@ -82,9 +83,10 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
         raise InputError("FILE", str(path), "a file that is whole", f"{type(error).__name__}: {error}"[:200]) from None
 
 
-def _reader(head: bytes):  # type: ignore[no-untyped-def]  # a module
+def _reader(path: str | Path, head: bytes):  # type: ignore[no-untyped-def]  # a module
     for name in FORMATS:
         module = importlib.import_module(f"{__name__}.{name}")
         if module.sniff(head):
             return module
-    raise InputError("FILE", head[:16], "a known format: " + ", ".join(FORMATS))
+    hint = f"it begins with {show(head[:16])}, which is none of them"
+    raise InputError("FILE", str(path), "a known format: " + ", ".join(FORMATS), hint)

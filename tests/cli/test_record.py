@@ -1,0 +1,308 @@
+"""strikewave record as a user types it: exit codes, one JSON document, refusals that say what is allowed, whole folders."""
+
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+G = 9.80665
+STEP, LENGTH = 1e-5, 100
+WIDTH = LENGTH * STEP * (1.0 - 2.0 * math.asin(0.1) / math.pi)
+
+
+def history(peak, seed=1, size=4000):
+    u = (np.arange(size) - 1500.3) / LENGTH
+    return np.where((u > 0.0) & (u < 1.0), peak * np.sin(np.pi * u), 0.0) + 1e-4 * abs(peak) * np.random.default_rng(
+        seed
+    ).normal(size=size)
+
+
+def write(name, *histories, header="time [s],board [V],frame [V]"):
+    rows = [",".join(header.split(",")[: 1 + len(histories)])]
+    rows += [
+        f"{STEP * k:.5f}," + ",".join(f"{v:.9g}" for v in row) for k, row in enumerate(zip(*histories, strict=True))
+    ]
+    with open(name, "w") as file:
+        file.write("\n".join(rows) + "\n")
+    return name
+
+
+def document(out):
+    parsed = json.loads(out)
+    json.dumps(parsed, allow_nan=False)
+    assert out.count("\n") == 1
+    return parsed
+
+
+@pytest.fixture
+def volts(strikewave):
+    """A file with two channels in volts."""
+    return write("shot.csv", history(1.2), history(-0.3, 2))
+
+
+def test_json_has_exactly_its_keys_and_nothing_is_written(strikewave, volts):
+    code, out, err = strikewave("record", volts, "--json", "--sensitivity", "1.2 mV/g")
+    assert code == 0
+    found = document(out)
+    assert set(found) >= {"schema", "version", "units", "warnings", "files", "campaign"}
+    [file] = found["files"]
+    assert set(file) >= {"file", "status", "reasons", "channels"}
+    assert (file["file"], file["status"]) == ("shot.csv", "suspect")
+    assert "negative" in " ".join(file["reasons"])
+    board, frame = file["channels"]
+    for channel in (board, frame):
+        assert set(channel) >= {"name", "sampling_rate", "unit", "health", "pulses"}
+        assert all(set(row) >= {"code", "message", "value"} for row in channel["health"])
+        [pulse] = channel["pulses"]
+        assert set(pulse) >= {"time", "peak", "rise", "width", "velocity_change", "ringing_frequency"}
+    assert set(found["campaign"]) >= {"peak", "width", "velocity_change"}
+    assert set(found["campaign"]["peak"]) >= {"mean", "cv", "low", "high", "n"}
+    assert found["units"]["peak"] == "m/s^2"
+    assert found["units"]["velocity_change"] == "m/s"
+    assert found["units"]["width"] == found["units"]["time"] == "s"
+    assert os.listdir() == ["shot.csv"]
+    assert "done in" in err
+
+
+def test_json_is_in_si(strikewave, volts):
+    _, out, _ = strikewave("record", volts, "--channel", "board", "--sensitivity", "1.2 mV/g", "--json")
+    [channel] = document(out)["files"][0]["channels"]
+    [pulse] = channel["pulses"]
+    assert (channel["name"], channel["unit"]) == ("board", "m/s^2")
+    assert channel["sampling_rate"] == pytest.approx(1.0 / STEP)
+    assert pulse["peak"] == pytest.approx(1000.0 * G, rel=2e-3)
+    assert pulse["width"] == pytest.approx(WIDTH, rel=5e-3)
+    assert pulse["velocity_change"] == pytest.approx(2e3 / math.pi * G * LENGTH * STEP, rel=5e-3)
+    assert pulse["time"] == pytest.approx(STEP * 1550.3, abs=STEP)
+
+
+def test_provenance_stands_in_the_json_as_typed(strikewave, volts):
+    _, out, _ = strikewave(
+        "record", volts, "--sensitivity", "1.20 mV/g", "--gain", "10", "--polarity", "frame=-1", "--json"
+    )
+    board, frame = document(out)["files"][0]["channels"]
+    assert board["calibration"].items() >= {"sensitivity": "1.20 mV/g", "gain": "10"}.items()
+    assert frame["calibration"].items() >= {"sensitivity": "1.20 mV/g", "gain": "10", "polarity": -1}.items()
+    assert frame["pulses"][0]["peak"] > 0.0
+
+
+@pytest.mark.parametrize("place", range(5))
+def test_json_may_come_anywhere_after_the_command(strikewave, volts, place):
+    words = [volts, "--channel", "board", "--unit", "g"]
+    whole = [(word,) for word in words[:1]] + [tuple(words[1:3]), tuple(words[3:])]
+    whole.insert(min(place, len(whole)), ("--json",))
+    code, out, _ = strikewave("record", *(word for pair in whole for word in pair))
+    assert code == 0
+    assert document(out)["files"][0]["channels"][0]["unit"] == "m/s^2"
+
+
+@pytest.mark.parametrize(
+    ("option", "bare", "typed"),
+    [
+        ("--rate", "200000", "200 kHz"),
+        ("--count", "0.000305", "305 uV"),
+        ("--drop-height", "1.2", "1200 mm"),
+        ("--filter", "5000", "5 kHz"),
+    ],
+)
+def test_a_bare_number_is_si(strikewave, volts, option, bare, typed):
+    words = ["record", volts, "--channel", "1", "--sensitivity", "1 mV/g", "--json"]
+    one, two = (document(strikewave(*words, option, value)[1]) for value in (bare, typed))
+    pulses = [found["files"][0]["channels"][0]["pulses"][0] for found in (one, two)]
+    assert pulses[0]["peak"] == pytest.approx(pulses[1]["peak"], rel=1e-12)
+    assert pulses[0]["width"] == pytest.approx(pulses[1]["width"], rel=1e-12)
+
+
+def test_channels_are_taken_by_name_or_number(strikewave, volts):
+    for wanted, names in (
+        (["2"], ["frame"]),
+        (["frame"], ["frame"]),
+        (["2", "board"], ["frame", "board"]),
+        ([], ["board", "frame"]),
+    ):
+        words = [word for one in wanted for word in ("--channel", one)]
+        _, out, _ = strikewave("record", volts, *words, "--json")
+        assert [channel["name"] for channel in document(out)["files"][0]["channels"]] == names
+
+
+def test_a_file_without_a_calibration_says_so(strikewave, volts):
+    _, out, _ = strikewave("record", volts, "--json")
+    found = document(out)
+    [warning] = found["warnings"]
+    assert set(warning) == {"code", "message", "value", "limit"}
+    assert warning["code"] == "not-calibrated"
+    assert found["units"]["peak"] == "V"
+
+
+def test_files_beside_the_data_calibrate_it_and_what_is_typed_goes_first(strikewave, volts):
+    peaks = []
+    for beside, text, typed in (
+        ("calibration.toml", '[all]\nsensitivity = "1 mV/g"\n', ()),
+        ("shot.csv.toml", '[channel.board]\nsensitivity = "2 mV/g"\n', ()),
+        (None, None, ("--sensitivity", "1=4 mV/g")),
+    ):
+        if beside:
+            with open(beside, "w") as file:
+                file.write(text)
+        _, out, _ = strikewave("record", volts, "--channel", "board", "--json", *typed)
+        peaks.append(document(out)["files"][0]["channels"][0]["pulses"][0]["peak"])
+    assert peaks == pytest.approx([1200.0 * G, 600.0 * G, 300.0 * G], rel=2e-3)
+
+
+def test_a_campaign_of_files_in_any_order(strikewave):
+    peaks = [0.9, 1.0, 1.1, 1.2]
+    names = [write(f"shot{k}.csv", history(peak, k)) for k, peak in enumerate(peaks)]
+    campaigns = []
+    for order in (names, names[::-1]):
+        code, out, _ = strikewave("record", *order, "--sensitivity", "1 mV/g", "--json")
+        assert code == 0
+        campaigns.append(document(out)["campaign"])
+    assert campaigns[0]["peak"]["mean"] == pytest.approx(1050.0 * G, rel=2e-3)
+    assert campaigns[0]["peak"]["n"] == 4
+    assert campaigns[0]["peak"] == pytest.approx(campaigns[1]["peak"], rel=1e-12)
+    assert campaigns[0]["trend"]["peak"]["slope"] == pytest.approx(100.0 * G, rel=0.02)
+    assert campaigns[1]["trend"]["peak"]["slope"] == pytest.approx(-100.0 * G, rel=0.02)
+
+
+def test_an_unreadable_file_among_others_is_named_and_exits_3(strikewave, volts):
+    with open("broken.csv", "wb") as file:
+        file.write(bytes(range(256)) * 20)
+    code, out, err = strikewave("record", volts, "broken.csv", "missing.csv", "--sensitivity", "1 mV/g", "--json")
+    assert code == 3
+    found = document(out)
+    assert [file["status"] for file in found["files"]][1:] == ["bad", "bad"]
+    assert all(file["reasons"] and file["channels"] == [] for file in found["files"][1:])
+    assert {row["file"] for row in found["campaign"]["left_out"]} >= {"broken.csv", "missing.csv"}
+    assert found["campaign"]["peak"]["n"] == 1
+    assert "broken.csv" in err
+    assert "missing.csv" in err
+
+
+def test_files_of_which_none_can_be_read_are_bad_input(strikewave):
+    code, out, err = strikewave("record", "a.csv", "b.csv", "--json")
+    assert (code, out) == (2, "")
+    assert "FILE: got" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "field", "came", "allowed"),
+    [
+        (("--rate", "0"), "--rate", '"0"', "above zero"),
+        (("--rate", "-5 kHz"), "--rate", '"-5 kHz"', "above zero"),
+        (("--rate", "5 m"), "--rate", '"5 m"', "a frequency"),
+        (("--rate", "inf"), "--rate", '"inf"', "above zero"),
+        (("--rate", "nan"), "--rate", '"nan"', "a frequency"),
+        (("--channel", "bord"), "--channel", '"bord"', "board"),
+        (("--channel", "9"), "--channel", '"9"', "from 1 to 2"),
+        (("--time", "9"), "--time", '"9"', "from 1 to 3"),
+        (("--sensitivity", "1.2"), "sensitivity", '"1.2"', "1.2 mV/g"),
+        (("--sensitivity", "0 mV/g"), "sensitivity", '"0 mV/g"', "not zero"),
+        (("--sensitivity", "bord=1 mV/g"), "--sensitivity", "bord", "board"),
+        (("--unit", "bananas"), "unit", '"bananas"', "m/s^2"),
+        (("--polarity", "2"), "--polarity", '"2"', "1 or -1"),
+        (("--polarity", "frame=up"), "--polarity", '"up"', "1 or -1"),
+        (("--gain", "10"), "gain", '"10"', "sensitivity"),
+        (("--sensitivity", "1 uV/V/g", "--excitation", "0"), "excitation", '"0 V"', "voltage"),
+        (("--drop-height", "-1 m"), "--drop-height", '"-1 m"', "above zero"),
+        (("--drop-height", "1 s"), "--drop-height", '"1 s"', "a length"),
+        (("--filter", "0"), "--filter", '"0"', "above zero"),
+        (("--filter", "1 GHz"), "--filter", "1e+09 Hz", "half the sampling rate"),
+        (("--cfc", "no"), "--cfc", '"no"', "60, 180, 600 or 1000"),
+        (("--cfc", "1000", "--filter", "1 kHz"), "--cfc", '"1000"', "either --filter or --cfc"),
+    ],
+)
+@pytest.mark.parametrize("json_too", [(), ("--json",)])
+def test_wrong_input_says_field_what_came_and_what_is_allowed(strikewave, volts, words, field, came, allowed, json_too):
+    code, out, err = strikewave("record", volts, *words, *json_too)
+    assert (code, out) == (2, "")
+    assert field in err
+    assert came in err
+    assert allowed in err
+    assert "Traceback" not in err
+    assert os.listdir() == ["shot.csv"]
+
+
+def test_a_wrong_option_and_no_file_are_bad_input(strikewave):
+    for words in ((), ("--json",), ("a.csv", "--sensitivty", "1 mV/g"), ("a.csv", "--channel")):
+        code, out, err = strikewave("record", *words)
+        assert (code, out) == (2, "")
+        assert err.startswith("strikewave: ")
+
+
+def test_a_hostile_calibration_file_is_bad_input(strikewave, volts):
+    with open("calibration.toml", "w") as file:
+        file.write("[all]\nsensitivity = [1]\n")
+    code, out, err = strikewave("record", volts, "--json")
+    assert (code, out) == (2, "")
+    assert "calibration.toml: all.sensitivity: got [1]" in err
+
+
+@pytest.mark.parametrize("name", ["--weird.csv", "a b.csv", "ünï.csv", "$(touch x).csv", "line\nbreak.csv"])
+def test_any_file_name_is_a_file_name(strikewave, volts, name):
+    os.rename(volts, name)
+    code, out, _ = strikewave("record", "--json", "--unit", "g", "--", name)
+    assert code == 0
+    assert document(out)["files"][0]["file"] == name
+    assert os.listdir() == [name]
+
+
+def test_bad_records_are_done_and_exit_0(strikewave):
+    write("dead.csv", np.full(200, 1.5))
+    code, out, _ = strikewave("record", "dead.csv", "--json")
+    found = document(out)
+    assert code == 0
+    assert found["files"][0]["status"] == "bad"
+    assert "dead" in found["files"][0]["reasons"][0]
+    assert "peak" not in found["campaign"]
+
+
+def test_what_starts_the_command_is_light(environment, tmp_path):
+    """--help needs no numbers, and a wrong option is refused before a file is read."""
+    program = "import sys; sys.argv = ['strikewave', 'record', '--help']\nfrom strikewave.cli import app\ntry: app.main()\nfinally: print('scipy' in sys.modules, 'matplotlib' in sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", program], env=environment, cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.stdout.endswith("False False\n")
+
+
+def test_a_folder_appears_whole_and_is_the_same_again(strikewave, volts):
+    words = ("record", volts, "--channel", "board", "--sensitivity", "1.2 mV/g")
+    code, out, err = strikewave(*words)
+    assert code == 0
+    assert sorted(os.listdir("out/shot")) == ["pulses.csv", "record.toml", "report.html", "summary.svg"]
+    assert sorted(os.listdir("out")) == ["shot"]
+    assert "board" in out
+    assert "written: out/shot/" in err
+    with open("out/shot/pulses.csv") as file:
+        header, row = file.read().splitlines()
+    found = dict(zip(header.split(","), row.split(","), strict=True))
+    assert float(found["peak"]) == pytest.approx(1000.0 * G, rel=2e-3)
+    assert found["unit"] == "m/s^2"
+    ElementTree.parse("out/shot/summary.svg")
+    with open("out/shot/report.html", encoding="utf-8") as file:
+        assert file.read().startswith("<!doctype html>")
+    first = open("out/shot/pulses.csv").read()
+    shutil.rmtree("out")
+    assert strikewave(*words)[0] == 0
+    assert open("out/shot/pulses.csv").read() == first
+
+
+def test_json_with_out_writes_too_and_never_over_other_files(strikewave, volts):
+    words = ("record", volts, "--unit", "g", "--json", "--out", "there")
+    assert strikewave(*words)[0] == 0
+    assert "pulses.csv" in os.listdir("there")
+    code, out, err = strikewave(*words, "--polarity", "-1")
+    assert (code, out) == (2, "")
+    assert "--force" in err
+    assert strikewave(*words, "--polarity", "-1", "--force")[0] == 0
+    os.mkdir("mine")
+    open("mine/thesis.doc", "w").close()
+    code, out, err = strikewave("record", volts, "--unit", "g", "--json", "--out", "mine", "--force")
+    assert (code, out) == (2, "")
+    assert os.listdir("mine") == ["thesis.doc"]

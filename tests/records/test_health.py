@@ -1,0 +1,309 @@
+"""Each check finds the fault that is planted in a clean half-sine, and nothing in clean records of any shape."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from strikewave.records import Channel, Record, Request, read_file
+from strikewave.records.finding import FIGURES
+from strikewave.records.health import BLOW, Examined, examine
+from strikewave.units import STANDARD_GRAVITY
+
+STEP, PEAK, LENGTH = 1e-6, 1000.0, 100
+"""Of the clean half-sine: s, m/s^2, samples."""
+SIZE, BEGIN = 6000, 1800.37
+AFTER = np.arange(SIZE) > BEGIN + LENGTH + 10
+SHAPES = {
+    "half-sine": lambda u: np.sin(np.pi * u),
+    "haversine": lambda u: np.sin(np.pi * u) ** 2,
+    "saw-tooth": lambda u: np.minimum(u / 0.9, (1.0 - u) / 0.1),
+    "trapezoid": lambda u: np.minimum(np.minimum(u, 1.0 - u) / 0.1, 1.0),
+}
+
+
+def blow(shape="half-sine", length=LENGTH, noise=1e-3, ringing=0.0, size=None, begin=None):
+    """A record with one blow of `PEAK`, with noise and ringing as shares of it."""
+    size = 60 * length if size is None else size
+    u = (np.arange(size) - (0.3 * size + 0.37 if begin is None else begin)) / length
+    values = np.where((u > 0.0) & (u < 1.0), SHAPES[shape](u), 0.0)
+    swing = np.exp(-np.maximum(u, 0.0) / 3.0) * np.sin(10.6 * np.pi * u)
+    values += np.where(u > 0.0, ringing * swing, 0.0)
+    return PEAK * (values + noise * np.random.default_rng(20190321).normal(size=size))
+
+
+def in_bits(values, bits):
+    """A record as a converter with a range of 1.25 peaks to either side gives it."""
+    least = 2.5 * PEAK / 2**bits
+    return least * np.round(values / least)
+
+
+def read(values, step=STEP, unit="m/s^2", **wanted):
+    [reading] = read_file(
+        Record("shot", "text", (Channel("board", values, step, unit=unit),)), {}, Request(**wanted)
+    ).channels
+    return reading
+
+
+def found(values, code, **more):
+    """The finding of that code, which must be there."""
+    findings = read(values, **more).findings
+    [finding, *_] = [one for one in findings if one.code == code] or [None]
+    assert finding is not None, [one.code for one in findings]
+    return finding
+
+
+def codes(values, **more):
+    return [(finding.code, finding.severity) for finding in read(values, **more).findings]
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("bits", [8, 12, 24])
+def test_a_clean_record_raises_nothing(shape, bits):
+    allowed = {("flat-top", "suspect")} if shape == "trapezoid" else set()
+    for length in (28, 200, 2000):
+        for ringing in (0.0, 0.03):
+            for noise in (1e-4, 1e-2):
+                if shape == "trapezoid" and bits == 8 and noise < 0.004:
+                    continue
+                values = in_bits(blow(shape, length, noise, ringing), bits)
+                assert set(codes(values)) <= allowed, (length, ringing, noise)
+                assert len(read(values).pulses) == 1
+
+
+@pytest.mark.parametrize("bits", [8, 12, 24, 52])
+@pytest.mark.parametrize("level", [300.0, 700.0, 900.0, 950.0])
+def test_clipping_at_a_repeated_value(bits, level):
+    values = in_bits(np.minimum(blow(), level), bits)
+    finding = found(values, "clipped")
+    assert (finding.severity, finding.harms) == ("bad", BLOW)
+    assert finding.value == values.max()
+    half = LENGTH / math.pi * math.acos(level / PEAK) * STEP
+    middle = (BEGIN + 0.5 * LENGTH) * STEP
+    assert finding.start == pytest.approx(middle - half, abs=6 * STEP)
+    assert finding.end == pytest.approx(middle + half, abs=6 * STEP)
+
+
+def test_clipping_of_a_negative_blow():
+    finding = found(np.maximum(-blow(), -800.0), "clipped")
+    assert (finding.value, finding.severity) == (-800.0, "bad")
+
+
+@pytest.mark.parametrize("length", [50, 100, 1000])
+def test_the_rounded_top_of_a_coarse_recorder_is_no_clipping(length):
+    values = in_bits(blow(length=length, noise=0.0), 8)
+    assert np.count_nonzero(values == values.max()) >= 3
+    assert "clipped" not in dict(codes(values))
+
+
+def test_the_quiet_zero_of_a_coarse_recorder_is_no_clipping():
+    values = in_bits(blow(noise=1e-4), 8)
+    assert np.count_nonzero(values == values.min()) > 1000
+    assert codes(values) == []
+
+
+@pytest.mark.parametrize("level", [-50.0, -100.0])
+def test_clipping_of_negative_ringing_alone_harms_the_ringing_alone(level):
+    swing = np.where(AFTER, 300.0 * np.exp(-(np.arange(SIZE) - BEGIN) / 300.0) * np.sin(0.14 * np.arange(SIZE)), 0.0)
+    finding = found(np.maximum(blow() + swing, level), "clipped")
+    assert (finding.value, finding.severity, finding.harms) == (level, "suspect", ("ringing_frequency", "spectrum"))
+
+
+@pytest.mark.parametrize("level", [500.0, 700.0, 850.0])
+def test_a_saturated_amplifier_gives_a_flat_top(level, rng):
+    """Rounded clipping with noise after it: no value comes again and again."""
+    clean = blow(noise=0.0) / level
+    finding = found(level * clean / (1.0 + clean**20) ** 0.05 + rng.normal(size=SIZE), "flat-top")
+    assert (finding.severity, finding.harms) == ("suspect", ("peak",))
+    assert 1.0 - 2.0 / math.pi * math.asin(level / PEAK) < finding.value < 1.0
+    assert "clipped" not in dict(codes(level * clean / (1.0 + clean**20) ** 0.05 + rng.normal(size=SIZE)))
+
+
+@pytest.mark.parametrize(
+    ("share", "severity"), [(0.01, "good"), (0.05, "suspect"), (-0.05, "suspect"), (0.2, "bad"), (-0.2, "bad")]
+)
+def test_zero_shift(share, severity):
+    values = blow(noise=1e-4) + share * PEAK * AFTER
+    finding = found(values, "zero-shift")
+    assert finding.value == pytest.approx(share * PEAK, rel=0.02)
+    assert finding.severity == severity
+    assert {"velocity_change", "spectrum"} <= set(finding.harms)
+    [pulse] = read(values).pulses
+    assert pulse.peak == pytest.approx(PEAK, rel=0.01)
+
+
+def test_a_zero_shift_of_20_percent_harms_everything():
+    assert found(blow() + 0.2 * PEAK * AFTER, "zero-shift").harms == FIGURES
+
+
+def test_no_zero_shift_below_a_percent():
+    assert codes(blow(noise=1e-4) + 0.005 * PEAK * AFTER) == []
+
+
+@pytest.mark.parametrize(("share", "severity"), [(1.0, "good"), (4.0, "suspect")])
+def test_drift_of_the_integrated_velocity(share, severity):
+    change = PEAK * LENGTH * STEP * 2.0 / math.pi
+    values = blow(noise=1e-4) + AFTER * share * change / (np.count_nonzero(AFTER) * STEP)
+    finding = found(values, "velocity-drift")
+    assert finding.value == pytest.approx(share * change, rel=0.03)
+    assert (finding.severity, finding.harms) == (severity, ("spectrum",))
+
+
+@pytest.mark.parametrize(("count", "loss"), [(5, "4.9%"), (10, "1.2%"), (20, "0.3%")])
+def test_few_samples_lose_what_the_cosine_says(count, loss):
+    """1 - cos(pi / (2 n)) at n intervals of a half-sine."""
+    assert f"{1.0 - math.cos(0.5 * math.pi / count):.1%}" == loss
+    values = np.zeros(2000)
+    values[1000 : 1000 + 2 * count] = PEAK * np.maximum(np.sin(np.pi * (np.arange(2 * count) + 0.5) / count), 0.0)
+    record = Examined(values, STEP, 0.0, "", tuple(pulse_of(0.935 * count * STEP)))
+    [finding] = [one for one in examine(record) if one.code == "few-samples"]
+    assert finding.value == pytest.approx(count, rel=0.01)
+    assert f"by {1.0 - math.cos(0.5 * math.pi / finding.value):.1%}" in finding.message
+
+
+def pulse_of(width):
+    """A measured pulse of that width."""
+    [pulse] = read(blow()).pulses
+    return [dataclasses.replace(pulse, width=width)]
+
+
+@pytest.mark.parametrize(
+    ("length", "severity", "harms"),
+    [(4, "bad", ("peak", "rise", "width")), (7, "suspect", ("peak", "rise", "width")), (15, "good", ())],
+)
+def test_few_samples(length, severity, harms):
+    finding = found(blow(length=length, size=3000, noise=1e-4), "few-samples")
+    assert finding.value == pytest.approx(length, rel=0.2)
+    assert (finding.severity, finding.harms) == (severity, harms)
+
+
+def test_enough_samples():
+    assert codes(blow(length=22, size=3000, noise=1e-4)) == []
+
+
+@pytest.mark.parametrize("frequency", [0.46, 0.54, 0.48, 0.52])
+def test_ringing_near_half_the_rate_or_folded_to_it(frequency):
+    k = np.arange(SIZE) - BEGIN
+    swing = np.where(k > 0.0, 400.0 * np.exp(-np.maximum(k, 0.0) / 60.0) * np.sin(2.0 * np.pi * frequency * k), 0.0)
+    finding = found(blow() + swing, "alias")
+    assert (finding.severity, finding.harms) == ("suspect", ("peak", "rise", "spectrum"))
+    assert 0.02 < finding.value < 1.0
+
+
+def test_ringing_well_below_half_the_rate_is_no_alias():
+    assert "alias" not in dict(codes(blow(ringing=0.4)))
+
+
+def test_noise_alone_is_no_alias():
+    assert "alias" not in dict(codes(blow(noise=0.03)))
+
+
+def test_polarity():
+    finding = found(-blow(), "polarity")
+    assert (finding.severity, finding.value, finding.harms) == ("suspect", -1.0, ())
+    assert codes(-blow(), calibrations={"all": {"polarity": -1}}) == []
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.7])
+def test_a_blow_cut_at_the_end(share):
+    finding = found(blow()[: int(BEGIN + share * LENGTH)], "cut")
+    assert (finding.severity, finding.harms) == ("suspect", BLOW)
+    assert finding.start == pytest.approx(BEGIN * STEP, abs=10 * STEP)
+    assert "cut by the end" in finding.message
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.7])
+def test_a_blow_cut_at_the_begin(share, sign):
+    values = sign * blow()[int(BEGIN + share * LENGTH) :]
+    finding = found(values, "cut")
+    assert (finding.severity, finding.harms) == ("bad", FIGURES)
+    assert "begins in a blow" in finding.message
+
+
+def test_a_sensor_that_has_not_settled(rng):
+    values = 1e4 * np.exp(-np.arange(SIZE) / 2000.0) + rng.normal(size=SIZE)
+    finding = found(values, "not-settled")
+    assert (finding.severity, finding.harms) == ("bad", FIGURES)
+    assert 1e4 * math.exp(-3.0) < finding.value < 1e4
+
+
+def test_a_record_that_begins_in_ringing(rng):
+    values = 500.0 * np.exp(-np.arange(SIZE) / 300.0) * np.cos(0.2 * np.arange(SIZE)) + rng.normal(size=SIZE)
+    finding = found(values, "not-settled")
+    assert (finding.severity, finding.harms) == ("bad", FIGURES)
+    assert finding.value == pytest.approx(1000.0, rel=0.1)
+    assert "swings" in finding.message
+
+
+def test_a_far_zero_is_said_and_taken_off():
+    finding = found(blow() - 5000.0, "not-settled")
+    assert finding.value == pytest.approx(-5000.0, abs=1.0)
+    assert (finding.severity, finding.harms) == ("suspect", ("spectrum",))
+    assert read(blow() - 5000.0).pulses[0].peak == pytest.approx(PEAK, rel=0.01)
+
+
+def test_a_zero_that_drifts_past_the_blow_harms_its_peak():
+    finding = found(blow() + 5000.0 + 0.1 * np.arange(SIZE), "not-settled")
+    assert (finding.severity, finding.harms) == ("suspect", (*BLOW, "spectrum"))
+
+
+@pytest.mark.parametrize(("share", "severity"), [(2.2, "bad"), (1.8, None), (1.1, None), (0.8, "suspect")])
+def test_velocity_change_against_the_drop_height(share, severity):
+    """A fall from h arrives with v = sqrt(2 g h); the blow changes it by v, or by 2 v if all comes back."""
+    change = PEAK * LENGTH * STEP * 2.0 / math.pi
+    height = (change / share) ** 2 / (2.0 * STANDARD_GRAVITY)
+    said = dict(codes(blow(), drop_height=height))
+    assert said == ({"drop-height": severity} if severity else {})
+    if severity:
+        finding = found(blow(), "drop-height", drop_height=height)
+        assert finding.value == pytest.approx(change, rel=0.01)
+        assert finding.harms == ("peak", "velocity_change", "spectrum")
+
+
+def test_a_drop_height_says_nothing_of_a_record_without_acceleration():
+    assert codes(blow(), unit="N", drop_height=1e6) == []
+
+
+@pytest.mark.parametrize("level", [0.0, 3.3, -1e4])
+def test_a_dead_channel(level):
+    [finding] = read(np.full(SIZE, level)).findings
+    assert (finding.code, finding.severity, finding.value, finding.harms) == ("dead", "bad", level, FIGURES)
+
+
+def test_noise_alone_holds_no_blow(rng):
+    finding = found(rng.normal(size=SIZE), "no-pulse")
+    assert (finding.severity, finding.harms) == ("bad", (*BLOW, "interval"))
+
+
+def test_a_record_that_swings_higher_than_its_blow():
+    k = np.arange(SIZE) - 4500
+    values = blow() + 1500.0 * np.exp(-((k / 300.0) ** 2)) * np.sin(k / 8.0)
+    finding = found(values, "swings")
+    assert (finding.severity, finding.harms) == ("suspect", BLOW)
+    assert finding.value == pytest.approx(1500.0, rel=0.02)
+
+
+def test_noise_that_hides_the_blow():
+    finding = found(blow(noise=0.3), "noisy")
+    assert finding.value == pytest.approx(-20.0 * math.log10(0.3), abs=1.5)
+    assert (finding.severity, finding.harms) == ("suspect", ("rise",))
+
+
+def test_a_straight_line_is_no_blow():
+    """A count or a clock beside the data: fast, and without blows."""
+    for values in (
+        np.arange(50_000) * 1e-5,
+        np.cumsum(np.full(50_000, 0.1)),
+        np.float32(1.7 * np.arange(50_000)).astype(float),
+    ):
+        assert ("no-pulse", "bad") in codes(values)
+        assert read(values).pulses == ()
+
+
+def test_findings_come_the_worst_first():
+    values = np.minimum(blow() + 0.05 * PEAK * AFTER, 800.0)
+    severities = [finding.severity for finding in read(values).findings]
+    assert severities == sorted(severities, key=("bad", "suspect", "good").index)
+    assert severities[0] == "bad"
