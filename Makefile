@@ -5,6 +5,7 @@ VENV ?= .venv
 PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN = $(VENV)/bin
+JOBS ?= 2
 CASES ?= li-ma-2019 li-ma-2019-fig13
 
 .PHONY: demo test verify lint bench clean help
@@ -23,10 +24,10 @@ demo: $(VENV)/core
 	@for case in $(CASES); do echo "open in a browser: out/$$case/report.html"; done
 
 test: $(VENV)/dev
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 
 verify: $(VENV)/dev
-	STRIKEWAVE_VERIFY=1 $(BIN)/python -m pytest -n 2 --dist worksteal tests/records/test_fuzz.py tests/records/test_planted.py
+	STRIKEWAVE_VERIFY=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal tests/records/test_fuzz.py tests/records/test_planted.py
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check .

@@ -62,6 +62,7 @@ def strikewave(monkeypatch, capsys, tmp_path):
     from strikewave.cli import app
 
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "160")
 
     def call(*words):
         monkeypatch.setattr(sys, "argv", ["strikewave", *map(str, words)])
