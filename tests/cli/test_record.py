@@ -184,6 +184,27 @@ def test_an_unreadable_file_among_others_is_named_and_exits_3(strikewave, volts)
     assert "missing.csv" in err
 
 
+def test_a_file_without_time_among_others_is_named_and_exits_3(strikewave, volts):
+    with open("bare.csv", "w") as file:
+        file.write("board,frame\n" + "".join(f"{0.1 * (k % 3)},{0.2 * (k % 5)}\n" for k in range(100)))
+    code, out, err = strikewave("record", volts, "bare.csv", "--sensitivity", "1 mV/g", "--json")
+    assert code == 3
+    found = document(out)
+    assert (found["files"][1]["status"], found["campaign"]["peak"]["n"]) == ("bad", 1)
+    assert "a sampling rate" in found["files"][1]["reasons"][0]
+    assert "left out: bare.csv: --rate" in err
+    code, out, err = strikewave("record", "bare.csv", "--json")
+    assert (code, out) == (2, "")
+    assert "--rate" in err
+
+
+def test_a_calibration_that_fits_none_of_the_files_is_bad_input(strikewave, volts):
+    shutil.copy(volts, "again.csv")
+    code, out, err = strikewave("record", volts, "again.csv", "--sensitivity", "0 mV/g", "--json")
+    assert (code, out) == (2, "")
+    assert "calibration of board.sensitivity" in err
+
+
 def test_files_of_which_none_can_be_read_are_bad_input(strikewave):
     code, out, err = strikewave("record", "a.csv", "b.csv", "--json")
     assert (code, out) == (2, "")

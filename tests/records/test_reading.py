@@ -58,8 +58,8 @@ def histories(draw, scales):
     return draw(st.sampled_from([1.0, -1.0])) * draw(st.sampled_from(scales)) * np.clip(made, -1.0, 1.0)
 
 
-def read(values, request=Request(), unit="g", step=STEP):
-    return read_file(Record("shot", "text", (Channel("board", values, step, unit=unit),)), {}, request)
+def read(values, request=None, unit="g", step=STEP):
+    return read_file(Record("shot", "text", (Channel("board", values, step, unit=unit),)), {}, request or Request())
 
 
 def warmed():
@@ -77,11 +77,11 @@ def half_sine(peak=1000.0, size=4000, length=100, begin=1500.3):
 @given(histories(scales=(5e-324, 1e-310, 1e-160, 1e-9, 1.0, 1e20, 1e29, 1e31, 1e160, 1e300, 1.7e308)))
 def test_any_samples_give_a_reading_without_a_warning(values):
     warmed()
-    begun = time.process_time()
+    begun = time.thread_time()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         file = read(values)
-    assert time.process_time() - begun < 1.0
+    assert time.thread_time() - begun < 1.0
     [reading] = file.channels
     assert file.status in ("good", "suspect", "bad")
     assert all(finding.message for finding in reading.findings)

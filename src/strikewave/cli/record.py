@@ -58,6 +58,7 @@ def command(
 
     With --json, files are written only where --out says.
     """
+    from strikewave.errors import StrikewaveError
     from strikewave.records import Request, compare, record_document, summed
 
     begun = clock.perf_counter()
@@ -69,7 +70,10 @@ def command(
     wanted = Request(tuple(channel or ()), stated, height, _filter(cutoff, cfc))
     records = measured.read_all(files, measured.options_of(rate, time, channel))
     measured.check_channels(stated, (record for record in records if not isinstance(record, Exception)))
-    read = [_reading(file, record, wanted) for file, record in zip(files, records, strict=True)]
+    read = [_reading(file, record, wanted, len(files) > 1) for file, record in zip(files, records, strict=True)]
+    unread = [finding for file in read for finding in file.findings if finding.code == "unreadable"]
+    if len(unread) == len(read):
+        raise StrikewaveError(unread[0].message)
     readings = compare(read)
     numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
     campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
@@ -80,7 +84,7 @@ def command(
     else:
         _print(readings, campaigns, wanted.filter)
     say(f"done in {clock.perf_counter() - begun:.2f} s")
-    return UNREADABLE if any(isinstance(record, Exception) for record in records) else 0
+    return UNREADABLE if unread else 0
 
 
 def _filter(cutoff: str | None, cfc: str | None) -> Filter | None:
@@ -102,12 +106,20 @@ def _filter(cutoff: str | None, cfc: str | None) -> Filter | None:
     return Filter.sae_j211(channel_class)
 
 
-def _reading(file: str, record: Record | Exception, wanted: Request) -> FileReading:
+def _reading(file: str, record: Record | Exception, wanted: Request, among: bool) -> FileReading:
+    """Return what a file says; one among several that cannot be used is named, and the others are done."""
+    from strikewave.errors import StrikewaveError
     from strikewave.records import FileReading, calibrations_beside, read_file, unreadable
 
     if isinstance(record, Exception):
         return FileReading(file, "", (), (unreadable(str(record)),))
-    return read_file(record, calibrations_beside(Path(file)), wanted)
+    try:
+        return read_file(record, calibrations_beside(Path(file)), wanted)
+    except StrikewaveError as error:
+        if not among:
+            raise
+        say(f"left out: {file}: {error}")
+        return FileReading(file, "", (), (unreadable(str(error)),))
 
 
 def _write(
