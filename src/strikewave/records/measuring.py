@@ -27,6 +27,8 @@ LOOK_BACK = 40
 """Widths of a blow before it over which the zero line is taken: more than its foot lasts."""
 TOES = 5
 """Widths of a blow to either side in which its feet are sought."""
+STRAIGHT, TINY = 1e-6, 1e-100
+"""What is bent by less than this share of its largest value, or by so little, is a straight line: a count, a clock."""
 CLEAR = 3.0
 """Standard deviations of the smoothed record that a tenth of the peak must have to be read off it."""
 
@@ -104,6 +106,9 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
     if not np.all(np.isfinite(values)):
         raise ValueError("the record holds values that are not finite")
     line = robust_line(values)
+    bent = float(np.max(np.abs(values - line.at(np.arange(values.size)))))
+    if bent <= max(STRAIGHT * float(np.max(np.abs(values))), TINY):
+        return []
     sign, boxes = find_boxes(values, line)
     noise = sample_noise(values)
     measured = []
@@ -112,7 +117,7 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
         latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
         offset = _offset(values, box, earliest, line.at(box.first))
         measured.append(_measure(values, Stretch(box, earliest, latest, sign, offset, noise, step, start)))
-    return measured
+    return [pulse for pulse in measured if pulse is not None]
 
 
 @dataclass(frozen=True)
@@ -140,13 +145,16 @@ def _offset(values: Array, box: Box, earliest: int, otherwise: float) -> float:
     return float(np.median(values[begin:end])) if end - begin >= max(box.width, 4) else otherwise
 
 
-def _measure(values: Array, stretch: Stretch) -> RecordedPulse:
+def _measure(values: Array, stretch: Stretch) -> RecordedPulse | None:
+    """Measure a blow; None where nothing of it is left above its own zero line."""
     box, step, sign = stretch.box, stretch.step, stretch.sign
     begin, end = _reach(stretch, values.size, TOES)
     raw = sign * (values[begin:end] - stretch.offset)
     clean, spread = smooth(raw, stretch.noise, max(box.width // 3, 2))
     inside = slice(max(box.first - box.width // 2 - begin, 0), box.last + box.width // 2 - begin)
     index = inside.start + int(np.argmax(clean[inside]))
+    if clean[index] <= 0.0:
+        return None
     alone = np.minimum(clean, np.nextafter(clean[index], -math.inf))  # a neighbour is no peak of this blow
     alone[inside] = clean[inside]
     pulse = measure_pulse(alone, step, stretch.time(begin))

@@ -17,7 +17,6 @@ from strikewave.records.clock import even
 from strikewave.records.finding import FIGURES, Finding, worst
 from strikewave.records.health import Examined, examine, level_step
 from strikewave.records.measuring import RecordedPulse, find_pulses
-from strikewave.records.pulses import robust_line
 from strikewave.records.record import Array, Channel, Record
 from strikewave.signal.filters import Filter
 
@@ -25,8 +24,6 @@ FEWEST = 16
 """Samples that a record needs."""
 MUCH, HALF = 0.9, 0.5
 """What a filter may leave of a peak without a word, and without harm."""
-STRAIGHT, TINY = 1e-6, 1e-100
-"""What is bent by less than this share of its largest value, or by so little, is a straight line: a count, a clock."""
 
 
 @dataclass(frozen=True)
@@ -193,31 +190,19 @@ def _blows(channel: Channel) -> tuple[RecordedPulse, ...]:
     """Return the blows of a channel; where its zero steps from one level to another, those above both levels."""
     step = level_step(channel.values)
     if step is None:
-        return _found(channel)
+        return tuple(find_pulses(channel.values, channel.step, channel.start))
     place, shift = step
-    blows = _found(_lowered(channel, place, shift))
+    blows = _lowered_blows(channel, place, shift)
     holding = [p for p in blows if p.begin - p.width < channel.start + place * channel.step < p.end + p.width]
     if not holding:
         return blows
-    return _found(_lowered(channel, math.ceil((holding[0].end - channel.start) / channel.step), shift))
+    return _lowered_blows(channel, math.ceil((holding[0].end - channel.start) / channel.step), shift)
 
 
-def _lowered(channel: Channel, place: int, shift: float) -> Channel:
-    """Return a channel with the samples from one place on lowered."""
+def _lowered_blows(channel: Channel, place: int, shift: float) -> tuple[RecordedPulse, ...]:
+    """Return the blows of a channel whose samples from one place on are lowered."""
     after = np.arange(channel.values.size) >= place
-    return dataclasses.replace(channel, values=channel.values - shift * after)
-
-
-def _found(channel: Channel) -> tuple[RecordedPulse, ...]:
-    """Return the blows of a channel; none in a straight line, or where nothing of one is left above its own zero."""
-    values = channel.values
-    bent = float(np.max(np.abs(values - robust_line(values).at(np.arange(values.size)))))
-    if bent <= max(STRAIGHT * float(np.max(np.abs(values))), TINY):
-        return ()
-    try:
-        return tuple(find_pulses(values, channel.step, channel.start))
-    except ValueError:
-        return ()
+    return tuple(find_pulses(channel.values - shift * after, channel.step, channel.start))
 
 
 def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: Request) -> FileReading:
