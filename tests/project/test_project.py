@@ -24,9 +24,10 @@ def test_constraints_pin_every_dependency_and_name_no_host():
     assert "://" not in text
     pinned = {re.split("==", line)[0].lower().replace("_", "-") for line in text.splitlines() if "==" in line}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    wanted = project["dependencies"] + project["optional-dependencies"]["dev"]
+    extras = project["optional-dependencies"]
+    wanted = project["dependencies"] + extras["dev"] + extras["formats"]
     for requirement in wanted:
-        assert re.split("[>=<]", requirement)[0].lower() in pinned
+        assert re.split("[>=<]", requirement)[0].lower().replace("_", "-") in pinned
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))

@@ -11,7 +11,9 @@ G = 9.80665
 
 def test_force_over_uneven_times_without_a_head_is_in_newton_and_seconds(tmp_path):
     time, force = np.array([0.0, 1e-6, 3e-6, 10e-6]), np.array([0.0, 5.0, 7.0, 0.0])
-    (tmp_path / "force.txt").write_text("\n".join(f"{t!r} {f!r}" for t, f in zip(time.tolist(), force.tolist(), strict=True)))
+    (tmp_path / "force.txt").write_text(
+        "\n".join(f"{t!r} {f!r}" for t, f in zip(time.tolist(), force.tolist(), strict=True))
+    )
     load = read_load(str(tmp_path / "force.txt"))
     assert load.kind == "force"
     assert np.array_equal(load.time, time)
