@@ -1,4 +1,4 @@
-"""How well planted blows are found and measured: the table of docs/records.md (``make bench`` writes it)."""
+"""How well planted blows are found and measured: the table of docs/benchmarks.md (``make bench`` writes it)."""
 
 import tempfile
 from collections import defaultdict

@@ -296,22 +296,22 @@ def test_a_folder_appears_whole_and_is_the_same_again(strikewave, volts):
     words = ("record", volts, "--channel", "board", "--sensitivity", "1.2 mV/g")
     code, out, err = strikewave(*words)
     assert code == 0
-    assert sorted(os.listdir("out/shot")) == ["pulses.csv", "record.toml", "report.html", "summary.svg"]
-    assert sorted(os.listdir("out")) == ["shot"]
+    assert sorted(os.listdir("out/record-shot")) == ["pulses.csv", "record.toml", "report.html", "summary.svg"]
+    assert sorted(os.listdir("out")) == ["record-shot"]
     assert "board" in out
-    assert "written: out/shot/" in err
-    with open("out/shot/pulses.csv") as file:
+    assert "written: out/record-shot/" in err
+    with open("out/record-shot/pulses.csv") as file:
         header, row = file.read().splitlines()
     found = dict(zip(header.split(","), row.split(","), strict=True))
     assert float(found["peak"]) == pytest.approx(1000.0 * G, rel=2e-3)
     assert found["unit"] == "m/s^2"
-    ElementTree.parse("out/shot/summary.svg")
-    with open("out/shot/report.html", encoding="utf-8") as file:
+    ElementTree.parse("out/record-shot/summary.svg")
+    with open("out/record-shot/report.html", encoding="utf-8") as file:
         assert file.read().startswith("<!doctype html>")
-    first = open("out/shot/pulses.csv").read()
+    first = open("out/record-shot/pulses.csv").read()
     shutil.rmtree("out")
     assert strikewave(*words)[0] == 0
-    assert open("out/shot/pulses.csv").read() == first
+    assert open("out/record-shot/pulses.csv").read() == first
 
 
 def test_json_with_out_writes_too_and_never_over_other_files(strikewave, volts):

@@ -33,7 +33,7 @@ def test_clipping_is_told_where_it_was_planted_and_only_there(tallies):
     assert total(tallies, "wrongly") == 0
 
 
-def test_without_ringing_figures_are_unbiased_to_a_tenth_of_the_noise_or_one_percent(tallies):
+def test_without_ringing_the_bias_of_figures_is_below_the_noise_or_one_percent(tallies):
     for (band, ringing), tally in tallies.items():
         if not ringing and band[0] >= 25 and len(tally.errors["peak"]) > 20:
             bound = max(0.01, 10 ** (-band[0] / 20))  # at 25 dB a sharp tip drowns in noise of 6 %

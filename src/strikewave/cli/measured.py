@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -190,10 +191,21 @@ def identity(asked: str, paths: Sequence[Path]) -> str:
 
     document = tomlkit.document()
     document.add("schema", tomlkit.item(1))
-    document.add("command", tomlkit.item(asked))
+    document.add("command", tomlkit.item(shown(asked)))
     held = tomlkit.aot()
     for path in paths:
         if path.is_file():
-            held.append(tomlkit.item({"path": str(path), "sha256": digest_of(path)}))
+            held.append(tomlkit.item({"path": shown(str(path)), "sha256": digest_of(path)}))
     document.add("file", held)
     return tomlkit.dumps(document)
+
+
+def shown(path: str) -> str:
+    r"""Return a path fit for a text file: bytes that are no UTF-8 are written as \\xNN.
+
+    Examples
+    --------
+    >>> shown("a.csv")
+    'a.csv'
+    """
+    return os.fsencode(path).decode("utf-8", "backslashreplace")

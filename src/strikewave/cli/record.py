@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import shlex
 import sys
@@ -112,14 +113,15 @@ def _reading(file: str, record: Record | Exception, wanted: Request, among: bool
     from strikewave.records import FileReading, calibrations_beside, read_file, unreadable
 
     if isinstance(record, Exception):
-        return FileReading(file, "", (), (unreadable(str(record)),))
+        return FileReading(measured.shown(file), "", (), (unreadable(str(record)),))
     try:
-        return read_file(record, calibrations_beside(Path(file)), wanted)
+        reading = read_file(record, calibrations_beside(Path(file)), wanted)
+        return dataclasses.replace(reading, path=measured.shown(file))
     except StrikewaveError as error:
         if not among:
             raise
         say(f"left out: {file}: {error}")
-        return FileReading(file, "", (), (unreadable(str(error)),))
+        return FileReading(measured.shown(file), "", (), (unreadable(str(error)),))
 
 
 def _write(
@@ -134,8 +136,8 @@ def _write(
 
     paths = [Path(reading.path) for reading in readings]
     name = paths[0].stem if len(paths) == 1 else paths[0].absolute().parent.name or "records"
-    folder, replace = (Path("out") / name, True) if out is None else (out, force)
-    asked = shlex.join(["strikewave", *sys.argv[1:]])
+    folder, replace = (Path("out") / f"record-{name}", True) if out is None else (out, force)
+    asked = measured.shown(shlex.join(["strikewave", *sys.argv[1:]]))
     with whole_folder(folder, text := measured.identity(asked, paths), replace) as place:
         facts = RecordFacts(
             title=f"{len(paths)} records of {name}" if len(paths) > 1 else paths[0].name,
@@ -272,7 +274,7 @@ def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) ->
         cutoffs = [cutoff for cutoff in map(cutoff_for, readings) if cutoff is not None]
         if cutoffs:
             kilohertz = significant(max(cutoffs) / 1e3, 3)
-            say(f"a low-pass of {kilohertz} kHz or more (--filter) leaves 98 % of a smooth pulse as steep as these")
+            say(f"a low-pass of {kilohertz} kHz or more (--filter) leaves 98 % of a half-sine as steep as these")
         return
     for reading in readings:
         effect = filter_effect(reading, filter_)

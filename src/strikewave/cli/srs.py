@@ -245,7 +245,8 @@ def _write(result: Result, velocity: Spectrum, out: Path | None, force: bool) ->
 
     folder, replace = (Path("out") / f"srs-{path.stem}", True) if out is None else (out, force)
     text = measured.identity(shlex.join(["strikewave", *sys.argv[1:]]), [path])
-    names = ["frequency (Hz)"] + [f"{s.kind} ({KIND_UNITS[s.kind]})" for s in spectra]
+    told = "" if reading.channel.unit == "m/s^2" else " for a record in m/s^2"
+    names = ["frequency (Hz)"] + [f"{s.kind} ({KIND_UNITS[s.kind]}{told})" for s in spectra]
     rows = zip(spectra[0].frequency, *(s.side(side) for s in spectra), strict=True)
     lines = [",".join(names), *(",".join(repr(float(v)) for v in row) for row in rows)]
     with whole_folder(folder, text, replace) as place:

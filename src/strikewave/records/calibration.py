@@ -268,7 +268,7 @@ def read_calibrations(file: Path) -> dict[str, dict[str, Any]]:
         if file.stat().st_size > LARGEST_FILE:
             raise InputError(str(file), f"{file.stat().st_size} bytes", f"at most {LARGEST_FILE} bytes")
         text = file.read_text("utf-8-sig")
-        if max(line.count(".") for line in text.split("\n")) > MOST_DOTS:
+        if max(line.split("#")[0].count(".") for line in text.split("\n")) > MOST_DOTS:
             raise InputError(str(file), "a key of many parts", "tables [all] and [channel.NAME]")
         data = tomllib.loads(text)
     except InputError:
@@ -285,6 +285,8 @@ def read_calibrations(file: Path) -> dict[str, dict[str, Any]]:
         )
     channels = data.get("channel", {})
     tables = {"all": data["all"]} if "all" in data else {}
+    if isinstance(channels, Mapping) and "all" in channels:
+        raise InputError(f"{file}: channel.all", "all", "the name or number of a channel", "[all] is for all of them")
     if not isinstance(channels, Mapping):
         raise InputError(f"{file}: channel", channels, "tables [channel.NAME]")
     return {name: _checked(table, f"{file}: {name}") for name, table in (tables | dict(channels)).items()}

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from strikewave.errors import show
 from strikewave.records.finding import Finding
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.record import Array
@@ -96,8 +97,8 @@ class Campaign:
 def statistic(values: ArrayLike, files: ArrayLike | None = None) -> Statistic:
     """Return mean, scatter and their bounds at 95 %.
 
-    Blows of one file are alike, so that where several files hold several blows the bounds count files: those of
-    the mean are Student's t of the means of the files. Those of the scatter are Vangel's.
+    Blows of one file are alike, so that where several files hold several blows the mean is that of the means of
+    the files, and the bounds count files: Student's t for the mean, Vangel's for the scatter of all blows.
 
     Parameters
     ----------
@@ -116,13 +117,13 @@ def statistic(values: ArrayLike, files: ArrayLike | None = None) -> Statistic:
     True
     """
     sample = np.asarray(values, dtype=float)
-    mean = float(np.mean(sample)) if sample.size else math.nan
+    means = _file_means(np.zeros(sample.size) if files is None else np.asarray(files), sample)[1]
+    mean = float(np.mean(means if means.size > 1 else sample)) if sample.size else math.nan
     if sample.size < 2:
         return Statistic(mean, math.nan, math.nan, math.nan, sample.size)
     from scipy.special import chdtri, stdtrit
 
     cv = float(np.std(sample, ddof=1)) / abs(mean) if mean else math.inf
-    means = _file_means(np.zeros(sample.size) if files is None else np.asarray(files), sample)[1]
     independent = means if means.size > 1 else sample
     n = independent.size
     reach = float(stdtrit(n - 1, 0.5 + 0.5 * CONFIDENCE)) * float(np.std(independent, ddof=1)) / math.sqrt(n)
@@ -173,8 +174,6 @@ def compare(files: Sequence[FileReading]) -> list[FileReading]:
     >>> compare([])
     []
     """
-    if len(files) < 3:
-        return list(files)
     changed = list(files)
     for number in sorted({reading.number for file in files for reading in file.channels}):
         found = [(k, reading) for k, file in enumerate(files) for reading in file.channels if reading.number == number]
@@ -187,7 +186,7 @@ def compare(files: Sequence[FileReading]) -> list[FileReading]:
 
 
 def _strangers(found: list[tuple[int, ChannelReading]]) -> list[tuple[tuple[int, ChannelReading], Finding]]:
-    if len(found) < 3:
+    if len(found) < 2:
         return []
     strange = []
     signs = [math.copysign(1.0, reading.pulses[0].peak) if reading.pulses else 0.0 for _, reading in found]
@@ -197,12 +196,14 @@ def _strangers(found: list[tuple[int, ChannelReading]]) -> list[tuple[tuple[int,
     fixed = sum(abs(last - usual) <= 0.01 * usual for last in lasts) >= MOST * len(lasts)
     units = [reading.channel.unit for _, reading in found]
     usual_unit = max(units, key=units.count)
+    names = [reading.channel.name for _, reading in found]
+    usual_name = max(names, key=names.count)
     rate = float(np.median([reading.channel.step for _, reading in found]))
     for one, sign, last in zip(found, signs, lasts, strict=True):
-        if sign == -usual_sign and abs(sum(signs)) > 0.0:
+        if len(found) > 2 and sign == -usual_sign and abs(sum(signs)) > 0.0:
             words = "its blows have the other sign than those of the other files: --polarity turns a channel"
             strange.append((one, Finding("polarity-differs", words, sign, "suspect", ("peak", "velocity_change"))))
-        if fixed and last < SHORTER * usual:
+        if len(found) > 2 and fixed and last < SHORTER * usual:
             words = f"it lasts {last:.4g} s, the other files {usual:.4g} s: it may have been cut off"
             strange.append((one, Finding("truncated", words, last, "suspect")))
         if one[1].channel.unit != usual_unit:
@@ -210,6 +211,9 @@ def _strangers(found: list[tuple[int, ChannelReading]]) -> list[tuple[tuple[int,
                 f"it is in {one[1].channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"
             )
             strange.append((one, Finding("unit-differs", words, severity="suspect", harms=("peak", "velocity_change"))))
+        if one[1].channel.name != usual_name and names.count(usual_name) > 1 - (len(names) == 2):
+            words = f"channel {one[1].number} is {show(one[1].channel.name)}, in the other files {show(usual_name)}"
+            strange.append((one, Finding("name-differs", words, severity="suspect", harms=SUMMED)))
         if abs(one[1].channel.step / rate - 1.0) > 0.01:
             words = f"sampled at {1.0 / one[1].channel.step:.6g} Hz, the other files at {1.0 / rate:.6g} Hz"
             strange.append((one, Finding("rate-differs", words, 1.0 / one[1].channel.step, "good")))

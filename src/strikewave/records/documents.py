@@ -15,7 +15,7 @@ from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
 
-INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "": ""}
+INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
 """Unit of the integral over time of each unit."""
 OWN = "as in the file"
 """Stands for the unit of figures whose file does not say it."""
@@ -57,7 +57,7 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
         **dict.fromkeys(("peak", "offset", "noise", "smooth_peak"), unit or own),
         "velocity_change": INTEGRALS.get(unit, f"{unit} s") or f"{own}, times s",
         **dict.fromkeys(("ringing_frequency", "sampling_rate", "advised_cutoff", "cutoff"), "Hz"),
-        **dict.fromkeys(("cv", "smooth_misfit"), "1"),
+        **dict.fromkeys(("cv", "cv_low", "cv_high", "change", "smooth_misfit"), "1"),
     }
 
 

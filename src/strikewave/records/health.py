@@ -302,6 +302,18 @@ def cut(record: Examined) -> list[Finding]:
     return findings
 
 
+def no_foot(record: Examined) -> list[Finding]:
+    """Find blows after or before which the record does not come back to 2 % of the peak."""
+    open_ = [p for p in record.pulses if p.method == "record" and p.begin == p.smooth.begin and p.width > 0.0]
+    if not open_:
+        return []
+    words = (
+        f"the record does not come back to 2 % of the peak beside the blow at {open_[0].time:.6g} s: the velocity "
+        "change is that of the smooth pulse"
+    )
+    return [Finding("no-foot", words, len(open_), "suspect", ("velocity_change",), open_[0].begin, open_[0].end)]
+
+
 def noisy(record: Examined) -> list[Finding]:
     """Find noise that hides a tenth of the peak: the figures are then those of a fitted smooth pulse."""
     fitted = [p for p in record.pulses if p.method == "fit"]
@@ -383,6 +395,7 @@ CHECKS = (
     aliased,
     polarity,
     cut,
+    no_foot,
     noisy,
     ringing,
     larger_elsewhere,

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
+from strikewave.records.pulses import Box, Line, find_boxes, robust_line, sample_noise
 from strikewave.records.smooth_pulse import SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import smooth
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing, measure_pulse
@@ -46,7 +46,8 @@ class RecordedPulse:
     rise, width : float
         Time from 10 to 90 % of the peak, and above 10 % of it, s; NaN where the record is cut.
     velocity_change : float
-        Integral from foot to foot, where 2 % of the peak is left.
+        Integral from foot to foot, where 2 % of the peak is left; of the smooth pulse where the record does not
+        come back to that.
     ringing_frequency : float
         Of what swings after the pulse, Hz; NaN where nothing stands out.
     offset : float
@@ -115,7 +116,7 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
     for k, box in enumerate(boxes):
         earliest = boxes[k - 1].last if k else 0
         latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
-        offset = _offset(values, box, earliest, line.at(box.first))
+        offset = _offset(values, box, earliest, line)
         measured.append(_measure(values, Stretch(box, earliest, latest, sign, offset, noise, step, start)))
     return [pulse for pulse in measured if pulse is not None]
 
@@ -138,11 +139,17 @@ class Stretch:
         return self.start + place * self.step
 
 
-def _offset(values: Array, box: Box, earliest: int, otherwise: float) -> float:
-    """Return the median of the record before a blow, where there is room; else the line of the whole record."""
+def _offset(values: Array, box: Box, earliest: int, line: Line) -> float:
+    """Return the zero under a blow: the median of the record before it, carried on along the slope of the whole.
+
+    Where there is no room before it, the line of the whole record.
+    """
+    middle = box.first + 0.5 * box.width
     end = box.first - box.width
     begin = max(end - LOOK_BACK * box.width, earliest + 2 * box.width if earliest else 0)
-    return float(np.median(values[begin:end])) if end - begin >= max(box.width, 4) else otherwise
+    if end - begin < max(box.width, 4):
+        return float(line.at(middle))
+    return float(np.median(values[begin:end] - line.slope * (np.arange(begin, end) - middle)))
 
 
 def _measure(values: Array, stretch: Stretch) -> RecordedPulse | None:
@@ -163,7 +170,10 @@ def _measure(values: Array, stretch: Stretch) -> RecordedPulse | None:
     if WIDTH_FRACTION * pulse.peak < CLEAR * float(np.max(spread[max(index - 1, 0) : index + 2])):
         figures = (fitted.time, sign * fitted.peak, fitted.rise(), fitted.width(), sign * fitted.area())
         return RecordedPulse(*figures, *common, "fit", fitted.begin, fitted.begin + fitted.length)
-    first, last = _feet(alone, index, FOOT * pulse.peak)
+    first, last = (crossing(alone, index, FOOT * pulse.peak, side) for side in (-1, 1))
+    if math.isnan(first) or math.isnan(last):  # it does not come back to its zero: the smooth pulse does
+        figures = (pulse.time, sign * pulse.peak, pulse.rise, pulse.width, sign * fitted.area())
+        return RecordedPulse(*figures, *common, "record", fitted.begin, fitted.begin + fitted.length)
     grid = np.unique(np.concatenate([[first], np.arange(math.ceil(first), math.floor(last) + 1), [last]]))
     area = float(np.trapezoid(np.interp(grid, np.arange(raw.size), raw), grid)) * step
     figures = (pulse.time, sign * pulse.peak, pulse.rise, pulse.width, sign * area)
@@ -194,12 +204,6 @@ def _fitted(values: Array, stretch: Stretch) -> SmoothPulse:
     time = np.asarray(stretch.start + np.arange(begin, end) * stretch.step, dtype=np.float64)
     guess = stretch.time(box.first - 0.15 * box.width), 1.3 * box.width * stretch.step
     return fit_smooth_pulse(time, stretch.sign * (values[begin:end] - stretch.offset), *guess)
-
-
-def _feet(alone: Array, index: int, level: float) -> tuple[float, float]:
-    """Return where a blow first falls to a level on either side of its peak; the ends where it does not."""
-    first, last = (crossing(alone, index, level, side) for side in (-1, 1))
-    return 0.0 if math.isnan(first) else first, alone.size - 1.0 if math.isnan(last) else last
 
 
 def _ringing(values: Array, stretch: Stretch) -> float:

@@ -87,6 +87,8 @@ def robust_line(values: Array, blocks: int = 64) -> Line:
 def sample_noise(values: Array) -> float:
     """Return the standard deviation of white noise in a record, from the differences between its samples.
 
+    Where most samples equal the next, the rounding of the recorder, a step over sqrt(12).
+
     Examples
     --------
     >>> t = np.linspace(0.0, 1.0, 100_000)
@@ -96,7 +98,9 @@ def sample_noise(values: Array) -> float:
     """
     step = max(values.size // 2**20, 1)
     jumps = np.abs(values[1::step] - values[:-1:step][: values[1::step].size])
-    return 1.4826 / math.sqrt(2.0) * float(np.median(jumps)) if jumps.size else 0.0
+    noise = 1.4826 / math.sqrt(2.0) * float(np.median(jumps)) if jumps.size else 0.0
+    steps = jumps[jumps > 0.0]
+    return noise if noise > 0.0 or not steps.size else float(np.min(steps)) / math.sqrt(12.0)
 
 
 def find_boxes(values: Array, line: Line) -> tuple[int, list[Box]]:

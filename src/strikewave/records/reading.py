@@ -146,6 +146,9 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
     findings += [*examine(examined), *_in_blows(holes, pulses)]
     unfiltered: tuple[RecordedPulse, ...] = ()
     if request.filter is not None:
+        if request.filter.cutoff * channel.duration < 0.5:
+            allowed = f"a cutoff of half a period a record at least, {0.5 / channel.duration:.3g} Hz for {channel.name}"
+            raise InputError("--filter", f"{request.filter.cutoff:g} Hz", allowed, "is kHz meant?")
         if not request.filter.cutoff < 0.5 * channel.sampling_rate:
             allowed = f"a cutoff below half the sampling rate of {channel.name}, {0.5 * channel.sampling_rate:g} Hz"
             raise InputError("--filter", f"{request.filter.cutoff:g} Hz", allowed)
@@ -153,6 +156,9 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         channel = dataclasses.replace(channel, values=request.filter.apply(channel.values, channel.step))
         pulses = _blows(channel)
         findings += _changed(unfiltered, pulses)
+        if len(pulses) == len(unfiltered):  # what a filter leaves beside a blow is no ringing
+            pairs = zip(pulses, unfiltered, strict=True)
+            pulses = tuple(dataclasses.replace(two, ringing_frequency=one.ringing_frequency) for two, one in pairs)
     return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
 
 

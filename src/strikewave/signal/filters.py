@@ -213,7 +213,7 @@ def advised_cutoff(rise: float, width: float, loss: float = 0.02) -> float:
     Raises
     ------
     ValueError
-        If neither rise nor width is known.
+        If neither rise nor width is known, or the loss makes no sense.
 
     Examples
     --------
@@ -229,6 +229,8 @@ def advised_cutoff(rise: float, width: float, loss: float = 0.02) -> float:
         )
         if value > 0.0
     ]
+    if not 1e-6 <= loss <= 0.5:
+        raise ValueError(f"the loss of a cutoff lies between 1e-6 and 0.5, got {loss!r}")
     if not known:
         raise ValueError("a cutoff needs the rise or the width of the pulse")
     return _cutoff_times_duration(loss) / min(known)
