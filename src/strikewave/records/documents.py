@@ -14,13 +14,12 @@ from strikewave.records.finding import Finding
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
+from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
 """Unit of the integral over time of each unit."""
 OWN = "as in the file"
 """Stands for the unit of figures whose file does not say it."""
-HALF_SINE_WIDTH = 1.0 - 2.0 * math.asin(0.1) / math.pi
-"""Width at 10 % of the peak of a half-sine, over its duration."""
 
 
 def record_document(

@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 from strikewave.records.finding import FIGURES, Finding
 from strikewave.records.measuring import LOOK_BACK, RecordedPulse
 from strikewave.records.pulses import robust_line, sample_noise
+from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.units import STANDARD_GRAVITY, in_unit
 
 Array = NDArray[np.float64]
 
 BLOW = ("peak", "rise", "width", "velocity_change")
 """Figures of a single blow."""
-HALF_SINE_WIDTH = 1.0 - 2.0 * math.asin(0.1) / math.pi
-"""Width at 10 % of the peak of a half-sine, over its duration."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,11 +31,10 @@ from strikewave.report.record_tables import (
     units_of,
 )
 from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
+from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 MOST_ROWS = 200
 """Blows, and findings, that a table lists."""
-HALF_SINE_WIDTH = 1.0 - 2.0 * math.asin(0.1) / math.pi
-"""Width of a half-sine at 10 % of its peak, over its duration."""
 _LOOKS = {"good": "good", "suspect": "warned", "bad": "bad"}
 
 
@@ -201,7 +200,8 @@ def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Na
     used = [reading for _, reading in readings if reading.status != "bad"]
     units = sorted({reading.channel.unit or "file's own numbers" for reading in used})
     if len(units) > 1:
-        text += f" The files hold this channel in different units, {listed(units)}: the means mix them."
+        text += f" The files hold this channel in different units, {listed(units)}: "
+        text += "peak and velocity change are summed up in the usual one."
     return Section(title, text, parts)
 
 

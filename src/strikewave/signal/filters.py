@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.signal.pulse import measure_pulse
+from strikewave.signal.pulse import HALF_SINE_RISE, HALF_SINE_WIDTH, measure_pulse
 
 Array = NDArray[np.float64]
 
@@ -224,8 +224,8 @@ def advised_cutoff(rise: float, width: float, loss: float = 0.02) -> float:
     known = [
         value
         for value in (
-            rise * math.pi / (math.asin(0.9) - math.asin(0.1)),
-            width / (1.0 - 2.0 * math.asin(0.1) / math.pi),
+            rise / HALF_SINE_RISE,
+            width / HALF_SINE_WIDTH,
         )
         if value > 0.0
     ]

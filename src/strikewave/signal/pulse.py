@@ -12,6 +12,10 @@ Array = NDArray[np.float64]
 
 WIDTH_FRACTION = 0.1
 """Share of the peak at which a pulse's width is taken unless said otherwise."""
+HALF_SINE_WIDTH = 1.0 - 2.0 * math.asin(0.1) / math.pi
+"""Width at 10 % of the peak of a half-sine, over its duration."""
+HALF_SINE_RISE = (math.asin(0.9) - math.asin(0.1)) / math.pi
+"""Rise from 10 to 90 % of a half-sine, over its duration."""
 
 
 class Pulse(NamedTuple):
