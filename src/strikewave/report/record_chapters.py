@@ -142,7 +142,7 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
         "The peak counts from the zero line before the blow. The rise is from 10 to 90 % of the peak, the width above "
         "10 %, the velocity change from foot to foot, where 2 % of the peak is left. "
         + ("Ringing is what swings afterwards. " if rings else "No ringing stands out. ")
-        + "The smooth pulse is the best fit of a half-sine's kin: what is left when ringing is taken off. Where noise "
+        + "The smooth pulse is the best fit of a half-sine's kin: the blow with little of its ringing. Where noise "
         "hides a tenth of the peak, the figures are those of the fit. Bad records stand here too."
     )
     if total > len(cells):
