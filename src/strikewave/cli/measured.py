@@ -177,15 +177,19 @@ def read_all(files: Sequence[str], options: Options) -> list[Record | Exception]
     return results
 
 
-def digest_of(path: Path) -> str:
-    """Return the SHA-256 of a file."""
+def digests_of(paths: Sequence[Path]) -> dict[str, str]:
+    """Return the SHA-256 of files, by their paths."""
     import hashlib
 
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    digests = {}
+    for path in paths:
+        if path.is_file():
+            with path.open("rb") as file:
+                digests[str(path)] = hashlib.file_digest(file, "sha256").hexdigest()
+    return digests
 
 
-def identity(asked: str, paths: Sequence[Path]) -> str:
+def identity(asked: str, digests: Mapping[str, str]) -> str:
     """Return what was asked of which files, by their SHA-256."""
     import tomlkit
 
@@ -193,9 +197,8 @@ def identity(asked: str, paths: Sequence[Path]) -> str:
     document.add("schema", tomlkit.item(1))
     document.add("command", tomlkit.item(shown(asked)))
     held = tomlkit.aot()
-    for path in paths:
-        if path.is_file():
-            held.append(tomlkit.item({"path": shown(str(path)), "sha256": digest_of(path)}))
+    for path, digest in digests.items():
+        held.append(tomlkit.item({"path": shown(path), "sha256": digest}))
     document.add("file", held)
     return tomlkit.dumps(document)
 

@@ -27,9 +27,7 @@ MOST_ROWS = 60
 
 
 def command(
-    files: Annotated[
-        list[str], typer.Argument(metavar="FILE...", help="Measured files of any known format.", show_default=False)
-    ],
+    files: measured.Files,
     channel: measured.Channels = None,
     unit: measured.Unit = None,
     sensitivity: measured.Sensitivity = None,
@@ -138,13 +136,14 @@ def _write(
     name = paths[0].stem if len(paths) == 1 else paths[0].absolute().parent.name or "records"
     folder, replace = (Path("out") / f"record-{name}", True) if out is None else (out, force)
     asked = measured.shown(shlex.join(["strikewave", *sys.argv[1:]]))
-    with whole_folder(folder, text := measured.identity(asked, paths), replace) as place:
+    digests = measured.digests_of(paths)
+    with whole_folder(folder, text := measured.identity(asked, digests), replace) as place:
         facts = RecordFacts(
             title=f"{len(paths)} records of {name}" if len(paths) > 1 else paths[0].name,
             command=asked,
             calibrations=_calibrations(wanted, paths),
             filter=wanted.filter,
-            digests={str(path): measured.digest_of(path) for path in paths if path.is_file()},
+            digests=digests,
         )
         (place / "record.toml").write_text(text, "utf-8")
         (place / "pulses.csv").write_text(pulse_table(readings), "utf-8")
@@ -182,6 +181,9 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
         shown,
         left=3,
     )
+    for file in readings:
+        if file.status != "good":
+            say(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}")
     for campaign in campaigns:
         _print_campaign(campaign, readings, names)
     _print_filter([reading for file in readings for reading in file.channels], filter_)
@@ -190,6 +192,7 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
 
 
 def _rows(file: FileReading, name: str) -> list[list[str]]:
+    from strikewave.records import worst
 
     if not file.channels:
         return [[name, "-", file.status, "-", "-", "-", "-", "-"]]
@@ -204,9 +207,7 @@ def _rows(file: FileReading, name: str) -> list[list[str]]:
             [
                 name,
                 reading.channel.name,
-                max(file.status, reading.status, key=("good", "suspect", "bad").index)
-                if file.findings
-                else reading.status,
+                worst((*file.findings, *reading.findings)),
                 str(len(reading.pulses)),
                 _value(means["peak"], unit),
                 number(means["rise"], "s", "us"),

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 KIND_UNITS = {"absolute": "m/s^2", "displacement": "m", "pseudo-velocity": "m/s"}
 SIDES = ("maximax", "positive", "negative")
-LOWEST, HIGHEST = 10.0, 100e3
-"""Range of natural frequencies unless said otherwise, Hz; at most 2/5 of the sampling rate."""
+HIGHEST = 100e3
+"""Highest natural frequency unless said otherwise, Hz; at most 2/5 of the sampling rate."""
 
 
 class Result(NamedTuple):
@@ -244,7 +244,7 @@ def _write(result: Result, velocity: Spectrum, out: Path | None, force: bool) ->
         return figure
 
     folder, replace = (Path("out") / f"srs-{path.stem}", True) if out is None else (out, force)
-    text = measured.identity(shlex.join(["strikewave", *sys.argv[1:]]), [path])
+    text = measured.identity(shlex.join(["strikewave", *sys.argv[1:]]), measured.digests_of([path]))
     told = "" if reading.channel.unit == "m/s^2" else " for a record in m/s^2"
     names = ["frequency (Hz)"] + [f"{s.kind} ({KIND_UNITS[s.kind]}{told})" for s in spectra]
     rows = zip(spectra[0].frequency, *(s.side(side) for s in spectra), strict=True)

@@ -50,6 +50,11 @@ def worst(findings: Iterable[Finding]) -> str:
     return max((finding.severity for finding in findings), key=STATUSES.index, default="good")
 
 
+def worst_first(findings: Iterable[Finding]) -> list[Finding]:
+    """Return findings by severity, the worst first, otherwise in their order."""
+    return sorted(findings, key=lambda finding: -STATUSES.index(finding.severity))
+
+
 def unreadable(why: str) -> Finding:
     """Return the finding of a file that could not be read."""
     return Finding("unreadable", why, severity="bad", harms=FIGURES)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.records.finding import FIGURES, Finding
+from strikewave.records.finding import FIGURES, Finding, worst_first
 from strikewave.records.measuring import LOOK_BACK, RecordedPulse
 from strikewave.records.pulses import robust_line, sample_noise
 from strikewave.signal.pulse import HALF_SINE_WIDTH
@@ -81,8 +81,7 @@ def examine(record: Examined) -> list[Finding]:
     if float(np.ptp(record.values)) == 0.0:
         words = f"every sample is {record.said(record.values[0])}: the channel is dead or not connected"
         return [Finding("dead", words, float(record.values[0]), "bad", FIGURES)]
-    findings = [finding for check in CHECKS for finding in check(record)]
-    return sorted(findings, key=lambda f: ("bad", "suspect", "good").index(f.severity))
+    return worst_first(finding for check in CHECKS for finding in check(record))
 
 
 def no_pulse(record: Examined) -> list[Finding]:

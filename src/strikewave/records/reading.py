@@ -14,7 +14,7 @@ import numpy as np
 from strikewave.errors import InputError, nearest, show
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
-from strikewave.records.finding import FIGURES, Finding, worst
+from strikewave.records.finding import FIGURES, Finding, worst, worst_first
 from strikewave.records.health import Examined, examine, level_step
 from strikewave.records.measuring import RecordedPulse, find_pulses
 from strikewave.records.record import Array, Channel, Record
@@ -110,8 +110,7 @@ class FileReading:
     @property
     def all_findings(self) -> list[Finding]:
         """Those of the file and of its channels, the worst first."""
-        together = [*self.findings, *(f for channel in self.channels for f in channel.findings)]
-        return sorted(together, key=lambda f: ("bad", "suspect", "good").index(f.severity))
+        return worst_first([*self.findings, *(f for channel in self.channels for f in channel.findings)])
 
     @property
     def status(self) -> str:
