@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.records.finding import FIGURES, Finding, worst_first
 from strikewave.records.measuring import LOOK_BACK, RecordedPulse
-from strikewave.records.pulses import robust_line, sample_noise
+from strikewave.records.pulses import Line, robust_line, sample_noise
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.units import STANDARD_GRAVITY, in_unit
 
@@ -53,6 +54,16 @@ class Examined:
         """The blow with the highest peak."""
         return max(self.pulses, key=lambda pulse: abs(pulse.peak), default=None)
 
+    @cached_property
+    def line(self) -> Line:
+        """The zero line of the whole record."""
+        return robust_line(self.values)
+
+    @cached_property
+    def noise(self) -> float:
+        """Standard deviation of the white noise of a sample."""
+        return sample_noise(self.values)
+
     def said(self, value: float) -> str:
         """Write a value with its unit: accelerations in g."""
         if self.unit == "m/s^2":
@@ -89,7 +100,7 @@ def no_pulse(record: Examined) -> list[Finding]:
     if record.pulses:
         return []
     reach = float(np.ptp(record.values))
-    if reach > 30.0 * sample_noise(record.values):
+    if reach > 30.0 * record.noise:
         words = f"the record spans {record.said(reach)}, but no one-sided blow stands out: it drifts, or swings"
     else:
         words = "no blow stands out of the noise"
@@ -98,8 +109,8 @@ def no_pulse(record: Examined) -> list[Finding]:
 
 def not_settled(record: Examined) -> list[Finding]:
     """Find a zero that is far off or drifts, or a record that begins while something still swings."""
-    line = robust_line(record.values)
-    noise = sample_noise(record.values)
+    line = record.line
+    noise = record.noise
     spread = 1.4826 * float(np.median(np.abs(record.values - line.at(np.arange(record.values.size)))))
     drift = line.slope * (record.values.size - 1)
     middle = line.at(0.5 * record.values.size)
@@ -207,7 +218,7 @@ def zero_shift(record: Examined) -> list[Finding]:
         or record.place(last.end) + 20 * last.width / record.step > record.values.size
     ):
         return []
-    line = robust_line(record.values)
+    line = record.line
     before = record.pulses[0]
     shift = float(np.median(tail)) - before.offset
     drift = line.slope * (record.values.size - record.place(before.begin))

@@ -110,8 +110,8 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
     bent = float(np.max(np.abs(values - line.at(np.arange(values.size)))))
     if bent <= max(STRAIGHT * float(np.max(np.abs(values))), TINY):
         return []
-    sign, boxes = find_boxes(values, line)
     noise = sample_noise(values)
+    sign, boxes = find_boxes(values, line, noise)
     measured = []
     for k, box in enumerate(boxes):
         earliest = boxes[k - 1].last if k else 0

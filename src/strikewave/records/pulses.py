@@ -103,14 +103,23 @@ def sample_noise(values: Array) -> float:
     return noise if noise > 0.0 or not steps.size else float(np.min(steps)) / math.sqrt(12.0)
 
 
-def find_boxes(values: Array, line: Line) -> tuple[int, list[Box]]:
+def find_boxes(values: Array, line: Line, single: float) -> tuple[int, list[Box]]:
     """Return the sign of the blows of a record, and a box for each, in the order of time.
+
+    Parameters
+    ----------
+    values : ndarray
+        The record.
+    line : Line
+        Its zero line.
+    single : float
+        Standard deviation of the noise of a single sample.
 
     Examples
     --------
     >>> values = np.random.default_rng(1).normal(size=4000)
     >>> values[1000:1100] -= 20.0
-    >>> sign, boxes = find_boxes(values, robust_line(values))
+    >>> sign, boxes = find_boxes(values, robust_line(values), sample_noise(values))
     >>> sign, len(boxes), abs(boxes[0].first - 1000) < 20
     (-1, 1, True)
     """
@@ -123,7 +132,6 @@ def find_boxes(values: Array, line: Line) -> tuple[int, list[Box]]:
     alike = [box for box in found[chosen] if top.width / SCALES <= box.width <= top.width * SCALES]
     kept: list[Box] = []
     claimed: list[Box] = []
-    single = sample_noise(values)
     for box in sorted(alike, key=_energy, reverse=True):
         if box.width * box.mean < SMALLEST_AREA * top.width * top.mean or _touches(box, claimed):
             continue
