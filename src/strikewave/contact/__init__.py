@@ -10,7 +10,8 @@ Examples
 
 from strikewave.contact.chain import Chain, ChainMotion, Spring, Stop, Touch, simulate
 from strikewave.contact.damping import DAMPING_LAWS, exact, factor, li_ma_printed, restitution
-from strikewave.contact.impact import Contact, Impact, reduced_mass, solve_impact
+from strikewave.contact.impact import History, Impact, impact_history, reduced_mass, solve_impact
+from strikewave.contact.law import Contact, Damper, LogarithmicContact, PressureCap
 from strikewave.contact.stiffness import (
     STIFFNESS_LAWS,
     Stiffness,
@@ -26,7 +27,11 @@ __all__ = [
     "Chain",
     "ChainMotion",
     "Contact",
+    "Damper",
+    "History",
     "Impact",
+    "LogarithmicContact",
+    "PressureCap",
     "Spring",
     "Stiffness",
     "Stop",
@@ -35,6 +40,7 @@ __all__ = [
     "exact",
     "factor",
     "hertz",
+    "impact_history",
     "li_ma_printed",
     "line_contact_yield_load",
     "palmgren",

@@ -12,16 +12,30 @@ from numba.extending import overload
 from strikewave.compiled import LEAF, leaf_kernel
 from strikewave.contact import _integrator
 from strikewave.contact._integrator import CONTINUE, RESTART
+from strikewave.contact._law_kernels import (
+    DAMPING,
+    OFFSET,
+    PRELOAD,
+    SPOT,
+    STIFFNESS,
+    YIELD_LOAD,
+    damper_force,
+    hysteresis,
+    push,
+    residual,
+    unyielding_force,
+    yielding,
+)
 
 SPRING, STOP_LINK, CONTACT = 0, 1, 2
-OPEN, PUSHING, SLACK = 0, 1, 2
+OPEN, PUSHING, SLACK, YIELDING = 0, 1, 2, 3
+SWITCHES = 3
+"""Switch functions of a link."""
 _REGAIN = 1e-9
 
 
 KIND, BEHIND, AHEAD = 0, 1, 2
 """Columns of `Links.joins`."""
-OFFSET, STIFFNESS, EXPONENT, DAMPING, PRELOAD, SLOWEST = 0, 1, 2, 3, 4, 5
-"""Columns of `Links.values`, SI."""
 MASS, GRAVITY = 0, 1
 """Columns of the table of bodies, kg and m/s^2."""
 PLACE, SPEED, FORCE = 0, 1, 2
@@ -29,7 +43,10 @@ PLACE, SPEED, FORCE = 0, 1, 2
 
 
 class Links(NamedTuple):
-    """Links as two tables, one row a link: whole numbers (kind, nodes) and values."""
+    """Links as two tables, one row a link: whole numbers (kind, nodes) and values as `_law_kernels` places them.
+
+    The memory of a system begins with the approach speed of each link and ends with the depth to which it yielded.
+    """
 
     joins: np.ndarray
     values: np.ndarray
@@ -45,36 +62,36 @@ class ChainSystem(NamedTuple):
 
 
 @leaf_kernel
-def elastic_force(kind, value, d):
-    """Return the part of the force of a link that stores energy."""
-    if kind == SPRING:
-        return value[PRELOAD] + value[STIFFNESS] * d
-    if d <= 0.0:
-        return 0.0
-    if kind == STOP_LINK:
-        return value[STIFFNESS] * d
-    return value[STIFFNESS] * d ** value[EXPONENT]
+def deepest_place(joins, memory, i):
+    """Return the place in the memory of the depth to which link i has yielded."""
+    return memory.shape[0] - joins.shape[0] + i
 
 
 @leaf_kernel
-def hysteresis(value, rate, approach):
-    """Return 1 + chi d'/v0 of a contact."""
-    return 1.0 + value[DAMPING] * rate / max(approach, value[SLOWEST])
+def contact_force(law, d, rate, mode, approach, deepest):
+    """Return the force of a contact and what it stores per length, N."""
+    if mode == YIELDING:
+        force, _, storing = yielding(law, d)
+        return force * hysteresis(law, rate, approach), storing
+    elastic = unyielding_force(law, d, deepest)
+    if mode == SLACK:
+        return 0.0, elastic
+    return elastic * hysteresis(law, rate, approach) + damper_force(law, d, rate), elastic
 
 
 @leaf_kernel
-def link_force(kind, value, d, rate, mode, approach):
-    """Return the force of a link and its elastic part, N: a contact or stop never pulls.
+def link_force(kind, value, d, rate, mode, approach, deepest):
+    """Return the force of a link and its elastic part, N: a stop never pulls.
 
-    Spring and stop: F = preload + k d + c d'. Contact: F = K d^n (1 + chi d'/v0).
+    Spring and stop: F = preload + k d + c d'.
     """
     if kind != SPRING and mode == OPEN:
         return 0.0, 0.0
-    elastic = elastic_force(kind, value, d)
-    if kind != SPRING and mode == SLACK:
-        return 0.0, elastic
     if kind == CONTACT:
-        return elastic * hysteresis(value, rate, approach), elastic
+        return contact_force(value, d, rate, mode, approach, deepest)
+    elastic = value[PRELOAD] + value[STIFFNESS] * d
+    if kind == STOP_LINK and mode == SLACK:
+        return 0.0, elastic
     return elastic + value[DAMPING] * rate, elastic
 
 
@@ -100,7 +117,8 @@ def chain_forces(joins, values, y, bases, bodies, mode, memory, out):
     """Fill out with the force of each link."""
     for i in range(joins.shape[0]):
         d, rate = link_motion(joins, values, i, y, bases, bodies)
-        out[i], _ = link_force(joins[i, KIND], values[i], d, rate, mode[i], memory[i])
+        deepest = memory[deepest_place(joins, memory, i)]
+        out[i], _ = link_force(joins[i, KIND], values[i], d, rate, mode[i], memory[i], deepest)
 
 
 @leaf_kernel
@@ -118,7 +136,8 @@ def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
         if kind != SPRING and mode[i] == OPEN:
             continue
         d, rate = link_motion(joins, values, i, y, bases, bodies)
-        force, elastic = link_force(kind, values[i], d, rate, mode[i], memory[i])
+        deepest = memory[deepest_place(joins, memory, i)]
+        force, elastic = link_force(kind, values[i], d, rate, mode[i], memory[i], deepest)
         dy[first + i] = (force - elastic) * rate
         a, b = joins[i, BEHIND], joins[i, AHEAD]
         if a < bodies:
@@ -132,35 +151,67 @@ def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
 
 
 @leaf_kernel
+def contact_switches(law, d, rate, mode, approach, deepest, g):
+    """Fill the switch functions of a contact: apart or touching, force kept or lost, elastic or yielding."""
+    left = d - residual(law, deepest)
+    if mode == OPEN:
+        g[0] = -left
+    elif mode == YIELDING:
+        g[2] = rate
+    else:
+        g[0] = left
+        kept = push(law, d, rate, approach)
+        g[1] = kept if mode == PUSHING else _REGAIN - kept
+        if mode == PUSHING and law[YIELD_LOAD] < np.inf:
+            g[2] = deepest - d
+
+
+@leaf_kernel
 def link_switches(joins, values, y, bases, bodies, mode, memory, g):
-    """Fill two switch functions a link: how far from touching or parting, and the force over its elastic part.
+    """Fill the switch functions of each link.
 
     A force lost while the link is still compressed comes back only above a small share, so that rounding
     cannot toss it to and fro.
     """
     for i in range(joins.shape[0]):
-        g[2 * i], g[2 * i + 1] = 1.0, 1.0
+        own = g[SWITCHES * i : SWITCHES * (i + 1)]
+        own[0], own[1], own[2] = 1.0, 1.0, 1.0
         kind = joins[i, KIND]
         if kind == SPRING:
             continue
         d, rate = link_motion(joins, values, i, y, bases, bodies)
-        if mode[i] == OPEN:
-            g[2 * i] = -d
-            continue
-        g[2 * i] = d
         if kind == CONTACT:
-            push = hysteresis(values[i], rate, memory[i])
+            deepest = memory[deepest_place(joins, memory, i)]
+            contact_switches(values[i], d, rate, mode[i], memory[i], deepest, own)
+        elif mode[i] == OPEN:
+            own[0] = -d
         else:
-            push = 1.0 + values[i, DAMPING] * rate / (values[i, STIFFNESS] * max(d, 1e-30))
-        g[2 * i + 1] = push if mode[i] == PUSHING else _REGAIN - push
+            own[0] = d
+            kept = 1.0 + values[i, DAMPING] * rate / (values[i, STIFFNESS] * max(d, 1e-30))
+            own[1] = kept if mode[i] == PUSHING else _REGAIN - kept
+
+
+@leaf_kernel
+def remember(joins, values, memory, i, deepest):
+    """Keep the depth to which contact i has yielded, for all contacts of its spot."""
+    memory[deepest_place(joins, memory, i)] = deepest
+    for j in range(joins.shape[0]):
+        if values[j, SPOT] > 0.0 and values[j, SPOT] == values[i, SPOT]:
+            memory[deepest_place(joins, memory, j)] = deepest
 
 
 @leaf_kernel
 def link_switch(joins, values, k, y, bases, bodies, mode, memory):
-    """Change the mode of the link that switch k belongs to; remember the approach speed."""
-    i = k // 2
-    if k % 2 == 1:
+    """Change the mode of the link that switch k belongs to; remember approach speed and yielded depth."""
+    i, which = k // SWITCHES, k % SWITCHES
+    if which == 1:
         mode[i] = SLACK if mode[i] == PUSHING else PUSHING
+    elif which == 2 and mode[i] == PUSHING:
+        mode[i] = YIELDING
+    elif which == 2:
+        d, _ = link_motion(joins, values, i, y, bases, bodies)
+        remember(joins, values, memory, i, d)
+        mode[i] = PUSHING
     elif mode[i] == OPEN:
         _, rate = link_motion(joins, values, i, y, bases, bodies)
         mode[i] = PUSHING

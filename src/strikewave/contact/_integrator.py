@@ -104,12 +104,10 @@ def evaluate(dense, x, out):
 @leaf_kernel
 def _stage(system, s, t, h, y, mode, memory, work, k):
     for i in range(y.size):
-        work[i] = y[i]
-    for j in range(s):
-        a = A[s, j] * h
-        if a != 0.0:
-            for i in range(y.size):
-                work[i] += a * k[j, i]
+        total = 0.0
+        for j in range(s):
+            total += A[s, j] * k[j, i]
+        work[i] = y[i] + h * total
     derivatives(system, t + C[s] * h, work, mode, memory, k[s])
 
 
@@ -119,12 +117,10 @@ def _take_step(system, control, t, h, y, mode, memory, work, k, new):
     for s in range(1, STAGES):
         _stage(system, s, t, h, y, mode, memory, work, k)
     for i in range(y.size):
-        new[i] = y[i]
-    for j in range(STAGES):
-        b = B[j] * h
-        if b != 0.0:
-            for i in range(y.size):
-                new[i] += b * k[j, i]
+        total = 0.0
+        for j in range(STAGES):
+            total += B[j] * k[j, i]
+        new[i] = y[i] + h * total
     derivatives(system, t + h, new, mode, memory, k[STAGES])
     fifth, third, count = 0.0, 0.0, 0
     for i in range(y.size):
@@ -154,13 +150,10 @@ def _fill_dense(system, t, h, y, new, mode, memory, work, k, dense):
         dense[2, i] = h * k[0, i] - delta
         dense[3, i] = 2.0 * delta - h * (k[STAGES, i] + k[0, i])
         for r in range(4):
-            dense[4 + r, i] = 0.0
-    for r in range(4):
-        for j in range(_EXTENDED):
-            d = D[r, j] * h
-            if d != 0.0:
-                for i in range(y.size):
-                    dense[4 + r, i] += d * k[j, i]
+            total = 0.0
+            for j in range(_EXTENDED):
+                total += D[r, j] * k[j, i]
+            dense[4 + r, i] = h * total
 
 
 @leaf_kernel
@@ -259,11 +252,11 @@ def advance(system, control, t, h, y, mode, memory, record, count):
     k = np.zeros((_EXTENDED, n))
     before, g, rows = np.empty(count), np.empty(count), np.empty((3, count))
     steps, events, idle = 0, 0, 0
+    derivatives(system, t, y, mode, memory, k[0])
     while t < control.end:
         if steps == record.time.size or events == record.event_time.size:
             return FULL, t, h, steps, events
         h = min(h, control.largest_step, control.end - t)
-        derivatives(system, t, y, mode, memory, k[0])
         switches(system, t, y, mode, memory, before)
         error = 0.0
         while True:
@@ -300,6 +293,7 @@ def advance(system, control, t, h, y, mode, memory, record, count):
             t += taken
             for i in range(n):
                 y[i] = new[i]
+                k[0, i] = k[STAGES, i]
         if which < 0:
             idle = 0
             h *= max(_SMALLEST, growth)
@@ -309,6 +303,7 @@ def advance(system, control, t, h, y, mode, memory, record, count):
         record.event[events, 1] = steps
         events += 1
         code = switch(system, which, t, y, mode, memory)
+        derivatives(system, t, y, mode, memory, k[0])
         if code == STOP:
             return STOPPED, t, h, steps, events
         if code == RESTART:

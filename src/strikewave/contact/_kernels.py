@@ -13,13 +13,15 @@ import math
 
 import numpy as np
 
-from strikewave.compiled import kernel
+from strikewave.compiled import kernel, leaf_kernel
 
 _SERIES = 0.35
 _PHI = np.array([1.0 / math.factorial(k) for k in range(15, 1, -1)])
 _LOSS = np.array([(-1.0) ** (k + 1) * (k - 2) / math.factorial(k) for k in range(18, 2, -1)])
 _LOG = np.array([(-1.0) ** k / k for k in range(16, 1, -1)])
 
+_ELASTIC = 1e-12
+"""Factor that stands for none where histories are wanted: it changes them by as much."""
 _REACH = 3.8
 _WIDE_SPAN = 12.0
 
@@ -154,8 +156,22 @@ def peak_rate(exponent, chi):
     return y
 
 
+@leaf_kernel
+def from_begin(chi, w):
+    """Return G at w = u_c - u after first touch."""
+    return chi * -math.expm1(-w) - phi(-w)
+
+
+@leaf_kernel
+def from_end(chi, e, span, w):
+    """Return G at w = u - u_e before the release, where 1 + y is 1 - e chi = (1 + chi) exp(-L)."""
+    late = (1.0 + chi) * math.exp(-span)
+    grown = late * phi(w) if w < 1.0 else (1.0 + chi) * math.exp(w - span) - late * (1.0 + w)
+    return w * e * chi - grown
+
+
 @kernel
-def duration_integral(exponent, chi, span):
+def duration_integral(exponent, chi, e, span):
     """Return the integral of G(u)^(-n/(n+1)) over the contact by the double exponential rule.
 
     The integrand is singular at both ends; the rule's nodes crowd there (Takahasi & Mori 1974) and the
@@ -167,19 +183,37 @@ def duration_integral(exponent, chi, span):
     else:
         near, weight, tail = _NEAR_WIDE, _WEIGHT_WIDE, _TAIL_WIDE
     power = -exponent / (exponent + 1.0)
-    late = math.exp(-span) * (1.0 + chi)
     total = 0.0
     for k in range(near.size):
         w = span * near[k]
-        from_end = 2 * k < near.size
-        if from_end:
-            grown = late * phi(w) if w < 1.0 else (1.0 + chi) * math.exp(w - span) - late * (1.0 + w)
-            g = w * (1.0 - late) - grown
-        else:
-            g = chi * -math.expm1(-w) - phi(-w)
+        g = from_end(chi, e, span, w) if 2 * k < near.size else from_begin(chi, w)
         total += weight[k] * g**power
-    ends = (exponent + 1.0) * (span * tail) ** (1.0 / (exponent + 1.0)) * (chi**power + (1.0 - late) ** power)
+    ends = (exponent + 1.0) * (span * tail) ** (1.0 / (exponent + 1.0)) * (chi**power + (e * chi) ** power)
     return span * total + ends
+
+
+@kernel
+def stretch_integral(exponent, chi, e, far, released):
+    """Return the integral of G(u)^(-n/(n+1)) over w = 0 .. far from one end of the contact, up to its turning point.
+
+    ``released`` tells which end. The rule is that of `duration_integral`.
+    """
+    power, span = -exponent / (exponent + 1.0), chi * (1.0 + e)
+    total = 0.0
+    for k in range(_NEAR_WIDE.size):
+        w = far * _NEAR_WIDE[k] if 2 * k < _NEAR_WIDE.size else far * (1.0 - _NEAR_WIDE[k])
+        g = from_end(chi, e, span, w) if released else from_begin(chi, w)
+        total += _WEIGHT_WIDE[k] * g**power
+    steep = e * chi if released else chi
+    end = (exponent + 1.0) * (far * _TAIL_WIDE) ** (1.0 / (exponent + 1.0)) * steep**power
+    return far * total + end
+
+
+@leaf_kernel
+def time_unit(stiffness, exponent, chi, mass, speed):
+    """Return the time that one unit of the integrals stands for, s."""
+    depth = ((exponent + 1.0) * mass * speed**2 / (chi * chi * stiffness)) ** (1.0 / (exponent + 1.0))
+    return speed * mass / (chi * stiffness) * depth**-exponent
 
 
 @kernel
@@ -198,9 +232,71 @@ def impact(stiffness, exponent, chi, mass, speed):
     y = peak_rate(n, chi)
     at_peak = (n * unit * y) ** (1.0 / (n + 1.0))
     force = stiffness * at_peak**n * (1.0 + y)
-    depth = ((n + 1.0) * unit) ** (1.0 / (n + 1.0))
-    duration = speed * mass / (chi * stiffness) * depth**-n * duration_integral(n, chi, span)
+    duration = time_unit(stiffness, n, chi, mass, speed) * duration_integral(n, chi, e, span)
     return e, deepest, force, duration
+
+
+@kernel
+def moments(stiffness, exponent, chi, mass, speed):
+    """Return when the force is largest, when the indentation is, and when the contact ends, after first touch."""
+    n, chi = exponent, max(chi, _ELASTIC)
+    span, turn = span_of_factor(chi), math.log1p(chi)
+    e = restitution_of_span(span)
+    unit = time_unit(stiffness, n, chi, mass, speed)
+    peak = unit * stretch_integral(n, chi, e, turn - math.log1p(peak_rate(n, chi)), False)
+    turned = unit * stretch_integral(n, chi, e, turn, False)
+    return peak, turned, turned + unit * stretch_integral(n, chi, e, span - turn, True)
+
+
+@kernel
+def all_moments(stiffness, exponent, chi, mass, speed, out):
+    """Fill ``out`` (2, N) with the times of the largest force and the largest indentation of N impacts."""
+    for i in range(stiffness.size):
+        out[0, i], out[1, i], _ = moments(stiffness[i], exponent[i], chi[i], mass[i], speed[i])
+
+
+@kernel
+def history(stiffness, exponent, chi, mass, speed, times, out):
+    """Fill ``out`` (3, N) with indentation, its rate and the force at ascending times from first touch to release.
+
+    Each w is found from its time by Newton steps, dt/dw = G^(-n/(n+1)); bisection where one leaves the bracket.
+    """
+    n, chi = exponent, max(chi, _ELASTIC)
+    span, turn = span_of_factor(chi), math.log1p(chi)
+    e = restitution_of_span(span)
+    unit, power = time_unit(stiffness, n, chi, mass, speed), -n / (n + 1.0)
+    whole = ((n + 1.0) * mass * speed**2 / (chi * chi * stiffness)) ** (1.0 / (n + 1.0))
+    _, turned, end = moments(stiffness, n, chi, mass, speed)
+    for i in range(times.size):
+        released = times[i] > turned
+        wanted = (end - times[i] if released else times[i]) / unit
+        far = span - turn if released else turn
+        steep = e * chi if released else chi
+        g, w = 0.0, 0.0
+        if wanted > 0.0:
+            low, high = 0.0, far
+            w = min((wanted * steep**-power / (n + 1.0)) ** (n + 1.0), far)
+            for _ in range(60):
+                miss = stretch_integral(n, chi, e, w, released) - wanted
+                g = from_end(chi, e, span, w) if released else from_begin(chi, w)
+                if miss > 0.0:
+                    high = w
+                else:
+                    low = w
+                # t grows as w^(1/(n+1)): a Newton step in that power, exact near the end
+                root = w ** (1.0 / (n + 1.0)) - miss * g**-power * w**power / (n + 1.0)
+                new = max(root, 0.0) ** (n + 1.0)
+                if not low <= new <= high:
+                    new = 0.5 * (low + high)
+                done = abs(new - w) <= 1e-13 * w
+                w = new
+                if done:
+                    break
+            g = from_end(chi, e, span, w) if released else from_begin(chi, w)
+        grown = (1.0 + chi) * (math.exp(-span) * math.expm1(w) if released else math.expm1(-w))
+        rate = grown - (e * chi if released else -chi)
+        depth = whole * max(g, 0.0) ** (1.0 / (n + 1.0))
+        out[0, i], out[1, i], out[2, i] = depth, speed * rate / chi, stiffness * depth**n * (1.0 + rate)
 
 
 @kernel

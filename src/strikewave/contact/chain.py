@@ -16,23 +16,20 @@ from strikewave.contact._chain_kernels import (
     AHEAD,
     BEHIND,
     CONTACT,
-    DAMPING,
-    EXPONENT,
     KIND,
-    OFFSET,
     OPEN,
     PLACE,
-    PRELOAD,
     PUSHING,
-    SLOWEST,
     SPRING,
-    STIFFNESS,
     STOP_LINK,
+    SWITCHES,
     ChainSystem,
     Links,
 )
 from strikewave.contact._integrator import Control
-from strikewave.contact.impact import Contact, elastic_indentation
+from strikewave.contact._law_kernels import COLUMNS, DAMPING, OFFSET, PRELOAD, SLOWEST, SPOT, STIFFNESS, YIELD_LOAD
+from strikewave.contact._pair_kernels import depths_at_yield, energies, spots
+from strikewave.contact.law import AnyContact, check, elastic_indentation, rows
 from strikewave.contact.motion import Motion, State, integrate
 from strikewave.errors import nearest
 
@@ -72,14 +69,16 @@ class Touch:
     v0 is the approach speed of this contact, but never below ``slowest_approach`` (m/s): the law
     describes a blow, and with v0 near zero it would make a slowly pressed contact rigid. Where none is
     given, a thousandth of the chain's speed scale serves. A contact that overlaps at the start takes its
-    speed there as its approach speed.
+    speed there as its approach speed. Contacts with a capped pressure remember how deep they have yielded; those
+    that name the same ``spot`` share it.
     """
 
     behind: str
     ahead: str
-    contact: Contact
+    contact: AnyContact
     slowest_approach: float = 0.0
     offset: float = 0.0
+    spot: int = 0
 
 
 Link = Spring | Stop | Touch
@@ -96,6 +95,7 @@ class Chain:
 
     Examples
     --------
+    >>> from strikewave.contact import Contact
     >>> chain = Chain({"striker": 0.2, "object": 0.459}, links=[Touch("striker", "object", Contact(4.7e9, 10 / 9))])
     >>> motion = simulate(chain, {"striker": 0.0, "object": 0.0}, {"striker": 20.0}, duration=1e-4)
     >>> print(motion.speeds(1e-4).round(3))
@@ -120,10 +120,13 @@ class Chain:
                     raise ValueError(f"link to unknown node {node!r}; {nearest(node, self.nodes)}")
             if link.behind == link.ahead or not {link.behind, link.ahead} & set(self.bodies):
                 raise ValueError(f"a link joins two nodes, one of them a body, got {link.behind!r} and {link.ahead!r}")
-            given = link.contact if isinstance(link, Touch) else link
-            damping = given.hysteresis_factor if isinstance(given, Contact) else given.damping
-            if not (np.all(np.asarray(given.stiffness) >= 0.0) and np.all(np.asarray(damping) >= 0.0)):
-                raise ValueError(f"stiffness and damping of a link must not be negative, got {given!r}")
+            if isinstance(link, Touch):
+                try:
+                    check(link.contact)
+                except ValueError as error:
+                    raise ValueError(f"link of {link.behind!r} to {link.ahead!r}: {error}") from None
+            elif not (link.stiffness >= 0.0 and link.damping >= 0.0):
+                raise ValueError(f"stiffness and damping of a link must not be negative, got {link!r}")
 
     @property
     def nodes(self) -> list[str]:
@@ -181,18 +184,16 @@ def link_arrays(links: Sequence[Link], nodes: Sequence[str]) -> Links:
     """Return links as the tables that the kernels take."""
     kinds = {Spring: SPRING, Stop: STOP_LINK, Touch: CONTACT}
     joins = np.zeros((len(links), 3), dtype=np.int64)
-    values = np.zeros((len(links), 6))
+    values = np.zeros((len(links), COLUMNS))
     for i, link in enumerate(links):
         joins[i] = kinds[type(link)], nodes.index(link.behind), nodes.index(link.ahead)
-        values[i, OFFSET] = link.offset
         if isinstance(link, Touch):
-            law = link.contact
-            given = (law.stiffness, law.exponent, law.hysteresis_factor)
-            values[i, [STIFFNESS, EXPONENT, DAMPING]] = np.array(given, dtype=float)
-            values[i, SLOWEST] = link.slowest_approach
+            values[i] = rows(link.contact)[0]
+            values[i, SLOWEST], values[i, SPOT] = link.slowest_approach, link.spot
         else:
-            values[i, [STIFFNESS, DAMPING]] = link.stiffness, link.damping
+            values[i, [STIFFNESS, DAMPING, YIELD_LOAD]] = link.stiffness, link.damping, np.inf
             values[i, PRELOAD] = link.preload if isinstance(link, Spring) else 0.0
+        values[i, OFFSET] = link.offset
     return Links(joins, values)
 
 
@@ -201,20 +202,33 @@ def compressions(links: Links, nodes: Array) -> Array:
     return np.asarray(nodes[links.joins[:, BEHIND]] - nodes[links.joins[:, AHEAD]] - links.values[:, OFFSET])
 
 
-def first_modes(links: Links, nodes: Array) -> NDArray[np.int64]:
-    """Return the mode of each link at given node positions: what overlaps at the start already pushes."""
-    pushing = (links.joins[:, KIND] == SPRING) | (compressions(links, nodes) > 0.0)
+def first_depths(links: Links) -> Array:
+    """Return the depth from which each contact yields at first, m; 0 where none does."""
+    out = np.zeros(len(links.joins))
+    depths_at_yield(links.values, out)
+    return out
+
+
+def first_modes(links: Links, nodes: Array, deepest: Array | None = None) -> NDArray[np.int64]:
+    """Return the mode of each link at given node positions: what overlaps at the start already pushes.
+
+    ``deepest`` (m) is how deep each contact has yielded; nothing where it is left out.
+    """
+    left, flat = np.zeros((2, len(links.joins)))
+    spots(links.values, first_depths(links) if deepest is None else deepest, left, flat)
+    pushing = (links.joins[:, KIND] == SPRING) | (compressions(links, nodes) > left)
     return np.where(pushing, PUSHING, OPEN).astype(np.int64)
 
 
-def stored_energy(links: Links, nodes: Array) -> float:
-    """Return the energy stored in springs, stops and contacts at given node positions, J."""
+def stored_energy(links: Links, nodes: Array, deepest: Array | None = None) -> float:
+    """Return the energy stored in springs, stops and contacts at given node positions, J; see `first_modes`."""
     kind, value = links.joins[:, KIND], links.values
     d = compressions(links, nodes)
-    power = np.where(kind == CONTACT, value[:, EXPONENT], 1.0) + 1.0
-    depth = np.maximum(d, 0.0)
+    in_contacts = np.zeros(d.size)
+    energies(value, d, first_depths(links) if deepest is None else deepest, in_contacts)
     spring = value[:, PRELOAD] * d + 0.5 * value[:, STIFFNESS] * d**2
-    return float(np.sum(np.where(kind == SPRING, spring, value[:, STIFFNESS] * depth**power / power)))
+    stop = 0.5 * value[:, STIFFNESS] * np.maximum(d, 0.0) ** 2
+    return float(np.sum(np.select([kind == SPRING, kind == CONTACT], [spring, in_contacts], stop)))
 
 
 def simulate(
@@ -269,11 +283,11 @@ def simulate(
     scale = np.concatenate([np.full(x.size, speed * period), np.full(x.size, speed), np.full(len(chain.links), energy)])
     still = np.concatenate([v, np.zeros_like(base)])
     closing = still[links.joins[:, BEHIND]] - still[links.joins[:, AHEAD]]
-    memory = np.concatenate([np.maximum(closing, 0.0), np.zeros(1)])
+    memory = np.concatenate([np.maximum(closing, 0.0), first_depths(links)])
     y = np.concatenate([x, v, np.zeros(len(chain.links))])
     start = State(0.0, y, first_modes(links, np.concatenate([x, base])), memory)
     control = Control(tolerance, scale, 2e-3 * period, max(duration, period), duration)
-    return ChainMotion(chain, integrate(system, start, control, (len(chain.links), 2 * len(chain.links))))
+    return ChainMotion(chain, integrate(system, start, control, (len(chain.links), SWITCHES * len(chain.links))))
 
 
 def _speed_scale(chain: Chain, links: Links, nodes: Array, speeds: Array) -> float:

@@ -1,37 +1,56 @@
-"""One blow of two free bodies: the exact answer in closed form."""
+"""One blow of two free bodies: exact where the law allows it, by the integrator where not."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.contact import _kernels
+from strikewave.contact import _kernels, _pair_kernels
+from strikewave.contact._chain_kernels import SWITCHES
+from strikewave.contact._integrator import Control, empty_record
+from strikewave.contact._law_kernels import DAMPING, EXPONENT, STIFFNESS, YIELD_LOAD
+from strikewave.contact._pair_kernels import STATES, PairSystem
+from strikewave.contact.law import AnyContact, LogarithmicContact, not_negative, positive, refuse, rows
+from strikewave.contact.motion import State, integrate
+from strikewave.errors import IntegrationError
+
+Array = NDArray[np.float64]
+
+CLOSED_FORM, INTEGRATOR = "closed form", "integrator"
+"""How an impact was solved."""
+_STEPS = 1000
 
 
 @dataclass(frozen=True)
-class Contact:
-    """The force law of a contact, F = K d^n (1 + chi d'/v0), never negative.
+class Problem:
+    """An impact as flat arrays: law rows (N, columns), reduced mass (kg), approach speed (m/s), depth yielded (m)."""
 
-    Parameters
-    ----------
-    stiffness : array_like
-        K, N/m^n.
-    exponent : array_like
-        n, at least 0.1.
-    hysteresis_factor : array_like, optional
-        chi; 0 is elastic. v0 is the approach speed of the contact.
-    """
+    laws: Array
+    mass: Array
+    speed: Array
+    deepest: Array
+    shape: tuple[int, ...]
 
-    stiffness: ArrayLike
-    exponent: ArrayLike
-    hysteresis_factor: ArrayLike = 0.0
+    @property
+    def closed(self) -> bool:
+        """Whether the closed form covers it: a power law with hysteresis alone."""
+        return not np.any(self.laws[:, _pair_kernels.BEYOND_CLOSED_FORM]) and bool(
+            np.all(np.isinf(self.laws[:, YIELD_LOAD]))
+        )
+
+    @property
+    def numbers(self) -> tuple[Array, ...]:
+        """Stiffness, exponent, hysteresis factor, mass and speed."""
+        columns = (np.ascontiguousarray(self.laws[:, k]) for k in (STIFFNESS, EXPONENT, DAMPING))
+        return (*columns, self.mass, self.speed)
 
 
 @dataclass(frozen=True)
 class Impact:
-    """What comes out of an impact; every attribute has the broadcast shape of the input.
+    """What comes out of an impact; every array has the broadcast shape of the input.
 
     Attributes
     ----------
@@ -45,22 +64,65 @@ class Impact:
         Length of the contact, s.
     energy_lost : ndarray
         Kinetic energy lost, J.
+    deepest : ndarray
+        Depth to which the spot has yielded, m; 0 without a pressure cap.
+    residual_indentation : ndarray
+        Indentation that stays, m.
+    flattening : ndarray
+        Radius of the unloaded spot over that before it yielded.
+    method : str
+        ``closed form`` or ``integrator``.
     """
 
-    restitution: NDArray[np.float64]
-    max_indentation: NDArray[np.float64]
-    peak_force: NDArray[np.float64]
-    duration: NDArray[np.float64]
-    energy_lost: NDArray[np.float64]
+    restitution: Array
+    max_indentation: Array
+    peak_force: Array
+    duration: Array
+    energy_lost: Array
+    deepest: Array
+    residual_indentation: Array
+    flattening: Array
+    method: str
+    problem: Problem = field(repr=False, compare=False)
+    _times: Array | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def _moments(self) -> Array:
+        if self._times is not None:
+            return self._times
+        out = np.empty((2, self.problem.mass.size))
+        _kernels.all_moments(*self.problem.numbers, out)
+        return out
+
+    @property
+    def peak_time(self) -> Array:
+        """Time of the largest force after first touch, s."""
+        return self._moments[0].reshape(self.problem.shape)
+
+    @property
+    def turning_time(self) -> Array:
+        """Time of the largest indentation after first touch, s."""
+        return self._moments[1].reshape(self.problem.shape)
 
 
-def reduced_mass(mass1: ArrayLike, mass2: ArrayLike) -> NDArray[np.float64]:
+@dataclass(frozen=True)
+class History:
+    """An impact in time: time after first touch (s), indentation (m), its rate (m/s), force (N)."""
+
+    time: Array
+    indentation: Array
+    rate: Array
+    force: Array
+    method: str
+
+
+def reduced_mass(mass1: ArrayLike, mass2: ArrayLike) -> Array:
     """Return m1 m2 / (m1 + m2), either of which may be infinite, kg.
 
     Raises
     ------
     ValueError
-        If a mass is not positive, or both are infinite.
+        If a mass is not positive, or both are infinite; with the index of the first such pair.
 
     Examples
     --------
@@ -68,53 +130,81 @@ def reduced_mass(mass1: ArrayLike, mass2: ArrayLike) -> NDArray[np.float64]:
     0.2 1.0
     """
     one, other = np.broadcast_arrays(np.asarray(mass1, dtype=float), np.asarray(mass2, dtype=float))
-    if not np.all((one > 0.0) & (other > 0.0)):
-        raise ValueError(f"masses must be positive, got {mass1!r} and {mass2!r}")
-    if np.any(np.isinf(one) & np.isinf(other)):
-        raise ValueError("one of the masses must be finite")
+    refuse("the first mass", one, one > 0.0, "positive")
+    refuse("the second mass", other, other > 0.0, "positive")
+    refuse("the second mass", other, ~(np.isinf(one) & np.isinf(other)), "finite where the first is not")
     return np.asarray(1.0 / (1.0 / one + 1.0 / other))
 
 
-def elastic_indentation(contact: Contact, mass: float, speed: float) -> float:
-    """Return the largest indentation without losses, [(n + 1) m v0^2 / (2 K)]^(1/(n + 1)), m.
+def problem_of(
+    contact: AnyContact, mass1: ArrayLike, mass2: ArrayLike, speed: ArrayLike, deepest: ArrayLike = 0.0
+) -> Problem:
+    """Return an impact as flat arrays; see `solve_impact` for what is refused."""
+    never = "positive and finite: bodies that do not approach each other never meet"
+    mass, v = reduced_mass(mass1, mass2), positive("the approach speed", speed, never)
+    before = not_negative("the depth yielded before", deepest)
+    shape = np.broadcast_shapes(mass.shape, v.shape, before.shape)
+    laws = rows(contact, shape)
+    shape = np.broadcast_shapes(shape, *_shapes(contact))
+    flat = (np.ascontiguousarray(np.broadcast_to(x, shape)).reshape(-1) for x in (mass, v, before))
+    return Problem(laws, *flat, shape)
 
-    Examples
-    --------
-    >>> round(elastic_indentation(Contact(1e9, 1.0), mass=1.0, speed=1.0) * 1e6, 3)
-    31.623
-    """
-    n, k = float(np.asarray(contact.exponent)), float(np.asarray(contact.stiffness))
-    return float(((n + 1.0) * mass * speed**2 / (2.0 * k)) ** (1.0 / (n + 1.0)))
+
+def _shapes(contact: AnyContact) -> list[tuple[int, ...]]:
+    """Return the shapes of a law's numbers."""
+    numbers: list[ArrayLike] = [contact.hysteresis_factor]
+    if isinstance(contact, LogarithmicContact):
+        numbers += [contact.slope, contact.load]
+    else:
+        numbers += [contact.stiffness, contact.exponent]
+        numbers += [contact.damper.coefficient, contact.damper.exponent] if contact.damper else []
+    numbers += [contact.cap.yield_load] if contact.cap else []
+    return [np.shape(number) for number in numbers]
 
 
-def solve_impact(contact: Contact, mass1: ArrayLike, mass2: ArrayLike, speed: ArrayLike) -> Impact:
-    """Solve the impact of two free bodies exactly.
+def solve_impact(
+    contact: AnyContact,
+    mass1: ArrayLike,
+    mass2: ArrayLike,
+    speed: ArrayLike,
+    deepest: ArrayLike = 0.0,
+    tolerance: float = 1e-8,
+) -> Impact:
+    """Solve the impact of two free bodies: exactly for a power law with hysteresis, by the integrator for the rest.
 
-    All arguments broadcast against each other; a million impacts take about two seconds.
+    All arguments broadcast against each other; a million impacts take about two seconds in closed form, and a dozen
+    by the integrator.
 
     Parameters
     ----------
-    contact : Contact
+    contact : Contact or LogarithmicContact
         The force law.
     mass1, mass2 : array_like
         Masses, kg; at most one of them infinite.
     speed : array_like
         Approach speed v0, m/s.
+    deepest : array_like, optional
+        Depth to which the spot has yielded in earlier blows, m: the `Impact.deepest` of the one before.
+    tolerance : float, optional
+        Of the integrator, per step.
 
     Returns
     -------
     Impact
-        Restitution to 1e-15, indentation and force to 1e-14, duration to 1e-10 (e > 0.001, n from 1 to 2).
+        In closed form restitution to 1e-15, indentation and force to 1e-14, duration to 1e-10 (e > 0.001, n from 1
+        to 2); by the integrator to 1e-7 at the default tolerance.
 
     Raises
     ------
     ValueError
-        If a stiffness, mass or speed is not positive, an exponent is not within 0.1 to 10, or a factor is negative.
+        If a number of the law, a mass or a speed is out of range; with its index where there are several.
+    IntegrationError
+        If an impact cannot be followed, or presses beyond the end of a logarithmic law.
 
     Notes
     -----
     Source: the integral of the phase plane in ``contact/_kernels.py``; the duration by the double
-    exponential rule (Takahasi & Mori 1974).
+    exponential rule (Takahasi & Mori 1974). Integrator: DOP853 (Hairer, Norsett & Wanner 1993).
 
     Examples
     --------
@@ -128,22 +218,92 @@ def solve_impact(contact: Contact, mass1: ArrayLike, mass2: ArrayLike, speed: Ar
     >>> print(round(float(result.peak_force), 1), round(float(result.duration) * 1e6, 3))
     10696.9 40.339
     """
-    mass = reduced_mass(mass1, mass2)
-    (k, n, chi, m, v), shape = _kernels.flat(
-        contact.stiffness, contact.exponent, contact.hysteresis_factor, mass, speed
-    )
-    for name, values in (("stiffness", k), ("speed", v)):
-        if not np.all((values > 0.0) & np.isfinite(values)):
-            raise ValueError(
-                f"{name} must be positive and finite, got {values[~((values > 0) & np.isfinite(values))][0]!r}"
+    problem = problem_of(contact, mass1, mass2, speed, deepest)
+    return _in_closed_form(problem) if problem.closed else _by_steps(contact, problem, tolerance)
+
+
+def _in_closed_form(problem: Problem) -> Impact:
+    out = np.empty((4, problem.mass.size))
+    _kernels.impacts(*problem.numbers, out)
+    none, one = np.zeros(problem.shape), np.ones(problem.shape)
+    return _impact(problem, out, none, none, one, CLOSED_FORM)
+
+
+def _by_steps(contact: AnyContact, problem: Problem, tolerance: float) -> Impact:
+    laws, count = problem.laws, problem.mass.size
+    out = np.empty((_pair_kernels.ANSWERS, count))
+    record = empty_record(_STEPS, STATES, 1, 2)
+    _pair_kernels.impacts(laws, problem.mass, problem.speed, problem.deepest, tolerance, record, out)
+    lost = np.flatnonzero(~np.all(np.isfinite(out), axis=0))
+    if lost.size:
+        where = np.unravel_index(lost[0], problem.shape)
+        raise IntegrationError(f"impact {_index(where)} could not be followed: {problem.laws[lost[0]]}")
+    if isinstance(contact, LogarithmicContact):
+        end = np.broadcast_to(contact.deepest, problem.shape).reshape(-1)
+        beyond = np.flatnonzero(out[_pair_kernels.INDENTATION] >= end)
+        if beyond.size:
+            where = np.unravel_index(beyond[0], problem.shape)
+            raise IntegrationError(
+                f"impact {_index(where)} presses {out[_pair_kernels.INDENTATION, beyond[0]] * 1e3:.3g} mm deep, beyond "
+                f"the end of the logarithmic law at {end[beyond[0]] * 1e3:.3g} mm: take a power law"
             )
-    if not np.all((n >= 0.1) & (n <= 10.0)):
-        raise ValueError("the exponent must lie within 0.1 to 10")
-    if not np.all((chi >= 0.0) & np.isfinite(chi)):
-        raise ValueError("the hysteresis factor must be finite and >= 0")
-    out = np.empty((4, k.size))
-    _kernels.impacts(k, n, chi, m, v, out)
-    e, depth, force, duration = (row.reshape(shape) for row in out)
+    left, flat = np.empty(count), np.empty(count)
+    _pair_kernels.spots(laws, out[_pair_kernels.DEEPEST], left, flat)
+    deepest, left, flat = (x.reshape(problem.shape) for x in (out[_pair_kernels.DEEPEST], left, flat))
+    made = _impact(problem, out, deepest, left, flat, INTEGRATOR)
+    return replace(made, _times=out[_pair_kernels.PEAK_TIME : _pair_kernels.PEAK_TIME + 2])
+
+
+def _index(where: tuple[np.intp, ...]) -> str:
+    return "at index " + ", ".join(str(int(i)) for i in where) if where else "here"
+
+
+def _impact(problem: Problem, out: Array, deepest: Array, left: Array, flat: Array, method: str) -> Impact:
+    e, depth, force, duration = (row.reshape(problem.shape) for row in out[:4])
     with np.errstate(over="ignore", invalid="ignore"):
-        lost = (0.5 * m * v**2).reshape(shape) * (1.0 - e) * (1.0 + e)
-    return Impact(e, depth, force, duration, lost)
+        lost = (0.5 * problem.mass * problem.speed**2).reshape(problem.shape) * (1.0 - e) * (1.0 + e)
+    return Impact(e, depth, force, duration, np.asarray(lost), deepest, left, flat, method, problem)
+
+
+def impact_history(impact: Impact, times: ArrayLike | None = None, tolerance: float = 1e-9) -> History:
+    """Return a single impact in time, from first touch to release.
+
+    Parameters
+    ----------
+    impact : Impact
+        One impact, not an array of them.
+    times : array_like, optional
+        Ascending times within the contact, s; 501 equal steps by default.
+    tolerance : float, optional
+        Of the integrator, where the closed form does not serve.
+
+    Raises
+    ------
+    ValueError
+        If it is several impacts, or a time lies outside the contact.
+
+    Examples
+    --------
+    >>> from strikewave.contact import Contact
+    >>> blow = solve_impact(Contact(1e9, 1.5), 1.0, 1.0, 2.0)
+    >>> history = impact_history(blow)
+    >>> print((history.force.max() / blow.peak_force).round(6))
+    1.0
+    """
+    problem, duration = impact.problem, float(impact.duration.reshape(-1)[0])
+    if problem.mass.size != 1:
+        raise ValueError(f"a history is that of one impact, got {problem.mass.size}")
+    t = np.linspace(0.0, duration, 501) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
+    if np.any(np.diff(t) < 0.0) or t[0] < 0.0 or t[-1] > duration * (1.0 + 1e-12):
+        raise ValueError(f"times must ascend within the contact, 0 to {duration:g} s")
+    if impact.method == CLOSED_FORM:
+        out = np.empty((3, t.size))
+        _kernels.history(*(x[0] for x in problem.numbers), t, out)
+        return History(t, *out, CLOSED_FORM)
+    y, mode, memory = np.empty(STATES), np.empty(1, dtype=np.int64), np.empty(2)
+    _pair_kernels.begin(problem.laws[0], problem.speed[0], problem.deepest[0], y, mode, memory)
+    depth, v = float(impact.max_indentation.reshape(-1)[0]), float(problem.speed[0])
+    control = Control(tolerance, np.array([depth, v]), 2e-3 * depth / v, duration, 2.0 * duration)
+    motion = integrate(PairSystem(problem.laws[0], problem.mass), State(0.0, y, mode, memory), control, (1, SWITCHES))
+    states, forces = motion.sample(np.minimum(t, motion.end.time))
+    return History(t, states[:, 0], states[:, 1], forces[:, 0], INTEGRATOR)

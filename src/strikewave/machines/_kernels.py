@@ -26,6 +26,7 @@ from strikewave.contact._chain_kernels import (
     FORCE,
     PLACE,
     SPEED,
+    SWITCHES,
     chain_forces,
     chain_rates,
     is_a,
@@ -37,13 +38,13 @@ from strikewave.contact._integrator import CONTINUE, RESTART, STOP
 DRIVE, FEED, PASSES, TOUCHED = 0, 1, 2, 3
 """Places of the machine's own modes, after those of the links."""
 FEED_START, NEXT_APEX = 0, 1
-"""Places of the machine's own memory, after the approach speeds of the links."""
+"""Places of the machine's own memory, between the approach speeds of the links and their yielded depths."""
 
 REGULATED, FULL_TORQUE, NO_TORQUE = 0, 1, 2
 WAITING, FEEDING, HELD, RELEASED, RETRACTING = 0, 1, 2, 3, 4
 
 DRIVE_SWITCH, FEED_SWITCH, APEX_SWITCH = 0, 2, 3
-"""Places of the machine's own switch functions, after two a link."""
+"""Places of the machine's own switch functions, after those of the links."""
 
 
 CARRIED = 2
@@ -175,7 +176,7 @@ def rotary_switches(system, t, y, mode, memory, g):
     links, bodies = system.joins.shape[0], system.bodies.shape[0]
     place_bases(system, t, y, mode, memory)
     link_switches(system.joins, system.values, y, system.bases, bodies, mode, memory, g)
-    own_switches(system.settings, links, t, y[2 * bodies], y[2 * bodies + 1], mode, memory, g[2 * links :])
+    own_switches(system.settings, links, t, y[2 * bodies], y[2 * bodies + 1], mode, memory, g[SWITCHES * links :])
 
 
 @leaf_kernel
@@ -219,15 +220,15 @@ def rotary_switch(system, k, t, y, mode, memory):
     """
     bodies, links = system.bodies.shape[0], system.joins.shape[0]
     strikers = system.bases.shape[1] - 1
-    if k < 2 * links:
+    if k < SWITCHES * links:
         place_bases(system, t, y, mode, memory)
         code = link_switch(system.joins, system.values, k, y, system.bases, bodies, mode, memory)
-        if k // 2 < strikers and code == RESTART:
+        if k // SWITCHES < strikers and code == RESTART:
             mode[links + TOUCHED] = 1
             if system.settings[LAYERED] > 0.0:
                 return STOP
         return code
-    return own_switch(system.settings, links, strikers, k - 2 * links, t, mode, memory)
+    return own_switch(system.settings, links, strikers, k - SWITCHES * links, t, mode, memory)
 
 
 @overload(_integrator.derivatives, jit_options=LEAF)

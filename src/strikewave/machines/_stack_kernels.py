@@ -20,7 +20,18 @@ from strikewave.machines._kernels import (
     own_switches,
     rotary_rates,
 )
-from strikewave.waves._impact_kernels import CLOSED, CONTACT_SIZE, COUNT, FORCE, LOST, QUIET, begin_contact, press
+from strikewave.waves._impact_kernels import (
+    CLOSED,
+    CONTACT_SIZE,
+    COUNT,
+    DEEPEST,
+    DEPTH,
+    FORCE,
+    LOST,
+    QUIET,
+    begin_contact,
+    press,
+)
 from strikewave.waves._kernels import (
     END_BETA,
     END_OWN,
@@ -47,9 +58,10 @@ from strikewave.waves._kernels import (
     FACE_SPEED,
     CONTACT_IMPULSE,
     END_IMPULSE,
-) = range(13)
+    INDENTATION,
+) = range(14)
 """Columns of the history of a blow; nose and assembly by the mean of what they consist of."""
-COLUMNS = 13
+COLUMNS = 14
 
 SETTLED, CROWDED, ENDLESS = 0, 1, 2
 """Why a blow ended: all quiet; two strikers in touch at once; the history is full."""
@@ -84,6 +96,7 @@ class Blow(NamedTuple):
     assembly_speed: float
     settle: float
     every: int
+    deepest: float
 
 
 @leaf_kernel
@@ -161,8 +174,9 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
 
     ``machine`` is (system, y, mode, memory) with strikers only, moved on in place. Fills ``history`` every so
     many steps, ``touches`` and ``switches`` (which, time); returns why it ended, the steps made, the numbers
-    of touches and switches, the displacement of the end in its frame, the impulse that the waves got, and
-    energies: lost in stop, damper and contact, given by the feed, and half of what first and last step push the end.
+    of touches and switches, the displacement of the end in its frame, the impulse that the waves got,
+    energies (lost in stop, damper and contact, given by the feed, half of what first and last step push the end), and
+    the depth to which the contact has yielded.
     """
     system, y, mode, memory = machine
     dt, z, g = tables.step, tables.impedance[0], np.empty(APEX_SWITCH + 1)
@@ -170,7 +184,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
     rates, push, contact = np.empty((2, y.size)), np.zeros(strikers), np.empty(CONTACT_SIZE)
     mass = system.bodies[s, MASS]
     rotary_rates(system, blow.time, y, mode, memory, rates[0])
-    begin_contact(contact, blow.approach)
+    begin_contact(law, contact, blow.approach, blow.deepest)
     u_face, u_end, u_nose, u_assembly, v_face, v_end = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     v_nose, v_assembly = blow.nose_speed, blow.assembly_speed
     was_force, was_in, was_end, was_carried, was_damped, was_stopped = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -234,6 +248,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
             row[TURNTABLE_ANGLE], row[TURNTABLE_SPEED] = y[2 * strikers], y[2 * strikers + 1]
             row[STRIKER_SPEED] = y[strikers + s]
             row[CONTACT_IMPULSE], row[END_IMPULSE] = entered, through
+            row[INDENTATION] = max(contact[DEPTH], 0.0)
         changed = switch_machine(system, t, y, mode, memory, g, switches, changed)
         n += 1
         if (n - 1) % blow.every == 0:
@@ -243,4 +258,4 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
                 break
     push_ends += 0.5 * dt * was_end * v_end
     energies = (lost_stop, lost_damper, contact[LOST], fed, push_ends)
-    return why, n, int(contact[COUNT]), changed, u_end, net, energies
+    return why, n, int(contact[COUNT]), changed, u_end, net, energies, contact[DEEPEST]

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, Links
 from strikewave.contact._integrator import Control
-from strikewave.contact.chain import Link, Spring, Touch, first_modes, link_arrays, stored_energy
-from strikewave.contact.impact import Contact, elastic_indentation
+from strikewave.contact.chain import Link, Spring, Touch, first_depths, first_modes, link_arrays, stored_energy
+from strikewave.contact.law import AnyContact, elastic_indentation
 from strikewave.contact.motion import State, integrate
 from strikewave.errors import IntegrationError
 from strikewave.machines._kernels import (
@@ -67,7 +67,7 @@ class Strikers:
     mass: float
     mount_stiffness: float
     mount_damping: float
-    contact: Contact
+    contact: AnyContact
     slowest_approach: float
 
 
@@ -209,8 +209,9 @@ def start_state(machine: RotaryMachine, system: RotarySystem) -> State:
     modes = np.concatenate([first_modes(Links(system.joins, system.values), nodes), [0, WAITING, 0, 0]]).astype(
         np.int64
     )
-    memory = np.zeros(place.links + 2)
+    memory = np.zeros(place.depths.stop)
     memory[place.links + NEXT_APEX] = machine.pitch
+    memory[place.depths] = first_depths(Links(system.joins, system.values))
     return State(0.0, y, modes, memory)
 
 
@@ -223,7 +224,7 @@ def energy(machine: RotaryMachine, system: RotarySystem, state: State) -> float:
     inertia = machine.turntable.inertia - machine.strikers.mass * float(np.sum((radius * np.sin(p)) ** 2))
     out = state.mode[place.links + FEED] in (WAITING, RETRACTING)
     nodes = np.concatenate([x, radius * (np.cos(p) - 1.0), [machine.feed.stroke if out else 0.0]])
-    stored = stored_energy(Links(system.joins, system.values), nodes)
+    stored = stored_energy(Links(system.joins, system.values), nodes, state.memory[place.depths])
     height = -float(np.sum(system.bodies[:, MASS] * system.bodies[:, GRAVITY] * x))
     return 0.5 * inertia * speed**2 + 0.5 * float(system.bodies[:, MASS] @ v**2) + stored + height
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.contact._chain_kernels import SWITCHES
 from strikewave.contact.chain import contacts
 from strikewave.contact.motion import Motion
 from strikewave.machines import _stack_kernels as column
@@ -97,9 +98,19 @@ class Places:
         return 2 * self.strikers + 3
 
     @property
+    def own_memory(self) -> slice:
+        """What the machine itself remembers, after the approach speeds of the links."""
+        return slice(self.links, self.links + 2)
+
+    @property
+    def depths(self) -> slice:
+        """How deep each link has yielded, at the end of the memory."""
+        return slice(self.links + 2, 2 * self.links + 2)
+
+    @property
     def own_switches(self) -> int:
-        """Place of the machine's own switch functions, after two a link."""
-        return 2 * self.links
+        """Place of the machine's own switch functions, after those of the links."""
+        return SWITCHES * self.links
 
 
 @dataclass(frozen=True)

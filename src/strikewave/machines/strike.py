@@ -14,18 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.contact._chain_kernels import (
-    DAMPING,
-    EXPONENT,
     MASS,
-    OFFSET,
     OPEN,
     PLACE,
-    PRELOAD,
-    SLOWEST,
     SPEED,
-    STIFFNESS,
     Links,
+    remember,
 )
+from strikewave.contact._law_kernels import DAMPING, OFFSET, PRELOAD, STIFFNESS
 from strikewave.contact.chain import first_modes, stored_energy
 from strikewave.contact.motion import State
 from strikewave.errors import IntegrationError
@@ -36,7 +32,6 @@ from strikewave.machines.layered import LayeredObject
 from strikewave.machines.spans import Places, StackSpan
 from strikewave.machines.struck_object import StruckObject
 from strikewave.waves import _kernels as waves
-from strikewave.waves._impact_kernels import Law
 from strikewave.waves._kernels import ELASTIC, LOST, RESISTANCE, Recording, Tables
 from strikewave.waves._kernels import MASS as POINT_MASS
 from strikewave.waves._kernels import State as Waves
@@ -92,8 +87,8 @@ def strike(
     taps, whole, places = going.recordings(rows, every, field)
     history, touches, switches = np.zeros((rows, COLUMNS)), np.zeros((_MOST_TOUCHES, 3)), np.zeros((_MOST_SWITCHES, 2))
     machine, blow = going.strikers_alone(), going.blow(every)
-    law, supports = _law(system, going.striker), going.supports
-    why, steps, contacts, changed, u_end, net, energies = follow(
+    law, supports = system.values[going.striker], going.supports
+    why, steps, contacts, changed, u_end, net, energies, deepest = follow(
         going.tables, going.waves, law, machine, supports, blow, (taps, whole), history, touches, switches
     )
     if why == CROWDED:
@@ -124,6 +119,7 @@ def strike(
         momentum_error=float(abs(net - gained) / last[column.CONTACT_IMPULSE]),
     )
     end = going.state_after(start.time + (steps - 1) * step, last, machine)
+    remember(system.joins, system.values, end.memory, going.striker, deepest)
     going.settle_accounts(end, last, machine[1], u_end, energies)
     return span, end
 
@@ -167,7 +163,7 @@ class _Strike:
         place, start, n = self.place, self.start, self.count
         y = [self.x[:n], self.v[:n], start.y[place.angle : place.angle + 2], np.zeros(n + 3)]
         mode = np.concatenate([start.mode[place.mounts], start.mode[place.links :]])
-        memory = np.concatenate([start.memory[place.mounts], start.memory[place.links :]])
+        memory = np.concatenate([start.memory[place.mounts], start.memory[place.own_memory], np.zeros(n)])
         return _strikers_only(self.system, n), np.concatenate(y), mode, memory
 
     def blow(self, every: int) -> Blow:
@@ -187,6 +183,7 @@ class _Strike:
             assembly_speed=float(self.relative[1]),
             settle=SETTLE,
             every=every,
+            deepest=float(self.start.memory[self.place.depths][self.striker]),
         )
 
     def state_after(
@@ -200,7 +197,7 @@ class _Strike:
         end.y[place.bodies + place.nose] = last[column.NOSE_SPEED]
         end.y[place.bodies + place.assembly] = last[column.ASSEMBLY_SPEED]
         end.y[place.angle : place.angle + 2] = moved[2 * n : 2 * n + 2]
-        end.mode[place.links :], end.memory[place.links :] = mode[n:], memory[n:]
+        end.mode[place.links :], end.memory[place.own_memory] = mode[n:], memory[n : memory.size - n]
         place_bases(self.system, time, end.y, end.mode, end.memory)
         return end
 
@@ -217,7 +214,8 @@ class _Strike:
             _ease(self.system, place, end, -left)
             left = self._beyond_bodies(end, frame, stands, relative)
         nodes = np.concatenate([end.y[: place.bodies], self.system.bases[PLACE]])
-        end.mode[: place.links] = first_modes(Links(self.system.joins, self.system.values), nodes)
+        links = Links(self.system.joins, self.system.values)
+        end.mode[: place.links] = first_modes(links, nodes, end.memory[place.depths])
         end.mode[place.contacts] = OPEN
         at = place.energies
         end.y[at + self.striker] += lost
@@ -273,12 +271,6 @@ def _end_force(supports: Supports, place: float, speed: float) -> float:
     deep = -place - supports.stop_offset
     stop = max(supports.stop * deep - supports.stop_damping * speed, 0.0) if deep > 0.0 else 0.0
     return spring - stop
-
-
-def _law(system: RotarySystem, striker: int) -> Law:
-    """Return the contact law of a striker."""
-    value = system.values[striker]
-    return Law(*(float(value[k]) for k in (STIFFNESS, EXPONENT, DAMPING, SLOWEST)))
 
 
 def _strikers_only(system: RotarySystem, strikers: int) -> RotarySystem:

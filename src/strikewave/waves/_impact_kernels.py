@@ -5,53 +5,63 @@ indentation rate is c0 - c1 F, the indentation follows by the trapezoidal rule, 
 equation for F whose right side falls with F: it has one root.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from strikewave.compiled import kernel, leaf_kernel
+from strikewave.contact._law_kernels import (
+    STIFFNESS,
+    YIELD_LOAD,
+    depth_at_yield,
+    hysteresis,
+    residual,
+    unyielding,
+    yielding,
+)
 from strikewave.waves._kernels import advance, arriving_at_face, force_and_velocity, record, watch, widen
 
 _ITERATIONS = 60
 
-DEPTH, RATE, FORCE, APPROACH, CLOSED, POWER, LOST, COUNT, QUIET = range(9)
+DEPTH, RATE, FORCE, APPROACH, CLOSED, POWER, LOST, COUNT, QUIET, DEEPEST = range(10)
 """Places in the state of a contact: d, d', F, v0 of this interval, 1 while it touches, power lost, energy lost,
-intervals so far, time since the last one."""
-CONTACT_SIZE = 9
-
-
-class Law(NamedTuple):
-    """A contact law F = K d^n (1 + chi d'/v0); an infinite K is a rigid contact."""
-
-    stiffness: float
-    exponent: float
-    hysteresis_factor: float
-    slowest_approach: float
+intervals so far, time since the last one, depth to which it has yielded."""
+CONTACT_SIZE = 10
 
 
 @leaf_kernel
-def law_force(law, d, rate, approach):
-    """Return the force of the law and its derivatives by d and by the rate; never below zero."""
-    if d <= 0.0:
+def law_force(law, d, rate, approach, deepest):
+    """Return the force of the law and its derivatives by d and by the rate; never below zero.
+
+    ``law`` is a row of `strikewave.contact._law_kernels`, of a law without a damper; an infinite stiffness is a
+    rigid contact.
+    """
+    if d > deepest and law[YIELD_LOAD] < np.inf:
+        spring, slope, _ = yielding(law, d)
+    else:
+        spring, slope = unyielding(law, d, deepest)
+    push = hysteresis(law, rate, approach)
+    if push <= 0.0 or spring <= 0.0:
         return 0.0, 0.0, 0.0
-    spring = law.stiffness * d**law.exponent
-    chi = law.hysteresis_factor / max(approach, law.slowest_approach)
-    push = 1.0 + chi * rate
-    if push <= 0.0:
-        return 0.0, 0.0, 0.0
-    return spring * push, law.exponent * spring / d * push, spring * chi
+    return spring * push, slope * push, spring * (hysteresis(law, 1.0, approach) - 1.0)
 
 
 @leaf_kernel
-def contact_force(law, d, half, approach, c0, c1, guess):
+def power_lost(law, d, rate, force, deepest):
+    """Return the power that a contact takes up and does not store, W."""
+    if d > deepest and law[YIELD_LOAD] < np.inf:
+        return (force - yielding(law, d)[2]) * rate
+    return (force - unyielding(law, d, deepest)[0]) * rate
+
+
+@leaf_kernel
+def contact_force(law, d, half, approach, deepest, c0, c1, guess):
     """Return F = law(d + half (c0 - c1 F), c0 - c1 F): Newton steps, bisection where they leave the bracket."""
-    low, high = 0.0, law_force(law, d + half * c0, c0, approach)[0]
+    low, high = 0.0, law_force(law, d + half * c0, c0, approach, deepest)[0]
     if high <= 0.0:
         return 0.0
     f = min(max(guess, low), high)
     for _ in range(_ITERATIONS):
         rate = c0 - c1 * f
-        pushed, by_depth, by_rate = law_force(law, d + half * rate, rate, approach)
+        pushed, by_depth, by_rate = law_force(law, d + half * rate, rate, approach, deepest)
         miss = f - pushed
         if miss > 0.0:
             high = f
@@ -67,10 +77,11 @@ def contact_force(law, d, half, approach, c0, c1, guess):
 
 
 @leaf_kernel
-def begin_contact(contact, approach):
-    """Set a contact to first touch at an approach speed."""
+def begin_contact(law, contact, approach, deepest):
+    """Set a contact to first touch at an approach speed, after it has yielded to a depth."""
     contact[:] = 0.0
     contact[RATE] = contact[APPROACH] = approach
+    contact[DEEPEST], contact[DEPTH] = deepest, residual(law, deepest)
 
 
 @leaf_kernel
@@ -82,24 +93,27 @@ def press(law, contact, touches, t, dt, c0, c1):
     """
     first = contact[COUNT] == 0.0
     half = 0.0 if first else 0.5 * dt
-    was, closed = contact[DEPTH], contact[CLOSED] > 0.0
-    if law.stiffness == np.inf:
+    was, closed, left = contact[DEPTH], contact[CLOSED] > 0.0, 0.0
+    if law[STIFFNESS] == np.inf:
         force = max((c0 + was / dt) / c1, 0.0)
         rate = c0 - c1 * force
         d = 0.0 if first else min(was + dt * rate, 0.0)
         touching, power = force > 0.0, 0.0
     else:
-        ahead = was + half * contact[RATE]
-        if not closed and ahead + half * c0 > 0.0:
+        ahead, deepest = was + half * contact[RATE], contact[DEEPEST]
+        left = residual(law, deepest)
+        if not closed and ahead + half * c0 > left:
             contact[APPROACH] = max(contact[RATE], 0.0)
-        force = contact_force(law, ahead, half, contact[APPROACH], c0, c1, contact[FORCE])
+        force = contact_force(law, ahead, half, contact[APPROACH], deepest, c0, c1, contact[FORCE])
         rate = c0 - c1 * force
         d = ahead + half * rate
-        touching = d > 0.0 or first
-        power = (force - law.stiffness * d**law.exponent) * rate if d > 0.0 else 0.0
+        touching = d > left or first
+        power = power_lost(law, d, rate, force, deepest) if d > left else 0.0
+        if law[YIELD_LOAD] < np.inf:
+            contact[DEEPEST] = max(deepest, d)
     contact[LOST] += half * (power + contact[POWER])
     if touching != closed:
-        at = t - (dt * d / (d - was) if d != was else 0.0)
+        at = t - (dt * (d - left) / (d - was) if d != was else 0.0)
         if touching:
             contact[COUNT] += 1.0
         k = int(contact[COUNT]) - 1
@@ -123,7 +137,7 @@ def strike(tables, state, law, mass, speed, steps, recordings, extremes, integra
     dt, z = tables.step, tables.impedance[0]
     histories, norms, contact = np.zeros((4, 4)), np.zeros(3), np.empty(CONTACT_SIZE)
     last = tables.nodes.size - 1
-    begin_contact(contact, speed)
+    begin_contact(law, contact, speed, depth_at_yield(law))
     v, entered, through = speed, 0.0, 0.0
     for n in range(steps):
         m = arriving_at_face(tables, state)

@@ -9,8 +9,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
+from strikewave.contact.law import Contact, rows
 from strikewave.waves import _impact_kernels, _kernels
-from strikewave.waves._impact_kernels import Law
 from strikewave.waves._kernels import Extremes, Recording
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import Impactor, Load
@@ -339,13 +340,13 @@ def _run(
     )
 
 
-def _law(load: Impactor) -> Law:
+def _law(load: Impactor) -> NDArray[np.float64]:
     """Return the contact law of an impactor as the kernels take it."""
+    row = rows(load.contact or Contact(1.0, 1.0))[0]
+    row[SLOWEST] = load.slowest_approach
     if load.contact is None:
-        return Law(math.inf, 1.0, 0.0, load.slowest_approach)
-    law = load.contact
-    k, n, chi = (float(np.asarray(x)) for x in (law.stiffness, law.exponent, law.hysteresis_factor))
-    return Law(k, n, chi, load.slowest_approach)
+        row[STIFFNESS] = math.inf
+    return row
 
 
 def _recording(nodes: NDArray[np.int64], every: int, rows: int) -> Recording:

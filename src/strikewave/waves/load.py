@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.contact.impact import Contact
+from strikewave.contact.law import AnyContact
 from strikewave.errors import nearest
 
 Array = NDArray[np.float64]
@@ -159,7 +159,7 @@ class Impactor:
     ----------
     mass, speed : float
         kg, and m/s towards the face.
-    contact : Contact or None
+    contact : Contact, LogarithmicContact or None
         The law; None for a rigid contact, where striker and face move together while they push.
     slowest_approach : float, optional
         Lowest approach speed that the hysteresis factor uses, m/s.
@@ -167,7 +167,7 @@ class Impactor:
 
     mass: float
     speed: float
-    contact: Contact | None = None
+    contact: AnyContact | None = None
     slowest_approach: float = 1e-6
 
     def __post_init__(self) -> None:

@@ -1,0 +1,217 @@
+"""Compiled force laws of a contact, one row of numbers a law.
+
+The base is elastic: F = K d^n, or the logarithmic law of line contacts d = (F/G) ln(B/F). On it stand
+
+- hysteresis, F (1 + chi d'/v0),
+- or a damper, F + c d^p d',
+- and a pressure cap: beyond the yield load F_y the force is F_y f(q), q = F/F_y, where the Hertz pressure is cut
+  off at its value at first yield (`strikewave.contact.elastoplastic`).
+
+What has yielded to the depth D unloads elastically with the radius s R, s = q/f(q) at D. By similarity that is
+F(s (d - d_r))/s with d_r = D (1 - 1/s), whatever the base. The depth D is all that a contact remembers.
+"""
+
+import math
+
+import numpy as np
+
+from strikewave.compiled import leaf_kernel
+
+(
+    OFFSET,
+    STIFFNESS,
+    EXPONENT,
+    DAMPING,
+    PRELOAD,
+    SLOWEST,
+    FORM,
+    DAMPER,
+    DAMPER_EXPONENT,
+    STYLE,
+    YIELD_LOAD,
+    SHAPE,
+    SPOT,
+) = range(13)
+"""Places in a row, SI. Of a logarithmic base, STIFFNESS holds G and EXPONENT holds B. DAMPING is chi of a contact, or
+c of a spring or stop. Contacts of one SPOT above zero share what has yielded."""
+COLUMNS = 13
+
+POWER, LOGARITHMIC = 0.0, 1.0
+"""Values of FORM."""
+NEVER_PULLS, ON_APPROACH, PULLS = 0.0, 1.0, 2.0
+"""Values of STYLE: how the damper acts."""
+LINE, POINT = 0.0, 1.0
+"""Values of SHAPE."""
+
+
+@leaf_kernel
+def logarithm(law, d):
+    """Return w = ln(B/F) of the logarithmic law: the root of w - ln w = ln(B/(G d)) above 1, by Newton steps.
+
+    Beyond the depth B/(G e), where the law ends, w stays 1.
+    """
+    c = math.log(law[EXPONENT] / (law[STIFFNESS] * d))
+    if c <= 1.0:
+        return 1.0
+    w = c + math.log(c + math.log(c + 1.0))
+    for _ in range(30):
+        step = (w - math.log(w) - c) * w / (w - 1.0)
+        w -= step
+        if abs(step) <= 1e-15 * w:
+            break
+    return w
+
+
+@leaf_kernel
+def base_force(law, d):
+    """Return the elastic force at an indentation, N; zero apart."""
+    if d <= 0.0:
+        return 0.0
+    if law[FORM] == POWER:
+        return law[STIFFNESS] * d ** law[EXPONENT]
+    return law[STIFFNESS] * d / logarithm(law, d)
+
+
+@leaf_kernel
+def base_slope(law, d):
+    """Return dF/dd of the elastic base, N/m."""
+    if d <= 0.0:
+        return 0.0
+    if law[FORM] == POWER:
+        return law[EXPONENT] * law[STIFFNESS] * d ** (law[EXPONENT] - 1.0)
+    return law[STIFFNESS] / (logarithm(law, d) - 1.0)
+
+
+@leaf_kernel
+def base_energy(law, d):
+    """Return the energy that the elastic base stores, J: F d/(n + 1), or F^2 (2 w - 1)/(4 G)."""
+    if d <= 0.0:
+        return 0.0
+    if law[FORM] == POWER:
+        return law[STIFFNESS] * d ** (law[EXPONENT] + 1.0) / (law[EXPONENT] + 1.0)
+    w = logarithm(law, d)
+    return law[STIFFNESS] * d * d * (2.0 * w - 1.0) / (4.0 * w * w)
+
+
+@leaf_kernel
+def capped(shape, q):
+    """Return f(q) and f'(q): the force over the yield load, for the elastic force q over the yield load, q >= 1.
+
+    Line: f = (2/pi) [q asin(1/sqrt(q)) + sqrt(q - 1)]. Point: f = 3/2 q^(2/3) - 1/2.
+    """
+    if shape == POINT:
+        root = np.cbrt(q)
+        return 1.5 * root * root - 0.5, 1.0 / root
+    angle = math.asin(1.0 / math.sqrt(q))
+    return (q * angle + math.sqrt(q - 1.0)) * 2.0 / math.pi, angle * 2.0 / math.pi
+
+
+@leaf_kernel
+def flattening(law, deepest):
+    """Return s >= 1, the radius after yielding to the depth D over the radius before."""
+    q = base_force(law, deepest) / law[YIELD_LOAD]
+    return q / capped(law[SHAPE], q)[0] if q > 1.0 else 1.0
+
+
+@leaf_kernel
+def residual(law, deepest):
+    """Return the depth d_r = D (1 - 1/s) that stays when the force is gone, m; zero where nothing has yielded."""
+    return deepest * (1.0 - 1.0 / flattening(law, deepest)) if law[YIELD_LOAD] < np.inf else 0.0
+
+
+@leaf_kernel
+def yielding(law, d):
+    """Return the force at the depth d while it yields, its slope, and the rate at which it stores energy, N, N/m, N.
+
+    The energy that comes back is W/s^2 with W that of the base.
+    """
+    elastic, slope = base_force(law, d), base_slope(law, d)
+    f, df = capped(law[SHAPE], max(elastic / law[YIELD_LOAD], 1.0))
+    force, rise = law[YIELD_LOAD] * f, df * slope
+    s = elastic / force
+    ds = (slope * force - elastic * rise) / (force * force)
+    return force, rise, elastic / (s * s) - 2.0 * base_energy(law, d) * ds / s**3
+
+
+@leaf_kernel
+def unyielding(law, d, deepest):
+    """Return the force at the depth d after yielding to the depth D >= d, and its slope, N and N/m."""
+    if law[YIELD_LOAD] == np.inf:
+        return base_force(law, d), base_slope(law, d)
+    s = flattening(law, deepest)
+    depth = s * d - deepest * (s - 1.0)
+    return base_force(law, depth) / s, base_slope(law, depth)
+
+
+@leaf_kernel
+def unyielding_force(law, d, deepest):
+    """Return the force alone of `unyielding`."""
+    if law[YIELD_LOAD] == np.inf:
+        return base_force(law, d)
+    s = flattening(law, deepest)
+    return base_force(law, s * d - deepest * (s - 1.0)) / s
+
+
+@leaf_kernel
+def stored(law, d, deepest):
+    """Return the energy that a contact at the depth d gives back, after yielding to the depth D, J."""
+    if law[YIELD_LOAD] == np.inf:
+        return base_energy(law, d)
+    s = flattening(law, max(deepest, d))
+    return base_energy(law, s * d - max(deepest, d) * (s - 1.0)) / (s * s)
+
+
+@leaf_kernel
+def hysteresis(law, rate, approach):
+    """Return 1 + chi d'/v0."""
+    return 1.0 + law[DAMPING] * rate / max(approach, law[SLOWEST])
+
+
+@leaf_kernel
+def damper_force(law, d, rate):
+    """Return c d^p d', N; on approach only where the law says so."""
+    if law[DAMPER] == 0.0 or d <= 0.0 or (law[STYLE] == ON_APPROACH and rate < 0.0):
+        return 0.0
+    return law[DAMPER] * d ** law[DAMPER_EXPONENT] * rate
+
+
+@leaf_kernel
+def push(law, d, rate, approach):
+    """Return the force over its elastic part; where it falls through zero the force is lost."""
+    if law[DAMPER] == 0.0:
+        return hysteresis(law, rate, approach)
+    if law[STYLE] == PULLS:
+        return 1.0
+    d = max(d, 1e-30)
+    return 1.0 + damper_force(law, d, rate) / base_force(law, d)
+
+
+@leaf_kernel
+def depth_at_yield(law):
+    """Return the indentation at the yield load, m; zero where there is none."""
+    load = law[YIELD_LOAD]
+    if load == np.inf:
+        return 0.0
+    if law[FORM] == POWER:
+        return (load / law[STIFFNESS]) ** (1.0 / law[EXPONENT])
+    return load / law[STIFFNESS] * math.log(law[EXPONENT] / load)
+
+
+@leaf_kernel
+def elastic_depth(law, energy):
+    """Return the indentation at which the elastic base holds an energy, m (Newton steps for the logarithmic law)."""
+    if law[FORM] == POWER:
+        n = law[EXPONENT]
+        return ((n + 1.0) * energy / law[STIFFNESS]) ** (1.0 / (n + 1.0))
+    end = law[EXPONENT] / law[STIFFNESS] / math.e
+    if energy >= base_energy(law, end):
+        return end
+    d = min(math.sqrt(40.0 * energy / law[STIFFNESS]), end)
+    for _ in range(60):
+        new = d - (base_energy(law, d) - energy) / base_force(law, d)
+        if not 0.0 < new <= end:
+            new = 0.5 * d
+        if abs(new - d) <= 1e-15 * d:
+            break
+        d = new
+    return d

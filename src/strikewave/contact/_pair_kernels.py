@@ -1,0 +1,227 @@
+"""Compiled impact of two free bodies under any law, as a system of the integrator in their relative motion.
+
+State: indentation d and its rate d'. The motion stops where the bodies part, or a damper has used up the force:
+nothing presses them together again. Hysteresis takes the force away only within rounding, and the contact goes on.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import overload
+
+from strikewave.compiled import LEAF, kernel, leaf_kernel
+from strikewave.contact import _integrator
+from strikewave.contact._chain_kernels import (
+    PUSHING,
+    SLACK,
+    SWITCHES,
+    YIELDING,
+    contact_force,
+    contact_switches,
+    is_a,
+)
+from strikewave.contact._integrator import CONTINUE, STOP, STOPPED, Control, advance, evaluate
+from strikewave.contact._law_kernels import (
+    DAMPER,
+    FORM,
+    YIELD_LOAD,
+    depth_at_yield,
+    elastic_depth,
+    flattening,
+    residual,
+    stored,
+)
+
+STATES = 2
+_LONGEST = 1e9
+"""Longest contact over the time that the largest elastic indentation takes at the approach speed."""
+
+(RESTITUTION, INDENTATION, FORCE, DURATION, PEAK_TIME, TURN_TIME, DEEPEST) = range(7)
+"""Rows of what `impacts` fills."""
+ANSWERS = 7
+BEYOND_CLOSED_FORM = [FORM, DAMPER]
+"""Places of a law that are zero where the closed form covers it, if nothing yields."""
+
+
+class PairSystem(NamedTuple):
+    """A contact law as a row of numbers, and the reduced mass m1 m2/(m1 + m2), kg."""
+
+    law: np.ndarray
+    mass: np.ndarray
+
+
+@overload(_integrator.derivatives, jit_options=LEAF)
+def _derivatives(system, t, y, mode, memory, dy):
+    def rates(system, t, y, mode, memory, dy):
+        force, _ = contact_force(system.law, y[0], y[1], mode[0], memory[0], memory[1])
+        dy[0] = y[1]
+        dy[1] = -force / system.mass[0]
+
+    return rates if is_a(system, PairSystem) else None
+
+
+@overload(_integrator.forces, jit_options=LEAF)
+def _forces(system, t, y, mode, memory, out):
+    def fill(system, t, y, mode, memory, out):
+        out[0] = contact_force(system.law, y[0], y[1], mode[0], memory[0], memory[1])[0]
+
+    return fill if is_a(system, PairSystem) else None
+
+
+@overload(_integrator.switches, jit_options=LEAF)
+def _switches(system, t, y, mode, memory, g):
+    def fill(system, t, y, mode, memory, g):
+        g[0], g[1], g[2] = 1.0, 1.0, 1.0
+        contact_switches(system.law, y[0], y[1], mode[0], memory[0], memory[1], g)
+
+    return fill if is_a(system, PairSystem) else None
+
+
+@overload(_integrator.switch, jit_options=LEAF)
+def _switch(system, k, t, y, mode, memory):
+    def change(system, k, t, y, mode, memory):
+        if k == 0 or (k == 1 and system.law[DAMPER] > 0.0):
+            return STOP
+        if k == 1:
+            mode[0] = SLACK if mode[0] == PUSHING else PUSHING
+            return CONTINUE
+        if mode[0] == PUSHING:
+            mode[0] = YIELDING
+        else:
+            mode[0], memory[1] = PUSHING, y[0]
+        return CONTINUE
+
+    return change if is_a(system, PairSystem) else None
+
+
+@kernel
+def depths_at_yield(laws, out):
+    """Fill the depth from which each law yields at first, m; 0 where it does not."""
+    for i in range(out.size):
+        out[i] = depth_at_yield(laws[i])
+
+
+@kernel
+def energies(laws, d, deepest, out):
+    """Fill the energy that each contact stores, J."""
+    for i in range(out.size):
+        out[i] = stored(laws[i], d[i], deepest[i])
+
+
+@kernel
+def elastic_depths(laws, energy, out):
+    """Fill the indentation at which the elastic base of each law holds an energy, m."""
+    for i in range(out.size):
+        out[i] = elastic_depth(laws[i], energy[i])
+
+
+@leaf_kernel
+def _force_within(system, record, row, x, y):
+    evaluate(record.dense[row], x, y)
+    memory = record.memory[row]
+    return contact_force(system.law, y[0], y[1], record.mode[row, 0], memory[0], memory[1])[0]
+
+
+@leaf_kernel
+def _top_of_step(system, record, row, y):
+    """Return the largest force within a step and where: of its ends, and of the vertex of ever narrower parabolas."""
+    reach, middle = 0.5, 0.5
+    low = _force_within(system, record, row, 0.0, y)
+    here = _force_within(system, record, row, 0.5, y)
+    high = _force_within(system, record, row, 1.0, y)
+    best, at = (low, 0.0) if low > high else (high, 1.0)
+    for _ in range(5):
+        bend = low - 2.0 * here + high
+        if not bend < 0.0:
+            break
+        vertex = min(max(middle + 0.5 * reach * (low - high) / bend, 0.0), 1.0)
+        force = _force_within(system, record, row, vertex, y)
+        if force > best:
+            best, at = force, vertex
+        reach *= 0.25
+        middle = min(max(vertex, reach), 1.0 - reach)
+        low = _force_within(system, record, row, middle - reach, y)
+        here = _force_within(system, record, row, middle, y)
+        high = _force_within(system, record, row, middle + reach, y)
+    return best, at
+
+
+@leaf_kernel
+def _largest_force(system, record, steps, y):
+    """Return the largest force of a motion and its time."""
+    best, when = 0.0, 0.0
+    for row in range(steps):
+        force, at = _top_of_step(system, record, row, y)
+        if force > best:
+            best, when = force, record.time[row] + at * record.step[row]
+    return best, when
+
+
+@leaf_kernel
+def _turning(record, steps, y):
+    """Return the largest indentation of a motion and its time: where the rate is zero (regula falsi)."""
+    for k in range(steps):
+        evaluate(record.dense[k], 1.0, y)
+        if y[1] > 0.0 and k < steps - 1:
+            continue
+        low, high, v_high = 0.0, 1.0, y[1]
+        evaluate(record.dense[k], 0.0, y)
+        v_low, x, side = y[1], 0.0, 0
+        for _ in range(60):
+            if not v_low > 0.0 >= v_high:
+                break
+            x = (low * v_high - high * v_low) / (v_high - v_low)
+            evaluate(record.dense[k], x, y)
+            if high - low < 1e-14 or y[1] == 0.0:
+                break
+            if y[1] > 0.0:
+                low, v_low = x, y[1]
+                v_high *= 0.5 if side == 1 else 1.0
+                side = 1
+            else:
+                high, v_high = x, y[1]
+                v_low *= 0.5 if side == -1 else 1.0
+                side = -1
+            if abs(y[1]) < 1e-13 * abs(record.dense[0, 1, 0] / record.step[0]):
+                break
+        return y[0], record.time[k] + x * record.step[k]
+    return 0.0, 0.0
+
+
+@leaf_kernel
+def begin(law, speed, deepest, y, mode, memory):
+    """Set a motion to first touch at an approach speed, on a spot that has yielded to a depth."""
+    memory[0], memory[1] = speed, max(deepest, depth_at_yield(law))
+    y[0], y[1] = residual(law, memory[1]), speed
+    mode[0] = PUSHING
+
+
+@kernel
+def impacts(laws, mass, speed, deepest, tolerance, record, out):
+    """Fill ``out`` (ANSWERS, N) with what comes of N impacts, each followed by the integrator; NaN where it cannot.
+
+    ``record`` takes the steps of one impact.
+    """
+    y, mode, memory, scale = np.empty(STATES), np.empty(1, dtype=np.int64), np.empty(2), np.empty(STATES)
+    for i in range(mass.size):
+        system = PairSystem(laws[i], mass[i : i + 1])
+        begin(laws[i], speed[i], deepest[i], y, mode, memory)
+        depth = elastic_depth(laws[i], 0.5 * mass[i] * speed[i] ** 2)
+        scale[0], scale[1] = depth, speed[i]
+        period = depth / speed[i]
+        control = Control(tolerance, scale, 2e-3 * period, _LONGEST * period, _LONGEST * period)
+        why, t, _, steps, _ = advance(system, control, 0.0, control.first_step, y, mode, memory, record, SWITCHES)
+        out[:, i] = np.nan
+        if why != STOPPED:
+            continue
+        out[RESTITUTION, i], out[DURATION, i], out[DEEPEST, i] = -y[1] / speed[i], t, memory[1]
+        out[INDENTATION, i], out[TURN_TIME, i] = _turning(record, steps, y)
+        out[FORCE, i], out[PEAK_TIME, i] = _largest_force(system, record, steps, y)
+
+
+@kernel
+def spots(laws, deepest, left, flat):
+    """Fill residual indentation (m) and flattening of spots that have yielded to a depth."""
+    for i in range(deepest.size):
+        left[i] = residual(laws[i], deepest[i])
+        flat[i] = flattening(laws[i], deepest[i]) if laws[i, YIELD_LOAD] < np.inf else 1.0

@@ -1,0 +1,237 @@
+"""The force law of a contact: an elastic base, hysteresis or a damper, and a cap on the pressure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from strikewave.contact import _pair_kernels
+from strikewave.contact._law_kernels import (
+    COLUMNS,
+    DAMPER,
+    DAMPER_EXPONENT,
+    DAMPING,
+    EXPONENT,
+    FORM,
+    LINE,
+    LOGARITHMIC,
+    NEVER_PULLS,
+    ON_APPROACH,
+    POINT,
+    POWER,
+    PULLS,
+    SHAPE,
+    STIFFNESS,
+    STYLE,
+    YIELD_LOAD,
+)
+from strikewave.errors import nearest
+
+Array = NDArray[np.float64]
+
+STYLES = {"never-pulls": NEVER_PULLS, "on-approach": ON_APPROACH, "pulls": PULLS}
+"""How a damper acts: the force ends where it would pull; it acts while the bodies approach; it may pull."""
+SHAPES = {"line": LINE, "point": POINT}
+"""Shapes of a contact whose pressure is capped."""
+
+
+@dataclass(frozen=True)
+class Damper:
+    """A damper beside the elastic force of a contact: c d^p d'.
+
+    Parameters
+    ----------
+    coefficient : array_like
+        c, N s/m^(p + 1).
+    exponent : array_like
+        p, at least 0.
+    style : str, optional
+        One of `STYLES`.
+    """
+
+    coefficient: ArrayLike
+    exponent: ArrayLike = 0.0
+    style: str = "never-pulls"
+
+
+@dataclass(frozen=True)
+class PressureCap:
+    """A cap on the contact pressure: the contact yields above a load, and unloads on a flattened radius.
+
+    See `strikewave.contact.elastoplastic`, which makes one from a pressure.
+
+    Parameters
+    ----------
+    yield_load : array_like
+        F_y, N.
+    shape : str
+        One of `SHAPES`.
+    """
+
+    yield_load: ArrayLike
+    shape: str
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The force law of a contact, F = K d^n (1 + chi d'/v0), never negative.
+
+    Parameters
+    ----------
+    stiffness : array_like
+        K, N/m^n.
+    exponent : array_like
+        n, from 0.1 to 10.
+    hysteresis_factor : array_like, optional
+        chi; 0 is elastic. v0 is the approach speed of the contact.
+    damper : Damper, optional
+        A damper instead of the hysteresis.
+    cap : PressureCap, optional
+        A cap on the pressure.
+    """
+
+    stiffness: ArrayLike
+    exponent: ArrayLike
+    hysteresis_factor: ArrayLike = 0.0
+    damper: Damper | None = None
+    cap: PressureCap | None = None
+
+
+@dataclass(frozen=True)
+class LogarithmicContact:
+    """The force law of a line contact of long bodies, d = (F/G) ln(B/F) (1 + chi d'/v0)^-1, never negative.
+
+    Holds while F is below B/e, where the indentation is B/(G e).
+
+    Parameters
+    ----------
+    slope : array_like
+        G, N/m.
+    load : array_like
+        B, N.
+    hysteresis_factor, cap
+        As of a `Contact`.
+    """
+
+    slope: ArrayLike
+    load: ArrayLike
+    hysteresis_factor: ArrayLike = 0.0
+    cap: PressureCap | None = None
+
+    @property
+    def deepest(self) -> Array:
+        """Indentation at which the law ends, B/(G e), m."""
+        return np.asarray(np.asarray(self.load, dtype=float) / np.asarray(self.slope, dtype=float) / math.e)
+
+
+AnyContact = Contact | LogarithmicContact
+
+
+def refuse(name: str, values: ArrayLike, good: NDArray[np.bool_], allowed: str) -> None:
+    """Raise ValueError for the first value that is not good, with its index where there are several.
+
+    Examples
+    --------
+    >>> refuse("speed", [1.0, -2.0], np.array([True, False]), "positive")
+    Traceback (most recent call last):
+    ValueError: speed must be positive, got -2.0 at index 1
+    """
+    if np.all(good):
+        return
+    array = np.asarray(values, dtype=float)
+    at = np.unravel_index(int(np.argmin(np.broadcast_to(good, array.shape))), array.shape)
+    index = ", ".join(str(int(i)) for i in at)
+    where = f" at index {'(' + index + ')' if len(at) > 1 else index}" if array.ndim else ""
+    raise ValueError(f"{name} must be {allowed}, got {float(array[at])!r}{where}")
+
+
+def positive(name: str, values: ArrayLike, allowed: str = "positive and finite") -> Array:
+    """Return values as an array, or raise ValueError where one is not positive and finite."""
+    array = np.asarray(values, dtype=float)
+    refuse(name, array, (array > 0.0) & np.isfinite(array), allowed)
+    return array
+
+
+def not_negative(name: str, values: ArrayLike) -> Array:
+    """Return values as an array, or raise ValueError where one is negative or not finite."""
+    array = np.asarray(values, dtype=float)
+    refuse(name, array, (array >= 0.0) & np.isfinite(array), "finite and >= 0")
+    return array
+
+
+def check(contact: AnyContact) -> dict[int, Any]:
+    """Return the numbers of a law by their place in a row of the kernels.
+
+    Raises
+    ------
+    ValueError
+        If one is out of range, with its index.
+    """
+    row: dict[int, Any] = {DAMPING: not_negative("the hysteresis factor", contact.hysteresis_factor)}
+    if isinstance(contact, LogarithmicContact):
+        row |= {FORM: LOGARITHMIC, STIFFNESS: positive("the slope", contact.slope)}
+        row[EXPONENT] = positive("the load", contact.load)
+    else:
+        n = np.asarray(contact.exponent, dtype=float)
+        refuse("the exponent", n, (n >= 0.1) & (n <= 10.0), "within 0.1 to 10")
+        row |= {FORM: POWER, STIFFNESS: positive("the stiffness", contact.stiffness), EXPONENT: n}
+        row |= _damper(contact)
+    row[YIELD_LOAD] = np.inf
+    if contact.cap is not None:
+        row |= {
+            YIELD_LOAD: positive("the yield load", contact.cap.yield_load),
+            SHAPE: _one_of(SHAPES, contact.cap.shape),
+        }
+    return row
+
+
+def _damper(contact: Contact) -> dict[int, Any]:
+    damper = contact.damper
+    if damper is None:
+        return {}
+    if contact.cap is not None or np.any(np.asarray(contact.hysteresis_factor) != 0.0):
+        raise ValueError("a contact has a damper, or hysteresis and a cap, not both")
+    return {
+        DAMPER: not_negative("the coefficient of the damper", damper.coefficient),
+        DAMPER_EXPONENT: not_negative("the exponent of the damper", damper.exponent),
+        STYLE: _one_of(STYLES, damper.style),
+    }
+
+
+def _one_of(choices: dict[str, float], word: str) -> float:
+    if word not in choices:
+        raise ValueError(f"{word!r} is not known; {nearest(word, choices)}")
+    return choices[word]
+
+
+def rows(contact: AnyContact, shape: tuple[int, ...] = ()) -> Array:
+    """Return a law as rows of numbers for the kernels, shape (N, COLUMNS) for the N values of a broadcast shape.
+
+    Raises
+    ------
+    ValueError
+        If a number of the law is out of range, with its index.
+    """
+    numbers = check(contact)
+    full = np.broadcast_shapes(shape, *(np.shape(value) for value in numbers.values()))
+    table = np.zeros((math.prod(full), COLUMNS))
+    for place, value in numbers.items():
+        table[:, place] = np.broadcast_to(value, full).reshape(-1)
+    return table
+
+
+def elastic_indentation(contact: AnyContact, mass: float, speed: float) -> float:
+    """Return the largest indentation without losses, [(n + 1) m v0^2 / (2 K)]^(1/(n + 1)) of a power law, m.
+
+    Examples
+    --------
+    >>> round(elastic_indentation(Contact(1e9, 1.0), mass=1.0, speed=1.0) * 1e6, 3)
+    31.623
+    """
+    out = np.empty(1)
+    _pair_kernels.elastic_depths(rows(contact), np.array([0.5 * mass * speed**2]), out)
+    return float(out[0])
