@@ -21,7 +21,91 @@ SOURCES: dict[str, str] = {
         "A. Palmgren, Ball and Roller Bearing Engineering, 3rd ed., Burbank, Philadelphia 1959; in the "
         "form of eqs (2)-(4) of Li & Ma 2019 with the equivalent modulus of eq (5) inverted"
     ),
-    "johnson-1985": "K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, ch. 4 (Hertz)",
+    "johnson-1985": "K. L. Johnson, Contact Mechanics, Cambridge University Press 1985, ch. 4 (Hertz), 5.6 (cylinders)",
+    "herbert-mcwhannell-1977": (
+        "R. G. Herbert, D. C. McWhannell, Shape and Frequency Composition of Pulses From an Impact Pair, Journal of "
+        "Engineering for Industry 99 (1977) 513-518, doi:10.1115/1.3439270"
+    ),
+    "lee-wang-1983": (
+        "T. W. Lee, A. C. Wang, On the Dynamics of Intermittent-Motion Mechanisms, part 1, Journal of Mechanisms, "
+        "Transmissions and Automation in Design 105 (1983) 534-540, doi:10.1115/1.3267392"
+    ),
+    "lankarani-nikravesh-1990": (
+        "H. M. Lankarani, P. E. Nikravesh, A Contact Force Model With Hysteresis Damping for Impact Analysis of "
+        "Multibody Systems, Journal of Mechanical Design 112 (1990) 369-376, doi:10.1115/1.2912617"
+    ),
+    "gonthier-2004": (
+        "Y. Gonthier, J. McPhee, C. Lange, J.-C. Piedboeuf, A Regularized Contact Model with Asymmetric Damping and "
+        "Dwell-Time Dependent Friction, Multibody System Dynamics 11 (2004) 209-233, "
+        "doi:10.1023/B:MUBO.0000029392.21648.bc"
+    ),
+    "zhiying-qishao-2006": (
+        "Q. Zhiying, L. Qishao, Analysis of impact process based on restitution coefficient, Journal of Dynamics and "
+        "Control 4 (2006) 294-298 (reference from memory)"
+    ),
+    "flores-2011": (
+        "P. Flores, M. Machado, M. T. Silva, J. M. Martins, On the continuous contact force models for soft materials "
+        "in multibody dynamics, Multibody System Dynamics 25 (2011) 357-375, doi:10.1007/s11044-010-9237-4"
+    ),
+    "gharib-hurmuzlu-2012": (
+        "M. Gharib, Y. Hurmuzlu, A New Contact Force Model for Low Coefficient of Restitution Impact, Journal of "
+        "Applied Mechanics 79 (2012) 064506, doi:10.1115/1.4006494"
+    ),
+    "hu-guo-2015": (
+        "S. Hu, X. Guo, A dissipative contact force model for impact analysis in multibody dynamics, Multibody System "
+        "Dynamics 35 (2015) 131-151, doi:10.1007/s11044-015-9453-z"
+    ),
+    "carvalho-martins-2019": (
+        "A. S. Carvalho, J. M. Martins, Exact restitution and generalizations for the Hunt-Crossley contact model, "
+        "Mechanism and Machine Theory 139 (2019) 174-194, doi:10.1016/j.mechmachtheory.2019.03.028"
+    ),
+    "safaeifar-farshidianfar-2020": (
+        "H. Safaeifar, A. Farshidianfar, A new model of the contact force for the collision between two solid bodies, "
+        "Multibody System Dynamics 50 (2020) 233-257, doi:10.1007/s11044-020-09732-2"
+    ),
+    "anagnostopoulos-1988": (
+        "S. A. Anagnostopoulos, Pounding of buildings in series during earthquakes, Earthquake Engineering and "
+        "Structural Dynamics 16 (1988) 443-456, doi:10.1002/eqe.4290160311"
+    ),
+    "tsuji-1992": (
+        "Y. Tsuji, T. Tanaka, T. Ishida, Lagrangian numerical simulation of plug flow of cohesionless particles in a "
+        "horizontal pipe, Powder Technology 71 (1992) 239-250, doi:10.1016/0032-5910(92)88030-L; alpha: D. Antypov, "
+        "J. A. Elliott, On an analytical solution for the damped Hertzian spring, EPL 94 (2011) 50004"
+    ),
+    "jankowski-2006": (
+        "R. Jankowski, Analytical expression between the impact damping ratio and the coefficient of restitution in "
+        "the non-linear viscoelastic model of structural pounding, Earthquake Engineering and Structural Dynamics 35 "
+        "(2006) 517-524, doi:10.1002/eqe.537; the model: 34 (2005) 595-611, doi:10.1002/eqe.434"
+    ),
+    "kuwabara-kono-1987": (
+        "G. Kuwabara, K. Kono, Restitution Coefficient in a Collision between Two Spheres, Japanese Journal of Applied "
+        "Physics 26 (1987) 1230-1233, doi:10.1143/JJAP.26.1230; N. V. Brilliantov et al., Model for collisions in "
+        "granular gases, Physical Review E 53 (1996) 5382-5392"
+    ),
+    "radzimovsky-1953": (
+        "E. I. Radzimovsky, Stress distribution and strength condition of two rolling cylinders pressed together, "
+        "University of Illinois Engineering Experiment Station, Bulletin 408, 1953"
+    ),
+    "dubowsky-freudenstein-1971": (
+        "S. Dubowsky, F. Freudenstein, Dynamic Analysis of Mechanical Systems With Clearances, parts 1 and 2, Journal "
+        "of Engineering for Industry 93 (1971) 305-316"
+    ),
+    "lankarani-nikravesh-1994": (
+        "H. M. Lankarani, P. E. Nikravesh, Continuous contact force models for impact analysis in multibody systems, "
+        "Nonlinear Dynamics 5 (1994) 193-207, doi:10.1007/BF00045676"
+    ),
+    "pereira-2015": (
+        "C. Pereira, A. Ramalho, J. Ambrosio, An enhanced cylindrical contact force model, Multibody System Dynamics "
+        "35 (2015) 277-298, doi:10.1007/s11044-015-9463-x"
+    ),
+    "thornton-1997": (
+        "C. Thornton, Coefficient of Restitution for Collinear Collisions of Elastic-Perfectly Plastic Spheres, "
+        "Journal of Applied Mechanics 64 (1997) 383-386, doi:10.1115/1.2787319"
+    ),
+    "green-2005": (
+        "I. Green, Poisson ratio effects and critical values in spherical and cylindrical Hertzian contacts, "
+        "International Journal of Applied Mechanics and Engineering 10 (2005) 451-462"
+    ),
     "kolsky-1963": "H. Kolsky, Stress Waves in Solids, Dover, New York 1963, ch. III (bars)",
     "hairer-1993": (
         "E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., "

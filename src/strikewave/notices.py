@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 
+import numpy as np
+
 from strikewave.case import Case
-from strikewave.contact import line_contact_yield_load
+from strikewave.contact import line_cap, line_yield_pressure, stiffness_law
 from strikewave.machines import Blow
 from strikewave.materials import material
 from strikewave.solution import Notice
@@ -83,17 +86,18 @@ def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     """Warn where a line contact goes beyond its first yield."""
     rig = case.rig()
     bodies = material(rig.striker.material), material(rig.object.material)
-    strengths = [body.yield_strength for body in bodies if body.yield_strength is not None]
-    if rig.contact.law != "palmgren" or not strengths:
+    pressures = [line_yield_pressure(body, body.yield_strength) for body in bodies if body.yield_strength is not None]
+    of_line = "length" in stiffness_law(rig.contact.law).needs
+    if not of_line or not pressures or rig.contact.yield_pressure is not None:
         return
-    per_length = line_contact_yield_load(bodies[0], bodies[1], min(strengths), rig.striker.nose_radius.si)
-    limit = per_length * rig.striker.contact_length.si
+    cap = line_cap(*bodies, rig.striker.nose_radius.si, math.inf, rig.striker.contact_length.si, min(pressures))
+    limit = float(np.asarray(cap.yield_load))
     peak = max(blow.peak_force for blow in struck)
     if peak > limit:
         message = (
             f"the line contact yields below its surface (von Mises) beyond {limit / 1e3:.3g} kN and is loaded with "
-            f"{peak / 1e3:.3g} kN: the elastic law is stretched; trust the rigid pulse, which hangs on frame and "
-            "mount, more than the contact force"
+            f"{peak / 1e3:.3g} kN: the elastic law is stretched; give contact.yield_pressure, or trust the rigid "
+            "pulse, which hangs on frame and mount, more than the contact force"
         )
         yield Notice("contact-yield", message, peak, limit)
 

@@ -11,7 +11,7 @@ import numpy as np
 from strikewave import citations
 from strikewave.build import build_channels, build_machine, build_taps, check_route, contact_stiffness
 from strikewave.case import Case
-from strikewave.contact import Contact, factor, solve_impact
+from strikewave.contact import factor, solve_impact
 from strikewave.dataset import build_dataset
 from strikewave.errors import InputError
 from strikewave.machines import Blow, RotaryMachine, blows, run_rotary
@@ -160,7 +160,7 @@ def printed_law_on_rigid_object(case: Case, machine: RotaryMachine) -> RigidRefe
     law = contact_stiffness(case)
     chi = float(factor("li-ma-printed", case.rig().contact.restitution.si))
     mass = machine.struck.mass
-    blow = solve_impact(Contact(law.stiffness, law.exponent, chi), np.inf, mass, machine.nominal_approach)
+    blow = solve_impact(law.contact(chi), np.inf, mass, machine.nominal_approach)
     force = float(blow.peak_force)
     return RigidReference(machine.nominal_approach, force, force / mass, float(blow.duration))
 

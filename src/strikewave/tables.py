@@ -37,6 +37,7 @@ from strikewave.quantities import (
     MaybeModulus,
     MaybeOrder,
     MaybePreload,
+    MaybePressure,
     MaybeQuality,
     MaybeShift,
     MaybeSpeed,
@@ -126,12 +127,18 @@ class Object(Table):
 
 
 class ContactTable(Table):
-    """[contact]: law of the contact between nose and face."""
+    """[contact]: law of the contact between nose and face; with a yield pressure it is elastic-plastic.
+
+    What has yielded stays: on the face, where all strikers hit the same spot, or on each nose (``yields``).
+    """
 
     law: str = "palmgren"
     damping: str = "exact"
     restitution: Restitution
     slowest_approach: Speed
+    datum_depth: MaybeLength = None
+    yield_pressure: MaybePressure = None
+    yields: Literal["face", "nose"] = "face"
 
 
 class Recorder(Table):

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from strikewave.contact import Chain, Contact, Spring, Stop, Touch, exact, simulate, solve_impact
 from strikewave.contact._dop853 import A, B, C
-from strikewave.contact.damping import cut_off_damping_ratio, cut_off_restitution
+from strikewave.contact.dampers import cut_off_damping_ratio, cut_off_restitution
 
 
 def two_bodies(contact, m1, m2, speed, duration, tolerance):

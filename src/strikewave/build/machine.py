@@ -11,7 +11,19 @@ from pydantic import BaseModel
 
 from strikewave.build.stack import build_stack, build_taps, checked
 from strikewave.case import Case
-from strikewave.contact import DAMPING_LAWS, STIFFNESS_LAWS, Contact, Stiffness, factor, hertz, palmgren
+from strikewave.contact import (
+    AnyContact,
+    Geometry,
+    LogarithmicStiffness,
+    PressureCap,
+    Stiffness,
+    damping_law,
+    factor,
+    line_cap,
+    point_cap,
+    stiffness_law,
+    stiffness_of,
+)
 from strikewave.errors import MISSING, InputError, InputErrors, nearest
 from strikewave.machines import Feed, RotaryMachine, Strikers, StruckObject, Turntable
 from strikewave.machines.feed import expected_time
@@ -31,7 +43,7 @@ LONGEST_INTERVAL = 0.5
 """Longest time between strikers, s: the bodies between two blows are followed in full."""
 
 
-def contact_stiffness(case: Case) -> Stiffness:
+def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
     """Return the contact stiffness of a case's striker on its object.
 
     Raises
@@ -44,14 +56,29 @@ def contact_stiffness(case: Case) -> Stiffness:
     return face_stiffness(rig.striker, rig.contact, face)
 
 
-def face_stiffness(striker: Striker, contact: ContactTable, face: Material) -> Stiffness:
-    """Return the contact stiffness of a striker on a face of a material."""
+def face_stiffness(striker: Striker, contact: ContactTable, face: Material) -> Stiffness | LogarithmicStiffness:
+    """Return the contact stiffness of a striker on a plane face of a material."""
     nose = material(striker.material, "striker.material")
-    if contact.law == "palmgren":
-        return palmgren(nose, face, striker.contact_length.si)
-    if contact.law == "hertz":
-        return hertz(nose, face, striker.nose_radius.si)
-    raise InputError("contact.law", contact.law, "a stiffness law", nearest(contact.law, STIFFNESS_LAWS))
+    depth = contact.datum_depth.si if contact.datum_depth else None
+    geometry = Geometry(striker.nose_radius.si, math.inf, striker.contact_length.si, depth)
+    return stiffness_of(contact.law, nose, face, geometry, "contact.law")
+
+
+def pressure_cap(striker: Striker, contact: ContactTable, face: Material) -> PressureCap | None:
+    """Return the cap on the pressure of a striker on a face, where the case has one."""
+    if contact.yield_pressure is None:
+        return None
+    nose, radius = material(striker.material, "striker.material"), striker.nose_radius.si
+    if "length" in stiffness_law(contact.law, "contact.law").needs:
+        return line_cap(nose, face, radius, math.inf, striker.contact_length.si, contact.yield_pressure.si)
+    return point_cap(nose, face, radius, math.inf, contact.yield_pressure.si)
+
+
+def face_contact(striker: Striker, contact: ContactTable, face: Material) -> AnyContact:
+    """Return the contact of a striker on a face: stiffness, damping, and a cap on the pressure."""
+    damping_law(contact.damping, "contact.damping")
+    chi = float(factor(contact.damping, contact.restitution.si))
+    return face_stiffness(striker, contact, face).contact(chi, pressure_cap(striker, contact, face))
 
 
 def build_machine(case: Case) -> RotaryMachine:
@@ -68,15 +95,14 @@ def build_machine(case: Case) -> RotaryMachine:
     lines = [str(error) for error in _misfits(case, bodies)]
     if lines:
         raise InputErrors(lines)
-    law = contact_stiffness(case)
-    chi = float(factor(rig.contact.damping, rig.contact.restitution.si))
     return RotaryMachine(
         turntable=_filled(Turntable, rig.machine),
         strikers=_filled(
             Strikers,
             rig.striker,
             count=int(rig.machine.strikers.si),
-            contact=Contact(law.stiffness, law.exponent, chi),
+            contact=face_contact(rig.striker, rig.contact, material(rig.object.material, "object.material")),
+            same_spot=rig.contact.yields == "face",
             slowest_approach=rig.contact.slowest_approach.si,
         ),
         feed=_feed(rig.feed),
@@ -166,9 +192,7 @@ def _feed(table: FeedTable) -> Feed:
 
 def _misfits(case: Case, bodies: Bodies) -> Iterator[InputError]:
     """Yield an error for each pair of values that does not fit together."""
-    m, striker, f, o, contact, _ = case.rig()
-    if contact.damping not in DAMPING_LAWS:
-        yield InputError("contact.damping", contact.damping, "a damping law", nearest(contact.damping, DAMPING_LAWS))
+    m, striker, f, o, _, _ = case.rig()
     reach = m.radius.si * (1.0 - math.cos(min(0.5 * math.pi, math.pi / m.strikers.si)))
     if m.engagement.si >= reach:
         allowed = f"less than {reach * 1e3:.4g} mm, where a nose would touch more than half a pitch before its apex"

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeVar
 
 from strikewave.case import Case
-from strikewave.contact import Contact, factor
 from strikewave.errors import MISSING, InputError, InputErrors, StrikewaveError, nearest
 from strikewave.materials import Material, material
 from strikewave.quantities import Value
@@ -243,7 +242,7 @@ def build_load(case: Case, stack: Stack) -> Load:
 
 
 def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
-    from strikewave.build.machine import face_stiffness
+    from strikewave.build.machine import face_contact
 
     speed = need(load.speed, "load.speed", "the speed of the striker", 'add speed = "5 m/s"')
     if case.striker is None or case.contact is None:
@@ -252,12 +251,10 @@ def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
     face = case.stack.layer[0].material
     if not face:
         raise InputError("stack.layer." + stack.layers[0].name + ".material", MISSING, "a material for the contact law")
-    law = face_stiffness(case.striker, case.contact, material(face))
-    chi = float(factor(case.contact.damping, case.contact.restitution.si))
     return Impactor(
         case.striker.mass.si,
         speed,
-        Contact(law.stiffness, law.exponent, chi),
+        face_contact(case.striker, case.contact, material(face)),
         case.contact.slowest_approach.si,
     )
 

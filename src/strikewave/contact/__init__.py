@@ -1,4 +1,4 @@
-"""Contact laws and impacts: stiffness, damping, one blow in closed form, chains of bodies.
+"""Contact laws and impacts: stiffness, damping, plasticity, one blow exactly, chains of bodies.
 
 Examples
 --------
@@ -9,43 +9,77 @@ Examples
 """
 
 from strikewave.contact.chain import Chain, ChainMotion, Spring, Stop, Touch, simulate
-from strikewave.contact.damping import DAMPING_LAWS, exact, factor, li_ma_printed, restitution
+from strikewave.contact.dampers import damper_law, damper_laws
+from strikewave.contact.damping import damping_law, damping_laws, exact, factor, li_ma_printed, restitution
+from strikewave.contact.elastoplastic import (
+    line_cap,
+    line_yield_pressure,
+    point_cap,
+    point_yield_pressure,
+    slow_force,
+    thornton_restitution,
+    yield_speed,
+)
 from strikewave.contact.impact import History, Impact, impact_history, reduced_mass, solve_impact
-from strikewave.contact.law import Contact, Damper, LogarithmicContact, PressureCap
+from strikewave.contact.law import AnyContact, Contact, Damper, LogarithmicContact, PressureCap
+from strikewave.contact.registry import DamperLaw, DampingLaw, Law, StiffnessLaw
 from strikewave.contact.stiffness import (
-    STIFFNESS_LAWS,
+    Geometry,
+    LogarithmicStiffness,
     Stiffness,
     contact_modulus,
     hertz,
-    line_contact_yield_load,
+    johnson,
     palmgren,
+    stiffness_law,
+    stiffness_laws,
+    stiffness_of,
 )
 
 __all__ = [
-    "DAMPING_LAWS",
-    "STIFFNESS_LAWS",
+    "AnyContact",
     "Chain",
     "ChainMotion",
     "Contact",
     "Damper",
+    "DamperLaw",
+    "DampingLaw",
+    "Geometry",
     "History",
     "Impact",
+    "Law",
     "LogarithmicContact",
+    "LogarithmicStiffness",
     "PressureCap",
     "Spring",
     "Stiffness",
+    "StiffnessLaw",
     "Stop",
     "Touch",
     "contact_modulus",
+    "damper_law",
+    "damper_laws",
+    "damping_law",
+    "damping_laws",
     "exact",
     "factor",
     "hertz",
     "impact_history",
+    "johnson",
     "li_ma_printed",
-    "line_contact_yield_load",
+    "line_cap",
+    "line_yield_pressure",
     "palmgren",
+    "point_cap",
+    "point_yield_pressure",
     "reduced_mass",
     "restitution",
     "simulate",
+    "slow_force",
     "solve_impact",
+    "stiffness_law",
+    "stiffness_laws",
+    "stiffness_of",
+    "thornton_restitution",
+    "yield_speed",
 ]

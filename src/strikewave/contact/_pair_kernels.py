@@ -30,6 +30,8 @@ from strikewave.contact._law_kernels import (
     flattening,
     residual,
     stored,
+    unyielding_force,
+    yielding,
 )
 
 STATES = 2
@@ -225,3 +227,14 @@ def spots(laws, deepest, left, flat):
     for i in range(deepest.size):
         left[i] = residual(laws[i], deepest[i])
         flat[i] = flattening(laws[i], deepest[i]) if laws[i, YIELD_LOAD] < np.inf else 1.0
+
+
+@kernel
+def slow_forces(laws, d, deepest, out):
+    """Fill the forces of contacts at rest, N: yielding where they are pressed deeper than ever before."""
+    for i in range(out.size):
+        before = max(deepest[i], depth_at_yield(laws[i]))
+        if d[i] > before and laws[i, YIELD_LOAD] < np.inf:
+            out[i] = yielding(laws[i], d[i])[0]
+        else:
+            out[i] = unyielding_force(laws[i], d[i], before)

@@ -42,10 +42,10 @@ class Problem:
         )
 
     @property
-    def numbers(self) -> tuple[Array, ...]:
+    def numbers(self) -> tuple[Array, Array, Array, Array, Array]:
         """Stiffness, exponent, hysteresis factor, mass and speed."""
-        columns = (np.ascontiguousarray(self.laws[:, k]) for k in (STIFFNESS, EXPONENT, DAMPING))
-        return (*columns, self.mass, self.speed)
+        k, n, chi = (np.ascontiguousarray(self.laws[:, place]) for place in (STIFFNESS, EXPONENT, DAMPING))
+        return k, n, chi, self.mass, self.speed
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,8 @@ class Impact:
         if self._times is not None:
             return self._times
         out = np.empty((2, self.problem.mass.size))
-        _kernels.all_moments(*self.problem.numbers, out)
+        k, n, chi, m, v = self.problem.numbers
+        _kernels.all_moments(k, n, chi, m, v, out)
         return out
 
     @property
@@ -146,8 +147,8 @@ def problem_of(
     shape = np.broadcast_shapes(mass.shape, v.shape, before.shape)
     laws = rows(contact, shape)
     shape = np.broadcast_shapes(shape, *_shapes(contact))
-    flat = (np.ascontiguousarray(np.broadcast_to(x, shape)).reshape(-1) for x in (mass, v, before))
-    return Problem(laws, *flat, shape)
+    m, v, before = (np.array(np.broadcast_to(x, shape), dtype=float).reshape(-1) for x in (mass, v, before))
+    return Problem(laws, m, v, before, shape)
 
 
 def _shapes(contact: AnyContact) -> list[tuple[int, ...]]:
@@ -224,7 +225,8 @@ def solve_impact(
 
 def _in_closed_form(problem: Problem) -> Impact:
     out = np.empty((4, problem.mass.size))
-    _kernels.impacts(*problem.numbers, out)
+    k, n, chi, m, v = problem.numbers
+    _kernels.impacts(k, n, chi, m, v, out)
     none, one = np.zeros(problem.shape), np.ones(problem.shape)
     return _impact(problem, out, none, none, one, CLOSED_FORM)
 
@@ -239,7 +241,7 @@ def _by_steps(contact: AnyContact, problem: Problem, tolerance: float) -> Impact
         where = np.unravel_index(lost[0], problem.shape)
         raise IntegrationError(f"impact {_index(where)} could not be followed: {problem.laws[lost[0]]}")
     if isinstance(contact, LogarithmicContact):
-        end = np.broadcast_to(contact.deepest, problem.shape).reshape(-1)
+        end = np.broadcast_to(contact.end_depth, problem.shape).reshape(-1)
         beyond = np.flatnonzero(out[_pair_kernels.INDENTATION] >= end)
         if beyond.size:
             where = np.unravel_index(beyond[0], problem.shape)
@@ -247,9 +249,10 @@ def _by_steps(contact: AnyContact, problem: Problem, tolerance: float) -> Impact
                 f"impact {_index(where)} presses {out[_pair_kernels.INDENTATION, beyond[0]] * 1e3:.3g} mm deep, beyond "
                 f"the end of the logarithmic law at {end[beyond[0]] * 1e3:.3g} mm: take a power law"
             )
-    left, flat = np.empty(count), np.empty(count)
-    _pair_kernels.spots(laws, out[_pair_kernels.DEEPEST], left, flat)
-    deepest, left, flat = (x.reshape(problem.shape) for x in (out[_pair_kernels.DEEPEST], left, flat))
+    spots = np.empty((3, count))
+    spots[0] = out[_pair_kernels.DEEPEST]
+    _pair_kernels.spots(laws, spots[0], spots[1], spots[2])
+    deepest, left, flat = (row.reshape(problem.shape) for row in spots)
     made = _impact(problem, out, deepest, left, flat, INTEGRATOR)
     return replace(made, _times=out[_pair_kernels.PEAK_TIME : _pair_kernels.PEAK_TIME + 2])
 
@@ -298,12 +301,13 @@ def impact_history(impact: Impact, times: ArrayLike | None = None, tolerance: fl
         raise ValueError(f"times must ascend within the contact, 0 to {duration:g} s")
     if impact.method == CLOSED_FORM:
         out = np.empty((3, t.size))
-        _kernels.history(*(x[0] for x in problem.numbers), t, out)
-        return History(t, *out, CLOSED_FORM)
+        k, n, chi, m, v = problem.numbers
+        _kernels.history(k[0], n[0], chi[0], m[0], v[0], t, out)
+        return History(t, out[0], out[1], out[2], CLOSED_FORM)
     y, mode, memory = np.empty(STATES), np.empty(1, dtype=np.int64), np.empty(2)
     _pair_kernels.begin(problem.laws[0], problem.speed[0], problem.deepest[0], y, mode, memory)
-    depth, v = float(impact.max_indentation.reshape(-1)[0]), float(problem.speed[0])
-    control = Control(tolerance, np.array([depth, v]), 2e-3 * depth / v, duration, 2.0 * duration)
+    depth, speed = float(impact.max_indentation.reshape(-1)[0]), float(problem.speed[0])
+    control = Control(tolerance, np.array([depth, speed]), 2e-3 * depth / speed, duration, 2.0 * duration)
     motion = integrate(PairSystem(problem.laws[0], problem.mass), State(0.0, y, mode, memory), control, (1, SWITCHES))
     states, forces = motion.sample(np.minimum(t, motion.end.time))
     return History(t, states[:, 0], states[:, 1], forces[:, 0], INTEGRATOR)

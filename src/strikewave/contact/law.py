@@ -123,7 +123,7 @@ class LogarithmicContact:
     cap: PressureCap | None = None
 
     @property
-    def deepest(self) -> Array:
+    def end_depth(self) -> Array:
         """Indentation at which the law ends, B/(G e), m."""
         return np.asarray(np.asarray(self.load, dtype=float) / np.asarray(self.slope, dtype=float) / math.e)
 
@@ -235,3 +235,18 @@ def elastic_indentation(contact: AnyContact, mass: float, speed: float) -> float
     out = np.empty(1)
     _pair_kernels.elastic_depths(rows(contact), np.array([0.5 * mass * speed**2]), out)
     return float(out[0])
+
+
+def indentation_under(contact: AnyContact, force: float) -> float:
+    """Return the indentation at which the elastic force of a contact has a value, m; up to the end of its law.
+
+    Examples
+    --------
+    >>> round(indentation_under(Contact(1e9, 1.0), force=1e3) * 1e6, 6)
+    1.0
+    """
+    if isinstance(contact, LogarithmicContact):
+        slope, load = float(np.asarray(contact.slope)), float(np.asarray(contact.load))
+        held = min(force, load / math.e)
+        return held / slope * math.log(load / held)
+    return float((force / float(np.asarray(contact.stiffness))) ** (1.0 / float(np.asarray(contact.exponent))))

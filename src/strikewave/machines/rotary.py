@@ -61,6 +61,8 @@ class Strikers:
         Law of the contact between nose and face.
     slowest_approach : float
         Lowest approach speed that the hysteresis factor uses, m/s.
+    same_spot : bool
+        Whether the strikers share what yields: it is the face, which all hit on the same spot, not the noses.
     """
 
     count: int
@@ -69,6 +71,7 @@ class Strikers:
     mount_damping: float
     contact: AnyContact
     slowest_approach: float
+    same_spot: bool = True
 
 
 @dataclass(frozen=True)
@@ -165,7 +168,8 @@ def machine_links(machine: RotaryMachine) -> tuple[list[Link], list[str]]:
     """Return the links and the node names of the machine, bodies first."""
     count, strikers = machine.strikers.count, machine.strikers
     names, seats = [f"striker {i + 1}" for i in range(count)], [f"seat {i + 1}" for i in range(count)]
-    touches: list[Link] = [Touch(name, NOSE, strikers.contact, strikers.slowest_approach) for name in names]
+    spot = 1 if strikers.same_spot else 0
+    touches: list[Link] = [Touch(name, NOSE, strikers.contact, strikers.slowest_approach, spot=spot) for name in names]
     mounts: list[Link] = [
         Spring(seat, name, strikers.mount_stiffness, strikers.mount_damping)
         for seat, name in zip(seats, names, strict=True)

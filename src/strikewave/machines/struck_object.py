@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from strikewave.contact.chain import Link, Spring, Stop
-from strikewave.contact.damping import cut_off_damping_ratio
+from strikewave.contact.dampers import cut_off_damping_ratio
 
 NOSE, ASSEMBLY, CARRIAGE = "nose", "assembly", "carriage"
 
@@ -52,7 +52,8 @@ class StruckObject:
     @property
     def stop_damping(self) -> float:
         """Damping of the stop that gives its restitution, N s/m."""
-        return 2.0 * cut_off_damping_ratio(self.stop_restitution) * (self.stop_stiffness * self.mass) ** 0.5
+        ratio = float(cut_off_damping_ratio(self.stop_restitution))
+        return 2.0 * ratio * (self.stop_stiffness * self.mass) ** 0.5
 
     @property
     def stop_compression(self) -> float:

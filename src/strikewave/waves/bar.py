@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
-from strikewave.contact.law import Contact, rows
+from strikewave.contact._law_kernels import DAMPER, SLOWEST, STIFFNESS
+from strikewave.contact.law import Contact, indentation_under, rows
 from strikewave.waves import _impact_kernels, _kernels
 from strikewave.waves._kernels import Extremes, Recording
 from strikewave.waves.layers import Stack
@@ -280,8 +280,7 @@ def _shortest_time(stack: Stack, load: Load) -> float:
 def _indentation_time(stack: Stack, load: Impactor) -> float:
     """Return the time in which the contact force would reach what the bar can take, Z v0, s."""
     assert load.contact is not None
-    k, n = float(np.asarray(load.contact.stiffness)), float(np.asarray(load.contact.exponent))
-    return float((stack.layers[0].impedance * load.speed / k) ** (1.0 / n) / load.speed)
+    return indentation_under(load.contact, stack.layers[0].impedance * load.speed) / load.speed
 
 
 def _run(
@@ -343,6 +342,8 @@ def _run(
 def _law(load: Impactor) -> NDArray[np.float64]:
     """Return the contact law of an impactor as the kernels take it."""
     row = rows(load.contact or Contact(1.0, 1.0))[0]
+    if row[DAMPER]:
+        raise ValueError("a striker on a stack takes a contact with hysteresis, not with a damper")
     row[SLOWEST] = load.slowest_approach
     if load.contact is None:
         row[STIFFNESS] = math.inf

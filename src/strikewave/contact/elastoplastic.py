@@ -1,0 +1,160 @@
+"""Elastic-plastic contacts: elastic up to yield, the Hertz pressure then capped, unloading on a flattened radius.
+
+Thornton (1997) cuts the Hertz pressure of a sphere off at a largest value p. With the width still that of the elastic
+contact at the same depth, the force is F = F_y + pi p R (d - d_y). The same cut through the Hertz pressure of a line,
+p(x) = (E*/2R)(a^2 - x^2)^(1/2), leaves
+
+    F/h = (E*/2R) [a^2 asin(a_y/a) + a_y (a^2 - a_y^2)^(1/2)],    a_y = 2 p R/E*,
+
+whose mean pressure rises from pi p/4 at yield towards p. Over the elastic force F_e at the same depth, q = F_e/F_y,
+both are functions of q alone: 3/2 q^(2/3) - 1/2 of a sphere, (2/pi)[q asin(1/sqrt(q)) + sqrt(q - 1)] of a line.
+
+Unloading is elastic with the radius s R that has the same width under the force reached: s = F_e/F. By similarity the
+force is F_e(s (d - d_r))/s and the depth that stays d_r = D (1 - 1/s), D the largest depth. A later blow loads along
+this line up to D, and yields on from there. For a sphere this is Thornton's unloading; the line law is derived here
+from his argument and from Johnson's elastic line contact (1985, sections 4.2 and 5.6).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from strikewave.contact import _pair_kernels
+from strikewave.contact.law import AnyContact, PressureCap, not_negative, positive, rows
+from strikewave.contact.stiffness import ElasticBody, contact_modulus, reduced_radius
+
+Array = NDArray[np.float64]
+
+
+def point_cap(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float, pressure: ArrayLike) -> PressureCap:
+    """Return the cap of a sphere: F_y = pi^3 p^3 R^2/(6 E*^2). Source: Thornton 1997.
+
+    ``pressure`` p (Pa) is the largest that the contact bears: 1.6 times the yield strength at first yield inside, up to
+    2.8 to 3 times, the hardness, when fully plastic.
+
+    Examples
+    --------
+    >>> from strikewave.materials import material
+    >>> steel = material("65Mn")
+    >>> print(point_cap(steel, steel, 0.01, np.inf, 1e9).yield_load.round(1))
+    39.0
+    """
+    radius, modulus = reduced_radius(radius1, radius2), contact_modulus(one, other)
+    return PressureCap(np.pi**3 * positive("the pressure", pressure) ** 3 * radius**2 / (6.0 * modulus**2), "point")
+
+
+def line_cap(
+    one: ElasticBody, other: ElasticBody, radius1: float, radius2: float, length: float, pressure: ArrayLike
+) -> PressureCap:
+    """Return the cap of a line contact of length h: F_y = pi R h p^2/E*. Source: see the module.
+
+    ``pressure`` p (Pa) is the largest that the contact bears: about 1.8 times the yield strength at first yield inside
+    (`line_yield_pressure`), up to 2.8 to 3 times, the hardness, when fully plastic.
+
+    Examples
+    --------
+    >>> from strikewave.materials import material
+    >>> steel = material("65Mn")
+    >>> cap = line_cap(steel, steel, 0.01, np.inf, 0.04, line_yield_pressure(steel, steel.yield_strength))
+    >>> print((cap.yield_load / 1e3).round(2))
+    6.4
+    """
+    radius, modulus = reduced_radius(radius1, radius2), contact_modulus(one, other)
+    return PressureCap(np.pi * radius * length * positive("the pressure", pressure) ** 2 / modulus, "line")
+
+
+def line_yield_pressure(body: ElasticBody, yield_strength: float) -> float:
+    """Return the Hertz pressure at which a line contact first yields inside, p0 = C sigma_y, Pa.
+
+    C = 1/sqrt(1 + 4 (nu - 1) nu) up to nu = 0.1938, 1.164 + 2.975 nu - 2.906 nu^2 above (von Mises). Source:
+    Green 2005.
+
+    Examples
+    --------
+    >>> from strikewave.materials import material
+    >>> round(line_yield_pressure(material("65Mn"), 1.0), 3)
+    1.78
+    """
+    nu = body.poissons_ratio
+    if nu <= 0.1938:
+        return yield_strength / math.sqrt(1.0 + 4.0 * (nu - 1.0) * nu)
+    return (1.164 + 2.975 * nu - 2.906 * nu * nu) * yield_strength
+
+
+def point_yield_pressure(body: ElasticBody, yield_strength: float) -> float:
+    """Return the Hertz pressure at which a sphere first yields inside, p0 = (1.234 + 1.256 nu) sigma_y, Pa.
+
+    Source: Green 2005 (von Mises).
+
+    Examples
+    --------
+    >>> from strikewave.materials import material
+    >>> round(point_yield_pressure(material("65Mn"), 1.0), 3)
+    1.596
+    """
+    return (1.234 + 1.256 * body.poissons_ratio) * yield_strength
+
+
+def yield_speed(contact: AnyContact, mass: ArrayLike) -> Array:
+    """Return the approach speed above which a contact yields, sqrt(2 W(d_y)/m), m/s; without hysteresis.
+
+    For a sphere it is Thornton's 3.194 sqrt(p^5 R^3/(E*^4 m)).
+
+    Raises
+    ------
+    ValueError
+        If the contact has no cap.
+    """
+    if contact.cap is None:
+        raise ValueError("a contact without a pressure cap does not yield")
+    laws = rows(contact, np.shape(mass))
+    depth, energy = np.empty((2, len(laws)))
+    _pair_kernels.depths_at_yield(laws, depth)
+    _pair_kernels.energies(laws, depth, depth, energy)
+    reduced = positive("the mass", mass)
+    return np.asarray(np.sqrt(2.0 * energy.reshape(np.broadcast_shapes(reduced.shape)) / reduced))
+
+
+def thornton_restitution(speed_ratio: ArrayLike) -> Array:
+    """Return the restitution of an elastic-plastic sphere over its approach speed v/v_y; 1 up to v_y.
+
+    e = (6 sqrt(3)/5)^(1/2) [1 - s^2/6]^(1/2) {s/[s + 2 sqrt(6/5 - s^2/5)]}^(1/4), s = v_y/v. Source: Thornton 1997
+    (from memory; the tests find it by integration).
+
+    Examples
+    --------
+    >>> print(thornton_restitution([0.5, 1.0, 10.0, 100.0]).round(4))
+    [1.     1.     0.6586 0.3743]
+    """
+    s = 1.0 / np.maximum(not_negative("the speed", speed_ratio), 1.0)
+    share = s / (s + 2.0 * np.sqrt(1.2 - 0.2 * s * s))
+    return np.asarray(np.sqrt(1.2 * np.sqrt(3.0) * (1.0 - s * s / 6.0)) * share**0.25)
+
+
+def slow_force(contact: AnyContact, indentation: ArrayLike, deepest: ArrayLike = 0.0) -> Array:
+    """Return the force of a contact that is pressed slowly, without its hysteresis or damper, N.
+
+    Parameters
+    ----------
+    contact : Contact or LogarithmicContact
+        The force law.
+    indentation : array_like
+        d, m.
+    deepest : array_like, optional
+        Depth to which the spot has yielded, m. Beyond it the force is that of yielding on.
+
+    Examples
+    --------
+    >>> from strikewave.contact import Contact
+    >>> steel = Contact(1.5e10, 1.5, cap=PressureCap(500.0, "point"))
+    >>> print(slow_force(steel, [5e-6, 10e-6, 20e-6]).round(1), slow_force(steel, [5e-6, 10e-6], 20e-6).round(1))
+    [ 167.7  474.3 1198.2] [ 76.9 349.9]
+    """
+    d, before = np.broadcast_arrays(np.asarray(indentation, dtype=float), np.asarray(deepest, dtype=float))
+    laws = rows(contact, d.shape)
+    out = np.empty(len(laws))
+    _pair_kernels.slow_forces(laws, np.ravel(d), np.ravel(before), out)
+    return out.reshape(d.shape)

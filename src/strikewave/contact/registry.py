@@ -1,0 +1,153 @@
+"""The tables of contact laws: our own, and those that installed packages add by entry point.
+
+A package adds a law by naming an object of `DampingLaw`, `DamperLaw` or `StiffnessLaw` in its ``pyproject.toml``::
+
+    [project.entry-points."strikewave.damping_laws"]
+    my-law = "my_package.laws:my_law"
+
+and ``strikewave.damper_laws``, ``strikewave.stiffness_laws`` for the other two.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import entry_points
+from typing import Any, ClassVar, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.citations import SOURCES
+from strikewave.errors import StrikewaveWarning
+
+CHECKED, FROM_MEMORY = "checked", "from memory"
+"""Status of a law: its formula was seen in an opened text, or not."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """What every law says of itself.
+
+    Parameters
+    ----------
+    name : str
+        As a case file and the command line name it.
+    function : callable
+        The law.
+    equation : str
+        With the symbols of its kind.
+    limits : str
+        Where it holds.
+    status : str
+        `CHECKED` or `FROM_MEMORY`.
+    source : str
+        Key of `strikewave.citations`, or a reference in full.
+    seen : str, optional
+        Where its formula was seen, if not in the source itself.
+    note : str, optional
+        What a user should know.
+    """
+
+    name: str
+    function: Callable[..., Any]
+    equation: str
+    limits: str
+    status: str
+    source: str
+    seen: str = ""
+    note: str = ""
+
+    group: ClassVar[str] = ""
+    symbols: ClassVar[Mapping[str, str]] = {}
+
+    @property
+    def reference(self) -> str:
+        """The source in full."""
+        return SOURCES.get(self.source, self.source)
+
+
+@dataclass(frozen=True)
+class DampingLaw(Law):
+    """A law chi(e) of the hysteresis factor: ``function(restitution) -> chi``."""
+
+    group: ClassVar[str] = "strikewave.damping_laws"
+    symbols: ClassVar[Mapping[str, str]] = {
+        "F = K d^n (1 + chi d'/v0)": "N",
+        "chi": "hysteresis factor, -",
+        "e": "restitution asked for, -",
+        "d, d'": "indentation and its rate, m, m/s",
+        "v0": "approach speed, m/s",
+    }
+
+
+@dataclass(frozen=True)
+class DamperLaw(Law):
+    """A law of a damper c d^p d': ``function(stiffness, mass, number) -> Damper``.
+
+    ``number`` is the restitution asked for, or a time where no restitution can be prescribed. ``given(number, n)`` is
+    the restitution that comes out, None where it depends on the speed.
+    """
+
+    given: Callable[[Any, float], NDArray[np.float64]] | None = None
+    group: ClassVar[str] = "strikewave.damper_laws"
+    symbols: ClassVar[Mapping[str, str]] = {
+        "F = K d^n + c d^p d'": "N",
+        "c": "coefficient of the damper, N s/m^(p+1)",
+        "zeta": "damping ratio, -",
+        "m": "reduced mass, kg",
+        "e": "restitution asked for, -",
+        "A": "time, s",
+    }
+
+
+@dataclass(frozen=True)
+class StiffnessLaw(Law):
+    """A law of the elastic force: ``function(one, other, **needs) -> Stiffness or LogarithmicStiffness``.
+
+    ``needs`` names the sizes that it takes: radius1, radius2, length, datum_depth.
+    """
+
+    needs: tuple[str, ...] = ()
+    group: ClassVar[str] = "strikewave.stiffness_laws"
+    symbols: ClassVar[Mapping[str, str]] = {
+        "F": "force, N",
+        "d": "indentation, m",
+        "E*": "contact modulus, 1/E* = sum (1 - nu^2)/E, Pa",
+        "R, R1, R2": "reduced radius 1/R = 1/R1 + 1/R2, radii (negative: a hole), m",
+        "dR": "R1 + R2, m",
+        "h": "length of the contact line, m",
+        "D": "datum depth, m",
+    }
+
+
+L = TypeVar("L", bound=Law)
+
+
+def with_added(kind: type[L], own: Mapping[str, L]) -> dict[str, L]:
+    """Return our own laws of a kind and those of installed packages; a bad one is told and left out."""
+    added = {name: law for name, law in _added(kind.group, kind.__name__).items() if isinstance(law, kind)}
+    return {**added, **own}
+
+
+@cache
+def _added(group: str, kind: str) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for point in entry_points(group=group):
+        try:
+            law = point.load()
+        except Exception as error:  # whatever a foreign package does wrong
+            _leave_out(point.name, f"{type(error).__name__}: {error}")
+            continue
+        if type(law).__name__ == kind and isinstance(law, Law):
+            found[law.name] = law
+        else:
+            _leave_out(point.name, f"it is a {type(law).__name__}, not a {kind}")
+    return found
+
+
+def _leave_out(name: str, why: str) -> None:
+    message = f"the contact law {name!r} of an installed package is left out ({why})"
+    warnings.warn(message, StrikewaveWarning, stacklevel=3)
