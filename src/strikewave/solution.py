@@ -28,8 +28,8 @@ from strikewave.waves import Grid, Stack
 if TYPE_CHECKING:
     import xarray
 
-SCHEMA = 2
-"""Of the files of a solution; 2 adds readings and waves."""
+SCHEMA = 3
+"""Of the files of a solution; 2 adds readings and waves, 3 the contact of each blow."""
 LARGEST_LOAD = 4_000_000_000
 """A solution file that would take more bytes than this is refused."""
 
@@ -37,6 +37,9 @@ BLOW_UNITS = {
     "time": "s",
     "approach_speed": "m/s",
     "rebound_speed": "m/s",
+    "indentation": "m",
+    "residual_indentation": "m",
+    "contact_stiffness": "N/m",
     "impulse": "N s",
     "contact_impulse": "N s",
     "support_impulse": "N s",

@@ -70,15 +70,18 @@ def _solve(case: Case) -> Solution:
 
 
 def _print(solution: Solution) -> None:
-    from strikewave.report.numbers import BLOW_COLUMNS
+    from strikewave.report.numbers import BLOW_COLUMNS, CONTACT_COLUMNS, heads
 
-    columns = ["#", "kind", *(f"{name.replace('_', ' ')} ({unit})" for name, _, unit, _ in BLOW_COLUMNS), "contacts"]
+    columns = ["#", "kind", *heads(BLOW_COLUMNS), "contacts"]
     rows = [
         [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in BLOW_COLUMNS), str(b.contacts)]
         for b in solution.blows
     ]
     say(_header(solution))
     table(solution.title, columns, rows, left=2)
+    struck = [blow for blow in solution.blows if blow.kind != "missed"]
+    rows = [[str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in CONTACT_COLUMNS)] for b in struck]
+    table("Contact, blow by blow", ["#", *heads(CONTACT_COLUMNS)], rows)
     _print_waves(solution)
     _print_published(solution)
     r = solution.reference

@@ -30,6 +30,7 @@ from strikewave.contact._law_kernels import (
     flattening,
     residual,
     stored,
+    unyielding,
     unyielding_force,
     yielding,
 )
@@ -227,6 +228,13 @@ def spots(laws, deepest, left, flat):
     for i in range(deepest.size):
         left[i] = residual(laws[i], deepest[i])
         flat[i] = flattening(laws[i], deepest[i]) if laws[i, YIELD_LOAD] < np.inf else 1.0
+
+
+@kernel
+def slopes_back(laws, d, deepest, out):
+    """Fill dF/dd of contacts that are let go, N/m."""
+    for i in range(out.size):
+        out[i] = unyielding(laws[i], d[i], deepest[i])[1]
 
 
 @kernel

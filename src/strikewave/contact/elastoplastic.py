@@ -18,6 +18,7 @@ from his argument and from Johnson's elastic line contact (1985, sections 4.2 an
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -132,6 +133,31 @@ def thornton_restitution(speed_ratio: ArrayLike) -> Array:
     s = 1.0 / np.maximum(not_negative("the speed", speed_ratio), 1.0)
     share = s / (s + 2.0 * np.sqrt(1.2 - 0.2 * s * s))
     return np.asarray(np.sqrt(1.2 * np.sqrt(3.0) * (1.0 - s * s / 6.0)) * share**0.25)
+
+
+class Spot(NamedTuple):
+    """A spot after a blow: slope of the force on the way back (N/m), indentation that stays (m), radius over before."""
+
+    stiffness: float
+    residual_indentation: float
+    flattening: float
+
+
+def spot_after(contact: AnyContact, indentation: float, deepest: float) -> Spot:
+    """Return what a blow to an indentation leaves of a spot that has yielded to a depth, both m.
+
+    Examples
+    --------
+    >>> from strikewave.contact import Contact
+    >>> spot_after(Contact(1e9, 1.5), 1e-6, 0.0).flattening
+    1.0
+    """
+    out = np.empty((4, 1))
+    out[0] = deepest
+    laws = rows(contact)
+    _pair_kernels.spots(laws, out[0], out[1], out[2])
+    _pair_kernels.slopes_back(laws, np.array([indentation]), out[0], out[3])
+    return Spot(float(out[3, 0]), float(out[1, 0]), float(out[2, 0]))
 
 
 def slow_force(contact: AnyContact, indentation: ArrayLike, deepest: ArrayLike = 0.0) -> Array:

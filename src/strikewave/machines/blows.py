@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.contact.elastoplastic import spot_after
 from strikewave.machines._kernels import APEX_SWITCH
 from strikewave.machines.rotary import RotaryRun
 from strikewave.signal.pulse import measure_pulse
@@ -43,6 +44,14 @@ class Blow:
         Intervals of contact.
     approach_speed, rebound_speed : float
         Closing speed at first touch, parting speed at the last release.
+    restitution : float
+        Rebound speed over approach speed: of contact, frame and mount together.
+    indentation, residual_indentation : float
+        Largest indentation of the contact, and what stays of it, m.
+    contact_stiffness : float
+        Slope of the contact force at the largest indentation, on the way back, N/m.
+    flattening : float
+        Radius of the spot after the blow over that before anything yielded.
     impulse : float
         Of all forces on the object from first touch to last release, N s.
     contact_impulse, support_impulse : float
@@ -68,6 +77,11 @@ class Blow:
     contacts: int
     approach_speed: float
     rebound_speed: float
+    restitution: float
+    indentation: float
+    residual_indentation: float
+    contact_stiffness: float
+    flattening: float
     impulse: float
     contact_impulse: float
     support_impulse: float
@@ -133,7 +147,11 @@ def pulse_window(
 
 def _missed(run: RotaryRun, index: int, number: int, time: float) -> Blow:
     nothing = dict.fromkeys(
-        ("approach_speed", "rebound_speed", "rigid_peak", "width", "rise", "retreat", "momentum_error"), math.nan
+        (
+            *("approach_speed", "rebound_speed", "restitution", "rigid_peak", "width", "rise", "retreat"),
+            *("indentation", "residual_indentation", "contact_stiffness", "flattening", "momentum_error"),
+        ),
+        math.nan,
     )
     zeros = dict.fromkeys(("impulse", "contact_impulse", "support_impulse", "peak_force", "velocity_change"), 0.0)
     return Blow(
@@ -160,6 +178,9 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
     free = min(until, max(dict(run.phases)["retract"], end))
     path = run.sample(np.linspace(begin, free, 2001)).assembly_place
     width = pulse.width if pulse else math.nan
+    indentation = float(run.sample(np.linspace(begin, end, 2001)).indentation.max())
+    spot = spot_after(run.machine.strikers.contact, indentation, run.deepest(end, striker))
+    rebound = run.span_at(np.nextafter(end, begin)).parting_speed(end, striker)
     return Blow(
         index=index,
         kind=_kind(run, rows, width),
@@ -167,7 +188,12 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
         time=begin,
         contacts=len(rows),
         approach_speed=float(rows[0, 2]),
-        rebound_speed=run.span_at(np.nextafter(end, begin)).parting_speed(end, striker),
+        rebound_speed=rebound,
+        restitution=rebound / float(rows[0, 2]),
+        indentation=indentation,
+        residual_indentation=spot.residual_indentation,
+        contact_stiffness=spot.stiffness,
+        flattening=spot.flattening,
         impulse=contact + support,
         contact_impulse=contact,
         support_impulse=support,

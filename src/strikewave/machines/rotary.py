@@ -128,6 +128,10 @@ class RotaryRun:
         begins = [span.begin for span in self.spans]
         return self.spans[max(bisect.bisect_right(begins, time) - 1, 0)]
 
+    def deepest(self, time: float, striker: int) -> float:
+        """Return the depth to which the spot of a striker (from 0) has yielded by a time, m."""
+        return self.span_at(time).deepest(time, striker)
+
     def sample(self, times: Array) -> Moments:
         """Return what the machine does at times between 0 and the end, in any order.
 

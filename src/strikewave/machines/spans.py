@@ -34,6 +34,7 @@ class Moments(NamedTuple):
     object_speed: Array
     turntable_angle: Array
     turntable_speed: Array
+    indentation: Array
 
 
 @dataclass(frozen=True)
@@ -147,6 +148,7 @@ class ChainSpan:
             momentum / struck.mass,
             states[:, place.angle],
             states[:, place.angle + 1],
+            np.maximum(states[:, : place.strikers].max(axis=1) - states[:, place.nose], 0.0),
         )
 
     def contacts(self) -> Array:
@@ -179,6 +181,13 @@ class ChainSpan:
         links = self._per_step[within].sum(axis=0)
         weight = self.struck.mass * self.struck.gravity * (high - low)
         return float(links[place.contacts].sum()), float(links[place.stop] - links[place.support]) + weight
+
+    def deepest(self, time: float, striker: int) -> float:
+        """Return the depth to which the spot of a striker has yielded by a time, m."""
+        row = int(np.searchsorted(self.motion.record.time, time, side="right")) - 1
+        last = time >= self.end or row < 0
+        memory = self.motion.end.memory if last else self.motion.record.memory[row]
+        return float(memory[self.place.depths][striker])
 
     def parting_speed(self, time: float, striker: int) -> float:
         """Return how much faster the nose is than a striker, m/s."""
@@ -214,6 +223,8 @@ class StackSpan:
         Begin, end, approach speed of each contact; which of the machine's switches, and when.
     momentum_error : float
         Impulses less momentum gained by the waves, over the contact impulse.
+    yielded : float
+        Depth to which the spot has yielded by the end, m.
     """
 
     struck: StruckObject
@@ -230,6 +241,7 @@ class StackSpan:
     touches: Array
     switched: Array
     momentum_error: float
+    yielded: float
 
     @property
     def end(self) -> float:
@@ -253,6 +265,7 @@ class StackSpan:
             (nose * struck.nose_mass + assembly * struck.assembly_mass) / struck.mass,
             self._at(times, column.TURNTABLE_ANGLE),
             self._at(times, column.TURNTABLE_SPEED),
+            self._at(times, column.INDENTATION),
         )
 
     def contacts(self) -> Array:
@@ -269,6 +282,10 @@ class StackSpan:
         entered, through = (np.diff(self._at(edges, k))[0] for k in (column.CONTACT_IMPULSE, column.END_IMPULSE))
         weight = self.struck.mass * self.struck.gravity * (edges[1] - edges[0])
         return float(entered), float(weight - through)
+
+    def deepest(self, time: float, striker: int) -> float:
+        """Return the depth to which the spot has yielded after the blow, m."""
+        return self.yielded
 
     def parting_speed(self, time: float, striker: int) -> float:
         """Return how much faster the face is than the striker, m/s."""

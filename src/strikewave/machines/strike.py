@@ -117,6 +117,7 @@ def strike(
         touches=touches[: min(contacts, _MOST_TOUCHES)],
         switched=switches[: min(changed, _MOST_SWITCHES)],
         momentum_error=float(abs(net - gained) / last[column.CONTACT_IMPULSE]),
+        yielded=float(deepest),
     )
     end = going.state_after(start.time + (steps - 1) * step, last, machine)
     remember(system.joins, system.values, end.memory, going.striker, deepest)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from strikewave.contact.chain import Link, Spring, Stop
 from strikewave.contact.dampers import cut_off_damping_ratio
@@ -49,7 +50,7 @@ class StruckObject:
         """Mass of everything that moves when struck, kg."""
         return self.nose_mass + self.assembly_mass
 
-    @property
+    @cached_property
     def stop_damping(self) -> float:
         """Damping of the stop that gives its restitution, N s/m."""
         ratio = float(cut_off_damping_ratio(self.stop_restitution))

@@ -11,7 +11,16 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from strikewave._version import __version__
-from strikewave.report.numbers import BLOW_COLUMNS, SHOWN_UNITS, fixed, listed, spelled, with_unit
+from strikewave.report.numbers import (
+    BLOW_COLUMNS,
+    CONTACT_COLUMNS,
+    SHOWN_UNITS,
+    fixed,
+    heads,
+    listed,
+    spelled,
+    with_unit,
+)
 from strikewave.report.parts import NONE, Cell, Code, Flow, Part, Picture, Section, Table, Tag, written
 from strikewave.units import in_unit
 
@@ -194,7 +203,7 @@ def blow_table(solution: Solution) -> Section:
     """List the blows, in the units and columns of the command line."""
     blows = solution.blows or ()
     columns = [column for column in BLOW_COLUMNS if any(hasattr(blow, column[0]) for blow in blows)]
-    heads = ["#", "kind", *(f"{name.replace('_', ' ')} ({spelled(unit)})" for name, _, unit, _ in columns), "contacts"]
+    named = ["#", "kind", *heads(columns), "contacts"]
     rows: list[list[Cell]] = [
         [
             str(blow.index),
@@ -204,7 +213,7 @@ def blow_table(solution: Solution) -> Section:
         ]
         for blow in blows
     ]
-    table = Table("Blows", heads, rows, empty="No blow: no striker passed the object.")
+    table = Table("Blows", named, rows, empty="No blow: no striker passed the object.")
     reference = solution.reference
     beside = ""
     if reference is not None:
@@ -214,7 +223,21 @@ def blow_table(solution: Solution) -> Section:
             f"{with_unit(reference.duration, 's', 'us', 3)}, {with_unit(reference.peak_force, 'N', 'kN', 3)}, "
             f"{with_unit(reference.peak_acceleration, 'm/s^2', 'g', 3)}."
         )
-    return Section("Blows", (_WORDS if rows else "") + beside, [table])
+    return Section("Blows", (_WORDS if rows else "") + beside, [table, *_contacts(solution)])
+
+
+def _contacts(solution: Solution) -> list[Table]:
+    """List the contact of each blow, where its numbers are held."""
+    struck = [blow for blow in solution.blows or () if blow.kind != "missed" and hasattr(blow, "restitution")]
+    rows: list[list[Cell]] = [
+        [str(b.index), *(fixed(getattr(b, name), si, unit, d) for name, si, unit, d in CONTACT_COLUMNS)] for b in struck
+    ]
+    caption = (
+        "Contact, blow by blow. The restitution is that of contact, frame and mount together. The stiffness is the "
+        "slope of the contact force at the largest indentation on the way back; what stays of the indentation, and the "
+        "radius of the spot over that before, change only where the case gives a yield pressure."
+    )
+    return [Table(caption, ["#", *heads(CONTACT_COLUMNS)], rows)] if rows else []
 
 
 def pulse_pictures(solution: Solution) -> Section:

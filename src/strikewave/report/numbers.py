@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from strikewave.report.parts import NONE, written
 from strikewave.units import in_unit
@@ -18,6 +19,29 @@ BLOW_COLUMNS = (
     ("retreat", "m", "mm", 2),
 )
 """Columns of the table of blows: attribute, SI unit, unit shown, decimals."""
+
+CONTACT_COLUMNS = (
+    ("approach_speed", "m/s", "m/s", 3),
+    ("rebound_speed", "m/s", "m/s", 3),
+    ("restitution", "1", "1", 4),
+    ("indentation", "m", "um", 2),
+    ("residual_indentation", "m", "um", 2),
+    ("contact_stiffness", "N/m", "MN/m", 1),
+    ("flattening", "1", "1", 4),
+)
+"""Columns of the table of contacts, blow by blow: the same."""
+
+
+def heads(columns: Sequence[tuple[str, str, str, int]]) -> list[str]:
+    """Return the heads of columns with their units.
+
+    Examples
+    --------
+    >>> heads(CONTACT_COLUMNS)[2:4]
+    ['restitution', 'indentation (µm)']
+    """
+    return [name.replace("_", " ") + (f" ({spelled(unit)})" if unit != "1" else "") for name, _, unit, _ in columns]
+
 
 SHOWN_UNITS = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
 """SI unit of a published number and the unit in which it is shown."""
@@ -42,7 +66,7 @@ def spelled(unit: str) -> str:
     >>> spelled("us"), spelled("m/s^2")
     ('µs', 'm/s²')
     """
-    return unit.replace("us", "µs").replace("^2", "²")
+    return unit.replace("us", "µs").replace("um", "µm").replace("^2", "²")
 
 
 def listed(words: list[str]) -> str:

@@ -45,11 +45,13 @@ def law_force(law, d, rate, approach, deepest):
 
 
 @leaf_kernel
-def power_lost(law, d, rate, force, deepest):
-    """Return the power that a contact takes up and does not store, W."""
-    if d > deepest and law[YIELD_LOAD] < np.inf:
-        return (force - yielding(law, d)[2]) * rate
-    return (force - unyielding(law, d, deepest)[0]) * rate
+def losses(law, d, rate, force, deepest):
+    """Return the power that hysteresis takes, W, and the energy that yielding from ``deepest`` to d takes, J."""
+    if d <= deepest or law[YIELD_LOAD] == np.inf:
+        return (force - unyielding(law, d, deepest)[0]) * rate, 0.0
+    before, _, stored_before = yielding(law, deepest)
+    here, _, stored_here = yielding(law, d)
+    return (force - here) * rate, 0.5 * (before - stored_before + here - stored_here) * (d - deepest)
 
 
 @leaf_kernel
@@ -108,7 +110,8 @@ def press(law, contact, touches, t, dt, c0, c1):
         rate = c0 - c1 * force
         d = ahead + half * rate
         touching = d > left or first
-        power = power_lost(law, d, rate, force, deepest) if d > left else 0.0
+        power, yielded = losses(law, d, rate, force, deepest) if d > left else (0.0, 0.0)
+        contact[LOST] += yielded
         if law[YIELD_LOAD] < np.inf:
             contact[DEEPEST] = max(deepest, d)
     contact[LOST] += half * (power + contact[POWER])
