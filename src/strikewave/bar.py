@@ -22,7 +22,7 @@ from strikewave.case import Case, dump_case
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
 from strikewave.errors import InputError
-from strikewave.notices import LEDGER_LIMIT
+from strikewave.notices import LEDGER_LIMIT, law_notices
 from strikewave.readings import Channel, SensorPulse, front, largest, sensor_pulse, sensor_sources, stated
 from strikewave.sensors import Reading, read
 from strikewave.signal.pulse import measure_pulse
@@ -296,6 +296,7 @@ def run_wave(case: Case) -> BarSolution:
         *end_notices(stack, lasting),
         *channel_notices(channels, [solution.sensors], stack.mass),
         *_missed_accuracy(case, run, accuracy[0]),
+        *(law_notices(case) if isinstance(load, Impactor) else ()),
     ]
     return dataclasses.replace(solution, warnings=tuple(listed))
 

@@ -8,13 +8,23 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from strikewave.case import Case
-from strikewave.contact import line_cap, line_yield_pressure, stiffness_law
+from strikewave.contact import (
+    damping_law,
+    factor,
+    line_cap,
+    line_yield_pressure,
+    restitution,
+    stiffness_law,
+)
+from strikewave.contact.registry import FROM_MEMORY
 from strikewave.machines import Blow
 from strikewave.materials import material
 from strikewave.solution import Notice
 
 LEDGER_LIMIT = 1e-6
 """Energy or momentum missing beyond this share breaks a stated limit."""
+SAME_RESTITUTION = 1e-9
+"""Two restitutions that differ by less are the same."""
 FEWEST_INTERVALS = 10.0
 """Sampling intervals a pulse below which the recorder is warned of: the worst loss of peak is then 1.2 %."""
 
@@ -30,7 +40,7 @@ def notices(case: Case, found: Sequence[Blow]) -> tuple[Notice, ...]:
         Its blows.
     """
     struck = [blow for blow in found if blow.kind != "missed"]
-    listed = [*_changed(case)]
+    listed = [*_changed(case), *law_notices(case)]
     if not struck:
         listed.append(
             Notice(
@@ -51,6 +61,25 @@ def _changed(case: Case) -> Iterator[Notice]:
     if changed:
         message = f"the published numbers belong to the case {case.source}; this one differs in {', '.join(changed)}"
         yield Notice("changed-case", message, float(len(changed)), 0.0)
+
+
+def law_notices(case: Case) -> Iterator[Notice]:
+    """Say where a contact law is from memory, or gives two free bodies another restitution than was asked for."""
+    contact = case.contact
+    if contact is None:
+        return
+    for law in (damping_law(contact.damping), stiffness_law(contact.law)):
+        if law.status == FROM_MEMORY:
+            message = f"the contact law {law.name} is from memory: no text that states it could be opened"
+            yield Notice("law-from-memory", message, 1.0, 0.0)
+    asked = contact.restitution.si
+    given = float(restitution(factor(contact.damping, asked)))
+    if abs(given - asked) > SAME_RESTITUTION:
+        message = (
+            f"the damping law {contact.damping} gives two free bodies e = {given:.4f}, not the {asked:g} asked for; "
+            "exact gives it"
+        )
+        yield Notice("restitution-differs", message, given, asked)
 
 
 def ledger_notices(ledger: Mapping[str, float]) -> Iterator[Notice]:

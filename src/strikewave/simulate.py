@@ -11,7 +11,7 @@ import numpy as np
 from strikewave import citations
 from strikewave.build import build_channels, build_machine, build_taps, check_route, contact_stiffness
 from strikewave.case import Case
-from strikewave.contact import factor, solve_impact
+from strikewave.contact import damping_law, factor, solve_impact
 from strikewave.dataset import build_dataset
 from strikewave.errors import InputError
 from strikewave.machines import Blow, RotaryMachine, blows, run_rotary
@@ -222,7 +222,10 @@ def compare(case: Case, found: Sequence[Blow], readings: Sequence[BlowReading | 
 def _citations(case: Case, seen: Observed) -> tuple[str, ...]:
     """Return the keys of the sources of the models that took part."""
     origin = next((key for key in citations.SOURCES if case.source.startswith(key)), "")
-    keys = [origin, contact_stiffness(case).source, "hunt-crossley-1975", "schwager-poschel-2007", "hairer-1993"]
+    contact = case.rig().contact
+    keys = [origin, contact_stiffness(case).source, "hunt-crossley-1975", damping_law(contact.damping).source]
+    keys += ["thornton-1997"] if contact.yield_pressure is not None else []
+    keys += ["schwager-poschel-2007", "hairer-1993"]
     if seen.machine.layered:
         keys += ["kolsky-1963", *(["li-ma-2019"] if case.solver.route != EXACT else [])]
     keys += sensor_sources(seen.view.channels)

@@ -9,6 +9,9 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.contact import Geometry, stiffness_of
+from strikewave.contact.law import indentation_under
+
 from .plane_strain import (
     disc,
     disc_centre,
@@ -31,8 +34,13 @@ FORCES = (1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5)
 RADII = ((0.01, 0.01), (0.02, 0.02), (0.01, 0.02))
 
 
-# The laws d(F, R1, R2) of external contact, equal materials.
-# TO SWAP for the functions of strikewave.contact: only this block and LAWS.
+class Steel65Mn:
+    youngs_modulus, poissons_ratio = YOUNGS, NU
+
+
+# the laws d(F, R1, R2) of external contact, equal materials, as they are printed
+
+
 def johnson(F, R1, R2):
     """Johnson 1985, (5.57) for both: F/(pi E* h) {ln[4 pi E* (R1 + R2) h/F] - 1}."""
     unit = F / (math.pi * MODULUS * LENGTH)
@@ -68,6 +76,16 @@ def pereira(F, R1, R2):
 
 
 LAWS = (johnson, radzimovsky, dubowsky_freudenstein, palmgren, lankarani_nikravesh, pereira)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("radii", RADII)
+def test_laws_of_the_package_are_as_printed(law, radii):
+    """To rounding; Radzimovsky's 2.257 is 4/sqrt(pi) to its four digits, 1.1e-4, which the logarithm halves twice."""
+    made = stiffness_of(law.__name__.replace("_", "-"), Steel65Mn, Steel65Mn, Geometry(*radii, length=LENGTH))
+    for force in FORCES:
+        ours = indentation_under(made.contact(), force)
+        assert ours == pytest.approx(law(force, *radii), rel=3e-5 if law is radzimovsky else 1e-12)
 
 
 def solved(F, R1, R2, elements=64):

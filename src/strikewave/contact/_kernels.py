@@ -256,47 +256,62 @@ def all_moments(stiffness, exponent, chi, mass, speed, out):
 
 
 @kernel
-def history(stiffness, exponent, chi, mass, speed, times, out):
-    """Fill ``out`` (3, N) with indentation, its rate and the force at ascending times from first touch to release.
+def distance_at(exponent, chi, e, wanted, far, released):
+    """Return w, from the end of the contact that ``released`` tells, at which the stretch integral has a value.
 
-    Each w is found from its time by Newton steps, dt/dw = G^(-n/(n+1)); bisection where one leaves the bracket.
+    Newton steps in w^(1/(n+1)), in which the integral begins as a straight line; bisection where one leaves the bracket.
     """
+    n, span = exponent, chi * (1.0 + e)
+    power, steep = -n / (n + 1.0), e * chi if released else chi
+    low, high = 0.0, far
+    w = min((wanted * steep**-power / (n + 1.0)) ** (n + 1.0), far)
+    for _ in range(60):
+        miss = stretch_integral(n, chi, e, w, released) - wanted
+        if miss > 0.0:
+            high = w
+        else:
+            low = w
+        g = from_end(chi, e, span, w) if released else from_begin(chi, w)
+        root = w ** (1.0 / (n + 1.0)) - miss * g**-power * w**power / (n + 1.0)
+        new = max(root, 0.0) ** (n + 1.0)
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        if abs(new - w) <= 1e-13 * w:
+            return new
+        w = new
+    return w
+
+
+@leaf_kernel
+def rate_at(chi, e, span, w, released):
+    """Return y = chi d'/v0 and 1 + y at w from an end of the contact, each without cancellation."""
+    if not released:
+        return chi + (1.0 + chi) * math.expm1(-w), (1.0 + chi) * math.exp(-w)
+    push = (1.0 + chi) * math.exp(w - span)
+    if w < 1.0:
+        return (1.0 + chi) * math.exp(-span) * math.expm1(w) - e * chi, push
+    return push - (1.0 + chi) * math.exp(-span) - e * chi, push
+
+
+@kernel
+def history(stiffness, exponent, chi, mass, speed, times, out):
+    """Fill ``out`` (3, N) with indentation, its rate and the force at times from first touch to release."""
     n, chi = exponent, max(chi, _ELASTIC)
     span, turn = span_of_factor(chi), math.log1p(chi)
     e = restitution_of_span(span)
-    unit, power = time_unit(stiffness, n, chi, mass, speed), -n / (n + 1.0)
+    unit = time_unit(stiffness, n, chi, mass, speed)
     whole = ((n + 1.0) * mass * speed**2 / (chi * chi * stiffness)) ** (1.0 / (n + 1.0))
     _, turned, end = moments(stiffness, n, chi, mass, speed)
     for i in range(times.size):
         released = times[i] > turned
         wanted = (end - times[i] if released else times[i]) / unit
-        far = span - turn if released else turn
-        steep = e * chi if released else chi
-        g, w = 0.0, 0.0
+        w, g = 0.0, 0.0
         if wanted > 0.0:
-            low, high = 0.0, far
-            w = min((wanted * steep**-power / (n + 1.0)) ** (n + 1.0), far)
-            for _ in range(60):
-                miss = stretch_integral(n, chi, e, w, released) - wanted
-                g = from_end(chi, e, span, w) if released else from_begin(chi, w)
-                if miss > 0.0:
-                    high = w
-                else:
-                    low = w
-                # t grows as w^(1/(n+1)): a Newton step in that power, exact near the end
-                root = w ** (1.0 / (n + 1.0)) - miss * g**-power * w**power / (n + 1.0)
-                new = max(root, 0.0) ** (n + 1.0)
-                if not low <= new <= high:
-                    new = 0.5 * (low + high)
-                done = abs(new - w) <= 1e-13 * w
-                w = new
-                if done:
-                    break
-            g = from_end(chi, e, span, w) if released else from_begin(chi, w)
-        grown = (1.0 + chi) * (math.exp(-span) * math.expm1(w) if released else math.expm1(-w))
-        rate = grown - (e * chi if released else -chi)
-        depth = whole * max(g, 0.0) ** (1.0 / (n + 1.0))
-        out[0, i], out[1, i], out[2, i] = depth, speed * rate / chi, stiffness * depth**n * (1.0 + rate)
+            w = distance_at(n, chi, e, wanted, span - turn if released else turn, released)
+            g = max(from_end(chi, e, span, w) if released else from_begin(chi, w), 0.0)
+        y, push = rate_at(chi, e, span, w, released)
+        depth = whole * g ** (1.0 / (n + 1.0))
+        out[0, i], out[1, i], out[2, i] = depth, speed * y / chi, stiffness * depth**n * push
 
 
 @kernel

@@ -110,7 +110,7 @@ def capped(shape, q):
 def flattening(law, deepest):
     """Return s >= 1, the radius after yielding to the depth D over the radius before."""
     q = base_force(law, deepest) / law[YIELD_LOAD]
-    return q / capped(law[SHAPE], q)[0] if q > 1.0 else 1.0
+    return q / capped(law[SHAPE], q)[0] if q > 1.0 + 1e-12 else 1.0
 
 
 @leaf_kernel

@@ -217,7 +217,8 @@ def impacts(laws, mass, speed, deepest, tolerance, record, out):
         out[:, i] = np.nan
         if why != STOPPED:
             continue
-        out[RESTITUTION, i], out[DURATION, i], out[DEEPEST, i] = -y[1] / speed[i], t, memory[1]
+        out[RESTITUTION, i], out[DURATION, i] = -y[1] / speed[i], t
+        out[DEEPEST, i] = memory[1] if memory[1] > depth_at_yield(laws[i]) else 0.0
         out[INDENTATION, i], out[TURN_TIME, i] = _turning(record, steps, y)
         out[FORCE, i], out[PEAK_TIME, i] = _largest_force(system, record, steps, y)
 

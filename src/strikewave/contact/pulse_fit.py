@@ -29,8 +29,8 @@ EXPONENTS, RESTITUTIONS = (0.2, 8.0), (0.001, 1.0)
 """Bounds of the search."""
 FREE = ("begin", "peak", "width", "exponent", "restitution")
 """What is fitted, where nothing is known."""
-LOW = np.array([-1.0, -np.inf, -np.inf, math.log(EXPONENTS[0]), RESTITUTIONS[0]])
-HIGH = np.array([1.0, np.inf, np.inf, math.log(EXPONENTS[1]), 1.0])
+LOW = np.array([-1.0, -100.0, -100.0, math.log(EXPONENTS[0]), RESTITUTIONS[0]])
+HIGH = np.array([1.0, 100.0, 100.0, math.log(EXPONENTS[1]), 1.0])
 """Bounds of the unknowns."""
 FARTHEST = 100.0
 """How many times another size than that of the pulse what is known may make."""

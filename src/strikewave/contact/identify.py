@@ -1,0 +1,319 @@
+"""Identify a contact from one measured force pulse, and say what it cannot tell.
+
+The law is F = K d^n (1 + chi d'/v0) of two free bodies. A force pulse alone tells m v and K v^n, never K, m and v one
+by one (see ``contact/force_pulse.py``): one of them must be given. Exponent and restitution are told by the shape.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from strikewave.contact.force_pulse import ForcePulse, cut_out
+from strikewave.contact.pulse_fit import (
+    EXPONENTS,
+    HIGH,
+    RESTITUTIONS,
+    SCALES,
+    VALUES,
+    Fit,
+    Problem,
+    derivatives,
+    minima,
+    near,
+    solve,
+)
+from strikewave.errors import nearest
+
+Array = NDArray[np.float64]
+
+COMBINATIONS = ("momentum", "impulse", "peak_force", "duration", "stiffness_speed")
+"""What is told whatever is given."""
+DESCRIBED = 0.01
+"""Misfit, as a share of the peak, beyond which the law does not describe a pulse."""
+TRADING, LOOSE = 0.9, 0.2
+"""Correlation and relative standard error that are worth a word."""
+PATTERN = 3.5
+"""Standard errors beyond which the lag-1 autocorrelation of the misfit is no chance."""
+
+
+class Estimate(NamedTuple):
+    """A value and its standard error: both None where it is not told, the latter None where the value was given."""
+
+    value: float | None
+    standard_error: float | None = None
+    given: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """What a force pulse tells of a contact.
+
+    Attributes
+    ----------
+    values : dict of str to Estimate
+        Each of `VALUES`, SI.
+    begin : Estimate
+        First touch, s.
+    combinations : dict of str to Estimate
+        What is told whatever is given: ``momentum`` m v (N s), ``impulse`` m v (1 + e) (N s), ``peak_force`` (N),
+        ``duration`` (s), ``stiffness_speed`` K v^n (N/s^n).
+    names : tuple of str
+        Of the rows and columns of the correlation: what was told and not given.
+    correlation : ndarray
+        Of the errors of logarithms, ``begin`` as it is; shape (names, names).
+    noise : float
+        Standard deviation of a sample on which the standard errors rest, N.
+    residual : float
+        Root mean square of measured minus fitted, as a share of the peak.
+    time, measured, fitted : ndarray
+        The samples taken, zero line taken off, and the fit, s and N; shape (samples,).
+    offset : float
+        Zero line before the pulse, N.
+    pulse : ForcePulse
+        The fit.
+    described : bool
+        Whether the law describes the pulse.
+    words : tuple of str
+        What is not told, or not well, in sentences; that of the misfit last.
+    """
+
+    values: dict[str, Estimate]
+    begin: Estimate
+    combinations: dict[str, Estimate]
+    names: tuple[str, ...]
+    correlation: Array
+    noise: float
+    residual: float
+    time: Array
+    measured: Array
+    fitted: Array
+    offset: float
+    pulse: ForcePulse
+    described: bool
+    words: tuple[str, ...]
+
+    def correlated(self, one: str, other: str) -> float | None:
+        """Return the correlation of the errors of two values; None where one is given or not told."""
+        if one not in self.names or other not in self.names:
+            return None
+        return float(self.correlation[self.names.index(one), self.names.index(other)])
+
+
+def identify(
+    time: ArrayLike,
+    force: ArrayLike,
+    known: Mapping[str, float] | None = None,
+    noise: float | None = None,
+    window: tuple[float, float] | None = None,
+) -> Identified:
+    """Fit F = K d^n (1 + chi d'/v0) of two free bodies to the largest pulse of a record, by least squares.
+
+    Parameters
+    ----------
+    time, force : array_like
+        Samples, s and N; shape (N,), times ascending. A push is positive.
+    known : mapping, optional
+        What is known, by the names in `VALUES`. One of mass, speed and stiffness makes the other two told.
+    noise : float, optional
+        Standard deviation of a sample, N; else from the samples before the pulse, and from the residual where that is
+        larger or there are none.
+    window : tuple of float, optional
+        First and last time to fit, s; else from foot to foot of the largest pulse, and a fifth of it beyond.
+
+    Returns
+    -------
+    Identified
+        Values with standard errors, which hold for white noise and a pulse that the law describes.
+
+    Raises
+    ------
+    ValueError
+        If the record has no whole positive pulse of eight samples, or a known value is out of range or makes a pulse
+        of quite another size.
+
+    Notes
+    -----
+    Source: the closed form of ``contact/_kernels.py``; standard errors from the Jacobian (Gauss-Newton), that of
+    the zero line included.
+
+    Examples
+    --------
+    >>> t = np.arange(300) * 1e-6
+    >>> pulse = identify(t, ForcePulse(50e-6, 2e4, 60e-6, 1.5, 0.6).force(t), {"mass": 0.1})
+    >>> {name: float(f"{estimate.value:.3g}") for name, estimate in pulse.values.items()}
+    {'stiffness': 3860000000.0, 'exponent': 1.5, 'restitution': 0.6, 'mass': 0.1, 'speed': 7.5}
+    >>> identify(t, ForcePulse(50e-6, 2e4, 60e-6, 1.5, 0.6).force(t)).values["mass"].value is None
+    True
+    """
+    given = _checked_known(known or {})
+    if noise is not None and not 0.0 < noise < math.inf:
+        raise ValueError(f"the noise must be a standard deviation above zero, N, got {noise!r}")
+    record = cut_out(time, force, window)
+    problem = Problem(record, given)
+    alone = minima(problem.without_scales)
+    if len(problem.scales) < 2:
+        return _told([replace(fit, problem=problem) for fit in alone], alone[0], noise)
+    fits = [solve(problem, near(problem, fit)) for fit in alone]
+    return _told(sorted(fits, key=lambda fit: fit.spread), alone[0], noise)
+
+
+def _checked_known(known: Mapping[str, float]) -> dict[str, float]:
+    for name, value in known.items():
+        if name not in VALUES:
+            raise ValueError(f"{name!r} cannot be known; {nearest(str(name), VALUES)}")
+        low, high = {"exponent": EXPONENTS, "restitution": RESTITUTIONS}.get(name, (0.0, math.inf))
+        if not (low <= value <= high and 0.0 < value < math.inf):
+            allowed = f"within {low:g} to {high:g}" if high < math.inf else "above zero and finite"
+            raise ValueError(f"the {name} known must be {allowed}, got {value!r}")
+    return {name: float(value) for name, value in known.items()}
+
+
+class _Quality(NamedTuple):
+    """How the misfit looks: noise of a sample (N), misfit, its part that is no noise, and its lag-1 autocorrelation."""
+
+    noise: float
+    residual: float
+    systematic: float
+    autocorrelation: float
+
+
+def _quality(fit: Fit, noise: float | None) -> _Quality:
+    """Compare the misfit with the noise stated or seen before the pulse, and look for a pattern in it."""
+    record, miss = fit.problem.record, fit.misfit
+    spread, freedom = fit.spread * record.peak, max(miss.size - fit.unknown.size, 1)
+    expected, count = (noise, math.inf) if noise is not None else (record.noise, record.before - 1)
+    autocorrelation = float(miss[1:] @ miss[:-1]) / max(float(miss @ miss), 1e-300)
+    patterned = abs(autocorrelation) > PATTERN / math.sqrt(miss.size)
+    systematic = math.sqrt(abs(autocorrelation)) * spread if patterned else 0.0
+    if expected is None:
+        expected = spread
+    elif spread**2 > expected**2 * (1.0 + 4.0 * math.sqrt(2.0 / freedom + 2.0 / count)):
+        systematic = max(systematic, math.sqrt(spread**2 - expected**2))
+        expected = spread if noise is None else noise
+    elif noise is None:
+        expected = math.sqrt((freedom * spread**2 + count * expected**2) / (freedom + count))
+    residual = math.sqrt(float(miss @ miss) / miss.size)
+    return _Quality(expected, residual, systematic / record.peak, autocorrelation)
+
+
+def _told(fits: list[Fit], alone: Fit, noise: float | None) -> Identified:
+    fit = fits[0]
+    problem, record = fit.problem, fit.problem.record
+    quality = _quality(fit, noise)
+    inverse = np.linalg.pinv(fit.jacobian) * (quality.noise / record.peak)
+    zero = inverse.sum(axis=1) / math.sqrt(max(record.before, 1))
+    gradient = derivatives(problem.logarithms, fit.unknown, HIGH[problem.free])
+    covariance = gradient @ (inverse @ inverse.T + np.outer(zero, zero) * (record.before > 0)) @ gradient.T
+    value, error = problem.logarithms(fit.unknown), np.sqrt(np.diag(covariance))
+    estimates = [Estimate(math.exp(x), math.exp(x) * float(s)) for x, s in zip(value[:-1], error[:-1], strict=True)]
+    values = dict(zip(VALUES, estimates, strict=False))
+    values |= {name: Estimate(x, None, True) for name, x in problem.given.items()}
+    if not problem.scales:
+        values |= dict.fromkeys(SCALES, Estimate(None))
+    told = [k for k, name in enumerate(VALUES) if values[name].standard_error is not None] + [value.size - 1]
+    scale = np.maximum(error[told], 1e-300)
+    pulse = problem.pulse(fit.unknown)
+    found = Identified(
+        values=values,
+        begin=Estimate(float(value[-1]), float(error[-1])),
+        combinations=dict(zip(COMBINATIONS, estimates[len(VALUES) :], strict=True)),
+        names=tuple([*VALUES, *COMBINATIONS, "begin"][k] for k in told),
+        correlation=covariance[np.ix_(told, told)] / np.outer(scale, scale),
+        noise=quality.noise,
+        residual=quality.residual,
+        time=record.time,
+        measured=record.force,
+        fitted=pulse.force(record.time),
+        offset=record.offset,
+        pulse=pulse,
+        described=quality.systematic <= DESCRIBED,
+        words=(),
+    )
+    return replace(found, words=tuple(_words(found, fits, alone, quality)))
+
+
+def _words(found: Identified, fits: list[Fit], alone: Fit, quality: _Quality) -> list[str]:
+    """Say what is not told, not well, or does not agree."""
+    fit, words = fits[0], []
+    if not fit.problem.scales:
+        words.append(
+            "stiffness, mass and speed cannot be told apart from a force pulse: it fixes mass x speed = "
+            f"{found.combinations['momentum'].value:.3g} N s and stiffness x speed^n only; give one of the three"
+        )
+    words += _limits(found, fit)
+    words += _trades(found)
+    words += _others(fits, quality)
+    excess = float(fit.misfit @ fit.misfit - alone.misfit @ alone.misfit) * fit.problem.record.peak**2
+    disagree = (
+        fit.unknown.size < alone.unknown.size
+        and excess > 25.0 * quality.noise**2
+        and (fit.spread > 1.1 * alone.spread + 1e-6)
+    )
+    if disagree:
+        words.append(
+            f"the values given do not agree with the pulse: the misfit is {quality.residual:.2%} of the peak with "
+            f"them, {alone.spread:.2%} without; check {', '.join(sorted(fit.problem.scales))} and the calibration"
+        )
+    if quality.systematic > 1e-5:
+        law = "the law with the values given" if disagree else "the law"
+        verdict = "" if found.described else f"{law} does not describe this pulse; "
+        words.append(
+            f"the misfit is {quality.residual:.2%} of the peak and follows a pattern (lag-1 autocorrelation "
+            f"{quality.autocorrelation:.2f}): {verdict}the standard errors are too small"
+        )
+    return words
+
+
+def _others(fits: list[Fit], quality: _Quality) -> list[str]:
+    """Say which other shape fits as well: within the noise, or nearly where the law does not describe the pulse."""
+    best, words = fits[0], []
+    pulse = best.problem.pulse(best.unknown)
+    for fit in fits[1:]:
+        other = fit.problem.pulse(fit.unknown)
+        more = float(fit.misfit @ fit.misfit - best.misfit @ best.misfit) * best.problem.record.peak**2
+        close = more < 9.0 * quality.noise**2 or (quality.systematic > 0.0 and fit.spread < 1.2 * best.spread)
+        if close and abs(other.restitution - pulse.restitution) > 0.05:
+            words.append(
+                f"restitution {other.restitution:.2g} with exponent {other.exponent:.2g} fits about as well as "
+                f"{pulse.restitution:.2g} with {pulse.exponent:.2g}: give the restitution, or both mass and speed"
+            )
+    return words
+
+
+def _limits(found: Identified, fit: Fit) -> list[str]:
+    """Say which values lie at a bound of the search."""
+    words = []
+    n, e = found.values["exponent"], found.values["restitution"]
+    if fit.elastic:
+        least = math.exp(-1.645 * (e.standard_error or 0.0))
+        words.append(f"restitution is at its limit 1: the pulse says above {least:.3g} (95 %)")
+    elif not e.given and (e.value or 0.0) < 1.05 * RESTITUTIONS[0]:
+        words.append(f"restitution is at the lower bound of the search, {RESTITUTIONS[0]:g}")
+    if not n.given and not 1.01 * EXPONENTS[0] < (n.value or 0.0) < 0.99 * EXPONENTS[1]:
+        words.append(f"exponent is at the bound of the search, {n.value:.3g}: the law does not suit this pulse")
+    return words
+
+
+def _trades(found: Identified) -> list[str]:
+    """Say which values trade against each other, and which are told loosely."""
+    words = []
+    shared = found.correlated("exponent", "restitution")
+    if shared is not None and abs(shared) > TRADING:
+        words.append(
+            f"exponent and restitution trade against each other (correlation {shared:.2f}): give one to know the "
+            "other better"
+        )
+    loose = {
+        name: x.standard_error / x.value
+        for name, x in found.values.items()
+        if x.value and x.standard_error is not None and x.standard_error > LOOSE * x.value
+    }
+    if loose:
+        words.append("told loosely: " + ", ".join(f"{name} to {share:.0%}" for name, share in loose.items()))
+    return words

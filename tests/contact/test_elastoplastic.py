@@ -1,0 +1,238 @@
+"""Elastic-plastic contacts: closed forms of Thornton and of the line, unloading, what stays, and the next blow."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from strikewave.contact import (
+    Chain,
+    Contact,
+    PressureCap,
+    Touch,
+    contact_modulus,
+    exact,
+    hertz,
+    impact_history,
+    johnson,
+    line_cap,
+    line_yield_pressure,
+    palmgren,
+    point_cap,
+    point_yield_pressure,
+    simulate,
+    slow_force,
+    solve_impact,
+    thornton_restitution,
+    yield_speed,
+)
+from strikewave.materials import material
+
+STEEL = material("65Mn")
+MODULUS = contact_modulus(STEEL, STEEL)
+RADIUS, LENGTH, PRESSURE = 0.01, 0.04, 1.2e9
+SPHERE = hertz(STEEL, STEEL, RADIUS).contact(cap=point_cap(STEEL, STEEL, RADIUS, math.inf, PRESSURE))
+LINE_CAP = line_cap(STEEL, STEEL, RADIUS, math.inf, LENGTH, PRESSURE)
+LINES = {
+    "palmgren": palmgren(STEEL, STEEL, LENGTH).contact(cap=LINE_CAP),
+    "johnson": johnson(STEEL, STEEL, RADIUS, math.inf, LENGTH, datum_depth=0.03).contact(cap=LINE_CAP),
+}
+EVERY = {"thornton": SPHERE, **LINES}
+
+
+def test_thornton_1997_yield_load_depth_and_speed():
+    """d_y = (pi p/2E*)^2 R, F_y = (2/3) pi p R d_y, v_y = 3.194 sqrt(p^5 R^3/(E*^4 m)) to its four digits."""
+    depth = (math.pi * PRESSURE / (2 * MODULUS)) ** 2 * RADIUS
+    load = 2 / 3 * math.pi * PRESSURE * RADIUS * depth
+    assert float(SPHERE.cap.yield_load) == pytest.approx(load, rel=1e-12)
+    assert float(slow_force(SPHERE, depth)) == pytest.approx(load, rel=1e-12)
+    speed = 3.194 * math.sqrt(PRESSURE**5 * RADIUS**3 / (MODULUS**4 * 0.03))
+    assert float(yield_speed(SPHERE, 0.03)) == pytest.approx(speed, rel=1e-4)
+
+
+def test_thornton_1997_loads_on_a_straight_line():
+    """F = F_y + pi p R (d - d_y) beyond yield."""
+    yield_depth = (math.pi * PRESSURE / (2 * MODULUS)) ** 2 * RADIUS
+    d = yield_depth * np.array([1.0, 2.0, 10.0, 100.0])
+    expected = float(SPHERE.cap.yield_load) + math.pi * PRESSURE * RADIUS * (d - yield_depth)
+    assert slow_force(SPHERE, d) == pytest.approx(expected, rel=1e-12)
+
+
+def test_thornton_1997_unloads_on_the_radius_that_has_flattened():
+    """F = (4/3) E* sqrt(R_p) (d - d_r)^1.5 with R_p = R F_e/F, F_e = (4/3) E* sqrt(R) D^1.5, and d_r from F(D) = F."""
+    deepest = 50e-6
+    force = float(slow_force(SPHERE, deepest))
+    elastic = 4 / 3 * MODULUS * math.sqrt(RADIUS) * deepest**1.5
+    k = 4 / 3 * MODULUS * math.sqrt(RADIUS * elastic / force)
+    left = deepest - (force / k) ** (2 / 3)
+    d = np.linspace(0, deepest, 41)
+    assert slow_force(SPHERE, d, deepest) == pytest.approx(
+        k * np.maximum(d - left, 0) ** 1.5, rel=1e-9, abs=1e-9 * force
+    )
+
+
+@pytest.mark.parametrize("ratio", [1.01, 1.5, 5.0, 20.0, 200.0])
+def test_thornton_1997_restitution_comes_out_of_the_motion(ratio):
+    """e(v/v_y) in closed form; the integrator's 1e-7, below v_y exactly 1."""
+    speed = ratio * float(yield_speed(SPHERE, 0.03))
+    blow = solve_impact(SPHERE, 0.03, np.inf, speed)
+    assert float(blow.restitution) == pytest.approx(float(thornton_restitution(ratio)), rel=2e-7)
+    slow = solve_impact(SPHERE, 0.03, np.inf, 0.99 * speed / ratio)
+    assert float(slow.restitution) == pytest.approx(1.0, abs=2e-8)
+    assert float(slow.residual_indentation) == 0.0
+
+
+def truncated_line(half_width):
+    """The Hertz pressure of a line cut off at PRESSURE and summed up over the width, N: by quadrature."""
+    whole = quad(
+        lambda x: min(MODULUS / (2 * RADIUS) * math.sqrt(half_width**2 - x**2), PRESSURE),
+        -half_width,
+        half_width,
+        points=[0],
+        limit=200,
+    )
+    return LENGTH * whole[0]
+
+
+@pytest.mark.parametrize("law", sorted(LINES))
+@pytest.mark.parametrize("over", [0.5, 1.0, 1.3, 4.0, 100.0])
+def test_line_law_is_the_hertz_pressure_cut_off_at_its_cap(law, over):
+    """At the depth of the elastic force F_e the half width is sqrt(4 F_e R/(pi E* h)); the quadrature's 1e-7."""
+    contact = LINES[law]
+    elastic = over * float(LINE_CAP.yield_load)
+    bare = johnson(STEEL, STEEL, RADIUS, math.inf, LENGTH, 0.03) if law == "johnson" else None
+    depth = float(bare.indentation(elastic)) if bare else (elastic / contact.stiffness) ** (1 / contact.exponent)
+    half_width = math.sqrt(4 * elastic * RADIUS / (math.pi * MODULUS * LENGTH))
+    assert float(slow_force(contact, depth)) == pytest.approx(truncated_line(half_width), rel=1e-6)
+    # the mean pressure rises from pi p/4 at yield and never reaches the cap
+    mean = float(slow_force(contact, depth)) / (2 * half_width * LENGTH)
+    assert mean < PRESSURE
+    if over >= 1.0:
+        assert mean >= math.pi / 4 * PRESSURE * (1 - 1e-12)
+    if over == 100.0:
+        assert mean > 0.99 * PRESSURE
+
+
+def test_line_yield_of_65mn():
+    """3.2, 6.5, 13 kN for 40 mm of 65Mn at nose radii of 5, 10, 20 mm, with p0 = 1.778 sigma_y (nu 0.288): printed digits."""
+    pressure = line_yield_pressure(STEEL, 430e6)
+    for radius, load in ((0.005, 3.2e3), (0.010, 6.5e3), (0.020, 13e3)):
+        assert float(line_cap(STEEL, STEEL, radius, math.inf, LENGTH, pressure).yield_load) == pytest.approx(
+            load, rel=0.02
+        )
+
+
+@pytest.mark.parametrize(("nu", "factor"), [(0.288, 1.778), (0.30, 1.79), (0.33, 1.828)])
+def test_yield_pressure_of_a_line_against_its_stress_field(nu, factor):
+    """Largest von Mises stress below a Hertz line (Johnson 1985, eq. 4.49); Green's fit holds it to 0.3 %."""
+
+    class Body:
+        youngs_modulus, poissons_ratio = 1.0, nu
+
+    z = np.linspace(0.0, 3.0, 30001)
+    root = np.sqrt(1 + z**2)
+    along, down = -((1 + 2 * z**2) / root - 2 * z), -1 / root
+    across = nu * (along + down)
+    mises = np.sqrt(0.5 * ((along - down) ** 2 + (down - across) ** 2 + (across - along) ** 2))
+    assert line_yield_pressure(Body(), 1.0) == pytest.approx(1 / mises.max(), rel=3e-3)
+    assert line_yield_pressure(Body(), 1.0) == pytest.approx(factor, abs=6e-3)
+
+
+@pytest.mark.parametrize("nu", [0.1, 0.288, 0.4])
+def test_yield_pressure_of_a_sphere_against_its_stress_field(nu):
+    """Largest von Mises stress on the axis below a Hertz point (Johnson 1985, eq. 3.45); Green's fit holds it to 0.1 %."""
+
+    class Body:
+        youngs_modulus, poissons_ratio = 1.0, nu
+
+    z = np.linspace(1e-6, 3.0, 30001)
+    radial = -(1 + nu) * (1 - z * np.arctan(1 / z)) + 0.5 / (1 + z**2)
+    mises = np.abs(radial + 1 / (1 + z**2))
+    assert point_yield_pressure(Body(), 1.0) == pytest.approx(1 / mises.max(), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", sorted(EVERY))
+@settings(max_examples=20)
+@given(speed=st.floats(0.05, 20.0), mass=st.floats(0.01, 5.0), e=st.floats(0.3, 1.0))
+def test_second_blow_on_the_same_spot_loses_less(name, speed, mass, e):
+    """Equal blows: each loses less than the one before, flattens on, and leaves more; the energy is in the history."""
+    cap = EVERY[name].cap
+    base = EVERY[name]
+    contact = type(base)(
+        *([base.slope, base.load] if hasattr(base, "slope") else [base.stiffness, base.exponent]),
+        float(exact(e)),
+        cap=cap,
+    )
+    blows, deepest = [], 0.0
+    for _ in range(3):
+        blows.append(solve_impact(contact, mass, np.inf, speed, deepest))
+        deepest = blows[-1].deepest
+    lost = [float(blow.energy_lost) for blow in blows]
+    spent = 0.5 * mass * speed**2
+    assert lost[0] >= lost[1] - 1e-6 * spent
+    assert lost[1] >= lost[2] - 1e-6 * spent
+    left = [float(blow.residual_indentation) for blow in blows]
+    assert left == sorted(left)
+    assert [float(b.flattening) for b in blows] == sorted(float(b.flattening) for b in blows)
+    if float(blows[0].flattening) > 1.05:
+        assert lost[1] < lost[0]
+
+
+@pytest.mark.parametrize("name", sorted(EVERY))
+def test_work_of_the_contact_force_is_the_energy_lost(name):
+    """Area of the force-indentation loop, by the trapezoidal rule on 20 001 samples: 1e-6 is its own error."""
+    blow = solve_impact(EVERY[name], 0.1, np.inf, 3.0)
+    history = impact_history(blow, np.linspace(0.0, float(blow.duration), 20001))
+    area = np.trapezoid(history.force, history.indentation)
+    assert area == pytest.approx(float(blow.energy_lost), rel=2e-6)
+    assert history.force[-1] == pytest.approx(0.0, abs=1e-6 * float(blow.peak_force))
+    assert history.indentation[-1] == pytest.approx(float(blow.residual_indentation), rel=1e-6)
+
+
+@pytest.mark.parametrize("name", sorted(EVERY))
+def test_chain_keeps_its_ledger_and_its_memory(name):
+    """Two bodies in a chain come out as by `solve_impact`; kinetic energy lost = energy booked in the link, to 1e-6."""
+    blow = solve_impact(EVERY[name], 0.1, 0.3, 3.0)
+    chain = Chain({"a": 0.1, "b": 0.3}, [Touch("a", "b", EVERY[name])])
+    motion = simulate(chain, {}, {"a": 3.0}, 2 * float(blow.duration), tolerance=1e-9)
+    v = motion.speeds(2 * float(blow.duration))
+    assert v[1] - v[0] == pytest.approx(3.0 * float(blow.restitution), rel=1e-6)
+    before, after = 0.5 * 0.1 * 9.0, 0.5 * (0.1 * v[0] ** 2 + 0.3 * v[1] ** 2)
+    assert motion.dissipated()[0] == pytest.approx(before - after, rel=1e-6)
+    assert motion.motion.end.memory[-1] == pytest.approx(float(blow.deepest), rel=1e-6)
+
+
+def test_contacts_of_one_spot_share_what_has_yielded_and_others_do_not():
+    """Two strikers hit a wall one after the other; on the same spot the second finds the flattened one."""
+    shared = []
+    for spot in (1, 0):
+        links = [Touch("first", "wall", SPHERE, spot=spot), Touch("second", "wall", SPHERE, spot=spot)]
+        chain = Chain({"first": 0.1, "second": 0.1}, links, bases={"wall": 0.0})
+        motion = simulate(chain, {"first": -1e-6, "second": -2e-3}, {"first": 3.0, "second": 3.0}, 1e-3)
+        ends = motion.speeds(1e-3)
+        shared.append(-ends / 3.0)
+    once = solve_impact(SPHERE, 0.1, np.inf, 3.0)
+    again = solve_impact(SPHERE, 0.1, np.inf, 3.0, once.deepest)
+    assert shared[0] == pytest.approx([float(once.restitution), float(again.restitution)], rel=1e-6)
+    assert shared[1] == pytest.approx([float(once.restitution)] * 2, rel=1e-6)
+
+
+def test_a_cap_that_is_never_reached_changes_nothing():
+    bare = Contact(SPHERE.stiffness, 1.5, 0.4)
+    high = Contact(SPHERE.stiffness, 1.5, 0.4, cap=PressureCap(1e9, "point"))
+    one, other = solve_impact(bare, 0.1, 0.2, 2.0), solve_impact(high, 0.1, 0.2, 2.0)
+    for name in ("restitution", "max_indentation", "peak_force", "duration", "peak_time", "turning_time"):
+        assert float(getattr(other, name)) == pytest.approx(float(getattr(one, name)), rel=1e-6), name
+    assert float(other.flattening) == 1.0
+
+
+def test_unknown_shape_and_bad_loads_are_refused():
+    with pytest.raises(ValueError, match="did you mean"):
+        solve_impact(Contact(1e9, 1.5, cap=PressureCap(1.0, "pont")), 1, 1, 1)
+    with pytest.raises(ValueError, match="yield load must be positive"):
+        solve_impact(Contact(1e9, 1.5, cap=PressureCap(-1.0, "point")), 1, 1, 1)
+    with pytest.raises(ValueError, match="does not yield"):
+        yield_speed(Contact(1e9, 1.5), 1.0)
