@@ -23,6 +23,14 @@ RESULT_FILES = (
     "spectrum.csv",
     "summary.svg",
     "tripartite.svg",
+    "impact.json",
+    "impact.svg",
+    "identify.json",
+    "laws.json",
+    "asked-given.svg",
+    "asked-given.png",
+    "stiffness-laws.svg",
+    "stiffness-laws.png",
     "report.html",
 )
 """What a result consists of; a folder that holds anything else is never replaced."""

@@ -11,6 +11,7 @@ from scipy.special import betainc
 
 from strikewave.contact import (
     Contact,
+    Damper,
     LogarithmicContact,
     PressureCap,
     exact,
@@ -213,3 +214,19 @@ def test_limits_of_the_restitution():
     assert float(restitution(exact(1e-4))) == pytest.approx(1e-4, rel=1e-12)
     assert dead.energy_lost == pytest.approx(0.5 * (1 - np.array([1e-2, 1e-3, 1e-4]) ** 2), rel=1e-12)
     assert np.all(np.diff(dead.duration) > 0.0)
+
+
+def test_extreme_impacts_are_refused_in_words_and_end():
+    contact = Contact(1e9, 1.5, cap=PressureCap(1.0, "line"))
+    with pytest.raises(ValueError, match=r"m v0\^2 lies within"):
+        solve_impact(contact, 1e150, 1e150, 1e150)
+    with pytest.raises(IntegrationError, match=r"index 1 of .* kg at .* could not be followed"):
+        solve_impact(Contact(1e9, 1.5, damper=Damper([1.0, 1e30], 0.25)), 1.0, 1.0, 1.0)
+
+
+def test_a_linear_damper_pushes_from_first_touch():
+    """Kelvin-Voigt: F(0) = c v0."""
+    blow = solve_impact(Contact(1e8, 1.0, damper=Damper(2e3)), 0.5, np.inf, 3.0)
+    history = impact_history(blow)
+    assert history.force[0] == pytest.approx(2e3 * 3.0, rel=1e-12)
+    assert float(blow.peak_force) >= 2e3 * 3.0

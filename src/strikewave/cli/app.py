@@ -13,7 +13,7 @@ from typing import Any
 import typer
 
 from strikewave._version import __version__
-from strikewave.cli import cases, diff, impact, materials, new, record, run, srs, validate, wave
+from strikewave.cli import cases, diff, identify, impact, laws, materials, new, record, run, srs, validate, wave
 from strikewave.cli.common import say
 from strikewave.errors import StrikewaveError, StrikewaveWarning
 
@@ -31,11 +31,13 @@ for name, command in (
     ("impact", impact.command),
     ("record", record.command),
     ("srs", srs.command),
+    ("identify", identify.command),
     ("new", new.command),
     ("validate", validate.command),
     ("diff", diff.command),
     ("cases", cases.command),
     ("materials", materials.command),
+    ("laws", laws.command),
 ):
     app.command(name)(command)
 

@@ -259,7 +259,7 @@ def all_moments(stiffness, exponent, chi, mass, speed, out):
 def distance_at(exponent, chi, e, wanted, far, released):
     """Return w, from the end of the contact that ``released`` tells, at which the stretch integral has a value.
 
-    Newton steps in w^(1/(n+1)), in which the integral begins as a straight line; bisection where one leaves the bracket.
+    Newton steps in w^(1/(n+1)), in which the integral begins straight; bisection where one leaves the bracket.
     """
     n, span = exponent, chi * (1.0 + e)
     power, steep = -n / (n + 1.0), e * chi if released else chi

@@ -170,7 +170,7 @@ def hysteresis(law, rate, approach):
 @leaf_kernel
 def damper_force(law, d, rate):
     """Return c d^p d', N; on approach only where the law says so."""
-    if law[DAMPER] == 0.0 or d <= 0.0 or (law[STYLE] == ON_APPROACH and rate < 0.0):
+    if law[DAMPER] == 0.0 or d < 0.0 or (law[STYLE] == ON_APPROACH and rate < 0.0):
         return 0.0
     return law[DAMPER] * d ** law[DAMPER_EXPONENT] * rate
 

@@ -36,6 +36,9 @@ from strikewave.contact._law_kernels import (
 )
 
 STATES = 2
+_FIRST_STEP = 1e-2
+"""First step over the time that the largest elastic indentation takes at the approach speed; less where a damper is
+not smooth at first touch."""
 _LONGEST = 1e9
 """Longest contact over the time that the largest elastic indentation takes at the approach speed."""
 
@@ -212,7 +215,8 @@ def impacts(laws, mass, speed, deepest, tolerance, record, out):
         depth = elastic_depth(laws[i], 0.5 * mass[i] * speed[i] ** 2)
         scale[0], scale[1] = depth, speed[i]
         period = depth / speed[i]
-        control = Control(tolerance, scale, 2e-3 * period, _LONGEST * period, _LONGEST * period)
+        first = _FIRST_STEP if laws[i, DAMPER] == 0.0 else 0.2 * _FIRST_STEP
+        control = Control(tolerance, scale, first * period, _LONGEST * period, _LONGEST * period)
         why, t, _, steps, _ = advance(system, control, 0.0, control.first_step, y, mode, memory, record, SWITCHES)
         out[:, i] = np.nan
         if why != STOPPED:

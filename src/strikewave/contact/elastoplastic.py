@@ -24,10 +24,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.contact import _pair_kernels
-from strikewave.contact.law import AnyContact, PressureCap, not_negative, positive, rows
+from strikewave.contact.law import AnyContact, PressureCap, not_negative, positive, refuse, rows
 from strikewave.contact.stiffness import ElasticBody, contact_modulus, reduced_radius
 
 Array = NDArray[np.float64]
+
+LARGEST_PRESSURE = 1e15
+"""Pressures beyond this are refused, Pa."""
 
 
 def point_cap(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float, pressure: ArrayLike) -> PressureCap:
@@ -44,7 +47,7 @@ def point_cap(one: ElasticBody, other: ElasticBody, radius1: float, radius2: flo
     39.0
     """
     radius, modulus = reduced_radius(radius1, radius2), contact_modulus(one, other)
-    return PressureCap(np.pi**3 * positive("the pressure", pressure) ** 3 * radius**2 / (6.0 * modulus**2), "point")
+    return PressureCap(np.pi**3 * _pressure(pressure) ** 3 * radius**2 / (6.0 * modulus**2), "point")
 
 
 def line_cap(
@@ -64,7 +67,14 @@ def line_cap(
     6.4
     """
     radius, modulus = reduced_radius(radius1, radius2), contact_modulus(one, other)
-    return PressureCap(np.pi * radius * length * positive("the pressure", pressure) ** 2 / modulus, "line")
+    return PressureCap(np.pi * radius * length * _pressure(pressure) ** 2 / modulus, "line")
+
+
+def _pressure(pressure: ArrayLike) -> Array:
+    """Return pressures as an array, or raise ValueError where one is no pressure that a body bears."""
+    p = np.asarray(pressure, dtype=float)
+    refuse("the pressure", p, (p > 0.0) & (p <= LARGEST_PRESSURE), f"positive and at most {LARGEST_PRESSURE:g} Pa")
+    return p
 
 
 def line_yield_pressure(body: ElasticBody, yield_strength: float) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from strikewave.contact import _kernels, _pair_kernels
 from strikewave.contact._chain_kernels import SWITCHES
 from strikewave.contact._integrator import Control, empty_record
-from strikewave.contact._law_kernels import DAMPING, EXPONENT, STIFFNESS, YIELD_LOAD
+from strikewave.contact._law_kernels import DAMPER, DAMPING, EXPONENT, STIFFNESS, YIELD_LOAD
 from strikewave.contact._pair_kernels import STATES, PairSystem
 from strikewave.contact.law import AnyContact, LogarithmicContact, not_negative, positive, refuse, rows
 from strikewave.contact.motion import State, integrate
@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 CLOSED_FORM, INTEGRATOR = "closed form", "integrator"
 """How an impact was solved."""
 _STEPS = 1000
+_LARGEST_ENERGY = 1e60
 
 
 @dataclass(frozen=True)
@@ -233,13 +234,22 @@ def _in_closed_form(problem: Problem) -> Impact:
 
 def _by_steps(contact: AnyContact, problem: Problem, tolerance: float) -> Impact:
     laws, count = problem.laws, problem.mass.size
+    with np.errstate(over="ignore", under="ignore"):
+        energy = problem.mass * problem.speed**2
+    followed = (energy > 1.0 / _LARGEST_ENERGY) & (energy < _LARGEST_ENERGY)
+    within = f"such that m v0^2 lies within {1 / _LARGEST_ENERGY:.0e} to {_LARGEST_ENERGY:.0e} J"
+    refuse("the approach speed", problem.speed.reshape(problem.shape), followed.reshape(problem.shape), within)
     out = np.empty((_pair_kernels.ANSWERS, count))
     record = empty_record(_STEPS, STATES, 1, 2)
     _pair_kernels.impacts(laws, problem.mass, problem.speed, problem.deepest, tolerance, record, out)
     lost = np.flatnonzero(~np.all(np.isfinite(out), axis=0))
     if lost.size:
-        where = np.unravel_index(lost[0], problem.shape)
-        raise IntegrationError(f"impact {_index(where)} could not be followed: {problem.laws[lost[0]]}")
+        at, where = lost[0], np.unravel_index(lost[0], problem.shape)
+        raise IntegrationError(
+            f"the impact {_index(where)} of {problem.mass[at]:.3g} kg at {problem.speed[at]:.3g} m/s could not be "
+            f"followed in {_STEPS} steps: a number of its law is extreme (stiffness {laws[at, STIFFNESS]:.3g}, damper "
+            f"{laws[at, DAMPER]:.3g}, yield load {laws[at, YIELD_LOAD]:.3g}, SI)"
+        )
     if isinstance(contact, LogarithmicContact):
         end = np.broadcast_to(contact.end_depth, problem.shape).reshape(-1)
         beyond = np.flatnonzero(out[_pair_kernels.INDENTATION] >= end)

@@ -88,9 +88,10 @@ class DamperLaw(Law):
     """A law of a damper c d^p d': ``function(stiffness, mass, number) -> Damper``.
 
     ``number`` is the restitution asked for, or a time where no restitution can be prescribed. ``given(number, n)`` is
-    the restitution that comes out, None where it depends on the speed.
+    the restitution that comes out, None where it depends on the speed. ``exponent`` is the only n it takes, None any.
     """
 
+    exponent: float | None = None
     given: Callable[[Any, float], NDArray[np.float64]] | None = None
     group: ClassVar[str] = "strikewave.damper_laws"
     symbols: ClassVar[Mapping[str, str]] = {

@@ -19,6 +19,9 @@ from strikewave.contact.law import Contact, Damper, LogarithmicContact, Pressure
 from strikewave.contact.registry import CHECKED, FROM_MEMORY, StiffnessLaw, with_added
 from strikewave.errors import MISSING, InputError, nearest
 
+SMALLEST = 1e-15
+"""Sizes below this are refused, m."""
+
 
 class ElasticBody(Protocol):
     """Anything with a Young's modulus (Pa) and a Poisson's ratio, such as a `Material`."""
@@ -139,6 +142,8 @@ def reduced_radius(radius1: float, radius2: float) -> float:
     """
     if not (0.0 < radius1 < math.inf and radius2 == radius2 and radius2 != 0.0):
         raise ValueError(f"radii must be positive, inf a plane, or negative a hole, got {radius1!r} and {radius2!r}")
+    if radius1 < SMALLEST or abs(radius2) < SMALLEST:
+        raise ValueError(f"radii below {SMALLEST:g} m are none, got {radius1!r} and {radius2!r}")
     curvature = 1.0 / radius1 + 1.0 / radius2
     if not curvature > 0.0:
         raise ValueError(f"the radius {radius1!r} must be smaller than that of the hole, {-radius2!r}")
@@ -160,7 +165,7 @@ def _law(name: str, equation: str, source: str, **words: Any) -> Callable[[Calla
 
 
 def _positive(name: str, value: float) -> float:
-    if not 0.0 < value < math.inf:
+    if not SMALLEST <= value < math.inf:
         raise ValueError(f"{name} must be positive, got {value!r}")
     return value
 
@@ -451,6 +456,8 @@ def stiffness_law(name: str, field: str = "law") -> StiffnessLaw:
     return laws[name]
 
 
+GEOMETRY = ("radius1", "radius2", "length", "datum_depth")
+"""Sizes that a law can ask for."""
 OPTIONAL_NEEDS = {"radius2", "datum_depth"}
 """Sizes that a law can do without."""
 
@@ -474,6 +481,9 @@ def stiffness_of(
     1.5
     """
     law = stiffness_law(name, field)
+    unknown = [need for need in law.needs if not hasattr(geometry, need)]
+    if unknown:
+        raise InputError(field, name, f"a law that needs none but {', '.join(GEOMETRY)}", f"it asks for {unknown[0]}")
     sizes = {need: getattr(geometry, need) for need in law.needs}
     missing = [need for need, size in sizes.items() if size is None and need not in OPTIONAL_NEEDS]
     if missing:
