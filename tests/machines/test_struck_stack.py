@@ -216,13 +216,14 @@ def run_and_book_the_frame(machine):
 def test_object_never_gains_energy_by_a_blow_of_its_own(base, drawn):
     """What joints lose and what still rings when nose and assembly go on as bodies: never less than nothing.
 
-    Supports hold the end of the stack, and the mean of the assembly between blows: some 400 N over some um, 1e-3.
+    Supports hold the end of the stack, and the mean of the assembly between blows: the preload over some 3 um.
     """
     stack, first = drawn
     run, booked = run_and_book_the_frame(with_stack(base, stack, first, 50e-9))
     assert len(booked) == len(stack_spans(run))
+    between = 3e-6 * run.machine.struck.preload
     for energy in booked:
-        assert energy > -1e-3 * 0.5 * run.machine.struck.mass * run.machine.nominal_approach**2
+        assert energy > -max(between, 1e-3 * 0.5 * run.machine.struck.mass * run.machine.nominal_approach**2)
 
 
 def test_parts_thrown_apart_do_not_bend_the_frame(base):

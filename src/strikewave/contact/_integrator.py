@@ -29,6 +29,7 @@ _SAFETY = 0.9
 _SMALLEST, _LARGEST = 0.2, 6.0
 _IDLE_LIMIT = 100
 _EXTENDED = 16
+_FEW_STATES = 4
 _GAUSS_X, _GAUSS_W = (v / 2 for v in np.polynomial.legendre.leggauss(5))
 
 
@@ -102,12 +103,29 @@ def evaluate(dense, x, out):
 
 
 @leaf_kernel
+def _weigh(weights, count, k, out):
+    """Fill out with the weighted sum of the first stages; the inner loop is the longer one."""
+    if out.size <= _FEW_STATES:
+        for i in range(out.size):
+            total = 0.0
+            for j in range(count):
+                total += weights[j] * k[j, i]
+            out[i] = total
+        return
+    for i in range(out.size):
+        out[i] = 0.0
+    for j in range(count):
+        w = weights[j]
+        if w != 0.0:
+            for i in range(out.size):
+                out[i] += w * k[j, i]
+
+
+@leaf_kernel
 def _stage(system, s, t, h, y, mode, memory, work, k):
+    _weigh(A[s], s, k, work)
     for i in range(y.size):
-        total = 0.0
-        for j in range(s):
-            total += A[s, j] * k[j, i]
-        work[i] = y[i] + h * total
+        work[i] = y[i] + h * work[i]
     derivatives(system, t + C[s] * h, work, mode, memory, k[s])
 
 
@@ -116,11 +134,9 @@ def _take_step(system, control, t, h, y, mode, memory, work, k, new):
     """Take one step into ``new`` and return its error over the tolerance."""
     for s in range(1, STAGES):
         _stage(system, s, t, h, y, mode, memory, work, k)
+    _weigh(B, STAGES, k, new)
     for i in range(y.size):
-        total = 0.0
-        for j in range(STAGES):
-            total += B[j] * k[j, i]
-        new[i] = y[i] + h * total
+        new[i] = y[i] + h * new[i]
     derivatives(system, t + h, new, mode, memory, k[STAGES])
     fifth, third, count = 0.0, 0.0, 0
     for i in range(y.size):
@@ -149,11 +165,10 @@ def _fill_dense(system, t, h, y, new, mode, memory, work, k, dense):
         dense[1, i] = delta
         dense[2, i] = h * k[0, i] - delta
         dense[3, i] = 2.0 * delta - h * (k[STAGES, i] + k[0, i])
-        for r in range(4):
-            total = 0.0
-            for j in range(_EXTENDED):
-                total += D[r, j] * k[j, i]
-            dense[4 + r, i] = h * total
+    for r in range(4):
+        _weigh(D[r], _EXTENDED, k, dense[4 + r])
+        for i in range(y.size):
+            dense[4 + r, i] *= h
 
 
 @leaf_kernel
