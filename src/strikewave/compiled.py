@@ -85,6 +85,14 @@ def leaf_kernel(function: F) -> F:
     return _compiled(function, LEAF)
 
 
+def called_kernel(function: F) -> F:
+    """Compile a kernel that makes no array, without counting references, but call it instead of inlining it.
+
+    For what stands in many loops and is large: it compiles once.
+    """
+    return _compiled(function, {"_nrt": False})
+
+
 def fused_kernel(function: F) -> F:
     """Compile a kernel whose products and sums may be rounded once together (fused multiply-add)."""
     return _compiled(function, {"fastmath": {"contract"}})

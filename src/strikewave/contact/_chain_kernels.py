@@ -252,6 +252,14 @@ def _switches(system, t, y, mode, memory, g):
     return fill if is_a(system, ChainSystem) else None
 
 
+@overload(_integrator.horizon, jit_options=LEAF)
+def _horizon(system, t, y, mode, memory):
+    def most(system, t, y, mode, memory):
+        return np.inf
+
+    return most if is_a(system, ChainSystem) else None
+
+
 @overload(_integrator.switch, jit_options=LEAF)
 def _switch(system, k, t, y, mode, memory):
     def change(system, k, t, y, mode, memory):

@@ -1,11 +1,13 @@
 """Adaptive integration with located switches: DOP853, compiled, for any system of the protocol below.
 
-A system is a NamedTuple of arrays. Its module teaches the four functions below to it with
+A system is a NamedTuple of arrays. Its module teaches the five functions below to it with
 ``numba.extending.overload``; the compiler then picks them by the system's type:
 
 - ``derivatives(system, t, y, mode, memory, dy)`` fills dy/dt,
 - ``forces(system, t, y, mode, memory, out)`` fills the force of each link,
 - ``switches(system, t, y, mode, memory, g)`` fills functions that are positive while the mode holds,
+- ``horizon(system, t, y, mode, memory)`` returns the largest step worth trying, s: a step that would be rejected,
+  because something that is not smooth lies ahead, is never made,
 - ``switch(system, k, t, y, mode, memory)`` changes the mode when g[k] falls below zero and returns
   CONTINUE, RESTART (the motion is not smooth here: begin with a small step) or STOP.
 
@@ -18,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.compiled import kernel, leaf_kernel
+from strikewave.compiled import called_kernel, kernel, leaf_kernel
 from strikewave.contact._dop853 import E3, E5, STAGES, A, B, C, D
 
 CONTINUE, RESTART, STOP = 0, 1, 2
@@ -67,6 +69,11 @@ def forces(system, t, y, mode, memory, out):
 
 def switches(system, t, y, mode, memory, g):
     """Fill g with functions that are positive while the mode holds (taught to each system's type)."""
+    raise TypeError("compiled only")
+
+
+def horizon(system, t, y, mode, memory):
+    """Return the largest step worth trying, s (taught to each system's type)."""
     raise TypeError("compiled only")
 
 
@@ -155,7 +162,7 @@ def _take_step(system, control, t, h, y, mode, memory, work, k, new):
     return abs(h) * fifth / math.sqrt((fifth + 0.01 * third) * count)
 
 
-@leaf_kernel
+@called_kernel
 def _fill_dense(system, t, h, y, new, mode, memory, work, k, dense):
     for s in range(STAGES + 1, _EXTENDED):
         _stage(system, s, t, h, y, mode, memory, work, k)
@@ -171,7 +178,7 @@ def _fill_dense(system, t, h, y, new, mode, memory, work, k, dense):
             dense[4 + r, i] *= h
 
 
-@leaf_kernel
+@called_kernel
 def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
     """Return the fraction of the step at which switch ``which`` falls through zero (Illinois rule)."""
     evaluate(dense, low, work)
@@ -205,7 +212,7 @@ def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
     return high
 
 
-@leaf_kernel
+@called_kernel
 def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
     """Return a switch that falls below zero and rises again between three positive samples, and where.
 
@@ -228,7 +235,7 @@ def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
     return -1, 1.0
 
 
-@leaf_kernel
+@called_kernel
 def _first_switch(system, t, h, dense, mode, memory, before, rows, work, g):
     """Return the first switch within the step and its fraction; -1 when there is none. ``rows`` is scratch."""
     found, at = -1, 1.0
@@ -271,7 +278,7 @@ def advance(system, control, t, h, y, mode, memory, record, count):
     while t < control.end:
         if steps == record.time.size or events == record.event_time.size:
             return FULL, t, h, steps, events
-        h = min(h, control.largest_step, control.end - t)
+        h = min(h, control.largest_step, control.end - t, horizon(system, t, y, mode, memory))
         switches(system, t, y, mode, memory, before)
         error = 0.0
         while True:

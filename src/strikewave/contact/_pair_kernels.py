@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from strikewave.compiled import LEAF, kernel, leaf_kernel
+from strikewave.compiled import LEAF, called_kernel, kernel
 from strikewave.contact import _integrator
 from strikewave.contact._chain_kernels import (
     PUSHING,
@@ -36,9 +36,11 @@ from strikewave.contact._law_kernels import (
 )
 
 STATES = 2
-_FIRST_STEP = 1e-2
+FIRST_STEP = 1e-2
 """First step over the time that the largest elastic indentation takes at the approach speed; less where a damper is
 not smooth at first touch."""
+_TOWARDS_PARTING = 0.7
+"""Share of the time until the bodies part, at their present rate, that a step may cover."""
 _LONGEST = 1e9
 """Longest contact over the time that the largest elastic indentation takes at the approach speed."""
 
@@ -50,10 +52,11 @@ BEYOND_CLOSED_FORM = [FORM, DAMPER]
 
 
 class PairSystem(NamedTuple):
-    """A contact law as a row of numbers, and the reduced mass m1 m2/(m1 + m2), kg."""
+    """A contact law as a row of numbers, the reduced mass m1 m2/(m1 + m2), kg, and a time too short to matter, s."""
 
     law: np.ndarray
-    mass: np.ndarray
+    mass: float
+    instant: float
 
 
 @overload(_integrator.derivatives, jit_options=LEAF)
@@ -61,9 +64,21 @@ def _derivatives(system, t, y, mode, memory, dy):
     def rates(system, t, y, mode, memory, dy):
         force, _ = contact_force(system.law, y[0], y[1], mode[0], memory[0], memory[1])
         dy[0] = y[1]
-        dy[1] = -force / system.mass[0]
+        dy[1] = -force / system.mass
 
     return rates if is_a(system, PairSystem) else None
+
+
+@overload(_integrator.horizon, jit_options=LEAF)
+def _horizon(system, t, y, mode, memory):
+    def most(system, t, y, mode, memory):
+        # the force is not smooth where the bodies part: steps towards it shrink anyway
+        if y[1] >= 0.0 or system.law[DAMPER] > 0.0:
+            return np.inf
+        until_parting = (y[0] - residual(system.law, memory[1])) / -y[1]
+        return max(_TOWARDS_PARTING * until_parting, system.instant)
+
+    return most if is_a(system, PairSystem) else None
 
 
 @overload(_integrator.forces, jit_options=LEAF)
@@ -121,14 +136,14 @@ def elastic_depths(laws, energy, out):
         out[i] = elastic_depth(laws[i], energy[i])
 
 
-@leaf_kernel
+@called_kernel
 def _force_within(system, record, row, x, y):
     evaluate(record.dense[row], x, y)
     memory = record.memory[row]
     return contact_force(system.law, y[0], y[1], record.mode[row, 0], memory[0], memory[1])[0]
 
 
-@leaf_kernel
+@called_kernel
 def _top_of_step(system, record, row, y):
     """Return the largest force within a step and where: of its ends, and of the vertex of ever narrower parabolas."""
     reach, middle = 0.5, 0.5
@@ -152,18 +167,23 @@ def _top_of_step(system, record, row, y):
     return best, at
 
 
-@leaf_kernel
+@called_kernel
 def _largest_force(system, record, steps, y):
-    """Return the largest force of a motion and its time."""
-    best, when = 0.0, 0.0
+    """Return the largest force of a motion and its time: about the step that begins with the largest."""
+    top, most = 0, -1.0
     for row in range(steps):
+        force = _force_within(system, record, row, 0.0, y)
+        if force > most:
+            most, top = force, row
+    best, when = -1.0, 0.0
+    for row in range(max(top - 1, 0), min(top + 2, steps)):
         force, at = _top_of_step(system, record, row, y)
         if force > best:
             best, when = force, record.time[row] + at * record.step[row]
     return best, when
 
 
-@leaf_kernel
+@called_kernel
 def _turning(record, steps, y):
     """Return the largest indentation of a motion and its time: where the rate is zero (regula falsi)."""
     for k in range(steps):
@@ -194,7 +214,7 @@ def _turning(record, steps, y):
     return 0.0, 0.0
 
 
-@leaf_kernel
+@called_kernel
 def begin(law, speed, deepest, y, mode, memory):
     """Set a motion to first touch at an approach speed, on a spot that has yielded to a depth."""
     memory[0], memory[1] = speed, max(deepest, depth_at_yield(law))
@@ -210,12 +230,12 @@ def impacts(laws, mass, speed, deepest, tolerance, record, out):
     """
     y, mode, memory, scale = np.empty(STATES), np.empty(1, dtype=np.int64), np.empty(2), np.empty(STATES)
     for i in range(mass.size):
-        system = PairSystem(laws[i], mass[i : i + 1])
         begin(laws[i], speed[i], deepest[i], y, mode, memory)
         depth = elastic_depth(laws[i], 0.5 * mass[i] * speed[i] ** 2)
         scale[0], scale[1] = depth, speed[i]
         period = depth / speed[i]
-        first = _FIRST_STEP if laws[i, DAMPER] == 0.0 else 0.2 * _FIRST_STEP
+        first = FIRST_STEP if laws[i, DAMPER] == 0.0 else 0.2 * FIRST_STEP
+        system = PairSystem(laws[i], mass[i], FIRST_STEP * period)
         control = Control(tolerance, scale, first * period, _LONGEST * period, _LONGEST * period)
         why, t, _, steps, _ = advance(system, control, 0.0, control.first_step, y, mode, memory, record, SWITCHES)
         out[:, i] = np.nan

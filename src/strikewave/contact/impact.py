@@ -317,7 +317,9 @@ def impact_history(impact: Impact, times: ArrayLike | None = None, tolerance: fl
     y, mode, memory = np.empty(STATES), np.empty(1, dtype=np.int64), np.empty(2)
     _pair_kernels.begin(problem.laws[0], problem.speed[0], problem.deepest[0], y, mode, memory)
     depth, speed = float(impact.max_indentation.reshape(-1)[0]), float(problem.speed[0])
-    control = Control(tolerance, np.array([depth, speed]), 2e-3 * depth / speed, duration, 2.0 * duration)
-    motion = integrate(PairSystem(problem.laws[0], problem.mass), State(0.0, y, mode, memory), control, (1, SWITCHES))
+    period = depth / speed
+    control = Control(tolerance, np.array([depth, speed]), 2e-3 * period, duration, 2.0 * duration)
+    system = PairSystem(problem.laws[0], float(problem.mass[0]), _pair_kernels.FIRST_STEP * period)
+    motion = integrate(system, State(0.0, y, mode, memory), control, (1, SWITCHES))
     states, forces = motion.sample(np.minimum(t, motion.end.time))
     return History(t, states[:, 0], states[:, 1], forces[:, 0], INTEGRATOR)
