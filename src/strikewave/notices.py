@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-import numpy as np
-
 from strikewave.case import Case
 from strikewave.contact import (
+    Geometry,
     damping_law,
     factor,
-    line_cap,
-    line_yield_pressure,
+    first_yield,
     restitution,
     stiffness_law,
 )
@@ -112,19 +110,27 @@ def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
 
 
 def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
-    """Warn where a line contact goes beyond its first yield."""
+    """Warn where an elastic contact goes beyond its first yield, or a cap lies below it."""
     rig = case.rig()
     bodies = material(rig.striker.material), material(rig.object.material)
-    pressures = [line_yield_pressure(body, body.yield_strength) for body in bodies if body.yield_strength is not None]
-    of_line = "length" in stiffness_law(rig.contact.law).needs
-    if not of_line or not pressures or rig.contact.yield_pressure is not None:
+    length = rig.striker.contact_length.si if "length" in stiffness_law(rig.contact.law).needs else None
+    first = first_yield(*bodies, Geometry(rig.striker.nose_radius.si, math.inf, length))
+    if first is None:
         return
-    cap = line_cap(*bodies, rig.striker.nose_radius.si, math.inf, rig.striker.contact_length.si, min(pressures))
-    limit = float(np.asarray(cap.yield_load))
+    given = rig.contact.yield_pressure
+    if given is not None:
+        if given.si < first.pressure:
+            message = (
+                f"contact.yield_pressure, {given.typed}, is below the {first.pressure / 1e6:.4g} MPa at which the "
+                "weaker material first yields inside: the contact is taken as softer than it is"
+            )
+            yield Notice("yield-pressure-low", message, given.si, first.pressure)
+        return
+    limit = first.load
     peak = max(blow.peak_force for blow in struck)
     if peak > limit:
         message = (
-            f"the line contact yields below its surface (von Mises) beyond {limit / 1e3:.3g} kN and is loaded with "
+            f"the contact yields below its surface (von Mises) beyond {limit / 1e3:.3g} kN and is loaded with "
             f"{peak / 1e3:.3g} kN: the elastic law is stretched; give contact.yield_pressure, or trust the rigid "
             "pulse, which hangs on frame and mount, more than the contact force"
         )

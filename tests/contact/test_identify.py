@@ -12,7 +12,7 @@ from scipy.stats import chi2
 
 from strikewave.contact import Contact, exact, impact_history, solve_impact
 from strikewave.contact.force_pulse import ForcePulse, cut_out
-from strikewave.contact.identify import COMBINATIONS, identify
+from strikewave.contact.identification import COMBINATIONS, identify
 from strikewave.contact.pulse_fit import SCALES, VALUES
 
 IMPACTS = Path(__file__).parents[3] / "shared" / "data" / "smd-5kg-impacts"

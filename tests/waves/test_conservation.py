@@ -239,7 +239,7 @@ def test_energy_of_a_striker_goes_into_stack_and_contact(stack, exponent, chi):
         nothing = Recording(np.zeros((0, 2), dtype=np.int64), 1, np.zeros((1, 0)), np.zeros((1, 0, 3)))
         unseen = Extremes(np.zeros((0, 2), dtype=np.int64), 1, np.zeros(0), np.zeros(0))
         touches = np.zeros((50, 3))
-        count, v, entered, _, lost = _impact_kernels.strike(
+        count, v, entered, _, lost, _ = _impact_kernels.strike(
             tables, state, law, mass, speed, steps, (nothing, nothing), unseen, np.zeros(6), touches
         )
         before = 0.5 * mass * speed**2

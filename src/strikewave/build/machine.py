@@ -59,7 +59,15 @@ def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
 def face_stiffness(striker: Striker, contact: ContactTable, face: Material) -> Stiffness | LogarithmicStiffness:
     """Return the contact stiffness of a striker on a plane face of a material."""
     nose = material(striker.material, "striker.material")
+    needs = stiffness_law(contact.law, "contact.law").needs
     depth = contact.datum_depth.si if contact.datum_depth else None
+    if contact.datum_depth is not None and "datum_depth" not in needs:
+        raise InputError(
+            "contact.datum_depth", contact.datum_depth.typed, f"none for the law {contact.law}", "remove it"
+        )
+    if depth is None and "datum_depth" in needs:
+        allowed = f"how deep the struck body is, for the law {contact.law} on a plane face"
+        raise InputError("contact.datum_depth", MISSING, allowed, 'such as datum_depth = "30 mm"')
     geometry = Geometry(striker.nose_radius.si, math.inf, striker.contact_length.si, depth)
     return stiffness_of(contact.law, nose, face, geometry, "contact.law")
 
@@ -67,6 +75,9 @@ def face_stiffness(striker: Striker, contact: ContactTable, face: Material) -> S
 def pressure_cap(striker: Striker, contact: ContactTable, face: Material) -> PressureCap | None:
     """Return the cap on the pressure of a striker on a face, where the case has one."""
     if contact.yield_pressure is None:
+        if contact.yields != "face":
+            allowed = "only with contact.yield_pressure: nothing yields without it"
+            raise InputError("contact.yields", contact.yields, allowed, "add the pressure, or remove it")
         return None
     nose, radius = material(striker.material, "striker.material"), striker.nose_radius.si
     if "length" in stiffness_law(contact.law, "contact.law").needs:

@@ -14,7 +14,7 @@ from strikewave.cli import measured
 from strikewave.cli.common import Force, Json, Out, number, print_json, say, significant, table
 
 if TYPE_CHECKING:
-    from strikewave.contact.identify import Estimate, Identified
+    from strikewave.contact.identification import Estimate, Identified
     from strikewave.records import ChannelReading, Options
 
 NOT_DESCRIBED = 3
@@ -225,7 +225,7 @@ def _newtons(reading: ChannelReading, struck: float | None) -> float:
 def _identified(
     file: str, reading: ChannelReading, scale: float, known: dict[str, float], typed: tuple[str | None, str | None]
 ) -> Identified:
-    from strikewave.contact.identify import identify
+    from strikewave.contact.identification import identify
     from strikewave.errors import InputError
     from strikewave.units import parse_typed
 
@@ -278,7 +278,7 @@ def _row(estimate: Estimate) -> dict[str, Any]:
 
 
 def _warnings(result: Result) -> list[dict[str, Any]]:
-    from strikewave.contact.identify import DESCRIBED
+    from strikewave.contact.identification import DESCRIBED
 
     found = result.found
     warnings = [

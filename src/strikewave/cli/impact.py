@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -199,6 +200,8 @@ def _restitution_differs(setup: options.Setup, blow: Impact) -> dict[str, Any] |
     if asked is None or abs(came - asked) <= ERRORS[blow.method]:
         return None
     if float(blow.flattening) > 1.0:
+        if asked == 1.0:
+            return None
         message = (
             f"the contact yields: e = {came:.4f} comes out, not the {asked:g} asked of {setup.loss.law.name} alone"
         )
@@ -220,24 +223,34 @@ def _expected(setup: options.Setup) -> str:
 
 
 def _contact_yields(setup: options.Setup, blow: Impact) -> dict[str, Any] | None:
-    """Warn of a line contact solved as elastic whose materials would yield."""
-    from strikewave.contact import line_cap, line_yield_pressure
+    """Warn of a contact solved as elastic whose materials would yield, of a cap below that, or of no check at all."""
+    from strikewave.contact import first_yield
 
-    sizes, bodies = setup.base.sizes, setup.base.bodies
-    if setup.cap is not None or setup.base.shape != "line" or bodies is None:
+    sizes, bodies, peak = setup.base.sizes, setup.base.bodies, float(blow.peak_force)
+    if bodies is None:
         return None
-    pressures = [line_yield_pressure(b, b.yield_strength) for b in bodies if b.yield_strength is not None]
-    if sizes.radius1 is None or sizes.length is None or not pressures:
+    if sizes.radius1 is None:
+        message = "whether the contact yields is not checked: --radius1 says where"
+        return None if setup.cap else _warning("yield-unchecked", message)
+    first = first_yield(*bodies, sizes if setup.base.shape == "line" else replace(sizes, length=None))
+    if first is None:
         return None
-    cap = line_cap(*bodies, sizes.radius1, sizes.radius2, sizes.length, min(pressures))
-    limit, peak = float(cap.yield_load), float(blow.peak_force)  # type: ignore[arg-type]
+    pressure, limit = first
+    if setup.cap is not None:
+        capped = float(setup.cap.yield_load)  # type: ignore[arg-type]
+        if capped >= limit:
+            return None
+        message = f"the contact is let yield from {capped:.4g} N on; the materials first yield inside at {limit:.4g} N"
+        return _warning(
+            "yield-pressure-low", message + f" ({pressure / 1e9:.3g} GPa): is the unit right?", capped, limit
+        )
     if peak <= limit:
         return None
     message = (
         f"the peak force of {peak / 1e3:.4g} kN is above the {limit / 1e3:.4g} kN at which the materials first yield "
-        f"inside; elastic here (--yield-pressure takes yielding in; first yield is at {min(pressures) / 1e9:.3g} GPa)"
+        f"inside; elastic here (--yield-pressure takes yielding in; first yield is at {pressure / 1e9:.3g} GPa)"
     )
-    return _warning("contact-yields", message, peak, limit)
+    return _warning("contact-yield", message, peak, limit)
 
 
 def _from_memory(setup: options.Setup) -> list[dict[str, Any]]:

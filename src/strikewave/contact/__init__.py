@@ -12,6 +12,7 @@ from strikewave.contact.chain import Chain, ChainMotion, Spring, Stop, Touch, si
 from strikewave.contact.dampers import damper_law, damper_laws
 from strikewave.contact.damping import damping_law, damping_laws, exact, factor, li_ma_printed, restitution
 from strikewave.contact.elastoplastic import (
+    first_yield,
     line_cap,
     line_yield_pressure,
     point_cap,
@@ -20,6 +21,7 @@ from strikewave.contact.elastoplastic import (
     thornton_restitution,
     yield_speed,
 )
+from strikewave.contact.identification import Identified, identify
 from strikewave.contact.impact import History, Impact, impact_history, reduced_mass, solve_impact
 from strikewave.contact.law import AnyContact, Contact, Damper, LogarithmicContact, PressureCap
 from strikewave.contact.registry import DamperLaw, DampingLaw, Law, StiffnessLaw
@@ -46,6 +48,7 @@ __all__ = [
     "DampingLaw",
     "Geometry",
     "History",
+    "Identified",
     "Impact",
     "Law",
     "LogarithmicContact",
@@ -63,7 +66,9 @@ __all__ = [
     "damping_laws",
     "exact",
     "factor",
+    "first_yield",
     "hertz",
+    "identify",
     "impact_history",
     "johnson",
     "li_ma_printed",

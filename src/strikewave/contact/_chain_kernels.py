@@ -193,11 +193,11 @@ def link_switches(joins, values, y, bases, bodies, mode, memory, g):
 
 @leaf_kernel
 def remember(joins, values, memory, i, deepest):
-    """Keep the depth to which contact i has yielded, for all contacts of its spot."""
-    memory[deepest_place(joins, memory, i)] = deepest
+    """Keep the depth to which contact i has yielded, for all contacts of its spot: the deepest of any."""
     for j in range(joins.shape[0]):
-        if values[j, SPOT] > 0.0 and values[j, SPOT] == values[i, SPOT]:
-            memory[deepest_place(joins, memory, j)] = deepest
+        if j == i or (values[j, SPOT] > 0.0 and values[j, SPOT] == values[i, SPOT]):
+            place = deepest_place(joins, memory, j)
+            memory[place] = max(memory[place], deepest)
 
 
 @leaf_kernel

@@ -224,7 +224,7 @@ def impact(stiffness, exponent, chi, mass, speed):
         deepest = ((n + 1.0) * mass * speed**2 / (2.0 * stiffness)) ** (1.0 / (n + 1.0))
         q = 1.0 / (n + 1.0)
         kappa = 2.0 * math.sqrt(math.pi) * q * math.exp(math.lgamma(q) - math.lgamma(q + 0.5))
-        return 1.0, deepest, stiffness * deepest**n, kappa * deepest / speed
+        return restitution_of_span(span_of_factor(chi)), deepest, stiffness * deepest**n, kappa * deepest / speed
     span = span_of_factor(chi)
     e = restitution_of_span(span)
     unit = mass * speed**2 / (chi * chi * stiffness)

@@ -29,7 +29,7 @@ from strikewave.contact._chain_kernels import (
 from strikewave.contact._integrator import Control
 from strikewave.contact._law_kernels import COLUMNS, DAMPING, OFFSET, PRELOAD, SLOWEST, SPOT, STIFFNESS, YIELD_LOAD
 from strikewave.contact._pair_kernels import depths_at_yield, energies, spots
-from strikewave.contact.law import AnyContact, check, elastic_indentation, rows
+from strikewave.contact.law import AnyContact, LogarithmicContact, check_end, elastic_indentation, single
 from strikewave.contact.motion import Motion, State, integrate
 from strikewave.errors import nearest
 
@@ -122,7 +122,7 @@ class Chain:
                 raise ValueError(f"a link joins two nodes, one of them a body, got {link.behind!r} and {link.ahead!r}")
             if isinstance(link, Touch):
                 try:
-                    check(link.contact)
+                    single(link.contact)
                 except ValueError as error:
                     raise ValueError(f"link of {link.behind!r} to {link.ahead!r}: {error}") from None
             elif not (link.stiffness >= 0.0 and link.damping >= 0.0):
@@ -188,7 +188,7 @@ def link_arrays(links: Sequence[Link], nodes: Sequence[str]) -> Links:
     for i, link in enumerate(links):
         joins[i] = kinds[type(link)], nodes.index(link.behind), nodes.index(link.ahead)
         if isinstance(link, Touch):
-            values[i] = rows(link.contact)[0]
+            values[i] = single(link.contact)
             values[i, SLOWEST], values[i, SPOT] = link.slowest_approach, link.spot
         else:
             values[i, [STIFFNESS, DAMPING, YIELD_LOAD]] = link.stiffness, link.damping, np.inf
@@ -287,7 +287,23 @@ def simulate(
     y = np.concatenate([x, v, np.zeros(len(chain.links))])
     start = State(0.0, y, first_modes(links, np.concatenate([x, base])), memory)
     control = Control(tolerance, scale, 2e-3 * period, max(duration, period), duration)
-    return ChainMotion(chain, integrate(system, start, control, (len(chain.links), SWITCHES * len(chain.links))))
+    motion = integrate(system, start, control, (len(chain.links), SWITCHES * len(chain.links)))
+    _check_ends(chain, links, motion)
+    return ChainMotion(chain, motion)
+
+
+def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
+    """Refuse a motion that pressed a contact beyond the end of its logarithmic law."""
+    touches = [(i, link.contact) for i, link in enumerate(chain.links) if isinstance(link, Touch)]
+    ending = [(i, contact) for i, contact in touches if isinstance(contact, LogarithmicContact)]
+    if not ending:
+        return
+    states, _ = motion.sample(np.append(motion.record.time, motion.end.time))
+    base = np.array(list(chain.bases.values()), dtype=float)
+    pressed = np.array([compressions(links, np.append(row, base)) for row in states[:, : len(chain.bodies)]])
+    for i, contact in ending:
+        check_end(contact, float(pressed[:, i].max()))
+
 
 
 def _speed_scale(chain: Chain, links: Links, nodes: Array, speeds: Array) -> float:

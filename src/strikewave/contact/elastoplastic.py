@@ -18,16 +18,25 @@ from his argument and from Johnson's elastic line contact (1985, sections 4.2 an
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.contact import _pair_kernels
-from strikewave.contact.law import AnyContact, PressureCap, not_negative, positive, refuse, rows
-from strikewave.contact.stiffness import ElasticBody, contact_modulus, reduced_radius
+from strikewave.contact.law import AnyContact, PressureCap, flat, not_negative, positive, refuse, rows, shape_of, single
+from strikewave.contact.stiffness import ElasticBody, Geometry, contact_modulus, reduced_radius
 
 Array = NDArray[np.float64]
+
+
+class PlasticBody(ElasticBody, Protocol):
+    """An elastic body with a yield strength, Pa, or None where it is not known."""
+
+    @property
+    def yield_strength(self) -> float | None:
+        """Yield strength, Pa."""
+
 
 LARGEST_PRESSURE = 1e15
 """Pressures beyond this are refused, Pa."""
@@ -111,6 +120,39 @@ def point_yield_pressure(body: ElasticBody, yield_strength: float) -> float:
     return (1.30075 + 0.87825 * nu + 0.54373 * nu * nu) * yield_strength
 
 
+class FirstYield(NamedTuple):
+    """Where the weaker of two bodies first yields inside: Hertz pressure, Pa, and load, N."""
+
+    pressure: float
+    load: float
+
+
+def first_yield(one: PlasticBody, other: PlasticBody, geometry: Geometry) -> FirstYield | None:
+    """Return where a contact first yields: that of a line where the geometry has a length, of spheres where not.
+
+    None where no radius or no yield strength is known.
+
+    Examples
+    --------
+    >>> from strikewave.contact import Geometry
+    >>> from strikewave.materials import material
+    >>> steel = material("65Mn")
+    >>> round(first_yield(steel, steel, Geometry(0.01, length=0.04)).load)
+    6399
+    """
+    known = [(body, body.yield_strength) for body in (one, other) if body.yield_strength is not None]
+    if geometry.radius1 is None or not known:
+        return None
+    sizes = (geometry.radius1, geometry.radius2)
+    if geometry.length is None:
+        pressure = min(point_yield_pressure(body, strength) for body, strength in known)
+        cap = point_cap(one, other, *sizes, pressure)
+    else:
+        pressure = min(line_yield_pressure(body, strength) for body, strength in known)
+        cap = line_cap(one, other, *sizes, geometry.length, pressure)
+    return FirstYield(pressure, float(np.asarray(cap.yield_load)))
+
+
 def yield_speed(contact: AnyContact, mass: ArrayLike) -> Array:
     """Return the approach speed above which a contact yields, sqrt(2 W(d_y)/m), m/s; without hysteresis.
 
@@ -123,12 +165,12 @@ def yield_speed(contact: AnyContact, mass: ArrayLike) -> Array:
     """
     if contact.cap is None:
         raise ValueError("a contact without a pressure cap does not yield")
-    laws = rows(contact, np.shape(mass))
+    shape = shape_of(contact, mass)
+    laws = rows(contact, shape)
     depth, energy = np.empty((2, len(laws)))
     _pair_kernels.depths_at_yield(laws, depth)
     _pair_kernels.energies(laws, depth, depth, energy)
-    reduced = positive("the mass", mass)
-    return np.asarray(np.sqrt(2.0 * energy.reshape(np.broadcast_shapes(reduced.shape)) / reduced))
+    return np.asarray(np.sqrt(2.0 * energy.reshape(shape) / positive("the mass", mass)))
 
 
 def thornton_restitution(speed_ratio: ArrayLike) -> Array:
@@ -166,7 +208,7 @@ def spot_after(contact: AnyContact, indentation: float, deepest: float) -> Spot:
     """
     out = np.empty((4, 1))
     out[0] = deepest
-    laws = rows(contact)
+    laws = single(contact)[None]
     _pair_kernels.spots(laws, out[0], out[1], out[2])
     _pair_kernels.slopes_back(laws, np.array([indentation]), out[0], out[3])
     return Spot(float(out[3, 0]), float(out[1, 0]), float(out[2, 0]))
@@ -191,8 +233,7 @@ def slow_force(contact: AnyContact, indentation: ArrayLike, deepest: ArrayLike =
     >>> print(slow_force(steel, [5e-6, 10e-6, 20e-6]).round(1), slow_force(steel, [5e-6, 10e-6], 20e-6).round(1))
     [ 167.7  474.3 1198.2] [ 76.9 349.9]
     """
-    d, before = np.broadcast_arrays(np.asarray(indentation, dtype=float), np.asarray(deepest, dtype=float))
-    laws = rows(contact, d.shape)
-    out = np.empty(len(laws))
-    _pair_kernels.slow_forces(laws, np.ravel(d), np.ravel(before), out)
-    return out.reshape(d.shape)
+    shape = shape_of(contact, indentation, deepest)
+    out = np.empty(math.prod(shape))
+    _pair_kernels.slow_forces(rows(contact, shape), flat(indentation, shape), flat(deepest, shape), out)
+    return out.reshape(shape)

@@ -161,7 +161,7 @@ class PulseRecord(NamedTuple):
     time, force : ndarray
         s and N.
     offset : float
-        Zero line: mean of the record before the pulse; 0 where there is nothing before it, N.
+        Zero line: mean before the pulse, within the window where it holds some; 0 where there is nothing, N.
     noise : float or None
         Standard deviation of a sample before the pulse, N; None where there are too few.
     before : int
@@ -213,7 +213,9 @@ def cut_out(time: ArrayLike, force: ArrayLike, window: tuple[float, float] | Non
             raise ValueError(f"only {held.size} samples lie within the window {window}; {FEWEST} are needed")
     _check_sign(t, f, held)
     top = int(held[np.argmax(f[held])])
-    zero, noise, before = _zero(t, f, top)
+    zero, noise, before = _zero(t[held], f[held], top - int(held[0]))
+    if not before:
+        zero, noise, before = _zero(t, f, top)
     f = f - zero
     peak = float(f[top])
     _check_clear(f[held], peak)

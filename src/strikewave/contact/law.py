@@ -29,7 +29,7 @@ from strikewave.contact._law_kernels import (
     STYLE,
     YIELD_LOAD,
 )
-from strikewave.errors import nearest
+from strikewave.errors import IntegrationError, nearest
 
 Array = NDArray[np.float64]
 
@@ -175,6 +175,9 @@ def check(contact: AnyContact) -> dict[int, Any]:
     if isinstance(contact, LogarithmicContact):
         row |= {FORM: LOGARITHMIC, STIFFNESS: positive("the slope", contact.slope)}
         row[EXPONENT] = positive("the load", contact.load)
+        if contact.cap is not None:
+            over = np.asarray(contact.cap.yield_load, dtype=float)
+            refuse("the yield load", over, over * math.e < row[EXPONENT], "below the end of the logarithmic law, B/e")
     else:
         n = np.asarray(contact.exponent, dtype=float)
         refuse("the exponent", n, (n >= 0.1) & (n <= 10.0), "within 0.1 to 10")
@@ -224,6 +227,30 @@ def rows(contact: AnyContact, shape: tuple[int, ...] = ()) -> Array:
     return table
 
 
+def shape_of(contact: AnyContact, *others: ArrayLike) -> tuple[int, ...]:
+    """Return the broadcast shape of the numbers of a law and of other numbers."""
+    return np.broadcast_shapes(*(np.shape(value) for value in (*check(contact).values(), *others)))
+
+
+def flat(values: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Return values broadcast to a shape, as a flat array of their own."""
+    return np.array(np.broadcast_to(np.asarray(values, dtype=float), shape)).reshape(-1)
+
+
+def single(contact: AnyContact) -> Array:
+    """Return one law as a row of numbers.
+
+    Raises
+    ------
+    ValueError
+        If the contact holds several, or a number of it is out of range.
+    """
+    table = rows(contact)
+    if len(table) != 1:
+        raise ValueError(f"one contact law is wanted here, got {len(table)}: its numbers are arrays")
+    return np.asarray(table[0])
+
+
 def elastic_indentation(contact: AnyContact, mass: float, speed: float) -> float:
     """Return the largest indentation without losses, [(n + 1) m v0^2 / (2 K)]^(1/(n + 1)) of a power law, m.
 
@@ -233,7 +260,7 @@ def elastic_indentation(contact: AnyContact, mass: float, speed: float) -> float
     31.623
     """
     out = np.empty(1)
-    _pair_kernels.elastic_depths(rows(contact), np.array([0.5 * mass * speed**2]), out)
+    _pair_kernels.elastic_depths(single(contact)[None], np.array([0.5 * mass * speed**2]), out)
     return float(out[0])
 
 
@@ -250,3 +277,38 @@ def indentation_under(contact: AnyContact, force: float) -> float:
         held = min(force, load / math.e)
         return held / slope * math.log(load / held)
     return float((force / float(np.asarray(contact.stiffness))) ** (1.0 / float(np.asarray(contact.exponent))))
+
+
+def check_end(contact: AnyContact, deepest: float) -> None:
+    """Refuse an indentation beyond the end of a logarithmic law, m.
+
+    Raises
+    ------
+    IntegrationError
+        If it is beyond.
+    """
+    if isinstance(contact, LogarithmicContact) and deepest >= float(contact.end_depth):
+        raise IntegrationError(
+            f"a contact is pressed {deepest * 1e3:.3g} mm deep, beyond the end of its logarithmic law at "
+            f"{float(contact.end_depth) * 1e3:.3g} mm: take a power law"
+        )
+
+
+def striking_law(contact: AnyContact) -> Array:
+    """Return the law of a striker on a stack of layers as a row of numbers.
+
+    Raises
+    ------
+    ValueError
+        If it is none that the waves take.
+
+    Examples
+    --------
+    >>> striking_law(Contact(1e9, 1.5, damper=Damper(1.0)))
+    Traceback (most recent call last):
+    ValueError: a striker on a stack takes a contact with hysteresis, not with a damper
+    """
+    row = single(contact)
+    if row[DAMPER]:
+        raise ValueError("a striker on a stack takes a contact with hysteresis, not with a damper")
+    return row

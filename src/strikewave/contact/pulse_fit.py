@@ -15,7 +15,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from strikewave.contact.force_pulse import ForcePulse, PulseRecord, shape, unit_impact
 
@@ -149,6 +148,8 @@ def solve(problem: Problem, start: Array) -> Fit:
     >>> round(problem.pulse(fit.unknown).restitution, 6)
     0.6
     """
+    from scipy.optimize import least_squares
+
     low, high = LOW[problem.free], HIGH[problem.free]
 
     def slopes(unknown: Array) -> Array:

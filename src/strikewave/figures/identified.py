@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.contact.identify import Identified
+from strikewave.contact.identification import Identified
 from strikewave.figures.records import legend_below, new_figure
 from strikewave.figures.style import BLUE, GREY, ORANGE, quiet
 
@@ -25,12 +25,12 @@ def identified_figure(found: Identified) -> Figure:
     Parameters
     ----------
     found : Identified
-        As `strikewave.contact.identify.identify` gives it.
+        As `strikewave.contact.identification.identify` gives it.
 
     Examples
     --------
     >>> from strikewave.contact.force_pulse import ForcePulse
-    >>> from strikewave.contact.identify import identify
+    >>> from strikewave.contact.identification import identify
     >>> t = np.arange(300) * 1e-6
     >>> figure = identified_figure(identify(t, ForcePulse(50e-6, 2e4, 60e-6, 1.5, 0.6).force(t)))
     >>> [axes.get_ylabel() for axes in figure.axes]

@@ -176,7 +176,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
     many steps, ``touches`` and ``switches`` (which, time); returns why it ended, the steps made, the numbers
     of touches and switches, the displacement of the end in its frame, the impulse that the waves got,
     energies (lost in stop, damper and contact, given by the feed, half of what first and last step push the end), and
-    the depth to which the contact has yielded.
+    the deepest indentation.
     """
     system, y, mode, memory = machine
     dt, z, g = tables.step, tables.impedance[0], np.empty(APEX_SWITCH + 1)

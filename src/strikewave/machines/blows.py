@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.contact.elastoplastic import spot_after
+from strikewave.contact.law import check_end
 from strikewave.machines._kernels import APEX_SWITCH
 from strikewave.machines.rotary import RotaryRun
 from strikewave.signal.pulse import measure_pulse
@@ -21,6 +22,8 @@ GLANCING_SHARE = 0.5
 """A blow whose approach speed is below this share of the nominal one is called glancing."""
 DOUBLE_SHARE = 0.1
 """A blow is called double when a later group of contacts carries this share of its contact impulse."""
+WORK_SAMPLES = 2001
+"""Samples of a contact over which its work is summed."""
 WINDOW_BEFORE, WINDOW_AFTER, SAMPLE_STEP = 50e-6, 1.5e-3, 0.25e-6
 """Window about a blow, before first touch and at least so long after first touch and last release; sampling, s."""
 
@@ -45,7 +48,7 @@ class Blow:
     approach_speed, rebound_speed : float
         Closing speed at first touch, parting speed at the last release.
     restitution : float
-        Rebound speed over approach speed: of contact, frame and mount together.
+        Of the contact: square root of the work that it gives back over the work that it takes (Stronge).
     indentation, residual_indentation : float
         Largest indentation of the contact, and what stays of it, m.
     contact_stiffness : float
@@ -178,8 +181,12 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
     free = min(until, max(dict(run.phases)["retract"], end))
     path = run.sample(np.linspace(begin, free, 2001)).assembly_place
     width = pulse.width if pulse else math.nan
-    indentation = float(run.sample(np.linspace(begin, end, 2001)).indentation.max())
-    spot = spot_after(run.machine.strikers.contact, indentation, run.deepest(end, striker))
+    before, (deep, restitution) = run.deepest(np.nextafter(begin, 0.0), striker), _work(run, rows)
+    yielded = run.deepest(end, striker)
+    if yielded > before:
+        deep = yielded
+    check_end(run.machine.strikers.contact, deep)
+    spot = spot_after(run.machine.strikers.contact, deep, yielded)
     rebound = run.span_at(np.nextafter(end, begin)).parting_speed(end, striker)
     return Blow(
         index=index,
@@ -189,8 +196,8 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
         contacts=len(rows),
         approach_speed=float(rows[0, 2]),
         rebound_speed=rebound,
-        restitution=rebound / float(rows[0, 2]),
-        indentation=indentation,
+        restitution=restitution,
+        indentation=deep,
         residual_indentation=spot.residual_indentation,
         contact_stiffness=spot.stiffness,
         flattening=spot.flattening,
@@ -206,6 +213,19 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
         retreat=float(path.max() - path[0]),
         turntable_speed=float(edges.turntable_speed[0]),
     )
+
+
+def _work(run: RotaryRun, rows: Array) -> tuple[float, float]:
+    """Return the largest indentation of some contacts, m, and their restitution by work given back over work taken."""
+    deepest, taken, back = 0.0, 0.0, 0.0
+    for begin, end in rows[:, :2]:
+        moments = run.sample(np.linspace(begin, end, WORK_SAMPLES))
+        d, force = moments.indentation, moments.contact_force
+        work = 0.5 * (force[1:] + force[:-1]) * np.diff(d)
+        deepest = max(deepest, float(d.max()))
+        taken += float(work[work > 0.0].sum())
+        back -= float(work[work < 0.0].sum())
+    return deepest, math.sqrt(back / taken) if taken > 0.0 else math.nan
 
 
 def _kind(run: RotaryRun, rows: Array, width: float) -> str:

@@ -21,7 +21,7 @@ from strikewave.contact._chain_kernels import (
     Links,
     remember,
 )
-from strikewave.contact._law_kernels import DAMPING, OFFSET, PRELOAD, STIFFNESS
+from strikewave.contact._law_kernels import DAMPING, OFFSET, PRELOAD, STIFFNESS, YIELD_LOAD
 from strikewave.contact.chain import first_modes, stored_energy
 from strikewave.contact.motion import State
 from strikewave.errors import IntegrationError
@@ -117,10 +117,11 @@ def strike(
         touches=touches[: min(contacts, _MOST_TOUCHES)],
         switched=switches[: min(changed, _MOST_SWITCHES)],
         momentum_error=float(abs(net - gained) / last[column.CONTACT_IMPULSE]),
-        yielded=float(deepest),
+        yielded=float(deepest) if math.isfinite(law[YIELD_LOAD]) else 0.0,
     )
     end = going.state_after(start.time + (steps - 1) * step, last, machine)
-    remember(system.joins, system.values, end.memory, going.striker, deepest)
+    if math.isfinite(law[YIELD_LOAD]):
+        remember(system.joins, system.values, end.memory, going.striker, deepest)
     going.settle_accounts(end, last, machine[1], u_end, energies)
     return span, end
 

@@ -233,9 +233,10 @@ def _contacts(solution: Solution) -> list[Table]:
         [str(b.index), *(fixed(getattr(b, name), si, unit, d) for name, si, unit, d in CONTACT_COLUMNS)] for b in struck
     ]
     caption = (
-        "Contact, blow by blow. The restitution is that of contact, frame and mount together. The stiffness is the "
-        "slope of the contact force at the largest indentation on the way back; what stays of the indentation, and the "
-        "radius of the spot over that before, change only where the case gives a yield pressure."
+        "Contact, blow by blow. The restitution is that of the contact: the square root of the work it gives back over "
+        "the work it takes; the rebound speed hangs on frame and mount too. The stiffness is the slope of the contact "
+        "force at the largest indentation on the way back; what stays of the indentation, and the radius of the spot "
+        "over that before, change only where the case gives a yield pressure."
     )
     return [Table(caption, ["#", *heads(CONTACT_COLUMNS)], rows)] if rows else []
 

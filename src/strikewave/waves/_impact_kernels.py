@@ -23,7 +23,7 @@ _ITERATIONS = 60
 
 DEPTH, RATE, FORCE, APPROACH, CLOSED, POWER, LOST, COUNT, QUIET, DEEPEST = range(10)
 """Places in the state of a contact: d, d', F, v0 of this interval, 1 while it touches, power lost, energy lost,
-intervals so far, time since the last one, depth to which it has yielded."""
+intervals so far, time since the last one, deepest indentation."""
 CONTACT_SIZE = 10
 
 
@@ -112,8 +112,7 @@ def press(law, contact, touches, t, dt, c0, c1):
         touching = d > left or first
         power, yielded = losses(law, d, rate, force, deepest) if d > left else (0.0, 0.0)
         contact[LOST] += yielded
-        if law[YIELD_LOAD] < np.inf:
-            contact[DEEPEST] = max(deepest, d)
+        contact[DEEPEST] = max(deepest, d)
     contact[LOST] += half * (power + contact[POWER])
     if touching != closed:
         at = t - (dt * (d - left) / (d - was) if d != was else 0.0)
@@ -135,7 +134,8 @@ def strike(tables, state, law, mass, speed, steps, recordings, extremes, integra
     """Let a rigid striker hit the stack at step 0, and follow both for so many steps.
 
     Fills ``touches`` (begin, end, approach speed of each contact) and returns how many there were, the speed
-    of the striker, the impulse on the stack, that on its end, and the energy lost in the contact.
+    of the striker, the impulse on the stack, that on its end, the energy lost in the contact, and the deepest
+    indentation.
     """
     dt, z = tables.step, tables.impedance[0]
     histories, norms, contact = np.zeros((4, 4)), np.zeros(3), np.empty(CONTACT_SIZE)
@@ -160,4 +160,4 @@ def strike(tables, state, law, mass, speed, steps, recordings, extremes, integra
     count = int(contact[COUNT])
     if contact[CLOSED] > 0.0 and count <= touches.shape[0]:
         touches[count - 1, 1] = steps * dt
-    return count, v, entered, through, contact[LOST]
+    return count, v, entered, through, contact[LOST], contact[DEEPEST]

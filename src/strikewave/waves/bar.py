@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.contact._law_kernels import DAMPER, SLOWEST, STIFFNESS
-from strikewave.contact.law import Contact, indentation_under, rows
+from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
+from strikewave.contact.law import Contact, check_end, indentation_under, striking_law
 from strikewave.waves import _impact_kernels, _kernels
 from strikewave.waves._kernels import Extremes, Recording
 from strikewave.waves.layers import Stack
@@ -305,10 +305,12 @@ def _run(
     # one step more than is kept, so that the last acceleration has both its neighbours
     if isinstance(load, Impactor):
         table = np.zeros((_MOST_TOUCHES, 3))
-        count, _, entered, through, lost = _impact_kernels.strike(
+        count, _, entered, through, lost, deepest = _impact_kernels.strike(
             tables, state, _law(load), load.mass, load.speed, steps + 1, (kept, pictured), extremes, norms, table
         )
         touches = table[: min(count, _MOST_TOUCHES)]
+        if load.contact is not None:
+            check_end(load.contact, deepest)
     else:
         history = load.at(grid.step * np.arange(steps + 1.0))
         by_speed = getattr(load, "kind", "force") == "speed"
@@ -341,9 +343,7 @@ def _run(
 
 def _law(load: Impactor) -> NDArray[np.float64]:
     """Return the contact law of an impactor as the kernels take it."""
-    row = rows(load.contact or Contact(1.0, 1.0))[0]
-    if row[DAMPER]:
-        raise ValueError("a striker on a stack takes a contact with hysteresis, not with a damper")
+    row = striking_law(load.contact or Contact(1.0, 1.0))
     row[SLOWEST] = load.slowest_approach
     if load.contact is None:
         row[STIFFNESS] = math.inf
