@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave.contact import Contact, Damper, Stiffness, damper_laws, hertz, solve_impact
+from strikewave.contact import Chain, Contact, Damper, Stiffness, Touch, damper_laws, hertz, simulate, solve_impact
 from strikewave.contact.dampers import (
     approach_restitution,
     cut_off_damping_ratio,
@@ -17,6 +17,7 @@ from strikewave.contact.dampers import (
     logarithmic_damping_ratio,
     pulling_restitution,
 )
+from strikewave.errors import IntegrationError
 
 CLOSED = {"pulls": pulling_restitution, "never-pulls": cut_off_restitution, "on-approach": approach_restitution}
 
@@ -140,3 +141,21 @@ def test_energy_of_a_linear_damper_is_that_of_the_damped_oscillator():
     assert float(blow.energy_lost) == pytest.approx(
         0.5 * m * v**2 * -math.expm1(-2 * math.pi * zeta * w0 / w), rel=1e-6
     )
+
+
+@pytest.mark.parametrize("zeta", [1.0, 2.0, 5.0])
+def test_a_pulling_damper_beyond_critical_never_lets_go(zeta):
+    stiffness = Stiffness(1e8, 1.0)
+    with pytest.raises(IntegrationError, match="never part"):
+        solve_impact(stiffness.contact(damper=damper_of_ratio(stiffness, 1.0, zeta, "pulls")), 1.0, np.inf, 1.0)
+
+
+def test_a_chain_with_a_damper_that_jumps_at_touch_meets_the_impact():
+    """Kelvin-Voigt pushes with c v0 at first touch: the chain restarts there, to 1e-7."""
+    stiffness = Stiffness(1e8, 1.0)
+    contact = stiffness.contact(damper=damper_of_ratio(stiffness, 0.3, 0.3, "never-pulls"))
+    blow = solve_impact(contact, 0.3, np.inf, 4.0)
+    chain = Chain({"a": 0.3}, [Touch("a", "wall", contact)], bases={"wall": 0.0})
+    motion = simulate(chain, {"a": -1e-4}, {"a": 4.0}, 1e-4 / 4.0 + 2 * float(blow.duration), tolerance=1e-9)
+    assert -motion.speeds(motion.motion.end.time)[0] / 4.0 == pytest.approx(float(blow.restitution), rel=2e-7)
+    assert float(blow.duration) < math.pi / math.sqrt(1e8 / 0.3 * (1 - 0.3**2))

@@ -29,6 +29,7 @@ from strikewave.contact import (
     thornton_restitution,
     yield_speed,
 )
+from strikewave.contact.elastoplastic import spot_after
 from strikewave.materials import material
 
 STEEL = material("65Mn")
@@ -236,3 +237,57 @@ def test_unknown_shape_and_bad_loads_are_refused():
         solve_impact(Contact(1e9, 1.5, cap=PressureCap(-1.0, "point")), 1, 1, 1)
     with pytest.raises(ValueError, match="does not yield"):
         yield_speed(Contact(1e9, 1.5), 1.0)
+
+
+def test_arrays_of_laws_and_indentations_broadcast():
+    several = Contact(1.5e10, 1.5, cap=PressureCap(np.array([300.0, 600.0]), "point"))
+    d = np.array([[5e-6], [20e-6], [50e-6]])
+    assert slow_force(several, d).shape == (3, 2)
+    assert slow_force(several, 20e-6)[1] == slow_force(Contact(1.5e10, 1.5, cap=PressureCap(600.0, "point")), 20e-6)
+    assert slow_force(Contact(np.full(100_000, 1e9), 1.5), [1e-6]).shape == (100_000,)
+    assert yield_speed(several, 0.03).shape == (2,)
+
+
+def test_where_one_law_is_wanted_several_are_refused():
+    with pytest.raises(ValueError, match="one contact law is wanted here, got 2"):
+        Chain({"a": 1.0, "b": 1.0}, [Touch("a", "b", Contact([1e9, 1e12], 1.5))])
+
+
+def test_a_cap_beyond_the_end_of_a_logarithmic_law_is_refused():
+    law = johnson(STEEL, STEEL, RADIUS, math.inf, LENGTH, 0.03)
+    cap = line_cap(STEEL, STEEL, RADIUS, math.inf, LENGTH, 1e12)
+    with pytest.raises(ValueError, match="below the end of the logarithmic law"):
+        solve_impact(law.contact(cap=cap), 0.2, np.inf, 1.0)
+
+
+def test_a_shared_spot_never_forgets_its_deepest_blow():
+    """A hard and a soft blow overlap on one spot; the soft one unloads last and must not undo the hard one's depth."""
+    links = [Touch("hard", "wall", SPHERE, spot=1), Touch("soft", "wall", SPHERE, spot=1)]
+    chain = Chain({"hard": 0.1, "soft": 1.0}, links, bases={"wall": 0.0})
+    motion = simulate(chain, {}, {"hard": 3.0, "soft": 0.5}, 2e-3)
+    depths = motion.motion.record.memory[:, -2:]
+    assert np.all(np.diff(depths, axis=0) >= 0.0)
+    assert motion.motion.end.memory[-1] == motion.motion.end.memory[-2] == depths.max()
+
+
+@pytest.mark.parametrize("name", sorted(EVERY))
+def test_stored_energy_of_a_pressed_spot_is_the_area_under_its_unloading(name):
+    """A chain that starts pressed to 0.9 D: the body leaves with that energy, to 1e-6; nothing yields on."""
+    from strikewave.contact.chain import link_arrays, stored_energy
+
+    contact, mass = EVERY[name], 0.1
+    deepest = 3.0 * float(solve_impact(contact, mass, np.inf, 3.0).max_indentation)
+    d = np.linspace(0.0, 0.9 * deepest, 200_001)
+    force = slow_force(contact, d, deepest)
+    links = link_arrays([Touch("a", "b", contact)], ["a", "b"])
+    stored = stored_energy(links, np.array([0.9 * deepest, 0.0]), np.array([deepest]))
+    assert stored == pytest.approx(np.trapezoid(force, d), rel=1e-6)
+
+
+@pytest.mark.parametrize("name", sorted(EVERY))
+def test_slope_on_the_way_back_is_the_derivative_of_the_force(name):
+    contact, deepest = EVERY[name], 40e-6
+    step = 1e-10
+    for d in (25e-6, 39e-6):
+        slope = (slow_force(contact, d + step, deepest) - slow_force(contact, d - step, deepest)) / (2 * step)
+        assert spot_after(contact, d, deepest).stiffness == pytest.approx(float(slope), rel=1e-5)

@@ -257,3 +257,22 @@ def test_a_real_board_that_rings_is_not_described_by_the_law(number):
     assert not found.described
     assert "does not describe this pulse" in found.words[-1]
     assert all(found.values[name].value is None for name in SCALES)
+
+
+@pytest.mark.parametrize("start", [-3.0, 1e4, 1e6])
+def test_absolute_time_stamps_change_nothing_but_the_begin(start):
+    """Time is counted from the first sample; stamps of 1e6 s are 1e-10 s coarse."""
+    t = np.arange(300) * 1e-6
+    force = ForcePulse(50e-6, 2e4, 60e-6, 1.5, 0.6).force(t)
+    found = identify(t + start, force, {"mass": 0.1})
+    assert found.values["exponent"].value == pytest.approx(1.5, rel=1e-3)
+    assert found.values["restitution"].value == pytest.approx(0.6, rel=1e-3)
+    assert found.begin.value - start == pytest.approx(50e-6, abs=1e-8)
+
+
+def test_a_window_on_the_second_blow_takes_its_zero_from_within():
+    t = np.arange(4000) * 1e-6
+    force = ForcePulse(500e-6, 2e4, 60e-6, 1.5, 0.9).force(t) + ForcePulse(3e-3, 1e4, 60e-6, 1.5, 0.6).force(t)
+    found = identify(t, force, {"mass": 0.1}, window=(2e-3, 1.0))
+    assert found.offset == 0.0
+    assert found.values["restitution"].value == pytest.approx(0.6, rel=1e-4)

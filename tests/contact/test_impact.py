@@ -10,16 +10,20 @@ from scipy.integrate import quad
 from scipy.special import betainc
 
 from strikewave.contact import (
+    Chain,
     Contact,
     Damper,
     LogarithmicContact,
     PressureCap,
+    Touch,
     exact,
     impact_history,
     restitution,
+    simulate,
     solve_impact,
 )
 from strikewave.errors import IntegrationError
+from strikewave.waves import Impactor, Layer, Stack, Tap, Wanted, run_bar
 
 NUMBERS = ("restitution", "max_indentation", "peak_force", "duration", "energy_lost", "peak_time", "turning_time")
 
@@ -230,3 +234,22 @@ def test_a_linear_damper_pushes_from_first_touch():
     history = impact_history(blow)
     assert history.force[0] == pytest.approx(2e3 * 3.0, rel=1e-12)
     assert float(blow.peak_force) >= 2e3 * 3.0
+
+
+def test_chains_and_bars_refuse_what_presses_beyond_a_logarithmic_law():
+    contact = LogarithmicContact(1e10, 1e5)
+    with pytest.raises(IntegrationError, match="beyond the end of its logarithmic law"):
+        simulate(Chain({"a": 1.0, "b": 1.0}, [Touch("a", "b", contact)]), {}, {"a": 100.0}, 1e-3)
+    bar = Stack((Layer("bar", 7820.0, 211e9, 1e-3, 0.5),))
+    with pytest.raises(IntegrationError, match="beyond the end of its logarithmic law"):
+        run_bar(bar, Impactor(0.2, 5.0, LogarithmicContact(1e10, 1e4)), [Tap(0, 0.0)], 1e-4, Wanted(step=1e-8))
+    # a blow between the end and ten times it
+    with pytest.raises(IntegrationError, match="beyond the end"):
+        solve_impact(contact, 1.0, np.inf, 1.2 * math.sqrt(2 * 1e5**2 / (4 * 1e10 * math.e**2)))
+
+
+def test_next_to_elastic_loses_what_its_factor_says():
+    """1 - e = 2 chi/3 to first order."""
+    blow = solve_impact(Contact(1e9, 1.5, 9e-10), 1.0, np.inf, 1.0)
+    assert 1.0 - float(blow.restitution) == pytest.approx(6e-10, rel=1e-6)
+    assert float(blow.energy_lost) == pytest.approx(6e-10, rel=1e-6)

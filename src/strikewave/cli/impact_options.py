@@ -167,6 +167,10 @@ def read_base(typed: StiffnessOptions) -> Base:
         if typed.exponent is None:
             hint = "a line contact has 1.1111, a sphere 1.5"
             raise InputError("--exponent", MISSING, "the exponent n that belongs to --stiffness", hint)
+        beside = {"--length": typed.length, "--radius1": typed.radius1, "--datum-depth": typed.datum_depth}
+        for option, text in beside.items():
+            if text is not None:
+                raise InputError(option, text, "only with --law: --stiffness says it all", "remove it")
         k = plain(str(typed.stiffness), "--stiffness", 0.0, 1e30)
         return Base(Stiffness(k, plain(typed.exponent, "--exponent", 0.1, 10.0, "from")), Geometry())
     if typed.exponent is not None:
@@ -195,6 +199,10 @@ def _by_law(law: str, needs: tuple[str, ...], sizes: Geometry, bodies: tuple[Mat
     for need in ("length", "radius1"):
         if need in needs and getattr(sizes, need) is None:
             raise _missing(need, f"of the law {law}")
+    for size in ("length", "datum_depth"):
+        if size not in needs and getattr(sizes, size) is not None:
+            option = "--" + size.replace("_", "-")
+            raise InputError(option, f"{getattr(sizes, size):g} m", f"none for the law {law}", "remove it")
     radius, hole = sizes.radius1, -sizes.radius2
     if radius is not None and 0.0 < hole <= radius:
         raise InputError("--radius2", f"{-hole:g} m", f"a hole larger than --radius1, {radius:g} m")

@@ -41,6 +41,8 @@ FIRST_STEP = 1e-2
 not smooth at first touch."""
 _TOWARDS_PARTING = 0.7
 """Share of the time until the bodies part, at their present rate, that a step may cover."""
+_STUCK_TOGETHER = 1e-7
+"""Share of the approach speed below which bodies do not part: what is left is the integrator's error."""
 _LONGEST = 1e9
 """Longest contact over the time that the largest elastic indentation takes at the approach speed."""
 
@@ -239,7 +241,7 @@ def impacts(laws, mass, speed, deepest, tolerance, record, out):
         control = Control(tolerance, scale, first * period, _LONGEST * period, _LONGEST * period)
         why, t, _, steps, _ = advance(system, control, 0.0, control.first_step, y, mode, memory, record, SWITCHES)
         out[:, i] = np.nan
-        if why != STOPPED:
+        if why != STOPPED or -y[1] < _STUCK_TOGETHER * speed[i]:
             continue
         out[RESTITUTION, i], out[DURATION, i] = -y[1] / speed[i], t
         out[DEEPEST, i] = memory[1] if memory[1] > depth_at_yield(laws[i]) else 0.0

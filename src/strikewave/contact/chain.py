@@ -305,7 +305,6 @@ def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
         check_end(contact, float(pressed[:, i].max()))
 
 
-
 def _speed_scale(chain: Chain, links: Links, nodes: Array, speeds: Array) -> float:
     """Return a speed that the bodies have or will get from stored energy and gravity, m/s."""
     masses = np.array(list(chain.bodies.values()))

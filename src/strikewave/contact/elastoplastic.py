@@ -138,7 +138,7 @@ def first_yield(one: PlasticBody, other: PlasticBody, geometry: Geometry) -> Fir
     >>> from strikewave.materials import material
     >>> steel = material("65Mn")
     >>> round(first_yield(steel, steel, Geometry(0.01, length=0.04)).load)
-    6399
+    6398
     """
     known = [(body, body.yield_strength) for body in (one, other) if body.yield_strength is not None]
     if geometry.radius1 is None or not known:

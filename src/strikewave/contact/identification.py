@@ -154,19 +154,32 @@ def identify(
     given = _checked_known(known or {})
     if noise is not None and not 0.0 < noise < math.inf:
         raise ValueError(f"the noise must be a standard deviation above zero, N, got {noise!r}")
-    record = cut_out(time, force, window)
-    problem = Problem(record, given)
+    stamps = np.atleast_1d(np.asarray(time, dtype=float))
+    start = float(stamps[0]) if stamps.size and math.isfinite(stamps[0]) else 0.0
+    within = None if window is None else (window[0] - start, window[1] - start)
+    problem = Problem(cut_out(stamps - start, force, within), given)
     alone = minima(problem.without_scales)
     if len(problem.scales) < 2:
-        return _told([replace(fit, problem=problem) for fit in alone], alone[0], noise)
-    fits = [solve(problem, near(problem, fit)) for fit in alone]
-    return _told(sorted(fits, key=lambda fit: fit.spread), alone[0], noise)
+        found = _told([replace(fit, problem=problem) for fit in alone], alone[0], noise)
+    else:
+        fits = [solve(problem, near(problem, fit)) for fit in alone]
+        found = _told(sorted(fits, key=lambda fit: fit.spread), alone[0], noise)
+    return _from(found, start)
+
+
+def _from(found: Identified, start: float) -> Identified:
+    """Return what was found with its times counted as those of the record, not from its first sample."""
+    begin, error, given = found.begin
+    pulse = replace(found.pulse, begin=found.pulse.begin + start)
+    return replace(found, begin=Estimate((begin or 0.0) + start, error, given), time=found.time + start, pulse=pulse)
 
 
 def _checked_known(known: Mapping[str, float]) -> dict[str, float]:
     for name, value in known.items():
         if name not in VALUES:
             raise ValueError(f"{name!r} cannot be known; {nearest(str(name), VALUES)}")
+        if not isinstance(value, int | float | np.number):
+            raise ValueError(f"the {name} known must be a number, SI, got {value!r}")
         low, high = {"exponent": EXPONENTS, "restitution": RESTITUTIONS}.get(name, (0.0, math.inf))
         if not (low <= value <= high and 0.0 < value < math.inf):
             allowed = f"within {low:g} to {high:g}" if high < math.inf else "above zero and finite"

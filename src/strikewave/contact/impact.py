@@ -232,8 +232,8 @@ def _by_steps(contact: AnyContact, problem: Problem, tolerance: float) -> Impact
         at, where = lost[0], np.unravel_index(lost[0], problem.shape)
         raise IntegrationError(
             f"the impact {_index(where)} of {problem.mass[at]:.3g} kg at {problem.speed[at]:.3g} m/s could not be "
-            f"followed in {_STEPS} steps: a number of its law is extreme (stiffness {laws[at, STIFFNESS]:.3g}, damper "
-            f"{laws[at, DAMPER]:.3g}, yield load {laws[at, YIELD_LOAD]:.3g}, SI)"
+            f"followed in {_STEPS} steps, or its bodies never part (a damper that pulls, zeta >= 1): see its stiffness "
+            f"{laws[at, STIFFNESS]:.3g}, damper {laws[at, DAMPER]:.3g} and yield load {laws[at, YIELD_LOAD]:.3g}, SI"
         )
     if isinstance(contact, LogarithmicContact):
         end = np.broadcast_to(contact.end_depth, problem.shape).reshape(-1)
