@@ -46,7 +46,7 @@ BLOW_KEYS = {
 KEYS = BLOW_KEYS | {
     "schema", "version", "units", "warnings", "asked_restitution", "peak_time", "turning_time", "method", "stiffness",
     "exponent", "slope", "load", "hysteresis_factor", "law", "law_status", "damping", "damping_status", "damper",
-    "damper_status", "damper_coefficient", "damper_exponent", "yield_load", "shape", "blows",
+    "damper_status", "damper_coefficient", "damper_exponent", "yield_load", "shape", "cap", "cap_status", "blows",
 }  # fmt: skip
 
 
@@ -79,7 +79,7 @@ def test_keys_of_a_power_law(impact):
     assert_same(document, solve_impact(Contact(1e9, 1.5, exact(0.5)), 0.2, 0.459, 5.0))
     assert (document["law"], document["damping"], document["method"]) == ("given", "exact", "closed form")
     assert (document["flattening"], document["residual_indentation"]) == (1.0, 0.0)
-    for key in ("slope", "load", "damper", "damper_status", "damper_coefficient", "yield_load", "shape"):
+    for key in ("slope", "load", "damper", "damper_status", "damper_coefficient", "yield_load", "shape", "cap"):
         assert document[key] is None, key
     assert document["warnings"] == []
 
@@ -168,6 +168,7 @@ def test_blows_on_a_spot_that_yields(impact, law):
     cap = point if law == "hertz" else line_cap(STEEL, STEEL, 0.010, 0.020, 0.040, 1.2e9)
     blows = yielding(cap, stiffness_of(law, STEEL, STEEL, SIZES), 4)
     assert document["shape"] == cap.shape
+    assert (document["cap"], document["cap_status"]) == ("thornton" if law == "hertz" else "line", "checked")
     assert document["yield_load"] == pytest.approx(float(cap.yield_load), rel=1e-14)
     assert_same(document, blows[0])
     for told, blow in zip(document["blows"], blows, strict=True):

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import pytest
 
 from strikewave.citations import SOURCES
-from strikewave.contact import damper_laws, damping_laws, registry, restitution, stiffness_laws
+from strikewave.contact import CAP_LAWS, damper_laws, damping_laws, registry, restitution, stiffness_laws
 from strikewave.files import RESULT_FILES
 
 ASKED = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]
@@ -29,10 +29,20 @@ def document(strikewave):
 
 def test_every_law_with_status_and_source(document):
     told = document()
-    assert set(told) == {"schema", "version", "units", "warnings", "exponent", "damping", "dampers", "stiffness"}
-    tables = {"damping": damping_laws(), "dampers": damper_laws(), "stiffness": stiffness_laws()}
+    assert set(told) == {
+        "schema",
+        "version",
+        "units",
+        "warnings",
+        "exponent",
+        "damping",
+        "dampers",
+        "stiffness",
+        "caps",
+    }
+    tables = {"damping": damping_laws(), "dampers": damper_laws(), "stiffness": stiffness_laws(), "caps": CAP_LAWS}
     for kind, laws in tables.items():
-        more = {"needs"} if kind == "stiffness" else {"asked", "given"}
+        more = {"stiffness": {"needs"}, "caps": set()}.get(kind, {"asked", "given"})
         assert [row["name"] for row in told[kind]] == list(laws)
         for row in told[kind]:
             law = laws[row["name"]]

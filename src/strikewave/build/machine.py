@@ -18,8 +18,8 @@ from strikewave.contact import (
     PressureCap,
     Stiffness,
     damping_law,
-    factor,
     line_cap,
+    named_contact,
     point_cap,
     stiffness_law,
     stiffness_of,
@@ -88,8 +88,8 @@ def pressure_cap(striker: Striker, contact: ContactTable, face: Material) -> Pre
 def face_contact(striker: Striker, contact: ContactTable, face: Material) -> AnyContact:
     """Return the contact of a striker on a face: stiffness, damping, and a cap on the pressure."""
     damping_law(contact.damping, "contact.damping")
-    chi = float(factor(contact.damping, contact.restitution.si))
-    return face_stiffness(striker, contact, face).contact(chi, pressure_cap(striker, contact, face))
+    stiffness, cap = face_stiffness(striker, contact, face), pressure_cap(striker, contact, face)
+    return named_contact(stiffness, contact.damping, contact.restitution.si, cap)
 
 
 def build_machine(case: Case) -> RotaryMachine:

@@ -155,9 +155,11 @@ def _document(result: Result) -> dict[str, Any]:
 
 def _law_keys(setup: options.Setup) -> dict[str, Any]:
     """Return what the force law is; null where a key does not apply."""
+    from strikewave.contact.elastoplastic import cap_law_of
+
     stiffness, loss, cap = setup.base.stiffness, setup.loss, setup.cap
     numbers = {key: getattr(stiffness, key, None) for key in ("stiffness", "exponent", "slope", "load")}
-    of_damping = loss.damper is None
+    of_damping, cap_law = loss.damper is None, cap and cap_law_of(cap)
     damping, damper = (loss.law, None) if of_damping else (None, loss.law)
     return {
         **numbers,
@@ -172,6 +174,8 @@ def _law_keys(setup: options.Setup) -> dict[str, Any]:
         "damper_exponent": loss.damper and loss.damper.exponent,
         "yield_load": cap and cap.yield_load,
         "shape": cap and cap.shape,
+        "cap": cap_law and cap_law.name,
+        "cap_status": cap_law and cap_law.status,
     }
 
 

@@ -14,7 +14,7 @@ from strikewave.cli.common import Force, Json, Out, print_json, say, table
 from strikewave.documents import head
 
 if TYPE_CHECKING:
-    from strikewave.contact import DamperLaw, DampingLaw, Law, StiffnessLaw
+    from strikewave.contact import CapLaw, DamperLaw, DampingLaw, Law, StiffnessLaw
 
 ASKED = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 """Restitutions asked of each law; the overview shows every other."""
@@ -34,16 +34,18 @@ class Laws(NamedTuple):
     damping: dict[str, DampingLaw]
     dampers: dict[str, DamperLaw]
     stiffness: dict[str, StiffnessLaw]
+    caps: dict[str, CapLaw]
     given: dict[str, list[float] | None]
 
     @property
     def kinds(self) -> tuple[tuple[str, Mapping[str, Law]], ...]:
         """Kind in words, and its laws."""
-        return ("damping law", self.damping), ("damper", self.dampers), ("stiffness law", self.stiffness)
+        laws: tuple[Mapping[str, Law], ...] = (self.damping, self.dampers, self.stiffness, self.caps)
+        return tuple(zip(("damping law", "damper", "stiffness law", "pressure cap"), laws, strict=True))
 
 
 def command(name: Name = None, out: Out = None, force: Force = False, json: Json = False) -> int:
-    """List the contact laws: damping laws, dampers and stiffness laws, with status, source and what they give."""
+    """List the contact laws: damping, dampers, stiffness, pressure caps, with status, source and what they give."""
     everything = _all_laws()
     laws = _named(everything, name)
     document = _document(laws)
@@ -68,12 +70,12 @@ def command(name: Name = None, out: Out = None, force: Force = False, json: Json
 
 def _all_laws() -> Laws:
     """Return every law that works; one of an installed package that fails is told and left out."""
-    from strikewave.contact import damper_laws, damping_laws, stiffness_laws
+    from strikewave.contact import CAP_LAWS, damper_laws, damping_laws, stiffness_laws
 
     given: dict[str, list[float] | None] = {}
     damping = {name: law for name, law in damping_laws().items() if _try(given, "damping", law)}
     dampers = {name: law for name, law in damper_laws().items() if _try(given, "damper", law)}
-    return Laws(damping, dampers, stiffness_laws(), given)
+    return Laws(damping, dampers, stiffness_laws(), CAP_LAWS, given)
 
 
 def _try(given: dict[str, list[float] | None], kind: str, law: Any) -> bool:
@@ -110,7 +112,7 @@ def _named(laws: Laws, name: str | None) -> Laws:
     def of(found: dict[str, Any]) -> dict[str, Any]:
         return {name: found[name]} if name in found else {}
 
-    return Laws(of(laws.damping), of(laws.dampers), of(laws.stiffness), laws.given)
+    return Laws(of(laws.damping), of(laws.dampers), of(laws.stiffness), of(laws.caps), laws.given)
 
 
 def _document(laws: Laws) -> dict[str, Any]:
@@ -121,6 +123,7 @@ def _document(laws: Laws) -> dict[str, Any]:
         "damping": [{**_entry(law), **_given(laws, "damping", law)} for law in laws.damping.values()],
         "dampers": [{**_entry(law), **_given(laws, "damper", law)} for law in laws.dampers.values()],
         "stiffness": [{**_entry(law), "needs": list(law.needs)} for law in laws.stiffness.values()],
+        "caps": [_entry(law) for law in laws.caps.values()],
     }
     document = {**head({"asked": "1", "given": "1"}, _warnings(laws)), "exponent": EXPONENT, **listed}
     return dict(plain(document))
@@ -178,6 +181,8 @@ def _print_all(laws: Laws) -> None:
     table("Dampers, F = K d^n + c d^p d'", ["name", "status", "equation", "restitution"], rows, left=4)
     rows = [[law.name, _mark(law), law.equation, _needs(law)] for law in laws.stiffness.values()]
     table("Stiffness laws", ["name", "status", "equation", "needs"], rows, left=4)
+    rows = [[law.name, _mark(law), law.equation] for law in laws.caps.values()]
+    table("Pressure caps: elastic-plastic contacts that remember", ["name", "status", "equation"], rows, left=3)
 
 
 def _relation(given: Sequence[float] | None) -> str:

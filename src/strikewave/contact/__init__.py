@@ -10,8 +10,17 @@ Examples
 
 from strikewave.contact.chain import Chain, ChainMotion, Spring, Stop, Touch, simulate
 from strikewave.contact.dampers import damper_law, damper_laws
-from strikewave.contact.damping import damping_law, damping_laws, exact, factor, li_ma_printed, restitution
+from strikewave.contact.damping import (
+    damping_law,
+    damping_laws,
+    exact,
+    factor,
+    li_ma_printed,
+    named_contact,
+    restitution,
+)
 from strikewave.contact.elastoplastic import (
+    CAP_LAWS,
     first_yield,
     line_cap,
     line_yield_pressure,
@@ -24,7 +33,7 @@ from strikewave.contact.elastoplastic import (
 from strikewave.contact.identification import Identified, identify
 from strikewave.contact.impact import History, Impact, impact_history, reduced_mass, solve_impact
 from strikewave.contact.law import AnyContact, Contact, Damper, LogarithmicContact, PressureCap
-from strikewave.contact.registry import DamperLaw, DampingLaw, Law, StiffnessLaw
+from strikewave.contact.registry import CapLaw, DamperLaw, DampingLaw, Law, StiffnessLaw
 from strikewave.contact.stiffness import (
     Geometry,
     LogarithmicStiffness,
@@ -39,7 +48,9 @@ from strikewave.contact.stiffness import (
 )
 
 __all__ = [
+    "CAP_LAWS",
     "AnyContact",
+    "CapLaw",
     "Chain",
     "ChainMotion",
     "Contact",
@@ -74,6 +85,7 @@ __all__ = [
     "li_ma_printed",
     "line_cap",
     "line_yield_pressure",
+    "named_contact",
     "palmgren",
     "point_cap",
     "point_yield_pressure",

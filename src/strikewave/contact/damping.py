@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.contact import _kernels
-from strikewave.contact.law import not_negative, refuse
+from strikewave.contact.law import AnyContact, Asked, PressureCap, not_negative, refuse
 from strikewave.contact.registry import CHECKED, FROM_MEMORY, DampingLaw, with_added
+from strikewave.contact.stiffness import LogarithmicStiffness, Stiffness
 from strikewave.errors import InputError, nearest
 
 Array = NDArray[np.float64]
@@ -342,3 +344,27 @@ def factor(name: str, restitution_asked: ArrayLike) -> Array:
     0.0
     """
     return np.asarray(damping_law(name).function(restitution_asked))
+
+
+def named_contact(
+    stiffness: Stiffness | LogarithmicStiffness,
+    law: str,
+    restitution_asked: ArrayLike,
+    cap: PressureCap | None = None,
+) -> AnyContact:
+    """Return a contact whose hysteresis a named law gives; its impacts say where they miss the restitution asked for.
+
+    Raises
+    ------
+    InputError
+        If no law has that name.
+
+    Examples
+    --------
+    >>> from strikewave.contact import Stiffness, solve_impact
+    >>> blow = solve_impact(named_contact(Stiffness(4.7e9, 10 / 9), "flores", 0.5), 0.2, 0.459, 20.0)
+    >>> blow.words
+    ('the damping law flores gives e = 0.4704, not the 0.5 asked for; exact gives it',)
+    """
+    made = stiffness.contact(factor(law, restitution_asked), cap)
+    return replace(made, asked=Asked(law, restitution_asked))

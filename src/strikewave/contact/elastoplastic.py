@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.contact import _pair_kernels
 from strikewave.contact.law import AnyContact, PressureCap, flat, not_negative, positive, refuse, rows, shape_of, single
+from strikewave.contact.registry import CHECKED, CapLaw
 from strikewave.contact.stiffness import ElasticBody, Geometry, contact_modulus, reduced_radius
 
 Array = NDArray[np.float64]
@@ -77,6 +78,45 @@ def line_cap(
     """
     radius, modulus = reduced_radius(radius1, radius2), contact_modulus(one, other)
     return PressureCap(np.pi * radius * length * _pressure(pressure) ** 2 / modulus, "line")
+
+
+CAP_LAWS = {
+    law.name: law
+    for law in (
+        CapLaw(
+            "thornton",
+            point_cap,
+            "F = F_y + pi p R (d - d_y), F_y = pi^3 p^3 R^2/(6 E*^2), s = F_e/F, d_r = D (1 - 1/s)",
+            "spheres, elastic and perfectly plastic, no hardening and no rate",
+            CHECKED,
+            "thornton-1997",
+            "codes that cite it (loading, yield load and speed); its e(v) from memory, which the tests integrate",
+            "unloading on the radius s R by similarity, which is Thornton's",
+        ),
+        CapLaw(
+            "line",
+            line_cap,
+            "F = (2/pi) F_y [q asin(1/sqrt(q)) + sqrt(q - 1)], q = F_e/F_y, F_y = pi R h p^2/E*, s, d_r as thornton",
+            "long cylinders, elastic and perfectly plastic, no hardening and no rate",
+            CHECKED,
+            "thornton-1997",
+            "ours: Thornton's cut through the Hertz pressure of a line (Johnson 1985, 4.2); the tests integrate it",
+            "no published law of a line with unloading was found",
+        ),
+    )
+}
+"""The pressure caps by name, as `strikewave laws` shows them; which one holds follows from the shape of the contact."""
+
+
+def cap_law_of(cap: PressureCap) -> CapLaw:
+    """Return the law of a cap, by the shape of its contact.
+
+    Examples
+    --------
+    >>> cap_law_of(PressureCap(500.0, "point")).name
+    'thornton'
+    """
+    return CAP_LAWS["thornton" if cap.shape == "point" else "line"]
 
 
 def _pressure(pressure: ArrayLike) -> Array:

@@ -13,7 +13,17 @@ from strikewave.contact._chain_kernels import SWITCHES
 from strikewave.contact._integrator import Control, empty_record
 from strikewave.contact._law_kernels import DAMPER, DAMPING, EXPONENT, STIFFNESS, YIELD_LOAD
 from strikewave.contact._pair_kernels import STATES, PairSystem
-from strikewave.contact.law import AnyContact, LogarithmicContact, flat, not_negative, positive, refuse, rows, shape_of
+from strikewave.contact.law import (
+    AnyContact,
+    Asked,
+    LogarithmicContact,
+    flat,
+    not_negative,
+    positive,
+    refuse,
+    rows,
+    shape_of,
+)
 from strikewave.contact.motion import State, integrate
 from strikewave.errors import IntegrationError
 
@@ -21,6 +31,8 @@ Array = NDArray[np.float64]
 
 CLOSED_FORM, INTEGRATOR = "closed form", "integrator"
 """How an impact was solved."""
+SAME_RESTITUTION = 1e-6
+"""Two restitutions that differ by less are the same."""
 _STEPS = 1000
 _LARGEST_ENERGY = 1e60
 
@@ -85,6 +97,7 @@ class Impact:
     flattening: Array
     method: str
     problem: Problem = field(repr=False, compare=False)
+    asked: Asked | None = field(default=None, repr=False, compare=False)
     _times: Array | None = field(default=None, repr=False, compare=False)
 
     @cached_property
@@ -95,6 +108,21 @@ class Impact:
         k, n, chi, m, v = self.problem.numbers
         _kernels.all_moments(k, n, chi, m, v, out)
         return out
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Say where another restitution came out than was asked of a named law."""
+        if self.asked is None:
+            return ()
+        wanted, came = np.broadcast_arrays(np.asarray(self.asked.restitution, dtype=float), self.restitution)
+        misses = np.abs(came - wanted).reshape(-1)
+        if misses.max() <= SAME_RESTITUTION:
+            return ()
+        at = int(misses.argmax())
+        pair = f"e = {came.reshape(-1)[at]:.4f}, not the {wanted.reshape(-1)[at]:g} asked for"
+        if np.any(self.flattening > 1.0):
+            return (f"the contact yields: {pair} of {self.asked.law} alone",)
+        return (f"the damping law {self.asked.law} gives {pair}; exact gives it",)
 
     @property
     def peak_time(self) -> Array:
@@ -206,7 +234,8 @@ def solve_impact(
     10696.9 40.339
     """
     problem = problem_of(contact, mass1, mass2, speed, deepest)
-    return _in_closed_form(problem) if problem.closed else _by_steps(contact, problem, tolerance)
+    made = _in_closed_form(problem) if problem.closed else _by_steps(contact, problem, tolerance)
+    return replace(made, asked=contact.asked)
 
 
 def _in_closed_form(problem: Problem) -> Impact:

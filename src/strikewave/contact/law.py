@@ -77,6 +77,14 @@ class PressureCap:
 
 
 @dataclass(frozen=True)
+class Asked:
+    """A damping law by name, and the restitution asked of it."""
+
+    law: str
+    restitution: ArrayLike
+
+
+@dataclass(frozen=True)
 class Contact:
     """The force law of a contact, F = K d^n (1 + chi d'/v0), never negative.
 
@@ -92,6 +100,8 @@ class Contact:
         A damper instead of the hysteresis.
     cap : PressureCap, optional
         A cap on the pressure.
+    asked : Asked, optional
+        Where the hysteresis comes from: a law and the restitution asked of it. `named_contact` fills it.
     """
 
     stiffness: ArrayLike
@@ -99,6 +109,7 @@ class Contact:
     hysteresis_factor: ArrayLike = 0.0
     damper: Damper | None = None
     cap: PressureCap | None = None
+    asked: Asked | None = None
 
 
 @dataclass(frozen=True)
@@ -113,7 +124,7 @@ class LogarithmicContact:
         G, N/m.
     load : array_like
         B, N.
-    hysteresis_factor, cap
+    hysteresis_factor, cap, asked
         As of a `Contact`.
     """
 
@@ -121,6 +132,7 @@ class LogarithmicContact:
     load: ArrayLike
     hysteresis_factor: ArrayLike = 0.0
     cap: PressureCap | None = None
+    asked: Asked | None = None
 
     @property
     def end_depth(self) -> Array:

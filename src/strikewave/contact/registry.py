@@ -124,6 +124,20 @@ class StiffnessLaw(Law):
     }
 
 
+@dataclass(frozen=True)
+class CapLaw(Law):
+    """A law of what a contact bears beyond its yield load: ``function(one, other, sizes, pressure) -> PressureCap``."""
+
+    symbols: ClassVar[Mapping[str, str]] = {
+        "F_y": "yield load, N",
+        "F_e": "elastic force at the same depth, N",
+        "p": "largest contact pressure, Pa",
+        "d_y, D, d_r": "depth at yield, largest depth, depth that stays, m",
+        "s": "radius of the spot after over before, -",
+        "E*, R, h": "contact modulus, Pa; reduced radius, length of the line, m",
+    }
+
+
 L = TypeVar("L", bound=Law)
 
 
