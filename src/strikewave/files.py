@@ -25,6 +25,7 @@ RESULT_FILES = (
     "tripartite.svg",
     "impact.json",
     "impact.svg",
+    "history.csv",
     "identify.json",
     "laws.json",
     "asked-given.svg",

@@ -25,7 +25,6 @@ from strikewave.contact import (
     stiffness_laws,
     stiffness_of,
 )
-from strikewave.files import RESULT_FILES
 from strikewave.materials import material
 
 BODIES = ("--m1", "0.2", "--m2", "0.459", "--speed", "5")
@@ -239,14 +238,13 @@ def test_out_holds_the_document_and_a_picture(strikewave, tmp_path):
     words = ("impact", *BODIES, "--law", "johnson", *LINE, "-e", "0.7", "--yield-pressure", "1.2 GPa", "--repeat", "9")
     code, out, err = strikewave(*words, "--out", "a", "--json")
     assert code == 0
-    assert "written: a/ (impact.json, impact.svg, record.toml)" in err
-    assert sorted(os.listdir("a")) == ["impact.json", "impact.svg", "record.toml"]
+    assert "written: a/ (impact.json, history.csv, impact.svg, record.toml)" in err
+    assert sorted(os.listdir("a")) == ["history.csv", "impact.json", "impact.svg", "record.toml"]
     assert os.listdir(tmp_path) == ["a"]
     assert json.loads(open("a/impact.json", encoding="utf-8").read()) == json.loads(out)
     ElementTree.parse("a/impact.svg")
 
 
-@pytest.mark.skipif("impact.json" not in RESULT_FILES, reason="strikewave/files.py does not name impact.json yet")
 def test_out_replaces_another_impact_by_force_alone(strikewave):
     assert strikewave("impact", *BODIES, *GIVEN, "--out", "a")[0] == 0
     code, out, err = strikewave("impact", *BODIES, *GIVEN, "-e", "0.5", "--out", "a")
@@ -254,6 +252,19 @@ def test_out_replaces_another_impact_by_force_alone(strikewave):
     assert "add --force" in err
     assert strikewave("impact", *BODIES, *GIVEN, "-e", "0.5", "--out", "a", "--force")[0] == 0
     assert json.loads(open("a/impact.json").read())["asked_restitution"] == 0.5
+
+
+def test_the_history_that_is_written_identifies_its_own_law(strikewave):
+    """500 steps of 9 digits, without a zero line before: K, n, e and speed to 1e-3."""
+    words = ("--m1", "0.2", "--m2", "inf", "--speed", "5")
+    assert strikewave("impact", *words, *GIVEN, "-e", "0.6", "--out", "a")[0] == 0
+    code, out, err = strikewave("identify", "a/history.csv", "--channel", "force", "--mass", "0.2", "--json")
+    assert code == 0, err
+    values = {name: row["value"] for name, row in json.loads(out)["values"].items()}
+    assert values["stiffness"] == pytest.approx(1e9, rel=2e-2)  # K carries n: one part in 1e3 of n is a percent of K
+    assert values["exponent"] == pytest.approx(1.5, rel=1e-3)
+    assert values["restitution"] == pytest.approx(0.6, rel=1e-3)
+    assert values["speed"] == pytest.approx(5.0, rel=1e-3)
 
 
 HERTZ = "--law hertz --radius1 .01"

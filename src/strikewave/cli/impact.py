@@ -282,7 +282,20 @@ def _write(result: Result, document: dict[str, Any], out: Path, force: bool) -> 
         (place / "record.toml").write_text(text, "utf-8")
         (place / "impact.json").write_text(json.dumps(document, indent=2, ensure_ascii=False) + "\n", "utf-8")
         save(impact_sheet([result.blows[k] for k in drawn], labels, _title(result)), place / "impact.svg")
-    say(f"written: {out}/ (impact.json, impact.svg, record.toml)")
+        (place / "history.csv").write_text(_histories(result, drawn), "utf-8")
+    say(f"written: {out}/ (impact.json, history.csv, impact.svg, record.toml)")
+
+
+def _histories(result: Result, drawn: list[int]) -> str:
+    """Return the drawn blows in time as CSV, SI."""
+    from strikewave.contact import impact_history
+
+    lines = ["blow,time [s],indentation [m],rate [m/s],force [N]"]
+    for k in drawn:
+        history = impact_history(result.blows[k])
+        columns = zip(history.time, history.indentation, history.rate, history.force, strict=True)
+        lines += [f"{k + 1},{t:.9g},{d:.9g},{rate:.9g},{force:.9g}" for t, d, rate, force in columns]
+    return "\n".join(lines) + "\n"
 
 
 def _drawn(count: int) -> list[int]:
