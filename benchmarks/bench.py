@@ -57,7 +57,7 @@ def impacts():
     million = Contact(np.full(1_000_000, STIFFNESS), EXPONENT, chi)
     # a cap that is never reached takes the same law to the integrator
     capped = Contact(STIFFNESS, EXPONENT, chi, cap=PressureCap(1e12, "line"))
-    laws, ones, record = rows(contact, (2000,)), np.ones(2000), empty_record(1000, 2, 1, 2)
+    laws, ones, record = rows(contact, (2000,)), np.ones(2000), empty_record(1000, pairs.STATES, 1, pairs.MEMORIES)
     stepped, m = np.empty((pairs.ANSWERS, 2000)), M1 * M2 / (M1 + M2)
 
     def many():

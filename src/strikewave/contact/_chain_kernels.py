@@ -20,6 +20,7 @@ from strikewave.contact._law_kernels import (
     STIFFNESS,
     YIELD_LOAD,
     damper_force,
+    flattening,
     hysteresis,
     push,
     residual,
@@ -45,7 +46,8 @@ PLACE, SPEED, FORCE = 0, 1, 2
 class Links(NamedTuple):
     """Links as two tables, one row a link: whole numbers (kind, nodes) and values as `_law_kernels` places them.
 
-    The memory of a system begins with the approach speed of each link and ends with the depth to which it yielded.
+    The memory of a system begins with the approach speed of each link; it ends with the depth to which each has
+    yielded, and then with how much its radius has grown, s.
     """
 
     joins: np.ndarray
@@ -63,24 +65,24 @@ class ChainSystem(NamedTuple):
 
 @leaf_kernel
 def deepest_place(joins, memory, i):
-    """Return the place in the memory of the depth to which link i has yielded."""
-    return memory.shape[0] - joins.shape[0] + i
+    """Return the place in the memory of the depth to which link i has yielded; s follows so many links later."""
+    return memory.shape[0] - 2 * joins.shape[0] + i
 
 
 @leaf_kernel
-def contact_force(law, d, rate, mode, approach, deepest):
+def contact_force(law, d, rate, mode, approach, deepest, s):
     """Return the force of a contact and what it stores per length, N."""
     if mode == YIELDING:
         force, _, storing = yielding(law, d)
         return force * hysteresis(law, rate, approach), storing
-    elastic = unyielding_force(law, d, deepest)
+    elastic = unyielding_force(law, d, deepest, s)
     if mode == SLACK:
         return 0.0, elastic
     return elastic * hysteresis(law, rate, approach) + damper_force(law, d, rate), elastic
 
 
 @leaf_kernel
-def link_force(kind, value, d, rate, mode, approach, deepest):
+def link_force(kind, value, d, rate, mode, approach, deepest, s):
     """Return the force of a link and its elastic part, N: a stop never pulls.
 
     Spring and stop: F = preload + k d + c d'.
@@ -88,7 +90,7 @@ def link_force(kind, value, d, rate, mode, approach, deepest):
     if kind != SPRING and mode == OPEN:
         return 0.0, 0.0
     if kind == CONTACT:
-        return contact_force(value, d, rate, mode, approach, deepest)
+        return contact_force(value, d, rate, mode, approach, deepest, s)
     elastic = value[PRELOAD] + value[STIFFNESS] * d
     if kind == STOP_LINK and mode == SLACK:
         return 0.0, elastic
@@ -117,8 +119,9 @@ def chain_forces(joins, values, y, bases, bodies, mode, memory, out):
     """Fill out with the force of each link."""
     for i in range(joins.shape[0]):
         d, rate = link_motion(joins, values, i, y, bases, bodies)
-        deepest = memory[deepest_place(joins, memory, i)]
-        out[i], _ = link_force(joins[i, KIND], values[i], d, rate, mode[i], memory[i], deepest)
+        place = deepest_place(joins, memory, i)
+        deepest, s = memory[place], memory[place + joins.shape[0]]
+        out[i], _ = link_force(joins[i, KIND], values[i], d, rate, mode[i], memory[i], deepest, s)
 
 
 @leaf_kernel
@@ -136,8 +139,9 @@ def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
         if kind != SPRING and mode[i] == OPEN:
             continue
         d, rate = link_motion(joins, values, i, y, bases, bodies)
-        deepest = memory[deepest_place(joins, memory, i)]
-        force, elastic = link_force(kind, values[i], d, rate, mode[i], memory[i], deepest)
+        place = deepest_place(joins, memory, i)
+        deepest, s = memory[place], memory[place + joins.shape[0]]
+        force, elastic = link_force(kind, values[i], d, rate, mode[i], memory[i], deepest, s)
         dy[first + i] = (force - elastic) * rate
         a, b = joins[i, BEHIND], joins[i, AHEAD]
         if a < bodies:
@@ -151,9 +155,9 @@ def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
 
 
 @leaf_kernel
-def contact_switches(law, d, rate, mode, approach, deepest, g):
+def contact_switches(law, d, rate, mode, approach, deepest, s, g):
     """Fill the switch functions of a contact: apart or touching, force kept or lost, elastic or yielding."""
-    left = d - residual(law, deepest)
+    left = d - residual(deepest, s)
     if mode == OPEN:
         g[0] = -left
     elif mode == YIELDING:
@@ -181,8 +185,9 @@ def link_switches(joins, values, y, bases, bodies, mode, memory, g):
             continue
         d, rate = link_motion(joins, values, i, y, bases, bodies)
         if kind == CONTACT:
-            deepest = memory[deepest_place(joins, memory, i)]
-            contact_switches(values[i], d, rate, mode[i], memory[i], deepest, own)
+            place = deepest_place(joins, memory, i)
+            deepest, s = memory[place], memory[place + joins.shape[0]]
+            contact_switches(values[i], d, rate, mode[i], memory[i], deepest, s, own)
         elif mode[i] == OPEN:
             own[0] = -d
         else:
@@ -198,6 +203,7 @@ def remember(joins, values, memory, i, deepest):
         if j == i or (values[j, SPOT] > 0.0 and values[j, SPOT] == values[i, SPOT]):
             place = deepest_place(joins, memory, j)
             memory[place] = max(memory[place], deepest)
+            memory[place + joins.shape[0]] = flattening(values[j], memory[place])
 
 
 @leaf_kernel

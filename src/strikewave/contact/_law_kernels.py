@@ -8,7 +8,8 @@ The base is elastic: F = K d^n, or the logarithmic law of line contacts d = (F/G
   off at its value at first yield (`strikewave.contact.elastoplastic`).
 
 What has yielded to the depth D unloads elastically with the radius s R, s = q/f(q) at D. By similarity that is
-F(s (d - d_r))/s with d_r = D (1 - 1/s), whatever the base. The depth D is all that a contact remembers.
+F(s (d - d_r))/s with d_r = D (1 - 1/s), whatever the base. D is all that a contact remembers; s is kept beside it
+because it is costly to find. Where nothing has yielded s is 1, and all of this is the elastic base.
 """
 
 import math
@@ -108,15 +109,15 @@ def capped(shape, q):
 
 @leaf_kernel
 def flattening(law, deepest):
-    """Return s >= 1, the radius after yielding to the depth D over the radius before."""
+    """Return s >= 1, the radius after yielding to the depth D over the radius before; 1 where nothing yields."""
     q = base_force(law, deepest) / law[YIELD_LOAD]
     return q / capped(law[SHAPE], q)[0] if q > 1.0 + 1e-12 else 1.0
 
 
 @leaf_kernel
-def residual(law, deepest):
-    """Return the depth d_r = D (1 - 1/s) that stays when the force is gone, m; zero where nothing has yielded."""
-    return deepest * (1.0 - 1.0 / flattening(law, deepest)) if law[YIELD_LOAD] < np.inf else 0.0
+def residual(deepest, s):
+    """Return the depth d_r = D (1 - 1/s) that stays when the force is gone, m."""
+    return deepest * (1.0 - 1.0 / s)
 
 
 @leaf_kernel
@@ -134,31 +135,24 @@ def yielding(law, d):
 
 
 @leaf_kernel
-def unyielding(law, d, deepest):
+def unyielding(law, d, deepest, s):
     """Return the force at the depth d after yielding to the depth D >= d, and its slope, N and N/m."""
-    if law[YIELD_LOAD] == np.inf:
-        return base_force(law, d), base_slope(law, d)
-    s = flattening(law, deepest)
     depth = s * d - deepest * (s - 1.0)
     return base_force(law, depth) / s, base_slope(law, depth)
 
 
 @leaf_kernel
-def unyielding_force(law, d, deepest):
+def unyielding_force(law, d, deepest, s):
     """Return the force alone of `unyielding`."""
-    if law[YIELD_LOAD] == np.inf:
-        return base_force(law, d)
-    s = flattening(law, deepest)
     return base_force(law, s * d - deepest * (s - 1.0)) / s
 
 
 @leaf_kernel
 def stored(law, d, deepest):
     """Return the energy that a contact at the depth d gives back, after yielding to the depth D, J."""
-    if law[YIELD_LOAD] == np.inf:
-        return base_energy(law, d)
-    s = flattening(law, max(deepest, d))
-    return base_energy(law, s * d - max(deepest, d) * (s - 1.0)) / (s * s)
+    reached = max(deepest, d)
+    s = flattening(law, reached)
+    return base_energy(law, s * d - reached * (s - 1.0)) / (s * s)
 
 
 @leaf_kernel

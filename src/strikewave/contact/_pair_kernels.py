@@ -1,7 +1,8 @@
 """Compiled impact of two free bodies under any law, as a system of the integrator in their relative motion.
 
-State: indentation d and its rate d'. The motion stops where the bodies part, or a damper has used up the force:
-nothing presses them together again. Hysteresis takes the force away only within rounding, and the contact goes on.
+State: indentation d and its rate d'. Memory: approach speed, depth to which the spot has yielded, growth of its radius.
+The motion stops where the bodies part, or a damper has used up the force: nothing presses them together again.
+Hysteresis takes the force away only within rounding, and the contact goes on.
 """
 
 from typing import NamedTuple
@@ -35,7 +36,7 @@ from strikewave.contact._law_kernels import (
     yielding,
 )
 
-STATES = 2
+STATES, MEMORIES = 2, 3
 FIRST_STEP = 1e-2
 """First step over the time that the largest elastic indentation takes at the approach speed; less where a damper is
 not smooth at first touch."""
@@ -64,7 +65,7 @@ class PairSystem(NamedTuple):
 @overload(_integrator.derivatives, jit_options=LEAF)
 def _derivatives(system, t, y, mode, memory, dy):
     def rates(system, t, y, mode, memory, dy):
-        force, _ = contact_force(system.law, y[0], y[1], mode[0], memory[0], memory[1])
+        force, _ = contact_force(system.law, y[0], y[1], mode[0], memory[0], memory[1], memory[2])
         dy[0] = y[1]
         dy[1] = -force / system.mass
 
@@ -77,7 +78,7 @@ def _horizon(system, t, y, mode, memory):
         # the force is not smooth where the bodies part: steps towards it shrink anyway
         if y[1] >= 0.0 or system.law[DAMPER] > 0.0:
             return np.inf
-        until_parting = (y[0] - residual(system.law, memory[1])) / -y[1]
+        until_parting = (y[0] - residual(memory[1], memory[2])) / -y[1]
         return max(_TOWARDS_PARTING * until_parting, system.instant)
 
     return most if is_a(system, PairSystem) else None
@@ -86,7 +87,7 @@ def _horizon(system, t, y, mode, memory):
 @overload(_integrator.forces, jit_options=LEAF)
 def _forces(system, t, y, mode, memory, out):
     def fill(system, t, y, mode, memory, out):
-        out[0] = contact_force(system.law, y[0], y[1], mode[0], memory[0], memory[1])[0]
+        out[0] = contact_force(system.law, y[0], y[1], mode[0], memory[0], memory[1], memory[2])[0]
 
     return fill if is_a(system, PairSystem) else None
 
@@ -95,7 +96,7 @@ def _forces(system, t, y, mode, memory, out):
 def _switches(system, t, y, mode, memory, g):
     def fill(system, t, y, mode, memory, g):
         g[0], g[1], g[2] = 1.0, 1.0, 1.0
-        contact_switches(system.law, y[0], y[1], mode[0], memory[0], memory[1], g)
+        contact_switches(system.law, y[0], y[1], mode[0], memory[0], memory[1], memory[2], g)
 
     return fill if is_a(system, PairSystem) else None
 
@@ -111,7 +112,7 @@ def _switch(system, k, t, y, mode, memory):
         if mode[0] == PUSHING:
             mode[0] = YIELDING
         else:
-            mode[0], memory[1] = PUSHING, y[0]
+            mode[0], memory[1], memory[2] = PUSHING, y[0], flattening(system.law, y[0])
         return CONTINUE
 
     return change if is_a(system, PairSystem) else None
@@ -142,7 +143,7 @@ def elastic_depths(laws, energy, out):
 def _force_within(system, record, row, x, y):
     evaluate(record.dense[row], x, y)
     memory = record.memory[row]
-    return contact_force(system.law, y[0], y[1], record.mode[row, 0], memory[0], memory[1])[0]
+    return contact_force(system.law, y[0], y[1], record.mode[row, 0], memory[0], memory[1], memory[2])[0]
 
 
 @called_kernel
@@ -220,7 +221,8 @@ def _turning(record, steps, y):
 def begin(law, speed, deepest, y, mode, memory):
     """Set a motion to first touch at an approach speed, on a spot that has yielded to a depth."""
     memory[0], memory[1] = speed, max(deepest, depth_at_yield(law))
-    y[0], y[1] = residual(law, memory[1]), speed
+    memory[2] = flattening(law, memory[1])
+    y[0], y[1] = residual(memory[1], memory[2]), speed
     mode[0] = PUSHING
 
 
@@ -230,7 +232,7 @@ def impacts(laws, mass, speed, deepest, tolerance, record, out):
 
     ``record`` takes the steps of one impact.
     """
-    y, mode, memory, scale = np.empty(STATES), np.empty(1, dtype=np.int64), np.empty(2), np.empty(STATES)
+    y, mode, memory, scale = np.empty(STATES), np.empty(1, dtype=np.int64), np.empty(MEMORIES), np.empty(STATES)
     for i in range(mass.size):
         begin(laws[i], speed[i], deepest[i], y, mode, memory)
         depth = elastic_depth(laws[i], 0.5 * mass[i] * speed[i] ** 2)
@@ -253,15 +255,15 @@ def impacts(laws, mass, speed, deepest, tolerance, record, out):
 def spots(laws, deepest, left, flat):
     """Fill residual indentation (m) and flattening of spots that have yielded to a depth."""
     for i in range(deepest.size):
-        left[i] = residual(laws[i], deepest[i])
-        flat[i] = flattening(laws[i], deepest[i]) if laws[i, YIELD_LOAD] < np.inf else 1.0
+        flat[i] = flattening(laws[i], deepest[i])
+        left[i] = residual(deepest[i], flat[i])
 
 
 @kernel
 def slopes_back(laws, d, deepest, out):
     """Fill dF/dd of contacts that are let go, N/m."""
     for i in range(out.size):
-        out[i] = unyielding(laws[i], d[i], deepest[i])[1]
+        out[i] = unyielding(laws[i], d[i], deepest[i], flattening(laws[i], deepest[i]))[1]
 
 
 @kernel
@@ -272,4 +274,4 @@ def slow_forces(laws, d, deepest, out):
         if d[i] > before and laws[i, YIELD_LOAD] < np.inf:
             out[i] = yielding(laws[i], d[i])[0]
         else:
-            out[i] = unyielding_force(laws[i], d[i], before)
+            out[i] = unyielding_force(laws[i], d[i], before, flattening(laws[i], before))

@@ -283,7 +283,7 @@ def simulate(
     scale = np.concatenate([np.full(x.size, speed * period), np.full(x.size, speed), np.full(len(chain.links), energy)])
     still = np.concatenate([v, np.zeros_like(base)])
     closing = still[links.joins[:, BEHIND]] - still[links.joins[:, AHEAD]]
-    memory = np.concatenate([np.maximum(closing, 0.0), first_depths(links)])
+    memory = np.concatenate([np.maximum(closing, 0.0), first_depths(links), np.ones(len(chain.links))])
     y = np.concatenate([x, v, np.zeros(len(chain.links))])
     start = State(0.0, y, first_modes(links, np.concatenate([x, base])), memory)
     control = Control(tolerance, scale, 2e-3 * period, max(duration, period), duration)

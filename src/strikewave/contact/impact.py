@@ -12,7 +12,7 @@ from strikewave.contact import _kernels, _pair_kernels
 from strikewave.contact._chain_kernels import SWITCHES
 from strikewave.contact._integrator import Control, empty_record
 from strikewave.contact._law_kernels import DAMPER, DAMPING, EXPONENT, STIFFNESS, YIELD_LOAD
-from strikewave.contact._pair_kernels import STATES, PairSystem
+from strikewave.contact._pair_kernels import MEMORIES, STATES, PairSystem
 from strikewave.contact.law import (
     AnyContact,
     Asked,
@@ -254,7 +254,7 @@ def _by_steps(contact: AnyContact, problem: Problem, tolerance: float) -> Impact
     within = f"such that m v0^2 lies within {1 / _LARGEST_ENERGY:.0e} to {_LARGEST_ENERGY:.0e} J"
     refuse("the approach speed", problem.speed.reshape(problem.shape), followed.reshape(problem.shape), within)
     out = np.empty((_pair_kernels.ANSWERS, count))
-    record = empty_record(_STEPS, STATES, 1, 2)
+    record = empty_record(_STEPS, STATES, 1, MEMORIES)
     _pair_kernels.impacts(laws, problem.mass, problem.speed, problem.deepest, tolerance, record, out)
     lost = np.flatnonzero(~np.all(np.isfinite(out), axis=0))
     if lost.size:
@@ -328,7 +328,7 @@ def impact_history(impact: Impact, times: ArrayLike | None = None, tolerance: fl
         k, n, chi, m, v = problem.numbers
         _kernels.history(k[0], n[0], chi[0], m[0], v[0], t, out)
         return History(t, out[0], out[1], out[2], CLOSED_FORM)
-    y, mode, memory = np.empty(STATES), np.empty(1, dtype=np.int64), np.empty(2)
+    y, mode, memory = np.empty(STATES), np.empty(1, dtype=np.int64), np.empty(MEMORIES)
     _pair_kernels.begin(problem.laws[0], problem.speed[0], problem.deepest[0], y, mode, memory)
     depth, speed = float(impact.max_indentation.reshape(-1)[0]), float(problem.speed[0])
     period = depth / speed

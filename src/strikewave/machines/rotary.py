@@ -217,7 +217,8 @@ def start_state(machine: RotaryMachine, system: RotarySystem) -> State:
     modes = np.concatenate([first_modes(Links(system.joins, system.values), nodes), [0, WAITING, 0, 0]]).astype(
         np.int64
     )
-    memory = np.zeros(place.depths.stop)
+    memory = np.zeros(place.growths.stop)
+    memory[place.growths] = 1.0
     memory[place.links + NEXT_APEX] = machine.pitch
     memory[place.depths] = first_depths(Links(system.joins, system.values))
     return State(0.0, y, modes, memory)

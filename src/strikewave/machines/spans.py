@@ -105,8 +105,13 @@ class Places:
 
     @property
     def depths(self) -> slice:
-        """How deep each link has yielded, at the end of the memory."""
+        """How deep each link has yielded."""
         return slice(self.links + 2, 2 * self.links + 2)
+
+    @property
+    def growths(self) -> slice:
+        """How much the radius of each link has grown by yielding, at the end of the memory."""
+        return slice(2 * self.links + 2, 3 * self.links + 2)
 
     @property
     def own_switches(self) -> int:

@@ -165,7 +165,7 @@ class _Strike:
         place, start, n = self.place, self.start, self.count
         y = [self.x[:n], self.v[:n], start.y[place.angle : place.angle + 2], np.zeros(n + 3)]
         mode = np.concatenate([start.mode[place.mounts], start.mode[place.links :]])
-        memory = np.concatenate([start.memory[place.mounts], start.memory[place.own_memory], np.zeros(n)])
+        memory = np.concatenate([start.memory[place.mounts], start.memory[place.own_memory], np.zeros(n), np.ones(n)])
         return _strikers_only(self.system, n), np.concatenate(y), mode, memory
 
     def blow(self, every: int) -> Blow:
@@ -199,7 +199,7 @@ class _Strike:
         end.y[place.bodies + place.nose] = last[column.NOSE_SPEED]
         end.y[place.bodies + place.assembly] = last[column.ASSEMBLY_SPEED]
         end.y[place.angle : place.angle + 2] = moved[2 * n : 2 * n + 2]
-        end.mode[place.links :], end.memory[place.own_memory] = mode[n:], memory[n : memory.size - n]
+        end.mode[place.links :], end.memory[place.own_memory] = mode[n:], memory[n : memory.size - 2 * n]
         place_bases(self.system, time, end.y, end.mode, end.memory)
         return end
 

@@ -12,23 +12,25 @@ from strikewave.contact._law_kernels import (
     STIFFNESS,
     YIELD_LOAD,
     depth_at_yield,
+    flattening,
     hysteresis,
     residual,
     unyielding,
+    unyielding_force,
     yielding,
 )
 from strikewave.waves._kernels import advance, arriving_at_face, force_and_velocity, record, watch, widen
 
 _ITERATIONS = 60
 
-DEPTH, RATE, FORCE, APPROACH, CLOSED, POWER, LOST, COUNT, QUIET, DEEPEST = range(10)
+DEPTH, RATE, FORCE, APPROACH, CLOSED, POWER, LOST, COUNT, QUIET, DEEPEST, GROWTH = range(11)
 """Places in the state of a contact: d, d', F, v0 of this interval, 1 while it touches, power lost, energy lost,
-intervals so far, time since the last one, deepest indentation."""
-CONTACT_SIZE = 10
+intervals so far, time since the last one, deepest indentation, and how much the radius has grown by yielding, s."""
+CONTACT_SIZE = 11
 
 
 @leaf_kernel
-def law_force(law, d, rate, approach, deepest):
+def law_force(law, d, rate, approach, deepest, s):
     """Return the force of the law and its derivatives by d and by the rate; never below zero.
 
     ``law`` is a row of `strikewave.contact._law_kernels`, of a law without a damper; an infinite stiffness is a
@@ -37,7 +39,7 @@ def law_force(law, d, rate, approach, deepest):
     if d > deepest and law[YIELD_LOAD] < np.inf:
         spring, slope, _ = yielding(law, d)
     else:
-        spring, slope = unyielding(law, d, deepest)
+        spring, slope = unyielding(law, d, deepest, s)
     push = hysteresis(law, rate, approach)
     if push <= 0.0 or spring <= 0.0:
         return 0.0, 0.0, 0.0
@@ -45,25 +47,25 @@ def law_force(law, d, rate, approach, deepest):
 
 
 @leaf_kernel
-def losses(law, d, rate, force, deepest):
+def losses(law, d, rate, force, deepest, s):
     """Return the power that hysteresis takes, W, and the energy that yielding from ``deepest`` to d takes, J."""
     if d <= deepest or law[YIELD_LOAD] == np.inf:
-        return (force - unyielding(law, d, deepest)[0]) * rate, 0.0
+        return (force - unyielding_force(law, d, deepest, s)) * rate, 0.0
     before, _, stored_before = yielding(law, deepest)
     here, _, stored_here = yielding(law, d)
     return (force - here) * rate, 0.5 * (before - stored_before + here - stored_here) * (d - deepest)
 
 
 @leaf_kernel
-def contact_force(law, d, half, approach, deepest, c0, c1, guess):
+def contact_force(law, d, half, approach, deepest, s, c0, c1, guess):
     """Return F = law(d + half (c0 - c1 F), c0 - c1 F): Newton steps, bisection where they leave the bracket."""
-    low, high = 0.0, law_force(law, d + half * c0, c0, approach, deepest)[0]
+    low, high = 0.0, law_force(law, d + half * c0, c0, approach, deepest, s)[0]
     if high <= 0.0:
         return 0.0
     f = min(max(guess, low), high)
     for _ in range(_ITERATIONS):
         rate = c0 - c1 * f
-        pushed, by_depth, by_rate = law_force(law, d + half * rate, rate, approach, deepest)
+        pushed, by_depth, by_rate = law_force(law, d + half * rate, rate, approach, deepest, s)
         miss = f - pushed
         if miss > 0.0:
             high = f
@@ -83,7 +85,8 @@ def begin_contact(law, contact, approach, deepest):
     """Set a contact to first touch at an approach speed, after it has yielded to a depth."""
     contact[:] = 0.0
     contact[RATE] = contact[APPROACH] = approach
-    contact[DEEPEST], contact[DEPTH] = deepest, residual(law, deepest)
+    contact[DEEPEST], contact[GROWTH] = deepest, flattening(law, deepest)
+    contact[DEPTH] = residual(deepest, contact[GROWTH])
 
 
 @leaf_kernel
@@ -102,17 +105,18 @@ def press(law, contact, touches, t, dt, c0, c1):
         d = 0.0 if first else min(was + dt * rate, 0.0)
         touching, power = force > 0.0, 0.0
     else:
-        ahead, deepest = was + half * contact[RATE], contact[DEEPEST]
-        left = residual(law, deepest)
+        ahead, deepest, s = was + half * contact[RATE], contact[DEEPEST], contact[GROWTH]
+        left = residual(deepest, s)
         if not closed and ahead + half * c0 > left:
             contact[APPROACH] = max(contact[RATE], 0.0)
-        force = contact_force(law, ahead, half, contact[APPROACH], deepest, c0, c1, contact[FORCE])
+        force = contact_force(law, ahead, half, contact[APPROACH], deepest, s, c0, c1, contact[FORCE])
         rate = c0 - c1 * force
         d = ahead + half * rate
         touching = d > left or first
-        power, yielded = losses(law, d, rate, force, deepest) if d > left else (0.0, 0.0)
+        power, yielded = losses(law, d, rate, force, deepest, s) if d > left else (0.0, 0.0)
         contact[LOST] += yielded
-        contact[DEEPEST] = max(deepest, d)
+        if d > deepest:
+            contact[DEEPEST], contact[GROWTH] = d, flattening(law, d)
     contact[LOST] += half * (power + contact[POWER])
     if touching != closed:
         at = t - (dt * (d - left) / (d - was) if d != was else 0.0)
