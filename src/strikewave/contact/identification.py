@@ -305,7 +305,8 @@ def _limits(found: Identified, fit: Fit) -> list[str]:
     n, e = found.values["exponent"], found.values["restitution"]
     if fit.elastic:
         least = math.exp(-1.645 * (e.standard_error or 0.0))
-        words.append(f"restitution is at its limit 1: the pulse says above {least:.3g} (95 %)")
+        told = f"it is above {least:.3g} with 95 % confidence" if least < 0.9995 else "no loss is seen in this pulse"
+        words.append(f"restitution is at its limit 1: {told}")
     elif not e.given and (e.value or 0.0) < 1.05 * RESTITUTIONS[0]:
         words.append(f"restitution is at the lower bound of the search, {RESTITUTIONS[0]:g}")
     if not n.given and not 1.01 * EXPONENTS[0] < (n.value or 0.0) < 0.99 * EXPONENTS[1]:
