@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from strikewave import load_case, run_case
+from strikewave.build import build_machine
 from strikewave.contact import Contact, PressureCap, exact, hertz, johnson, line_cap, palmgren, point_cap, solve_impact
+from strikewave.machines import blows, run_rotary
+from strikewave.machines._stack_kernels import INDENTATION
+from strikewave.machines.spans import StackSpan
 from strikewave.materials import material
 from strikewave.waves import Impactor, Layer, Stack, Tap, Wanted, run_bar
 
@@ -46,6 +50,20 @@ def test_what_stays_follows_from_the_deepest_indentation():
     s = q / (2 / math.pi * (q * np.arcsin(1 / np.sqrt(q)) + np.sqrt(q - 1)))
     assert column(solution, "flattening") == pytest.approx(s, rel=3e-5)
     assert column(solution, "residual_indentation") == pytest.approx(deepest * (1 - 1 / s), rel=1e-4)
+    # where a blow goes deeper than all before, the way back begins with the slope of the elastic law at that depth
+    slope = law.exponent * law.stiffness * deepest ** (law.exponent - 1)
+    assert column(solution, "contact_stiffness")[:5] == pytest.approx(slope[:5], rel=1e-4)
+
+
+def test_a_blow_on_a_stack_begins_at_the_dent_of_the_one_before():
+    """First touch is where the spot's surface is: at the residual indentation of the blow before."""
+    machine = build_machine(load_case("li-ma-2019-fig13", [YIELDS, "feed.blows=2"]))
+    found = run_rotary(machine)
+    first, second = (span for span in found.spans if isinstance(span, StackSpan))
+    left = blows(found)[0].residual_indentation
+    assert first.history[0, INDENTATION] == 0.0
+    assert second.history[0, INDENTATION] == pytest.approx(left, rel=1e-9)
+    assert left > 1e-6
 
 
 def test_each_nose_keeps_its_own_flat_where_noses_yield():
