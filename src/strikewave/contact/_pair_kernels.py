@@ -160,8 +160,11 @@ def _top_of_step(system, record, row, y):
             break
         vertex = min(max(middle + 0.5 * reach * (low - high) / bend, 0.0), 1.0)
         force = _force_within(system, record, row, vertex, y)
-        if force > best:
+        gained = force - best
+        if gained > 0.0:
             best, at = force, vertex
+        if abs(gained) <= 1e-12 * best:
+            break
         reach *= 0.25
         middle = min(max(vertex, reach), 1.0 - reach)
         low = _force_within(system, record, row, middle - reach, y)
