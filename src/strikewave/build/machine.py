@@ -17,10 +17,9 @@ from strikewave.contact import (
     LogarithmicStiffness,
     PressureCap,
     Stiffness,
+    cap_of,
     damping_law,
-    line_cap,
     named_contact,
-    point_cap,
     stiffness_law,
     stiffness_of,
 )
@@ -79,10 +78,10 @@ def pressure_cap(striker: Striker, contact: ContactTable, face: Material) -> Pre
             allowed = "only with contact.yield_pressure: nothing yields without it"
             raise InputError("contact.yields", contact.yields, allowed, "add the pressure, or remove it")
         return None
-    nose, radius = material(striker.material, "striker.material"), striker.nose_radius.si
-    if "length" in stiffness_law(contact.law, "contact.law").needs:
-        return line_cap(nose, face, radius, math.inf, striker.contact_length.si, contact.yield_pressure.si)
-    return point_cap(nose, face, radius, math.inf, contact.yield_pressure.si)
+    nose = material(striker.material, "striker.material")
+    of_line = "length" in stiffness_law(contact.law, "contact.law").needs
+    geometry = Geometry(striker.nose_radius.si, length=striker.contact_length.si if of_line else None)
+    return cap_of(nose, face, geometry, contact.yield_pressure.si)
 
 
 def face_contact(striker: Striker, contact: ContactTable, face: Material) -> AnyContact:

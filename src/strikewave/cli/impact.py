@@ -106,7 +106,7 @@ def command(
 def _blows(setup: options.Setup) -> list[Impact]:
     """Solve the blows; without a cap on the pressure one is as the other."""
     from strikewave.contact import reduced_mass, solve_impact
-    from strikewave.errors import InputError, IntegrationError
+    from strikewave.errors import InputError
 
     if not LEAST_ENERGY < float(reduced_mass(*setup.masses)) * setup.speed * setup.speed < 1.0 / LEAST_ENERGY:
         raise InputError("impact", _given(setup), "masses and a speed whose energy is finite")
@@ -117,8 +117,6 @@ def _blows(setup: options.Setup) -> list[Impact]:
             blow = solve_impact(setup.contact, *setup.masses, setup.speed, deepest)
         except ValueError as error:
             raise InputError("impact", _given(setup), "numbers that the contact can do with", str(error)) from None
-        except IntegrationError as error:
-            raise IntegrationError(" ".join(str(error).split())) from None
         blows.append(blow)
         if not all(math.isfinite(value) for value in _numbers(blow).values()):
             raise InputError("impact", _given(setup), "masses, speed and stiffness whose result is finite")

@@ -314,7 +314,7 @@ def read_cap(typed: YieldOptions, base: Base, damper: str | None) -> PressureCap
 
 
 def _cap_of_pressure(text: str, base: Base) -> PressureCap:
-    from strikewave.contact import line_cap, point_cap
+    from strikewave.contact import cap_of
     from strikewave.errors import InputError
 
     pressure, sizes = quantity(text, "Pa", "--yield-pressure"), base.sizes
@@ -325,9 +325,7 @@ def _cap_of_pressure(text: str, base: Base) -> PressureCap:
         raise _missing("radius1", "on which the yield pressure acts")
     one, other = base.bodies
     try:
-        if base.shape == "point":
-            return point_cap(one, other, sizes.radius1, sizes.radius2, pressure)
-        return line_cap(one, other, sizes.radius1, sizes.radius2, sizes.length or 0.0, pressure)
+        return cap_of(one, other, sizes, pressure)
     except ValueError as error:
         raise InputError("--yield-pressure", text, "a pressure that a body bears", str(error)) from None
 

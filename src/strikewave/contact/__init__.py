@@ -21,6 +21,7 @@ from strikewave.contact.damping import (
 )
 from strikewave.contact.elastoplastic import (
     CAP_LAWS,
+    cap_of,
     first_yield,
     line_cap,
     line_yield_pressure,
@@ -70,6 +71,7 @@ __all__ = [
     "StiffnessLaw",
     "Stop",
     "Touch",
+    "cap_of",
     "contact_modulus",
     "damper_law",
     "damper_laws",

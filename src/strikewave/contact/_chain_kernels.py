@@ -70,6 +70,13 @@ def deepest_place(joins, memory, i):
 
 
 @leaf_kernel
+def spot_of(joins, memory, i):
+    """Return the depth to which link i has yielded, and s."""
+    place = deepest_place(joins, memory, i)
+    return memory[place], memory[place + joins.shape[0]]
+
+
+@leaf_kernel
 def contact_force(law, d, rate, mode, approach, deepest, s):
     """Return the force of a contact and what it stores per length, N."""
     if mode == YIELDING:
@@ -119,8 +126,7 @@ def chain_forces(joins, values, y, bases, bodies, mode, memory, out):
     """Fill out with the force of each link."""
     for i in range(joins.shape[0]):
         d, rate = link_motion(joins, values, i, y, bases, bodies)
-        place = deepest_place(joins, memory, i)
-        deepest, s = memory[place], memory[place + joins.shape[0]]
+        deepest, s = spot_of(joins, memory, i)
         out[i], _ = link_force(joins[i, KIND], values[i], d, rate, mode[i], memory[i], deepest, s)
 
 
@@ -139,8 +145,7 @@ def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
         if kind != SPRING and mode[i] == OPEN:
             continue
         d, rate = link_motion(joins, values, i, y, bases, bodies)
-        place = deepest_place(joins, memory, i)
-        deepest, s = memory[place], memory[place + joins.shape[0]]
+        deepest, s = spot_of(joins, memory, i)
         force, elastic = link_force(kind, values[i], d, rate, mode[i], memory[i], deepest, s)
         dy[first + i] = (force - elastic) * rate
         a, b = joins[i, BEHIND], joins[i, AHEAD]
@@ -185,8 +190,7 @@ def link_switches(joins, values, y, bases, bodies, mode, memory, g):
             continue
         d, rate = link_motion(joins, values, i, y, bases, bodies)
         if kind == CONTACT:
-            place = deepest_place(joins, memory, i)
-            deepest, s = memory[place], memory[place + joins.shape[0]]
+            deepest, s = spot_of(joins, memory, i)
             contact_switches(values[i], d, rate, mode[i], memory[i], deepest, s, own)
         elif mode[i] == OPEN:
             own[0] = -d

@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.contact.damping import asked
 from strikewave.contact.law import Damper, not_negative, positive
-from strikewave.contact.registry import CHECKED, DamperLaw, with_added
+from strikewave.contact.registry import CHECKED, DamperLaw, law_named, with_added
 from strikewave.contact.stiffness import Stiffness
-from strikewave.errors import InputError, nearest
 
 Array = NDArray[np.float64]
 
@@ -301,7 +300,4 @@ def damper_law(name: str, field: str = "damper") -> DamperLaw:
     InputError
         If no law has that name; the nearest is offered.
     """
-    laws = damper_laws()
-    if name not in laws:
-        raise InputError(field, name, "a damper law", nearest(name, laws))
-    return laws[name]
+    return law_named(damper_laws(), name, field, "a damper law")

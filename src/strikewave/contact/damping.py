@@ -16,9 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.contact import _kernels
 from strikewave.contact.law import AnyContact, Asked, PressureCap, not_negative, refuse
-from strikewave.contact.registry import CHECKED, FROM_MEMORY, DampingLaw, with_added
+from strikewave.contact.registry import CHECKED, FROM_MEMORY, DampingLaw, law_named, with_added
 from strikewave.contact.stiffness import LogarithmicStiffness, Stiffness
-from strikewave.errors import InputError, nearest
 
 Array = NDArray[np.float64]
 Factor = Callable[[ArrayLike], Array]
@@ -324,10 +323,7 @@ def damping_law(name: str, field: str = "damping") -> DampingLaw:
     InputError
         If no law has that name; the nearest is offered.
     """
-    laws = damping_laws()
-    if name not in laws:
-        raise InputError(field, name, "a damping law", nearest(name, laws))
-    return laws[name]
+    return law_named(damping_laws(), name, field, "a damping law")
 
 
 def factor(name: str, restitution_asked: ArrayLike) -> Array:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.contact import _pair_kernels
-from strikewave.contact.law import AnyContact, PressureCap, flat, not_negative, positive, refuse, rows, shape_of, single
+from strikewave.contact.law import AnyContact, PressureCap, flat, not_negative, positive, refuse, rows_beside, single
 from strikewave.contact.registry import CHECKED, CapLaw
 from strikewave.contact.stiffness import ElasticBody, Geometry, contact_modulus, reduced_radius
 
@@ -78,6 +78,27 @@ def line_cap(
     """
     radius, modulus = reduced_radius(radius1, radius2), contact_modulus(one, other)
     return PressureCap(np.pi * radius * length * _pressure(pressure) ** 2 / modulus, "line")
+
+
+def cap_of(one: ElasticBody, other: ElasticBody, geometry: Geometry, pressure: ArrayLike) -> PressureCap:
+    """Return the cap of a line where the geometry has a length, of spheres where not.
+
+    Raises
+    ------
+    ValueError
+        If the geometry has no radius, or the pressure is none that a body bears.
+
+    Examples
+    --------
+    >>> from strikewave.materials import material
+    >>> steel = material("65Mn")
+    >>> cap_of(steel, steel, Geometry(0.01), 1e9).shape, cap_of(steel, steel, Geometry(0.01, length=0.04), 1e9).shape
+    ('point', 'line')
+    """
+    radius1 = math.nan if geometry.radius1 is None else geometry.radius1
+    if geometry.length is None:
+        return point_cap(one, other, radius1, geometry.radius2, pressure)
+    return line_cap(one, other, radius1, geometry.radius2, geometry.length, pressure)
 
 
 CAP_LAWS = {
@@ -183,14 +204,9 @@ def first_yield(one: PlasticBody, other: PlasticBody, geometry: Geometry) -> Fir
     known = [(body, body.yield_strength) for body in (one, other) if body.yield_strength is not None]
     if geometry.radius1 is None or not known:
         return None
-    sizes = (geometry.radius1, geometry.radius2)
-    if geometry.length is None:
-        pressure = min(point_yield_pressure(body, strength) for body, strength in known)
-        cap = point_cap(one, other, *sizes, pressure)
-    else:
-        pressure = min(line_yield_pressure(body, strength) for body, strength in known)
-        cap = line_cap(one, other, *sizes, geometry.length, pressure)
-    return FirstYield(pressure, float(np.asarray(cap.yield_load)))
+    yield_pressure = point_yield_pressure if geometry.length is None else line_yield_pressure
+    pressure = min(yield_pressure(body, strength) for body, strength in known)
+    return FirstYield(pressure, float(np.asarray(cap_of(one, other, geometry, pressure).yield_load)))
 
 
 def yield_speed(contact: AnyContact, mass: ArrayLike) -> Array:
@@ -205,8 +221,7 @@ def yield_speed(contact: AnyContact, mass: ArrayLike) -> Array:
     """
     if contact.cap is None:
         raise ValueError("a contact without a pressure cap does not yield")
-    shape = shape_of(contact, mass)
-    laws = rows(contact, shape)
+    laws, shape = rows_beside(contact, mass)
     depth, energy = np.empty((2, len(laws)))
     _pair_kernels.depths_at_yield(laws, depth)
     _pair_kernels.energies(laws, depth, depth, energy)
@@ -273,7 +288,7 @@ def slow_force(contact: AnyContact, indentation: ArrayLike, deepest: ArrayLike =
     >>> print(slow_force(steel, [5e-6, 10e-6, 20e-6]).round(1), slow_force(steel, [5e-6, 10e-6], 20e-6).round(1))
     [ 167.7  474.3 1198.2] [ 76.9 349.9]
     """
-    shape = shape_of(contact, indentation, deepest)
-    out = np.empty(math.prod(shape))
-    _pair_kernels.slow_forces(rows(contact, shape), flat(indentation, shape), flat(deepest, shape), out)
+    laws, shape = rows_beside(contact, indentation, deepest)
+    out = np.empty(len(laws))
+    _pair_kernels.slow_forces(laws, flat(indentation, shape), flat(deepest, shape), out)
     return out.reshape(shape)

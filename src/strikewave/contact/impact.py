@@ -21,8 +21,7 @@ from strikewave.contact.law import (
     not_negative,
     positive,
     refuse,
-    rows,
-    shape_of,
+    rows_beside,
 )
 from strikewave.contact.motion import State, integrate
 from strikewave.errors import IntegrationError
@@ -173,8 +172,8 @@ def problem_of(
     never = "positive and finite: bodies that do not approach each other never meet"
     mass, v = reduced_mass(mass1, mass2), positive("the approach speed", speed, never)
     before = not_negative("the depth yielded before", deepest)
-    shape = shape_of(contact, mass, v, before)
-    return Problem(rows(contact, shape), flat(mass, shape), flat(v, shape), flat(before, shape), shape)
+    laws, shape = rows_beside(contact, mass, v, before)
+    return Problem(laws, flat(mass, shape), flat(v, shape), flat(before, shape), shape)
 
 
 def solve_impact(

@@ -231,17 +231,17 @@ def rows(contact: AnyContact, shape: tuple[int, ...] = ()) -> Array:
     ValueError
         If a number of the law is out of range, with its index.
     """
+    return rows_beside(contact, np.empty(shape))[0]
+
+
+def rows_beside(contact: AnyContact, *others: ArrayLike) -> tuple[Array, tuple[int, ...]]:
+    """Return a law as rows of numbers for the broadcast shape of its own numbers and others, and that shape."""
     numbers = check(contact)
-    full = np.broadcast_shapes(shape, *(np.shape(value) for value in numbers.values()))
-    table = np.zeros((math.prod(full), COLUMNS))
+    shape = np.broadcast_shapes(*(np.shape(value) for value in (*numbers.values(), *others)))
+    table = np.zeros((math.prod(shape), COLUMNS))
     for place, value in numbers.items():
-        table[:, place] = np.broadcast_to(value, full).reshape(-1)
-    return table
-
-
-def shape_of(contact: AnyContact, *others: ArrayLike) -> tuple[int, ...]:
-    """Return the broadcast shape of the numbers of a law and of other numbers."""
-    return np.broadcast_shapes(*(np.shape(value) for value in (*check(contact).values(), *others)))
+        table[:, place] = np.broadcast_to(value, shape).reshape(-1)
+    return table, shape
 
 
 def flat(values: ArrayLike, shape: tuple[int, ...]) -> Array:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.citations import SOURCES
-from strikewave.errors import StrikewaveWarning
+from strikewave.errors import InputError, StrikewaveWarning, nearest
 
 CHECKED, FROM_MEMORY = "checked", "from memory"
 """Status of a law: its formula was seen in an opened text, or not."""
@@ -139,6 +139,19 @@ class CapLaw(Law):
 
 
 L = TypeVar("L", bound=Law)
+
+
+def law_named(laws: Mapping[str, L], name: str, field: str, what: str) -> L:
+    """Return a law by its name.
+
+    Raises
+    ------
+    InputError
+        If no law has that name; the nearest is offered.
+    """
+    if name not in laws:
+        raise InputError(field, name, what, nearest(name, laws))
+    return laws[name]
 
 
 def with_added(kind: type[L], own: Mapping[str, L]) -> dict[str, L]:

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from strikewave.contact.law import Contact, Damper, LogarithmicContact, PressureCap
-from strikewave.contact.registry import CHECKED, FROM_MEMORY, StiffnessLaw, with_added
-from strikewave.errors import MISSING, InputError, nearest
+from strikewave.contact.registry import CHECKED, FROM_MEMORY, StiffnessLaw, law_named, with_added
+from strikewave.errors import MISSING, InputError
 
 SMALLEST = 1e-15
 """Sizes below this are refused, m."""
@@ -450,10 +450,7 @@ def stiffness_law(name: str, field: str = "law") -> StiffnessLaw:
     InputError
         If no law has that name; the nearest is offered.
     """
-    laws = stiffness_laws()
-    if name not in laws:
-        raise InputError(field, name, "a stiffness law", nearest(name, laws))
-    return laws[name]
+    return law_named(stiffness_laws(), name, field, "a stiffness law")
 
 
 GEOMETRY = ("radius1", "radius2", "length", "datum_depth")
