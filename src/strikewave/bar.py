@@ -196,6 +196,9 @@ class BarSolution:
             "tap_velocity": quantity(where, velocity, "m/s", "velocity at each tap"),
             "tap_acceleration": quantity(where, acceleration, "m/s^2", "acceleration at each tap"),
             "field_force": quantity(("field_time", "field_place"), run.field_force, "N", "force along the stack"),
+            "field_velocity": quantity(
+                ("field_time", "field_place"), run.field_velocity, "m/s", "velocity along the stack"
+            ),
             "field_position": quantity("field_place", run.field_position, "m", "distance from the first face"),
         }
         coordinates = {

@@ -79,8 +79,10 @@ class BarRun:
         part; infinite where joints open or a striker comes.
     places, duration : tuple and float
         Layer and fraction of each tap; s.
-    field_time, field_position, field_force : ndarray
-        The x-t field: s, m from the first face, N with shape (times, places).
+    field_time, field_position, field_force, field_velocity : ndarray
+        The x-t field: s, m from the first face, N and m/s with shape (times, places).
+    field_layer : ndarray
+        Index of the layer of each place.
     field_least, field_greatest : ndarray
         Least and greatest force at the places of the field over all steps, N.
     touches : ndarray
@@ -108,6 +110,8 @@ class BarRun:
     field_time: Array = field(repr=False)
     field_position: Array = field(repr=False)
     field_force: Array = field(repr=False)
+    field_velocity: Array = field(repr=False)
+    field_layer: NDArray[np.int64] = field(repr=False)
     field_least: Array = field(repr=False)
     field_greatest: Array = field(repr=False)
     touches: Array = field(repr=False)
@@ -331,6 +335,8 @@ def _run(
         field_time=grid.step * coarse * np.arange(pictured.force.shape[0], dtype=np.float64),
         field_position=position,
         field_force=pictured.force,
+        field_velocity=pictured.velocity[:, :, 1],
+        field_layer=nodes[:, 0],
         field_least=extremes.least,
         field_greatest=extremes.greatest,
         touches=touches,
