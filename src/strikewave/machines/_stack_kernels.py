@@ -2,7 +2,7 @@
 
 The stack moves in a frame of its own that starts with the object's speed and falls with gravity; waves are
 what differs from it. The machine's bodies follow the trapezoidal rule with the contact force of this step
-found as in `strikewave.waves._impact_kernels`; spring, damper and stop act on the far end of the stack.
+found as in `strikewave.waves._press_kernels`; spring, damper and stop act on the far end of the stack.
 """
 
 from typing import NamedTuple
@@ -20,18 +20,6 @@ from strikewave.machines._kernels import (
     own_switches,
     rotary_rates,
 )
-from strikewave.waves._impact_kernels import (
-    CLOSED,
-    CONTACT_SIZE,
-    COUNT,
-    DEEPEST,
-    DEPTH,
-    FORCE,
-    LOST,
-    QUIET,
-    begin_contact,
-    press,
-)
 from strikewave.waves._kernels import (
     END_BETA,
     END_OWN,
@@ -42,6 +30,18 @@ from strikewave.waves._kernels import (
     arriving_at_face,
     force_and_velocity,
     record,
+)
+from strikewave.waves._press_kernels import (
+    CLOSED,
+    CONTACT_SIZE,
+    COUNT,
+    DEEPEST,
+    DEPTH,
+    FORCE,
+    LOST,
+    QUIET,
+    begin_contact,
+    press,
 )
 
 (

@@ -1,6 +1,7 @@
 """Stress waves in a stack of layers and joints."""
 
-from strikewave.waves.bar import BarRun, Tap, Wanted, run_bar
+from strikewave.waves.bar import run_bar
+from strikewave.waves.bar_run import BarRun, Tap, Wanted
 from strikewave.waves.layers import BONDED, Branch, End, Joint, Layer, Stack, round_bar
 from strikewave.waves.load import Impactor, Load, Pulse, Sampled
 from strikewave.waves.transit import ErrorBound, Grid, choose_grid, error_bound, grid_of

@@ -6,25 +6,36 @@ whole steps they move by one node a step, exactly. Force f = P + M, velocity v =
 At a joint between layers 1 and 2 the compression rate is x' = b - Y f with b = 2 P1/Z1 + 2 M2/Z2 and
 Y = 1/Z1 + 1/Z2; the joint's own law closes it, and the waves that leave are f - P1 and f - M2. Springs,
 Maxwell branches and masses follow the trapezoidal rule, which stores and gives back energy exactly: in
-each branch f = w + R x', w' = beta (w + R x') + R x'.
+each branch f = w + R x', w' = beta (w + R x') + R x'. Nonlinear contacts are of second order in the step.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.compiled import kernel, leaf_kernel
+from strikewave.compiled import called_kernel, kernel, leaf_kernel
+from strikewave.contact._law_kernels import YIELD_LOAD, flattening
+from strikewave.waves._press_kernels import contact_force, losses
 
-BONDED, ELASTIC, MASS, UNILATERAL = 0, 1, 2, 3
-"""What a joint does; an elastic one has a spring, a dashpot, Maxwell branches."""
+BONDED, ELASTIC, MASS, UNILATERAL, OSCILLATOR, CONTACT = 0, 1, 2, 3, 4, 5
+"""What a joint does; an elastic one has a spring, a dashpot, Maxwell branches; an oscillator is a mass hung on one."""
 MOST_BRANCHES = 5
+FORCE, SPEED, INCIDENT = 0, 1, 2
+"""What a load prescribes at the first face; behind an incident wave lies an endless bar like the first layer."""
 
-RESISTANCE, STIFFNESS, DAMPING, PRELOAD, BRANCHES = 0, 1, 2, 3, 4
-"""Columns of `Tables.joint_value`: sum of R, spring, dashpot, preload; number of branches."""
-END_OWN, END_WAVE, END_RESISTANCE, END_BETA, END_SIGMA = 0, 1, 2, 3, 4
-"""Places in `Tables.end`: f = own a + wave P; a' = beta f + sigma R v."""
-COMPRESSION, RATE, LOST = 0, 1, 2
-"""Columns of `State.joint`: x and x' (of a joint with mass: w and v), and the energy lost, J."""
+RESISTANCE, STIFFNESS, DAMPING, PRELOAD, BRANCHES, INERTIA, DATUM = 0, 1, 2, 3, 4, 5, 6
+"""Columns of `Tables.joint_value`: sum of R, spring, dashpot, preload; number of branches; R of a mass on a spring;
+indentation under the preload."""
+JOINT_VALUES = 7
+END_OWN, END_WAVE, END_RESISTANCE, END_BETA, END_SIGMA, END_SPRING, END_DAMPING, END_INERTIA = range(8)
+"""Places in `Tables.end`: f = own a + wave P; a' = beta f + sigma R v; of a mass on a spring: R of both, dashpot."""
+COMPRESSION, RATE, LOST, WORK, GUESS, DEEPEST, GROWTH, OPEN = range(8)
+"""Columns of `State.joint`: x and x' (of a joint with mass: w and v; of a mass on a spring: w of spring and mass), and
+the energy lost, J; of a nonlinear contact: work done on it, J, last force, deepest indentation, growth of its radius;
+and 1 while the joint is open."""
+JOINT_STATES = 8
+SEEN = 1e-12
+"""A gap that counts as open, m: below it is rounding."""
 
 
 class Tables(NamedTuple):
@@ -37,11 +48,15 @@ class Tables(NamedTuple):
     joint_kind: np.ndarray
     joint_value: np.ndarray
     branch: np.ndarray
+    law: np.ndarray
     end: np.ndarray
 
 
 class State(NamedTuple):
-    """Waves in flight and what the joints remember."""
+    """Waves in flight, what the joints remember, and when they opened and closed.
+
+    ``clock`` counts steps and events; ``events`` holds joint, time, and 1 where it opened.
+    """
 
     forward: np.ndarray
     backward: np.ndarray
@@ -49,6 +64,8 @@ class State(NamedTuple):
     joint: np.ndarray
     memory: np.ndarray
     end: np.ndarray
+    clock: np.ndarray
+    events: np.ndarray
 
 
 class Recording(NamedTuple):
@@ -112,6 +129,7 @@ def unilateral_joint(tables, state, i, b, y):
         state.joint[i, RATE] = rate
         state.joint[i, COMPRESSION] = min(x + step * rate, 0.0)
         state.joint[i, LOST] += step * (f + value[PRELOAD]) * rate
+        note_gap(tables, state, i, -state.joint[i, COMPRESSION])
         return f
     ahead = x + 0.5 * step * state.joint[i, RATE]
     r = 0.5 * step * value[STIFFNESS] + value[DAMPING]
@@ -125,6 +143,91 @@ def unilateral_joint(tables, state, i, b, y):
     state.joint[i, LOST] += step * (f - max(value[STIFFNESS] * middle, -value[PRELOAD])) * rate
     state.joint[i, COMPRESSION] = middle
     state.joint[i, RATE] = rate
+    note_gap(tables, state, i, -middle - value[PRELOAD] / value[STIFFNESS])
+    return f
+
+
+@called_kernel
+def contact_joint(tables, state, i, b, y):
+    """Return the force of a nonlinear contact that pushes only, counted from its preload, and press it on.
+
+    It is elastic, and beyond its yield load plastic; what has yielded stays.
+    """
+    value, law, own = tables.joint_value[i], tables.law[i], state.joint[i]
+    preload, half, was = value[PRELOAD], 0.5 * tables.step, value[DATUM] + own[COMPRESSION]
+    ahead = was + half * own[RATE]
+    push = contact_force(law, ahead, half, 1.0, own[DEEPEST], own[GROWTH], b + preload * y, y, own[GUESS])
+    rate = b - y * (push - preload)
+    d = ahead + half * rate
+    power, yielded = losses(law, d, rate, push, own[DEEPEST], own[GROWTH])
+    if d <= own[DEEPEST]:
+        yielded = half * power
+    own[LOST] += yielded
+    own[WORK] += tables.step * (push - preload) * rate
+    if d > own[DEEPEST] and law[YIELD_LOAD] < np.inf:
+        own[DEEPEST], own[GROWTH] = d, flattening(law, d)
+    own[COMPRESSION], own[RATE], own[GUESS] = d - value[DATUM], rate, push
+    note_gap(tables, state, i, own[DEEPEST] * (1.0 - 1.0 / own[GROWTH]) - d)
+    return push - preload
+
+
+@leaf_kernel
+def note_gap(tables, state, i, gap):
+    """Note the time at which a joint opens or closes."""
+    opened = 1.0 if gap > SEEN else 0.0
+    if opened != state.joint[i, OPEN]:
+        k = state.clock[1]
+        if k < state.events.shape[0]:
+            state.events[k, 0], state.events[k, 1], state.events[k, 2] = i, state.clock[0] * tables.step, opened
+        state.clock[1] += 1
+        state.joint[i, OPEN] = opened
+
+
+@leaf_kernel
+def hung_mass(spring, damping, inertia, w, q):
+    """Return own and R of a mass on a spring, whose force on what carries it is own + R v.
+
+    w and q are the states of spring and mass: spring g = w + R1 (v - u) with its dashpot, mass g = R2 u - q.
+    """
+    stiff = spring + damping
+    share = 1.0 / (1.0 + stiff / inertia)
+    return share * (w - stiff * q / inertia), share * stiff
+
+
+@leaf_kernel
+def swing(spring, damping, inertia, v, states):
+    """Move a mass on a spring on, given the speed v of what carries it; return the power lost in its dashpot, W."""
+    w, q = states[0], states[1]
+    own, resistance = hung_mass(spring, damping, inertia, w, q)
+    u = (own + resistance * v + q) / inertia
+    states[0], states[1] = w + 2.0 * spring * (v - u), 2.0 * inertia * u - q
+    return damping * (v - u) ** 2
+
+
+@leaf_kernel
+def oscillator_joint(tables, state, i, p, m):
+    """Return the forces before and behind bonded faces that carry a mass on a spring."""
+    z1, z2, value = tables.impedance[i], tables.impedance[i + 1], tables.joint_value[i]
+    states = state.joint[i]
+    spring, damping, inertia = value[RESISTANCE], value[DAMPING], value[INERTIA]
+    own, resistance = hung_mass(spring, damping, inertia, states[0], states[1])
+    v = (2.0 * p - 2.0 * m - own) / (z1 + z2 + resistance)
+    states[LOST] += tables.step * swing(spring, damping, inertia, v, states)
+    return 2.0 * p - z1 * v, 2.0 * m + z2 * v
+
+
+@leaf_kernel
+def end_force(tables, state, p, z):
+    """Return the force of the stack on its end, and move the end on."""
+    end = tables.end
+    if end[END_INERTIA] > 0.0:
+        spring, damping, inertia = end[END_SPRING], end[END_DAMPING], end[END_INERTIA]
+        own, resistance = hung_mass(spring, damping, inertia, state.end[0], state.end[1])
+        v = (2.0 * p - own) / (z + resistance)
+        swing(spring, damping, inertia, v, state.end)
+        return 2.0 * p - z * v
+    f = end[END_OWN] * state.end[0] + end[END_WAVE] * p
+    state.end[0] = end[END_BETA] * f + end[END_SIGMA] * end[END_RESISTANCE] * (2.0 * p - f) / z
     return f
 
 
@@ -140,6 +243,16 @@ def mass_joint(tables, state, i, p, m):
 
 
 @leaf_kernel
+def sprung_joint(tables, state, i, b, y):
+    """Return the force of a joint that gives way."""
+    if tables.joint_kind[i] == ELASTIC:
+        return elastic_joint(tables, state, i, b, y)
+    if tables.joint_kind[i] == UNILATERAL:
+        return unilateral_joint(tables, state, i, b, y)
+    return contact_joint(tables, state, i, b, y)
+
+
+@leaf_kernel
 def advance(tables, state, face):
     """Move all waves by one step with the wave ``face`` sent in at the loaded face; return the force at the end."""
     layers = tables.nodes.size
@@ -147,6 +260,7 @@ def advance(tables, state, face):
     forward, backward = state.forward, state.backward
     sent = face
     here = wrapped(place[0] + 1, nodes[0])
+    state.clock[0] += 1
     for i in range(layers - 1):
         there = wrapped(place[i + 1] + 1, nodes[i + 1])
         p = forward[start[i] + wrapped(here + 1, nodes[i])]
@@ -158,10 +272,10 @@ def advance(tables, state, face):
             g = f
         elif kind == MASS:
             f, g = mass_joint(tables, state, i, p, m)
+        elif kind == OSCILLATOR:
+            f, g = oscillator_joint(tables, state, i, p, m)
         else:
-            b, y = 2.0 * (p / z1 + m / z2), 1.0 / z1 + 1.0 / z2
-            f = elastic_joint(tables, state, i, b, y) if kind == ELASTIC else unilateral_joint(tables, state, i, b, y)
-            g = f
+            f = g = sprung_joint(tables, state, i, 2.0 * (p / z1 + m / z2), 1.0 / z1 + 1.0 / z2)
         forward[start[i] + here] = sent
         backward[start[i] + here] = f - p
         place[i] = here
@@ -169,9 +283,7 @@ def advance(tables, state, face):
         here = there
     last = layers - 1
     p = forward[start[last] + wrapped(here + 1, nodes[last])]
-    f = tables.end[END_OWN] * state.end[0] + tables.end[END_WAVE] * p
-    v = (2.0 * p - f) / z[last]
-    state.end[0] = tables.end[END_BETA] * f + tables.end[END_SIGMA] * tables.end[END_RESISTANCE] * v
+    f = end_force(tables, state, p, z[last])
     forward[start[last] + here] = sent
     backward[start[last] + here] = f - p
     place[last] = here
@@ -241,6 +353,12 @@ def unilateral_energy(tables, state, i):
 
 
 @leaf_kernel
+def swing_energy(step, spring, inertia, states):
+    """Return the energy of a mass on a spring, J: w^2 dt/(4 R1) + q^2 dt/(4 R2)."""
+    return 0.25 * step * (states[0] ** 2 / spring + states[1] ** 2 / inertia)
+
+
+@leaf_kernel
 def energy(tables, state):
     """Return the energy of the waves in flight, of springs and of masses, J."""
     total = 0.0
@@ -261,7 +379,13 @@ def energy(tables, state):
                 total += state.memory[i, j] ** 2 * tables.step / (2.0 * resistance * (1.0 + beta))
         elif tables.joint_kind[i] == UNILATERAL:
             total += unilateral_energy(tables, state, i)
-    if tables.end[END_BETA] != 0.0:
+        elif tables.joint_kind[i] == OSCILLATOR:
+            total += swing_energy(tables.step, value[RESISTANCE], value[INERTIA], state.joint[i])
+        elif tables.joint_kind[i] == CONTACT:
+            total += state.joint[i, WORK] - state.joint[i, LOST]
+    if tables.end[END_INERTIA] > 0.0:
+        total += swing_energy(tables.step, tables.end[END_SPRING], tables.end[END_INERTIA], state.end)
+    elif tables.end[END_BETA] != 0.0:
         total += state.end[0] ** 2 * tables.step / (4.0 * tables.end[END_RESISTANCE])
     return total
 
@@ -278,6 +402,8 @@ def momentum(tables, state):
     for i in range(tables.joint_kind.size):
         if tables.joint_kind[i] == MASS:
             total += 0.5 * tables.step * state.joint[i, COMPRESSION]
+        elif tables.joint_kind[i] == OSCILLATOR:
+            total += 0.5 * tables.step * state.joint[i, 1]
     return total
 
 
@@ -310,8 +436,8 @@ def watch(tables, sent, came, through, left, histories, norms, integrals):
 
 
 @kernel
-def drive(tables, state, load, by_speed, recordings, extremes, integrals):
-    """Run a stack under a prescribed force (or face speed) at every step.
+def drive(tables, state, load, by, recordings, extremes, integrals):
+    """Run a stack under a prescribed load at every step, ``by`` `FORCE`, `SPEED` of the face or `INCIDENT` wave.
 
     Fills ``integrals`` with the time integrals of the energy norms of the first three time derivatives
     of all waves, and returns the impulse of the load and that given to the end, N s.
@@ -321,7 +447,11 @@ def drive(tables, state, load, by_speed, recordings, extremes, integrals):
     last = tables.nodes.size - 1
     for n in range(load.size):
         m = arriving_at_face(tables, state)
-        sent = load[n] * tables.impedance[0] + m if by_speed else load[n] - m
+        sent = load[n]
+        if by == FORCE:
+            sent -= m
+        elif by == SPEED:
+            sent = sent * tables.impedance[0] + m
         f = advance(tables, state, sent)
         entered += (sent + m) * tables.step
         through += f * tables.step

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
-from strikewave.contact.law import Contact, check_end, indentation_under, striking_law
+from strikewave.contact.law import Contact, check_end, striking_law
 from strikewave.waves import _impact_kernels, _kernels
 from strikewave.waves._kernels import Extremes, Recording
+from strikewave.waves.bar_run import BarRun, Tap, Wanted
 from strikewave.waves.layers import Stack
-from strikewave.waves.load import Impactor, Load
+from strikewave.waves.load import PRESCRIBED, Impactor, Load
+from strikewave.waves.spectral_bar import needs_spectrum, refuse_spectral_layers, spectral_bar
+from strikewave.waves.times import shortest_time
 from strikewave.waves.transit import (
+    MOST_EVENTS,
     ErrorBound,
     Grid,
     choose_grid,
@@ -36,105 +40,8 @@ MOST_SAMPLES, MOST_ROWS = 20_000, 2e6
 WORST_MISMATCH = 0.5
 """A step that changes a transit by more is refused."""
 _TRIES = 4
-RELAXATION_STEPS = 20.0
-"""Relaxation times of a joint or an end that 50 steps may cover: one takes 2.5 steps at least."""
 _FIELD_ROWS = 500
 _MOST_TOUCHES = 1000
-
-
-@dataclass(frozen=True)
-class Tap:
-    """Where a stack is watched: layer index and fraction of the layer from its loaded side."""
-
-    layer: int
-    position: float
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """How exact a run shall be: largest error over the largest value at the taps; or a step, s, that is kept."""
-
-    velocity: float = 1e-3
-    acceleration: float = 1e-2
-    step: float | None = None
-
-
-@dataclass(frozen=True)
-class BarRun:
-    """What a stack did under its load.
-
-    Attributes
-    ----------
-    stack, load, grid : Stack, Load, Grid
-        What ran.
-    time : ndarray
-        Times of the samples, s, shape (N,).
-    face_force, end_force : ndarray
-        Force on the first face and of the stack on its end, N, shape (N,).
-    force, velocity, acceleration : ndarray
-        At the taps, shape (N, taps). The acceleration is the central difference of the velocity over two
-        steps of the grid.
-    bound : ErrorBound
-        Largest error: from rounding the transits, and what half the step changes where springs or masses take
-        part; infinite where joints open or a striker comes.
-    places, duration : tuple and float
-        Layer and fraction of each tap; s.
-    field_time, field_position, field_force, field_velocity : ndarray
-        The x-t field: s, m from the first face, N and m/s with shape (times, places).
-    field_layer : ndarray
-        Index of the layer of each place.
-    field_least, field_greatest : ndarray
-        Least and greatest force at the places of the field over all steps, N.
-    touches : ndarray
-        Contacts with an impactor: begin, end, approach speed; shape (n, 3).
-    impulse, end_impulse : float
-        Of the load, and of the stack on its end, N s.
-    momentum : float
-        Gained by the stack, N s.
-    energy_lost : float
-        In the contact with an impactor, J.
-    """
-
-    stack: Stack
-    load: Load
-    grid: Grid
-    time: Array = field(repr=False)
-    face_force: Array = field(repr=False)
-    end_force: Array = field(repr=False)
-    force: Array = field(repr=False)
-    velocity: Array = field(repr=False)
-    acceleration: Array = field(repr=False)
-    bound: ErrorBound
-    places: tuple[tuple[int, float], ...]
-    duration: float
-    field_time: Array = field(repr=False)
-    field_position: Array = field(repr=False)
-    field_force: Array = field(repr=False)
-    field_velocity: Array = field(repr=False)
-    field_layer: NDArray[np.int64] = field(repr=False)
-    field_least: Array = field(repr=False)
-    field_greatest: Array = field(repr=False)
-    touches: Array = field(repr=False)
-    impulse: float
-    end_impulse: float
-    momentum: float
-    energy_lost: float
-
-    @property
-    def momentum_error(self) -> float:
-        """Impulses less momentum, over the impulse of the load or the momentum that the layers came with."""
-        moving = sum(abs(layer.mass * layer.speed) for layer in self.stack.layers)
-        flowed = max(abs(self.impulse), abs(self.end_impulse), moving, 1e-300)
-        return abs(self.impulse - self.end_impulse - self.momentum) / flowed
-
-    @property
-    def relative_bound(self) -> tuple[float, float]:
-        """Bounds of velocity and acceleration over their largest values at the taps."""
-        largest = (float(np.abs(self.velocity).max(initial=0.0)), float(np.abs(self.acceleration).max(initial=0.0)))
-        return (
-            self.bound.velocity / largest[0] if largest[0] > 0.0 else math.inf,
-            self.bound.acceleration / largest[1] if largest[1] > 0.0 else math.inf,
-        )
 
 
 def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, wanted: Wanted | None = None) -> BarRun:
@@ -177,7 +84,11 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
             raise ValueError(f"{tap} lies outside the stack of {len(stack.layers)} layers")
     if not 0.0 < duration < math.inf:
         raise ValueError(f"the duration must be above zero, got {duration!r} s")
-    places, shortest = [(tap.layer, tap.position) for tap in taps], min(_shortest_time(stack, load), duration)
+    places = [(tap.layer, tap.position) for tap in taps]
+    if wanted.method == "spectral" or (wanted.method == "auto" and needs_spectrum(stack)):
+        return spectral_bar(stack, load, places, duration, wanted)
+    refuse_spectral_layers(stack)
+    shortest = min(stack.transit, shortest_time(stack, load), duration)
     if wanted.step is not None:
         grid = grid_of(stack, wanted.step)
         if grid.mismatch > WORST_MISMATCH:
@@ -259,34 +170,6 @@ def _with_lumped_error(run: BarRun, kept: _Kept) -> BarRun:
     return replace(run, bound=ErrorBound(velocity, acceleration + 2.0 * change("acceleration")))
 
 
-def _shortest_time(stack: Stack, load: Load) -> float:
-    """Return the shortest time, s, that 50 steps must resolve: rise of the load, relaxation of joints and end."""
-    times = [stack.transit]
-    if isinstance(load, Impactor):
-        if load.contact is None:
-            times.append(load.mass / stack.layers[0].impedance)
-        else:
-            times.append(_indentation_time(stack, load))
-    else:
-        times.append(load.rise_time or load.duration)
-    z = [layer.impedance for layer in stack.layers]
-    slow = []
-    for joint, before, after in zip(stack.joints, z, z[1:], strict=False):
-        if joint.mass > 0.0:
-            slow.append(joint.mass / (before + after))
-        elif math.isfinite(joint.stiffness):
-            slow.append(1.0 / (joint.stiffness * (1.0 / before + 1.0 / after)))
-    if stack.end.kind in ("mass", "spring"):
-        slow.append(stack.end.value / z[-1] if stack.end.kind == "mass" else z[-1] / stack.end.value)
-    return min([*times, *(RELAXATION_STEPS * time for time in slow)])
-
-
-def _indentation_time(stack: Stack, load: Impactor) -> float:
-    """Return the time in which the contact force would reach what the bar can take, Z v0, s."""
-    assert load.contact is not None
-    return indentation_under(load.contact, stack.layers[0].impedance * load.speed) / load.speed
-
-
 def _run(
     stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, grid: Grid, keep: _Kept
 ) -> BarRun:
@@ -317,8 +200,8 @@ def _run(
             check_end(load.contact, deepest)
     else:
         history = load.at(grid.step * np.arange(steps + 1.0))
-        by_speed = getattr(load, "kind", "force") == "speed"
-        entered, through = _kernels.drive(tables, state, history, by_speed, (kept, pictured), extremes, norms)
+        by = PRESCRIBED.index(load.kind)
+        entered, through = _kernels.drive(tables, state, history, by, (kept, pictured), extremes, norms)
     return BarRun(
         stack=stack,
         load=load,
@@ -339,6 +222,7 @@ def _run(
         field_layer=nodes[:, 0],
         field_least=extremes.least,
         field_greatest=extremes.greatest,
+        events=state.events[: min(int(state.clock[1]), MOST_EVENTS)],
         touches=touches,
         impulse=entered,
         end_impulse=through,

@@ -9,12 +9,47 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.contact import _law_kernels
+from strikewave.contact.law import AnyContact, striking_law
 from strikewave.materials import Material
+from strikewave.waves.dispersion import THEORIES, Theory
 
-EndKind = Literal["free", "matched", "rigid", "mass", "spring", "dashpot"]
-END_KINDS: tuple[EndKind, ...] = ("free", "matched", "rigid", "mass", "spring", "dashpot")
+EndKind = Literal["free", "matched", "rigid", "mass", "spring", "dashpot", "oscillator"]
+END_KINDS: tuple[EndKind, ...] = ("free", "matched", "rigid", "mass", "spring", "dashpot", "oscillator")
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A Maxwell branch, spring and dashpot in series: stiffness (N/m) and relaxation time (s)."""
+
+    stiffness: float
+    relaxation: float
+
+
+class LossFit(NamedTuple):
+    """A spring with Maxwell branches that holds a loss factor over a band.
+
+    Attributes
+    ----------
+    stiffness : float
+        Long-time stiffness k, N/m: that of the spring beside the branches.
+    branches : tuple of Branch
+        From the longest to the shortest relaxation time; empty without loss.
+    error : float
+        Largest deviation of the loss factor over the band, relative to the one wanted.
+    band : tuple of float
+        Lowest and highest frequency, Hz.
+    """
+
+    stiffness: float
+    branches: tuple[Branch, ...]
+    error: float
+    band: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -38,6 +73,11 @@ class Layer:
         Only dispersion uses it.
     speed : float, optional
         Speed before the load comes, m/s: a layer with a speed is a striker bar.
+    loss : LossFit or None, optional
+        Springs and dashpots per unit of E that give the material its loss factor; E is then the storage modulus
+        in the middle of their band. Only the spectral solver takes it.
+    dispersion : str, optional
+        Theory by which short waves run slower; only the spectral solver takes another one than "none".
 
     Examples
     --------
@@ -55,6 +95,8 @@ class Layer:
     yield_strength: float | None = None
     poissons_ratio: float | None = None
     speed: float = 0.0
+    loss: LossFit | None = None
+    dispersion: Theory = "none"
 
     def __post_init__(self) -> None:
         for key in ("density", "modulus", "area", "length"):
@@ -63,6 +105,10 @@ class Layer:
                 raise ValueError(f"{key} of layer {self.name!r} must be above zero and finite, got {value!r}")
         if self.diameter == 0.0:
             object.__setattr__(self, "diameter", math.sqrt(4.0 * self.area / math.pi))
+        if self.dispersion not in THEORIES:
+            raise ValueError(f"dispersion of layer {self.name!r} is one of {', '.join(THEORIES)}")
+        if self.dispersion != "none" and self.poissons_ratio is None:
+            raise ValueError(f"layer {self.name!r} needs a Poisson's ratio for its dispersion")
 
     @property
     def bar_speed(self) -> float:
@@ -109,14 +155,6 @@ def round_bar(name: str, material: Material, length: float, diameter: float, spe
 
 
 @dataclass(frozen=True)
-class Branch:
-    """A Maxwell branch, spring and dashpot in series: stiffness (N/m) and relaxation time (s)."""
-
-    stiffness: float
-    relaxation: float
-
-
-@dataclass(frozen=True)
 class Joint:
     """What lies between two layers: bonded when nothing else is said.
 
@@ -127,7 +165,9 @@ class Joint:
     or, for an infinite stiffness, whatever keeps x = 0. A unilateral joint pushes only: its force never
     falls below minus its preload, and it transmits nothing while its gap is open. With a preload the
     joint is bolted: forces count from the bolted state, and once it opens the bolt pulls with the preload.
-    A joint with a mass is a rigid point mass between bonded faces.
+    A joint with a mass is a rigid point mass between bonded faces. One with an attached mass bonds the faces and
+    hangs the mass on them by its spring and dashpot: the seismic mass of a sensor. One with a contact pushes by an
+    elastic contact law, and beyond its yield load plastically.
 
     Parameters
     ----------
@@ -145,6 +185,10 @@ class Joint:
         Compression that a bolt puts on the joint, N.
     mass : float, optional
         kg.
+    attached : float, optional
+        Mass on the spring, kg.
+    contact : Contact, LogarithmicContact or None, optional
+        Law of a nonlinear contact, without hysteresis and damper: faces that touch have no approach speed.
     """
 
     stiffness: float = math.inf
@@ -154,10 +198,18 @@ class Joint:
     gap: float = 0.0
     preload: float = 0.0
     mass: float = 0.0
+    attached: float = 0.0
+    contact: AnyContact | None = None
 
     def __post_init__(self) -> None:
-        if not self.stiffness > 0.0 or min(self.damping, self.gap, self.preload, self.mass) < 0.0:
+        values = (self.damping, self.gap, self.preload, self.mass, self.attached)
+        if not self.stiffness > 0.0 or not min(values) >= 0.0:
             raise ValueError(f"a joint takes no negative value, and a stiffness above zero: {self}")
+        if self.contact is not None:
+            _check_contact(self, striking_law(self.contact))
+            object.__setattr__(self, "unilateral", True)
+        if self.attached > 0.0 and (math.isinf(self.stiffness) or self.branches or self.unilateral or self.mass > 0.0):
+            raise ValueError("a joint with an attached mass has a finite stiffness, maybe damping, and nothing else")
         if (self.gap > 0.0 or self.preload > 0.0) and not self.unilateral:
             raise ValueError("only a unilateral joint has a gap or a preload")
         if self.gap > 0.0 and self.preload > 0.0:
@@ -170,7 +222,11 @@ class Joint:
 
     @property
     def kind(self) -> str:
-        """Its name: bonded, compliant, gasket, unilateral or mass."""
+        """Its name: bonded, compliant, gasket, unilateral, mass, oscillator or contact."""
+        if self.contact is not None:
+            return "contact"
+        if self.attached > 0.0:
+            return "oscillator"
         if self.mass > 0.0:
             return "mass"
         if self.unilateral:
@@ -180,25 +236,41 @@ class Joint:
         return "bonded" if math.isinf(self.stiffness) else "compliant"
 
 
+def _check_contact(joint: Joint, law: NDArray[np.float64]) -> None:
+    """Refuse what a nonlinear contact between layers cannot have."""
+    if math.isfinite(joint.stiffness) or joint.damping or joint.branches or joint.mass or joint.attached:
+        raise ValueError("a joint with a contact law has a gap or a preload beside it, and nothing else")
+    if law[_law_kernels.DAMPING]:
+        raise ValueError("the contact law of a joint is elastic: give it a restitution of 1")
+    yielding = law[_law_kernels.YIELD_LOAD]
+    if joint.preload > yielding:
+        raise ValueError(f"the preload of {joint.preload:g} N is beyond first yield at {yielding:g} N")
+
+
 BONDED = Joint()
 """Faces that move together."""
 
 
 @dataclass(frozen=True)
 class End:
-    """The far end: free, matched (an endless bar of the last layer), rigid, or a mass, spring or dashpot.
+    """The far end: free, matched (an endless bar of the last layer), rigid, or a mass, spring, dashpot or oscillator.
 
-    ``value`` is in kg, N/m or N s/m; the others take none.
+    ``value`` is in kg, N/m or N s/m; the others take none. An oscillator is a mass (``value``) on a spring
+    (``stiffness``, N/m) and dashpot (``damping``, N s/m): a sensor that sits on the end.
     """
 
     kind: EndKind = "free"
     value: float = 0.0
+    stiffness: float = 0.0
+    damping: float = 0.0
 
     def __post_init__(self) -> None:
         if self.kind not in END_KINDS:
             raise ValueError(f"an end is one of {', '.join(END_KINDS)}, got {self.kind!r}")
-        if self.kind in ("mass", "spring", "dashpot") and not 0.0 < self.value < math.inf:
+        if self.kind in ("mass", "spring", "dashpot", "oscillator") and not 0.0 < self.value < math.inf:
             raise ValueError(f"an end of kind {self.kind} needs a value above zero, got {self.value!r}")
+        if self.kind == "oscillator" and not (0.0 < self.stiffness < math.inf and 0.0 <= self.damping < math.inf):
+            raise ValueError(f"an end with a mass on a spring needs a stiffness above zero, got {self.stiffness!r}")
 
 
 @dataclass(frozen=True)
@@ -230,9 +302,10 @@ class Stack:
 
     @property
     def mass(self) -> float:
-        """Mass of layers, point masses and an end mass, kg."""
-        ended = self.end.value if self.end.kind == "mass" else 0.0
-        return sum(layer.mass for layer in self.layers) + sum(joint.mass for joint in self.joints) + ended
+        """Mass of layers, masses at joints and a mass at the end, kg."""
+        ended = self.end.value if self.end.kind in ("mass", "oscillator") else 0.0
+        carried = sum(joint.mass + joint.attached for joint in self.joints)
+        return sum(layer.mass for layer in self.layers) + carried + ended
 
     @property
     def transit(self) -> float:

@@ -14,6 +14,9 @@ from strikewave.errors import nearest
 
 Array = NDArray[np.float64]
 
+Prescribed = Literal["force", "speed", "incident"]
+PRESCRIBED: tuple[Prescribed, ...] = ("force", "speed", "incident")
+"""What a load prescribes at the first face, by their numbers in the kernels."""
 SHAPES = ("half-sine", "sine-squared", "rectangle", "triangle", "trapezoid")
 
 
@@ -37,6 +40,8 @@ class Pulse:
         F0 in N, T in s.
     rise : float, optional
         Of triangle and trapezoid, s.
+    kind : str, optional
+        "force" on the first face; "incident": the wave that comes along an endless bar like the first layer, N.
 
     Examples
     --------
@@ -49,6 +54,7 @@ class Pulse:
     peak: float
     duration: float
     rise: float = 0.0
+    kind: Prescribed = "force"
 
     def __post_init__(self) -> None:
         if self.shape not in SHAPES:
@@ -106,14 +112,14 @@ class Pulse:
 
 @dataclass(frozen=True)
 class Sampled:
-    """A measured load: force (N) or speed of the face (m/s) at times, straight between.
+    """A measured load: force (N), speed of the face (m/s) or incident wave (N) at times, straight between.
 
     Times are shifted so that the first is 0. After the last one the force is 0, and the face keeps its speed.
     """
 
     time: Array = field(repr=False)
     values: Array = field(repr=False)
-    kind: Literal["force", "speed"] = "force"
+    kind: Prescribed = "force"
 
     def __post_init__(self) -> None:
         t, f = np.asarray(self.time, dtype=float), np.asarray(self.values, dtype=float)
@@ -126,7 +132,7 @@ class Sampled:
 
     def at(self, time: Array) -> Array:
         """Return the load at times."""
-        after = 0.0 if self.kind == "force" else float(self.values[-1])
+        after = float(self.values[-1]) if self.kind == "speed" else 0.0
         return np.interp(time, self.time, self.values, left=0.0, right=after)
 
     @property
@@ -139,7 +145,7 @@ class Sampled:
         """Time from 10 to 90 % of the largest value, s; 0 where it begins or ends with a jump."""
         peak = int(np.argmax(np.abs(self.values)))
         share = np.abs(self.values[: peak + 1]) / abs(self.values[peak]) if self.values[peak] else np.ones(1)
-        ends = abs(self.values[-1]) > 0.1 * abs(self.values[peak]) and self.kind == "force"
+        ends = abs(self.values[-1]) > 0.1 * abs(self.values[peak]) and self.kind != "speed"
         if share[0] > 0.1 or ends:
             return 0.0
         low, high = (int(np.flatnonzero(share >= level)[0]) for level in (0.1, 0.9))

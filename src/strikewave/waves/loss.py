@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.waves.layers import Branch
+from strikewave.waves.layers import Branch, LossFit
 
 GOOD_ENOUGH = 0.05
 """Deviation of the loss factor at which no further branch is added."""
@@ -25,27 +24,6 @@ FARTHEST = 0.25
 MOST_BRANCHES = 4
 SPREADS = np.geomspace(0.3, 2.0, 50)
 """Width of the relaxation times beside that of the band, both in logarithms, that are tried."""
-
-
-class LossFit(NamedTuple):
-    """A spring with Maxwell branches that holds a loss factor over a band.
-
-    Attributes
-    ----------
-    stiffness : float
-        Long-time stiffness k, N/m: that of the spring beside the branches.
-    branches : tuple of Branch
-        From the longest to the shortest relaxation time; empty without loss.
-    error : float
-        Largest deviation of the loss factor over the band, relative to the one wanted.
-    band : tuple of float
-        Lowest and highest frequency, Hz.
-    """
-
-    stiffness: float
-    branches: tuple[Branch, ...]
-    error: float
-    band: tuple[float, float]
 
 
 def dynamic_stiffness(k: float, branches: tuple[Branch, ...], frequency: ArrayLike) -> NDArray[np.complex128]:
@@ -61,7 +39,7 @@ def dynamic_stiffness(k: float, branches: tuple[Branch, ...], frequency: ArrayLi
     branches : tuple of Branch
         Stiffness k_i (N/m) and relaxation time tau_i (s) of each.
     frequency : array_like
-        f, Hz.
+        f, Hz; complex where a signal grows or falls.
 
     Examples
     --------
@@ -69,11 +47,11 @@ def dynamic_stiffness(k: float, branches: tuple[Branch, ...], frequency: ArrayLi
     >>> print(dynamic_stiffness(1.0, (one,), 1.0 / (2.0 * math.pi)).round(9))
     (1.5+0.5j)
     """
-    w = 2.0 * np.pi * np.asarray(frequency, dtype=float)
-    total = np.full(w.shape, complex(k))
+    s = 2j * np.pi * np.asarray(frequency)
+    total = np.full(s.shape, complex(k))
     for branch in branches:
-        x = w * branch.relaxation
-        total += branch.stiffness * x * (x + 1j) / (1.0 + x * x)
+        x = s * branch.relaxation
+        total += branch.stiffness * x / (1.0 + x)
     return total
 
 

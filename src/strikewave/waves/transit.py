@@ -14,15 +14,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.contact._law_kernels import COLUMNS, depth_at_yield
+from strikewave.contact.law import indentation_under, striking_law
 from strikewave.waves._kernels import (
     BONDED,
     BRANCHES,
+    CONTACT,
     DAMPING,
+    DATUM,
+    DEEPEST,
     ELASTIC,
+    GROWTH,
+    INERTIA,
+    JOINT_STATES,
+    JOINT_VALUES,
     MASS,
     MOST_BRANCHES,
+    OPEN,
+    OSCILLATOR,
     PRELOAD,
     RESISTANCE,
+    SEEN,
     STIFFNESS,
     UNILATERAL,
     State,
@@ -36,6 +48,10 @@ MOST_NODES = 50_000_000
 """A grid with more nodes than this is refused: its waves would take more than 0.8 GB."""
 
 
+MOST_EVENTS = 10_000
+"""Openings and closings of joints that are kept."""
+
+MOST_FIELD_LAYERS = 1000
 FIELD_PLACES = 200
 """Places of an x-t field."""
 
@@ -49,7 +65,7 @@ class Grid:
     step : float
         s.
     counts : tuple of int
-        Steps of each transit, at least 1.
+        Steps of each transit, at least 1; 0 where a layer is not cut into steps.
     mismatch : float
         Largest relative difference between a transit used and the true one.
     """
@@ -60,7 +76,8 @@ class Grid:
 
     def lengths(self, stack: Stack) -> tuple[float, ...]:
         """Return the lengths that the layers have on this grid, m."""
-        return tuple(n * self.step * x.bar_speed for n, x in zip(self.counts, stack.layers, strict=True))
+        pairs = zip(self.counts, stack.layers, strict=True)
+        return tuple(n * self.step * x.bar_speed if n else x.length for n, x in pairs)
 
 
 def grid_of(stack: Stack, step: float) -> Grid:
@@ -149,9 +166,12 @@ def tables_of(stack: Stack, grid: Grid) -> Tables:
     impedance = np.array([layer.impedance for layer in stack.layers])
     joints = max(len(stack.joints), 1)
     kind = np.zeros(len(stack.joints), dtype=np.int64)
-    value, branch = np.zeros((joints, 5)), np.zeros((joints, MOST_BRANCHES, 2))
+    value, branch = np.zeros((joints, JOINT_VALUES)), np.zeros((joints, MOST_BRANCHES, 2))
+    law = np.zeros((joints, COLUMNS))
     for i, joint in enumerate(stack.joints):
         kind[i] = _fill_joint(joint, dt, value[i], branch[i])
+        if joint.contact is not None:
+            law[i] = striking_law(joint.contact)
     return Tables(
         dt,
         impedance,
@@ -160,6 +180,7 @@ def tables_of(stack: Stack, grid: Grid) -> Tables:
         kind,
         value,
         branch,
+        law,
         _end_coefficients(stack, dt),
     )
 
@@ -167,9 +188,15 @@ def tables_of(stack: Stack, grid: Grid) -> Tables:
 def _fill_joint(joint: Joint, dt: float, value: Array, branch: Array) -> int:
     """Fill the values and branches of a joint and return what it does."""
     value[STIFFNESS], value[DAMPING], value[PRELOAD] = joint.stiffness, joint.damping, joint.preload
+    if joint.contact is not None:
+        value[DATUM] = indentation_under(joint.contact, joint.preload)
+        return CONTACT
     if joint.mass > 0.0:
         value[RESISTANCE] = 2.0 * joint.mass / dt
         return MASS
+    if joint.attached > 0.0:
+        value[RESISTANCE], value[INERTIA] = 0.5 * dt * joint.stiffness, 2.0 * joint.attached / dt
+        return OSCILLATOR
     if joint.unilateral:
         return UNILATERAL
     if math.isinf(joint.stiffness):
@@ -186,10 +213,12 @@ def _fill_joint(joint: Joint, dt: float, value: Array, branch: Array) -> int:
 
 
 def _end_coefficients(stack: Stack, dt: float) -> Array:
-    """Return f = own a + wave P and a' = beta f + sigma R v of the end."""
+    """Return f = own a + wave P and a' = beta f + sigma R v of the end; spring, dashpot, mass of one that swings."""
     z, end = stack.layers[-1].impedance, stack.end
     if end.kind == "rigid":
-        return np.array([0.0, 2.0, 0.0, 0.0, 0.0])
+        return np.array([0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    if end.kind == "oscillator":
+        return np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.5 * dt * end.stiffness, end.damping, 2.0 * end.value / dt])
     resistance, beta, sigma = {
         "free": (0.0, 0.0, 0.0),
         "matched": (z, 0.0, 0.0),
@@ -198,7 +227,7 @@ def _end_coefficients(stack: Stack, dt: float) -> Array:
         "mass": (2.0 * end.value / dt, -1.0, -1.0),
     }[end.kind]
     share = 1.0 / (1.0 + resistance / z)
-    return np.array([share, 2.0 * resistance / z * share, resistance, beta, sigma])
+    return np.array([share, 2.0 * resistance / z * share, resistance, beta, sigma, 0.0, 0.0, 0.0])
 
 
 def state_at_rest(stack: Stack, grid: Grid) -> State:
@@ -211,12 +240,18 @@ def state_at_rest(stack: Stack, grid: Grid) -> State:
         0.5 * z * v,
         -0.5 * z * v,
         np.full(nodes.size, -1, dtype=np.int64) % nodes,
-        np.zeros((joints, 3)),
+        np.zeros((joints, JOINT_STATES)),
         np.zeros((joints, MOST_BRANCHES)),
-        np.zeros(1),
+        np.zeros(2),
+        np.array([-1, 0]),
+        np.zeros((MOST_EVENTS, 3)),
     )
     for i, joint in enumerate(stack.joints):
         state.joint[i, 0] = -joint.gap
+        state.joint[i, OPEN] = float(joint.gap > SEEN)
+        if joint.contact is not None:
+            deepest = max(depth_at_yield(striking_law(joint.contact)), indentation_under(joint.contact, joint.preload))
+            state.joint[i, DEEPEST], state.joint[i, GROWTH] = deepest, 1.0
     return state
 
 
@@ -227,9 +262,15 @@ def nearest_nodes(grid: Grid, places: Sequence[tuple[int, float]]) -> NDArray[np
 
 
 def field_nodes(stack: Stack, grid: Grid, most: int = FIELD_PLACES) -> tuple[NDArray[np.int64], Array]:
-    """Return about so many (layer, node), evenly in time of travel, and their places from the first face, m."""
-    rows, places, begin = [], [], 0.0
+    """Return about so many (layer, node), evenly in time of travel, and their places from the first face, m.
+
+    Each layer has two at least; of more than `MOST_FIELD_LAYERS` layers only some are looked at.
+    """
+    rows, places, begin, every = [], [], 0.0, math.ceil(len(stack.layers) / MOST_FIELD_LAYERS)
     for i, (layer, count) in enumerate(zip(stack.layers, grid.counts, strict=True)):
+        if i % every and i != len(stack.layers) - 1:
+            begin += layer.length
+            continue
         wanted = max(2, round(most * layer.transit / stack.transit))
         nodes = np.unique(np.linspace(0, count, wanted).round().astype(np.int64))
         rows.append(np.column_stack([np.full(nodes.size, i), nodes]))

@@ -1,0 +1,119 @@
+"""What is asked of a bar under a load, and what comes out, by either solver."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.waves.layers import Stack
+from strikewave.waves.load import Load
+from strikewave.waves.transit import ErrorBound, Grid
+
+Array = NDArray[np.float64]
+Method = Literal["auto", "delay lines", "spectral"]
+
+
+@dataclass(frozen=True)
+class Tap:
+    """Where a stack is watched: layer index and fraction of the layer from its loaded side."""
+
+    layer: int
+    position: float
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """How exact a run shall be: largest error over the largest value at the taps; or a step, s, that is kept.
+
+    The method is "auto": delay lines, but the spectral solver where a layer loses energy or disperses.
+    """
+
+    velocity: float = 1e-3
+    acceleration: float = 1e-2
+    step: float | None = None
+    method: Method = "auto"
+
+
+@dataclass(frozen=True)
+class BarRun:
+    """What a stack did under its load.
+
+    Attributes
+    ----------
+    stack, load, grid : Stack, Load, Grid
+        What ran; by the spectral solver no layer is cut into steps.
+    time : ndarray
+        Times of the samples, s, shape (N,).
+    face_force, end_force : ndarray
+        Force on the first face and of the stack on its end, N, shape (N,).
+    force, velocity, acceleration : ndarray
+        At the taps, shape (N, taps). By delay lines the acceleration is the central difference of the velocity
+        over two steps of the grid.
+    bound : ErrorBound
+        Largest error: from rounding the transits, and what half the step changes where springs or masses take
+        part; infinite where joints open or a striker comes. By the spectral solver what half the step changes.
+    places, duration : tuple and float
+        Layer and fraction of each tap; s.
+    field_time, field_position, field_force, field_velocity : ndarray
+        The x-t field: s, m from the first face, N and m/s with shape (times, places).
+    field_layer : ndarray
+        Index of the layer of each place.
+    field_least, field_greatest : ndarray
+        Least and greatest force at the places of the field over all steps, N.
+    events : ndarray
+        Openings and closings of joints: index of the joint, time (s), 1 where it opened; shape (n, 3).
+    touches : ndarray
+        Contacts with an impactor: begin, end, approach speed; shape (n, 3).
+    impulse, end_impulse : float
+        Of the load, and of the stack on its end, N s.
+    momentum : float
+        Gained by the stack, N s.
+    energy_lost : float
+        In the contact with an impactor, J.
+    """
+
+    stack: Stack
+    load: Load
+    grid: Grid
+    time: Array = field(repr=False)
+    face_force: Array = field(repr=False)
+    end_force: Array = field(repr=False)
+    force: Array = field(repr=False)
+    velocity: Array = field(repr=False)
+    acceleration: Array = field(repr=False)
+    bound: ErrorBound
+    places: tuple[tuple[int, float], ...]
+    duration: float
+    field_time: Array = field(repr=False)
+    field_position: Array = field(repr=False)
+    field_force: Array = field(repr=False)
+    field_velocity: Array = field(repr=False)
+    field_layer: NDArray[np.int64] = field(repr=False)
+    field_least: Array = field(repr=False)
+    field_greatest: Array = field(repr=False)
+    events: Array = field(repr=False)
+    touches: Array = field(repr=False)
+    impulse: float
+    end_impulse: float
+    momentum: float
+    energy_lost: float
+
+    @property
+    def momentum_error(self) -> float:
+        """Impulses less momentum, over the impulse of the load or the momentum that the layers came with."""
+        moving = sum(abs(layer.mass * layer.speed) for layer in self.stack.layers)
+        flowed = max(abs(self.impulse), abs(self.end_impulse), moving, 1e-300)
+        return abs(self.impulse - self.end_impulse - self.momentum) / flowed
+
+    @property
+    def relative_bound(self) -> tuple[float, float]:
+        """Bounds of velocity and acceleration over their largest values at the taps."""
+        largest = (float(np.abs(self.velocity).max(initial=0.0)), float(np.abs(self.acceleration).max(initial=0.0)))
+        return (
+            self.bound.velocity / largest[0] if largest[0] > 0.0 else math.inf,
+            self.bound.acceleration / largest[1] if largest[1] > 0.0 else math.inf,
+        )

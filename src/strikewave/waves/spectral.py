@@ -1,0 +1,228 @@
+"""A stack in the frequency domain: layers that lose energy, disperse, or are far thinner than the others.
+
+Each frequency is followed through the stack by the reflection recursion, in which all exponentials fall, so that
+neither many layers nor thin or lossy ones overflow. The spectrum is taken along s = sigma + i w (exponential window):
+what would wrap around the end of the period has died to `WRAPPED` of itself, whatever rings on. All joints must be
+linear. The load is rounded over one step to either side (weights 1/4, 1/2, 1/4), which keeps jumps from ringing.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from strikewave.waves._spectral_kernels import Places, SpectralTables, respond
+from strikewave.waves.dispersion import Rod, wave_number
+from strikewave.waves.layers import END_KINDS, Layer, Stack
+from strikewave.waves.load import PRESCRIBED, Impactor, Load, Pulse, Sampled
+from strikewave.waves.loss import dynamic_stiffness
+
+Array = NDArray[np.float64]
+
+WRAPPED = 1e-8
+"""What is left of a signal after one period of the transform; rounding errors grow by its inverse square root."""
+MOST_LAYER_FREQUENCIES = 1e9
+"""Layers times frequencies beyond which a run is refused: it would take more than a minute."""
+MOST_CONSTANTS = 5e7
+"""Travel constants that are held at once: 0.8 GB."""
+MOST_VALUES = 2e6
+"""Values of a spectrum that are held at once, for each quantity."""
+
+
+def refuse_nonlinear(stack: Stack, load: Load) -> None:
+    """Refuse what has no spectrum of its own.
+
+    Raises
+    ------
+    ValueError
+        If a joint can open, a layer comes with a speed, or a striker hits the stack.
+    """
+    cannot = [f"the joint behind {stack.layers[k].name} can open" for k, x in enumerate(stack.joints) if x.unilateral]
+    cannot += [f"layer {layer.name} comes with a speed" for layer in stack.layers if layer.speed]
+    if isinstance(load, Impactor):
+        cannot.append("a striker touches and parts")
+    if cannot:
+        raise ValueError(
+            f"{cannot[0]}: layers with loss or dispersion need the spectral solver, which is linear; take the loss "
+            "and dispersion of layers out, or follow the part behind the contact under a force or an incident wave"
+        )
+
+
+def travel_constants(layer: Layer, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Return the travel constant g of a layer at complex frequencies, 1/m: waves run as exp(s t - g x).
+
+    Without loss and dispersion g = s/c. A loss makes the modulus E m(s), with m that of springs and Maxwell
+    branches; dispersion takes the wave number k(w) of its theory at w = -i s, g = i k.
+
+    Parameters
+    ----------
+    layer : Layer
+        The layer.
+    s : ndarray
+        1/s, real part above zero.
+    """
+    speed = np.full(s.shape, complex(layer.bar_speed))
+    if layer.loss is not None:
+        shares = dynamic_stiffness(layer.loss.stiffness, layer.loss.branches, s / (2j * np.pi))
+        speed = layer.bar_speed * np.sqrt(shares)
+    if layer.dispersion == "none":
+        return np.asarray(s / speed)
+    assert layer.poissons_ratio is not None
+    rod = Rod(0.5 * layer.diameter, layer.bar_speed, layer.poissons_ratio)
+    return 1j * wave_number(-1j * s, rod, layer.dispersion, speed)
+
+
+class Histories(NamedTuple):
+    """Force, velocity, acceleration at places, N, m/s, m/s^2, shape (places, times)."""
+
+    force: Array
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """A linear stack under its load from rest, in the frequency domain; `look` gives histories at places.
+
+    Attributes
+    ----------
+    stack, load : Stack, Pulse or Sampled
+        What is loaded at its first face, and by what; time 0 is the beginning of the load.
+    step, steps : float, int
+        Time step (s) and number of samples of a history. The error is of second order in the step, where the
+        load is smooth.
+
+    Raises
+    ------
+    ValueError
+        If the stack or load is not linear, or the run would take too much time or memory.
+
+    Examples
+    --------
+    >>> from strikewave.waves import Layer, Stack
+    >>> bar = Layer("bar", 7820.0, 211e9, 7.0686e-4, 0.07)
+    >>> spectrum = Spectrum(Stack((bar,)), Pulse("sine-squared", 19685.0, 20e-6), step=1e-7, steps=600)
+    >>> round(float(spectrum.look([(0, 1.0)]).velocity.max()), 3)
+    1.371
+    """
+
+    stack: Stack
+    load: Pulse | Sampled
+    step: float
+    steps: int
+
+    def __post_init__(self) -> None:
+        refuse_nonlinear(self.stack, self.load)
+        bins, layers, kinds = self.count // 2 + 1, len(self.stack.layers), len(self._tables[1])
+        if bins * layers > MOST_LAYER_FREQUENCIES or bins * kinds > MOST_CONSTANTS:
+            raise ValueError(
+                f"{layers} layers ({kinds} of them different) at {bins} frequencies are too many for the spectral "
+                f"solver: follow a shorter time than {self.steps * self.step:.3g} s, or take a longer step than "
+                f"{self.step:.3g} s"
+            )
+
+    @property
+    def count(self) -> int:
+        """Samples of a period: at least twice those that are kept."""
+        return int(fft.next_fast_len(2 * (self.steps + 2), real=True))
+
+    @property
+    def sigma(self) -> float:
+        """Rate of the exponential window, 1/s."""
+        return -math.log(WRAPPED) / (self.count * self.step)
+
+    @functools.cached_property
+    def s(self) -> NDArray[np.complex128]:
+        """Complex frequencies, 1/s."""
+        return np.asarray(self.sigma + 2j * math.pi * fft.rfftfreq(self.count, self.step))
+
+    @functools.cached_property
+    def _tables(self) -> tuple[SpectralTables, list[Layer]]:
+        return _tables_of(self.stack)
+
+    @functools.cached_property
+    def _travel(self) -> NDArray[np.complex128]:
+        return np.array([travel_constants(layer, self.s) for layer in self._tables[1]])
+
+    @functools.cached_property
+    def _loaded(self) -> NDArray[np.complex128]:
+        time = self.step * np.arange(self.count, dtype=float)
+        rounding = 0.5 * (1.0 + np.cosh(self.step * self.s))
+        return np.asarray(fft.rfft(self.load.at(time) * np.exp(-self.sigma * time)) * rounding)
+
+    def history(self, spectra: NDArray[np.complex128]) -> Array:
+        """Return the histories of spectra along the last axis."""
+        grow = np.exp(self.sigma * self.step * np.arange(self.steps))
+        return np.asarray(fft.irfft(spectra, self.count)[..., : self.steps] * grow)
+
+    def look(self, places: Sequence[tuple[int, float]]) -> Histories:
+        """Return what happens at places: layer, and fraction of the layer from its loaded side."""
+        order = np.argsort([layer for layer, _ in places], kind="stable")
+        found = np.empty((3, len(places), self.steps))
+        batch = max(1, int(MOST_VALUES / self.s.size))
+        for begin in range(0, len(places), batch):
+            chosen = order[begin : begin + batch]
+            force, velocity, _, _ = self._respond([places[k] for k in chosen])
+            for k, spectra in enumerate((force, velocity, self.s * velocity)):
+                found[k, chosen] = self.history(spectra)
+        return Histories(*found)
+
+    def ends(self) -> tuple[Array, Array, tuple[float, float, float]]:
+        """Return the force on the first face and of the stack on its end, N; their impulses and the momentum, N s.
+
+        Impulses and momentum are those at the last sample.
+        """
+        _, _, ends, momentum = self._respond([])
+        face, end = self.history(ends[0]), self.history(ends[1])
+        entered, through, moved = (float(self.history(x)[-1]) for x in (ends[0] / self.s, ends[1] / self.s, momentum))
+        return face, end, (entered, through, moved)
+
+    def _respond(self, places: Sequence[tuple[int, float]]) -> tuple[NDArray[np.complex128], ...]:
+        """Return the spectra at places that are sorted by layer."""
+        where = Places(
+            np.array([layer for layer, _ in places], dtype=np.int64),
+            np.array([part * self.stack.layers[layer].length for layer, part in places], dtype=float),
+        )
+        by = PRESCRIBED.index(self.load.kind)
+        found: tuple[NDArray[np.complex128], ...] = respond(
+            self._tables[0], self.s, self._travel, self._loaded, by, where
+        )
+        return found
+
+
+def _tables_of(stack: Stack) -> tuple[SpectralTables, list[Layer]]:
+    """Return the stack as the kernels take it, and one layer of each kind of travel."""
+    groups: dict[object, int] = {}
+    kinds: list[Layer] = []
+    group = np.empty(len(stack.layers), dtype=np.int64)
+    for i, layer in enumerate(stack.layers):
+        size = 0.0 if layer.dispersion == "none" else layer.diameter
+        key = (layer.bar_speed, layer.loss, layer.dispersion, size, layer.poissons_ratio)
+        if key not in groups:
+            groups[key] = len(kinds)
+            kinds.append(layer)
+        group[i] = groups[key]
+    joint = np.zeros((max(len(stack.joints), 1), 4))
+    most = max((len(x.branches) for x in stack.joints), default=0)
+    branch = np.zeros((max(len(stack.joints), 1), most, 2))
+    for i, part in enumerate(stack.joints):
+        joint[i] = part.stiffness, part.damping, part.mass, part.attached
+        for k, one in enumerate(part.branches):
+            branch[i, k] = one.stiffness, one.relaxation
+    end = stack.end
+    tables = SpectralTables(
+        np.array([layer.length for layer in stack.layers]),
+        np.array([layer.density * layer.area for layer in stack.layers]),
+        group,
+        joint,
+        branch,
+        np.array([END_KINDS.index(end.kind), end.value, end.stiffness, end.damping]),
+    )
+    return tables, kinds

@@ -1,0 +1,158 @@
+"""A bar followed by its spectrum to the wanted error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.waves.bar_run import BarRun, Wanted
+from strikewave.waves.layers import Stack
+from strikewave.waves.load import Impactor, Load, Pulse, Sampled
+from strikewave.waves.spectral import MOST_VALUES, Histories, Spectrum, refuse_nonlinear
+from strikewave.waves.transit import ErrorBound, Grid, field_nodes
+
+Array = NDArray[np.float64]
+
+STEPS_OF_CHANGE = 50.0
+"""Steps of the first try in the shortest time that the load or a joint takes."""
+MOST_STEPS = 1_000_000
+"""A run of more time steps is refused."""
+MOST_WORK = 3e7
+"""Layers times steps up to which the step is refined for the wanted error."""
+_TRIES = 4
+_FIELD_ROWS = 500
+_CELLS = 1000
+
+
+def needs_spectrum(stack: Stack) -> bool:
+    """Tell whether a layer loses energy or disperses."""
+    return any(layer.loss is not None or layer.dispersion != "none" for layer in stack.layers)
+
+
+def refuse_spectral_layers(stack: Stack) -> None:
+    """Refuse layers that delay lines cannot follow.
+
+    Raises
+    ------
+    ValueError
+        If a layer loses energy or disperses.
+    """
+    for layer in stack.layers:
+        if layer.loss is not None or layer.dispersion != "none":
+            what = "loses energy" if layer.loss is not None else "disperses"
+            raise ValueError(f"layer {layer.name} {what}, which delay lines cannot follow: take the spectral solver")
+
+
+def spectral_bar(
+    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, wanted: Wanted
+) -> BarRun:
+    """Follow a linear stack under its load from rest by its spectrum.
+
+    Where no step is asked for, it is halved until halving it once more changes velocity and acceleration at the
+    places by less than what is wanted, as far as `MOST_WORK` allows. The error bound of the run is that change: an
+    estimate, since the error of the finer step is of second order for smooth loads, a third of it, and of first
+    order, all of it, behind corners.
+
+    Raises
+    ------
+    ValueError
+        If the stack or the load is not linear, or the run would take too much time or memory.
+    """
+    refuse_nonlinear(stack, load)
+    assert not isinstance(load, Impactor)
+    step = wanted.step or min(load.rise_time or load.duration, duration) / STEPS_OF_CHANGE
+    fine, found = _look(stack, load, places, duration, step)
+    for _ in range(_TRIES):
+        coarse, before = fine, found
+        step *= 0.5
+        fine, found = _look(stack, load, places, duration, step)
+        change = _change(before, found)
+        over = [
+            change.velocity / (wanted.velocity * _largest(found.velocity)),
+            change.acceleration / (wanted.acceleration * _largest(found.acceleration)),
+        ]
+        if wanted.step or max(over) <= 1.0 or 2.0 * fine.steps * len(stack.layers) > MOST_WORK:
+            break
+    if wanted.step:
+        bound = ErrorBound(2.0 * change.velocity, 2.0 * change.acceleration)
+        return _bar_run(coarse, before, places, duration, bound)
+    return _bar_run(fine, found, places, duration, change)
+
+
+def _look(
+    stack: Stack, load: Pulse | Sampled, places: Sequence[tuple[int, float]], duration: float, step: float
+) -> tuple[Spectrum, Histories]:
+    """Return a spectrum and what happens at places.
+
+    Raises
+    ------
+    ValueError
+        If there are too many steps.
+    """
+    if duration / step > MOST_STEPS:
+        raise ValueError(
+            f"a step of {step:.3g} s over {duration:.3g} s is more than {MOST_STEPS:.0e} steps: follow a shorter time"
+        )
+    spectrum = Spectrum(stack, load, step, math.ceil(duration / step * (1.0 - 1e-12)) + 1)
+    return spectrum, spectrum.look(places)
+
+
+def _change(coarse: Histories, fine: Histories) -> ErrorBound:
+    """Return by how much half the step changed velocities and accelerations."""
+    rows = min(coarse.velocity.shape[1], (fine.velocity.shape[1] + 1) // 2)
+    velocity = fine.velocity[:, : 2 * rows : 2] - coarse.velocity[:, :rows]
+    acceleration = fine.acceleration[:, : 2 * rows : 2] - coarse.acceleration[:, :rows]
+    return ErrorBound(float(np.abs(velocity).max()), float(np.abs(acceleration).max()))
+
+
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0)) or 1e-300
+
+
+def _bar_run(
+    spectrum: Spectrum, found: Histories, places: Sequence[tuple[int, float]], duration: float, bound: ErrorBound
+) -> BarRun:
+    """Return the run with its x-t field."""
+    stack, step = spectrum.stack, spectrum.step
+    nodes, position = field_nodes(stack, Grid(step, (_CELLS,) * len(stack.layers), 0.0))
+    coarse = max(1, spectrum.steps // _FIELD_ROWS)
+    rows = (spectrum.steps - 1) // coarse + 1
+    force, velocity = np.empty((rows, len(nodes))), np.empty((rows, len(nodes)))
+    least, greatest = np.empty(len(nodes)), np.empty(len(nodes))
+    batch = max(1, int(MOST_VALUES / spectrum.steps))
+    for begin in range(0, len(nodes), batch):
+        part = slice(begin, begin + batch)
+        seen = spectrum.look([(int(layer), node / _CELLS) for layer, node in nodes[part]])
+        force[:, part], velocity[:, part] = seen.force.T[::coarse], seen.velocity.T[::coarse]
+        least[part], greatest[part] = seen.force.min(axis=1), seen.force.max(axis=1)
+    face, end, (entered, through, moved) = spectrum.ends()
+    return BarRun(
+        stack=stack,
+        load=spectrum.load,
+        grid=Grid(step, (0,) * len(stack.layers), 0.0),
+        time=step * np.arange(spectrum.steps, dtype=float),
+        face_force=face,
+        end_force=end,
+        force=found.force.T,
+        velocity=found.velocity.T,
+        acceleration=found.acceleration.T,
+        bound=bound,
+        places=tuple(places),
+        duration=duration,
+        field_time=step * coarse * np.arange(rows, dtype=float),
+        field_position=position,
+        field_force=force,
+        field_velocity=velocity,
+        field_layer=nodes[:, 0],
+        field_least=np.minimum(least, 0.0),
+        field_greatest=np.maximum(greatest, 0.0),
+        events=np.empty((0, 3)),
+        touches=np.empty((0, 3)),
+        impulse=entered,
+        end_impulse=through,
+        momentum=moved,
+        energy_lost=0.0,
+    )
