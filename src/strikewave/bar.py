@@ -10,14 +10,14 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.build import build_channels, build_load, build_stack, build_taps, check_route, wanted
-from strikewave.build.stack import checked, need
+from strikewave.build.stack import checked, fitted_losses, need
 from strikewave.case import Case, dump_case
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
@@ -28,7 +28,6 @@ from strikewave.sensors import Reading, read
 from strikewave.signal.pulse import measure_pulse
 from strikewave.solution import SCHEMA, Notice, WaveSetup, wave_setup
 from strikewave.validity import (
-    REFUSED,
     channel_notices,
     end_notices,
     field_extremes,
@@ -36,6 +35,7 @@ from strikewave.validity import (
     joint_notices,
     layer_notices,
     rise_in_diameters,
+    rise_limits,
     rise_notices,
 )
 from strikewave.waves import BarRun, Impactor, Pulse, Sampled, Stack, Tap, run_bar
@@ -46,6 +46,16 @@ if TYPE_CHECKING:
     import xarray
 
 Array = NDArray[np.float64]
+
+
+class Loss(NamedTuple):
+    """Where a stack loses energy: the loss factor asked for, by how much of it it is missed at most, the band, Hz."""
+
+    where: str
+    loss_factor: float
+    error: float
+    low: float
+    high: float
 
 
 @dataclass(frozen=True)
@@ -132,6 +142,28 @@ class BarSolution:
         """The route that was chosen: exact, as printed, corrected."""
         return self.case.solver.route
 
+    @property
+    def method(self) -> str:
+        """The solver that ran: delay lines, or spectral."""
+        return "delay lines" if any(layer.steps for layer in self.waves.layers) else "spectral"
+
+    @property
+    def losses(self) -> tuple[Loss, ...]:
+        """Where the stack loses energy, and how well the loss factor is held over its band."""
+        return tuple(Loss(where, eta, fit.error, *fit.band) for where, eta, fit in fitted_losses(self.case))
+
+    def joints(self) -> list[dict[str, Any]]:
+        """Return the joints that can open, and when they opened and closed, s."""
+        listed = []
+        for k, joint in enumerate(self.run.stack.joints):
+            if joint.unilateral:
+                mine = self.run.events[self.run.events[:, 0] == k]
+                opened, closed = mine[mine[:, 2] == 1.0, 1], mine[mine[:, 2] == 0.0, 1]
+                after = self.run.stack.layers[k].name
+                row = {"after": after, "kind": joint.kind, "preload": joint.preload, "gap": joint.gap}
+                listed.append({**row, "opened": opened, "closed": closed})
+        return listed
+
     def by_route(self, k: int, route: str) -> RouteHistory | None:
         """Return force, velocity and acceleration at tap k by a route; None where that knows no such tap."""
         if route == EXACT:
@@ -156,6 +188,14 @@ class BarSolution:
             "momentum_error": "1",
             "peak": "m/s^2",
             "width": "s",
+            "loss_factor": "1",
+            "error": "1",
+            "low": "Hz",
+            "high": "Hz",
+            "preload": "N",
+            "gap": "m",
+            "opened": "s",
+            "closed": "s",
         }
         return plain(
             {
@@ -168,6 +208,10 @@ class BarSolution:
                 "error_bound": velocity,
                 "acceleration_error_bound": acceleration,
                 "momentum_error": self.run.momentum_error,
+                "method": self.method,
+                "dispersion": self.case.solver.dispersion,
+                "losses": [loss._asdict() for loss in self.losses],
+                "joints": self.joints(),
                 "layers": [dataclasses.asdict(layer) for layer in self.waves.layers],
                 "taps": taps,
                 "sensors": {name: dataclasses.asdict(pulse) for name, pulse in self.sensors.items()},
@@ -285,9 +329,9 @@ def run_wave(case: Case) -> BarSolution:
         channels=channels,
         readings=readings,
         accuracy=accuracy,
-        quoted=rise > 0.0 and rise_in_diameters(stack, rise, bandwidth)[0] >= REFUSED,
+        quoted=rise > 0.0 and rise_in_diameters(stack, rise, bandwidth)[0] >= rise_limits(stack)[0],
         warnings=(),
-        citations=_citations(case, routes, channels),
+        citations=_citations(case, stack, routes, channels),
     )
     listed = [
         *_ledger(run),
@@ -334,9 +378,14 @@ def _from_rest(values: Array, step: float, bandwidth: float) -> Array:
     return stated(led, step, bandwidth)[..., rest:]
 
 
-def _citations(case: Case, routes: dict[tuple[str, str], RouteHistory], channels: Sequence[Channel]) -> tuple[str, ...]:
+def _citations(
+    case: Case, stack: Stack, routes: dict[tuple[str, str], RouteHistory], channels: Sequence[Channel]
+) -> tuple[str, ...]:
     origin = ("li-ma-2019",) if case.source.startswith("li-ma-2019") or routes else ()
-    return (*origin, "kolsky-1963", *sensor_sources(channels))
+    theory = {"none": (), "love-rayleigh": ("love-1927",), "pochhammer-chree": ("graff-1975",)}[case.solver.dispersion]
+    lossy = any(x.loss for x in stack.layers) or any(x.branches for x in stack.joints)
+    loss = ("emmerich-korn-1987",) if lossy else ()
+    return (*origin, "kolsky-1963", *theory, *loss, *sensor_sources(channels))
 
 
 def load_rise(run: BarRun) -> float:

@@ -106,6 +106,8 @@ SOURCES: dict[str, str] = {
         "I. Green, Poisson ratio effects and critical values in spherical and cylindrical Hertzian contacts, "
         "International Journal of Applied Mechanics and Engineering 10 (2005) 451-462"
     ),
+    "graff-1975": "K. F. Graff, Wave Motion in Elastic Solids, Clarendon Press 1975, section 8.2 (Pochhammer, Chree)",
+    "love-1927": "A. E. H. Love, A Treatise on the Mathematical Theory of Elasticity, 4th ed., Cambridge 1927, s. 278",
     "kolsky-1963": "H. Kolsky, Stress Waves in Solids, Dover, New York 1963, ch. III (bars)",
     "hairer-1993": (
         "E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., "
@@ -145,6 +147,34 @@ SOURCES: dict[str, str] = {
         "50 (1996) 21-26"
     ),
     "sae-j211": ("SAE J211-1, Instrumentation for impact test, part 1: electronic instrumentation, appendix C"),
+    "gray-2000": (
+        "G. T. Gray III, Classic Split-Hopkinson Pressure Bar Testing, ASM Handbook 8, ASM International 2000, 462-476 "
+        "(reference from memory)"
+    ),
+    "follansbee-frantz-1983": (
+        "P. S. Follansbee, C. Frantz, Wave Propagation in the Split Hopkinson Pressure Bar, Journal of Engineering "
+        "Materials and Technology 105 (1983) 61-66 (reference from memory)"
+    ),
+    "yang-shim-2005": (
+        "L. M. Yang, V. P. W. Shim, An analysis of stress uniformity in split Hopkinson bar test specimens, "
+        "International Journal of Impact Engineering 31 (2005) 129-150, doi:10.1016/j.ijimpeng.2003.09.002"
+    ),
+    "ravichandran-subhash-1994": (
+        "G. Ravichandran, G. Subhash, Critical Appraisal of Limiting Strain Rates for Compression Testing of Ceramics "
+        "in a Split Hopkinson Pressure Bar, Journal of the American Ceramic Society 77 (1994) 263-267 (from memory)"
+    ),
+    "bacon-1998": (
+        "C. Bacon, An experimental method for considering dispersion and attenuation in a viscoelastic Hopkinson bar, "
+        "Experimental Mechanics 38 (1998) 242-249 (reference from memory)"
+    ),
+    "togami-1996": (
+        "W. A. Togami, W. E. Baker, M. J. Forrestal, A Split Hopkinson Bar Technique to Evaluate the Performance of "
+        "Accelerometers, Journal of Applied Mechanics 63 (1996) 353-356 (reference from memory)"
+    ),
+    "maeda-1985": (
+        "N. Maeda, A method for reading and checking phase times in auto-processing system of seismic wave data, Zisin "
+        "38 (1985) 365-379 (reference from memory)"
+    ),
     "patera-1984": (
         "A. T. Patera, A spectral element method for fluid dynamics: laminar flow in a channel expansion, "
         "Journal of Computational Physics 54 (1984) 468-488"

@@ -36,6 +36,7 @@ from strikewave.quantities import (
     MaybeMass,
     MaybeModulus,
     MaybeOrder,
+    MaybePoisson,
     MaybePreload,
     MaybePressure,
     MaybeQuality,
@@ -166,12 +167,20 @@ Name = Annotated[str, BeforeValidator(_word)]
 
 
 class LayerTable(Table):
-    """[[stack.layer]]: loaded at its first face; material, or density and modulus; diameter, or area."""
+    """[[stack.layer]]: loaded at its first face; material, or density and modulus; diameter, or area.
+
+    With a ``loss_factor`` it loses energy, evenly from ``band_low`` to ``band_high`` (1 and 100 kHz where left out),
+    and the modulus is that in the middle of the band; the loss factor of a named material is not taken unasked.
+    """
 
     name: Name
     material: str = ""
     density: MaybeDensity = None
     modulus: MaybeModulus = None
+    poissons_ratio: MaybePoisson = None
+    loss_factor: MaybeLoss = None
+    band_low: MaybeFrequency = None
+    band_high: MaybeFrequency = None
     length: Length
     diameter: MaybeLength = None
     area: MaybeArea = None
@@ -183,10 +192,13 @@ class JointTable(Table):
 
     A gasket has a thickness, an area (or diameter; else that of the thinner neighbour) and a material, or a
     modulus and a loss factor that holds from ``band_low`` to ``band_high`` (1 and 100 kHz where left out).
+    An oscillator is a sensor's mass on a spring that sits on bonded faces: mass, stiffness or resonance, damping or
+    quality. A contact is a nonlinear one by the elastic law ``law`` between the materials of its neighbours: radius
+    of the first face on the second, which is plane, length of a line; gap or preload, yield_pressure.
     """
 
     after: Name
-    kind: Literal["bonded", "compliant", "gasket", "unilateral", "mass"]
+    kind: Literal["bonded", "compliant", "gasket", "unilateral", "mass", "oscillator", "contact"]
     stiffness: MaybeSpringRate = None
     damping: MaybeDamping = None
     gap: MaybeGap = None
@@ -200,15 +212,27 @@ class JointTable(Table):
     area: MaybeArea = None
     band_low: MaybeFrequency = None
     band_high: MaybeFrequency = None
+    resonance: MaybeFrequency = None
+    quality: MaybeQuality = None
+    law: str = ""
+    radius: MaybeLength = None
+    length: MaybeLength = None
+    datum_depth: MaybeLength = None
+    yield_pressure: MaybePressure = None
 
 
 class EndTable(Table):
-    """[stack.end]: the far end; mass, stiffness or damping for the kinds that need one."""
+    """[stack.end]: the far end; mass, stiffness or damping for the kinds that need one.
 
-    kind: Literal["free", "matched", "rigid", "mass", "spring", "dashpot"] = "free"
+    An oscillator is a sensor's mass on a spring: mass, stiffness or resonance, damping or quality.
+    """
+
+    kind: Literal["free", "matched", "rigid", "mass", "spring", "dashpot", "oscillator"] = "free"
     mass: MaybeMass = None
     stiffness: MaybeSpringRate = None
     damping: MaybeDamping = None
+    resonance: MaybeFrequency = None
+    quality: MaybeQuality = None
 
 
 class StackTable(Table):
@@ -222,13 +246,15 @@ class StackTable(Table):
 class LoadTable(Table):
     """[load]: a force pulse of a shape, a file (time and force, or speed of the face), or a contact.
 
-    A contact is the rigid [striker] that comes with ``speed`` under the law of [contact].
+    A contact is the rigid [striker] that comes with ``speed`` under the law of [contact]. A force ``applied`` as
+    "incident wave" is the wave that arrives along an endless bar like the first layer.
     """
 
     shape: Literal["half-sine", "sine-squared", "rectangle", "triangle", "trapezoid", "file", "contact"]
     peak: MaybeForce = None
     duration: MaybeTime = None
     rise: MaybeTime = None
+    applied: Literal["force", "incident wave"] = "force"
     file: str = ""
     speed: MaybeSpeed = None
 
@@ -286,7 +312,9 @@ class Solver(Table):
     ``duration`` is that of a bar alone, ``error`` the wanted one of its velocities over their peak (1e-3; that of
     accelerations is ten times as large), ``step`` the time step of waves (chosen where left out), and
     ``bandwidth`` that at which total and wave acceleration are stated (chosen where left out). ``route`` is "exact",
-    or one of the routes of Li & Ma 2019, which take the neighbours of a tap's layer as endless.
+    or one of the routes of Li & Ma 2019, which take the neighbours of a tap's layer as endless. ``method`` is
+    "auto": delay lines, but the spectral solver where layers lose energy or disperse; ``dispersion`` slows short
+    waves in every layer that has a Poisson's ratio.
     """
 
     tolerance: Tolerance = Value(si=1e-9, typed=1e-9)
@@ -296,6 +324,8 @@ class Solver(Table):
     error: MaybeError = None
     bandwidth: MaybeFrequency = None
     route: Literal["exact", "as printed", "corrected"] = "exact"
+    method: Literal["auto", "delay lines", "spectral"] = "auto"
+    dispersion: Literal["none", "love-rayleigh", "pochhammer-chree"] = "none"
 
 
 PUBLISHED_QUANTITIES = {

@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 REFUSED, WARNED = 2.0, 5.0
 """Rise time in diameters of travel below which a peak acceleration is refused, and warned of."""
+DISPERSED_REFUSED, DISPERSED_WARNED = 1.0, 2.0
+"""The same where the first mode of a round bar is followed exactly: what is missing are higher modes near faces."""
 RISE_OF_BANDWIDTH = 0.35
 """Rise time (10-90 %) times -3 dB bandwidth of a low-pass."""
 MISMATCH_LIMIT = 0.01
@@ -49,6 +51,13 @@ def honest_bandwidth(stack: Stack) -> float:
     return min(RISE_OF_BANDWIDTH * layer.bar_speed / (WARNED * layer.diameter) for layer in stack.layers)
 
 
+def rise_limits(stack: Stack) -> tuple[float, float]:
+    """Return the rise time in diameters of travel below which a peak acceleration is refused, and warned of."""
+    if all(layer.dispersion == "pochhammer-chree" for layer in stack.layers):
+        return DISPERSED_REFUSED, DISPERSED_WARNED
+    return REFUSED, WARNED
+
+
 def rise_in_diameters(stack: Stack, rise: float, bandwidth: float) -> tuple[float, Layer]:
     """Return the smallest t c/d of all layers, and that layer."""
     left = math.hypot(rise, RISE_OF_BANDWIDTH / bandwidth)
@@ -59,23 +68,26 @@ def rise_in_diameters(stack: Stack, rise: float, bandwidth: float) -> tuple[floa
 def rise_notices(stack: Stack, rise: float, bandwidth: float, peak: float | None = None) -> Iterator[Notice]:
     """Yield what the rise of the load means for peak accelerations; ``peak`` is the one that may not be quoted."""
     ratio, layer = rise_in_diameters(stack, rise, bandwidth)
+    refused, warned = rise_limits(stack)
+    theory = "one-dimensional theory" if refused == REFUSED else "the first mode"
     at = "" if math.isinf(bandwidth) else f" at {bandwidth / 1e3:.3g} kHz"
     what = f"a rise of {rise * 1e6:.3g} us{at} is {ratio:.2g} diameters of travel in {layer.name}"
-    if ratio < REFUSED:
-        shown = "" if peak is None else f" (one-dimensional theory would say {peak / STANDARD_GRAVITY:.4g} g)"
+    if ratio < refused:
+        shown = "" if peak is None else f" ({theory} would say {peak / STANDARD_GRAVITY:.4g} g)"
         message = (
-            f"{what}: no peak acceleration is quoted below {REFUSED:g}{shown}, and sensor readings are no better "
-            f'founded; state it at a lower bandwidth: --set solver.bandwidth="{_quotable(layer, rise)} kHz"'
+            f"{what}: no peak acceleration is quoted below {refused:g}{shown}, and sensor readings are no better "
+            f'founded; state it at a lower bandwidth: --set solver.bandwidth="{_quotable(layer, rise, refused)} kHz"'
         )
-        yield Notice("rise-too-steep", message, ratio, REFUSED)
-    elif ratio < WARNED:
-        message = f"{what}: below {WARNED:g} the front disperses; trust peak accelerations to some 10 % at best"
-        yield Notice("rise-steep", message, ratio, WARNED)
+        yield Notice("rise-too-steep", message, ratio, refused)
+    elif ratio < warned:
+        why = "the front disperses" if refused == REFUSED else "higher modes are missing near the faces"
+        message = f"{what}: below {warned:g} {why}; trust peak accelerations to some 10 % at best"
+        yield Notice("rise-steep", message, ratio, warned)
 
 
-def _quotable(layer: Layer, rise: float) -> str:
+def _quotable(layer: Layer, rise: float, refused: float) -> str:
     """Return a bandwidth at which a peak acceleration is quoted with a warning, kHz, rounded down."""
-    left = math.sqrt(max((REFUSED * layer.diameter / layer.bar_speed) ** 2 - rise**2, 0.0))
+    left = math.sqrt(max((refused * layer.diameter / layer.bar_speed) ** 2 - rise**2, 0.0))
     highest = RISE_OF_BANDWIDTH / left / 1e3
     digit = 10.0 ** (math.floor(math.log10(highest)) - 1)
     return f"{math.floor(highest / digit - 1e-9) * digit:.3g}"

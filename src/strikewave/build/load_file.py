@@ -8,12 +8,12 @@ from scipy.integrate import cumulative_trapezoid
 from strikewave.errors import InputError
 from strikewave.records import Channel, Options, read_record
 from strikewave.records.calibration import known_unit
-from strikewave.waves import Load, Sampled
+from strikewave.waves import Sampled
 
 FORCE, SPEED, ACCELERATION = "N", "m/s", "m/s^2"
 
 
-def read_load(path: str) -> Load:
+def read_load(path: str) -> Sampled:
     """Read a load from the first channel of a file; time may be uneven.
 
     A channel without a unit is a force in N. One in m/s or m/s^2 is the speed or acceleration of the face, which

@@ -29,6 +29,7 @@ from strikewave.machines.feed import expected_time
 from strikewave.machines.layered import LayeredObject, machine_grid
 from strikewave.materials import Material, material
 from strikewave.tables import ContactTable, FeedTable, Striker
+from strikewave.waves import Stack
 
 T = TypeVar("T")
 
@@ -134,6 +135,29 @@ class Bodies(NamedTuple):
 _OF_BODIES = ("mass", "nose_mass", "frame_stiffness", "frame_damping")
 
 
+def _refuse_waves_alone(case: Case, stack: Stack) -> None:
+    """Refuse what only a bar alone can have: other solvers than delay lines, oscillators, contacts between layers.
+
+    Raises
+    ------
+    InputError
+        If the case has it.
+    """
+    hint = "`strikewave wave` takes it, for the stack under a [load]"
+    if case.solver.method == "spectral":
+        raise InputError("solver.method", case.solver.method, "auto or delay lines where a machine strikes", hint)
+    if case.solver.dispersion != "none":
+        raise InputError("solver.dispersion", case.solver.dispersion, "none where a machine strikes", hint)
+    for table, layer in zip(case.stack.layer, stack.layers, strict=True):
+        if layer.loss is not None and table.loss_factor is not None:
+            allowed = "no loss in a layer that a machine strikes"
+            raise InputError(f"stack.layer.{layer.name}.loss_factor", table.loss_factor.typed, allowed, hint)
+    for layer, joint in zip(stack.layers, stack.joints, strict=False):
+        if joint.kind in ("oscillator", "contact"):
+            allowed = "bonded, compliant, gasket, unilateral or mass where a machine strikes"
+            raise InputError(f"stack.joint.{layer.name}.kind", joint.kind, allowed, hint)
+
+
 def _layered(case: Case) -> LayeredObject | None:
     """Return the object as a stack, if the case has one."""
     table = case.rig().object
@@ -149,6 +173,7 @@ def _layered(case: Case) -> LayeredObject | None:
         hint = nearest(table.assembly, names[1:]) if names[1:] else "cut the object in two layers at least"
         raise InputError("object.assembly", table.assembly or MISSING, allowed, hint)
     stack = build_stack(case)
+    _refuse_waves_alone(case, stack)
     if stack.end.kind != "free":
         allowed = "free: spring, damper and stop of [object] hold the end"
         raise InputError("stack.end.kind", stack.end.kind, allowed, "`strikewave wave` takes every end")

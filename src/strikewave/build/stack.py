@@ -7,12 +7,18 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeVar
 
 from strikewave.case import Case
+from strikewave.contact.damping import named_contact
+from strikewave.contact.elastoplastic import cap_of
+from strikewave.contact.stiffness import Geometry, stiffness_of
 from strikewave.errors import MISSING, InputError, InputErrors, StrikewaveError, nearest
 from strikewave.materials import Material, material
 from strikewave.quantities import Value
 from strikewave.readings import Channel
-from strikewave.tables import JointTable, LayerTable, LoadTable
-from strikewave.waves import BONDED, End, Impactor, Joint, Layer, Load, Pulse, Stack, Tap, Wanted
+from strikewave.tables import EndTable, JointTable, LayerTable, LoadTable
+from strikewave.waves import BONDED, End, Impactor, Joint, Layer, Load, Pulse, Sampled, Stack, Tap, Wanted
+from strikewave.waves.dispersion import Theory
+from strikewave.waves.layers import LossFit
+from strikewave.waves.load import Prescribed
 from strikewave.waves.loss import fit_loss
 from strikewave.waves.routes import EXACT
 
@@ -69,12 +75,19 @@ def area_of(table: Any, path: str, other: float | None = None) -> float:
     return other
 
 
-def _layer(table: LayerTable) -> Layer:
+def _layer(table: LayerTable, dispersion: Theory) -> Layer:
     path = f"stack.layer.{table.name}"
     matter = matter_of(table, path)
     if matter.density is None or matter.modulus is None:
         raise InputError(f"{path}.material", MISSING, "a material, or density and modulus", 'add material = "65Mn"')
     own = table.density is not None or table.modulus is not None
+    ratio = matter.row.poissons_ratio if matter.row and not own else None
+    if table.poissons_ratio is not None:
+        ratio = table.poissons_ratio.si
+    if dispersion != "none" and ratio is None:
+        raise InputError(
+            f"{path}.poissons_ratio", MISSING, f"a Poisson's ratio for the dispersion {dispersion}", "add one"
+        )
     return Layer(
         table.name,
         matter.density,
@@ -83,9 +96,26 @@ def _layer(table: LayerTable) -> Layer:
         table.length.si,
         table.diameter.si if table.diameter else 0.0,
         matter.row.yield_strength if matter.row else None,
-        matter.row.poissons_ratio if matter.row and not own else None,
+        ratio,
         table.speed.si if table.speed else 0.0,
+        _layer_loss(table, path),
+        dispersion,
     )
+
+
+def _layer_loss(table: LayerTable, path: str) -> LossFit | None:
+    if table.loss_factor is None:
+        for key in ("band_low", "band_high"):
+            if getattr(table, key) is not None:
+                raise InputError(f"{path}.{key}", getattr(table, key).typed, "only with a loss_factor", "add it")
+        return None
+    return _fitted(table, path, 1.0, table.loss_factor.si) if table.loss_factor.si > 0.0 else None
+
+
+def _fitted(table: LayerTable | JointTable, path: str, stiffness: float, loss_factor: float) -> LossFit:
+    """Return the springs and branches of a loss factor over the band of a table."""
+    low, high = (end.si if end else usual for end, usual in ((table.band_low, 1e3), (table.band_high, 1e5)))
+    return checked(f"{path}.loss_factor", lambda: fit_loss(stiffness, loss_factor, low, high))
 
 
 _JOINT_FIELDS = {
@@ -94,10 +124,12 @@ _JOINT_FIELDS = {
     "gasket": ("material", "modulus", "loss_factor", "thickness", "diameter", "area", "band_low", "band_high"),
     "unilateral": ("stiffness", "damping", "gap", "preload"),
     "mass": ("mass",),
+    "oscillator": ("mass", "stiffness", "resonance", "damping", "quality"),
+    "contact": ("law", "radius", "length", "datum_depth", "gap", "preload", "yield_pressure"),
 }
 
 
-def _joint(table: JointTable, before: Layer, after: Layer) -> Joint:
+def _joint(table: JointTable, before: LayerTable, after: LayerTable) -> Joint:
     path = f"stack.joint.{table.after}"
     fields = {key for keys in _JOINT_FIELDS.values() for key in keys}
     foreign = [k for k in sorted(fields) if getattr(table, k) not in (None, "") and k not in _JOINT_FIELDS[table.kind]]
@@ -112,12 +144,58 @@ def _joint(table: JointTable, before: Layer, after: Layer) -> Joint:
     if table.kind == "mass":
         return Joint(mass=need(table.mass, f"{path}.mass", "a mass", 'add mass = "5 gram"'))
     if table.kind == "gasket":
-        return _gasket(table, path, min(before.area, after.area))
+        return _gasket(table, path, min(area_of(x, f"stack.layer.{x.name}") for x in (before, after)))
     if table.kind == "unilateral":
         stiffness = table.stiffness.si if table.stiffness else math.inf
         gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
         return checked(f"{path}", lambda: Joint(stiffness, damping, (), True, gap, preload))
+    if table.kind == "oscillator":
+        hung = _hung(table, path)
+        return checked(path, lambda: Joint(hung.stiffness, hung.damping, attached=hung.mass))
+    if table.kind == "contact":
+        return _contact(table, path, before, after)
     return BONDED
+
+
+class Hung(NamedTuple):
+    """A mass on a spring with dashpot: kg, N/m, N s/m."""
+
+    mass: float
+    stiffness: float
+    damping: float
+
+
+def _hung(table: JointTable | EndTable, path: str) -> Hung:
+    """Return a mass on a spring by stiffness or resonance, damping or quality."""
+    for one, other in (("stiffness", "resonance"), ("damping", "quality")):
+        if getattr(table, one) is not None and getattr(table, other) is not None:
+            raise InputError(f"{path}.{other}", getattr(table, other).typed, f"{one} or {other}, not both")
+    mass = need(table.mass, f"{path}.mass", "the mass on the spring", 'add mass = "2 gram"')
+    if table.stiffness is not None:
+        stiffness = table.stiffness.si
+    else:
+        f = need(table.resonance, f"{path}.resonance", "a resonance or a stiffness", 'add resonance = "50 kHz"')
+        stiffness = mass * (2.0 * math.pi * f) ** 2
+    damping = table.damping.si if table.damping else 0.0
+    if table.quality is not None:
+        damping = math.sqrt(stiffness * mass) / table.quality.si
+    return Hung(mass, stiffness, damping)
+
+
+def _contact(table: JointTable, path: str, before: LayerTable, after: LayerTable) -> Joint:
+    """Return a nonlinear contact between the materials of two layers."""
+    one, other = (material(x.material, f"stack.layer.{x.name}.material") for x in (before, after))
+    of_line = table.length.si if table.length else None
+    datum = table.datum_depth.si if table.datum_depth else None
+    geometry = Geometry(table.radius.si if table.radius else None, math.inf, of_line, datum)
+    stiffness = stiffness_of(table.law or "hertz", one, other, geometry, f"{path}.law")
+    cap = None
+    if table.yield_pressure is not None:
+        pressure = table.yield_pressure.si
+        cap = checked(f"{path}.yield_pressure", lambda: cap_of(one, other, geometry, pressure))
+    law = named_contact(stiffness, "exact", 1.0, cap)
+    gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
+    return checked(path, lambda: Joint(contact=law, gap=gap, preload=preload))
 
 
 def _gasket(table: JointTable, path: str, area: float) -> Joint:
@@ -126,9 +204,30 @@ def _gasket(table: JointTable, path: str, area: float) -> Joint:
         raise InputError(f"{path}.material", MISSING, "a material or a modulus", 'add material = "PTFE"')
     thickness = need(table.thickness, f"{path}.thickness", "a thickness", 'add thickness = "1 mm"')
     stiffness = matter.modulus * area_of(table, path, area) / thickness
-    low, high = (end.si if end else usual for end, usual in ((table.band_low, 1e3), (table.band_high, 1e5)))
-    fit = checked(f"{path}.loss_factor", lambda: fit_loss(stiffness, matter.loss_factor or 0.0, low, high))
+    fit = _fitted(table, path, stiffness, matter.loss_factor or 0.0)
     return Joint(fit.stiffness, branches=fit.branches)
+
+
+def fitted_losses(case: Case) -> list[tuple[str, float, LossFit]]:
+    """Return where a stack loses energy, the loss factor asked for, and the fit that holds it over its band.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> fitted_losses(load_case("li-ma-2019-fig13-bar", ["stack.layer.lower.loss_factor=0.1"]))[0][:2]
+    ('lower', 0.1)
+    """
+    found = []
+    for layer in case.stack.layer:
+        fit = _layer_loss(layer, f"stack.layer.{layer.name}")
+        if fit is not None and layer.loss_factor is not None:
+            found.append((layer.name, layer.loss_factor.si, fit))
+    for joint in case.stack.joint:
+        path = f"stack.joint.{joint.after}"
+        eta = matter_of(joint, path).loss_factor if joint.kind == "gasket" else None
+        if eta:
+            found.append((f"gasket after {joint.after}", eta, _fitted(joint, path, 1.0, eta)))
+    return found
 
 
 def checked(path: str, make: Callable[[], T]) -> T:
@@ -165,23 +264,29 @@ def build_stack(case: Case) -> Stack:
         raise InputError("stack.layer", MISSING, "at least one [[stack.layer]]")
     once("stack.layer", names)
     once("stack.joint", [joint.after for joint in table.joint])
-    layers = tuple(_layer(layer) for layer in table.layer)
+    layers = tuple(_layer(layer, case.solver.dispersion) for layer in table.layer)
     joints = [BONDED] * (len(layers) - 1)
     for joint in table.joint:
         if joint.after not in names[:-1]:
             hint = nearest(joint.after, names[:-1]) if names[:-1] else "a single layer has no joint"
             raise InputError("stack.joint.after", joint.after, "a layer that another one follows", hint)
         k = names.index(joint.after)
-        joints[k] = _joint(joint, layers[k], layers[k + 1])
+        joints[k] = _joint(joint, table.layer[k], table.layer[k + 1])
     return Stack(layers, tuple(joints), _end(case))
 
 
 def _end(case: Case) -> End:
     end = case.stack.end
     fields = {"mass": "mass", "spring": "stiffness", "dashpot": "damping"}
-    for kind, key in fields.items():
-        if getattr(end, key) is not None and end.kind != kind:
-            raise InputError(f"stack.end.{key}", _typed(getattr(end, key)), f'only with kind = "{kind}"')
+    every = _JOINT_FIELDS["oscillator"]
+    takes = every if end.kind == "oscillator" else tuple(key for kind, key in fields.items() if kind == end.kind)
+    for key in every:
+        if getattr(end, key) is not None and key not in takes:
+            allowed = ", ".join(takes) or "no other field"
+            raise InputError(f"stack.end.{key}", _typed(getattr(end, key)), f"for the kind {end.kind}: {allowed}")
+    if end.kind == "oscillator":
+        hung = _hung(end, "stack.end")
+        return End(end.kind, *hung)
     if end.kind not in fields:
         return End(end.kind)
     key = fields[end.kind]
@@ -228,17 +333,31 @@ def build_load(case: Case, stack: Stack) -> Load:
             allowed = f"for the shape {load.shape}: {', '.join(wants)}"
             raise InputError(f"load.{key}", _typed(getattr(load, key)), allowed, "remove it")
     if load.shape == "contact":
+        if load.applied != "force":
+            raise InputError("load.applied", load.applied, "force, for the shape contact", "remove it")
         return _impactor(case, load, stack)
     if load.shape == "file":
         if not load.file:
             raise InputError("load.file", MISSING, "a file with time and force", 'add file = "force.csv"')
         from strikewave.build.load_file import read_load
 
-        return read_load(load.file)
+        return _as_applied(read_load(load.file), load)
     peak = need(load.peak, "load.peak", "a force", 'add peak = "20 kN"')
     duration = need(load.duration, "load.duration", "a time", 'add duration = "100 us"')
     rise = load.rise.si if load.rise else 0.0
-    return checked("load", lambda: Pulse(load.shape, peak, duration, rise))
+    return checked("load", lambda: Pulse(load.shape, peak, duration, rise, _APPLIED[load.applied]))
+
+
+_APPLIED: dict[str, Prescribed] = {"force": "force", "incident wave": "incident"}
+
+
+def _as_applied(load: Sampled, table: LoadTable) -> Sampled:
+    """Return a measured force as an incident wave where the case says so."""
+    if table.applied == "force":
+        return load
+    if load.kind != "force":
+        raise InputError("load.applied", table.applied, "force, for a file that holds the motion of the face")
+    return Sampled(load.time, load.values, "incident")
 
 
 def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
@@ -263,8 +382,8 @@ def wanted(case: Case) -> Wanted:
     """Return how exact the waves of a case shall be; acceleration ten times as coarse as velocity."""
     step = case.solver.step.si if case.solver.step else None
     if case.solver.error is None:
-        return Wanted(step=step)
-    return Wanted(case.solver.error.si, 10.0 * case.solver.error.si, step)
+        return Wanted(step=step, method=case.solver.method)
+    return Wanted(case.solver.error.si, 10.0 * case.solver.error.si, step, case.solver.method)
 
 
 def check_route(case: Case, taps: Sequence[tuple[str, Tap]], channels: Sequence[Channel]) -> None:

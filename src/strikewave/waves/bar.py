@@ -16,7 +16,8 @@ from strikewave.waves._kernels import Extremes, Recording
 from strikewave.waves.bar_run import BarRun, Tap, Wanted
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import PRESCRIBED, Impactor, Load
-from strikewave.waves.spectral_bar import needs_spectrum, refuse_spectral_layers, spectral_bar
+from strikewave.waves.spectral import is_linear
+from strikewave.waves.spectral_bar import needs_spectrum, refuse_spectral_layers, spectral_bar, spectrum_pays
 from strikewave.waves.times import shortest_time
 from strikewave.waves.transit import (
     MOST_EVENTS,
@@ -35,8 +36,14 @@ Array = NDArray[np.float64]
 
 MOST_LAYER_STEPS = 1e7
 """Layer steps of one try that the choice of a step may cost: about half a second."""
-MOST_SAMPLES, MOST_ROWS = 20_000, 2e6
-"""Samples of a tap that are kept when the step is chosen for the user, and with fast changes over long times."""
+STEPS_OF_MANY_LAYERS = 1e5
+"""Steps that many layers may take all the same."""
+USUAL_SAMPLES, MOST_SAMPLES = 20_000, 4e6
+"""Samples of a tap that are kept when the step is chosen for the user, and of all taps in any case."""
+FEWEST_STEPS = 5.0
+"""Steps that a load must last."""
+TOO_THIN = 0.05
+"""A change of a transit beyond which a linear stack goes to the spectral solver."""
 WORST_MISMATCH = 0.5
 """A step that changes a transit by more is refused."""
 _TRIES = 4
@@ -48,7 +55,8 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
     """Follow a stack under its load from rest.
 
     The step is the one asked for, or it is refined until the error bound keeps what is wanted, as far as
-    `MOST_LAYER_STEPS` allow; the bound of the last try is reported in any case.
+    `MOST_LAYER_STEPS` allow; the bound of the last try is reported in any case. Layers that lose energy or disperse,
+    layers far thinner than the others, and many layers whose transits suit no common step go to the spectral solver.
 
     Parameters
     ----------
@@ -66,7 +74,8 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
     Raises
     ------
     ValueError
-        If there is no tap, one lies outside, or the duration or the step cannot be used.
+        If there is no tap, one lies outside, the duration or the step cannot be used, or the run would take too
+        much time or memory.
 
     Examples
     --------
@@ -90,24 +99,49 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
     refuse_spectral_layers(stack)
     shortest = min(stack.transit, shortest_time(stack, load), duration)
     if wanted.step is not None:
-        grid = grid_of(stack, wanted.step)
-        if grid.mismatch > WORST_MISMATCH:
-            raise ValueError(
-                f"a step of {wanted.step:g} s changes a transit by {grid.mismatch:.0%}: take one below "
-                f"{0.5 * min(layer.transit for layer in stack.layers):.3g} s"
-            )
-        if duration / grid.step > MOST_ROWS:
-            raise ValueError(
-                f"a step of {wanted.step:g} s over {duration:g} s makes {duration / grid.step:.1e} samples; at most "
-                f"{MOST_ROWS:.0e}: take a step above {duration / MOST_ROWS:.3g} s"
-            )
-        return _with_lumped_error(_run(stack, load, places, duration, grid, _Kept(1, shortest)), _Kept(1, shortest))
-    smallest = duration * len(stack.layers) / MOST_LAYER_STEPS
+        return _at_step(stack, load, places, duration, wanted.step, shortest)
+    return _refined(stack, load, places, duration, wanted, shortest)
+
+
+def _at_step(
+    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, step: float, shortest: float
+) -> BarRun:
+    """Follow a stack with the step asked for.
+
+    Raises
+    ------
+    ValueError
+        If the step is too long for a layer or the load, or so short that there would be too many samples.
+    """
+    grid = grid_of(stack, step)
+    if grid.mismatch > WORST_MISMATCH:
+        raise ValueError(
+            f"a step of {step:g} s changes a transit by {grid.mismatch:.0%}: take one below "
+            f"{0.5 * min(layer.transit for layer in stack.layers):.3g} s"
+        )
+    if not isinstance(load, Impactor) and load.duration < FEWEST_STEPS * step and load.largest > 0.0:
+        raise ValueError(
+            f"a step of {step:g} s is too long for a load of {load.duration:g} s: take one below "
+            f"{load.duration / FEWEST_STEPS:.3g} s"
+        )
+    _refuse_samples(duration, step, len(places), f"take a step above {duration * len(places) / MOST_SAMPLES:.3g} s")
+    kept = _Kept(1, shortest)
+    return _with_lumped_error(_run(stack, load, places, duration, grid, kept), kept)
+
+
+def _refined(
+    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, wanted: Wanted, shortest: float
+) -> BarRun:
+    """Follow a stack with a step that is refined until the error bound keeps what is wanted."""
+    smallest = duration * len(stack.layers) / max(MOST_LAYER_STEPS, STEPS_OF_MANY_LAYERS * len(stack.layers))
     largest = max(shortest / 50.0, smallest)
     mismatch, before = 1e-4, math.inf
     for _ in range(_TRIES):
         grid = choose_grid(stack, mismatch, largest, smallest)
-        kept = _Kept(_sampling(duration, grid.step, shortest), shortest)
+        if grid.mismatch > TOO_THIN and wanted.method == "auto" and is_linear(stack, load):
+            return spectral_bar(stack, load, places, duration, wanted)
+        _refuse_thin(stack, grid, duration)
+        kept = _Kept(_sampling(duration, grid.step, shortest, len(places)), shortest)
         run = _run(stack, load, places, duration, grid, kept)
         over, over_rate = (
             bound / most for bound, most in zip(run.relative_bound, (wanted.velocity, wanted.acceleration), strict=True)
@@ -122,7 +156,42 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
         else:
             mismatch = grid.mismatch / (2.0 * missed)
         before = over_rate
+    if over > 1.0 and wanted.method == "auto" and is_linear(stack, load) and spectrum_pays(stack, load, duration):
+        return spectral_bar(stack, load, places, duration, wanted)
     return _with_lumped_error(run, kept)
+
+
+def _refuse_thin(stack: Stack, grid: Grid, duration: float) -> None:
+    """Refuse layers so thin beside the others that no step in reach resolves them.
+
+    Raises
+    ------
+    ValueError
+        If there is one.
+    """
+    if grid.mismatch <= WORST_MISMATCH:
+        return
+    thin = min(stack.layers, key=lambda layer: layer.transit)
+    raise ValueError(
+        f"layer {thin.name} is too thin for delay lines beside the others: a wave crosses it in {thin.transit:.3g} s, "
+        f"which over {duration:.3g} s would take {duration / thin.transit * len(stack.layers):.1e} layer steps; make "
+        f"it a compliant joint of {thin.modulus * thin.area / thin.length:.4g} N/m, or a mass of {thin.mass:.4g} kg"
+    )
+
+
+def _refuse_samples(duration: float, step: float, taps: int, advice: str) -> None:
+    """Refuse histories that would not fit in memory.
+
+    Raises
+    ------
+    ValueError
+        If there would be too many samples.
+    """
+    if duration / step * taps > MOST_SAMPLES:
+        raise ValueError(
+            f"{duration:g} s at one sample every {step:.3g} s make {duration / step * taps:.1e} samples at {taps} "
+            f"taps; at most {MOST_SAMPLES:.0e}: {advice}"
+        )
 
 
 @dataclass(frozen=True)
@@ -133,20 +202,17 @@ class _Kept:
     shortest: float
 
 
-def _sampling(duration: float, step: float, shortest: float) -> int:
-    """Return of how many steps one is kept: about `MOST_SAMPLES` in all, but 50 of them in the shortest time.
+def _sampling(duration: float, step: float, shortest: float, taps: int) -> int:
+    """Return of how many steps one is kept: about `USUAL_SAMPLES` in all, but 50 of them in the shortest time.
 
     Raises
     ------
     ValueError
         If that would be too many.
     """
-    every = max(1, min(math.ceil(duration / step / MOST_SAMPLES), int(shortest / 50.0 / step)))
-    if duration / step / every > MOST_ROWS:
-        raise ValueError(
-            f"{duration:g} s of a load or joint that changes within {shortest:.3g} s are "
-            f"{duration / step / every:.1e} samples; at most {MOST_ROWS:.0e}: follow a shorter time"
-        )
+    every = max(1, min(math.ceil(duration / step / USUAL_SAMPLES), int(shortest / 50.0 / step)))
+    advice = f"a load or joint changes within {shortest:.3g} s; follow a shorter time, or take fewer taps"
+    _refuse_samples(duration, step * every, taps, advice)
     return every
 
 
@@ -156,7 +222,7 @@ def _with_lumped_error(run: BarRun, kept: _Kept) -> BarRun:
     The trapezoidal rule is of second order, so that the run is off by 4/3 of the change.
     """
     stack, grid = run.stack, run.grid
-    lumped = any(joint.kind != "bonded" for joint in stack.joints) or stack.end.kind in ("mass", "spring")
+    lumped = any(joint.kind != "bonded" for joint in stack.joints) or stack.end.kind in ("mass", "spring", "oscillator")
     if not lumped or math.isinf(run.bound.velocity):
         return run
     fine = Grid(0.5 * grid.step, tuple(2 * n for n in grid.counts), grid.mismatch)

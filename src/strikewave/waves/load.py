@@ -87,6 +87,11 @@ class Pulse:
         return np.where((t >= 0.0) & (t < end), self.peak * force, 0.0)
 
     @property
+    def largest(self) -> float:
+        """Largest magnitude, N."""
+        return abs(self.peak)
+
+    @property
     def impulse(self) -> float:
         """Integral of the force, N s."""
         share = {
@@ -134,6 +139,11 @@ class Sampled:
         """Return the load at times."""
         after = float(self.values[-1]) if self.kind == "speed" else 0.0
         return np.interp(time, self.time, self.values, left=0.0, right=after)
+
+    @property
+    def largest(self) -> float:
+        """Largest magnitude, in the unit of the values."""
+        return float(np.abs(self.values).max())
 
     @property
     def duration(self) -> float:

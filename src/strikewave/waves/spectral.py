@@ -36,6 +36,18 @@ MOST_VALUES = 2e6
 """Values of a spectrum that are held at once, for each quantity."""
 
 
+def nonlinear_parts(stack: Stack, load: Load) -> list[str]:
+    """Return what of a stack and its load has no spectrum of its own, in words."""
+    found = [f"the joint behind {stack.layers[k].name} can open" for k, x in enumerate(stack.joints) if x.unilateral]
+    found += [f"layer {layer.name} comes with a speed" for layer in stack.layers if layer.speed]
+    return [*found, "a striker touches and parts"] if isinstance(load, Impactor) else found
+
+
+def is_linear(stack: Stack, load: Load) -> bool:
+    """Tell whether the spectral solver can follow a stack under its load."""
+    return not nonlinear_parts(stack, load)
+
+
 def refuse_nonlinear(stack: Stack, load: Load) -> None:
     """Refuse what has no spectrum of its own.
 
@@ -44,14 +56,11 @@ def refuse_nonlinear(stack: Stack, load: Load) -> None:
     ValueError
         If a joint can open, a layer comes with a speed, or a striker hits the stack.
     """
-    cannot = [f"the joint behind {stack.layers[k].name} can open" for k, x in enumerate(stack.joints) if x.unilateral]
-    cannot += [f"layer {layer.name} comes with a speed" for layer in stack.layers if layer.speed]
-    if isinstance(load, Impactor):
-        cannot.append("a striker touches and parts")
+    cannot = nonlinear_parts(stack, load)
     if cannot:
         raise ValueError(
-            f"{cannot[0]}: layers with loss or dispersion need the spectral solver, which is linear; take the loss "
-            "and dispersion of layers out, or follow the part behind the contact under a force or an incident wave"
+            f"{cannot[0]}, but layers with loss or dispersion need the spectral solver, which is linear: take loss "
+            "and dispersion out, or follow the part behind the contact under a force or an incident wave"
         )
 
 

@@ -23,13 +23,20 @@ MOST_STEPS = 1_000_000
 MOST_WORK = 3e7
 """Layers times steps up to which the step is refined for the wanted error."""
 _TRIES = 4
-_FIELD_ROWS = 500
+_FIELD_ROWS, _FIELD_LAYERS = 500, 100
 _CELLS = 1000
 
 
 def needs_spectrum(stack: Stack) -> bool:
     """Tell whether a layer loses energy or disperses."""
     return any(layer.loss is not None or layer.dispersion != "none" for layer in stack.layers)
+
+
+def spectrum_pays(stack: Stack, load: Load, duration: float) -> bool:
+    """Tell whether the spectral solver follows a smooth load in seconds."""
+    if isinstance(load, Impactor) or load.rise_time == 0.0:
+        return False
+    return duration / load.rise_time * STEPS_OF_CHANGE * len(stack.layers) < MOST_WORK
 
 
 def refuse_spectral_layers(stack: Stack) -> None:
@@ -117,7 +124,7 @@ def _bar_run(
 ) -> BarRun:
     """Return the run with its x-t field."""
     stack, step = spectrum.stack, spectrum.step
-    nodes, position = field_nodes(stack, Grid(step, (_CELLS,) * len(stack.layers), 0.0))
+    nodes, position = field_nodes(stack, Grid(step, (_CELLS,) * len(stack.layers), 0.0), _FIELD_LAYERS)
     coarse = max(1, spectrum.steps // _FIELD_ROWS)
     rows = (spectrum.steps - 1) // coarse + 1
     force, velocity = np.empty((rows, len(nodes))), np.empty((rows, len(nodes)))

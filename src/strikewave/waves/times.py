@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from strikewave.contact.law import AnyContact, indentation_under
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import Impactor, Load
@@ -48,7 +46,7 @@ def _contact_time(contact: AnyContact, before: float, after: float, load: Load, 
         force = face * load.speed
     else:
         scale = face if load.kind == "speed" else 1.0
-        force = scale * float(np.abs(load.at(np.linspace(0.0, load.duration, 1001)[:-1])).max()) or 1.0
+        force = scale * load.largest or 1.0
     return indentation_under(contact, force) / force / (1.0 / before + 1.0 / after)
 
 

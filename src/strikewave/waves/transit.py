@@ -51,6 +51,8 @@ MOST_NODES = 50_000_000
 MOST_EVENTS = 10_000
 """Openings and closings of joints that are kept."""
 
+MOST_TRIED = 2_000_000
+"""Transits over steps that are compared at once."""
 MOST_FIELD_LAYERS = 1000
 FIELD_PLACES = 200
 """Places of an x-t field."""
@@ -113,7 +115,8 @@ def choose_grid(stack: Stack, mismatch: float, largest: float, smallest: float) 
 
     Steps t_k/n of the shortest transit, n = 1, 2, .., are tried between ``largest`` and ``smallest``: a
     simultaneous rational approximation by search. Each is shifted so that the mismatch is shared evenly
-    among the layers. Where none is good enough, the best one is returned.
+    among the layers. Where none is good enough, the best one is returned; where the shortest transit is below
+    ``smallest``, that step, in which thinner layers take one step.
 
     Parameters
     ----------
@@ -132,11 +135,14 @@ def choose_grid(stack: Stack, mismatch: float, largest: float, smallest: float) 
     transits = np.array([layer.transit for layer in stack.layers])
     smallest = max(smallest, transits.sum() / MOST_NODES)
     shortest = float(transits.min())
+    if shortest < smallest:
+        return grid_of(stack, smallest)
     first = max(1, math.ceil(shortest / largest))
     last = max(first, math.floor(shortest / smallest))
     best: Grid | None = None
-    for begin in range(first, last + 1, 4096):
-        n = np.arange(begin, min(begin + 4096, last + 1), dtype=float)
+    several = max(16, min(4096, MOST_TRIED // len(transits)))
+    for begin in range(first, last + 1, several):
+        n = np.arange(begin, min(begin + several, last + 1), dtype=float)
         steps = shortest / n
         counts = np.maximum(np.rint(transits[:, None] / steps), 1.0)
         ratios = counts * steps / transits[:, None]
@@ -261,17 +267,17 @@ def nearest_nodes(grid: Grid, places: Sequence[tuple[int, float]]) -> NDArray[np
     return np.array(rows, dtype=np.int64).reshape(-1, 2)
 
 
-def field_nodes(stack: Stack, grid: Grid, most: int = FIELD_PLACES) -> tuple[NDArray[np.int64], Array]:
-    """Return about so many (layer, node), evenly in time of travel, and their places from the first face, m.
+def field_nodes(stack: Stack, grid: Grid, most_layers: int = MOST_FIELD_LAYERS) -> tuple[NDArray[np.int64], Array]:
+    """Return about `FIELD_PLACES` (layer, node), evenly in time of travel, and their places from the first face, m.
 
-    Each layer has two at least; of more than `MOST_FIELD_LAYERS` layers only some are looked at.
+    Each layer has two at least; of more layers than the most only some are looked at.
     """
-    rows, places, begin, every = [], [], 0.0, math.ceil(len(stack.layers) / MOST_FIELD_LAYERS)
+    rows, places, begin, every = [], [], 0.0, math.ceil(len(stack.layers) / most_layers)
     for i, (layer, count) in enumerate(zip(stack.layers, grid.counts, strict=True)):
         if i % every and i != len(stack.layers) - 1:
             begin += layer.length
             continue
-        wanted = max(2, round(most * layer.transit / stack.transit))
+        wanted = max(2, round(FIELD_PLACES * layer.transit / stack.transit))
         nodes = np.unique(np.linspace(0, count, wanted).round().astype(np.int64))
         rows.append(np.column_stack([np.full(nodes.size, i), nodes]))
         places.append(begin + layer.length * nodes / count)
