@@ -203,7 +203,7 @@ class Joint:
 
     def __post_init__(self) -> None:
         values = (self.damping, self.gap, self.preload, self.mass, self.attached)
-        if not self.stiffness > 0.0 or not min(values) >= 0.0:
+        if not self.stiffness > 0.0 or not all(value >= 0.0 for value in values):
             raise ValueError(f"a joint takes no negative value, and a stiffness above zero: {self}")
         if self.contact is not None:
             _check_contact(self, striking_law(self.contact))

@@ -160,6 +160,10 @@ class Spectrum:
     def _travel(self) -> NDArray[np.complex128]:
         return np.array([travel_constants(layer, self.s) for layer in self._tables[1]])
 
+    def travel(self, layer: int) -> NDArray[np.complex128]:
+        """Return the travel constants of a layer at the frequencies, 1/m."""
+        return np.asarray(self._travel[self._tables[0].group[layer]])
+
     @functools.cached_property
     def _loaded(self) -> NDArray[np.complex128]:
         time = self.step * np.arange(self.count, dtype=float)
