@@ -7,7 +7,6 @@ import os
 import platform
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numba
@@ -18,6 +17,7 @@ import reading_bench
 import records_bench
 import waves_bench
 from scipy.integrate import solve_ivp
+from timing import best, table, write
 
 from strikewave import load_case, run_case
 from strikewave.contact import (
@@ -41,24 +41,6 @@ ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "benchmarks.md"
 
 STIFFNESS, EXPONENT, RESTITUTION, M1, M2, SPEED = 4.7e9, 10 / 9, 0.5, 0.2, 0.459, 20.0
-
-
-def best(function, tries=5):
-    """Return the shortest of several times, s."""
-    times = []
-    for _ in range(tries):
-        begun = time.perf_counter()
-        function()
-        times.append(time.perf_counter() - begun)
-    return min(times)
-
-
-def write(seconds):
-    """Write a time with a unit that suits it."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
-        if seconds >= size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds / 1e-9:.3g} ns"
 
 
 def impacts():
@@ -183,12 +165,6 @@ def processor():
     return names[0] if names else platform.processor()
 
 
-def table(head, rows):
-    """Return a table in markdown."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
 def main():
     """Run all benchmarks, print them, and write the page."""
     # floor of the closed form: 40 nodes, each one exponential and one power, about 25 ns a node on one core
@@ -212,11 +188,7 @@ def main():
             table(("law", "time", "e that comes out"), laws()),
             "## The published machine",
             table(("work", "time", "target"), processes()),
-            "## Waves in a layered bar",
-            "Layer steps a second of the bare delay lines, one core, bonded joints.",
-            table(("bar", "layer steps", "target", "above the floor", "against elwaspatid"), waves_bench.rows()),
-            "Floor: a layer step reads two waves and writes two, 32 bytes, at the speed at which numpy copies memory. Few "
-            "layers stay in the cache and can be below it.",
+            waves_bench.section(),
             records_bench.section(),
             reading_bench.section(),
             "## Planted blows",

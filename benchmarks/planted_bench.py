@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import planted
+import timing
 
 from strikewave.records import Request, read_file, read_record
 
@@ -107,8 +108,7 @@ HEAD = (
 
 def table():
     """Return the table in markdown."""
-    lines = [HEAD, ["---"] * len(HEAD), *rows(tallied())]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    return timing.table(HEAD, rows(tallied()))
 
 
 if __name__ == "__main__":

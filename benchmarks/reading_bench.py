@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from records_bench import table
+from timing import table
 
 ROWS = 4_000_000
 """Samples of each of two channels."""

@@ -1,11 +1,11 @@
 """Shock response spectra: time and accuracy beside pyyeti and endaq, where they are installed, and the floor."""
 
 import importlib.util
-import time
 
 import mpmath as mp
 import numba
 import numpy as np
+from timing import best, table
 
 from strikewave.signal.srs import Scope, srs
 
@@ -13,17 +13,6 @@ RATE, SAMPLES = 1e6, 1_000_000
 FREQUENCIES = np.geomspace(10.0, 10e3, 100)
 PULSE = 200
 """Samples of the half-sine that accuracy is read from."""
-
-
-def best(function, tries=5):
-    """Return the shortest of several times, s."""
-    function()
-    times = []
-    for _ in range(tries):
-        begun = time.perf_counter()
-        function()
-        times.append(time.perf_counter() - begun)
-    return min(times)
 
 
 def shock():
@@ -149,12 +138,6 @@ def accuracy(rates=(20.5, 203.0, 1e4, 1e6, 1e7)):
                 last = misses(ours, kind, [1e8])[0] if peer is ours else "not run"
                 rows.append((kind, name, *misses(peer, kind, rates), last))
     return ("kind", "how", *(f"fs/fn = {rate:g}" for rate in rates), "1e8"), rows
-
-
-def table(heading, rows):
-    """Return a table in markdown."""
-    lines = [heading, ["---"] * len(heading), *rows]
-    return "\n".join("| " + " | ".join(row) + " |" for row in lines)
 
 
 def section():

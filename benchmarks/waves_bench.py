@@ -1,12 +1,16 @@
-"""Layered bars: layer steps a second beside elwaspatid (in a process of its own, where it is installed) and the floor."""
+"""Layered bars: layer steps and layer frequencies a second, beside elwaspatid (where it is installed) and the floor."""
 
 import importlib.util
 import time
 
+import elwaspatid_bench
 import numpy as np
+from timing import best, table, write
 
 from strikewave.materials import material
-from strikewave.waves import BONDED, End, Stack, _kernels, round_bar
+from strikewave.waves import BONDED, End, Pulse, Stack, _kernels, round_bar
+from strikewave.waves.dispersion import Rod, wave_number
+from strikewave.waves.spectral import Spectrum
 from strikewave.waves.transit import grid_of, state_at_rest, tables_of
 
 LAYERS = (3, 10, 100, 1000)
@@ -81,3 +85,44 @@ def rows():
     named = "elwaspatid 2 (WP2, same bar, its own step of 50 a layer)"
     found.append((named, f"{other / 1e6:.3f} M/s" if other else "not installed", "", "", "1" if other else ""))
     return found
+
+
+def spectral_rows(bins=8000):
+    """Return the rows of the spectral solver: one recursion per layer and frequency, beside its exponential alone."""
+    x = np.linspace(0.0, 1.0, 1_000_000) * (1.0 + 1.0j)
+    floor = best(lambda: np.exp(x)) / x.size
+    found = []
+    for layers in LAYERS:
+        step = 1e-7
+        spectrum = Spectrum(bar(layers), Pulse("sine-squared", 1e4, 1e-4), step, max(200, bins * 3 // layers))
+        spectrum.look([(0, 0.5)])
+        each = best(lambda spectrum=spectrum: spectrum.ends(), 3) / (spectrum.s.size * layers)
+        found.append((f"{layers} layers", write(each), f"{each / floor:.1f} x"))
+    w = np.linspace(0.0, 5e6, 20_000) - 1e4j
+    each = best(lambda: wave_number(w, Rod(0.01, 5000.0, 0.29)), 3) / w.size
+    found.append(("wave number of Pochhammer and Chree, 20 000 frequencies to 5 MHz, 20 mm steel", write(each), ""))
+    return found
+
+
+def section():
+    """Return the section of the page of benchmarks."""
+    return f"""## Waves in a layered bar
+
+Layer steps a second of the bare delay lines, one core, bonded joints.
+
+{table(("bar", "layer steps", "target", "above the floor", "against elwaspatid"), rows())}
+
+Floor: a layer step reads two waves and writes two, 32 bytes, at the speed at which numpy copies memory. Few layers stay in
+the cache and can be below it.
+
+The spectral solver, time for each layer at each frequency:
+
+{table(("bar", "each", "above the floor"), spectral_rows())}
+
+Floor: the one complex exponential that a layer needs, by numpy.
+
+{elwaspatid_bench.section()}"""
+
+
+if __name__ == "__main__":
+    print(section())
