@@ -1,0 +1,157 @@
+"""Layers with loss and dispersion, oscillators, contacts and incident waves, from a case file to the stack."""
+
+import math
+
+import pytest
+
+from strikewave.bar import run_wave
+from strikewave.build import build_load, build_stack, check
+from strikewave.case import parse_case
+from strikewave.errors import InputError, InputErrors, StrikewaveError
+from strikewave.materials import material
+
+pytestmark = pytest.mark.edge
+
+BASE = """
+schema = 1
+name = "probe"
+[[stack.layer]]
+name = "upper"
+material = "65Mn"
+length = "50 mm"
+diameter = "30 mm"
+[[stack.layer]]
+name = "lower"
+material = "2A12"
+length = "80 mm"
+diameter = "30 mm"
+{joint}
+[stack.end]
+{end}
+[load]
+shape = "sine-squared"
+peak = "20 kN"
+duration = "80 us"
+{load}
+[solver]
+duration = "300 us"
+{solver}
+"""
+
+
+def case_of(joint="", end='kind = "free"', load="", solver=""):
+    return parse_case(BASE.format(joint=joint, end=end, load=load, solver=solver))
+
+
+def joint_text(**fields):
+    lines = ["[[stack.joint]]", 'after = "upper"', *(f"{key} = {value!r}" for key, value in fields.items())]
+    return "\n".join(lines).replace("'", '"')
+
+
+def test_an_oscillator_by_resonance_and_quality():
+    """k = m (2 pi f)^2 and c = sqrt(k m)/Q."""
+    text = joint_text(kind="oscillator", mass="2 gram", resonance="30 kHz", quality=20)
+    joint = build_stack(case_of(text)).joints[0]
+    assert joint.attached == 2e-3
+    assert joint.stiffness == pytest.approx(2e-3 * (2 * math.pi * 3e4) ** 2)
+    assert joint.damping == pytest.approx(math.sqrt(joint.stiffness * 2e-3) / 20)
+    end = build_stack(case_of(end='kind = "oscillator"\nmass = "2 gram"\nstiffness = "70 MN/m"')).end
+    assert (end.value, end.stiffness, end.damping) == (2e-3, 7e7, 0.0)
+
+
+def test_a_contact_between_layers_is_hertz_of_their_materials():
+    text = joint_text(kind="contact", radius="10 mm", preload="100 N")
+    law = build_stack(case_of(text)).joints[0].contact
+    steel, aluminium = material("65Mn"), material("2A12")
+    compliance = sum((1 - x.poissons_ratio**2) / x.youngs_modulus for x in (steel, aluminium))
+    assert float(law.stiffness) == pytest.approx(4 / 3 / compliance * math.sqrt(0.01))
+    assert float(law.exponent) == 1.5
+
+
+def test_loss_and_dispersion_take_the_spectral_solver_and_say_how_well_the_loss_is_held():
+    case = parse_case(
+        BASE.format(
+            joint=joint_text(kind="gasket", material="PTFE", thickness="1 mm"),
+            end='kind = "free"',
+            load="",
+            solver='dispersion = "pochhammer-chree"',
+        ),
+    )
+    document = run_wave(case).document()
+    assert document["method"] == "spectral"
+    assert document["dispersion"] == "pochhammer-chree"
+    [loss] = document["losses"]
+    assert loss["where"] == "gasket after upper"
+    assert 0.0 < loss["error"] < 0.25
+    assert (loss["low"], loss["high"]) == (1e3, 1e5)
+    assert document["units"]["loss_factor"] == "1"
+
+
+def test_the_times_of_a_bolted_joint_are_listed():
+    text = joint_text(kind="unilateral", preload="2 kN")
+    [joint] = run_wave(case_of(text)).document()["joints"]
+    assert joint["after"] == "upper"
+    assert len(joint["opened"]) >= 1
+    assert joint["opened"][0] < joint["closed"][0] if joint["closed"] else True
+
+
+def test_an_incident_wave_is_half_of_what_a_free_end_feels():
+    load = build_load(case_of(load='applied = "incident wave"'), build_stack(case_of()))
+    assert load.kind == "incident"
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        ({"joint": joint_text(kind="oscillator", resonance="30 kHz")}, "mass: missing"),
+        ({"joint": joint_text(kind="oscillator", mass="2 gram")}, "resonance: missing"),
+        (
+            {"joint": joint_text(kind="oscillator", mass="2 gram", resonance="3 kHz", stiffness="1 MN/m")},
+            "stiffness or resonance, not both",
+        ),
+        ({"joint": joint_text(kind="contact", law="hertzz", radius="10 mm")}, "hertz"),
+        ({"joint": joint_text(kind="contact")}, "radius"),
+        ({"joint": joint_text(kind="contact", radius="10 mm", thickness="1 mm")}, "for a contact joint"),
+        ({"joint": joint_text(kind="contact", radius="10 mm", preload="1 kN", gap="1 um")}, "no preload"),
+        ({"end": 'kind = "free"\nmass = "1 kg"'}, "no other field"),
+        ({"end": 'kind = "oscillator"\nmass = "1 kg"'}, "resonance: missing"),
+        ({"load": 'applied = "wave"'}, "incident wave"),
+        ({"solver": 'dispersion = "pochhammer"'}, "pochhammer-chree"),
+        ({"solver": 'method = "fourier"'}, "spectral"),
+    ],
+)
+def test_what_does_not_fit_is_said(parts, words):
+    with pytest.raises(StrikewaveError) as caught:
+        check(case_of(**parts))
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (["solver.dispersion=pochhammer-chree"], "strikewave wave"),
+        (["solver.method=spectral"], "strikewave wave"),
+        (["stack.layer.sensor.loss_factor=0.1"], "strikewave wave"),
+    ],
+)
+def test_a_machine_says_what_only_a_bar_alone_can_have(changes, words):
+    from strikewave import load_case
+
+    with pytest.raises(StrikewaveError) as caught:
+        check(load_case("li-ma-2019-fig13", changes))
+    assert words in str(caught.value)
+
+
+def test_a_layer_of_own_numbers_needs_a_poissons_ratio_for_dispersion():
+    text = BASE.format(joint="", end="", load="", solver='dispersion = "love-rayleigh"')
+    text = text.replace('material = "2A12"', 'density = "2700 kg/m^3"\nmodulus = "70 GPa"')
+    with pytest.raises(InputError, match=r"stack\.layer\.lower\.poissons_ratio"):
+        check(parse_case(text))
+    check(parse_case(text.replace('modulus = "70 GPa"', 'modulus = "70 GPa"\npoissons_ratio = 0.33')))
+
+
+def test_a_band_without_a_loss_factor_is_refused():
+    text = BASE.format(joint="", end="", load="", solver="")
+    text = text.replace('material = "2A12"', 'material = "2A12"\nband_low = "1 kHz"')
+    with pytest.raises((InputError, InputErrors), match="loss_factor"):
+        check(parse_case(text))
