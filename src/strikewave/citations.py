@@ -175,6 +175,10 @@ SOURCES: dict[str, str] = {
         "N. Maeda, A method for reading and checking phase times in auto-processing system of seismic wave data, Zisin "
         "38 (1985) 365-379 (reference from memory)"
     ),
+    "gent-lindley-1959": (
+        "A. N. Gent, P. B. Lindley, The Compression of Bonded Rubber Blocks, Proceedings of the Institution of "
+        "Mechanical Engineers 173 (1959) 111-122 (relation and reference from memory)"
+    ),
     "patera-1984": (
         "A. T. Patera, A spectral element method for fluid dynamics: laminar flow in a channel expansion, "
         "Journal of Computational Physics 54 (1984) 468-488"

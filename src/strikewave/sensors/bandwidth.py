@@ -1,0 +1,107 @@
+"""What a mounting costs: up to which frequency the sensor still follows the surface, and where it rings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.sensors.mounting import RESOLVED, Mounting, transmission
+
+Array = NDArray[np.float64]
+
+LOWEST = 10.0
+"""Frequency from which a mounting is looked at, Hz."""
+
+POINTS = 1200
+"""Frequencies from `LOWEST` to `RESOLVED`, 0.8 % apart: below a resonance a magnitude rises over far more."""
+
+ZOOMS, ZOOMED = 3, 33
+"""Times that a crossing or a peak is looked at more closely, and points each time: 2e-7 of a frequency is left."""
+
+
+class Band(NamedTuple):
+    """What the transmissibility |H| = |a_sensor / a_surface| of a mounting passes; frequencies in Hz.
+
+    Attributes
+    ----------
+    within_5, within_10 : float
+        Lowest frequency at which |H| is more than 5 or 10 % from one; infinite where it is not below 200 kHz.
+    half_power : float
+        Lowest frequency at which |H| is below 1/sqrt(2), -3 dB; infinite alike.
+    resonance, quality : float
+        First frequency at which |H| is largest about it, and |H| there; NaN where there is none below 200 kHz.
+    largest, largest_at : float
+        Largest |H| below 200 kHz, and its frequency; one, and NaN, where the sensor follows exactly.
+    """
+
+    within_5: float
+    within_10: float
+    half_power: float
+    resonance: float
+    quality: float
+    largest: float
+    largest_at: float
+
+
+def band(mounting: Mounting) -> Band:
+    """Return the band that a mounting passes, of its continuous layers, and its resonance.
+
+    A magnitude is looked at, as data sheets of accelerometers do: a mass m on a spring k without loss leaves
+    10 % at f = sqrt(1 - 1/1.1) f_0 = 0.302 f_0 with f_0 = sqrt(k/m) / (2 pi), and falls below -3 dB at
+    sqrt(1 + sqrt(2)) f_0. The quality is the magnification at resonance, as that of a sensor.
+
+    Parameters
+    ----------
+    mounting : Mounting
+        What is between surface and sensor.
+
+    Examples
+    --------
+    >>> from strikewave.sensors import Gasket
+    >>> held = band(Mounting((Gasket(1.0, 4e6 * math.pi**2, 1e-4, 1e-3),), 1e-2))  # 3.16 kHz, almost without mass
+    >>> round(held.within_10), round(held.half_power), round(held.resonance)
+    (953, 4913, 3162)
+    """
+    if mounting.direct:
+        return Band(math.inf, math.inf, math.inf, math.nan, math.nan, 1.0, math.nan)
+    f = np.geomspace(LOWEST, RESOLVED, POINTS)
+    magnitude = _magnitude(mounting, f)
+
+    def leaves(low: float, high: float) -> float:
+        return _first(mounting, f, magnitude, lambda h: (h < low) | (h > high))
+
+    inner = magnitude[1:-1]
+    tops = 1 + np.flatnonzero((inner > magnitude[:-2]) & (inner >= magnitude[2:]))
+    resonance = _summit(mounting, f, int(tops[0])) if tops.size else (math.nan, math.nan)
+    largest = _summit(mounting, f, int(np.argmax(magnitude)))
+    return Band(leaves(0.95, 1.05), leaves(0.9, 1.1), leaves(math.sqrt(0.5), math.inf), *resonance, *largest[::-1])
+
+
+def _magnitude(mounting: Mounting, frequencies: Array) -> Array:
+    return np.abs(transmission(mounting, frequencies))
+
+
+def _first(mounting: Mounting, f: Array, magnitude: Array, outside: Callable[[Array], NDArray[np.bool_]]) -> float:
+    """Return the lowest frequency at which a magnitude is outside, Hz; infinite where it never is."""
+    places = np.flatnonzero(outside(magnitude))
+    if not places.size:
+        return math.inf
+    for _ in range(ZOOMS):
+        k = int(places[0])
+        if k == 0:
+            return float(f[0])
+        f = np.linspace(f[k - 1], f[k], ZOOMED)
+        places = np.flatnonzero(outside(_magnitude(mounting, f)))
+    return float(f[places[0]])
+
+
+def _summit(mounting: Mounting, f: Array, k: int) -> tuple[float, float]:
+    """Return frequency and height of the summit about a place of a grid; |H| has no zero that could hide one."""
+    for _ in range(ZOOMS):
+        f = np.linspace(f[max(k - 1, 0)], f[min(k + 1, f.size - 1)], ZOOMED)
+        k = int(np.argmax(_magnitude(mounting, f)))
+    return float(f[k]), float(_magnitude(mounting, f[k : k + 1])[0])

@@ -1,0 +1,246 @@
+"""``strikewave buffer`` as a user types it: documents, files, the way back, records, and what bad input is told."""
+
+import csv
+import json
+import math
+import os
+import tomllib
+
+import numpy as np
+import pytest
+
+from strikewave.case import parse_case
+from strikewave.units import STANDARD_GRAVITY
+
+BAR = """
+schema = 1
+name = "bar"
+[[stack.layer]]
+name = "bar"
+material = "65Mn"
+length = "200 mm"
+diameter = "30 mm"
+[load]
+shape = "sine-squared"
+peak = "40 kN"
+duration = "60 us"
+[[tap]]
+name = "end"
+layer = "bar"
+position = 1.0
+[solver]
+duration = "400 us"
+"""
+SENSOR = """
+[[sensor]]
+name = "acc"
+tap = "end"
+resonance = "100 kHz"
+range = "60000 g"
+mass = "5 gram"
+[[sensor.gasket]]
+material = "PTFE"
+thickness = "1 mm"
+diameter = "15 mm"
+"""
+FEW = ("--material", "rubber", "--material", "PTFE", "--thickness", "1 mm", "--layers", "2")
+
+
+@pytest.fixture
+def bar(strikewave):
+    with open("bar.toml", "w") as file:
+        file.write(BAR + SENSOR)
+    return "bar.toml"
+
+
+@pytest.fixture
+def shot(strikewave):
+    """A half-sine of 10 000 g and 60 us, in g, at 1 MHz."""
+    t = np.arange(1500) * 1e-6
+    values = np.where((t > 2e-4) & (t < 2.6e-4), 1e4 * np.sin(np.pi * (t - 2e-4) / 60e-6), 0.0)
+    rows = "\n".join(f"{a:.6f},{b:.9g}" for a, b in zip(t, values, strict=True))
+    with open("shot.csv", "w") as file:
+        file.write("time [s],base [g]\n" + rows + "\n")
+    return "shot.csv"
+
+
+def test_json_ranks_every_stack_and_writes_nothing(strikewave, bar):
+    code, out, err = strikewave("buffer", bar, "--limit", "5000 g", *FEW, "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert set(found) >= {
+        "schema",
+        "version",
+        "units",
+        "warnings",
+        "limit",
+        "rank",
+        "kept",
+        "sensor",
+        "blow",
+        "candidates",
+    }
+    assert found["limit"] == pytest.approx(5000 * STANDARD_GRAVITY)
+    # none, 2 of one gasket, 4 of two
+    assert [row["place"] for row in found["candidates"]] == [1, 2, 3, 4, 5, 6, 7]
+    first = found["candidates"][0]
+    assert first["keeps"]
+    assert abs(first["peak"]) <= found["limit"]
+    assert next(row for row in found["candidates"] if row["name"] == "direct")["within_10"] is None
+    assert "does not load it back" in found["back_effect"]
+    assert found["materials"]["rubber"]["status"] == "from memory"
+    numbers = {key for row in found["candidates"] for key, value in row.items() if isinstance(value, float)}
+    assert numbers <= set(found["units"])
+    assert os.listdir() == ["bar.toml"]
+    assert "done in" in err
+
+
+def test_the_written_case_reads_what_the_study_said(strikewave, bar):
+    code, out, err = strikewave("buffer", bar, "--limit", "5000 g", *FEW, "--out", "there")
+    assert code == 0
+    files = {"case.toml", "buffer.json", "buffers.csv", "peak-bandwidth.svg", "histories.svg", "transmissibility.svg"}
+    assert set(os.listdir("there")) == files
+    assert "back-effect" in err
+    with open("there/buffer.json") as file:
+        first = json.load(file)["candidates"][0]
+    with open("there/buffers.csv") as file:
+        rows = list(csv.DictReader(file))
+    assert float(rows[0]["peak [m/s^2]"]) == pytest.approx(first["peak"], rel=1e-8)
+    assert first["name"] in out
+    _, out, _ = strikewave("wave", "there/case.toml", "--json")
+    assert json.loads(out)["sensors"]["acc"]["peak"] == pytest.approx(first["peak"], rel=1e-9)
+
+
+def test_a_result_is_replaced_by_force_and_other_files_never(strikewave, bar):
+    words = ("buffer", bar, *FEW, "--out", "there")
+    assert strikewave(*words, "--limit", "5000 g")[0] == 0
+    code, _, err = strikewave(*words, "--limit", "5000 g", "--set", "load.peak=20 kN")
+    assert code == 2
+    assert "--force" in err
+    assert strikewave(*words, "--limit", "5000 g", "--set", "load.peak=20 kN", "--force")[0] == 0
+    with open("there/mine.txt", "w") as file:
+        file.write("mine")
+    assert strikewave(*words, "--limit", "5000 g", "--force")[0] == 2
+    assert os.path.isfile("there/mine.txt")
+
+
+@pytest.mark.parametrize("rank", ["bandwidth", "peak"])
+def test_without_layers_there_is_only_the_direct_mounting(strikewave, bar, rank):
+    code, out, err = strikewave("buffer", bar, "--limit", "50000 g", "--layers", "0", "--rank", rank, "--out", "there")
+    assert code == 0
+    assert "1 of 1 stacks keep" in out
+    assert "internal" not in err
+    with open("there/case.toml") as file:
+        assert "gasket" not in tomllib.loads(file.read())["sensor"][0]
+
+
+def test_no_stack_that_keeps_the_limit_ends_with_3_and_says_what_stands_against_it(strikewave, bar):
+    code, out, err = strikewave("buffer", bar, "--limit", "20 g", *FEW, "--json")
+    assert code == 3
+    assert not json.loads(out)["kept"]
+    assert "limit-not-kept" in err or "limit-not-kept" in out
+    assert "rigid-body pulse itself" in out
+
+
+def test_a_record_at_the_mounting_surface(strikewave, shot):
+    words = ("--mass", "5 gram", "--diameter", "15 mm", "--record", shot)
+    code, out, _ = strikewave("buffer", *words, "--limit", "5000 g", *FEW, "--json")
+    found = json.loads(out)
+    assert code == 0
+    # the sine is zero at its ends but its largest sample is the top
+    assert found["blow"]["surface_peak"] == pytest.approx(1e4 * STANDARD_GRAVITY, rel=1e-6)
+    change = 2.0 / math.pi * 60e-6 * 1e4 * STANDARD_GRAVITY
+    assert found["blow"]["surface_velocity_change"] == pytest.approx(change, rel=1e-3)
+    assert found["blow"]["rigid_peak"] is None
+    assert {"record-bandwidth"} <= {w["code"] for w in found["warnings"]}
+
+
+def test_the_sensor_that_a_record_leaves_fits_into_a_case(strikewave, shot):
+    words = ("--mass", "5 gram", "--diameter", "15 mm", "--model", "Endevco 7270A-20K", "--record", shot)
+    assert strikewave("buffer", *words, "--limit", "5000 g", *FEW, "--out", "there")[0] == 0
+    assert {"record.toml", "sensor.toml"} <= set(os.listdir("there"))
+    with open("there/sensor.toml") as file:
+        text = file.read()
+    with open("there/buffer.json") as file:
+        name = json.load(file)["candidates"][0]["name"]
+    assert " | ".join(f"{g['material']} {g['thickness']}" for g in tomllib.loads(text)["sensor"][0]["gasket"]) == name
+    case = parse_case(BAR + text)
+    assert case.sensor[0].model == "Endevco 7270A-20K"
+
+
+def test_a_record_with_the_sensor_of_a_case(strikewave, bar, shot):
+    code, out, _ = strikewave("buffer", bar, "--record", shot, "--limit", "5000 g", *FEW, "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert found["sensor"]["name"] == "acc"
+    assert found["sensor"]["resonance"] == 1e5
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--limit", "5000"], ["--limit", 'write "5000 m/s^2"']),
+        ([], ["--limit", "missing"]),
+        (["--limit", "0 g"], ["--limit", "above zero"]),
+        (["--limit", "-3 g"], ["--limit", "above zero"]),
+        (["--limit", "5 kg"], ["--limit", "an acceleration"]),
+        (["--limit", "5000 g", "--material", "PTFF"], ["--material", 'did you mean "PTFE"?']),
+        (["--limit", "5000 g", "--thickness", "0 mm"], ["--thickness", "above 0 m"]),
+        (["--limit", "5000 g", "--thickness", "1"], ["--thickness", "a bare number has no unit"]),
+        (["--limit", "5000 g", "--thickness", "nan mm"], ["--thickness"]),
+        (["--limit", "5000 g", "--thickness", "5 m"], ["--thickness", "at most 0.1 m"]),
+        (["--limit", "5000 g", "--sensor", "ac"], ["--sensor", 'did you mean "acc"?']),
+        (["--limit", "5000 g", "--layers", "-1"], ["--layers", "from 0 to 10"]),
+        (["--limit", "5000 g", "--layers", "9"], ["--layers", "at most 20000"]),
+        (["--limit", "5000 g", "--rank", "price"], ["--rank", "bandwidth, peak"]),
+        (["--limit", "5000 g", "--model", "Endevco"], ["accelerometer"]),
+        (["--limit", "5000 g", "--mass", "0 gram"], ["--mass", "above 0 kg"]),
+        (["--limit", "5000 g", "--diameter", "wide"], ["--diameter", "a length"]),
+        (["--limit", "5000 g", "--record", "none.csv"], ["none.csv"]),
+    ],
+)
+def test_bad_words_are_told_what_is_allowed(strikewave, bar, words, told):
+    code, out, err = strikewave("buffer", bar, *words, "--json")
+    assert code == 2
+    assert out == ""
+    for part in told:
+        assert part in err
+    assert "internal" not in err
+
+
+def test_a_case_without_sensor_or_tap(strikewave):
+    with open("bare.toml", "w") as file:
+        file.write(BAR)
+    code, _, err = strikewave("buffer", "bare.toml", "--limit", "5000 g")
+    assert code == 2
+    assert "[[sensor]]" in err
+    with open("lost.toml", "w") as file:
+        file.write(BAR + SENSOR.replace('tap = "end"', 'tap = "ende"'))
+    code, _, err = strikewave("buffer", "lost.toml", "--limit", "5000 g")
+    assert code == 2
+    assert 'did you mean "end"?' in err
+
+
+def test_a_sensor_without_mass_or_footprint_is_told_how_to_give_them(strikewave):
+    bare = SENSOR[: SENSOR.index("mass")]
+    with open("bare.toml", "w") as file:
+        file.write(BAR + bare)
+    for given, missing in (([], '--mass "5 gram"'), (["--mass", "5 gram"], '--diameter "15 mm"')):
+        code, _, err = strikewave("buffer", "bare.toml", "--limit", "5000 g", *given)
+        assert code == 2
+        assert missing in err
+    words = ("--mass", "5 gram", "--diameter", "15 mm", *FEW, "--json")
+    assert strikewave("buffer", "bare.toml", "--limit", "50000 g", *words)[0] == 0
+
+
+def test_neither_case_nor_record(strikewave):
+    code, _, err = strikewave("buffer", "--limit", "5000 g")
+    assert code == 2
+    assert "--record" in err
+
+
+def test_a_record_in_volts_needs_its_sensitivity(strikewave, shot):
+    words = ("--record", shot, "--unit", "mV", "--mass", "5 gram", "--diameter", "15 mm", *FEW)
+    code, _, err = strikewave("buffer", *words, "--limit", "5000 g", "--json")
+    assert code == 2
+    assert "--sensitivity" in err

@@ -1,0 +1,399 @@
+"""Buffer design: one mass on a spring, limits of soft and stiff stacks, order of the ranking, and the way back."""
+
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from strikewave import load_case
+from strikewave.bar import run_wave
+from strikewave.case import dump_case, parse_case
+from strikewave.errors import InputError
+from strikewave.materials import material
+from strikewave.quantities import Value
+from strikewave.readings import Channel
+from strikewave.sensors import Recorder, Sensor
+from strikewave.signal.srs import srs
+from strikewave.simulate import observe
+from strikewave.studies.buffer import (
+    Choice,
+    Goal,
+    assess,
+    design_buffer,
+    look_closer,
+    ranked,
+    stacks,
+)
+from strikewave.studies.buffer_seat import (
+    Blows,
+    Motion,
+    Seat,
+    Sheet,
+    blows_of,
+    case_with,
+    choose_sensor,
+    confined,
+    confinement,
+    reading_of,
+    seat_of,
+    usual_materials,
+)
+from strikewave.tables import SensorTable
+from strikewave.units import STANDARD_GRAVITY
+
+G = STANDARD_GRAVITY
+BAR = """
+schema = 1
+name = "bar"
+[[stack.layer]]
+name = "bar"
+material = "65Mn"
+length = "200 mm"
+diameter = "30 mm"
+[load]
+shape = "sine-squared"
+peak = "40 kN"
+duration = "100 us"
+[[tap]]
+name = "end"
+layer = "bar"
+position = 1.0
+[solver]
+duration = "600 us"
+[[sensor]]
+name = "acc"
+tap = "end"
+resonance = "100 kHz"
+range = "20000 g"
+mass = "5 gram"
+edge_stiffness = "200 MN/m"
+recorder = "oscilloscope"
+[[sensor.gasket]]
+material = "PTFE"
+thickness = "1 mm"
+diameter = "15 mm"
+"""
+
+
+def mm(size):
+    return Value(si=size * 1e-3, typed=f"{size} mm")
+
+
+def seat(mass=5e-3, diameter=15.0, sensor=None):
+    """An ideal sensor and recorder."""
+    shape = mm(diameter)
+    area = 0.25 * math.pi * shape.si**2
+    channel = Channel(sensor or Sensor(), None, Recorder())
+    table = SensorTable(name="sensor", mass=f"{mass} kg")
+    return Seat(channel, table, {"diameter": shape}, mass, area)
+
+
+def half_sine(peak=1e4 * G, duration=200e-6, step=1e-7, rest=1.5e-3):
+    t = np.arange(round((duration + rest) / step)) * step
+    return Motion("half-sine", np.where(t < duration, peak * np.sin(np.pi * t / duration), 0.0), step, rigid_peak=peak)
+
+
+RUBBERS = Choice(("PTFE", "rubber"), (mm(0.5), mm(1)), 2)
+
+
+@pytest.fixture(scope="module")
+def study():
+    return design_buffer(seat(), Blows((half_sine(duration=60e-6),)), RUBBERS, Goal(5e3 * G))
+
+
+# one mass on a spring
+
+
+@pytest.mark.parametrize("stiffer", [1.0, 0.5, 2.0])
+@pytest.mark.parametrize("cycles", [0.2, 0.8, 1.7])
+def test_steel_pin_under_a_heavy_mass_reads_the_undamped_shock_response_spectrum(cycles, stiffer):
+    """65Mn has no loss factor; of a pin of 12 mg under 0.5 kg a third moves along, 8e-6 of the mass."""
+    held, pin = seat(0.5, 1.0), (Sheet("65Mn", mm(2)),)
+    stiffness = material("65Mn").youngs_modulus * held.area / 2e-3
+    natural = math.sqrt(stiffness / 0.5) / (2.0 * math.pi)
+    motion = half_sine(duration=cycles / natural, step=2e-7, rest=2.0 / natural)
+    found = abs(reading_of(held, pin, motion, [stiffer]).values).max()
+    expected = srs(motion.acceleration, motion.step, [natural * math.sqrt(stiffer)], math.inf).maximax[0]
+    assert found == pytest.approx(expected, rel=3e-5)
+
+
+def test_a_short_blow_on_a_soft_buffer_reads_w_times_its_velocity_change():
+    """An impulse on an undamped mass: a = w dv sin(w t); a blow of 0.02 periods is one within (pi 0.02)^2 / 8."""
+    held, pin = seat(0.5, 1.0), (Sheet("65Mn", mm(2)),)
+    w = math.sqrt(material("65Mn").youngs_modulus * held.area / 2e-3 / 0.5)
+    motion = half_sine(duration=0.02 * 2.0 * math.pi / w, step=2e-8, rest=2.0 / w)
+    candidate = assess(held, pin, motion, Goal(1e9))
+    assert candidate.peak == pytest.approx(w * motion.velocity_change, rel=1e-3)
+    assert candidate.rigid_ratio == pytest.approx(candidate.peak / (1e4 * G))
+
+
+def test_a_slow_blow_passes_and_loads_each_gasket_with_what_lies_above_it():
+    """Far below resonance sensor and gaskets move as the surface: stress = (mass above its middle) a / A."""
+    held = seat()
+    motion = half_sine(duration=20e-3, step=2e-6, rest=1e-4)
+    sheets = (Sheet("PTFE", mm(1)), Sheet("PMMA", mm(2)))
+    goal = Goal(2e4 * G)
+    found = look_closer(held, assess(held, sheets, motion, goal), motion, goal)
+    masses = [material(s.material).density * held.area * s.thickness.si for s in sheets]
+    above = [held.mass + masses[1] + 0.5 * masses[0], held.mass + 0.5 * masses[1]]
+    moduli = [material(s.material).youngs_modulus for s in sheets]
+    # the mounting rings at 10 kHz; (f T)^-2 of it, and the start of the pulse, leave some 1e-3
+    assert found.peak == pytest.approx(1e4 * G, rel=3e-3)
+    assert found.velocity_error == pytest.approx(0.0, abs=3e-3)
+    stress = [m * 1e4 * G / held.area for m in above]
+    assert found.leading.stress == pytest.approx(stress, rel=3e-3)
+    assert found.leading.strain == pytest.approx([s / E for s, E in zip(stress, moduli, strict=True)], rel=3e-3)
+    sags = [m * G * s.thickness.si / (E * held.area) for m, s, E in zip(above, sheets, moduli, strict=True)]
+    assert found.sag == pytest.approx(sum(sags), rel=1e-12)
+
+
+def test_the_direct_mounting_reads_the_surface(study):
+    assert study.direct.peak == study.motion.peak
+    assert study.direct.velocity_error == pytest.approx(0.0, abs=1e-12)
+    assert study.direct.band.within_10 == math.inf
+
+
+# facts that must hold
+
+
+@pytest.mark.parametrize("name", ["PTFE", "rubber"])
+def test_thicker_gaskets_and_heavier_sensors_pass_less(name):
+    motion, goal = half_sine(rest=0.1e-3, step=1e-6), Goal(1e4 * G)
+    by_size = [assess(seat(), (Sheet(name, mm(h)),), motion, goal).band.within_10 for h in (0.5, 1, 2, 3)]
+    by_mass = [assess(seat(m), (Sheet(name, mm(1)),), motion, goal).band.within_10 for m in (1e-3, 2e-3, 5e-3, 2e-2)]
+    assert by_size == sorted(by_size, reverse=True)
+    assert by_mass == sorted(by_mass, reverse=True)
+
+
+def test_a_higher_limit_keeps_all_that_a_lower_one_keeps():
+    blows = Blows((half_sine(duration=60e-6),))
+    kept = [
+        {c.name for c in design_buffer(seat(), blows, RUBBERS, Goal(limit * G)).candidates if c.keeps}
+        for limit in (3e3, 4e3, 6e3, 3e4)
+    ]
+    assert kept[0] < kept[2]
+    assert all(low <= high for low, high in itertools.pairwise(kept))
+    assert "direct" in kept[3]
+    assert "direct" not in kept[2]
+
+
+def test_a_reading_beyond_the_range_keeps_no_limit():
+    clipping = seat(sensor=Sensor(range=5e3 * G))
+    found = assess(clipping, (), half_sine(), Goal(9e3 * G))
+    assert abs(found.peak) <= 5e3 * G * (1 + 1e-12)
+    assert found.clipped
+    assert not found.keeps
+    assert found.element_peak == pytest.approx(1e4 * G)
+
+
+# stacks
+
+
+def test_every_sequence_is_there_once_and_neighbours_of_one_material_count_as_one_gasket():
+    def merged(sheets):
+        out = []
+        for sheet in sheets:
+            if out and out[-1][0] == sheet.material:
+                out[-1][1] = round(out[-1][1] + sheet.thickness.si, 9)
+            else:
+                out.append([sheet.material, round(sheet.thickness.si, 9)])
+        return tuple(map(tuple, out))
+
+    kinds = [Sheet(name, mm(h)) for name in ("PTFE", "rubber") for h in (0.5, 1)]
+    every = {merged(s) for k in range(4) for s in _sequences(kinds, k)}
+    found = [merged(s) for s in stacks(dataclasses.replace(RUBBERS, layers=3))]
+    assert len(found) == len(set(found))
+    assert set(found) == every
+
+
+def _sequences(kinds, length):
+    return [()] if length == 0 else [(*rest, kind) for rest in _sequences(kinds, length - 1) for kind in kinds]
+
+
+def test_a_stack_that_is_left_out_reads_what_the_kept_one_reads():
+    thin_first, thick_first = (
+        (Sheet("PTFE", mm(0.5)), Sheet("PTFE", mm(1))),
+        (Sheet("PTFE", mm(1)), Sheet("PTFE", mm(0.5))),
+    )
+    one, other = (reading_of(seat(), sheets, half_sine()).values for sheets in (thin_first, thick_first))
+    # elements of another size: equal as far as they resolve the kink at the start of the half-sine
+    assert np.max(np.abs(one - other)) < 1e-6 * np.max(np.abs(one))
+
+
+def test_too_many_stacks_are_refused_before_one_is_tried():
+    sizes = tuple(mm(0.1 * k) for k in range(1, 11))
+    with pytest.raises(InputError, match=r"65641 stacks.*at most 20000"):
+        stacks(Choice(usual_materials(), sizes, 3))
+    with pytest.raises(InputError, match="whole number from 0 to 10"):
+        stacks(Choice(("PTFE",), sizes, -1))
+
+
+def test_unknown_material_is_told_the_nearest():
+    with pytest.raises(InputError, match='did you mean "PTFE"'):
+        stacks(Choice(("PTFF",), (mm(1),), 1))
+
+
+# ranking
+
+
+def test_ranking_by_bandwidth_is_what_it_says(study):
+    kept = [c for c in study.candidates if c.keeps]
+    rest = [c for c in study.candidates if not c.keeps]
+    assert kept
+    assert rest
+    assert list(study.candidates) == kept + rest
+    keys = [(-float(f"{c.band.within_10:.1e}"), len(c.sheets), abs(c.peak)) for c in kept]
+    assert keys == sorted(keys)
+    assert [abs(c.peak) for c in rest] == sorted(abs(c.peak) for c in rest)
+    assert all(abs(c.peak) <= study.goal.limit for c in kept)
+
+
+def test_ranking_by_peak_is_what_it_says(study):
+    kept = [c for c in ranked(study.candidates, Goal(study.goal.limit, "peak")) if c.keeps]
+    assert [abs(c.peak) for c in kept] == sorted(abs(c.peak) for c in kept)
+
+
+def test_the_front_is_what_no_other_beats_in_both(study):
+    for one in study.candidates:
+        beaten = any(
+            abs(other.peak) <= abs(one.peak)
+            and other.band.within_10 >= one.band.within_10
+            and (abs(other.peak) < abs(one.peak) or other.band.within_10 > one.band.within_10)
+            for other in study.candidates
+        )
+        assert one.pareto == (not beaten)
+
+
+def test_robust_means_that_every_variant_keeps_the_limit(study):
+    looked = [c for c in study.candidates if c.leading is not None]
+    assert len(looked) >= 5
+    for c in looked:
+        variants = [abs(c.peak), c.leading.softer, c.leading.stiffer, c.leading.confined or 0.0]
+        assert c.leading.robust == (c.keeps and c.whole and max(variants) <= study.goal.limit)
+    assert study.robust is None
+    assert "not-robust" in {n.code for n in study.warnings}
+    tall = design_buffer(seat(), Blows((half_sine(duration=60e-6),)), Choice(("rubber",), (mm(3),), 2), study.goal)
+    assert tall.robust.leading.robust
+    assert max(tall.robust.leading.stiffer, tall.robust.leading.confined) <= study.goal.limit
+
+
+def test_where_none_keeps_the_limit_the_lowest_peak_is_first_and_named():
+    study = design_buffer(seat(), Blows((half_sine(),)), RUBBERS, Goal(100 * G))
+    assert study.broken
+    assert study.best is None
+    assert abs(study.candidates[0].peak) == min(abs(c.peak) for c in study.candidates)
+    (notice,) = [n for n in study.warnings if n.code == "limit-not-kept"]
+    assert notice.broken
+    assert "rigid-body pulse itself has 10000 g" in notice.message
+
+
+def test_a_heavy_sensor_makes_its_gasket_yield():
+    """0.5 kg at some 7 000 g on 177 mm^2 press with 200 MPa; PTFE yields at 14.5."""
+    blows = Blows((half_sine(duration=50e-6),))
+    buffered = design_buffer(seat(0.5), blows, Choice(("PTFE",), (mm(0.5),), 1), Goal(9.9e3 * G))
+    assert buffered.best.name == "PTFE 0.5 mm"
+    (notice,) = [n for n in buffered.warnings if n.code == "gasket-yield"]
+    assert notice.limit == material("PTFE").yield_strength
+    assert notice.value > notice.limit
+
+
+def test_a_history_that_ends_before_the_buffer_has_swung_is_named_and_never_robust():
+    """Rubber of 2 mm under 5 g swings at 1.49 kHz: half a period is 0.34 ms, from 30 us before the pulse's end."""
+    for rest, whole in ((0.2e-3, False), (0.4e-3, True)):
+        blows = Blows((half_sine(duration=60e-6, rest=rest),))
+        study = design_buffer(seat(), blows, Choice(("rubber",), (mm(2),), 1), Goal(9.9e3 * G))
+        assert study.best.sheets
+        assert study.best.whole == whole
+        assert ("short-history" in {n.code for n in study.warnings}) != whole
+        assert study.best.leading.robust == whole
+
+
+def test_steps_of_the_recorder_that_are_coarse_for_the_limit_are_named():
+    """8 bits over 60 000 g have steps of 472 g."""
+    held = dataclasses.replace(seat(), channel=Channel(Sensor(range=6e4 * G), None, Recorder(bits=8)))
+    study = design_buffer(held, Blows((half_sine(duration=60e-6),)), RUBBERS, Goal(5e3 * G))
+    (notice,) = [n for n in study.warnings if n.code == "coarse-steps"]
+    assert notice.value == pytest.approx(6e4 * G / 127)
+
+
+def test_stacks_too_thick_to_try_are_counted():
+    study = design_buffer(seat(), Blows((half_sine(),)), Choice(("rubber",), (mm(1), mm(50)), 1), Goal(5e3 * G))
+    (notice,) = [n for n in study.warnings if n.code == "stack-left-out"]
+    assert notice.value == 1.0
+    assert {c.name for c in study.candidates} == {"direct", "rubber 1 mm"}
+
+
+# confinement
+
+
+def test_confined_disc_is_free_when_tall_and_as_stiff_as_its_bulk_when_thin():
+    rubber = material("rubber")
+    bulk = 1.0 / (3.0 * (1.0 - 2.0 * rubber.poissons_ratio))
+    area = math.pi * 0.01**2
+    assert confinement(rubber, area, 10.0) == 1.0
+    assert confinement(rubber, area, 1e-7) == pytest.approx(bulk, rel=1e-4)
+    # S = R / (2 h) = 1: three times as stiff, less 3 E/K
+    assert confinement(rubber, area, 5e-3) == pytest.approx(3.0, rel=1e-2)
+
+
+def test_neighbours_of_rubber_are_confined_as_one_disc():
+    area = seat().area
+    two = confined((Sheet("rubber", mm(1)), Sheet("rubber", mm(1)), Sheet("PTFE", mm(1))), area)
+    assert two == [confinement(material("rubber"), area, 2e-3)] * 2 + [1.0]
+
+
+# the way back: a case with the first stack reads the same
+
+
+def _designed(case, blow="worst", goal=5e3 * G):
+    table = choose_sensor(case, "buffered" if len(case.sensor) > 1 else None)
+    held = seat_of(table, case)
+    study = design_buffer(held, blows_of(case, table, blow), Choice(("PTFE", "rubber"), (mm(1), mm(2)), 1), Goal(goal))
+    return study, parse_case(dump_case(case_with(case, held, study.candidates[0].sheets)))
+
+
+@pytest.mark.parametrize("recorder", ["ideal", "storage"])
+def test_machine_case_with_the_first_stack_reads_the_same(recorder):
+    case = load_case("li-ma-2019-fig5", [f"sensor.buffered.recorder={recorder}", "feed.blows=2"])
+    study, back = _designed(case)
+    assert study.candidates[0].sheets
+    assert [sheet.typed for sheet in (g.thickness for g in back.sensor[-1].gasket)]
+    seen = observe(back)
+    index = int(study.motion.name.removeprefix("blow ")) - 1
+    place = [sensor.name for sensor in back.sensor].index("buffered")
+    reading = seen.histories[index].readings[place]
+    # the step of the motion comes from its times, which round at 1e-16 of 1 ms
+    assert reading.values == pytest.approx(
+        study.reading(study.candidates[0]).values, abs=1e-8 * abs(reading.values).max()
+    )
+    assert seen.readings[index].sensors["buffered"].peak == pytest.approx(study.candidates[0].peak, rel=1e-8)
+
+
+def test_bar_case_with_the_first_stack_reads_the_same():
+    study, back = _designed(parse_case(BAR))
+    pulse = run_wave(back).sensors["acc"]
+    assert study.candidates[0].sheets
+    assert pulse.peak == pytest.approx(study.candidates[0].peak, rel=1e-9)
+    assert pulse.width == pytest.approx(study.candidates[0].width, rel=1e-9)
+
+
+def test_the_worst_blow_is_that_with_the_largest_surface_motion():
+    case = load_case("li-ma-2019-fig5", ["feed.blows=3"])
+    table = choose_sensor(case, "buffered")
+    blows = blows_of(case, table)
+    assert len(blows.motions) == 3
+    assert abs(blows.motion.peak) == max(abs(m.peak) for m in blows.motions)
+    assert blows_of(case, table, "2").motion.name == "blow 2"
+    with pytest.raises(InputError, match="worst, first, or a number of 1, 2, 3"):
+        blows_of(case, table, "7")
+
+
+def test_the_document_holds_every_candidate_and_is_json(study):
+    import json
+
+    document = json.loads(json.dumps(study.document(), allow_nan=False))
+    assert [row["place"] for row in document["candidates"]] == list(range(1, len(study.candidates) + 1))
+    assert document["candidates"][0]["name"] == study.candidates[0].name
+    assert len(study.table().splitlines()) == len(study.candidates) + 1
