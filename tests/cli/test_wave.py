@@ -103,13 +103,58 @@ def test_a_route_of_the_paper_is_named_in_every_output(strikewave, bar, route):
 def test_wave_writes_a_whole_result(strikewave, bar):
     code, _, err = strikewave("wave", bar, "--out", "w")
     assert code == 0
-    assert sorted(os.listdir("w")) == ["case.toml", "report.html", "summary.svg", "taps.csv", "waves.nc"]
+    assert sorted(os.listdir("w")) == ["case.toml", "field.svg", "report.html", "summary.svg", "taps.csv", "waves.nc"]
     head = open("w/taps.csv").readline()
     assert head.startswith(
         "time [s],mid force [N],mid stress [Pa],mid velocity [m/s],mid acceleration [m/s^2],end force"
     )
     assert "error bound" in err
     assert strikewave("wave", "w/case.toml", "--json")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("field", "label"),
+    [
+        ("stress", "stress (MPa), compression above 0"),
+        ("force", "force (kN), compression above 0"),
+        ("velocity", "velocity (m/s), along the blow above 0"),
+    ],
+)
+def test_the_pictures_along_the_stack_show_what_is_asked_for(strikewave, bar, field, label):
+    assert strikewave("wave", bar, "--out", "w", "--field", field)[0] == 0
+    assert f"<!-- {label} -->" in open("w/field.svg", encoding="utf-8").read()
+    assert label in open("w/report.html", encoding="utf-8").read()
+
+
+def test_an_unknown_field_names_the_nearest_and_nothing_runs(strikewave, bar, tmp_path):
+    code, out, err = strikewave("wave", bar, "--field", "strss")
+    assert (code, out) == (2, "")
+    assert err == '--field: got "strss"; allowed: one of stress, force, velocity; did you mean "stress"?\n'
+    assert os.listdir(tmp_path) == ["bar.toml"]
+
+
+def test_an_animation_comes_as_a_page_and_a_gif_and_may_be_replaced(strikewave, bar, monkeypatch):
+    from PIL import Image
+
+    from strikewave.figures import animation
+
+    monkeypatch.setattr(animation, "GIF_FRAMES", 4)
+    for more in ((), ("--force", "--set", "load.peak=10 kN")):
+        code, _, err = strikewave("wave", bar, "--animate", "--out", "w", *more)
+        assert code == 0
+        assert "animation.html, animation.gif" in err
+        assert {"animation.html", "animation.gif", "field.svg"} < set(os.listdir("w"))
+        with Image.open("w/animation.gif") as film:
+            assert film.n_frames == 4
+    assert "mid" in open("w/animation.html", encoding="utf-8").read()
+
+
+def test_an_animation_needs_a_place(strikewave, bar, tmp_path):
+    code, out, err = strikewave("wave", bar, "--animate", "--json")
+    assert (code, out) == (2, "")
+    assert "--animate" in err
+    assert "add --out DIR" in err
+    assert os.listdir(tmp_path) == ["bar.toml"]
 
 
 @pytest.mark.parametrize(
@@ -126,7 +171,7 @@ def test_wave_writes_a_whole_result(strikewave, bar):
         (["stack.layer.upper.area=5 mm^2"], "diameter or area, not both"),
         (["stack.end.kind=mass"], "stack.end.mass"),
         (["stack.end.kind=loose"], "stack.end.kind"),
-        (["stack.end.mass=1 kg"], 'only with kind = "mass"'),
+        (["stack.end.mass=1 kg"], "for the kind free: no other field"),
         (["tap.mid.layer=specimn"], 'did you mean "specimen"?'),
         (["tap.mid.position=1.5"], "tap.0.position"),
         (["solver.step=1 s"], "solver.step"),

@@ -29,7 +29,7 @@ def test_every_peak_of_taps_and_sensors_stands_in_the_report(struck):
             assert f"{value / STANDARD_GRAVITY:.0f}" in page
         for pulse in reading.sensors.values():
             assert f"{pulse.peak / STANDARD_GRAVITY:.0f}" in page
-    for words in ("Force along the stack", "Insertion loss", "direct", "buffered", "route: exact"):
+    for words in ("Stress along the stack", "Insertion loss", "direct", "buffered", "route: exact"):
         assert words in page
     assert page.count("data:image/png") == 2  # the x-t field and its scale are the only rasters
 

@@ -13,7 +13,22 @@ from typing import Any
 import typer
 
 from strikewave._version import __version__
-from strikewave.cli import cases, diff, identify, impact, laws, materials, new, record, run, srs, validate, wave
+from strikewave.cli import (
+    buffer,
+    cases,
+    diff,
+    hopkinson,
+    identify,
+    impact,
+    laws,
+    materials,
+    new,
+    record,
+    run,
+    srs,
+    validate,
+    wave,
+)
 from strikewave.cli.common import say
 from strikewave.errors import StrikewaveError, StrikewaveWarning
 
@@ -32,6 +47,8 @@ for name, command in (
     ("record", record.command),
     ("srs", srs.command),
     ("identify", identify.command),
+    ("hopkinson", hopkinson.command),
+    ("buffer", buffer.command),
     ("new", new.command),
     ("validate", validate.command),
     ("diff", diff.command),

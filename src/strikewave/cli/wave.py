@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from strikewave.cli.carry_out import Work, carry_out
 from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_losses, say, table
@@ -13,13 +16,32 @@ if TYPE_CHECKING:
     from strikewave.case import Case
 
 
-def command(case: CaseName, changes: Changes = None, out: Out = None, force: Force = False, json: Json = False) -> int:
+def command(
+    case: CaseName,
+    changes: Changes = None,
+    field: Annotated[
+        str, typer.Option("--field", help="What the pictures along the stack show: stress, force or velocity.")
+    ] = "stress",
+    animate: Annotated[bool, typer.Option("--animate", help="Write animation.html and animation.gif too.")] = False,
+    out: Out = None,
+    force: Force = False,
+    json: Json = False,
+) -> int:
     """Run a stack of layers under a load: force, stress, velocity and acceleration at its taps.
 
     With --json, files are written only where --out says.
     """
-    files = "report.html, summary.svg, waves.nc, taps.csv, case.toml"
-    return carry_out(Work(_solve, write_result, _print, files, indent=None), case, changes, out, force, json)
+    from strikewave.errors import InputError, nearest
+    from strikewave.figures.field import QUANTITIES
+
+    if field not in QUANTITIES:
+        raise InputError("--field", field, "one of " + ", ".join(QUANTITIES), nearest(field, QUANTITIES))
+    if animate and json and out is None:
+        raise InputError("--animate", "--json without --out", "a folder for the animation", "add --out DIR")
+    files = "report.html, summary.svg, field.svg, waves.nc, taps.csv, case.toml"
+    files += ", animation.html, animation.gif" if animate else ""
+    write = functools.partial(write_result, quantity=field, animate=animate)
+    return carry_out(Work(_solve, write, _print, files, indent=None), case, changes, out, force, json)
 
 
 def _solve(case: Case) -> BarSolution:
@@ -31,21 +53,51 @@ def _solve(case: Case) -> BarSolution:
     return run_wave(case)
 
 
-def write_result(solution: BarSolution, place: Path, text: str) -> None:
-    """Write the files of a result into a folder."""
+def write_result(
+    solution: BarSolution, place: Path, text: str, quantity: str = "stress", animate: bool = False
+) -> None:
+    """Write the files of a result into a folder; ``quantity`` is what the pictures along the stack show."""
     from strikewave.figures import save
     from strikewave.figures.bar import bar_summary
+    from strikewave.figures.field import bar_field, xt_diagram
     from strikewave.report import bar_report
 
     solution.save(place / "waves.nc")
     (place / "taps.csv").write_text(solution.table(), "utf-8")
     (place / "case.toml").write_text(text, "utf-8")
     save(bar_summary(solution), place / "summary.svg")
-    (place / "report.html").write_text(bar_report(solution), "utf-8", newline="\n")
+    save(xt_diagram(bar_field(solution), quantity), place / "field.svg")
+    (place / "report.html").write_text(bar_report(solution, quantity), "utf-8", newline="\n")
+    if animate:
+        _animate(solution, place)
+
+
+def _animate(solution: BarSolution, place: Path) -> None:
+    """Write the animation as a page and as a GIF, which takes a few seconds."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from strikewave.figures.animation import animation_page, write_gif
+    from strikewave.figures.field import bar_field
+
+    field = bar_field(solution)
+    page = animation_page(field, solution.title, solution.case.name)
+    (place / "animation.html").write_text(page, "utf-8", newline="\n")
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("animation.gif", total=1.0)
+        write_gif(field, solution.title, place / "animation.gif", lambda share: progress.update(task, completed=share))
 
 
 def _print(solution: BarSolution) -> None:
-    from strikewave.report.wave_chapters import error_words, tap_rows
+    from strikewave.report.wave_chapters import (
+        JOINT_HEADS,
+        LOSS_HEADS,
+        MOST_LAYERS,
+        error_words,
+        joint_rows,
+        loss_rows,
+        tap_rows,
+    )
 
     stack = solution.run.stack
     say(f"{solution.case.name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {stack.transit * 1e6:.4g} us")
@@ -59,9 +111,16 @@ def _print(solution: BarSolution) -> None:
             number(layer.length_used, "m", "mm", 7),
             str(layer.steps),
         ]
-        for layer in solution.waves.layers
+        for layer in solution.waves.layers[:MOST_LAYERS]
     ]
-    table("Layers as the time step makes them", ["layer", "asked (mm)", "used (mm)", "steps"], used)
+    if solution.method != "spectral":
+        more = len(stack.layers) - MOST_LAYERS
+        title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
+        table(title, ["layer", "asked (mm)", "used (mm)", "steps"], used)
+    if solution.losses:
+        table("Loss of the stack, and how well it is held", LOSS_HEADS, loss_rows(solution))
+    if solution.joints():
+        table("Joints that can open", JOINT_HEADS, joint_rows(solution), left=2)
     if solution.channels:
         read = [
             [

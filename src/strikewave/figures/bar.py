@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from strikewave.bar import BarSolution
 from strikewave.figures.pulses import thin
-from strikewave.figures.style import GREY, quiet
+from strikewave.figures.style import GREY, quiet, sheet_title
 from strikewave.figures.waves import COLOURS, DASHES, above_right
 from strikewave.units import STANDARD_GRAVITY
 
@@ -29,7 +28,7 @@ def bar_summary(solution: BarSolution) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 6.4), layout="constrained")
-    figure.suptitle(textwrap.fill(solution.title, 95), x=0.01, ha="left", fontsize=12, fontweight="bold")
+    sheet_title(figure, solution.title)
     grid = figure.subplots(2, 2)
     run, since = solution.run, "time after the start of the load (µs)"
     time, force = thin(run.time, run.face_force)

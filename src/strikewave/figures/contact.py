@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,7 +25,7 @@ from strikewave.contact import (
 from strikewave.contact.law import indentation_under
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.contact.stiffness import ElasticBody
-from strikewave.figures.style import BLUE, GREEN, ORANGE, RED, quiet
+from strikewave.figures.style import BLUE, GREEN, ORANGE, RED, quiet, sheet_title
 from strikewave.figures.waves import COLOURS, DASHES
 
 if TYPE_CHECKING:
@@ -117,7 +116,7 @@ def impact_sheet(impacts: Sequence[Impact], labels: Sequence[str], title: str) -
     from matplotlib.figure import Figure
 
     figure: Any = Figure(figsize=(9.0, 6.6), layout="constrained")
-    figure.suptitle(textwrap.fill(title, 95), x=0.01, ha="left", fontsize=12, fontweight="bold")
+    sheet_title(figure, title)
     top, bottom = figure.subfigures(2, 1)
     first, (second, third) = top.subplots(), bottom.subplots(1, 2)
     blows = _blows(impacts, labels)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import Any
 
@@ -26,3 +27,9 @@ def save(figure: Any, path: Path) -> None:
 
     with matplotlib.rc_context({"svg.hashsalt": "strikewave"}):
         figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+
+
+def sheet_title(figure: Any, title: str) -> None:
+    """Put a title over a sheet of several axes; what a user typed is no formula."""
+    wrapped = textwrap.fill(title, 95)
+    figure.suptitle(wrapped, x=0.01, ha="left", fontsize=12, fontweight="bold", parse_math=False)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.figures.style import BLUE, GREY, ORANGE, RED, quiet
+from strikewave.figures.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
 from strikewave.solution import Solution
 from strikewave.units import STANDARD_GRAVITY
 
@@ -33,7 +32,7 @@ def summary(solution: Solution) -> Figure:
 
     figure = Figure(figsize=(9.0, 6.4), layout="constrained")
     grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 1.0))
-    figure.suptitle(textwrap.fill(solution.title, 95), x=0.01, ha="left", fontsize=12, fontweight="bold")
+    sheet_title(figure, solution.title)
     force, acceleration, train = (figure.add_subplot(cell) for cell in (grid[0, 0], grid[0, 1], grid[1, :]))
     struck = [i for i, blow in enumerate(solution.blows) if blow.kind != "missed"]
     if struck:

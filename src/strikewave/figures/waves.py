@@ -1,4 +1,4 @@
-"""Pictures of waves: what taps and sensors show, the x-t diagram, and the paper's routes beside the exact solution."""
+"""Pictures of waves over time: what taps and sensors show, the staircase of a layer, the loss of buffers."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.figures.field import WaveField, shortened
 from strikewave.figures.pulses import HALF, WHOLE, thin
 from strikewave.figures.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
 from strikewave.units import STANDARD_GRAVITY
+from strikewave.waves.li_ma import Sandwich
+from strikewave.waves.staircase import endless_force, first_echoes, staircase
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -94,56 +97,70 @@ def above_right(axes: Any, handles: Sequence[Any] | None = None, labels: Sequenc
     )
 
 
-def xt_diagram(title: str, time: Array, position: Array, force: Array, edges: Sequence[tuple[str, float]]) -> Figure:
-    """Draw the force along a stack over time: blue is compression, red is tension.
+def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) -> Figure:
+    """Draw how force grows at both interfaces of a layer, beside what bonded, endless neighbours would do.
+
+    Forces are over the largest load; time counts from when the front reaches interface I, in transits of the
+    layer. Dotted are the steps of `staircase` for a jump; dashed the same steps for the load as it was. Behind the
+    first echo from beyond the neighbours the dashed curve ends.
 
     Parameters
     ----------
-    time, position, force : array
-        s, m, N with shape (times, places).
-    edges : sequence of (str, float)
-        Name and far end of each layer, m.
+    field : WaveField
+        What happened.
+    layer : int
+        Index of the layer, between two others.
+    time, load : array
+        s and N: force on the first face.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_wave
+    >>> from strikewave.figures.field import bar_field
+    >>> solution = run_wave(load_case("li-ma-2019-fig13-bar"))
+    >>> figure = staircase_diagram(bar_field(solution), 1, solution.run.time, solution.run.face_force)
+    >>> [axes.get_title(loc="left") for axes in figure.axes]
+    ['Interface I: upper | sensor', 'Interface II: sensor | lower']
     """
     from matplotlib.figure import Figure
 
+    layers, transit = field.stack.layers, field.stack.layers[layer].transit
+    peak = float(np.abs(load).max(initial=0.0)) or 1.0
+    arrival = sum(part.transit for part in layers[:layer])
+    highest = float(time[np.argmax(np.abs(load) >= 0.999 * peak)])
+    shown = field.time <= arrival + max(9.0 * transit, 1.3 * highest)
+    since = (field.time[shown] - arrival) / transit
+    given = time <= field.time[shown][-1]
+    closed = endless_force(field.stack, layer, field.time[shown], time[given], load[given])
+    steps = staircase(Sandwich(*layers[layer - 1 : layer + 2]), 4)
+    here = np.flatnonzero(field.layer == layer)
     figure = Figure(figsize=WHOLE, layout="constrained")
-    axes = figure.add_subplot()
-    most = float(np.abs(force).max()) / 1e3 or 1.0
-    mesh = axes.pcolormesh(
-        _edges(time) * 1e6,
-        _edges(position) * 1e3,
-        force.T / 1e3,
-        cmap="RdBu",
-        vmin=-most,
-        vmax=most,
-        rasterized=True,
-    )
-    begin = 0.0
-    for name, end in edges:
-        axes.axhline(end * 1e3, color="#333333", linewidth=0.6)
-        if end - begin > 0.04 * edges[-1][1]:
-            axes.text(
-                1.0,
-                0.5 * (begin + end) * 1e3,
-                f" {name}",
-                transform=axes.get_yaxis_transform(),
-                fontsize=8,
-                va="center",
-                ha="left",
-            )
-        begin = end
-    longest = max(len(name) for name, _ in edges)
-    figure.colorbar(mesh, ax=axes, label="force (kN), compression above 0", pad=0.015 + 0.008 * longest)
-    axes.set_title(title, loc="left", fontsize=10)
-    axes.set_xlabel("time (µs)")
-    axes.set_ylabel("distance from the loaded face (mm)")
-    axes.invert_yaxis()
+    for k, axes in enumerate(figure.subplots(1, 2, sharey=True)):
+        _step_levels(axes, steps[k])
+        heard = first_echoes(field.stack, layer)[k] / transit
+        axes.plot(since, field.force[shown, here[-k]] / peak, color=BLUE, linewidth=1.6, label="this stack")
+        before = since <= heard
+        axes.plot(since[before], closed[k][before] / peak, "--", color=RED, linewidth=1.4, label="endless, bonded")
+        if heard < since[-1]:
+            axes.axvline(heard, color=GREY, linewidth=0.8)
+        a, b = (shortened(part.name) for part in layers[layer - 1 + k : layer + 1 + k])
+        quiet(axes, "", f"time since the front reached I, over t₀ = {transit * 1e6:.4g} µs", "")
+        axes.set_title(f"Interface {'I' * (k + 1)}: {a} | {b}", loc="left", fontsize=10, parse_math=False)
+        axes.set_xlim(-1.0, float(since[-1]))
+    figure.axes[0].set_ylabel("force over the largest load")
+    handles, labels = figure.axes[1].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False, fontsize=8)
     return figure
 
 
-def _edges(centres: Array) -> Array:
-    """Return the edges of cells about their centres; both sides of a joint have the same place and share an edge."""
-    return np.concatenate([centres[:1], 0.5 * (centres[1:] + centres[:-1]), centres[-1:]])
+def _step_levels(axes: Any, levels: Array) -> None:
+    """Draw the steps of a staircase as dotted levels, and write those that stand apart."""
+    written: list[float] = []
+    for level in levels:
+        axes.axhline(level, color=GREY, linewidth=0.8, linestyle=":")
+        if all(abs(level - other) > 0.06 for other in written):
+            written.append(float(level))
+            axes.text(-0.95, level, f"{level:.3f}", fontsize=7, ha="left", va="bottom", color="#4d5760")
 
 
 def insertion_loss(curves: Sequence[tuple[str, Array, Array]]) -> Figure:

@@ -125,8 +125,10 @@ def report(solution: Solution, sections: Sequence[Section] = ()) -> str:
     )
 
 
-def bar_report(solution: BarSolution) -> str:
+def bar_report(solution: BarSolution, quantity: str = "stress") -> str:
     """Return the report of a bar alone as one HTML page; see `report`.
+
+    ``quantity`` is what the pictures of the whole field show: stress, force or velocity.
 
     Examples
     --------
@@ -134,7 +136,7 @@ def bar_report(solution: BarSolution) -> str:
     >>> "x-t" in bar_report(run_wave(load_case("li-ma-2019-fig13-bar")))
     False
     """
-    return report(solution, bar_sections(solution))  # type: ignore[arg-type]  # what it lacks is said in words
+    return report(solution, bar_sections(solution, quantity))  # type: ignore[arg-type]  # what it lacks is said in words
 
 
 @functools.cache

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.figures.waves import Trace, insertion_loss, traces, xt_diagram
+from strikewave.figures.field import QUANTITIES, WaveField, bar_field, sandwiched, snapshots, struck_field, xt_diagram
+from strikewave.figures.waves import Trace, insertion_loss, staircase_diagram, traces
 from strikewave.report.numbers import fixed, listed, with_unit
 from strikewave.report.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.sensors import insertion_loss as loss_of
@@ -37,6 +38,10 @@ _ROUTES = (
 )
 
 
+MOST_LAYERS = 50
+"""Layers that a table lists."""
+
+
 def layer_table(setup: WaveSetup) -> Table:
     """List the layers as asked for and as the time step made them."""
     rows: list[list[Cell]] = [
@@ -47,17 +52,34 @@ def layer_table(setup: WaveSetup) -> Table:
             f"{layer.length_used / layer.length_asked - 1.0:+.1e}",
             layer.steps,
         ]
-        for layer in setup.layers
+        for layer in setup.layers[:MOST_LAYERS]
     ]
+    more = len(setup.layers) - MOST_LAYERS
     caption = f"Layers as the time step of {setup.step * 1e9:.4g} ns makes them"
+    caption += f"; {more} more in the JSON" if more > 0 else ""
     return Table(
         caption, ["layer", "length asked (mm)", "length used (mm)", "difference", "steps of its transit"], rows
     )
 
 
-def _edges(setup: WaveSetup) -> list[tuple[str, float]]:
-    ends = np.cumsum([layer.length_asked for layer in setup.layers])
-    return [(layer.name, float(end)) for layer, end in zip(setup.layers, ends, strict=True)]
+def field_pictures(field: WaveField, quantity: str = "stress") -> list[Part]:
+    """Show the whole field: the x-t diagram, and snapshots along the stack."""
+    shown = QUANTITIES[quantity]
+    meaning = {"RdBu": "blue is compression, red tension", "PuOr": "purple is along the blow, orange against it"}
+    opens = any(joint.unilateral for joint in field.stack.joints)
+    double = " A joint that can open is a double line while no force crosses it." if opens else ""
+    return [
+        Picture(
+            xt_diagram(field, quantity),
+            f"{shown.name.capitalize()} along the stack over time (exact): {meaning[shown.colours]}. Lines are faces "
+            f"of layers, dotted ones taps; dashed is the leading front at the speeds of the bars.{double}",
+        ),
+        Picture(
+            snapshots(field, quantity),
+            f"{shown.name.capitalize()} along the stack at chosen times: while the front runs through, at the greatest "
+            "values, and in the longest waits between. The darker a layer, the greater its impedance.",
+        ),
+    ]
 
 
 def stack_section(solution: Solution) -> list[Section]:
@@ -107,19 +129,9 @@ def stack_section(solution: Solution) -> list[Section]:
             f"Force in the stack at the taps, and the contact force that drives it; route: {route}.",
         )
     )
-    if "field_force" in data:
-        parts.append(
-            Picture(
-                xt_diagram(
-                    f"Force along the stack, blow {index}",
-                    data["field_time"].values,
-                    data["field_position"].values,
-                    data["field_force"].values,
-                    _edges(setup),
-                ),
-                "Force along the stack over time (exact): blue is compression, red tension; lines are faces of layers.",
-            )
-        )
+    field = struck_field(solution)
+    if field is not None:
+        parts += field_pictures(field)
     sections = [Section("Stress waves", text, parts)]
     waves = data["route_acceleration"].values
     tap = next((k for k in range(len(names)) if np.isfinite(waves[:, k]).any()), None)
@@ -304,14 +316,59 @@ def error_words(solution: BarSolution) -> str:
     """Say how exact the waves of a bar are."""
     velocity, acceleration = solution.accuracy
     bounds = "no bound" if math.isinf(velocity) else f"velocity {velocity:.1e}, acceleration {acceleration:.1e}"
+    step = f"{solution.waves.step * 1e9:.4g} ns"
+    if solution.method == "spectral":
+        dispersion = solution.case.solver.dispersion
+        return (
+            f"spectral solver, dispersion: {dispersion}; error over the largest value at the taps, estimated from half "
+            f"the step: {bounds}; time step {step}"
+        )
     return (
-        f"error bound over the largest value at the taps: {bounds}; time step {solution.waves.step * 1e9:.4g} ns, "
-        f"largest mismatch of a transit {solution.waves.mismatch:.1e}"
+        f"error bound over the largest value at the taps: {bounds}; time step {step}, largest mismatch of a transit "
+        f"{solution.waves.mismatch:.1e}"
     )
 
 
-def bar_sections(solution: BarSolution) -> list[Section]:
-    """Show load, taps, x-t diagram, routes and accuracy of a bar alone."""
+def loss_rows(solution: BarSolution) -> list[list[str]]:
+    """List where a stack loses energy: loss factor asked for, band, by how much of it it is missed at most."""
+    return [
+        [loss.where, f"{loss.loss_factor:g}", f"{loss.low / 1e3:g} to {loss.high / 1e3:g}", f"{loss.error:.1%}"]
+        for loss in solution.losses
+    ]
+
+
+LOSS_HEADS = ["where", "loss factor", "band (kHz)", "off by at most"]
+
+
+def joint_rows(solution: BarSolution, most: int = 5) -> list[list[str]]:
+    """List the joints that can open, and their first openings and closings."""
+
+    def times(values: Sequence[float]) -> str:
+        shown = ", ".join(f"{t * 1e6:.5g}" for t in values[:most])
+        return (shown or NONE) + (f" and {len(values) - most} more" if len(values) > most else "")
+
+    return [
+        [row["after"], row["kind"], f"{row['preload']:g}", times(row["opened"]), times(row["closed"])]
+        for row in solution.joints()
+    ]
+
+
+JOINT_HEADS = ["after", "kind", "preload (N)", "opens at (us)", "closes at (us)"]
+
+
+def _staircase(field: WaveField, layer: int, solution: BarSolution) -> Picture:
+    """Show how force grows at both faces of a layer between two others."""
+    name, run = field.stack.layers[layer].name, solution.run
+    words = (
+        f"Force at both faces of {name} over the largest load. Dashed: the closed form for bonded joints and endless "
+        "neighbours under this load, until the first echo from beyond them arrives (upright line); dotted: its steps "
+        "for a load that jumps."
+    )
+    return Picture(staircase_diagram(field, layer, run.time, run.face_force), words)
+
+
+def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Section]:
+    """Show load, taps, the field of a quantity, staircase, routes and accuracy of a bar alone."""
     run, time = solution.run, solution.run.time
     heads = ["tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"]
     rows: list[list[Cell]] = [list(row) for row in tap_rows(solution)]
@@ -330,17 +387,12 @@ def bar_sections(solution: BarSolution) -> list[Section]:
             traces("Acceleration", [*total, Trace("the whole stack", time, solution.rigid)], "g", _SINCE_LOAD),
             "Acceleration at the taps (exact), and of the stack as one body.",
         ),
-        Picture(
-            xt_diagram(
-                "Force along the stack",
-                run.field_time,
-                run.field_position,
-                run.field_force,
-                _edges(solution.waves),
-            ),
-            "Force along the stack over time (exact): blue is compression, red tension; lines are faces of layers.",
-        ),
     ]
+    field = bar_field(solution)
+    parts += field_pictures(field, quantity)
+    layer = sandwiched(field)
+    if layer is not None:
+        parts.append(_staircase(field, layer, solution))
     sections = [Section("Stress waves", "", parts)]
     if solution.channels:
         read = [
@@ -368,5 +420,10 @@ def bar_sections(solution: BarSolution) -> list[Section]:
         )
     words = error_words(solution)
     words = words[0].upper() + words[1:]
-    sections.append(Section("Accuracy of the waves", f"{words}.", [layer_table(solution.waves)]))
+    tables: list[Part] = [] if solution.method == "spectral" else [layer_table(solution.waves)]
+    if solution.losses:
+        tables.append(
+            Table("How well the loss factors are held", LOSS_HEADS, [list(row) for row in loss_rows(solution)])
+        )
+    sections.append(Section("Accuracy of the waves", f"{words}.", tables))
     return sections

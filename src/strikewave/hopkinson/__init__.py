@@ -1,0 +1,46 @@
+"""Split Hopkinson pressure bars: pulses, reduction, checks, echoes, bar ends. Knows no units and no files."""
+
+from strikewave.hopkinson.alignment import METHODS, FaceWaves, align
+from strikewave.hopkinson.bars import Bar, Elastic, Specimen, Striker, elastic
+from strikewave.hopkinson.checks import (
+    elastic_slope,
+    energy,
+    equilibrium,
+    momentum,
+    striker_check,
+)
+from strikewave.hopkinson.gauges import BRIDGES, Bridge
+from strikewave.hopkinson.pulses import Pulses, Trace, find_pulses
+from strikewave.hopkinson.reduction import ANALYSES, Curve, Reduction, reduce
+from strikewave.hopkinson.shifting import Carrier, carried
+from strikewave.hopkinson.uniformity import face_forces, stress_difference, transits_to_uniform
+
+__all__ = [
+    "ANALYSES",
+    "BRIDGES",
+    "METHODS",
+    "Bar",
+    "Bridge",
+    "Carrier",
+    "Curve",
+    "Elastic",
+    "FaceWaves",
+    "Pulses",
+    "Reduction",
+    "Specimen",
+    "Striker",
+    "Trace",
+    "align",
+    "carried",
+    "elastic",
+    "elastic_slope",
+    "energy",
+    "equilibrium",
+    "face_forces",
+    "find_pulses",
+    "momentum",
+    "reduce",
+    "stress_difference",
+    "striker_check",
+    "transits_to_uniform",
+]

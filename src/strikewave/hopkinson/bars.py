@@ -1,0 +1,196 @@
+"""Bars, specimen and striker of a split Hopkinson pressure bar.
+
+Symbols: rho density (kg/m^3), E modulus (Pa), c = sqrt(E/rho) bar speed (m/s), A area (m^2), Z = rho c A = E A/c
+impedance (N s/m), nu Poisson's ratio.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from strikewave.waves.dispersion import Rod
+
+
+class Elastic(NamedTuple):
+    """Density (kg/m^3), modulus (Pa) and bar speed (m/s) that agree with each other.
+
+    ``derived`` names the one that follows from the other two; ``mismatch`` is by how much of itself a stated
+    modulus differs from rho c^2 where all three were stated.
+    """
+
+    density: float
+    modulus: float
+    speed: float
+    derived: str
+    mismatch: float = 0.0
+
+
+def elastic(density: float | None = None, modulus: float | None = None, speed: float | None = None) -> Elastic:
+    """Return density, modulus and bar speed from two of them: c = sqrt(E/rho).
+
+    Where all three are given, density and speed are kept, which a balance and an echo measure to a part in a
+    thousand, and the modulus is derived.
+
+    Raises
+    ------
+    ValueError
+        If fewer than two are given, or one is not above zero.
+
+    Examples
+    --------
+    >>> elastic(density=7800.0, modulus=210e9).derived, round(elastic(density=7800.0, modulus=210e9).speed, 1)
+    ('speed', 5188.7)
+    >>> both = elastic(4416.0, 109.297e9, 4865.9)
+    >>> both.derived, round(both.modulus / 1e9, 2), round(both.mismatch, 4)
+    ('modulus', 104.56, 0.0453)
+    """
+    given = {"density": density, "modulus": modulus, "speed": speed}
+    for name, value in given.items():
+        if value is not None and not 0.0 < value < math.inf:
+            raise ValueError(f"{name} must be above zero and finite, got {value!r}")
+    if density is not None and speed is not None:
+        own = density * speed**2
+        return Elastic(density, own, speed, "modulus", 0.0 if modulus is None else modulus / own - 1.0)
+    if density is not None and modulus is not None:
+        return Elastic(density, modulus, math.sqrt(modulus / density), "speed")
+    if modulus is not None and speed is not None:
+        return Elastic(modulus / speed**2, modulus, speed, "density")
+    raise ValueError(f"two of density, modulus and speed are needed, got {given}")
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A round pressure bar with one strain gauge station.
+
+    Parameters
+    ----------
+    density, modulus : float
+        kg/m^3, Pa.
+    diameter : float
+        m.
+    gauge_distance : float
+        From the gauge to the face at the specimen, m.
+    poissons_ratio : float, optional
+        Only dispersion and bridges with lateral gauges use it.
+    length : float, optional
+        m; infinite where it is not known.
+
+    Examples
+    --------
+    >>> bar = Bar(7800.0, 210e9, 0.02, 1.02)
+    >>> round(bar.speed, 1), round(bar.impedance), round(bar.delay * 1e6, 2)
+    (5188.7, 12715, 196.58)
+    """
+
+    density: float
+    modulus: float
+    diameter: float
+    gauge_distance: float
+    poissons_ratio: float = 0.29
+    length: float = math.inf
+
+    def __post_init__(self) -> None:
+        for key in ("density", "modulus", "diameter", "gauge_distance"):
+            value = getattr(self, key)
+            if not 0.0 < value < math.inf:
+                raise ValueError(f"{key} of a bar must be above zero and finite, got {value!r}")
+        if not -1.0 < self.poissons_ratio <= 0.5:
+            raise ValueError(f"Poisson's ratio lies above -1 and at most at 0.5, got {self.poissons_ratio!r}")
+        if not self.gauge_distance < self.length:
+            raise ValueError(f"the gauge at {self.gauge_distance:g} m lies off a bar of {self.length:g} m")
+
+    @property
+    def area(self) -> float:
+        """Cross-section pi d^2/4, m^2."""
+        return 0.25 * math.pi * self.diameter**2
+
+    @property
+    def speed(self) -> float:
+        """Bar speed c = sqrt(E/rho), m/s."""
+        return math.sqrt(self.modulus / self.density)
+
+    @property
+    def impedance(self) -> float:
+        """Impedance Z = rho c A, N s/m."""
+        return self.density * self.speed * self.area
+
+    @property
+    def stiffness(self) -> float:
+        """Force over strain E A, N."""
+        return self.modulus * self.area
+
+    @property
+    def delay(self) -> float:
+        """Time of a long wave from the gauge to the specimen face, s."""
+        return self.gauge_distance / self.speed
+
+    @property
+    def rod(self) -> Rod:
+        """The bar as dispersion knows it."""
+        return Rod(0.5 * self.diameter, self.speed, self.poissons_ratio)
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """The specimen between the bars: length (m), area (m^2); density and modulus where they are known.
+
+    Only momentum, kinetic energy and the theory of equilibrium use density and modulus.
+    """
+
+    length: float
+    area: float
+    density: float | None = None
+    modulus: float | None = None
+
+    def __post_init__(self) -> None:
+        for key in ("length", "area", "density", "modulus"):
+            value = getattr(self, key)
+            if value is not None and not 0.0 < value < math.inf:
+                raise ValueError(f"{key} of the specimen must be above zero and finite, got {value!r}")
+
+    @property
+    def mass(self) -> float | None:
+        """Mass rho A l, kg; None where the density is not known."""
+        return None if self.density is None else self.density * self.area * self.length
+
+    @property
+    def transit(self) -> float | None:
+        """Time of an elastic wave through it, l/c, s; None where density or modulus is not known."""
+        if self.density is None or self.modulus is None:
+            return None
+        return self.length / math.sqrt(self.modulus / self.density)
+
+    def impedance_ratio(self, bar: Bar) -> float | None:
+        """Return beta = (rho c A) of the specimen over that of a bar; None where it is not known."""
+        if self.density is None or self.modulus is None:
+            return None
+        return math.sqrt(self.density * self.modulus) * self.area / bar.impedance
+
+
+class Striker(NamedTuple):
+    """A striker bar: length (m), bar speed (m/s), impedance (N s/m), speed before impact (m/s, NaN if unknown)."""
+
+    length: float
+    bar_speed: float
+    impedance: float
+    speed: float = math.nan
+
+    @property
+    def pulse_length(self) -> float:
+        """Duration of the pulse it makes in a bar of its own impedance, 2 L/c, s."""
+        return 2.0 * self.length / self.bar_speed
+
+    def strain(self, bar: Bar) -> float:
+        """Return the strain it makes in a bar: v Zs/((Zs + Zb) cb), which is v/(2 c) for equal bars.
+
+        Source: Kolsky 1963, chapter III: force v Zs Zb/(Zs + Zb), over E A = Zb cb.
+
+        Examples
+        --------
+        >>> bar = Bar(7800.0, 210e9, 0.02, 1.02)
+        >>> round(Striker(0.2, bar.speed, bar.impedance, 10.0).strain(bar) * 1e6, 1)
+        963.6
+        """
+        return self.speed * self.impedance / ((self.impedance + bar.impedance) * bar.speed)

@@ -1,0 +1,226 @@
+"""What a split-Hopkinson test says of itself: equilibrium, momentum, energy, the striker, the elastic slope."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.hopkinson.bars import Striker
+from strikewave.hopkinson.pulses import Pulses
+from strikewave.hopkinson.reduction import Curve, Reduction
+
+Array = NDArray[np.float64]
+
+SLOPE_BAND = (0.1, 0.5)
+"""Shares of the largest stress between which the elastic slope is fitted, on the first way up."""
+
+
+NEAR_TOP = 0.9
+"""Share of the largest force down to which the end of the loading counts."""
+
+
+class Equilibrium(NamedTuple):
+    """How alike the forces on both faces are.
+
+    Attributes
+    ----------
+    ratio : ndarray
+        R(t) = 2 |F1 - F2|/|F1 + F2|, shape (N,); NaN where the forces do not stand out of the noise.
+    misfit : float
+        Integral of |F1 - F2| over that of (F1 + F2)/2 while the incident wave lasts.
+    force_ratio : float
+        Impulse on the first face over that on the second, while the incident wave lasts.
+    since : float
+        Time after the arrival from which R stays below the limit until the mean force last is at 9/10 of its
+        largest value, s; NaN if never.
+    """
+
+    ratio: Array
+    misfit: float
+    force_ratio: float
+    since: float
+
+
+def equilibrium(reduction: Reduction, limit: float = 0.05) -> Equilibrium:
+    """Compare the forces on the two faces.
+
+    ``since`` takes R of forces averaged over the rise time of the incident pulse, so that noise does not end it.
+    """
+    f1, f2, on = reduction.first_force, reduction.second_force, reduction.loading
+    mean = 0.5 * (f1 + f2)
+    noise = math.hypot(
+        reduction.bars[0].stiffness * reduction.waves.noise[0], reduction.bars[1].stiffness * reduction.waves.noise[1]
+    )
+    told = np.abs(mean) > 5.0 * noise
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(told, np.abs(f1 - f2) / np.abs(mean), np.nan)
+    total = float(np.sum(mean[on]))
+    second = float(np.sum(f2[on]))
+    return Equilibrium(
+        ratio=ratio,
+        misfit=float(np.sum(np.abs(f1 - f2)[on])) / total if total > 0.0 else math.nan,
+        force_ratio=float(np.sum(f1[on])) / second if second else math.nan,
+        since=_since(reduction, limit),
+    )
+
+
+def _since(reduction: Reduction, limit: float) -> float:
+    """Return when smoothed forces begin to agree and stay so while the mean force is near its largest."""
+    width = max(round(reduction.waves.window / reduction.waves.step), 1)
+    box = np.ones(width) / width
+    f1, f2 = (np.convolve(f, box, "same") for f in (reduction.first_force, reduction.second_force))
+    mean = 0.5 * (f1 + f2)
+    high = np.flatnonzero(reduction.loading & (mean > NEAR_TOP * float(mean.max())))
+    if not high.size:
+        return math.nan
+    span = np.arange(int(np.argmax(reduction.time >= 0.0)), int(high[-1]) + 1)
+    apart = np.flatnonzero(~(np.abs(f1 - f2)[span] <= limit * np.abs(mean[span])))
+    if not apart.size:
+        return 0.0
+    later = span[int(apart[-1])] + 1
+    return float(reduction.time[later]) if later <= high[-1] else math.nan
+
+
+class Momentum(NamedTuple):
+    """Impulses of the waves over the window, N s, and how they close.
+
+    Attributes
+    ----------
+    incident, reflected, transmitted : float
+        E A times the integral of the strain; the reflected one is negative for a specimen softer than the bar.
+    first, second : float
+        On the two faces of the specimen: incident + reflected, transmitted.
+    specimen : float
+        Momentum of the specimen at the end of the window, m (v1 + v2)/2; NaN where its density is not known.
+    closure : float
+        (first - second - specimen) over the incident impulse; a specimen of unknown density counts as without mass.
+    """
+
+    incident: float
+    reflected: float
+    transmitted: float
+    first: float
+    second: float
+    specimen: float
+    closure: float
+
+
+def momentum(reduction: Reduction) -> Momentum:
+    """Return the impulses of the waves while the incident wave lasts, and by how much they do not close.
+
+    Over that time the specimen gains what enters at its first face and does not leave at the second.
+    """
+    waves, bars = reduction.waves, reduction.bars
+    last = int(np.flatnonzero(reduction.loading)[-1])
+    came, back, on = (
+        bar.stiffness * float(reduction.integral(strain)[last])
+        for bar, strain in (
+            (bars[0], waves.incident),
+            (bars[0], waves.reflected),
+            (bars[1], waves.transmitted),
+        )
+    )
+    mass = reduction.specimen.mass
+    mean = 0.5 * float(reduction.first_velocity[last] + reduction.second_velocity[last])
+    own = math.nan if mass is None else mass * mean
+    gained = 0.0 if math.isnan(own) else own
+    first = came + back
+    return Momentum(came, back, on, first, on, own, (first - on - gained) / came)
+
+
+class Energy(NamedTuple):
+    """Energy of the waves, and what became of it, J.
+
+    ``absorbed`` is incident - reflected - transmitted; it equals ``deformation``, the integral of the mean force
+    times v1 - v2, and ``acceleration``, that of F1 - F2 times the mean velocity.
+    """
+
+    incident: float
+    reflected: float
+    transmitted: float
+    absorbed: float
+    deformation: float
+    acceleration: float
+
+
+def energy(reduction: Reduction) -> Energy:
+    """Return the energy of the waves while the incident wave lasts: E A c times the integral of strain squared.
+
+    F1 v1 - F2 v2 = (F1 + F2)(v1 - v2)/2 + (F1 - F2)(v1 + v2)/2: what deforms the specimen, and what moves it.
+    """
+    waves, bars = reduction.waves, reduction.bars
+    last = int(np.flatnonzero(reduction.loading)[-1])
+
+    def upto(values: Array) -> float:
+        return float(reduction.integral(values)[last])
+
+    one, two = (bar.stiffness * bar.speed for bar in bars)
+    came = one * upto(waves.incident**2)
+    back = one * upto(waves.reflected**2)
+    on = two * upto(waves.transmitted**2)
+    f1, f2, v1, v2 = (
+        reduction.first_force,
+        reduction.second_force,
+        reduction.first_velocity,
+        reduction.second_velocity,
+    )
+    deformed, moved = upto(0.5 * (f1 + f2) * (v1 - v2)), upto(0.5 * (f1 - f2) * (v1 + v2))
+    return Energy(came, back, on, came - back - on, deformed, moved)
+
+
+class StrikerCheck(NamedTuple):
+    """The incident pulse beside what its striker should make; NaN where a speed is not known.
+
+    ``strain`` and ``duration`` are measured (plateau, width at half height, s), ``*_expected`` by theory, and
+    ``speed`` is the striker speed that the plateau stands for, m/s.
+    """
+
+    strain: float
+    strain_expected: float
+    duration: float
+    duration_expected: float
+    speed: float
+
+
+def striker_check(pulses: Pulses, reduction: Reduction, striker: Striker) -> StrikerCheck:
+    """Set the incident pulse beside the striker: plateau v Zs/((Zs+Zb) cb), length 2 Ls/cs."""
+    bar = reduction.bars[0]
+    per_speed = striker._replace(speed=1.0).strain(bar)
+    return StrikerCheck(
+        pulses.plateau, striker.strain(bar), pulses.width, striker.pulse_length, pulses.plateau / per_speed
+    )
+
+
+class Slope(NamedTuple):
+    """Slope of a stress-strain curve, Pa, its standard error, and how many samples it stands on."""
+
+    value: float
+    error: float
+    samples: int
+
+
+def elastic_slope(curve: Curve, loading: NDArray[np.bool_]) -> Slope:
+    """Return the slope of the first rise of a curve, by least squares of strain on stress.
+
+    A Hopkinson test does not measure Young's modulus well: equilibrium comes late in the rise and the bar faces
+    are pressed in. The slope is a check, not a property.
+    """
+    stress, strain = curve.stress[loading], curve.strain[loading]
+    top = float(stress.max(initial=0.0))
+    high = int(np.argmax(stress >= SLOPE_BAND[1] * top)) if top > 0.0 else 0
+    below = np.flatnonzero(stress[:high] < SLOPE_BAND[0] * top)
+    low = int(below[-1]) + 1 if below.size else 0
+    count = high - low
+    if count < 3:
+        return Slope(math.nan, math.nan, max(count, 0))
+    x, y = stress[low:high], strain[low:high]
+    x = x - x.mean()
+    compliance = float(x @ (y - y.mean()) / (x @ x))
+    left = y - y.mean() - compliance * x
+    error = math.sqrt(float(left @ left) / (count - 2) / float(x @ x))
+    if compliance == 0.0:
+        return Slope(math.nan, math.nan, count)
+    return Slope(1.0 / compliance, error / compliance**2, count)

@@ -1,0 +1,245 @@
+"""The incident, the reflected and the transmitted pulse, found in the traces of two gauges.
+
+Compression is positive. The incident pulse is the first one at its gauge. The others follow from geometry: the
+reflected pulse comes to the same gauge 2 d1/c1 later, the transmitted one to the other gauge d1/c1 + d2/c2 later.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.errors import InputError
+from strikewave.hopkinson.bars import Bar
+from strikewave.hopkinson.onset import FEWEST, ending, first_above, noise_ceiling, onset
+from strikewave.signal.pulse import crossing
+
+Array = NDArray[np.float64]
+
+LEAD = 0.05
+"""Share of the time between incident and reflected pulse that a window begins before its pulse."""
+HEADROOM = 2
+"""A trace needs this many times `FEWEST` samples."""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What a gauge wrote: strain, sampling step (s), time of the first sample (s)."""
+
+    strain: Array = field(repr=False)
+    step: float
+    start: float = 0.0
+
+    @property
+    def time(self) -> Array:
+        """Times of the samples, s."""
+        return np.asarray(self.start + self.step * np.arange(self.strain.size))
+
+
+@dataclass(frozen=True)
+class Quiet:
+    """A trace with its zero line at 0 and compression positive.
+
+    Attributes
+    ----------
+    trace : Trace
+        Corrected.
+    onset : int
+        First sample of the first pulse.
+    baseline, noise : float
+        Mean and standard deviation of the raw samples before it.
+    polarity : int
+        What the raw strain was multiplied with.
+    """
+
+    trace: Trace
+    onset: int
+    baseline: float
+    noise: float
+    polarity: int
+
+
+@dataclass(frozen=True)
+class Pulses:
+    """The three pulses as the gauges saw them, all windows of one length.
+
+    Attributes
+    ----------
+    incident, reflected, transmitted : ndarray
+        Strain, shape (N,).
+    step : float
+        s.
+    starts : (float, float, float)
+        Time of the first sample of each window, s.
+    late : (float, float, float)
+        By how much the windows begin after the geometric arrival of the same instant, s: less than a step.
+    onset, end : float
+        Of the incident pulse at its gauge, s.
+    rise : float
+        10-90 % rise time of the incident pulse, s.
+    plateau : float
+        Median strain of the incident pulse between its half heights.
+    width : float
+        Between the half heights of the incident pulse, s.
+    traces : (Quiet, Quiet)
+        Both traces, corrected.
+    """
+
+    incident: Array = field(repr=False)
+    reflected: Array = field(repr=False)
+    transmitted: Array = field(repr=False)
+    step: float
+    starts: tuple[float, float, float]
+    late: tuple[float, float, float]
+    onset: float
+    end: float
+    rise: float
+    plateau: float
+    width: float
+    traces: tuple[Quiet, Quiet] = field(repr=False)
+
+    @property
+    def lead(self) -> float:
+        """Time from the begin of the windows to the onset, s."""
+        return self.onset - self.starts[0]
+
+    @property
+    def duration(self) -> float:
+        """Length of the windows, s."""
+        return (self.incident.size - 1) * self.step
+
+
+def quieten(trace: Trace, field_name: str) -> Quiet:
+    """Take the zero line off a trace, and turn its first pulse into compression.
+
+    Raises
+    ------
+    InputError
+        If the trace is short, holds a value that is not finite, has no pulse above its noise, or begins in a pulse.
+    """
+    values = np.asarray(trace.strain, dtype=float)
+    if values.ndim != 1 or values.size < HEADROOM * FEWEST:
+        raise InputError(field_name, f"{values.size} samples", f"a trace of at least {HEADROOM * FEWEST} samples")
+    if not np.all(np.isfinite(values)):
+        bad = int(np.count_nonzero(~np.isfinite(values)))
+        raise InputError(field_name, f"{bad} samples that are no numbers", "finite samples", "cut the record there")
+    if not (0.0 < trace.step < np.inf and np.isfinite(trace.start)):
+        raise InputError(field_name, f"a step of {trace.step!r} s", "a sampling step above zero")
+    values = values - np.median(values)
+    begin = onset(values)
+    if begin is None or begin < FEWEST:
+        hint = "record with a pre-trigger, or swap the channels if they are mixed up"
+        raise InputError(field_name, f"{begin or 0} quiet samples", f"{FEWEST} quiet samples before the pulse", hint)
+    level, noise = float(values[:begin].mean()), float(values[:begin].std())
+    values = values - level
+    peak = first_above(values, 0.5 * float(np.abs(values).max()))
+    if peak is None or float(np.abs(values).max()) <= noise_ceiling(noise, values.size):
+        raise InputError(field_name, "noise alone", "a pulse that stands above the noise before it")
+    polarity = 1 if values[peak] > 0.0 else -1
+    made = Trace(polarity * values, trace.step, trace.start)
+    return Quiet(made, begin, float(np.median(trace.strain)) + level, noise, polarity)
+
+
+def find_pulses(incident: Trace, transmitted: Trace, bars: tuple[Bar, Bar]) -> Pulses:
+    """Find the three pulses and cut them out in windows of one length.
+
+    A window begins a twentieth of the time between incident and reflected pulse before its pulse, and lasts until
+    the next wave can come: the reflected pulse at the incident gauge, echoes from the far ends of bars of known
+    length, or the end of the record.
+
+    Parameters
+    ----------
+    incident, transmitted : Trace
+        Strain at the two gauges, of any sign, on clocks of one rate and one zero.
+    bars : (Bar, Bar)
+        Incident and transmitted bar.
+
+    Raises
+    ------
+    InputError
+        If a trace cannot be used, the channels seem swapped, the pulses overlap, or the record ends within them.
+    """
+    first, second = quieten(incident, "incident trace"), quieten(transmitted, "transmitted trace")
+    step = incident.step
+    if abs(transmitted.step - step) > 1e-6 * step:
+        raise InputError("transmitted trace", f"a step of {transmitted.step:g} s", f"that of the incident, {step:g} s")
+    begin = first.trace.start + first.onset * step
+    if second.trace.start + second.onset * step < begin:
+        hint = "are the two channels swapped? a wave comes to the incident gauge first"
+        raise InputError("transmitted trace", "a pulse before the incident one", "a later pulse", hint)
+    return _cut(first, second, bars)
+
+
+def _cut(first: Quiet, second: Quiet, bars: tuple[Bar, Bar]) -> Pulses:
+    """Cut the windows of the three pulses."""
+    step, begin = first.trace.step, first.trace.start + first.onset * first.trace.step
+    separation = 2.0 * bars[0].delay
+    body = first.trace.strain[first.onset : first.onset + int(separation / step)]
+    if body.size < FEWEST:
+        raise InputError("bar.incident.gauge_distance", f"{bars[0].gauge_distance:g} m", "more than a few samples away")
+    end = begin + ending(body) * step
+    shape = _shape(body, step)
+    if shape[0] > separation - shape[1]:
+        words = f"an incident pulse of {shape[0] * 1e6:.4g} us"
+        allowed = f"one shorter than the {separation * 1e6:.4g} us to the gauge's reflected pulse"
+        hint = "the pulses overlap: move the gauge away from the specimen, or take a shorter striker"
+        raise InputError("incident trace", words, allowed, hint)
+    lead = min(LEAD * separation, first.onset * step)
+    arrivals = (0.0, separation, bars[0].delay + bars[1].delay)
+    sources = (first.trace, first.trace, second.trace)
+    places = [_place(trace, begin - lead + after) for trace, after in zip(sources, arrivals, strict=True)]
+    echoes = [separation, *(2.0 * (bar.length - bar.gauge_distance) / bar.speed for bar in bars)]
+    left = [(trace.strain.size - 1 - k) * step for trace, (k, _) in zip(sources, places, strict=True)]
+    length = min(*echoes, *left)
+    if length - lead < shape[0]:
+        words = f"{max(length - lead, 0.0) * 1e6:.4g} us from a pulse to the end of its window"
+        hint = "the record is cut, or an echo from the far end of a bar comes too soon"
+        raise InputError("record", words, f"at least the {shape[0] * 1e6:.4g} us of the incident pulse", hint)
+    count = int(length / step) + 1
+    came, back, on = (trace.strain[k : k + count] for trace, (k, _) in zip(sources, places, strict=True))
+    starts = [trace.start + k * step for trace, (k, _) in zip(sources, places, strict=True)]
+    return Pulses(
+        incident=came,
+        reflected=back,
+        transmitted=on,
+        step=step,
+        starts=(starts[0], starts[1], starts[2]),
+        late=(places[0][1], places[1][1], places[2][1]),
+        onset=begin,
+        end=max(end, begin + shape[0]),
+        rise=shape[1],
+        plateau=shape[2],
+        width=shape[3],
+        traces=(first, second),
+    )
+
+
+def _place(trace: Trace, time: float) -> tuple[int, float]:
+    """Return the sample at or before a time, and by how much it lies after it (at most zero), s."""
+    place = (time - trace.start) / trace.step
+    k = int(np.floor(place + 1e-9))
+    if not 0 <= k < trace.strain.size:
+        raise InputError("record", f"no sample at {time * 1e6:.4g} us", "a record that holds all three pulses")
+    return k, (k - place) * trace.step
+
+
+def _shape(body: Array, step: float) -> tuple[float, float, float, float]:
+    """Return duration to the fall below a tenth, 10-90 % rise (s), plateau strain, and width at half height (s)."""
+    top = float(np.abs(body).max())
+    for _ in range(2):  # the plateau, not the first overshoot, gives the height
+        inside = np.flatnonzero(body > 0.5 * top)
+        top = float(np.median(body[inside[0] : inside[-1] + 1]))
+    middle = (int(inside[0]) + int(inside[-1])) // 2
+    half = [crossing(body, middle, 0.5 * top, way) for way in (-1, 1)]
+    low, high = (_first(body, share * top) for share in (0.1, 0.9))
+    after = np.flatnonzero(body[int(inside[-1]) :] < 0.1 * top)
+    last = int(inside[-1]) + int(after[0]) if after.size else body.size
+    return last * step, (high - low) * step, top, (half[1] - half[0]) * step
+
+
+def _first(body: Array, level: float) -> float:
+    """Return the place at which a pulse first reaches a level, between samples."""
+    k = max(int(np.argmax(body >= level)), 1)
+    return k - float((body[k] - level) / (body[k] - body[k - 1])) if body[k] != body[k - 1] else float(k)

@@ -1,0 +1,313 @@
+"""The report of a split-Hopkinson shot, or of a bar calibrated by its echoes: solution in, one HTML page out."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from typing import TYPE_CHECKING, Any
+
+from strikewave._version import __version__
+from strikewave.report import chapters
+from strikewave.report.numbers import with_unit
+from strikewave.report.page import Head, whole_page
+from strikewave.report.parts import NONE, Cell, Code, Picture, Section, Table, Tag, written
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from matplotlib.figure import Figure
+
+    from strikewave.hopkinson.echoes import Estimate
+    from strikewave.split_bar import EchoSolution, SplitBarSolution
+
+_SHOT = (
+    "Compression is positive. Each pulse is carried from its gauge to the specimen; forces are F1 = E A (incident + "
+    "reflected) and F2 = E A transmitted, face velocities c (incident − reflected) and c transmitted. 1-wave takes the "
+    "stress from F2 and the rate from the reflected wave alone, 2-wave the stress from F1 with the same rate, 3-wave "
+    "the mean force and all three waves."
+)
+_SLOPE = (
+    "The elastic slope is fitted from 10 to 50 % of the largest stress. It is a check, not Young's modulus: "
+    "equilibrium comes late in the rise, and the bar faces give way."
+)
+_ECHOES = (
+    "Both ends are free, and the pulse passes the gauge again and again. The phase between two passes over a known way "
+    "gives the speed at each frequency, the ratio of their amplitudes over a round trip the attenuation, losses at the "
+    "ends included. The error is the standard error over the pairs; that of the stated distance comes on top."
+)
+
+
+def shot_tables(solution: SplitBarSolution) -> list[Table]:
+    """Return the tables of a reduced shot."""
+    return [
+        _curve_table(solution),
+        _balance_table(solution),
+        _alignment_table(solution),
+        _bar_table(solution),
+        *_striker_table(solution),
+        *_theory_table(solution),
+    ]
+
+
+def _curve_table(solution: SplitBarSolution) -> Table:
+    import numpy as np
+
+    from strikewave.hopkinson import ANALYSES
+
+    on, slopes = solution.reduction.loading, solution.slopes()
+    rows: list[list[Cell]] = []
+    for name in ANALYSES:
+        slope, true = slopes[name], solution.reduction.curve(name).true()
+        rows.append(
+            [
+                name + (" *" if name == solution.case.setup.solver.analysis else ""),
+                f"{100.0 * float(np.nanmax(true.strain[on])):.2f}",
+                f"{float(np.nanmax(true.stress[on])) / 1e6:.1f}",
+                f"{float(np.nanmedian(true.rate[on])):.0f}",
+                NONE if math.isnan(slope.value) else f"{slope.value / 1e9:.1f} ± {slope.error / 1e9:.1f}",
+            ]
+        )
+    heads = ["analysis", "true strain (%)", "true stress (MPa)", "true rate (1/s)", "slope (GPa)"]
+    caption = f"{solution.title}: largest true strain and stress, median true rate, elastic slope; * the one chosen"
+    return Table(caption, heads, rows)
+
+
+def _balance_table(solution: SplitBarSolution) -> Table:
+    alike, impulses, work, limits = (
+        solution.equilibrium,
+        solution.momentum,
+        solution.energy,
+        solution.case.setup.limits,
+    )
+    specimen = NONE if math.isnan(impulses.specimen) else f"{impulses.specimen * 1e3:.3g} mN s"
+    rows: list[list[Cell]] = [
+        ["force difference over mean force", f"{alike.misfit:.1%}", f"limit {limits.force_misfit.si:.0%}"],
+        ["impulse on face 1 over face 2", f"{alike.force_ratio:.4f}", "1 but for the specimen's own momentum"],
+        ["forces agree to 5 % from", with_unit(alike.since, "s", "us", 3), "to the end of the loading"],
+        ["impulse that is missing", f"{impulses.closure:+.2%}", f"of the incident one; limit {limits.momentum.si:.0%}"],
+        ["incident, reflected, transmitted impulse", _three(impulses[:3], 1.0, "N s"), f"specimen {specimen}"],
+        ["incident, reflected, transmitted energy", _three(work[:3], 1.0, "J"), ""],
+        [
+            "absorbed energy",
+            f"{work.absorbed:.4g} J",
+            f"deforms {work.deformation:.4g}, moves {work.acceleration:.3g} J",
+        ],
+    ]
+    return Table("Balances while the incident wave lasts", ["quantity", "value", "note"], rows)
+
+
+def _three(values: Sequence[float], scale: float, unit: str) -> str:
+    return ", ".join(f"{value * scale:.4g}" for value in values) + f" {unit}"
+
+
+def _alignment_table(solution: SplitBarSolution) -> Table:
+    waves = solution.reduction.waves
+    rows: list[list[Cell]] = [
+        [name, *(f"{late[k] * 1e6:+.2f}" for late in (waves.late_onset, waves.late_balance, waves.applied))]
+        for k, name in enumerate(("reflected", "transmitted"))
+    ]
+    caption = (
+        f"How late the waves are at the specimen against geometry; alignment {waves.method}, dispersion "
+        f"{waves.theory} up to {waves.band / 1e3:.4g} kHz, window {waves.window * 1e6:.3g} µs"
+    )
+    return Table(caption, ["wave", "by onset (µs)", "by balance (µs)", "moved (µs)"], rows)
+
+
+def _bar_table(solution: SplitBarSolution) -> Table:
+    rows: list[list[Cell]] = [
+        [
+            name,
+            f"{one.density:.5g}",
+            f"{one.modulus / 1e9:.5g}",
+            f"{one.speed:.6g}",
+            one.derived,
+            f"{bar.impedance:.5g}",
+            f"{noise * 1e6:.3g}",
+        ]
+        for (name, one), bar, noise in zip(
+            solution.constants.items(), solution.reduction.bars, solution.reduction.waves.noise, strict=True
+        )
+    ]
+    heads = ["bar", "density (kg/m³)", "modulus (GPa)", "speed (m/s)", "derived", "impedance (N s/m)", "noise (µε)"]
+    return Table("Bars, with the constant that follows from the two others", heads, rows)
+
+
+def _striker_table(solution: SplitBarSolution) -> list[Table]:
+    found = solution.striker_check
+    if found is None:
+        return []
+    rows: list[list[Cell]] = [
+        ["plateau strain (µε)", written(found.strain * 1e6), written(found.strain_expected * 1e6)],
+        ["width at half height (µs)", written(found.duration * 1e6), written(found.duration_expected * 1e6)],
+    ]
+    caption = f"Incident pulse beside its striker; the plateau stands for {found.speed:.4g} m/s"
+    return [Table(caption, ["quantity", "measured", "v Zs/((Zs+Zb) c), 2 Ls/cs"], rows)]
+
+
+def _theory_table(solution: SplitBarSolution) -> list[Table]:
+    """Say how soon an elastic specimen would be in equilibrium, where its density and modulus are known."""
+    from strikewave.hopkinson import stress_difference, transits_to_uniform
+
+    specimen, bar = solution.reduction.specimen, solution.reduction.bars[0]
+    beta, transit = specimen.impedance_ratio(bar), specimen.transit
+    if beta is None or transit is None:
+        return []
+    rise = solution.pulses.rise / 0.8 / transit
+    rows: list[list[Cell]] = [
+        ["impedance of the specimen over that of the bar", f"{beta:.4g}"],
+        ["transit of the specimen (µs)", f"{transit * 1e6:.4g}"],
+        ["force difference after a step, transit 3", f"{float(stress_difference(beta, 3)):.1%}"],
+        ["force difference after a step, transit 5", f"{float(stress_difference(beta, 5)):.2%}"],
+        ["transits to 5 % after a step", f"{transits_to_uniform(beta):.4g}"],
+        [f"transits to 5 % under a straight rise of {rise:.3g} transits", f"{transits_to_uniform(beta, rise):.4g}"],
+    ]
+    return [Table("Equilibrium of an elastic specimen in theory", ["quantity", "value"], rows)]
+
+
+def echo_tables(solution: EchoSolution) -> list[Table]:
+    """Return the tables of a bar calibrated by its echoes."""
+    found = solution.echoes
+    band = found.frequency
+    rows: list[list[Cell]] = [
+        [
+            "bar speed (m/s)",
+            *_estimated(found.speed, 1.0),
+            f"stated {solution.bar.speed:.6g}: {solution.difference:+.2%}",
+        ],
+        ["length (mm)", *_estimated(found.length, 1e3), "given" if math.isfinite(solution.bar.length) else "found"],
+        ["attenuation (1/m)", *_estimated(found.attenuation, 1.0), "by energy, ends included"],
+        ["passes used", str(found.times.size), NONE, NONE, f"from number {found.first + 1} on"],
+        ["band (kHz)", f"{band[0] / 1e3:.3g} to {band[-1] / 1e3:.3g}", NONE, NONE, "every pass ten times its noise"],
+    ]
+    heads = ["quantity", "value", "standard error", "pairs", "note"]
+    return [Table(f"{solution.title}: what the echoes say, dispersion {found.theory}", heads, rows)]
+
+
+def _estimated(one: Estimate, scale: float) -> tuple[str, str, str]:
+    error = NONE if math.isnan(one.error) else f"{one.error * scale:.2g}"
+    return f"{one.value * scale:.6g}", error, str(one.values) if one.values else NONE
+
+
+def shot_report(solution: SplitBarSolution, text: str) -> str:
+    """Return the report of a reduced shot as one HTML page."""
+    from strikewave.figures.hopkinson import (
+        draw_curves,
+        draw_difference,
+        draw_forces,
+        draw_rate,
+        draw_record,
+        draw_waves,
+    )
+
+    r, pulses = solution.reduction, solution.pulses
+    pictures = [
+        Picture(_figure(lambda axes: draw_record(axes, pulses), True), "The record, and the windows of the pulses."),
+        Picture(
+            _figure(lambda axes: draw_waves(axes, r), True),
+            "The waves at the specimen. The dotted line is the end of the incident wave.",
+        ),
+        Picture(_figure(lambda axes: draw_forces(axes, solution)), "Forces on both faces of the specimen."),
+        Picture(_figure(lambda axes: draw_difference(axes, solution)), "By how much they differ."),
+        Picture(_figure(lambda axes: draw_curves(axes, r)), "True stress over true strain."),
+        Picture(_figure(lambda axes: draw_rate(axes, r)), "True strain rate over true strain."),
+    ]
+    summary = solution.summary()
+    words = (
+        f"The specimen reached a true strain of {summary['strain']:.1%} at {summary['rate']:.0f} 1/s (median) and a "
+        f"true stress of {summary['stress'] / 1e6:.4g} MPa. The forces on its faces differ by "
+        f"{solution.equilibrium.misfit:.1%} of their mean, and {solution.momentum.closure:+.2%} of the incident "
+        "impulse is missing."
+    )
+    numbers = [
+        ("largest true stress", f"{summary['stress'] / 1e6:.4g} MPa"),
+        ("largest true strain", f"{100.0 * summary['strain']:.3g} %"),
+        ("median true rate", f"{summary['rate']:.0f} 1/s"),
+        ("force difference", f"{solution.equilibrium.misfit:.1%}"),
+        ("impulse missing", f"{solution.momentum.closure:+.2%}"),
+    ]
+    body = Section("Result", f"{_SHOT}\n\n{_SLOPE}", [*shot_tables(solution), *pictures])
+    return _page(solution, text, "Report of a split-Hopkinson shot", words, (numbers, body))
+
+
+def echo_report(solution: EchoSolution, text: str) -> str:
+    """Return the report of a bar calibrated by its echoes as one HTML page."""
+    from strikewave.figures.hopkinson import draw_losses, draw_passes, draw_speed
+
+    found = solution.echoes
+    pictures = [
+        Picture(_figure(lambda axes: draw_passes(axes, found), True), "The passes of the pulse at the gauge."),
+        Picture(_figure(lambda axes: draw_speed(axes, found, solution.bar.speed)), "Phase speed by the echoes."),
+        Picture(_figure(lambda axes: draw_losses(axes, found)), "Attenuation by the echoes."),
+    ]
+    words = (
+        f"The bar speed by {found.speed.values} pairs of passes is {found.speed.value:.5g} m/s, "
+        f"{solution.difference:+.2%} off the stated one."
+    )
+    numbers = [
+        ("bar speed", f"{found.speed.value:.5g} m/s"),
+        ("standard error", NONE if math.isnan(found.speed.error) else f"{found.speed.error:.2g} m/s"),
+        ("length", f"{found.length.value * 1e3:.5g} mm"),
+        ("attenuation", f"{found.attenuation.value:.3g} 1/m"),
+    ]
+    body = Section("Result", _ECHOES, [*echo_tables(solution), *pictures])
+    return _page(solution, text, "Report of a bar calibrated by its echoes", words, (numbers, body))
+
+
+def _page(
+    solution: SplitBarSolution | EchoSolution,
+    text: str,
+    kicker: str,
+    summary: str,
+    shown: tuple[list[tuple[str, str]], Section],
+) -> str:
+    numbers, body = shown
+    broken = [notice.code for notice in solution.warnings if notice.broken]
+    many = len(solution.warnings)
+    status = (
+        Tag("stated limit broken: " + ", ".join(broken), "bad") if broken else Tag("no stated limit broken", "good")
+    )
+    if many and not broken:
+        status = Tag(f"no stated limit broken; {many} warning{'s' if many > 1 else ''}", "warned")
+    digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+    files: list[list[Cell]] = [[name, value] for name, value in solution.digests.items()]
+    again = Section(
+        "How to run this again",
+        f"This command gives the same numbers again with strikewave {__version__}; case.toml is the text below.",
+        [
+            Table("Files read", ["file", "SHA-256"], files),
+            Code("strikewave hopkinson case.toml"),
+            Code(text, "The whole set-up, case.toml"),
+        ],
+    )
+    as_case: Any = solution.case.setup
+    as_solution: Any = solution
+    sections = [
+        body,
+        chapters.inputs(as_case),
+        chapters.warnings(as_solution),
+        chapters.sources(as_solution),
+        again,
+    ]
+    name = solution.case.setup.name
+    head = Head(
+        title=solution.title,
+        kicker=kicker,
+        subject="Set-up",
+        name=name,
+        digest=digest,
+        status=status,
+        summary=summary,
+        numbers=numbers,
+        foot=f"set-up {name} · SHA-256 of its text {digest}",
+    )
+    return whole_page(head, sections)
+
+
+def _figure(draw: Callable[[Any], None], wide: bool = False) -> Figure:
+    from matplotlib.figure import Figure
+
+    from strikewave.figures.pulses import HALF, WHOLE
+
+    figure = Figure(figsize=WHOLE if wide else HALF, layout="constrained")
+    draw(figure.add_subplot())
+    return figure

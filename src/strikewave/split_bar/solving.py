@@ -1,0 +1,207 @@
+"""Set-up in, solution out: read the gauges, find the pulses, reduce them, check them."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterable, Iterator
+
+from strikewave.errors import InputError
+from strikewave.hopkinson import (
+    Bar,
+    Elastic,
+    Pulses,
+    Reduction,
+    Specimen,
+    align,
+    energy,
+    equilibrium,
+    find_pulses,
+    momentum,
+    reduce,
+    striker_check,
+)
+from strikewave.hopkinson.checks import Equilibrium, Momentum, StrikerCheck
+from strikewave.hopkinson.echoes import Echoes, calibrate_bar
+from strikewave.records.finding import Finding
+from strikewave.solution import Notice
+from strikewave.split_bar.building import build_bar, build_specimen, build_striker, build_trace, gauge_file
+from strikewave.split_bar.echoes import EchoSolution
+from strikewave.split_bar.reading import SplitBarCase
+from strikewave.split_bar.solution import SplitBarSolution
+from strikewave.split_bar.tables import GaugeTable, LimitsTable
+
+MISMATCH = 0.005
+"""Share by which stated density, modulus and speed may disagree without a word."""
+STRIKER_MISMATCH = 0.05
+"""Share by which the incident pulse may differ from what its striker should make without a word."""
+LATE_SHARE = 0.2
+"""Share of the rise time by which a wave may be late at the specimen without a word."""
+UNIFORM = 0.05
+"""Share of the mean force below which the difference of the forces counts as equilibrium."""
+
+
+def run_split_bar(case: SplitBarCase) -> SplitBarSolution | EchoSolution:
+    """Reduce the shot of a set-up, or calibrate its bar by echoes where there is no specimen.
+
+    Raises
+    ------
+    InputError
+        If files, channels, units or pulses cannot be used.
+    """
+    return _calibrate(case) if case.setup.is_calibration else _reduce(case)
+
+
+def _reduce(case: SplitBarCase) -> SplitBarSolution:
+    setup = case.setup
+    incident, transmitted = setup.bar.incident, setup.bar.transmitted
+    assert transmitted is not None
+    assert setup.specimen is not None
+    first, constants = build_bar(incident, "bar.incident")
+    second, others = build_bar(transmitted, "bar.transmitted", incident)
+    bars, specimen = (first, second), build_specimen(setup.specimen)
+    gauges = ((incident.gauge, "bar.incident.gauge"), (transmitted.gauge, "bar.transmitted.gauge"))
+    traces, findings = [], []
+    for (gauge, path), bar in zip(gauges, bars, strict=True):
+        trace, said = build_trace(case, gauge, path, bar)
+        traces.append(trace)
+        findings += said
+    pulses = find_pulses(traces[0], traces[1], bars)
+    waves = align(pulses, bars, setup.solver.dispersion, setup.solver.alignment, specimen.transit or 0.0)
+    reduction = reduce(waves, bars, specimen)
+    alike, impulses = equilibrium(reduction, UNIFORM), momentum(reduction)
+    striker = build_striker(setup, bars[0])
+    checked = None if striker is None else striker_check(pulses, reduction, striker)
+    notices = [
+        *_reading_notices(findings),
+        *_constant_notices({"incident": constants, "transmitted": others}),
+        *_alignment_notices(reduction, pulses),
+        *_balance_notices(alike, impulses, setup.limits),
+        *_striker_notices(checked),
+    ]
+    return SplitBarSolution(
+        case=case,
+        pulses=pulses,
+        reduction=reduction,
+        equilibrium=alike,
+        momentum=impulses,
+        energy=energy(reduction),
+        striker=striker,
+        striker_check=checked,
+        constants={"incident": constants, "transmitted": others},
+        digests=digests(case, [gauge for gauge, _ in gauges]),
+        warnings=tuple(notices),
+        citations=_citations(setup.solver.dispersion, ["kolsky-1963", "gray-2000", "maeda-1985", *_theory(specimen)]),
+    )
+
+
+def _calibrate(case: SplitBarCase) -> EchoSolution:
+    setup = case.setup
+    table = setup.bar.incident
+    bar, constants = build_bar(table, "bar.incident")
+    trace, findings = build_trace(case, table.gauge, "bar.incident.gauge", bar)
+    found = calibrate_bar(trace, bar, setup.echoes.way, int(setup.echoes.skip.si), setup.solver.dispersion)
+    notices = [*_reading_notices(findings), *_constant_notices({"incident": constants}), *_echo_notices(found, bar)]
+    return EchoSolution(
+        case=case,
+        bar=bar,
+        echoes=found,
+        digests=digests(case, [table.gauge]),
+        warnings=tuple(notices),
+        citations=_citations(setup.solver.dispersion, ["bacon-1998", "maeda-1985"]),
+    )
+
+
+def digests(case: SplitBarCase, gauges: Iterable[GaugeTable]) -> dict[str, str]:
+    """Return the SHA-256 of the files of gauges, by their names in the set-up."""
+    found = {}
+    for gauge in gauges:
+        try:
+            with gauge_file(case, gauge).open("rb") as file:
+                found[gauge.file] = hashlib.file_digest(file, "sha256").hexdigest()
+        except OSError as error:
+            raise InputError("FILE", gauge.file, "a file that can be read", error.strerror or "") from None
+    return found
+
+
+def _citations(theory: str, others: list[str]) -> tuple[str, ...]:
+    return tuple(others if theory == "none" else [*others, "follansbee-frantz-1983"])
+
+
+def _theory(specimen: Specimen) -> list[str]:
+    """Return the sources of the theory of equilibrium, where the specimen's impedance is known."""
+    return [] if specimen.transit is None else ["yang-shim-2005", "ravichandran-subhash-1994"]
+
+
+def _reading_notices(findings: Iterable[Finding]) -> Iterator[Notice]:
+    for finding in findings:
+        if finding.severity != "good":
+            yield Notice(f"record-{finding.code}", finding.message, float(finding.value), 0.0)
+
+
+def _constant_notices(constants: dict[str, Elastic]) -> Iterator[Notice]:
+    for name, one in constants.items():
+        if abs(one.mismatch) > MISMATCH:
+            message = (
+                f"the modulus stated for the {name} bar differs by {one.mismatch:+.1%} from rho c^2 = "
+                f"{one.modulus / 1e9:.4g} GPa of its density and speed, which is used"
+            )
+            yield Notice("constants-disagree", message, one.mismatch, MISMATCH)
+
+
+def _alignment_notices(reduction: Reduction, pulses: Pulses) -> Iterator[Notice]:
+    waves, samples = reduction.waves, pulses.rise / pulses.step
+    if waves.beyond:
+        message = (
+            f"alignment by {waves.method} would move a wave by more than the {waves.window * 1e6:.3g} us rise of the "
+            "incident pulse: geometry is kept; look at distances and speeds"
+        )
+        yield Notice("alignment-refused", message, waves.window, waves.window)
+    late = max(waves.late_balance, key=abs)
+    if waves.method == "geometric" and abs(late) > LATE_SHARE * waves.window:
+        message = (
+            f"by the balance of forces the reflected wave is {waves.late_balance[0] * 1e6:+.3g} us and the transmitted "
+            f"{waves.late_balance[1] * 1e6:+.3g} us late at the specimen, of a rise of {waves.window * 1e6:.3g} us: is "
+            "a gauge distance or a bar speed off?"
+        )
+        yield Notice("waves-late", message, late, LATE_SHARE * waves.window)
+    if samples < 10.0:
+        yield Notice("few-samples", f"the rise of the incident pulse has {samples:.3g} samples", samples, 10.0)
+
+
+def _balance_notices(alike: Equilibrium, impulses: Momentum, limits: LimitsTable) -> Iterator[Notice]:
+    if not alike.misfit <= limits.force_misfit.si:
+        message = (
+            f"the forces on the two faces differ by {alike.misfit:.1%} of their mean while the incident wave lasts"
+        )
+        yield Notice("force-misfit", message, alike.misfit, limits.force_misfit.si, broken=True)
+    if not abs(impulses.closure) <= limits.momentum.si:
+        message = f"impulses do not close: {impulses.closure:+.1%} of the incident one is missing"
+        yield Notice("momentum", message, impulses.closure, limits.momentum.si, broken=True)
+    if math.isnan(alike.since):
+        message = f"the forces never agree to {UNIFORM:.0%} up to the end of the loading"
+        yield Notice("no-equilibrium", message, math.nan, UNIFORM)
+
+
+def _striker_notices(checked: StrikerCheck | None) -> Iterator[Notice]:
+    if checked is None:
+        return
+    pairs = (
+        ("strain", checked.strain, checked.strain_expected, "plateau strain"),
+        ("duration", checked.duration, checked.duration_expected, "width"),
+    )
+    for code, found, expected, words in pairs:
+        off = found / expected - 1.0
+        if abs(off) > STRIKER_MISMATCH:
+            message = f"the {words} of the incident pulse is {off:+.1%} off what the striker should make"
+            yield Notice(f"striker-{code}", message, off, STRIKER_MISMATCH)
+
+
+def _echo_notices(found: Echoes, bar: Bar) -> Iterator[Notice]:
+    off = found.speed.value / bar.speed - 1.0
+    limit = max(MISMATCH, 3.0 * found.speed.error / bar.speed if math.isfinite(found.speed.error) else 0.0)
+    if abs(off) > limit:
+        message = f"the speed by echoes, {found.speed.value:.5g} m/s, is {off:+.2%} off the stated {bar.speed:.5g} m/s"
+        yield Notice("speed-differs", message, off, limit)
+    if found.speed.values < 2:
+        yield Notice("one-pair", "the speed stands on a single pair of passes: it has no error", 1.0, 2.0)

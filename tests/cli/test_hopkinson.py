@@ -1,0 +1,251 @@
+"""``strikewave hopkinson``: a shot and a calibration from set-up to files, and what bad input is told."""
+
+import importlib.util
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+SPEC = importlib.util.spec_from_file_location("bench", Path(__file__).parents[1] / "hopkinson" / "bench.py")
+bench = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(bench)
+
+SETUP = """
+schema = 1
+title = "Elastic <b>shot</b>"
+[bar.incident]
+density = "7800 kg/m^3"
+modulus = {{ value = "210 GPa", provenance = "measured", note = "by echoes" }}
+diameter = "20 mm"
+gauge_distance = "{first} m"
+[bar.incident.gauge]
+file = "shot.csv"
+channel = "incident"
+[bar.transmitted]
+gauge_distance = "{second} m"
+[bar.transmitted.gauge]
+file = "shot.csv"
+channel = "transmitted"
+[specimen]
+length = "{length} m"
+diameter = "12 mm"
+density = "2700 kg/m^3"
+modulus = "70 GPa"
+[striker]
+length = "{striker} m"
+[solver]
+dispersion = "none"
+"""
+
+
+@pytest.fixture(scope="module")
+def record():
+    """Bars, specimen and the text of a record of an elastic shot."""
+    bars, specimen, traces, _ = bench.bench()
+    columns = np.column_stack([1e6 * traces[0].time, *(1e6 * t.strain for t in traces)])
+    lines = ["time [us],incident [ustrain],transmitted [ustrain]"]
+    lines += [",".join(f"{value:.9g}" for value in row) for row in columns]
+    return bars, specimen, "\n".join(lines) + "\n"
+
+
+@pytest.fixture
+def shot(record, tmp_path):
+    bars, specimen, text = record
+    (tmp_path / "shot.csv").write_text(text)
+    striker = 90e-6 * bars[0].speed / 2.0
+    made = SETUP.format(
+        first=bars[0].gauge_distance, second=bars[1].gauge_distance, length=specimen.length, striker=striker
+    )
+    (tmp_path / "shot.toml").write_text(made)
+    return "shot.toml"
+
+
+def test_json_has_the_modulus_of_the_specimen_and_writes_nothing(strikewave, shot, tmp_path):
+    """The numbers of tests/hopkinson/test_reduction.py, through file, units and command."""
+    code, out, err = strikewave("hopkinson", shot, "--json")
+    document = json.loads(out)
+    assert code == 0, err
+    assert {"schema", "version", "units", "warnings"} <= set(document)
+    curve, time = document["curves"]["3-wave"], np.array(document["time"])
+    plateau = (time > 40e-6) & (time < 85e-6)
+    ratio = np.array(curve["stress"])[plateau] / np.array(curve["strain"])[plateau]
+    assert ratio == pytest.approx(70e9, rel=2e-4)
+    assert abs(document["momentum"]["closure"]) < 1e-4
+    assert document["striker"]["duration"] == pytest.approx(document["striker"]["duration_expected"], abs=2e-7)
+    assert document["striker"]["strain_expected"] is None
+    assert document["inputs"]["bar.incident.modulus"]["provenance"] == "measured"
+    assert document["bars"]["transmitted"]["derived"] == "speed"
+    assert sorted(os.listdir(tmp_path)) == ["shot.csv", "shot.toml"]
+
+
+def test_files_are_whole_and_the_saved_case_gives_them_again(strikewave, shot, tmp_path):
+    code, out, err = strikewave("hopkinson", shot)
+    assert code == 0, err
+    assert "3-wave" in out
+    folder = tmp_path / "out" / "shot"
+    names = ["case.toml", "pulses.csv", "reduction.csv", "reduction.nc", "report.html", "summary.svg"]
+    assert sorted(os.listdir(folder)) == names
+    page = (folder / "report.html").read_text("utf-8")
+    assert "<b>shot</b>" not in page
+    assert "&lt;b&gt;shot&lt;/b&gt;" in page
+    assert "<script" not in page
+    assert (folder / "reduction.csv").read_text().splitlines()[0].startswith("time [s],incident strain [1]")
+    before = (folder / "reduction.csv").read_bytes()
+    code, _, err = strikewave("hopkinson", folder, "--out", "again")
+    assert code == 0, err
+    assert (tmp_path / "again" / "reduction.csv").read_bytes() == before
+    import xarray
+
+    with xarray.open_dataset(folder / "reduction.nc", engine="h5netcdf") as data:
+        assert data["first_force"].attrs["units"] == "N"
+        assert list(data["analysis"].values) == ["1-wave", "2-wave", "3-wave"]
+
+
+def test_a_result_of_other_data_is_not_replaced_without_force(strikewave, shot, tmp_path):
+    assert strikewave("hopkinson", shot, "--out", "kept")[0] == 0
+    assert strikewave("hopkinson", shot, "--out", "kept")[0] == 0
+    text = (tmp_path / "shot.csv").read_text()
+    (tmp_path / "shot.csv").write_text(text.rstrip("\n").rpartition("\n")[0] + "\n")
+    assert strikewave("hopkinson", shot, "--out", "kept")[0] == 2
+    assert strikewave("hopkinson", shot, "--out", "kept", "--force")[0] == 0
+
+
+def test_a_broken_limit_is_told_and_exits_with_3(strikewave, shot):
+    """A transmitted bar of half the stiffness makes half the force: impulses miss by half."""
+    code, out, err = strikewave("hopkinson", shot, "--json", "--set", "bar.transmitted.modulus=105 GPa")
+    assert code == 2
+    assert "two of density, modulus and speed" in err
+    changes = ("--set", "bar.transmitted.density=3900 kg/m^3", "--set", "bar.transmitted.modulus=1.05e11")
+    code, out, err = strikewave("hopkinson", shot, "--json", *changes)
+    assert code == 3, err
+    codes = {warning["code"] for warning in json.loads(out)["warnings"]}
+    assert {"force-misfit", "momentum"} <= codes
+
+
+def test_a_voltage_with_its_bridge_is_the_same_strain(strikewave, shot, record, tmp_path):
+    """Volts made by the arms of two opposite gauges, x/(2 + x), with an offset; strain back to 1e-9 of the plateau."""
+    bars, _, text = record
+    rows = [line.split(",") for line in text.splitlines()[1:]]
+    lines = ["time [us],incident [V],transmitted [V]"]
+    for time, *strains in rows:
+        arms = [-2.0e-6 * float(s) for s in strains]
+        lines.append(",".join([time, *(f"{0.3 + 800.0 * x / (2.0 + x):.15g}" for x in arms)]))
+    plain = json.loads(strikewave("hopkinson", shot, "--json")[1])
+    (tmp_path / "shot.csv").write_text("\n".join(lines) + "\n")
+    changes = []
+    for bar in ("incident", "transmitted"):
+        gauge = {"bridge": "half", "gauge_factor": "2", "excitation": "8 V", "gain": "100"}
+        changes += [part for key, value in gauge.items() for part in ("--set", f"bar.{bar}.gauge.{key}={value}")]
+    volts = json.loads(strikewave("hopkinson", shot, "--json", *changes)[1])
+    stress = [np.array(one["curves"]["1-wave"]["stress"]) for one in (plain, volts)]
+    assert stress[1] == pytest.approx(stress[0], abs=1e-7 * stress[0].max())
+    assert bars[0].stiffness > 0.0
+
+
+def test_a_clipped_gauge_is_told(strikewave, shot, tmp_path, rng):
+    """Noise on all samples, and an amplifier that ends at 60 % of the plateau."""
+    lines = (tmp_path / "shot.csv").read_text().splitlines()
+    rows = [[float(cell) for cell in line.split(",")] for line in lines[1:]]
+    top = max(row[1] for row in rows)
+    made = [
+        f"{t},{min(i + 0.05 * rng.standard_normal(), 0.6 * top)},{o + 0.05 * rng.standard_normal()}" for t, i, o in rows
+    ]
+    (tmp_path / "shot.csv").write_text("\n".join([lines[0], *made]) + "\n")
+    code, out, err = strikewave("hopkinson", shot, "--json")
+    assert code == 3, err  # the incident impulse is missing
+    told = [w["message"] for w in json.loads(out)["warnings"] if w["code"] == "record-clipped"]
+    assert len(told) == 1
+    assert "bar.incident.gauge" in told[0]
+
+
+def test_a_bar_alone_is_calibrated_by_its_echoes(strikewave, tmp_path):
+    """A free bar of 1 m, 5000 m/s, in delay lines, stated 1 % too fast: the speed found, and a warning."""
+    from strikewave.waves import End, Layer, Pulse, Stack, Tap, Wanted, run_bar
+
+    layer = Layer("bar", 8000.0, 2e11, 1e-4, 1.0)
+    run = run_bar(
+        Stack((layer,), (), End("free")), Pulse("sine-squared", 1e3, 20e-6), [Tap(0, 0.5)], 1.5e-3, Wanted(step=1e-7)
+    )
+    strain = np.concatenate([np.zeros(200), run.force[:, 0] / 2e7])
+    lines = ["time [us],gauge [strain]", *(f"{0.1 * k:.10g},{e:.9g}" for k, e in enumerate(strain))]
+    (tmp_path / "echo.csv").write_text("\n".join(lines) + "\n")
+    (tmp_path / "echo.toml").write_text(
+        'schema = 1\n[bar.incident]\ndensity = "8000 kg/m^3"\nspeed = "5050 m/s"\ndiameter = "11.28 mm"\n'
+        'gauge_distance = "500 mm"\n[bar.incident.gauge]\nfile = "echo.csv"\n[solver]\ndispersion = "none"\n'
+    )
+    code, out, err = strikewave("hopkinson", "echo.toml", "--json")
+    document = json.loads(out)
+    assert code == 0, err
+    assert document["speed"]["value"] == pytest.approx(5000.0, rel=1e-6)
+    assert document["length"]["value"] == pytest.approx(1.0, rel=1e-6)
+    assert [w["code"] for w in document["warnings"]] == ["speed-differs"]
+    code, out, err = strikewave("hopkinson", "echo.toml", "--out", "echo")
+    assert code == 0, err
+    assert "bar speed (m/s)" in out
+    names = ["case.toml", "echoes.csv", "echoes.nc", "report.html", "summary.svg"]
+    assert sorted(os.listdir(tmp_path / "echo")) == names
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ("bar.incident.gauge_distance=0 m", "above 0"),
+        ("bar.incident.gauge_distance=20 mm", "overlap"),
+        ("bar.incident.gauge_distance=9 km", "record"),
+        ("bar.incident.gauge.channel=3", "channel"),
+        ("bar.incident.gauge.channel=transmitted", "swapped|record|overlap"),
+        ("bar.incident.gauge.file=nothing.csv", "exists"),
+        ("bar.incident.gauge.unit=N", "strain"),
+        ("bar.incident.gauge.unit=V", "strain_per_volt"),
+        ("bar.incident.lenght=1 m", "length"),
+        ("specimen.density=2 g", "gram"),
+        ("solver.dispersion=love", "love-rayleigh"),
+        ("solver.alignment=onsets", "onset"),
+        ("limits.momentum=0", "above"),
+        ("schema=2", "schema"),
+        ("nonsense", "path=value"),
+    ],
+)
+def test_bad_input_is_told_in_one_line_with_exit_2(strikewave, shot, change, told):
+    import re
+
+    code, out, err = strikewave("hopkinson", shot, "--json", "--set", change)
+    assert code == 2, (out[:200], err)
+    assert out == ""
+    assert re.search(told, err), err
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "schema = 1", "schema = 1\n[bar", "schema = 1\nbar = 3", "\x00\x01", "a." * 5000 + "a = 1", "schema = true"],
+)
+def test_broken_set_ups_are_told(strikewave, tmp_path, text):
+    (tmp_path / "bad.toml").write_text(text)
+    code, out, err = strikewave("hopkinson", "bad.toml")
+    assert code == 2
+    assert out == ""
+    assert "Traceback" not in err
+    assert os.listdir(tmp_path) == ["bad.toml"]
+
+
+def test_bars_and_specimen_must_go_together(strikewave, shot, tmp_path):
+    text = (tmp_path / shot).read_text()
+    begin, end = text.index("[specimen]"), text.index("[striker]")
+    (tmp_path / shot).write_text(text[:begin] + text[end:])
+    code, _, err = strikewave("hopkinson", shot)
+    assert code == 2
+    assert "[specimen] between two bars" in err
+
+
+def test_set_ups_of_the_docs_are_read():
+    """Every TOML block of docs/hopkinson.md is a set-up that the command takes."""
+    import re
+
+    from strikewave.split_bar import parse_setup
+
+    text = (Path(__file__).parents[2] / "docs" / "hopkinson.md").read_text("utf-8")
+    blocks = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    assert [parse_setup(block).setup.is_calibration for block in blocks] == [False, True]

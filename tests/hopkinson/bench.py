@@ -1,0 +1,49 @@
+"""Independent split-Hopkinson records: delay lines for bar, specimen and bar, and dispersive ones made in frequency."""
+
+import math
+
+import numpy as np
+
+from strikewave.hopkinson import Bar, Specimen, Trace
+from strikewave.waves import BONDED, End, Layer, Pulse, Stack, Tap, Wanted, run_bar
+from strikewave.waves.dispersion import wave_number
+
+STEEL = {"density": 7800.0, "modulus": 210e9}
+STEP = 1e-7
+"""Every transit below is a whole number of these, so that delay lines carry the waves without error."""
+
+
+def whole(transits, speed):
+    """Return the length that a wave passes in so many steps."""
+    return transits * STEP * speed
+
+
+def bench(modulus=70e9, rise=10e-6, transits=20, diameter=0.012):
+    """Return bars, elastic specimen and both traces of a test with a trapezoid of 500 N that lasts 100 us.
+
+    The incident bar is 500 us long with its gauge 150 us before the specimen, the other gauge is 100 us behind it.
+    """
+    speed = math.sqrt(STEEL["modulus"] / STEEL["density"])
+    bars = (
+        Bar(**STEEL, diameter=0.02, gauge_distance=whole(1500, speed), length=whole(5000, speed)),
+        Bar(**STEEL, diameter=0.02, gauge_distance=whole(1000, speed), length=whole(5000, speed)),
+    )
+    density = 2700.0
+    specimen = Specimen(whole(transits, math.sqrt(modulus / density)), 0.25 * math.pi * diameter**2, density, modulus)
+    layers = (
+        Layer("incident", **STEEL, area=bars[0].area, length=bars[0].length),
+        Layer("specimen", density, modulus, specimen.area, specimen.length),
+        Layer("transmitted", **STEEL, area=bars[1].area, length=bars[1].length),
+    )
+    stack = Stack(layers, (BONDED, BONDED), End("matched"))
+    taps = [Tap(0, 0.7), Tap(2, 0.2), Tap(1, 0.0), Tap(1, 1.0)]
+    run = run_bar(stack, Pulse("trapezoid", 500.0, 100e-6, rise), taps, 900e-6, Wanted(step=STEP))
+    traces = tuple(Trace(run.force[:, k] / bar.stiffness, STEP, -50e-6) for k, bar in enumerate(bars))
+    return bars, specimen, traces, run
+
+
+def travelled(values, step, distance, bar):
+    """Return a wave after a distance in a dispersive bar, delay included, by the transform of the whole record."""
+    w = 2.0 * np.pi * np.fft.rfftfreq(values.size, step)
+    turn = np.exp(-1j * np.asarray(wave_number(w, bar.rod)) * distance)
+    return np.fft.irfft(np.fft.rfft(values) * turn, values.size)

@@ -1,0 +1,106 @@
+"""An accelerometer on a bar end: closed forms for free end and rigid disk, waves in an elastic one."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from strikewave.hopkinson import Bar
+from strikewave.hopkinson.bar_end import compare_sensor, elastic_disk, free_end, rigid_disk
+from strikewave.waves import Layer
+
+BAR = Bar(2700.0, 70e9, 0.02, 1.0)
+STEP = 1e-7
+TIME = STEP * np.arange(2000)
+PULSE = 4e-4 * np.sin(np.pi * np.clip(TIME / 80e-6, 0.0, 1.0)) ** 2
+
+
+def test_free_end_moves_twice_as_fast_as_the_wave():
+    """v = 2 c e; a by central differences, whose error is step^2/6 times the third derivative."""
+    motion = free_end(PULSE, STEP, BAR)
+    assert motion.velocity == pytest.approx(2.0 * BAR.speed * PULSE, rel=1e-15)
+    w = 2.0 * np.pi / 80e-6
+    inside = TIME < 79e-6
+    exact = 2.0 * BAR.speed * 4e-4 * 0.5 * w * np.sin(w * TIME)
+    bound = BAR.speed * 4e-4 * w**3 * STEP**2 / 6.0
+    assert np.abs(motion.acceleration - exact)[inside][1:].max() <= bound * (1 + 1e-6)
+
+
+@pytest.mark.parametrize("mass", [1e-3, 0.05, 1.0])
+def test_rigid_disk_under_a_sine_squared_pulse(mass):
+    """m dv/dt = 2 F - Z v has the closed form of a first-order low-pass; straight samples err by step^2 F''/8."""
+    w, tau = 2.0 * np.pi / 80e-6, mass / BAR.impedance
+    inside = TIME <= 80e-6
+    t = TIME[inside]
+    gain = 1.0 / (1.0 + (w * tau) ** 2)
+    steady = 0.5 * (1.0 - gain * (np.cos(w * t) + w * tau * np.sin(w * t)))
+    exact = 2.0 * BAR.speed * 4e-4 * (steady - 0.5 * (1.0 - gain) * np.exp(-t / tau))
+    motion = rigid_disk(PULSE, STEP, BAR, mass)
+    bound = 2.0 * BAR.speed * 4e-4 * (w * STEP) ** 2 / 16.0
+    assert np.abs(motion.velocity[inside] - exact).max() < 1.01 * bound
+    assert motion.force == pytest.approx(mass * motion.acceleration, rel=1e-14)
+
+
+def test_rigid_disk_transfer_in_frequency():
+    """2/(1 + s m/Z) of F/Z at s = i w: amplitude and phase of the steady state, 1e-6."""
+    mass, frequency = 0.02, 20e3
+    w = 2.0 * math.pi * frequency
+    time = STEP * np.arange(40_000)
+    motion = rigid_disk(1e-4 * np.sin(w * time), STEP, BAR, mass)
+    late = time > 30.0 * mass / BAR.impedance + 1e-3
+    basis = np.column_stack([np.sin(w * time[late]), np.cos(w * time[late])])
+    inphase, across = np.linalg.lstsq(basis, motion.velocity[late], rcond=None)[0]
+    transfer = 2.0 * BAR.speed * 1e-4 / (1.0 + 1j * w * mass / BAR.impedance)
+    assert inphase + 1j * across == pytest.approx(transfer, rel=3e-5)  # (w step)^2/12 = 1.3e-5 of straight samples
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.01, 0.005])
+def test_an_elastic_disk_becomes_rigid_as_its_transit_shrinks(ratio):
+    """The delay between faces and ringing go with the square of transit over pulse: velocity within (2 ratio)^2."""
+    transit = ratio * 80e-6
+    mass = 0.02
+    speed = 0.005 / transit
+    density = mass / (BAR.area * 0.005)
+    disk = Layer("disk", density, density * speed**2, BAR.area, 0.005)
+    soft, hard = elastic_disk(PULSE, STEP, BAR, disk), rigid_disk(PULSE, STEP, BAR, mass)
+    assert np.abs(soft.velocity - hard.velocity).max() / hard.velocity.max() < (4.0 * ratio) ** 2 + 2e-5
+
+
+def test_a_disk_of_the_bar_itself_is_a_free_end_one_transit_later():
+    """The same material and area: v = 2 c e after the transit of the disk, to the step of the delay lines."""
+    disk = Layer("disk", BAR.density, BAR.modulus, BAR.area, 40 * STEP * BAR.speed)
+    motion = elastic_disk(PULSE, STEP, BAR, disk)
+    late = np.interp(TIME - 40 * STEP, TIME, 2.0 * BAR.speed * PULSE, left=0.0)
+    assert np.abs(motion.velocity - late).max() < 1e-5 * late.max()
+    inside = (TIME > 1e-6) & (TIME < 3.9e-6)
+    assert motion.force[inside] == pytest.approx((BAR.stiffness * PULSE)[inside], rel=1e-6, abs=1e-2)
+
+
+@given(st.floats(0.1, 10.0), st.floats(-20.0, 20.0), st.sampled_from([1.0, -1.0]))
+def test_sensitivity_and_delay_of_a_sensor_are_found(gain, samples, sign):
+    """A reading that is the reference times a gain and later by any part of a step: 1e-3 of a step, 1e-6 of the gain."""
+    t = np.arange(1500.0)
+
+    def pulse(at):
+        return np.exp(-(((at - 600.0) / 60.0) ** 2)) * np.sin(at / 40.0)
+
+    found = compare_sensor(sign * gain * pulse(t - samples), pulse(t), 1e-6)
+    assert found.delay == pytest.approx(samples * 1e-6, abs=2e-9)
+    assert found.sensitivity == pytest.approx(sign * gain, rel=1e-5)
+
+
+@pytest.mark.parametrize("bad", [[], [1.0], [np.nan, 1.0], [[1.0, 2.0]]])
+def test_histories_that_are_none_are_refused(bad):
+    with pytest.raises(ValueError, match="history"):
+        free_end(bad, STEP, BAR)
+    with pytest.raises(ValueError, match="history"):
+        rigid_disk(bad, STEP, BAR, 1.0)
+    with pytest.raises(ValueError, match=r"history|same"):
+        compare_sensor(bad, [1.0, 2.0], STEP)
+
+
+def test_a_disk_without_mass_is_refused():
+    with pytest.raises(ValueError, match="mass"):
+        rigid_disk(PULSE, STEP, BAR, 0.0)

@@ -1,0 +1,87 @@
+"""Equilibrium of an elastic specimen: the closed form, the sum of echoes, and delay lines, which know neither."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from strikewave.hopkinson import face_forces, stress_difference, transits_to_uniform
+from strikewave.waves import BONDED, End, Layer, Pulse, Stack, Tap, Wanted, run_bar
+
+BETAS = (0.05, 0.2, 0.5, 0.9, 1.0, 1.7, 4.0)
+
+
+def delay_line_faces(beta, shape, rise=0.0, transits=12):
+    """Return times over t0 and the forces on both faces of a specimen between two bars, by delay lines."""
+    per, step = 20, 1e-8
+    bar = Layer("bar", 1.0, 1.0, 1.0, 10 * step)
+    specimen = Layer("specimen", 1.0, 1.0, beta, per * step)
+    after = Layer("after", 1.0, 1.0, 1.0, 10 * step)
+    long = Layer("before", 1.0, 1.0, 1.0, (transits + 4) * per * step)
+    stack = Stack((long, bar, specimen, after), (BONDED,) * 3, End("matched"))
+    load = Pulse(shape, 1.0, 1.0, rise) if shape == "trapezoid" else Pulse(shape, 1.0, 1.0)
+    begin = (transits + 4) * per + 10
+    run = run_bar(stack, load, [Tap(2, 0.0), Tap(2, 1.0)], (begin + transits * per + 2) * step, Wanted(step=step))
+    time = (np.arange(run.time.size) - begin) / per
+    keep = (time > 0.0) & (time < transits)
+    return time[keep], run.force[keep, 0], run.force[keep, 1]
+
+
+@pytest.mark.parametrize("beta", BETAS)
+def test_alpha_of_a_step_against_delay_lines(beta):
+    """alpha_k in the middle of each transit; 1e-12: the delay lines add and multiply, nothing else."""
+    time, first, second = delay_line_faces(beta, "rectangle")
+    middle = np.isclose(time % 1.0, 0.5)
+    alpha = np.abs(2.0 * (first - second) / (first + second))[middle]
+    assert alpha == pytest.approx(stress_difference(beta, np.arange(1, alpha.size + 1)), abs=1e-12)
+
+
+@pytest.mark.parametrize("beta", BETAS)
+@pytest.mark.parametrize("rise", [0.7, 2.0, 5.0])
+def test_forces_under_a_straight_rise_against_delay_lines(beta, rise):
+    """The sum of echoes is the exact solution: 1e-12."""
+    time, first, second = delay_line_faces(beta, "trapezoid", rise * 20e-8)
+    faces = face_forces(beta, time, rise)
+    assert faces.first == pytest.approx(first, abs=1e-12)
+    assert faces.second == pytest.approx(second, abs=1e-12)
+
+
+@given(st.floats(1e-3, 1e3), st.integers(1, 200))
+def test_closed_form_in_its_printed_shape(beta, k):
+    """2 beta (1-beta)^(k-1)/[(1+beta)^k - (1-beta)^(k-1)] in whole numbers of a fraction, which cannot cancel."""
+    from fractions import Fraction
+
+    b = Fraction(beta)
+    exact = 2 * b * (1 - b) ** (k - 1) / ((1 + b) ** k - (1 - b) ** (k - 1))
+    assert float(stress_difference(beta, k)) == pytest.approx(abs(float(exact)), rel=1e-10, abs=1e-290)
+
+
+def test_first_transit_is_2_and_equal_impedances_are_done_after_one():
+    assert stress_difference(BETAS, 1) == pytest.approx([2.0] * len(BETAS), rel=1e-14)
+    assert float(stress_difference(1.0, 2)) < 1e-299
+    assert transits_to_uniform(1.0) == 1.0
+
+
+@pytest.mark.parametrize("beta", [0.05, 0.2, 0.5, 0.9, 4.0])
+def test_transits_to_uniform_of_a_step_is_where_the_closed_form_falls_below(beta):
+    k = np.arange(1, 200)
+    first = int(k[stress_difference(beta, k) < 0.05][0])
+    assert transits_to_uniform(beta) == first - 1.0
+
+
+def test_a_slow_rise_makes_the_difference_small_but_keeps_it_longer():
+    """Under a rise of 20 transits forces differ by about t0/t while it lasts: less than a step at first, then 5 % at 20.
+
+    F1 leads F2 by one transit: alpha is about 1/(t - 1/2) in the rise of a matched specimen.
+    """
+    alpha = face_forces(1.0, [4.5, 10.5], 20.0).alpha
+    assert alpha == pytest.approx([1.0 / 4.0, 1.0 / 10.0], rel=1e-12)
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, math.inf])
+def test_an_impedance_ratio_that_cannot_be_is_refused(bad):
+    for call in (lambda: stress_difference(bad, 1), lambda: face_forces(bad, [1.0]), lambda: transits_to_uniform(bad)):
+        with pytest.raises(ValueError, match="beta"):
+            call()
