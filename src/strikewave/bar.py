@@ -10,14 +10,15 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.build import build_channels, build_load, build_stack, build_taps, check_route, wanted
-from strikewave.build.stack import checked, fitted_losses, need
+from strikewave.build.losses import Loss, fitted_losses
+from strikewave.build.stack import checked, need
 from strikewave.case import Case, dump_case
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
@@ -46,16 +47,6 @@ if TYPE_CHECKING:
     import xarray
 
 Array = NDArray[np.float64]
-
-
-class Loss(NamedTuple):
-    """Where a stack loses energy: the loss factor asked for, by how much of it it is missed at most, the band, Hz."""
-
-    where: str
-    loss_factor: float
-    error: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -150,7 +141,7 @@ class BarSolution:
     @property
     def losses(self) -> tuple[Loss, ...]:
         """Where the stack loses energy, and how well the loss factor is held over its band."""
-        return tuple(Loss(where, eta, fit.error, *fit.band) for where, eta, fit in fitted_losses(self.case))
+        return fitted_losses(self.case)
 
     def joints(self) -> list[dict[str, Any]]:
         """Return the joints that can open, and when they opened and closed, s."""

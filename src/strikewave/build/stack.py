@@ -98,21 +98,22 @@ def _layer(table: LayerTable, dispersion: Theory) -> Layer:
         matter.row.yield_strength if matter.row else None,
         ratio,
         table.speed.si if table.speed else 0.0,
-        _layer_loss(table, path),
+        layer_loss(table, path),
         dispersion,
     )
 
 
-def _layer_loss(table: LayerTable, path: str) -> LossFit | None:
+def layer_loss(table: LayerTable, path: str) -> LossFit | None:
+    """Return the springs and branches of a layer that loses energy, for a modulus of one."""
     if table.loss_factor is None:
         for key in ("band_low", "band_high"):
             if getattr(table, key) is not None:
                 raise InputError(f"{path}.{key}", getattr(table, key).typed, "only with a loss_factor", "add it")
         return None
-    return _fitted(table, path, 1.0, table.loss_factor.si) if table.loss_factor.si > 0.0 else None
+    return fitted(table, path, 1.0, table.loss_factor.si) if table.loss_factor.si > 0.0 else None
 
 
-def _fitted(table: LayerTable | JointTable, path: str, stiffness: float, loss_factor: float) -> LossFit:
+def fitted(table: LayerTable | JointTable, path: str, stiffness: float, loss_factor: float) -> LossFit:
     """Return the springs and branches of a loss factor over the band of a table."""
     low, high = (end.si if end else usual for end, usual in ((table.band_low, 1e3), (table.band_high, 1e5)))
     return checked(f"{path}.loss_factor", lambda: fit_loss(stiffness, loss_factor, low, high))
@@ -204,30 +205,8 @@ def _gasket(table: JointTable, path: str, area: float) -> Joint:
         raise InputError(f"{path}.material", MISSING, "a material or a modulus", 'add material = "PTFE"')
     thickness = need(table.thickness, f"{path}.thickness", "a thickness", 'add thickness = "1 mm"')
     stiffness = matter.modulus * area_of(table, path, area) / thickness
-    fit = _fitted(table, path, stiffness, matter.loss_factor or 0.0)
+    fit = fitted(table, path, stiffness, matter.loss_factor or 0.0)
     return Joint(fit.stiffness, branches=fit.branches)
-
-
-def fitted_losses(case: Case) -> list[tuple[str, float, LossFit]]:
-    """Return where a stack loses energy, the loss factor asked for, and the fit that holds it over its band.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> fitted_losses(load_case("li-ma-2019-fig13-bar", ["stack.layer.lower.loss_factor=0.1"]))[0][:2]
-    ('lower', 0.1)
-    """
-    found = []
-    for layer in case.stack.layer:
-        fit = _layer_loss(layer, f"stack.layer.{layer.name}")
-        if fit is not None and layer.loss_factor is not None:
-            found.append((layer.name, layer.loss_factor.si, fit))
-    for joint in case.stack.joint:
-        path = f"stack.joint.{joint.after}"
-        eta = matter_of(joint, path).loss_factor if joint.kind == "gasket" else None
-        if eta:
-            found.append((f"gasket after {joint.after}", eta, _fitted(joint, path, 1.0, eta)))
-    return found
 
 
 def checked(path: str, make: Callable[[], T]) -> T:

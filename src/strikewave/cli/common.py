@@ -14,6 +14,7 @@ import typer
 from strikewave.units import in_unit
 
 if TYPE_CHECKING:
+    from strikewave.build.losses import Loss
     from strikewave.readings import Channel
 
 CaseName = Annotated[
@@ -96,6 +97,15 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], lef
     if not console.is_terminal:
         console.width = int(os.environ.get("COLUMNS", "160")) if os.environ.get("COLUMNS", "160").isdigit() else 160
     console.print(made)
+
+
+def print_fits(losses: Sequence[Loss]) -> None:
+    """Print how well loss factors are held over their bands."""
+    from strikewave.report.wave_chapters import fit_table
+
+    if losses:
+        fits = fit_table(losses)
+        table(fits.caption, fits.columns, [[str(cell) for cell in row] for row in fits.rows])
 
 
 def print_losses(channels: Sequence[Channel]) -> None:

@@ -14,6 +14,7 @@ from strikewave.cli.common import (
     Out,
     fixed,
     number,
+    print_fits,
     print_losses,
     say,
     table,
@@ -107,6 +108,7 @@ def _print(solution: Solution) -> None:
 def _print_waves(solution: Solution) -> None:
     """Print what taps and sensors show of each blow, and the insertion loss of the buffers."""
     from strikewave.build import build_channels
+    from strikewave.build.losses import fitted_losses
 
     found = [(blow, reading) for blow, reading in zip(solution.blows, solution.readings, strict=True) if reading]
     names = [sensor.name for sensor in solution.case.sensor]
@@ -132,6 +134,7 @@ def _print_waves(solution: Solution) -> None:
         )
     table(title, ["#", *waves, *(f"sensor {name} (g)" for name in names)], rows, left=0)
     print_losses(build_channels(solution.case))
+    print_fits(fitted_losses(solution.case))
 
 
 def _header(solution: Solution) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from strikewave.cli.carry_out import Work, carry_out
-from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_losses, say, table
+from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_fits, print_losses, say, table
 
 if TYPE_CHECKING:
     from strikewave.bar import BarSolution
@@ -91,11 +91,9 @@ def _animate(solution: BarSolution, place: Path) -> None:
 def _print(solution: BarSolution) -> None:
     from strikewave.report.wave_chapters import (
         JOINT_HEADS,
-        LOSS_HEADS,
         MOST_LAYERS,
         error_words,
         joint_rows,
-        loss_rows,
         tap_rows,
     )
 
@@ -117,8 +115,7 @@ def _print(solution: BarSolution) -> None:
         more = len(stack.layers) - MOST_LAYERS
         title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
         table(title, ["layer", "asked (mm)", "used (mm)", "steps"], used)
-    if solution.losses:
-        table("Loss of the stack, and how well it is held", LOSS_HEADS, loss_rows(solution))
+    print_fits(solution.losses)
     if solution.joints():
         table("Joints that can open", JOINT_HEADS, joint_rows(solution), left=2)
     if solution.channels:

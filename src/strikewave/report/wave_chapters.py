@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from strikewave.bar import BarSolution
+    from strikewave.build.losses import Loss
     from strikewave.readings import Channel
     from strikewave.solution import Solution, WaveSetup
 
@@ -40,6 +41,15 @@ _ROUTES = (
 
 MOST_LAYERS = 50
 """Layers that a table lists."""
+
+
+def fit_table(losses: Sequence[Loss]) -> Table:
+    """List where energy is lost: loss factor asked for, band, by how much of it it is missed at most."""
+    rows: list[list[Cell]] = [
+        [loss.where, f"{loss.loss_factor:g}", f"{loss.low / 1e3:g} to {loss.high / 1e3:g}", f"{loss.error:.1%}"]
+        for loss in losses
+    ]
+    return Table("How well the loss factors are held", ["where", "loss factor", "band (kHz)", "off by at most"], rows)
 
 
 def layer_table(setup: WaveSetup) -> Table:
@@ -137,7 +147,11 @@ def stack_section(solution: Solution) -> list[Section]:
     tap = next((k for k in range(len(names)) if np.isfinite(waves[:, k]).any()), None)
     if tap is not None and route == "exact":
         sections.append(_run_routes(solution, first, tap, until))
-    sections.append(Section("Accuracy of the waves", _mismatch_words(setup), [layer_table(setup)]))
+    from strikewave.build.losses import fitted_losses
+
+    losses = fitted_losses(solution.case)
+    tables: list[Part] = [layer_table(setup), *([fit_table(losses)] if losses else [])]
+    sections.append(Section("Accuracy of the waves", _mismatch_words(setup), tables))
     return sections
 
 
@@ -329,17 +343,6 @@ def error_words(solution: BarSolution) -> str:
     )
 
 
-def loss_rows(solution: BarSolution) -> list[list[str]]:
-    """List where a stack loses energy: loss factor asked for, band, by how much of it it is missed at most."""
-    return [
-        [loss.where, f"{loss.loss_factor:g}", f"{loss.low / 1e3:g} to {loss.high / 1e3:g}", f"{loss.error:.1%}"]
-        for loss in solution.losses
-    ]
-
-
-LOSS_HEADS = ["where", "loss factor", "band (kHz)", "off by at most"]
-
-
 def joint_rows(solution: BarSolution, most: int = 5) -> list[list[str]]:
     """List the joints that can open, and their first openings and closings."""
 
@@ -422,8 +425,8 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
     words = words[0].upper() + words[1:]
     tables: list[Part] = [] if solution.method == "spectral" else [layer_table(solution.waves)]
     if solution.losses:
-        tables.append(
-            Table("How well the loss factors are held", LOSS_HEADS, [list(row) for row in loss_rows(solution)])
-        )
+        tables.append(fit_table(solution.losses))
+    if solution.joints():
+        tables.append(Table("Joints that can open", JOINT_HEADS, [list(row) for row in joint_rows(solution)]))
     sections.append(Section("Accuracy of the waves", f"{words}.", tables))
     return sections
