@@ -223,6 +223,45 @@ def test_joints_and_ends_that_cannot_be_are_refused(make, words):
         make()
 
 
+@pytest.mark.parametrize(("coefficient", "exponent", "style"), [(200.0, 0.0, "never-pulls"), (3e6, 1.0, "on-approach")])
+def test_a_striker_with_a_damper_on_an_endless_bar(coefficient, exponent, style):
+    """m u' = -F, d' = u - F/Z, F = K d^1.5 + c d^p d' solved for F; second order in the step, first with a jump of F."""
+    K, n, mass, speed = 2e10, 1.5, 0.05, 3.0
+
+    def force_at(d, u):
+        spring, c = K * np.maximum(d, 0.0) ** n, coefficient * np.maximum(d, 0.0) ** exponent
+        damped = (spring + c * u) / (1 + c / Z1)
+        if style == "on-approach":
+            damped = np.where(u - damped / Z1 > 0.0, damped, spring)
+        return np.maximum(damped, 0.0)
+
+    def rates(t, x):
+        f = float(force_at(x[0], x[1]))
+        return [x[1] - f / Z1, -f / mass]
+
+    misses = []
+    for step in (STEP / 2, STEP / 4):
+        contact = Contact(K, n, damper=Damper(coefficient, exponent, style))
+        stack = Stack((timed("bar", Z1),), (), End("matched"))
+        run = run_bar(stack, Impactor(mass, speed, contact), [Tap(0, 0.0)], 6e-5, Wanted(step=step))
+        _, (d, u) = solved(rates, [0.0, speed], 6e-5, step)
+        misses.append(np.abs(run.face_force[1 : len(d)] - force_at(d, u)[1:]).max() / force_at(d, u).max())
+        assert run.momentum_error < 1e-12
+        assert run.energy_lost > 0.0
+    assert misses[0] < 1e-3
+    assert misses[0] / misses[1] > 1.9
+
+
+def test_a_damper_that_pulls_is_refused_where_waves_are():
+    with pytest.raises(ValueError, match="never pulls"):
+        run_bar(
+            Stack((timed("bar", Z1),)),
+            Impactor(0.1, 1.0, Contact(1e9, 1.0, damper=Damper(1.0, style="pulls"))),
+            [Tap(0, 0.0)],
+            1e-4,
+        )
+
+
 def test_a_striker_may_hit_a_stack_with_a_contact_inside():
     """Momentum closes to rounding although three contacts press at once."""
     stack = Stack(

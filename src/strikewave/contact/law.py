@@ -312,15 +312,15 @@ def striking_law(contact: AnyContact) -> Array:
     Raises
     ------
     ValueError
-        If it is none that the waves take.
+        If it is one that pulls.
 
     Examples
     --------
-    >>> striking_law(Contact(1e9, 1.5, damper=Damper(1.0)))
+    >>> striking_law(Contact(1e9, 1.5, damper=Damper(1.0, style="pulls")))
     Traceback (most recent call last):
-    ValueError: a striker on a stack takes a contact with hysteresis, not with a damper
+    ValueError: a striker on a stack takes a damper that never pulls, or one that acts on approach
     """
     row = single(contact)
-    if row[DAMPER]:
-        raise ValueError("a striker on a stack takes a contact with hysteresis, not with a damper")
+    if row[DAMPER] and row[STYLE] == PULLS:
+        raise ValueError("a striker on a stack takes a damper that never pulls, or one that acts on approach")
     return row

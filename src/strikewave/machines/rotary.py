@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, Links
 from strikewave.contact._integrator import Control
+from strikewave.contact._law_kernels import DAMPER
 from strikewave.contact.chain import Link, Spring, Touch, first_depths, first_modes, link_arrays, stored_energy
 from strikewave.contact.law import AnyContact, elastic_indentation, striking_law
 from strikewave.contact.motion import State, integrate
@@ -264,8 +265,8 @@ def run_rotary(
         If the drive cannot hold the set speed.
     """
     disc, feed, place = machine.turntable, machine.feed, Places(machine.strikers.count)
-    if machine.layered is not None:
-        striking_law(machine.strikers.contact)
+    if machine.layered is not None and striking_law(machine.strikers.contact)[DAMPER]:
+        raise ValueError("a machine's striker takes a contact with hysteresis, not with a damper")
     system = rotary_system(machine)
     start = state = start_state(machine, system)
     approach = machine.nominal_approach

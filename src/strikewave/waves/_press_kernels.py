@@ -8,8 +8,15 @@ import numpy as np
 
 from strikewave.compiled import leaf_kernel
 from strikewave.contact._law_kernels import (
+    DAMPER,
+    DAMPER_EXPONENT,
+    ON_APPROACH,
     STIFFNESS,
+    STYLE,
     YIELD_LOAD,
+    base_force,
+    base_slope,
+    damper_force,
     flattening,
     hysteresis,
     residual,
@@ -30,9 +37,11 @@ CONTACT_SIZE = 11
 def law_force(law, d, rate, approach, deepest, s):
     """Return the force of the law and its derivatives by d and by the rate; never below zero.
 
-    ``law`` is a row of `strikewave.contact._law_kernels`, of a law without a damper; an infinite stiffness is a
+    ``law`` is a row of `strikewave.contact._law_kernels`, of a law that never pulls; an infinite stiffness is a
     rigid contact.
     """
+    if law[DAMPER] > 0.0:
+        return damped_force(law, d, rate)
     if d > deepest and law[YIELD_LOAD] < np.inf:
         spring, slope, _ = yielding(law, d)
     else:
@@ -41,6 +50,17 @@ def law_force(law, d, rate, approach, deepest, s):
     if push <= 0.0 or spring <= 0.0:
         return 0.0, 0.0, 0.0
     return spring * push, slope * push, spring * (hysteresis(law, 1.0, approach) - 1.0)
+
+
+@leaf_kernel
+def damped_force(law, d, rate):
+    """Return the force of an elastic law with a damper and its derivatives; where it falls through zero it is lost."""
+    force = base_force(law, d) + damper_force(law, d, rate)
+    if d < 0.0 or force <= 0.0:
+        return 0.0, 0.0, 0.0
+    by_rate = damper_force(law, d, 1.0) if rate > 0.0 or law[STYLE] != ON_APPROACH else 0.0
+    by_depth = law[DAMPER_EXPONENT] * by_rate * rate / d if d > 0.0 else 0.0
+    return force, base_slope(law, d) + by_depth, by_rate
 
 
 @leaf_kernel

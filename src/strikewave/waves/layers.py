@@ -240,6 +240,8 @@ def _check_contact(joint: Joint, law: NDArray[np.float64]) -> None:
     """Refuse what a nonlinear contact between layers cannot have."""
     if math.isfinite(joint.stiffness) or joint.damping or joint.branches or joint.mass or joint.attached:
         raise ValueError("a joint with a contact law has a gap or a preload beside it, and nothing else")
+    if law[_law_kernels.DAMPER]:
+        raise ValueError("the contact law of a joint is elastic: it takes no damper")
     if law[_law_kernels.DAMPING]:
         raise ValueError("the contact law of a joint is elastic: give it a restitution of 1")
     yielding = law[_law_kernels.YIELD_LOAD]
