@@ -12,17 +12,24 @@ from strikewave.compiled import kernel, leaf_kernel
 
 LONGEST_STEP = 0.05
 """Longest step of the path, in units of w a/c0 or k a."""
+SETTLED = 1e-9
+"""Relative change by a Newton step after which the next one would be below rounding."""
 _ITERATIONS = 30
 
 
 @leaf_kernel
 def bessel_share(w):
-    """Return q = (2 - phi)/w, phi(w) = z J0(z)/J1(z), w = z^2, by the continued fraction 1/(4 - w/(6 - w/(8 - ..)))."""
+    """Return q = (2 - phi)/w, phi(w) = z J0(z)/J1(z), w = z^2, by the continued fraction 1/(4 - w/(6 - w/(8 - ..))).
+
+    From the far end on, with top/bottom = u_n = 1 - w/(4 n (n + 1))/u_(n + 1), so that nothing is divided but real
+    numbers, and nothing overflows.
+    """
     terms = 12 + int(0.75 * np.sqrt(abs(w)))
-    tail = 2.0 * (terms + 3) + 0.0j
+    share = 0.25 * w
+    top = bottom = 1.0 + 0.0j
     for n in range(terms + 2, 1, -1):
-        tail = 2.0 * n - w / tail
-    return 1.0 / tail
+        top, bottom = top - share * (1.0 / (n * (n + 1))) * bottom, top
+    return 0.25 * bottom / top
 
 
 @leaf_kernel
@@ -54,9 +61,8 @@ def follow_frequency(omega, s, r):
                 g, by_x, by_W = characteristic(W, ratio, s, r)
                 change = g / by_x
                 ratio -= change
-                if abs(change) <= 1e-15 * abs(ratio):
+                if abs(change) <= SETTLED * abs(ratio):
                     break
-            _, by_x, by_W = characteristic(W, ratio, s, r)
             rate, here = -by_W / by_x, there
         x[i], slope[i] = ratio, rate
     return x, slope
@@ -76,7 +82,7 @@ def follow_wavelength(ka, s, r):
                 g, by_x, by_W = characteristic(W, x, s, r)
                 change = (g / (by_W * here * here - by_x * x * x)).real
                 y -= change
-                if abs(change) <= 1e-15 * y:
+                if abs(change) <= SETTLED * y:
                     break
         squares[i] = y
     return squares
