@@ -149,3 +149,13 @@ def test_no_dispersion_without_poissons_ratio():
 def test_what_makes_no_sense_is_refused(call, words):
     with pytest.raises(ValueError, match=words):
         call()
+
+
+@pytest.mark.parametrize("omega", [1e3, 1e4 - 5j])
+def test_very_short_waves_are_surface_waves(omega):
+    """At a thousand and ten thousand radii per wave the curvature no longer counts: 1/(4 k a) at most of the speed."""
+    nu = 0.29
+    k = (1 - 2 * nu) / (2 * (1 - nu))
+    x = optimize.brentq(lambda x: (2 - x) ** 2 - 4 * math.sqrt(1 - x) * math.sqrt(1 - x * k), 0.5, 0.999)
+    speed = omega / wave_number(omega, Rod(1.0, 1.0, nu))
+    assert abs(speed / math.sqrt(x / (2 * (1 + nu))) - 1.0) < 0.25 / abs(omega)

@@ -15,20 +15,23 @@ LONGEST_STEP = 0.05
 SETTLED = 1e-9
 """Relative change by a Newton step after which the next one would be below rounding."""
 _ITERATIONS = 30
+LARGE = 1e100
 
 
 @leaf_kernel
 def bessel_share(w):
     """Return q = (2 - phi)/w, phi(w) = z J0(z)/J1(z), w = z^2, by the continued fraction 1/(4 - w/(6 - w/(8 - ..))).
 
-    From the far end on, with top/bottom = u_n = 1 - w/(4 n (n + 1))/u_(n + 1), so that nothing is divided but real
-    numbers, and nothing overflows.
+    From the far end on, with top/bottom = u_n = 1 - w/(4 n (n + 1))/u_(n + 1), so that only real numbers are divided.
+    Both grow like exp(|Im z|), and are made small again before they overflow.
     """
     terms = 12 + int(0.75 * np.sqrt(abs(w)))
     share = 0.25 * w
     top = bottom = 1.0 + 0.0j
     for n in range(terms + 2, 1, -1):
         top, bottom = top - share * (1.0 / (n * (n + 1))) * bottom, top
+        if abs(top.real) > LARGE or abs(top.imag) > LARGE:
+            top, bottom = top / LARGE, bottom / LARGE
     return 0.25 * bottom / top
 
 

@@ -91,7 +91,7 @@ def end_reflection(tables, s, z):
 
 
 @kernel
-def respond(tables, s, travel, load, by, places):
+def respond(tables, s, travel, speed, load, by, places):
     """Return the spectra of force and velocity at places, those of first face and end, and of the momentum.
 
     Parameters
@@ -102,6 +102,8 @@ def respond(tables, s, travel, load, by, places):
         Complex frequencies, 1/s, shape (n,).
     travel : ndarray
         Travel constants g, 1/m, shape (groups, n).
+    speed : ndarray
+        s/g, m/s, shape (groups, n).
     load : ndarray
         Spectrum of what is prescribed, shape (n,).
     by : int
@@ -121,7 +123,8 @@ def respond(tables, s, travel, load, by, places):
         last = layers - 1
         for i in range(last, -1, -1):
             g = travel[tables.group[i], n]
-            impedance[i], gone[i] = tables.line_mass[i] * s[n] / g, np.exp(-g * tables.length[i])
+            impedance[i] = tables.line_mass[i] * speed[tables.group[i], n]
+            gone[i] = np.exp(-g * tables.length[i])
             if i == last:
                 back[i] = end_reflection(tables, s[n], impedance[i])
                 continue
@@ -146,18 +149,21 @@ def respond(tables, s, travel, load, by, places):
                 force[k, n] = wave * (ahead + behind)
                 velocity[k, n] = wave * (ahead - behind) / impedance[i]
                 k += 1
-            total += wave * (1.0 - gone[i]) * (1.0 - back[i] * gone[i]) / s[n]
-            f, v = wave * gone[i] * (1.0 + back[i]), wave * gone[i] * (1.0 - back[i]) / impedance[i]
+            total += wave * (1.0 - gone[i]) * (1.0 - back[i] * gone[i])
+            wave *= gone[i]
+            f = wave * (1.0 + back[i])
             if i == last:
-                ends[1, n], ends[2, n] = f, v
+                ends[1, n], ends[2, n] = f, wave * (1.0 - back[i]) / impedance[i]
                 break
             r = back[i + 1] * gone[i + 1] * gone[i + 1]
             top = impedance[i + 1] * (1.0 + r)
             own = carried(tables, i, s[n]) * (1.0 - r)
-            total += f * own / (top + own) / s[n]
-            if abs(1.0 + r) > abs(1.0 - r):
+            if own != 0.0:
+                total += f * own / (top + own)
+            if r.real > 0.0:
                 wave = f * impedance[i + 1] / (top + own)
             else:
-                wave = (v - mobility(tables, i, s[n]) * f) * impedance[i + 1] / (1.0 - r)
-        momentum[n] = total
+                v = wave * (1.0 - back[i]) / impedance[i] - mobility(tables, i, s[n]) * f
+                wave = v * impedance[i + 1] / (1.0 - r)
+        momentum[n] = total / s[n]
     return force, velocity, ends, momentum

@@ -160,6 +160,10 @@ class Spectrum:
     def _travel(self) -> NDArray[np.complex128]:
         return np.array([travel_constants(layer, self.s) for layer in self._tables[1]])
 
+    @functools.cached_property
+    def _speed(self) -> NDArray[np.complex128]:
+        return np.asarray(self.s / self._travel)
+
     def travel(self, layer: int) -> NDArray[np.complex128]:
         """Return the travel constants of a layer at the frequencies, 1/m."""
         return np.asarray(self._travel[self._tables[0].group[layer]])
@@ -205,7 +209,7 @@ class Spectrum:
         )
         by = PRESCRIBED.index(self.load.kind)
         found: tuple[NDArray[np.complex128], ...] = respond(
-            self._tables[0], self.s, self._travel, self._loaded, by, where
+            self._tables[0], self.s, self._travel, self._speed, self._loaded, by, where
         )
         return found
 
