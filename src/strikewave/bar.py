@@ -23,7 +23,7 @@ from strikewave.case import Case, dump_case
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
 from strikewave.errors import InputError
-from strikewave.notices import LEDGER_LIMIT, law_notices
+from strikewave.notices import LEDGER_LIMIT, law_notices, yield_notices
 from strikewave.readings import Channel, SensorPulse, front, largest, sensor_pulse, sensor_sources, stated
 from strikewave.sensors import Reading, read
 from strikewave.signal.pulse import measure_pulse
@@ -35,6 +35,7 @@ from strikewave.validity import (
     grid_notices,
     joint_notices,
     layer_notices,
+    loss_notices,
     rise_in_diameters,
     rise_limits,
     rise_notices,
@@ -73,6 +74,8 @@ class BarSolution:
         What their recorders kept; a sensor gets the acceleration before any filter.
     accuracy : (float, float)
         Error bounds of velocity and of acceleration (before any filter) over their largest values at the taps.
+    layer_stress : tuple of float
+        Largest magnitude of the stress in each layer, Pa.
     quoted : bool
         Whether one-dimensional theory allows peak accelerations to be quoted.
     warnings : tuple of Notice
@@ -90,6 +93,7 @@ class BarSolution:
     channels: tuple[Channel, ...]
     readings: tuple[Reading, ...] = field(repr=False)
     accuracy: tuple[float, float]
+    layer_stress: tuple[float, ...]
     quoted: bool
     warnings: tuple[Notice, ...]
     citations: tuple[str, ...]
@@ -143,6 +147,29 @@ class BarSolution:
         """Where the stack loses energy, and how well the loss factor is held over its band."""
         return fitted_losses(self.case)
 
+    def contact(self) -> dict[str, Any] | None:
+        """Return what the contact of a striker came to: force, times, speeds, indentation; None without one."""
+        run = self.run
+        if not isinstance(run.load, Impactor):
+            return None
+        contacts = [{"begin": begin, "end": end, "approach_speed": speed} for begin, end, speed in run.touches]
+        return {
+            "peak_force": _load_peak(run),
+            "impulse": run.impulse,
+            "rebound_speed": -run.striker_speed,
+            "max_indentation": run.deepest if run.load.contact is not None else 0.0,
+            "energy_lost": run.energy_lost,
+            "contacts": contacts,
+        }
+
+    def oscillators(self) -> list[dict[str, Any]]:
+        """Return the masses on springs: where, kg, and their acceleration (without any filter)."""
+        rows = []
+        for column, (k, mass) in zip(self.run.hung_acceleration.T, self.run.stack.hung, strict=True):
+            where = f"after {self.run.stack.layers[k].name}" if k < len(self.run.stack.joints) else "end"
+            rows.append({"where": where, "mass": mass, "peak": largest(column), "acceleration": column})
+        return rows
+
     def joints(self) -> list[dict[str, Any]]:
         """Return the joints that can open, and when they opened and closed, s."""
         listed = []
@@ -169,6 +196,7 @@ class BarSolution:
             layer, found = self.run.stack.layers[tap.layer], self.by_route(k, self.route)
             if found is not None:
                 place = {"name": name, "layer": layer.name, "position": tap.position, "route": self.route}
+                place["peaks"] = self.peaks(k, self.route)
                 taps.append({**place, "time": self.run.time, **found._asdict(), "stress": found.force / layer.area})
         units = {"step": "s", "length_asked": "m", "length_used": "m", "position": "1", "time": "s", "force": "N"}
         units |= {"stress": "Pa", "velocity": "m/s", "acceleration": "m/s^2", "error_bound": "1", "bandwidth": "Hz"}
@@ -187,6 +215,15 @@ class BarSolution:
             "gap": "m",
             "opened": "s",
             "closed": "s",
+            "begin": "s",
+            "end": "s",
+            "mass": "kg",
+            "peak_force": "N",
+            "impulse": "N s",
+            "approach_speed": "m/s",
+            "rebound_speed": "m/s",
+            "max_indentation": "m",
+            "energy_lost": "J",
         }
         return plain(
             {
@@ -202,8 +239,13 @@ class BarSolution:
                 "method": self.method,
                 "dispersion": self.case.solver.dispersion,
                 "losses": [loss._asdict() for loss in self.losses],
+                "contact": self.contact(),
+                "oscillators": self.oscillators(),
                 "joints": self.joints(),
-                "layers": [dataclasses.asdict(layer) for layer in self.waves.layers],
+                "layers": [
+                    {**dataclasses.asdict(layer), "stress": stress}
+                    for layer, stress in zip(self.waves.layers, self.layer_stress, strict=True)
+                ],
                 "taps": taps,
                 "sensors": {name: dataclasses.asdict(pulse) for name, pulse in self.sensors.items()},
             }
@@ -236,6 +278,13 @@ class BarSolution:
             ),
             "field_position": quantity("field_place", run.field_position, "m", "distance from the first face"),
         }
+        if run.stack.hung:
+            words = "acceleration of each mass on a spring"
+            variables["hung_acceleration"] = quantity(("time", "hung_mass"), run.hung_acceleration, "m/s^2", words)
+        for k, (channel, reading) in enumerate(zip(self.channels, self.readings, strict=True)):
+            name, clock = f"reading_{k + 1}", f"reading_{k + 1}_time"
+            variables[name] = quantity(clock, reading.values, "m/s^2", f"what sensor {channel.sensor.name} reads")
+            variables[clock] = quantity(clock, reading.time, "s", "time after the start of the load")
         coordinates = {
             "time": quantity("time", run.time, "s", "time after the start of the load"),
             "field_time": quantity("field_time", run.field_time, "s", "time after the start of the load"),
@@ -293,7 +342,7 @@ def run_wave(case: Case) -> BarSolution:
     if not math.isinf(bandwidth) and not 1.0 / duration <= bandwidth < 0.5 / step:
         allowed = f"{1.0 / duration:.3g} to {0.5 / step:.3g} Hz: one over the duration, half the sampling rate"
         raise InputError("solver.bandwidth", f"{bandwidth:g} Hz", allowed)
-    routes = _routes(stack, taps, run)
+    routes = _routes(stack, taps, run) if _of_the_paper(case) else {}
     rigid = (run.face_force - run.end_force) / stack.mass
     accuracy, felt = run.relative_bound, _felt(case.solver.route, taps, run, routes)
     readings = tuple(
@@ -320,9 +369,10 @@ def run_wave(case: Case) -> BarSolution:
         channels=channels,
         readings=readings,
         accuracy=accuracy,
+        layer_stress=tuple(float(force / layer.area) for force, layer in zip(most, stack.layers, strict=True)),
         quoted=rise > 0.0 and rise_in_diameters(stack, rise, bandwidth)[0] >= rise_limits(stack)[0],
         warnings=(),
-        citations=_citations(case, stack, routes, channels),
+        citations=_citations(case, stack, channels),
     )
     listed = [
         *_ledger(run),
@@ -330,13 +380,20 @@ def run_wave(case: Case) -> BarSolution:
         *_jump(rise),
         *(rise_notices(stack, rise, bandwidth, peak) if rise > 0.0 else ()),
         *layer_notices(stack, most),
-        *joint_notices(stack, least, greatest),
+        *_not_reached(run, taps, accuracy),
+        *joint_notices(stack, least, greatest, _load_peak(run)),
+        *loss_notices(solution.losses),
         *end_notices(stack, lasting),
         *channel_notices(channels, [solution.sensors], stack.mass),
-        *_missed_accuracy(case, run, accuracy[0]),
-        *(law_notices(case) if isinstance(load, Impactor) else ()),
+        *_missed_accuracy(case, run, accuracy),
+        *_contact_notices(case, run),
     ]
     return dataclasses.replace(solution, warnings=tuple(listed))
+
+
+def _of_the_paper(case: Case) -> bool:
+    """Tell whether a case is one of Li & Ma 2019, or asks for a route of theirs."""
+    return case.source.startswith("li-ma-2019") or case.solver.route != EXACT
 
 
 def _routes(stack: Stack, taps: Sequence[tuple[str, Tap]], run: BarRun) -> dict[tuple[str, str], RouteHistory]:
@@ -369,10 +426,8 @@ def _from_rest(values: Array, step: float, bandwidth: float) -> Array:
     return stated(led, step, bandwidth)[..., rest:]
 
 
-def _citations(
-    case: Case, stack: Stack, routes: dict[tuple[str, str], RouteHistory], channels: Sequence[Channel]
-) -> tuple[str, ...]:
-    origin = ("li-ma-2019",) if case.source.startswith("li-ma-2019") or routes else ()
+def _citations(case: Case, stack: Stack, channels: Sequence[Channel]) -> tuple[str, ...]:
+    origin = ("li-ma-2019",) if _of_the_paper(case) else ()
     theory = {"none": (), "love-rayleigh": ("love-1927",), "pochhammer-chree": ("graff-1975",)}[case.solver.dispersion]
     lossy = any(x.loss for x in stack.layers) or any(x.branches for x in stack.joints)
     loss = ("emmerich-korn-1987",) if lossy else ()
@@ -403,9 +458,42 @@ def _ledger(run: BarRun) -> list[Notice]:
     return [Notice("momentum-ledger", message, run.momentum_error, LEDGER_LIMIT, broken=True)]
 
 
-def _missed_accuracy(case: Case, run: BarRun, velocity: float) -> list[Notice]:
+def _load_peak(run: BarRun) -> float:
+    """Return the largest force that the load puts on the first face, N."""
+    return float(np.abs(run.face_force).max(initial=0.0))
+
+
+def _not_reached(run: BarRun, taps: Sequence[tuple[str, Tap]], accuracy: tuple[float, float]) -> list[Notice]:
+    """Name the taps that the waves of the load do not reach within the run."""
+    if isinstance(run.load, Impactor) or not math.isfinite(max(accuracy)) or any(x.speed for x in run.stack.layers):
+        return []
+    transits = [layer.transit for layer in run.stack.layers]
+    late = [(name, sum(transits[: tap.layer]) + tap.position * transits[tap.layer]) for name, tap in taps]
+    late = [(name, time) for name, time in late if time > run.duration]
+    if not late:
+        return []
+    names = ", ".join(f"{name} ({time * 1e6:.4g} us)" for name, time in late)
+    message = f"the run of {run.duration * 1e6:.4g} us ends before the wave comes to {names}"
+    return [Notice("not-reached", message, run.duration, max(time for _, time in late))]
+
+
+def _contact_notices(case: Case, run: BarRun) -> list[Notice]:
+    """Say what the contact of a striker with the first face does beyond its law."""
+    if not isinstance(run.load, Impactor) or case.striker is None or case.contact is None:
+        return []
+    face = case.stack.layer[0].material
+    return [*law_notices(case), *yield_notices(case.striker, case.contact, face, _load_peak(run))]
+
+
+def _missed_accuracy(case: Case, run: BarRun, accuracy: tuple[float, float]) -> list[Notice]:
     """Say where the wanted error could not be promised."""
-    asked = wanted(case)
+    asked, (velocity, acceleration) = wanted(case), accuracy
+    if velocity <= asked.velocity and acceleration > asked.acceleration and case.solver.bandwidth is None:
+        message = (
+            f"the error bound of acceleration is {acceleration:.2g} of its peak instead of {asked.acceleration:g}: "
+            "where the load has a corner it jumps, and no step bounds it; round the load, or state a solver.bandwidth"
+        )
+        return [Notice("error-bound", message, acceleration, asked.acceleration)]
     if velocity <= asked.velocity:
         return []
     if math.isinf(velocity):

@@ -12,12 +12,13 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from strikewave.errors import MISSING, InputError, InputErrors, nearest, show
-from strikewave.quantities import Provenance, Range, Value
+from strikewave.fields import Form, row_name
+from strikewave.quantities import Provenance, Value
 from strikewave.tables import (
     PUBLISHED_QUANTITIES,
     ContactTable,
@@ -36,7 +37,6 @@ from strikewave.tables import (
     case_name,
     read_published,
 )
-from strikewave.units import DIMENSIONS
 
 SCHEMA = 1
 LARGEST_FILE = 1_000_000
@@ -154,6 +154,10 @@ class Case(Table):
         return case
 
 
+FORM = Form(Case, "case", 'machine.speed="500 rpm"')
+"""A case file."""
+
+
 def _values(part: Any, path: str) -> Iterator[tuple[str, Value]]:
     """Yield every quantity below a part of a case with its path."""
     if isinstance(part, Value):
@@ -179,12 +183,6 @@ def _entries(part: Any, path: str) -> Iterator[tuple[str, float | str]]:
     elif isinstance(part, tuple):
         for place, row in enumerate(part):
             yield from _entries(row, f"{path}.{row_name(row, place)}")
-
-
-def row_name(row: Any, place: int) -> str:
-    """Return how a path calls a row of an array of tables: by its name, what it comes after, or its place."""
-    get = row.get if isinstance(row, Mapping) else (lambda key, default: getattr(row, key, default))
-    return str(get("name", "") or get("after", "") or place)
 
 
 def _with_value(part: Any, places: list[str], value: Value) -> Any:
@@ -282,7 +280,7 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
         raise InputErrors([f"{name or 'case'}: not a TOML file: {reason}; {hint}"]) from None
     _check_schema(document)
     for change in changes:
-        _apply(document, change)
+        FORM.change(document, change)
     document.setdefault("name", name)
     try:
         return Case.model_validate(document)
@@ -302,116 +300,9 @@ def _check_schema(document: Mapping[str, Any]) -> None:
         )
 
 
-def _apply(document: dict[str, Any], change: str) -> None:
-    """Set ``path=value`` in a case document; a bare number is SI; a changed quantity is assumed and says so."""
-    path, equals, text = change.partition("=")
-    path, text = path.strip(), text.strip()
-    if not equals or not path or not text:
-        raise InputError("--set", change, 'path=value, such as machine.speed="500 rpm"')
-    *tables, key = path.split(".")
-    place: Any = document
-    for depth, table in enumerate(tables):
-        inner: Any = None
-        if isinstance(place, dict):
-            inner = place.setdefault(table, {})
-        elif isinstance(place, list):
-            inner = next((row for k, row in enumerate(place) if table in (row_name(row, k), str(k))), None)
-        if not isinstance(inner, dict | list) or (isinstance(inner, list) and depth == len(tables) - 1):
-            raise InputError("--set " + ".".join(tables[: depth + 1]), change, "a table of the case")
-        place = inner
-    if not isinstance(place, dict):
-        raise InputError("--set " + path, change, "a table of the case")
-    before = place.get(key)
-    typed: Any = text
-    for kind in (int, float):
-        try:
-            typed = kind(text)
-            break
-        except ValueError:
-            continue
-    allowed = _range_at([*tables, key])
-    if allowed is None:
-        place[key] = text if isinstance(before, str) else typed
-        return
-    if allowed.unit in DIMENSIONS and not isinstance(typed, str):
-        typed = f"{text} {allowed.unit}"
-    place[key] = {"value": typed, "provenance": "assumed", "note": "set by the user"}
-
-
 def _lines(error: ValidationError) -> list[str]:
-    """Turn pydantic's report into one line a fault: field, what came, what is allowed, what to do."""
-    lines = []
-    for fault in error.errors():
-        places = [show(str(part)).strip('"') for part in fault["loc"]]
-        path = ".".join(places)
-        cause = fault.get("ctx", {}).get("error")
-        if isinstance(cause, InputError):
-            inner = ".".join([path, cause.field]) if cause.field else path
-            lines.append(str(InputError(inner, cause.got, cause.allowed, cause.hint)))
-        elif fault["type"] == "extra_forbidden":
-            known = _keys_at(places[:-1])
-            lines.append(f"{path}: unknown key; {nearest(places[-1], known)}")
-        elif fault["type"] == "missing":
-            lines.append(f"{path}: missing; {_example(places)}")
-        elif isinstance(cause, InputErrors):
-            lines += cause.lines
-        elif fault["type"] == "tuple_type":
-            lines.append(f"{path}: got one table; write [[{path}]], once for each")
-        elif fault["type"] == "literal_error":
-            expected = fault.get("ctx", {}).get("expected", "")
-            lines.append(str(InputError(path, fault["input"], str(expected))))
-        else:
-            lines.append(f"{path or 'case'}: got {show(fault['input'])}; {fault['msg']}")
-    return lines
-
-
-def _model_at(places: list[str]) -> type[BaseModel] | None:
-    """Return the model of the table at a path; a name or number stands for the row of an array of tables."""
-    model: type[BaseModel] | None = Case
-    in_rows = False
-    for place in places:
-        if in_rows:
-            in_rows = False
-            continue
-        field = model.model_fields.get(place) if model else None
-        model, in_rows = _table_in(field.annotation) if field else (None, False)
-    return model
-
-
-def _table_in(kind: Any) -> tuple[type[BaseModel] | None, bool]:
-    """Return the table that an annotation holds, and whether it holds a row of them."""
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
-        return kind, False
-    for part in get_args(kind):
-        table, rows = _table_in(part)
-        if table is not None:
-            return table, rows or get_origin(kind) is tuple
-    return None, False
-
-
-def _keys_at(places: list[str]) -> list[str]:
-    model = _model_at(places)
-    return [field.alias or key for key, field in model.model_fields.items()] if model else []
-
-
-def _range_at(places: list[str]) -> Range | None:
-    """Return what the quantity at a path may be; None where there is no quantity."""
-    model = _model_at(places[:-1])
-    field = model.model_fields.get(places[-1]) if model else None
-    for rule in field.metadata if field else ():
-        owner = getattr(getattr(rule, "func", None), "__self__", None)
-        if isinstance(owner, Range):
-            return owner
-    return None
-
-
-def _example(places: list[str]) -> str:
-    allowed = _range_at(places)
-    if allowed is not None and allowed.unit in DIMENSIONS:
-        return f'add {places[-1]} = "{DIMENSIONS[allowed.unit][1]}"'
-    if allowed is not None:
-        return f"add {places[-1]}, {allowed.allowed()}"
-    return f"add [{places[-1]}]" if len(places) == 1 else f"add {places[-1]}"
+    """Return one line for each thing that is wrong with a case."""
+    return FORM.lines(error)
 
 
 def document_of(case: Case) -> dict[str, Any]:

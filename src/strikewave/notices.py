@@ -18,6 +18,7 @@ from strikewave.contact.registry import FROM_MEMORY
 from strikewave.machines import Blow
 from strikewave.materials import material
 from strikewave.solution import Notice
+from strikewave.tables import ContactTable, Striker
 
 LEDGER_LIMIT = 1e-6
 """Energy or momentum missing beyond this share breaks a stated limit."""
@@ -110,14 +111,24 @@ def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
 
 
 def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
-    """Warn where an elastic contact goes beyond its first yield, or a cap lies below it."""
     rig = case.rig()
-    bodies = material(rig.striker.material), material(rig.object.material)
-    length = rig.striker.contact_length.si if "length" in stiffness_law(rig.contact.law).needs else None
-    first = first_yield(*bodies, Geometry(rig.striker.nose_radius.si, math.inf, length))
+    advice = ", or trust the rigid pulse, which hangs on frame and mount, more than the contact force"
+    peak = max(blow.peak_force for blow in struck)
+    yield from yield_notices(rig.striker, rig.contact, rig.object.material, peak, advice)
+
+
+def yield_notices(
+    striker: Striker, contact: ContactTable, face: str, peak: float, otherwise: str = ""
+) -> Iterator[Notice]:
+    """Warn where an elastic contact goes beyond its first yield, or a cap lies below it.
+
+    ``face`` is the material that is hit, ``peak`` the largest force, N, ``otherwise`` what to do besides.
+    """
+    length = striker.contact_length.si if "length" in stiffness_law(contact.law).needs else None
+    first = first_yield(material(striker.material), material(face), Geometry(striker.nose_radius.si, math.inf, length))
     if first is None:
         return
-    given = rig.contact.yield_pressure
+    given = contact.yield_pressure
     if given is not None:
         if given.si < first.pressure:
             message = (
@@ -127,12 +138,10 @@ def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
             yield Notice("yield-pressure-low", message, given.si, first.pressure)
         return
     limit = first.load
-    peak = max(blow.peak_force for blow in struck)
     if peak > limit:
         message = (
             f"the contact yields below its surface (von Mises) beyond {limit / 1e3:.3g} kN and is loaded with "
-            f"{peak / 1e3:.3g} kN: the elastic law is stretched; give contact.yield_pressure, or trust the rigid "
-            "pulse, which hangs on frame and mount, more than the contact force"
+            f"{peak / 1e3:.3g} kN: the elastic law is stretched; give contact.yield_pressure{otherwise}"
         )
         yield Notice("contact-yield", message, peak, limit)
 

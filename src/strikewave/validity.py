@@ -31,6 +31,8 @@ RISE_OF_BANDWIDTH = 0.35
 """Rise time (10-90 %) times -3 dB bandwidth of a low-pass."""
 MISMATCH_LIMIT = 0.01
 """Relative error of a transit beyond which the step of a struck stack is warned of."""
+LOSS_HELD = 0.05
+"""Deviation of a loss factor over its band that needs no word."""
 TENSION_SHARE = 0.01
 """Tension in a joint below this share of the largest force is not worth a word."""
 HEAVY_SENSOR = 0.02
@@ -118,16 +120,22 @@ def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
             yield Notice("stress-yield", message, stress, strength)
 
 
-def joint_notices(stack: Stack, least_force: Array, greatest_force: Array) -> Iterator[Notice]:
-    """Yield joints that opened, closed their gap, or carry tension though bonded.
+def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_peak: float = 0.0) -> Iterator[Notice]:
+    """Yield joints that opened, closed their gap, carry tension though bonded, and gaskets that yield.
 
-    ``least_force`` and ``greatest_force`` are those at each joint, N.
+    ``least_force`` and ``greatest_force`` are those at each joint, N; what is far below ``load_peak`` has not arrived.
     """
-    most = float(np.max(np.abs([least_force, greatest_force]), initial=0.0))
+    most = max(float(np.max(np.abs([least_force, greatest_force]), initial=0.0)), load_peak)
     pulled = []
     for k, joint in enumerate(stack.joints):
         where = f"between {stack.layers[k].name} and {stack.layers[k + 1].name}"
         least, greatest = float(least_force[k]), float(greatest_force[k])
+        if max(-least, greatest) > joint.yield_force:
+            message = (
+                f"the gasket {where} is loaded with {max(-least, greatest) / 1e3:.3g} kN, beyond its yield at "
+                f"{joint.yield_force / 1e3:.3g} kN: its linear spring no longer holds"
+            )
+            yield Notice("gasket-yield", message, max(-least, greatest), joint.yield_force)
         if joint.unilateral and joint.gap > 0.0:
             said = "closes" if greatest > 0.0 else "stays open and transmits nothing"
             message = f"the gap of {joint.gap * 1e6:.3g} um {where} {said}"
@@ -144,6 +152,17 @@ def joint_notices(stack: Stack, least_force: Array, greatest_force: Array) -> It
             "glued on both sides); else make it unilateral, with the preload of its bolt"
         )
         yield Notice("joint-tension", message, -min(pulled)[0], TENSION_SHARE * most)
+
+
+def loss_notices(losses: Sequence[tuple[str, float, float, float, float]]) -> Iterator[Notice]:
+    """Yield loss factors that are held badly: where, the one asked for, by how much it is missed, band (Hz)."""
+    for where, asked, error, low, high in losses:
+        if error > LOSS_HELD:
+            message = (
+                f"the loss factor {asked:g} of {where} is held to {error:.1%} only from {low / 1e3:g} to "
+                f"{high / 1e3:g} kHz: narrow the band"
+            )
+            yield Notice("loss-fit", message, error, LOSS_HELD)
 
 
 def end_notices(stack: Stack, duration: float) -> Iterator[Notice]:

@@ -248,4 +248,29 @@ def test_set_ups_of_the_docs_are_read():
 
     text = (Path(__file__).parents[2] / "docs" / "hopkinson.md").read_text("utf-8")
     blocks = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
-    assert [parse_setup(block).setup.is_calibration for block in blocks] == [False, True]
+    assert [parse_setup(block).setup.kind for block in blocks] == ["shot", "echoes", "sensor"]
+
+
+def test_a_disk_needs_its_accelerometer(strikewave, shot, tmp_path):
+    (tmp_path / shot).write_text((tmp_path / shot).read_text() + '[disk]\nkind = "rigid"\nmass = "1 kg"\n')
+    code, _, err = strikewave("hopkinson", shot)
+    assert code == 2
+    assert "accelerometer: missing" in err
+
+
+def test_changes_take_what_their_field_takes():
+    """Text stays text, a bare number is SI, a number that was asked for is one; a path through a value is told."""
+    from strikewave.errors import InputError
+    from strikewave.split_bar import parse_setup
+
+    text = (
+        'schema = 1\n[bar.incident]\ndensity = "7800 kg/m^3"\nspeed = "5000 m/s"\ndiameter = "20 mm"\n'
+        'gauge_distance = "1 m"\n[bar.incident.gauge]\nfile = "a.csv"\n'
+    )
+    changes = ["title=5", "schema=1", "bar.incident.speed=4900", "bar.incident.gauge.channel=2", "echoes.skip=3"]
+    setup = parse_setup(text, "a", changes).setup
+    assert (setup.title, setup.bar.incident.gauge.channel, setup.echoes.skip.si) == ("5", "2", 3.0)
+    assert setup.bar.incident.speed.si == 4900.0
+    assert setup.bar.incident.speed.note == "set by the user"
+    with pytest.raises(InputError, match=r"--set bar\.incident\.density: .*a table of the set-up"):
+        parse_setup(text, "a", ["bar.incident.density.of=3"])

@@ -53,8 +53,8 @@ def test_wave_json_has_its_keys_and_sample_i_stands_at_i_steps(strikewave, bar, 
     assert code == 0
     document = json.loads(out)
     assert {"schema", "version", "units", "warnings", "step", "error_bound", "layers", "taps"} <= set(document)
-    assert set(document["layers"][0]) == {"name", "length_asked", "length_used", "steps"}
-    keys = {"name", "layer", "position", "route", "time", "force", "stress", "velocity", "acceleration"}
+    assert set(document["layers"][0]) == {"name", "length_asked", "length_used", "steps", "stress"}
+    keys = {"name", "layer", "position", "route", "peaks", "time", "force", "stress", "velocity", "acceleration"}
     for tap in document["taps"]:
         assert set(tap) == keys
         assert tap["time"] == pytest.approx(np.arange(len(tap["time"])) * document["step"], abs=1e-18)

@@ -204,9 +204,11 @@ def _gasket(table: JointTable, path: str, area: float) -> Joint:
     if matter.modulus is None:
         raise InputError(f"{path}.material", MISSING, "a material or a modulus", 'add material = "PTFE"')
     thickness = need(table.thickness, f"{path}.thickness", "a thickness", 'add thickness = "1 mm"')
-    stiffness = matter.modulus * area_of(table, path, area) / thickness
+    area = area_of(table, path, area)
+    stiffness = matter.modulus * area / thickness
     fit = fitted(table, path, stiffness, matter.loss_factor or 0.0)
-    return Joint(fit.stiffness, branches=fit.branches)
+    strength = matter.row.yield_strength if matter.row else None
+    return Joint(fit.stiffness, branches=fit.branches, yield_force=strength * area if strength else math.inf)
 
 
 def checked(path: str, make: Callable[[], T]) -> T:

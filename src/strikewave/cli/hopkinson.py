@@ -1,4 +1,4 @@
-"""``strikewave hopkinson``: reduce a split-Hopkinson shot, or calibrate a bar by its echoes."""
+"""``strikewave hopkinson``: reduce a split-Hopkinson shot, compare an accelerometer on a bar, calibrate a bar."""
 
 from __future__ import annotations
 
@@ -13,18 +13,26 @@ from strikewave.cli.carry_out import BROKEN
 from strikewave.cli.common import Changes, Force, Json, Out, number, print_json, say, table
 
 if TYPE_CHECKING:
-    from strikewave.split_bar import EchoSolution, SplitBarSolution
+    from strikewave.report.parts import Table
+    from strikewave.split_bar import EchoSolution, SensorSolution, SplitBarSolution
+
+    AnySolution = SplitBarSolution | SensorSolution | EchoSolution
 
 Setup = Annotated[
-    str, typer.Argument(metavar="SETUP", help="The set-up file of a shot: bars, gauges, specimen.", show_default=False)
+    str,
+    typer.Argument(
+        metavar="SETUP", help="The set-up file: bars, gauges, specimen or accelerometer.", show_default=False
+    ),
 ]
 
 
 def command(setup: Setup, changes: Changes = None, out: Out = None, force: Force = False, json: Json = False) -> int:
-    """Reduce a split-Hopkinson shot to stress, strain and strain rate; without [specimen], calibrate a bar.
+    """Reduce a split-Hopkinson shot to stress, strain and strain rate; compare an accelerometer; calibrate a bar.
 
-    The set-up names files, gauges and bars; the pulses are found. With --json, files are written only where --out
-    says. The exit code is 3 where forces or impulses miss each other by more than [limits].
+    The set-up names files, gauges and bars; the pulses are found. [specimen] makes it a shot, [accelerometer] a sensor
+    on the end of one bar beside the acceleration that the gauge tells, neither of them a bar alone. With --json, files
+    are written only where --out says. The exit code is 3 where forces or impulses miss each other by more than
+    [limits].
     """
     from strikewave.files import check_place, whole_folder
     from strikewave.split_bar import load_setup, run_split_bar
@@ -51,37 +59,44 @@ def command(setup: Setup, changes: Changes = None, out: Out = None, force: Force
     return BROKEN if solution.broken else 0
 
 
-def write_result(solution: SplitBarSolution | EchoSolution, place: Path, text: str) -> str:
+def write_result(solution: AnySolution, place: Path, text: str) -> str:
     """Write the files of a result into a folder, and return their names."""
-    from strikewave.figures import save
-    from strikewave.figures.hopkinson import echo_summary, shot_summary
-    from strikewave.report.hopkinson_page import echo_report, shot_report
-    from strikewave.split_bar import SplitBarSolution
+    from strikewave.figures import hopkinson, save
+    from strikewave.report import hopkinson_page
+    from strikewave.split_bar import SensorSolution, SplitBarSolution
 
     (place / "case.toml").write_text(text, "utf-8")
     if isinstance(solution, SplitBarSolution):
-        solution.save(place / "reduction.nc")
-        (place / "reduction.csv").write_text(solution.reduction_table(), "utf-8")
-        (place / "pulses.csv").write_text(solution.pulses_table(), "utf-8")
-        save(shot_summary(solution), place / "summary.svg")
-        (place / "report.html").write_text(shot_report(solution, text), "utf-8", newline="\n")
-        return "report.html, summary.svg, reduction.nc, reduction.csv, pulses.csv, case.toml"
-    solution.save(place / "echoes.nc")
-    (place / "echoes.csv").write_text(solution.table(), "utf-8")
-    save(echo_summary(solution), place / "summary.svg")
-    (place / "report.html").write_text(echo_report(solution, text), "utf-8", newline="\n")
-    return "report.html, summary.svg, echoes.nc, echoes.csv, case.toml"
+        name, tables = "reduction", {"reduction": solution.reduction_table(), "pulses": solution.pulses_table()}
+        picture, page = hopkinson.shot_summary(solution), hopkinson_page.shot_report(solution, text)
+    elif isinstance(solution, SensorSolution):
+        name, tables = "reduction", {"reduction": solution.table()}
+        picture, page = hopkinson.sensor_summary(solution), hopkinson_page.sensor_report(solution, text)
+    else:
+        name, tables = "echoes", {"echoes": solution.table()}
+        picture, page = hopkinson.echo_summary(solution), hopkinson_page.echo_report(solution, text)
+    solution.save(place / f"{name}.nc")
+    for title, rows in tables.items():
+        (place / f"{title}.csv").write_text(rows, "utf-8")
+    save(picture, place / "summary.svg")
+    (place / "report.html").write_text(page, "utf-8", newline="\n")
+    return ", ".join(["report.html", "summary.svg", f"{name}.nc", *(f"{title}.csv" for title in tables), "case.toml"])
 
 
-def show(solution: SplitBarSolution | EchoSolution) -> None:
+def show(solution: AnySolution) -> None:
     """Print the tables of a result."""
-    from strikewave.report.hopkinson_page import echo_tables, shot_tables
-    from strikewave.split_bar import SplitBarSolution
-
-    tables = shot_tables(solution) if isinstance(solution, SplitBarSolution) else echo_tables(solution)
-    for shown in tables:
+    for shown in _tables(solution):
         rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in shown.cells()]
         table(shown.caption, shown.columns, rows)
     for notice in solution.warnings:
         limit = f" (limit {number(notice.limit, '1', '1', 3)})" if notice.broken else ""
         say(f"warning [{notice.code}]: {notice.message}{limit}")
+
+
+def _tables(solution: AnySolution) -> list[Table]:
+    from strikewave.report.hopkinson_page import echo_tables, sensor_tables, shot_tables
+    from strikewave.split_bar import SensorSolution, SplitBarSolution
+
+    if isinstance(solution, SplitBarSolution):
+        return shot_tables(solution)
+    return sensor_tables(solution) if isinstance(solution, SensorSolution) else echo_tables(solution)

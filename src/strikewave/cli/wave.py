@@ -90,10 +90,9 @@ def _animate(solution: BarSolution, place: Path) -> None:
 
 def _print(solution: BarSolution) -> None:
     from strikewave.report.wave_chapters import (
-        JOINT_HEADS,
         MOST_LAYERS,
+        bar_tables,
         error_words,
-        joint_rows,
         tap_rows,
     )
 
@@ -116,8 +115,8 @@ def _print(solution: BarSolution) -> None:
         title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
         table(title, ["layer", "asked (mm)", "used (mm)", "steps"], used)
     print_fits(solution.losses)
-    if solution.joints():
-        table("Joints that can open", JOINT_HEADS, joint_rows(solution), left=2)
+    for caption, columns, rows in bar_tables(solution):
+        table(caption, columns, rows)
     if solution.channels:
         read = [
             [

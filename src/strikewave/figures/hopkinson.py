@@ -1,4 +1,4 @@
-"""Pictures of a split-Hopkinson shot: record, aligned waves, force balance, curves, equilibrium in theory, echoes."""
+"""Pictures of split Hopkinson bars: shots, equilibrium in theory, echoes of a bar alone, a sensor on a bar end."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ from strikewave.hopkinson.echoes import Echoes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Reduction
 from strikewave.hopkinson.uniformity import UNIFORM, face_forces
-from strikewave.split_bar import EchoSolution, SplitBarSolution
+from strikewave.split_bar import EchoSolution, SensorSolution, SplitBarSolution
+from strikewave.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SINCE = "time after the wave comes to the specimen (µs)"
+AT_END = "time after the wave comes to the end (µs)"
 LOOKS = ((BLUE, "-"), (RED, "--"), (GREEN, "-."))
 """Colour and dashes of the first, second and third curve."""
 
@@ -175,6 +177,74 @@ def echo_summary(solution: EchoSolution) -> Figure:
     draw_passes(grid["passes"], solution.echoes)
     draw_speed(grid["speed"], solution.echoes, solution.bar.speed)
     draw_losses(grid["losses"], solution.echoes)
+    return figure
+
+
+def draw_accelerations(axes: Any, solution: SensorSolution) -> None:
+    """Draw the reference acceleration of the sensor, and its reading with the delay taken out."""
+    found = solution.comparison
+    words = "reading / sensitivity found" if solution.unit == "V" else "reading"
+    for values, name, (colour, dash) in zip(
+        (found.motion.acceleration, solution.shown_acceleration), ("reference by the gauge", words), LOOKS, strict=False
+    ):
+        time, shown = thin(found.time, values)
+        axes.plot(time * 1e6, shown / (1e3 * STANDARD_GRAVITY), dash, color=colour, linewidth=1.3, label=name)
+    title = f"Acceleration at {found.bandwidth.value / 1e3:.3g} kHz" + ("" if solution.quoted else ": not to be quoted")
+    quiet(axes, title, AT_END, "acceleration (1000 g)")
+    _above(axes, 2)
+
+
+def draw_sensor_difference(axes: Any, solution: SensorSolution) -> None:
+    """Draw by how much the reading differs from the reference, over the peak of the reference."""
+    found = solution.comparison
+    time, shown = thin(found.time, solution.shown_acceleration - found.motion.acceleration)
+    axes.plot(time * 1e6, 100.0 * shown / found.peaks[0], color=BLUE, linewidth=1.1)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    quiet(axes, "Reading less reference", AT_END, "share of the peak (%)")
+
+
+def draw_velocities(axes: Any, solution: SensorSolution) -> None:
+    """Draw the velocity of the sensor by the gauge, by both waves at the end, and by its integrated reading."""
+    found = solution.comparison
+    histories = (found.motion.velocity, solution.shown_velocity, found.both_waves)
+    names, widths = ("reference", "reading", "both waves"), (3.0, 1.7, 1.0)
+    for values, name, width, (colour, dash) in zip(histories, names, widths, LOOKS, strict=True):
+        time, shown = thin(found.time, values)
+        axes.plot(time * 1e6, shown, dash, color=colour, linewidth=width, label=name)
+    quiet(axes, "Velocity", AT_END, "velocity (m/s)")
+    _above(axes)
+
+
+def draw_end_record(axes: Any, solution: SensorSolution) -> None:
+    """Draw the strain at the gauge, and the windows of the incident and of the reflected pulse."""
+    pulses = solution.comparison.pulses
+    trace, top = pulses.traces[0].trace, float(pulses.plateau) * 1e6
+    time, strain = thin(trace.time, trace.strain)
+    axes.plot(time * 1e6, strain * 1e6, color=BLUE, linewidth=1.0)
+    for start, name, level in zip(pulses.starts, ("incident", "reflected"), (-1.55 * top, -1.9 * top), strict=False):
+        begin, end = start * 1e6, (start + pulses.duration) * 1e6
+        axes.plot([begin, end], [level, level], "|-", color=GREY, linewidth=1.0, markersize=6)
+        axes.text(0.5 * (begin + end), level, name, fontsize=8, ha="center", va="bottom", color=GREY)
+    quiet(axes, "Strain at the gauge", "time of the record (µs)", "strain (µε), compression +")
+    axes.set_ylim(-2.15 * top, 1.35 * top)
+    first, last = trace.time[[0, -1]]
+    axes.set_xlim(
+        1e6 * max(first, pulses.starts[0] - 0.2 * pulses.duration),
+        1e6 * min(last, pulses.starts[1] + 1.2 * pulses.duration),
+    )
+
+
+def sensor_summary(solution: SensorSolution) -> Figure:
+    """Draw an accelerometer beside its reference: accelerations, their difference, velocities, the strain."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11.0, 9.6), layout="constrained")
+    sheet_title(figure, solution.title)
+    grid = figure.subplot_mosaic([["acceleration"] * 2, ["difference", "velocity"], ["strain"] * 2])
+    draw_accelerations(grid["acceleration"], solution)
+    draw_sensor_difference(grid["difference"], solution)
+    draw_velocities(grid["velocity"], solution)
+    draw_end_record(grid["strain"], solution)
     return figure
 
 

@@ -361,12 +361,16 @@ def checks(solution: Solution) -> Section:
     masses: list[list[Cell]] = [[name, mass] for name, mass in (solution.masses or {}).items()]
     phases: list[list[Cell]] = [[name, f"{time:.6f}"] for name, time in solution.phases or ()]
     heads = ["ledger", "error, share", "limit", "result"]
+    kept = Table("Ledgers", heads, ledger, empty="No ledger was kept.")
+    if solution.case.machine is None and not masses and not phases:
+        words = "Momentum: impulses at both ends less the momentum of the stack, over the greater impulse."
+        return Section("Ledger", words, [kept])
     return Section(
         "Ledgers, masses and phases",
         "Energy: what the ledger of work and losses misses, over the energy that flowed. Momentum: impulse of all "
         "forces less change of momentum, over the contact impulse; the worst blow.",
         [
-            Table("Ledgers", heads, ledger, empty="No ledger was kept."),
+            kept,
             Table("Masses", ["body", "mass (kg)"], masses, empty="No mass is listed."),
             Table("Phases, from the valve signal", ["phase", "begins (s)"], phases, empty="No phase is listed."),
         ],

@@ -1,4 +1,4 @@
-"""The report of a split-Hopkinson shot, or of a bar calibrated by its echoes: solution in, one HTML page out."""
+"""The reports of split Hopkinson bars: a shot, an accelerometer on a bar end, a bar calibrated by its echoes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from strikewave.hopkinson.echoes import Estimate
-    from strikewave.split_bar import EchoSolution, SplitBarSolution
+    from strikewave.split_bar import EchoSolution, SensorSolution, SplitBarSolution
 
 _SHOT = (
     "Compression is positive. Each pulse is carried from its gauge to the specimen; forces are F1 = E A (incident + "
@@ -34,6 +34,18 @@ _ECHOES = (
     "Both ends are free, and the pulse passes the gauge again and again. The phase between two passes over a known way "
     "gives the speed at each frequency, the ratio of their amplitudes over a round trip the attenuation, losses at the "
     "ends included. The error is the standard error over the pairs; that of the stated distance comes on top."
+)
+_SENSOR = (
+    "The incident wave, carried from the gauge to the end, tells how what stands there moves: v = 2 c ε at a bare end, "
+    "m dv/dt = 2 E A ε − Z v for a rigid mass, waves in the disk for an elastic one. Reference and reading are "
+    "low-passed alike at the bandwidth stated (zero phase, 4 poles a pass). The delay is that of the largest "
+    "correlation, the sensitivity the slope by least squares of reading over reference."
+)
+_DOUBT = (
+    "The uncertainty adds squares: the scatter of the slope by the residual, taken as noise of its own colour; by how "
+    "much the noise of the reference lowers the slope; and what the set-up states for strain and bar speed. Nothing is "
+    "in it for the mass on the end, nor for a wrong model of the end: for that the reflected wave, which the reference "
+    "does not use, is set beside."
 )
 
 
@@ -188,6 +200,86 @@ def _estimated(one: Estimate, scale: float) -> tuple[str, str, str]:
     return f"{one.value * scale:.6g}", error, str(one.values) if one.values else NONE
 
 
+def sensor_tables(solution: SensorSolution) -> list[Table]:
+    """Return the tables of an accelerometer on the end of a bar."""
+    return [_sensitivity_table(solution), _agreement_table(solution), _uncertainty_table(solution)]
+
+
+def _sensitivity_table(solution: SensorSolution) -> Table:
+    found, unit = solution.comparison, solution.unit
+    (peak, read), (velocity, integral) = solution.peaks, found.velocities
+    share = solution.uncertainty.combined
+    slope = solution.sensitivity
+    rows: list[list[Cell]] = [
+        [
+            "slope by least squares",
+            NONE,
+            NONE,
+            f"{_sensitivity(slope, unit)} ± {_sensitivity(abs(slope) * share, unit, 2)}",
+        ],
+        ["largest acceleration", with_unit(peak, "m/s^2", "g"), _read(read, unit), _sensitivity(read / peak, unit)],
+        ["velocity change", f"{velocity:.4g} m/s", _integral(integral, unit), _sensitivity(integral / velocity, unit)],
+    ]
+    if not solution.quoted:
+        rows[0][3] = rows[1][3] = "not quoted: rise too steep"
+    heads = ["quantity", "reference by the gauge", "reading", "reading over reference"]
+    bandwidth = found.bandwidth
+    caption = (
+        f"{solution.title}: sensitivity with its standard uncertainty, at {bandwidth.value / 1e3:.4g} kHz "
+        f"(set by: {bandwidth.reason})"
+    )
+    return Table(caption, heads, rows)
+
+
+def _agreement_table(solution: SensorSolution) -> Table:
+    found, standing = solution.comparison, solution.standing
+    reflected = NONE if math.isnan(found.reflected_misfit) else f"{found.reflected_misfit:.2%}"
+    disk = f", elastic disk of {standing.disk.mass * 1e3:.4g} gram" if standing.disk else ""
+    rows: list[list[Cell]] = [
+        ["delay of the reading", f"{found.agreement.delay * 1e6:+.3f} µs", "against gauge and bar speed"],
+        ["correlation", f"{found.correlation:.5f}", "at that delay"],
+        ["residual over reading", f"{found.agreement.residual:.2%}", "root mean square"],
+        ["noise of the reference", with_unit(found.reference_noise, "m/s^2", "g"), "of the gauge, at the bandwidth"],
+        ["noise of the reading", _read(found.reading_noise, solution.unit), "at the bandwidth"],
+        ["rise left, in diameters of travel", f"{solution.rise_diameters:.3g}", "not quoted below 2, warned below 5"],
+        ["frequency at which the pulse sinks in noise", f"{found.bandwidth.noise / 1e3:.4g} kHz", "at the gauge"],
+        ["velocity by both waves, off the model", reflected, "root mean square"],
+        ["mass on the end", f"{standing.mass * 1e3:.4g} gram", f"sensor and rigid disk{disk}"],
+    ]
+    return Table("How the reading follows the reference", ["quantity", "value", "note"], rows)
+
+
+def _uncertainty_table(solution: SensorSolution) -> Table:
+    parts, power = solution.uncertainty, solution.comparison.speed_power
+    words = {
+        "scatter": "residual of the slope",
+        "bias": "noise of the reference, which lowers a slope",
+        "strain": "stated for the strain at the gauge",
+        "speed": f"stated for the bar speed, which counts with its power {power:.3g}",
+    }
+    rows: list[list[Cell]] = [
+        [name, NONE if math.isnan(part) else f"{part:.2%}", words[name]] for name, part in parts._asdict().items()
+    ]
+    rows.append(["combined", f"{parts.combined:.2%}", "root of the sum of squares of those that are known"])
+    return Table("Relative standard uncertainty of the sensitivity", ["part", "value", "from"], rows)
+
+
+def _read(value: float, unit: str) -> str:
+    """Write a reading: volts as they are, an acceleration in g."""
+    return with_unit(value, "V", "mV") if unit == "V" else with_unit(value, "m/s^2", "g")
+
+
+def _integral(value: float, unit: str) -> str:
+    return f"{value * 1e6:.4g} mV ms" if unit == "V" else f"{value:.4g} m/s"
+
+
+def _sensitivity(value: float, unit: str, digits: int = 5) -> str:
+    """Write reading over reference: volts in mV/g, a ratio as it is."""
+    from strikewave.units import STANDARD_GRAVITY
+
+    return f"{value * STANDARD_GRAVITY * 1e3:.{digits}g} mV/g" if unit == "V" else f"{value:.{digits}g}"
+
+
 def shot_report(solution: SplitBarSolution, text: str) -> str:
     """Return the report of a reduced shot as one HTML page."""
     from strikewave.figures.hopkinson import (
@@ -229,6 +321,47 @@ def shot_report(solution: SplitBarSolution, text: str) -> str:
     return _page(solution, text, "Report of a split-Hopkinson shot", words, (numbers, body))
 
 
+def sensor_report(solution: SensorSolution, text: str) -> str:
+    """Return the report of an accelerometer on the end of a bar as one HTML page."""
+    from strikewave.figures.hopkinson import (
+        draw_accelerations,
+        draw_end_record,
+        draw_sensor_difference,
+        draw_velocities,
+    )
+
+    found, share = solution.comparison, solution.uncertainty.combined
+    pictures = [
+        Picture(_figure(lambda axes: draw_accelerations(axes, solution), True), "Reference and reading of the sensor."),
+        Picture(_figure(lambda axes: draw_sensor_difference(axes, solution)), "By how much they differ."),
+        Picture(
+            _figure(lambda axes: draw_velocities(axes, solution)),
+            "Velocity: the reference, the reading integrated, and the end of the bar by both waves.",
+        ),
+        Picture(
+            _figure(lambda axes: draw_end_record(axes, solution), True),
+            "The strain at the gauge, and the windows of the pulses.",
+        ),
+    ]
+    said = _sensitivity(solution.sensitivity, solution.unit)
+    what = "The sensitivity of the sensor" if solution.unit == "V" else "The reading over the reference"
+    words = (
+        f"{what} is {said} at {found.bandwidth.value / 1e3:.4g} kHz (standard uncertainty {share:.2%}), and "
+        f"{found.agreement.residual:.1%} of the reading does not follow the reference."
+        if solution.quoted
+        else "The rise of the pulse is too steep at this bandwidth for accelerations to be quoted."
+    )
+    numbers = [
+        ("sensitivity" if solution.unit == "V" else "reading over reference", said if solution.quoted else NONE),
+        ("standard uncertainty", f"{share:.2%}" if solution.quoted else NONE),
+        ("largest acceleration", with_unit(solution.peaks[0], "m/s^2", "g")),
+        ("velocity change", f"{found.velocities[0]:.4g} m/s"),
+        ("delay", f"{found.agreement.delay * 1e6:+.2f} µs"),
+    ]
+    body = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", [*sensor_tables(solution), *pictures])
+    return _page(solution, text, "Report of an accelerometer on the end of a bar", words, (numbers, body))
+
+
 def echo_report(solution: EchoSolution, text: str) -> str:
     """Return the report of a bar calibrated by its echoes as one HTML page."""
     from strikewave.figures.hopkinson import draw_losses, draw_passes, draw_speed
@@ -254,7 +387,7 @@ def echo_report(solution: EchoSolution, text: str) -> str:
 
 
 def _page(
-    solution: SplitBarSolution | EchoSolution,
+    solution: SplitBarSolution | SensorSolution | EchoSolution,
     text: str,
     kicker: str,
     summary: str,

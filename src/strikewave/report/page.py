@@ -102,7 +102,7 @@ def report(solution: Solution, sections: Sequence[Section] = ()) -> str:
         chapters.inputs(solution.case),
         *struck_by_machine,
         *sections,
-        chapters.published(solution),
+        *([chapters.published(solution)] if _has_machine(solution) or solution.case.published else []),
         chapters.warnings(solution),
         chapters.checks(solution),
         chapters.sources(solution),

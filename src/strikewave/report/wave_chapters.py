@@ -356,6 +356,37 @@ def joint_rows(solution: BarSolution, most: int = 5) -> list[list[str]]:
     ]
 
 
+def contact_rows(solution: BarSolution) -> list[list[str]]:
+    """List what the contact of a striker came to; nothing without one."""
+    contact = solution.contact()
+    if contact is None:
+        return []
+    touches = contact["contacts"]
+    last = f"{touches[-1]['end'] * 1e6:.5g}" if touches else NONE
+    return [
+        ["peak force (kN)", f"{contact['peak_force'] / 1e3:.5g}"],
+        ["deepest indentation (um)", f"{contact['max_indentation'] * 1e6:.4g}"],
+        ["contacts, the last one until (us)", f"{len(touches)}, {last}"],
+        ["impulse (N s)", f"{contact['impulse']:.5g}"],
+        ["rebound speed of the striker (m/s)", f"{contact['rebound_speed']:.4g}"],
+        ["energy lost in the contact (J)", f"{contact['energy_lost']:.4g}"],
+    ]
+
+
+CONTACT_HEADS = ["contact of the striker", "value"]
+
+
+def hung_rows(solution: BarSolution) -> list[list[str]]:
+    """List the masses on springs and their largest acceleration, without any filter."""
+    return [
+        [row["where"], f"{row['mass'] * 1e3:.4g}", f"{row['peak'] / STANDARD_GRAVITY:.5g}"]
+        for row in solution.oscillators()
+    ]
+
+
+HUNG_HEADS = ["mass on a spring", "mass (gram)", "largest acceleration (g)"]
+
+
 JOINT_HEADS = ["after", "kind", "preload (N)", "opens at (us)", "closes at (us)"]
 
 
@@ -370,6 +401,21 @@ def _staircase(field: WaveField, layer: int, solution: BarSolution) -> Picture:
     return Picture(staircase_diagram(field, layer, run.time, run.face_force), words)
 
 
+def bar_tables(solution: BarSolution) -> list[tuple[str, list[str], list[list[str]]]]:
+    """Return the further tables of a bar, captions, heads and rows: contact, masses on springs, joints, layers."""
+    layers = [
+        [layer.name, f"{stress / 1e6:.4g}"]
+        for layer, stress in zip(solution.waves.layers, solution.layer_stress, strict=False)
+    ]
+    listed = [
+        ("Contact of the striker", CONTACT_HEADS, contact_rows(solution)),
+        ("Masses on springs", HUNG_HEADS, hung_rows(solution)),
+        ("Joints that can open", JOINT_HEADS, joint_rows(solution)),
+        ("Largest stress in each layer", ["layer", "stress (MPa)"], layers[:MOST_LAYERS]),
+    ]
+    return [entry for entry in listed if entry[2]]
+
+
 def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Section]:
     """Show load, taps, the field of a quantity, staircase, routes and accuracy of a bar alone."""
     run, time = solution.run, solution.run.time
@@ -377,6 +423,8 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
     rows: list[list[Cell]] = [list(row) for row in tap_rows(solution)]
     names = [name for name, _ in solution.taps[:4]]
     parts: list[Part] = [Table("Largest values at the taps", heads, rows)]
+    for caption, columns, listing in bar_tables(solution):
+        parts.append(Table(caption, columns, [list(row) for row in listing]))
     force = [Trace(name, time, run.force[:, k]) for k, name in enumerate(names)]
     speed = [Trace(name, time, run.velocity[:, k]) for k, name in enumerate(names)]
     total = [Trace(name, time, run.acceleration[:, k]) for k, name in enumerate(names)]
@@ -388,7 +436,8 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
         Picture(traces("Velocity", speed, "m/s", _SINCE_LOAD), "Velocity at the taps (exact)."),
         Picture(
             traces("Acceleration", [*total, Trace("the whole stack", time, solution.rigid)], "g", _SINCE_LOAD),
-            "Acceleration at the taps (exact), and of the stack as one body.",
+            "Acceleration at the taps (exact), and of the stack as one body."
+            + ("" if solution.quoted else " Its peaks are not to be quoted: see the warnings."),
         ),
     ]
     field = bar_field(solution)
@@ -426,7 +475,5 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
     tables: list[Part] = [] if solution.method == "spectral" else [layer_table(solution.waves)]
     if solution.losses:
         tables.append(fit_table(solution.losses))
-    if solution.joints():
-        tables.append(Table("Joints that can open", JOINT_HEADS, [list(row) for row in joint_rows(solution)]))
     sections.append(Section("Accuracy of the waves", f"{words}.", tables))
     return sections

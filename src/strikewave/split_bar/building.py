@@ -1,9 +1,10 @@
-"""Set-up in, what the compute room takes out: bars, specimen, striker, and traces of strain."""
+"""Set-up in, what the compute room takes out: bars, specimen, striker, disk, and what gauges and sensors wrote."""
 
 from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,15 +15,26 @@ from strikewave.hopkinson.pulses import Trace, quieten
 from strikewave.materials import material
 from strikewave.quantities import Value
 from strikewave.records import Channel, Options, read_record
-from strikewave.records.calibration import known_unit
+from strikewave.records.calibration import Calibration, known_unit
 from strikewave.records.clock import even
 from strikewave.records.finding import Finding
 from strikewave.records.health import Examined, clipped
 from strikewave.split_bar.reading import SplitBarCase
-from strikewave.split_bar.tables import BarTable, GaugeTable, SpecimenTable, SplitBarSetup
+from strikewave.split_bar.tables import (
+    AccelerometerTable,
+    BarTable,
+    DiskTable,
+    GaugeTable,
+    RecordedTable,
+    SpecimenTable,
+    SplitBarSetup,
+)
+from strikewave.waves import Layer
 
 LARGEST_SAMPLES = 20_000_000
 """A trace with more samples is refused: no shot needs them."""
+TINIEST, LARGEST_READING = 1e-30, 1e30
+"""Factors below and readings above are no readings of a sensor."""
 
 
 def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> tuple[Bar, Elastic]:
@@ -93,8 +105,24 @@ def build_striker(setup: SplitBarSetup, bar: Bar) -> Striker | None:
     return Striker(table.length.si, speed, impedance, math.nan if table.speed is None else table.speed.si)
 
 
-def gauge_file(case: SplitBarCase, table: GaugeTable) -> Path:
-    """Return the file of a gauge, which is relative to the set-up file."""
+def build_disk(table: DiskTable, bar: Bar) -> Layer:
+    """Return an elastic disk as a layer; its diameter is that of the bar where none is stated."""
+    diameter = bar.diameter if table.diameter is None else table.diameter.si
+    density, modulus, strength = _si(table.density), _si(table.modulus), None
+    if table.material:
+        known = material(table.material)
+        density = known.density if density is None else density
+        modulus = known.youngs_modulus if modulus is None else modulus
+        strength = known.yield_strength
+    assert density is not None
+    assert modulus is not None
+    assert table.thickness is not None
+    area = 0.25 * math.pi * diameter**2
+    return Layer("disk", density, modulus, area, table.thickness.si, diameter, strength)
+
+
+def recorded_file(case: SplitBarCase, table: RecordedTable) -> Path:
+    """Return the file of a record, which is relative to the set-up file."""
     return case.folder / table.file
 
 
@@ -106,8 +134,63 @@ def build_trace(case: SplitBarCase, table: GaugeTable, path: str, bar: Bar) -> t
     InputError
         If the file, the channel or its unit cannot be used, or samples are missing.
     """
+    channel, findings = _channel(case, table, path)
+    return Trace(_strain(channel, table, path, bar), channel.step, channel.start), findings
+
+
+class Reading(NamedTuple):
+    """What an accelerometer wrote: the history, in m/s^2 or V as ``unit`` says, and what reading it showed."""
+
+    trace: Trace
+    unit: str
+    findings: list[Finding]
+
+
+def build_reading(case: SplitBarCase, table: AccelerometerTable) -> Reading:
+    """Read the record of an accelerometer: an acceleration where it can be made of it, else the sensor's volts.
+
+    Raises
+    ------
+    InputError
+        If the file, the channel or its unit cannot be used, or samples are missing.
+    """
+    path = "accelerometer"
+    channel, findings = _channel(case, table, path)
+    scale = _calibration(table).scale(channel.unit, path)
+    if scale.unit not in ("m/s^2", "V"):
+        key = "sensitivity" if table.sensitivity else "unit"
+        got = getattr(table, key) or channel.unit or "nothing"
+        raise InputError(f"{path}.{key}", got, "an acceleration such as g, or V or mV", "say what the file holds")
+    factor = scale.factor
+    if table.gain is not None and not table.sensitivity:
+        if scale.unit != "V":
+            raise InputError(f"{path}.gain", table.gain.typed, "nothing for a file that holds an acceleration")
+        factor /= table.gain.si
+    largest = float(np.abs(channel.values).max(initial=0.0))
+    if not TINIEST <= abs(factor) <= LARGEST_READING / max(largest, 1.0):
+        raise InputError(
+            path, f"{largest:g} times {factor:g} {scale.unit}", "readings of a sensor", "look at its factors"
+        )
+    return Reading(Trace(channel.values * factor, channel.step, channel.start), scale.unit, findings)
+
+
+def _calibration(table: AccelerometerTable) -> Calibration:
+    """Return what makes an acceleration of an accelerometer's volts, where its sensitivity is stated."""
+    voltages = {"excitation": table.excitation, "rated_excitation": table.rated_excitation}
+    if not table.sensitivity:
+        for key, value in voltages.items():
+            if value is not None:
+                raise InputError(f"accelerometer.{key}", value.typed, "nothing without a sensitivity that it scales")
+        return Calibration(table.unit)
+    stated: dict[str, Any] = {key: f"{value.si!r} V" for key, value in voltages.items() if value is not None}
+    gain = "" if table.gain is None else repr(table.gain.si)
+    return Calibration(table.unit, table.sensitivity, gain, **stated)
+
+
+def _channel(case: SplitBarCase, table: RecordedTable, path: str) -> tuple[Channel, list[Finding]]:
+    """Read a channel on an even clock, and what reading it showed."""
     options = Options(_si(table.rate), table.time, (table.channel,))
-    channel = read_record(gauge_file(case, table), options).channel(table.channel)
+    channel = read_record(recorded_file(case, table), options).channel(table.channel)
     if channel.values.size > LARGEST_SAMPLES:
         raise InputError(f"{path}.file", f"{channel.values.size} samples", f"at most {LARGEST_SAMPLES} samples")
     bad = int(np.count_nonzero(~np.isfinite(channel.values)))
@@ -118,7 +201,7 @@ def build_trace(case: SplitBarCase, table: GaugeTable, path: str, bar: Bar) -> t
         found._replace(message=f"{path}: the record stops at {found.value:.4g} again and again: its range ended there")
         for found in clipped(Examined(channel.values, channel.step, channel.start))
     ]
-    return Trace(_strain(channel, table, path, bar), channel.step, channel.start), findings
+    return channel, findings
 
 
 def _strain(channel: Channel, table: GaugeTable, path: str, bar: Bar) -> np.ndarray:

@@ -6,17 +6,19 @@ import re
 import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple
 
 from pydantic import BaseModel, ValidationError
 
-from strikewave.errors import MISSING, InputError, InputErrors, nearest, show
-from strikewave.quantities import Range, Value
+from strikewave.errors import MISSING, InputError, InputErrors, show
+from strikewave.fields import Form
+from strikewave.quantities import Value
 from strikewave.split_bar.tables import SplitBarSetup
-from strikewave.units import DIMENSIONS
 
 LARGEST_FILE = 1_000_000
 """A set-up above this many bytes is refused."""
+FORM = Form(SplitBarSetup, "set-up", 'bar.incident.speed="4866 m/s"')
+"""A set-up file."""
 
 
 class SplitBarCase(NamedTuple):
@@ -71,7 +73,7 @@ def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: 
     if schema is MISSING or isinstance(schema, bool) or schema != 1:
         raise InputError("schema", schema, "schema = 1", "begin the set-up with schema = 1")
     for change in changes:
-        _apply(document, change)
+        FORM.change(document, change)
     document.setdefault("name", name)
     place = folder or Path()
     if isinstance(document.get("folder"), str) and document["folder"]:
@@ -80,7 +82,7 @@ def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: 
     try:
         setup = SplitBarSetup.model_validate(document)
     except ValidationError as error:
-        raise InputErrors(_lines(error)) from None
+        raise InputErrors(FORM.lines(error)) from None
     return SplitBarCase(setup, tomlkit.dumps(_toml(document)), place)
 
 
@@ -91,75 +93,6 @@ def values_of(part: Any, path: str = "") -> Iterator[tuple[str, Value]]:
     elif isinstance(part, BaseModel):
         for key, entry in part:
             yield from values_of(entry, f"{path}.{key}" if path else key)
-
-
-def _apply(document: dict[str, Any], change: str) -> None:
-    """Set ``path=value``; a changed quantity is assumed and says so."""
-    path, equals, text = (part.strip() for part in change.partition("="))
-    if not equals or not path or not text:
-        raise InputError("--set", change, 'path=value, such as bar.incident.speed="4866 m/s"')
-    *tables, key = path.split(".")
-    place: Any = document
-    for table in tables:
-        place = place.setdefault(table, {})
-        if not isinstance(place, dict):
-            raise InputError("--set " + path, change, "a table of the set-up")
-    allowed = _range_at([*tables, key])
-    if allowed is None:
-        place[key] = text
-        return
-    typed: Any = text
-    try:
-        number = float(text)
-        typed = f"{text} {allowed.unit}" if allowed.unit in DIMENSIONS else number
-    except ValueError:
-        pass
-    place[key] = {"value": typed, "provenance": "assumed", "note": "set by the user"}
-
-
-def _table_at(places: list[str]) -> type[BaseModel] | None:
-    """Return the model of the table at a path; None where there is none."""
-    model: type[BaseModel] | None = SplitBarSetup
-    for place in places:
-        field = model.model_fields.get(place) if model else None
-        kinds = [field.annotation, *get_args(field.annotation)] if field else []
-        model = next((k for k in kinds if isinstance(k, type) and issubclass(k, BaseModel) and k is not Value), None)
-    return model
-
-
-def _range_at(places: list[str]) -> Range | None:
-    """Return what the quantity at a path may be; None where there is no quantity."""
-    model = _table_at(places[:-1])
-    field = model.model_fields.get(places[-1]) if model else None
-    for rule in field.metadata if field else ():
-        owner = getattr(getattr(rule, "func", None), "__self__", None)
-        if isinstance(owner, Range):
-            return owner
-    return None
-
-
-def _lines(error: ValidationError) -> list[str]:
-    """Turn pydantic's report into one line a fault: field, what came, what is allowed, what to do."""
-    lines = []
-    for fault in error.errors():
-        places = [show(str(part)).strip('"') for part in fault["loc"]]
-        path, cause = ".".join(places), fault.get("ctx", {}).get("error")
-        if isinstance(cause, InputError):
-            inner = ".".join(part for part in (path, cause.field) if part)
-            lines.append(str(InputError(inner, cause.got, cause.allowed, cause.hint)))
-        elif fault["type"] == "extra_forbidden":
-            model = _table_at(places[:-1])
-            lines.append(f"{path}: unknown key; {nearest(places[-1], model.model_fields if model else ())}")
-        elif fault["type"] == "missing":
-            allowed = _range_at(places)
-            unit = DIMENSIONS.get(allowed.unit) if allowed else None
-            example = f'{places[-1]} = "{unit[1]}"' if unit else (f"[{path}]" if _table_at(places) else places[-1])
-            lines.append(f"{path}: missing; add {example}")
-        elif fault["type"] == "literal_error":
-            lines.append(str(InputError(path, fault["input"], str(fault.get("ctx", {}).get("expected", "")))))
-        else:
-            lines.append(f"{path or 'set-up'}: got {show(fault['input'])}; {fault['msg']}")
-    return lines
 
 
 def _toml(value: Any) -> Any:

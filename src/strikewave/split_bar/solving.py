@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
-from strikewave.errors import InputError
 from strikewave.hopkinson import (
     Bar,
-    Elastic,
     Pulses,
     Reduction,
     Specimen,
@@ -23,16 +20,16 @@ from strikewave.hopkinson import (
 )
 from strikewave.hopkinson.checks import Equilibrium, Momentum, StrikerCheck
 from strikewave.hopkinson.echoes import Echoes, calibrate_bar
-from strikewave.records.finding import Finding
 from strikewave.solution import Notice
-from strikewave.split_bar.building import build_bar, build_specimen, build_striker, build_trace, gauge_file
+from strikewave.split_bar.building import build_bar, build_specimen, build_striker, build_trace
+from strikewave.split_bar.comparing import compare_accelerometer
 from strikewave.split_bar.echoes import EchoSolution
+from strikewave.split_bar.notices import MISMATCH, citations, constant_notices, digests, reading_notices
 from strikewave.split_bar.reading import SplitBarCase
+from strikewave.split_bar.sensor_solution import SensorSolution
 from strikewave.split_bar.solution import SplitBarSolution
-from strikewave.split_bar.tables import GaugeTable, LimitsTable
+from strikewave.split_bar.tables import LimitsTable
 
-MISMATCH = 0.005
-"""Share by which stated density, modulus and speed may disagree without a word."""
 STRIKER_MISMATCH = 0.05
 """Share by which the incident pulse may differ from what its striker should make without a word."""
 LATE_SHARE = 0.2
@@ -41,15 +38,17 @@ UNIFORM = 0.05
 """Share of the mean force below which the difference of the forces counts as equilibrium."""
 
 
-def run_split_bar(case: SplitBarCase) -> SplitBarSolution | EchoSolution:
-    """Reduce the shot of a set-up, or calibrate its bar by echoes where there is no specimen.
+def run_split_bar(case: SplitBarCase) -> SplitBarSolution | SensorSolution | EchoSolution:
+    """Reduce the shot of a set-up, compare the accelerometer on its bar, or calibrate the bar by echoes.
 
     Raises
     ------
     InputError
         If files, channels, units or pulses cannot be used.
     """
-    return _calibrate(case) if case.setup.is_calibration else _reduce(case)
+    if case.setup.kind == "sensor":
+        return compare_accelerometer(case)
+    return _calibrate(case) if case.setup.kind == "echoes" else _reduce(case)
 
 
 def _reduce(case: SplitBarCase) -> SplitBarSolution:
@@ -73,8 +72,8 @@ def _reduce(case: SplitBarCase) -> SplitBarSolution:
     striker = build_striker(setup, bars[0])
     checked = None if striker is None else striker_check(pulses, reduction, striker)
     notices = [
-        *_reading_notices(findings),
-        *_constant_notices({"incident": constants, "transmitted": others}),
+        *reading_notices(findings),
+        *constant_notices({"incident": constants, "transmitted": others}),
         *_alignment_notices(reduction, pulses),
         *_balance_notices(alike, impulses, setup.limits),
         *_striker_notices(checked),
@@ -91,7 +90,7 @@ def _reduce(case: SplitBarCase) -> SplitBarSolution:
         constants={"incident": constants, "transmitted": others},
         digests=digests(case, [gauge for gauge, _ in gauges]),
         warnings=tuple(notices),
-        citations=_citations(setup.solver.dispersion, ["kolsky-1963", "gray-2000", "maeda-1985", *_theory(specimen)]),
+        citations=citations(setup.solver.dispersion, ["kolsky-1963", "gray-2000", "maeda-1985", *_theory(specimen)]),
     )
 
 
@@ -101,52 +100,20 @@ def _calibrate(case: SplitBarCase) -> EchoSolution:
     bar, constants = build_bar(table, "bar.incident")
     trace, findings = build_trace(case, table.gauge, "bar.incident.gauge", bar)
     found = calibrate_bar(trace, bar, setup.echoes.way, int(setup.echoes.skip.si), setup.solver.dispersion)
-    notices = [*_reading_notices(findings), *_constant_notices({"incident": constants}), *_echo_notices(found, bar)]
+    notices = [*reading_notices(findings), *constant_notices({"incident": constants}), *_echo_notices(found, bar)]
     return EchoSolution(
         case=case,
         bar=bar,
         echoes=found,
         digests=digests(case, [table.gauge]),
         warnings=tuple(notices),
-        citations=_citations(setup.solver.dispersion, ["bacon-1998", "maeda-1985"]),
+        citations=citations(setup.solver.dispersion, ["bacon-1998", "maeda-1985"]),
     )
-
-
-def digests(case: SplitBarCase, gauges: Iterable[GaugeTable]) -> dict[str, str]:
-    """Return the SHA-256 of the files of gauges, by their names in the set-up."""
-    found = {}
-    for gauge in gauges:
-        try:
-            with gauge_file(case, gauge).open("rb") as file:
-                found[gauge.file] = hashlib.file_digest(file, "sha256").hexdigest()
-        except OSError as error:
-            raise InputError("FILE", gauge.file, "a file that can be read", error.strerror or "") from None
-    return found
-
-
-def _citations(theory: str, others: list[str]) -> tuple[str, ...]:
-    return tuple(others if theory == "none" else [*others, "follansbee-frantz-1983"])
 
 
 def _theory(specimen: Specimen) -> list[str]:
     """Return the sources of the theory of equilibrium, where the specimen's impedance is known."""
     return [] if specimen.transit is None else ["yang-shim-2005", "ravichandran-subhash-1994"]
-
-
-def _reading_notices(findings: Iterable[Finding]) -> Iterator[Notice]:
-    for finding in findings:
-        if finding.severity != "good":
-            yield Notice(f"record-{finding.code}", finding.message, float(finding.value), 0.0)
-
-
-def _constant_notices(constants: dict[str, Elastic]) -> Iterator[Notice]:
-    for name, one in constants.items():
-        if abs(one.mismatch) > MISMATCH:
-            message = (
-                f"the modulus stated for the {name} bar differs by {one.mismatch:+.1%} from rho c^2 = "
-                f"{one.modulus / 1e9:.4g} GPa of its density and speed, which is used"
-            )
-            yield Notice("constants-disagree", message, one.mismatch, MISMATCH)
 
 
 def _alignment_notices(reduction: Reduction, pulses: Pulses) -> Iterator[Notice]:

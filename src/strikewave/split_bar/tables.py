@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from strikewave.errors import InputError
+from strikewave.errors import MISSING, InputError
 from strikewave.hopkinson.alignment import Method
 from strikewave.hopkinson.echoes import Way
 from strikewave.hopkinson.gauges import BridgeKind
@@ -17,6 +17,7 @@ from strikewave.quantities import (
     MaybeDensity,
     MaybeFrequency,
     MaybeLength,
+    MaybeMass,
     MaybeModulus,
     MaybeSpeed,
     Range,
@@ -29,6 +30,7 @@ from strikewave.waves.dispersion import Theory
 MaybeNumber = Annotated[Value | None, positive("")]
 MaybeVoltage = Annotated[Value | None, positive("V", 1e6)]
 MaybePoisson = Annotated[Value | None, BeforeValidator(Range("", 0.0, 0.5).read)]
+MaybeShare = Annotated[Value | None, BeforeValidator(Range("", 0.0, 0.5).read)]
 Limit = Annotated[Value, positive("", 10.0)]
 SkipCount = Annotated[Value, BeforeValidator(Range("count", 0, 1000).read)]
 
@@ -40,18 +42,23 @@ def _channel(raw: Any) -> str:
     return str(raw)
 
 
-class GaugeTable(Table):
-    """[bar.incident.gauge]: where the strain stands, and what makes strain of it.
-
-    ``unit`` overrules what the file says. A voltage needs a bridge (gauge_factor, excitation, gain), or
-    strain_per_volt. The sign is found: the first pulse is compression.
-    """
+class RecordedTable(Table):
+    """Where a history stands: file and channel, time or rate where the file needs it; ``unit`` overrules the file's."""
 
     file: str
     channel: Annotated[str, BeforeValidator(_channel)] = "1"
     time: Annotated[str, BeforeValidator(_channel)] | None = None
     rate: MaybeFrequency = None
     unit: str = ""
+
+
+class GaugeTable(RecordedTable):
+    """[bar.incident.gauge]: where the strain stands, and what makes strain of it.
+
+    A voltage needs a bridge (gauge_factor, excitation, gain), or strain_per_volt. The sign is found: the first pulse
+    is compression.
+    """
+
     bridge: BridgeKind | None = None
     gauge_factor: MaybeNumber = None
     excitation: MaybeVoltage = None
@@ -105,6 +112,58 @@ class StrikerTable(Table):
     diameter: MaybeLength = None
 
 
+class DiskTable(Table):
+    """[disk]: what stands between the end of the bar and the accelerometer; left out, the sensor sits on the bar.
+
+    A rigid disk has a mass; an elastic one a thickness, a material or density and modulus, and a diameter (that of
+    the bar where it is left out).
+    """
+
+    kind: Literal["rigid", "elastic"]
+    mass: MaybeMass = None
+    material: str = ""
+    density: MaybeDensity = None
+    modulus: MaybeModulus = None
+    thickness: MaybeLength = None
+    diameter: MaybeLength = None
+
+    @model_validator(mode="after")
+    def _fits(self) -> DiskTable:
+        for key in ("mass", "material", "density", "modulus", "thickness", "diameter"):
+            value = getattr(self, key)
+            if value and (key == "mass") != (self.kind == "rigid"):
+                typed = value.typed if isinstance(value, Value) else value
+                raise InputError(key, typed, f"nothing for a disk that is {self.kind}", "look at kind")
+        if self.kind == "rigid" and self.mass is None:
+            raise InputError("mass", MISSING, 'the mass of a rigid disk, such as "20 gram"')
+        if self.kind == "elastic" and self.thickness is None:
+            raise InputError("thickness", MISSING, 'the thickness of an elastic disk, such as "5 mm"')
+        if self.kind == "elastic" and not self.material and (self.density is None or self.modulus is None):
+            raise InputError("material", MISSING, "a material, or density and modulus")
+        return self
+
+
+class AccelerometerTable(RecordedTable):
+    """[accelerometer]: the record of the sensor at the end of the bar, and its own mass.
+
+    Volts alone: the sensitivity is found. With a stated ``sensitivity`` (such as "1.2 mV/g"; gain, excitation and
+    rated_excitation where it needs them), or where the file holds an acceleration: the ratio to the reference.
+    """
+
+    sensitivity: str = ""
+    gain: MaybeNumber = None
+    excitation: MaybeVoltage = None
+    rated_excitation: MaybeVoltage = None
+    mass: MaybeMass = None
+
+
+class UncertaintyTable(Table):
+    """[uncertainty]: relative standard uncertainties of the strain at the gauge and of the bar speed."""
+
+    strain: MaybeShare = None
+    speed: MaybeShare = None
+
+
 class EchoesTable(Table):
     """[echoes]: without a specimen; which way the first pulse runs, and how many passes to leave out."""
 
@@ -113,11 +172,15 @@ class EchoesTable(Table):
 
 
 class SolverTable(Table):
-    """[solver]: which waves give the curve that is shown first, how pulses are carried, how they are aligned."""
+    """[solver]: which waves give the curve that is shown first, how pulses are carried, how they are aligned.
+
+    ``bandwidth`` is that at which the reading of an accelerometer is compared; chosen where it is left out.
+    """
 
     analysis: Analysis = "3-wave"
     dispersion: Theory = "pochhammer-chree"
     alignment: Method = "geometric"
+    bandwidth: MaybeFrequency = None
 
 
 class LimitsTable(Table):
@@ -128,7 +191,7 @@ class LimitsTable(Table):
 
 
 class SplitBarSetup(Table):
-    """The set-up of one shot, or of one calibration of a bar by its echoes where there is no specimen.
+    """The set-up of one shot; of an accelerometer on a bar end; or of a bar that is calibrated by its echoes.
 
     ``folder`` is where the files of the gauges are; that of the set-up file where it is left out.
     """
@@ -141,21 +204,33 @@ class SplitBarSetup(Table):
     bar: BarsTable
     specimen: SpecimenTable | None = None
     striker: StrikerTable | None = None
+    disk: DiskTable | None = None
+    accelerometer: AccelerometerTable | None = None
+    uncertainty: UncertaintyTable = UncertaintyTable()
     echoes: EchoesTable = EchoesTable()
     solver: SolverTable = SolverTable()
     limits: LimitsTable = LimitsTable()
 
     @model_validator(mode="after")
     def _whole(self) -> SplitBarSetup:
-        if self.specimen is not None and self.bar.transmitted is None:
+        alone = "leave [specimen] out to calibrate a bar by echoes"
+        if self.accelerometer is not None:
+            for path, table in (("specimen", self.specimen), ("bar.transmitted", self.bar.transmitted)):
+                if table is not None:
+                    raise InputError(path, "a table", "nothing beside [accelerometer]: it sits on the end of one bar")
+        elif self.disk is not None:
+            raise InputError("accelerometer", MISSING, "[accelerometer] on the [disk], with its file")
+        elif self.specimen is not None and self.bar.transmitted is None:
             allowed = "[bar.transmitted] with its gauge, where there is a specimen"
-            raise InputError("bar.transmitted", "nothing", allowed, "leave [specimen] out to calibrate a bar by echoes")
-        if self.specimen is None and self.bar.transmitted is not None:
+            raise InputError("bar.transmitted", "nothing", allowed, alone)
+        elif self.specimen is None and self.bar.transmitted is not None:
             hint = "leave [bar.transmitted] out to calibrate one bar by its echoes"
             raise InputError("specimen", "nothing", "[specimen] between two bars", hint)
         return self
 
     @property
-    def is_calibration(self) -> bool:
-        """Whether it is the calibration of a bar by its echoes."""
-        return self.specimen is None
+    def kind(self) -> Literal["shot", "sensor", "echoes"]:
+        """What it is of: a specimen, an accelerometer, or a bar alone."""
+        if self.accelerometer is not None:
+            return "sensor"
+        return "echoes" if self.specimen is None else "shot"

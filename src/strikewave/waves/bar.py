@@ -13,7 +13,7 @@ from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
 from strikewave.contact.law import Contact, check_end, striking_law
 from strikewave.waves import _impact_kernels, _kernels
 from strikewave.waves._kernels import Extremes, Recording
-from strikewave.waves.bar_run import BarRun, Tap, Wanted
+from strikewave.waves.bar_run import BarRun, Tap, Wanted, faces_of_hung, hung_acceleration
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import PRESCRIBED, Impactor, Load
 from strikewave.waves.spectral import is_linear
@@ -244,7 +244,9 @@ def _run(
     steps = int(duration / grid.step * (1.0 + 1e-12)) + 1
     tables, state = tables_of(stack, grid), state_at_rest(stack, grid)
     before = _kernels.momentum(tables, state)
-    watched = np.concatenate([[[0, 0]], [[len(stack.layers) - 1, grid.counts[-1]]], nearest_nodes(grid, places)])
+    ends, hung = [[0, 0], [len(stack.layers) - 1, grid.counts[-1]]], faces_of_hung(stack)
+    watched = np.concatenate([ends, nearest_nodes(grid, [*places, *hung])])
+    taps = slice(2, 2 + len(places))
     rows = (steps - 1) // every + 1
     kept = _recording(watched, every, rows)
     kept.velocity[0, :, 0] = [stack.layers[i].speed for i in watched[:, 0]]
@@ -254,11 +256,12 @@ def _run(
     often = max(1, int(keep.shortest / 20.0 / grid.step))
     extremes = Extremes(nodes, often, np.zeros(len(nodes)), np.zeros(len(nodes)))
     norms = np.zeros(6)
-    lost, touches, struck = 0.0, np.empty((0, 3)), isinstance(load, Impactor)
+    lost, speed, deepest = 0.0, math.nan, math.nan
+    touches, struck = np.empty((0, 3)), isinstance(load, Impactor)
     # one step more than is kept, so that the last acceleration has both its neighbours
     if isinstance(load, Impactor):
         table = np.zeros((_MOST_TOUCHES, 3))
-        count, _, entered, through, lost, deepest = _impact_kernels.strike(
+        count, speed, entered, through, lost, deepest = _impact_kernels.strike(
             tables, state, _law(load), load.mass, load.speed, steps + 1, (kept, pictured), extremes, norms, table
         )
         touches = table[: min(count, _MOST_TOUCHES)]
@@ -275,9 +278,10 @@ def _run(
         time=grid.step * every * np.arange(rows, dtype=np.float64),
         face_force=kept.force[:, 0],
         end_force=kept.force[:, 1],
-        force=kept.force[:, 2:],
-        velocity=kept.velocity[:, 2:, 1],
-        acceleration=(kept.velocity[:, 2:, 2] - kept.velocity[:, 2:, 0]) / (2.0 * grid.step),
+        force=kept.force[:, taps],
+        velocity=kept.velocity[:, taps, 1],
+        acceleration=(kept.velocity[:, taps, 2] - kept.velocity[:, taps, 0]) / (2.0 * grid.step),
+        hung_acceleration=hung_acceleration(stack, kept.force[:, taps.stop :], kept.force[:, 1]),
         bound=ErrorBound(math.inf, math.inf) if struck else error_bound(stack, grid, norms, places),
         places=tuple(places),
         duration=duration,
@@ -294,6 +298,8 @@ def _run(
         end_impulse=through,
         momentum=_kernels.momentum(tables, state) - before,
         energy_lost=lost,
+        striker_speed=speed,
+        deepest=deepest,
     )
 
 

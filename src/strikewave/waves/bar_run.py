@@ -53,6 +53,8 @@ class BarRun:
     force, velocity, acceleration : ndarray
         At the taps, shape (N, taps). By delay lines the acceleration is the central difference of the velocity
         over two steps of the grid.
+    hung_acceleration : ndarray
+        Of the masses on springs in the order of `Stack.hung`, m/s^2, shape (N, masses): the force on each over it.
     bound : ErrorBound
         Largest error: from rounding the transits, and what half the step changes where springs or masses take
         part; infinite where joints open or a striker comes. By the spectral solver what half the step changes.
@@ -72,8 +74,8 @@ class BarRun:
         Of the load, and of the stack on its end, N s.
     momentum : float
         Gained by the stack, N s.
-    energy_lost : float
-        In the contact with an impactor, J.
+    energy_lost, striker_speed, deepest : float
+        In the contact with an impactor, J; its speed at the end, m/s, and its deepest indentation, m.
     """
 
     stack: Stack
@@ -85,6 +87,7 @@ class BarRun:
     force: Array = field(repr=False)
     velocity: Array = field(repr=False)
     acceleration: Array = field(repr=False)
+    hung_acceleration: Array = field(repr=False)
     bound: ErrorBound
     places: tuple[tuple[int, float], ...]
     duration: float
@@ -101,6 +104,8 @@ class BarRun:
     end_impulse: float
     momentum: float
     energy_lost: float
+    striker_speed: float = math.nan
+    deepest: float = math.nan
 
     @property
     def momentum_error(self) -> float:
@@ -117,3 +122,21 @@ class BarRun:
             self.bound.velocity / largest[0] if largest[0] > 0.0 else math.inf,
             self.bound.acceleration / largest[1] if largest[1] > 0.0 else math.inf,
         )
+
+
+def faces_of_hung(stack: Stack) -> list[tuple[int, float]]:
+    """Return the places before and behind each mass on a spring between layers: layer, fraction of the layer."""
+    return [place for k, _ in stack.hung if k < len(stack.joints) for place in ((k, 1.0), (k + 1, 0.0))]
+
+
+def hung_acceleration(stack: Stack, faces: Array, end_force: Array) -> Array:
+    """Return the accelerations of masses on springs, m/s^2, shape (N, masses).
+
+    ``faces`` are the forces at `faces_of_hung`, shape (N, 2 per mass between layers): what is lost from face to face
+    pushes the mass.
+    """
+    pushes = [faces[:, 2 * k] - faces[:, 2 * k + 1] for k in range(faces.shape[1] // 2)]
+    if stack.end.kind == "oscillator":
+        pushes.append(end_force)
+    columns = [push / mass for push, (_, mass) in zip(pushes, stack.hung, strict=True)]
+    return np.column_stack(columns) if columns else np.empty((len(end_force), 0))

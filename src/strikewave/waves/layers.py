@@ -189,6 +189,8 @@ class Joint:
         Mass on the spring, kg.
     contact : Contact, LogarithmicContact or None, optional
         Law of a nonlinear contact, without hysteresis and damper: faces that touch have no approach speed.
+    yield_force : float, optional
+        Force at which a gasket yields, N; the waves do not know it.
     """
 
     stiffness: float = math.inf
@@ -200,6 +202,7 @@ class Joint:
     mass: float = 0.0
     attached: float = 0.0
     contact: AnyContact | None = None
+    yield_force: float = math.inf
 
     def __post_init__(self) -> None:
         values = (self.damping, self.gap, self.preload, self.mass, self.attached)
@@ -308,6 +311,14 @@ class Stack:
         ended = self.end.value if self.end.kind in ("mass", "oscillator") else 0.0
         carried = sum(joint.mass + joint.attached for joint in self.joints)
         return sum(layer.mass for layer in self.layers) + carried + ended
+
+    @property
+    def hung(self) -> tuple[tuple[int, float], ...]:
+        """Masses on springs: index of the joint that carries each (that of the last layer: the end), and its kg."""
+        found = [(k, joint.attached) for k, joint in enumerate(self.joints) if joint.attached > 0.0]
+        if self.end.kind == "oscillator":
+            found.append((len(self.layers) - 1, self.end.value))
+        return tuple(found)
 
     @property
     def transit(self) -> float:

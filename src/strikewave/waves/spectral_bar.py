@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.waves.bar_run import BarRun, Wanted
+from strikewave.waves.bar_run import BarRun, Wanted, faces_of_hung, hung_acceleration
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import Impactor, Load, Pulse, Sampled
 from strikewave.waves.spectral import MOST_VALUES, Histories, Spectrum, refuse_nonlinear
@@ -136,6 +136,7 @@ def _bar_run(
         force[:, part], velocity[:, part] = seen.force.T[::coarse], seen.velocity.T[::coarse]
         least[part], greatest[part] = seen.force.min(axis=1), seen.force.max(axis=1)
     face, end, (entered, through, moved) = spectrum.ends()
+    faces = faces_of_hung(stack)
     return BarRun(
         stack=stack,
         load=spectrum.load,
@@ -146,6 +147,7 @@ def _bar_run(
         force=found.force.T,
         velocity=found.velocity.T,
         acceleration=found.acceleration.T,
+        hung_acceleration=hung_acceleration(stack, spectrum.look(faces).force.T, end),
         bound=bound,
         places=tuple(places),
         duration=duration,

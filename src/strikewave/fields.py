@@ -1,0 +1,174 @@
+"""The fields of a file by their paths: what may stand there, how one is changed, and what is wrong with them.
+
+A path names tables and a key, such as ``machine.speed``; a row of an array of tables goes by its name or its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from strikewave.errors import InputError, InputErrors, nearest, show
+from strikewave.quantities import Range, Value
+from strikewave.units import DIMENSIONS
+
+
+def row_name(row: Any, place: int) -> str:
+    """Return how a path calls a row of an array of tables: by its name, what it comes after, or its place."""
+    get = row.get if isinstance(row, Mapping) else (lambda key, default: getattr(row, key, default))
+    return str(get("name", "") or get("after", "") or place)
+
+
+@dataclass(frozen=True)
+class Form:
+    """What a file holds: its model, what the file is called in an error line, and a change that shows how.
+
+    Attributes
+    ----------
+    model : type
+        Of the whole file.
+    name : str
+        Such as ``case``.
+    example : str
+        A change, such as ``machine.speed="500 rpm"``.
+    """
+
+    model: type[BaseModel]
+    name: str
+    example: str
+
+    def change(self, document: dict[str, Any], change: str) -> None:
+        """Set ``path=value`` in a document; a bare number is SI; a changed quantity is assumed and says so.
+
+        Raises
+        ------
+        InputError
+            If it is no change, or its path leads through what is no table.
+
+        Examples
+        --------
+        >>> from strikewave.tables import Machine
+        >>> document = {}
+        >>> Form(Machine, "machine", 'radius="1 m"').change(document, "radius=0.2")
+        >>> document["radius"]["value"]
+        '0.2 m'
+        """
+        path, equals, text = (part.strip() for part in change.partition("="))
+        if not equals or not path or not text:
+            raise InputError("--set", change, f"path=value, such as {self.example}")
+        *tables, key = path.split(".")
+        place = self._table_in(document, tables, change)
+        if not isinstance(place, dict):
+            raise InputError("--set " + path, change, f"a table of the {self.name}")
+        typed: Any = _number(text)
+        allowed = self.range_at([*tables, key])
+        if allowed is None:
+            words = isinstance(place.get(key), str) or self._takes_text([*tables, key])
+            place[key] = text if words else typed
+            return
+        if allowed.unit in DIMENSIONS and not isinstance(typed, str):
+            typed = f"{text} {allowed.unit}"
+        place[key] = {"value": typed, "provenance": "assumed", "note": "set by the user"}
+
+    def _table_in(self, document: dict[str, Any], tables: list[str], change: str) -> Any:
+        """Return the table of a document at a path, made where it is not there."""
+        place: Any = document
+        for depth, table in enumerate(tables):
+            inner: Any = None
+            if isinstance(place, dict):
+                inner = place.setdefault(table, {})
+            elif isinstance(place, list):
+                inner = next((row for k, row in enumerate(place) if table in (row_name(row, k), str(k))), None)
+            if not isinstance(inner, dict | list) or (isinstance(inner, list) and depth == len(tables) - 1):
+                raise InputError("--set " + ".".join(tables[: depth + 1]), change, f"a table of the {self.name}")
+            place = inner
+        return place
+
+    def lines(self, error: ValidationError) -> list[str]:
+        """Turn pydantic's report into one line a fault: field, what came, what is allowed, what to do."""
+        lines: list[str] = []
+        for fault in error.errors():
+            places = [show(str(part)).strip('"') for part in fault["loc"]]
+            path = ".".join(places)
+            cause = fault.get("ctx", {}).get("error")
+            if isinstance(cause, InputErrors):
+                lines += cause.lines
+            elif isinstance(cause, InputError):
+                inner = ".".join(part for part in (path, cause.field) if part)
+                lines.append(str(InputError(inner, cause.got, cause.allowed, cause.hint)))
+            elif fault["type"] == "extra_forbidden":
+                lines.append(f"{path}: unknown key; {nearest(places[-1], self.keys_at(places[:-1]))}")
+            elif fault["type"] == "missing":
+                lines.append(f"{path}: missing; {self._example(places)}")
+            elif fault["type"] == "tuple_type":
+                lines.append(f"{path}: got one table; write [[{path}]], once for each")
+            elif fault["type"] == "literal_error":
+                lines.append(str(InputError(path, fault["input"], str(fault.get("ctx", {}).get("expected", "")))))
+            else:
+                lines.append(f"{path or self.name}: got {show(fault['input'])}; {fault['msg']}")
+        return lines
+
+    def table_at(self, places: list[str]) -> type[BaseModel] | None:
+        """Return the model of the table at a path; a name or number stands for the row of an array of tables."""
+        model: type[BaseModel] | None = self.model
+        in_rows = False
+        for place in places:
+            if in_rows:
+                in_rows = False
+                continue
+            field = model.model_fields.get(place) if model else None
+            model, in_rows = _table_of(field.annotation) if field else (None, False)
+        return model
+
+    def keys_at(self, places: list[str]) -> list[str]:
+        """Return the keys of the table at a path; none where there is no table."""
+        model = self.table_at(places)
+        return [field.alias or key for key, field in model.model_fields.items()] if model else []
+
+    def range_at(self, places: list[str]) -> Range | None:
+        """Return what the quantity at a path may be; None where there is no quantity."""
+        model = self.table_at(places[:-1])
+        field = model.model_fields.get(places[-1]) if model else None
+        for rule in field.metadata if field else ():
+            owner = getattr(getattr(rule, "func", None), "__self__", None)
+            if isinstance(owner, Range):
+                return owner
+        return None
+
+    def _takes_text(self, places: list[str]) -> bool:
+        model = self.table_at(places[:-1])
+        field = model.model_fields.get(places[-1]) if model else None
+        return field is not None and str in (field.annotation, *get_args(field.annotation))
+
+    def _example(self, places: list[str]) -> str:
+        allowed = self.range_at(places)
+        if allowed is not None and allowed.unit in DIMENSIONS:
+            return f'add {places[-1]} = "{DIMENSIONS[allowed.unit][1]}"'
+        if allowed is not None:
+            return f"add {places[-1]}, {allowed.allowed()}"
+        is_table = self.table_at(places) not in (None, Value)
+        return f"add [{'.'.join(places)}]" if is_table or len(places) == 1 else f"add {places[-1]}"
+
+
+def _number(text: str) -> int | float | str:
+    """Return a number where a text is one, else the text."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def _table_of(kind: Any) -> tuple[type[BaseModel] | None, bool]:
+    """Return the table that an annotation holds, and whether it holds a row of them."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind, False
+    for part in get_args(kind):
+        table, rows = _table_of(part)
+        if table is not None:
+            return table, rows or get_origin(kind) is tuple
+    return None, False
