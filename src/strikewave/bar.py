@@ -49,6 +49,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+LOAD_OFFSET = 0.005
+"""Share of its largest value with which a measured load may begin without a word."""
+
 
 @dataclass(frozen=True)
 class BarSolution:
@@ -377,6 +380,7 @@ def run_wave(case: Case) -> BarSolution:
     listed = [
         *_ledger(run),
         *grid_notices(run.grid),
+        *_file_notices(run),
         *_jump(rise),
         *(rise_notices(stack, rise, bandwidth, peak) if rise > 0.0 else ()),
         *layer_notices(stack, most),
@@ -449,6 +453,28 @@ def _jump(rise: float) -> list[Notice]:
         return []
     message = "the load jumps: velocities jump with it, and no finite peak acceleration exists; none is quoted"
     return [Notice("discontinuous-load", message, rise, 0.0)]
+
+
+def _file_notices(run: BarRun) -> list[Notice]:
+    """Say where a measured load may not be what it is taken for."""
+    load = run.load
+    if not isinstance(load, Sampled):
+        return []
+    found = []
+    if not load.told:
+        message = f"the load file names no unit: taken as N and s, {load.largest:.4g} N over {load.duration:.4g} s"
+        found.append(Notice("load-unit", message, load.largest, 0.0))
+    if load.duration > 10.0 * run.duration:
+        message = f"the load lasts {load.duration:.4g} s, the run {run.duration:.4g} s: most of it is not followed"
+        found.append(Notice("load-long", message, load.duration, run.duration))
+    begins = abs(float(load.values[0]))
+    if load.kind != "speed" and begins > LOAD_OFFSET * load.largest:
+        message = (
+            f"the load begins with {begins:.4g} N, {begins / load.largest:.1%} of its largest: it jumps there; take "
+            "off its zero line, and cut away what lies before the blow"
+        )
+        found.append(Notice("load-offset", message, begins, LOAD_OFFSET * load.largest))
+    return found
 
 
 def _ledger(run: BarRun) -> list[Notice]:

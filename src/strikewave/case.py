@@ -230,7 +230,8 @@ def read_case_text(name: str) -> tuple[str, str]:
         if path.is_dir() and (path / "case.toml").is_file():
             path = path / "case.toml"
         if not path.is_file():
-            raise InputError("case", name, "a case file or a published case", nearest(name, bundled_cases()))
+            allowed = "a case file that exists" if name.endswith(".toml") else "a case file or a published case"
+            raise InputError("case", name, allowed, nearest(name, bundled_cases()))
         with path.open("rb") as file:
             data = file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
@@ -267,7 +268,19 @@ def load_case(name: str, changes: Iterable[str] = ()) -> Case:
     52.3599
     """
     text, stem = read_case_text(name)
-    return parse_case(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes)
+    case = parse_case(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes)
+    return _with_whole_path(case, Path(name))
+
+
+def _with_whole_path(case: Case, place: Path) -> Case:
+    """Return a case whose load file has its whole path: beside the case file, or else from the working folder."""
+    if case.load is None or not case.load.file or "\0" in case.load.file:
+        return case
+    beside = (place if place.is_dir() else place.parent) / case.load.file
+    found = beside if beside.is_file() else Path(case.load.file)
+    if not found.is_file():
+        return case
+    return case.model_copy(update={"load": case.load.model_copy(update={"file": str(found.resolve())})})
 
 
 def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:

@@ -57,6 +57,8 @@ class Form:
         '0.2 m'
         """
         path, equals, text = (part.strip() for part in change.partition("="))
+        if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'":
+            text = text[1:-1]
         if not equals or not path or not text:
             raise InputError("--set", change, f"path=value, such as {self.example}")
         *tables, key = path.split(".")

@@ -44,3 +44,53 @@ def test_what_is_no_load_is_refused_in_words(tmp_path, text, said):
     with pytest.raises(InputError, match=said) as refused:
         read_load(str(tmp_path / "load.csv"))
     assert refused.value.field == "load.file"
+
+
+BAR = """
+schema = 1
+[[stack.layer]]
+name = "bar"
+material = "65Mn"
+length = "100 mm"
+diameter = "20 mm"
+[load]
+shape = "file"
+file = "force.csv"
+[solver]
+duration = "100 us"
+"""
+
+
+def write_case(folder, text):
+    (folder / "bar.toml").write_text(BAR)
+    (folder / "force.csv").write_text(text)
+    return folder / "bar.toml"
+
+
+def test_a_load_file_lies_beside_its_case_and_the_case_runs_again_elsewhere(tmp_path, monkeypatch):
+    from strikewave import load_case, run_wave
+    from strikewave.case import dump_case
+
+    place = write_case(tmp_path, "time [us], force [kN]\n0,0\n10,5\n20,0\n")
+    (tmp_path / "other").mkdir()
+    monkeypatch.chdir(tmp_path / "other")
+    case = load_case(str(place))
+    (tmp_path / "other" / "again.toml").write_text(dump_case(case))
+    runs = [run_wave(each).run for each in (case, load_case("again.toml"))]
+    assert np.array_equal(runs[0].force, runs[1].force)
+    assert runs[0].face_force.max() == pytest.approx(5e3, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "codes"),
+    [
+        ("time, force\n0,0\n10,5\n20,0\n", {"load-unit", "load-long"}),
+        ("time [us], force [kN]\n0,0.3\n10,5\n20,0\n", {"load-offset"}),
+        ("time [us], force [kN]\n0,0\n10,5\n20,0\n", set()),
+    ],
+)
+def test_what_may_be_wrong_with_a_measured_load_is_said(tmp_path, text, codes):
+    from strikewave import load_case, run_wave
+
+    found = {notice.code for notice in run_wave(load_case(str(write_case(tmp_path, text)))).warnings}
+    assert found & {"load-unit", "load-long", "load-offset"} == codes

@@ -39,7 +39,7 @@ def read_load(path: str) -> Sampled:
     if unit == ACCELERATION:
         values, unit = cumulative_trapezoid(values, time, initial=0.0), SPEED
     try:
-        return Sampled(time, values, "force" if unit == FORCE else "speed")
+        return Sampled(time, values, "force" if unit == FORCE else "speed", bool(channel.unit))
     except ValueError as error:
         raise InputError("load.file", path, "times that rise and finite values", str(error)) from None
 

@@ -338,7 +338,7 @@ def _as_applied(load: Sampled, table: LoadTable) -> Sampled:
         return load
     if load.kind != "force":
         raise InputError("load.applied", table.applied, "force, for a file that holds the motion of the face")
-    return Sampled(load.time, load.values, "incident")
+    return Sampled(load.time, load.values, "incident", load.told)
 
 
 def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:

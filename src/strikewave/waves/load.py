@@ -119,12 +119,14 @@ class Pulse:
 class Sampled:
     """A measured load: force (N), speed of the face (m/s) or incident wave (N) at times, straight between.
 
-    Times are shifted so that the first is 0. After the last one the force is 0, and the face keeps its speed.
+    Times are shifted so that the first is 0. After the last one the force is 0, and the face keeps its speed. ``told``
+    is false where the file did not name its unit.
     """
 
     time: Array = field(repr=False)
     values: Array = field(repr=False)
     kind: Prescribed = "force"
+    told: bool = True
 
     def __post_init__(self) -> None:
         t, f = np.asarray(self.time, dtype=float), np.asarray(self.values, dtype=float)
