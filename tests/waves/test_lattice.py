@@ -71,7 +71,7 @@ def cases(draw):
         places.append((k, draw(st.integers(0, counts[k]))))
     steps = draw(st.integers(2, 400))
     kind = draw(st.sampled_from(["half-sine", "sine-squared", "rectangle", "triangle", "trapezoid", "force", "speed"]))
-    length = draw(st.integers(1, 300)) * STEP
+    length = draw(st.integers(2, 300)) * STEP
     if kind in ("force", "speed"):
         values = draw(st.lists(st.floats(-1.0, 1.0), min_size=2, max_size=12))
         scale = 1e4 if kind == "force" else 5.0

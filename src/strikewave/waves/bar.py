@@ -40,7 +40,7 @@ STEPS_OF_MANY_LAYERS = 1e5
 """Steps that many layers may take all the same."""
 USUAL_SAMPLES, MOST_SAMPLES = 20_000, 4e6
 """Samples of a tap that are kept when the step is chosen for the user, and of all taps in any case."""
-FEWEST_STEPS = 5.0
+FEWEST_STEPS = 2.0
 """Steps that a load must last."""
 TOO_THIN = 0.05
 """A change of a transit beyond which a linear stack goes to the spectral solver."""

@@ -14,6 +14,8 @@ from strikewave.waves.load import Load
 from strikewave.waves.transit import ErrorBound, Grid
 
 Array = NDArray[np.float64]
+STILL = 1e-9
+"""Share of F/Z below which a tap stands still."""
 Method = Literal["auto", "delay lines", "spectral"]
 
 
@@ -116,12 +118,22 @@ class BarRun:
 
     @property
     def relative_bound(self) -> tuple[float, float]:
-        """Bounds of velocity and acceleration over their largest values at the taps."""
-        largest = (float(np.abs(self.velocity).max(initial=0.0)), float(np.abs(self.acceleration).max(initial=0.0)))
-        return (
-            self.bound.velocity / largest[0] if largest[0] > 0.0 else math.inf,
-            self.bound.acceleration / largest[1] if largest[1] > 0.0 else math.inf,
-        )
+        """Bounds of velocity and acceleration over their largest values at the taps.
+
+        Where all taps stand still, as at a rigid end, over those that their forces would give in one wave, F/Z.
+        """
+        velocity, acceleration = self.velocity, self.acceleration
+        if self.force.size and not np.abs(velocity).max() > STILL * np.abs(self.waves).max():
+            velocity, acceleration = self.waves, np.gradient(self.waves, self.time, axis=0)
+        pairs = ((self.bound.velocity, velocity), (self.bound.acceleration, acceleration))
+        largest = [(bound, float(np.abs(values).max(initial=0.0))) for bound, values in pairs]
+        one, other = (bound / most if most > 0.0 else math.inf for bound, most in largest)
+        return one, other
+
+    @property
+    def waves(self) -> Array:
+        """F/Z at the taps, m/s, shape (N, taps)."""
+        return self.force / np.array([self.stack.layers[layer].impedance for layer, _ in self.places])
 
 
 def faces_of_hung(stack: Stack) -> list[tuple[int, float]]:
