@@ -29,9 +29,9 @@ from strikewave.sensors import Reading, read
 from strikewave.signal.pulse import measure_pulse
 from strikewave.solution import SCHEMA, Notice, WaveSetup, wave_setup
 from strikewave.validity import (
+    bar_extremes,
     channel_notices,
     end_notices,
-    field_extremes,
     grid_notices,
     joint_notices,
     layer_notices,
@@ -346,7 +346,8 @@ def run_wave(case: Case) -> BarSolution:
         allowed = f"{1.0 / duration:.3g} to {0.5 / step:.3g} Hz: one over the duration, half the sampling rate"
         raise InputError("solver.bandwidth", f"{bandwidth:g} Hz", allowed)
     routes = _routes(stack, taps, run) if _of_the_paper(case) else {}
-    rigid = (run.face_force - run.end_force) / stack.mass
+    carried = stack.end.value if stack.end.kind in ("mass", "oscillator") else 0.0
+    rigid = (run.face_force - run.end_force) / (stack.mass - carried)
     accuracy, felt = run.relative_bound, _felt(case.solver.route, taps, run, routes)
     readings = tuple(
         checked(
@@ -360,7 +361,7 @@ def run_wave(case: Case) -> BarSolution:
     run = dataclasses.replace(run, acceleration=_from_rest(run.acceleration.T, step, bandwidth).T)
     for key, wave in routes.items():
         routes[key] = wave._replace(acceleration=_from_rest(wave.acceleration, step, bandwidth))
-    most, least, greatest = field_extremes(stack, run.field_position, np.array([run.field_least, run.field_greatest]))
+    most, least, greatest = bar_extremes(run)
     lasting = load.duration if isinstance(load, Pulse | Sampled) else float(run.touches[:, 1].max(initial=0.0))
     solution = BarSolution(
         case=case,
@@ -400,10 +401,20 @@ def _of_the_paper(case: Case) -> bool:
     return case.source.startswith("li-ma-2019") or case.solver.route != EXACT
 
 
+def _incident_force(run: BarRun) -> Array:
+    """Return the force that goes down the first layer, as if nothing came back, N."""
+    load = run.load
+    if isinstance(load, Impactor) or load.kind == "force":
+        return run.face_force
+    scale = run.stack.layers[0].impedance if load.kind == "speed" else 1.0
+    return np.asarray(scale * load.at(run.time))
+
+
 def _routes(stack: Stack, taps: Sequence[tuple[str, Tap]], run: BarRun) -> dict[tuple[str, str], RouteHistory]:
     """Return what the paper's routes say of each tap in a layer between two others."""
+    came = _incident_force(run)
     return {
-        (name, route): route_history(stack, tap.layer, tap.position, run.time, run.face_force, route)
+        (name, route): route_history(stack, tap.layer, tap.position, run.time, came, route)
         for name, tap in taps
         if specimen_of(stack, tap.layer) is not None
         for route in ROUTES
@@ -528,6 +539,6 @@ def _missed_accuracy(case: Case, run: BarRun, accuracy: tuple[float, float]) -> 
         else:
             message = "no error bound: a striker, joints that open, and layers with a speed are beyond its theorem"
         return [Notice("no-error-bound", message, math.inf, asked.velocity)]
-    why = "the step is that of the case" if asked.step else "a finer step would take too long"
+    why = "the step is that of the case" if asked.step else "a finer step would take too long, or the load jumps"
     message = f"the error bound of velocity is {velocity:.2g} of its peak instead of {asked.velocity:g}: {why}"
     return [Notice("error-bound", message, velocity, asked.velocity)]

@@ -19,7 +19,7 @@ from strikewave.readings import BlowHistory, BlowReading, Channel, SensorPulse
 from strikewave.signal.pulse import measure_pulse
 from strikewave.solution import Notice
 from strikewave.units import STANDARD_GRAVITY
-from strikewave.waves import Grid, Layer, Stack
+from strikewave.waves import BarRun, Grid, Layer, Stack
 
 Array = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
     """
     short = [layer for layer in stack.layers if layer.length < layer.diameter]
     if short:
-        names = ", ".join(layer.name for layer in short)
+        names = _some([layer.name for layer in short])
         worst = min(short, key=lambda x: x.length / x.diameter)
         message = (
             f"shorter than thick: {names}; one-dimensional theory knows neither their end effects nor their radial "
@@ -118,6 +118,12 @@ def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
                 f"{strength / 1e6:.4g} MPa (a wave of {speed:.3g} m/s): elastic waves no longer hold"
             )
             yield Notice("stress-yield", message, stress, strength)
+
+
+def _some(names: Sequence[str], most: int = 5) -> str:
+    """Join the first names and count the rest."""
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
 
 
 def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_peak: float = 0.0) -> Iterator[Notice]:
@@ -146,7 +152,7 @@ def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_
         elif not joint.unilateral and least < -TENSION_SHARE * most:
             pulled.append((least, where))
     if pulled:
-        words = ", ".join(f"{where} ({-least / 1e3:.3g} kN)" for least, where in pulled)
+        words = _some([f"{where} ({-least / 1e3:.3g} kN)" for least, where in pulled])
         message = (
             f"tension in the joint {words}: true only if it is glued, welded or bolted hard enough (a gasket counts as "
             "glued on both sides); else make it unilateral, with the preload of its bolt"
@@ -174,6 +180,17 @@ def end_notices(stack: Stack, duration: float) -> Iterator[Notice]:
             f"after {echo * 1e6:.3g} us, within the load of {duration * 1e6:.3g} us"
         )
         yield Notice("matched-end", message, echo, duration)
+
+
+def bar_extremes(run: BarRun) -> tuple[Array, Array, Array]:
+    """Return largest magnitude of force in each layer, and least and greatest force at each joint, of a bar."""
+    least, greatest = run.face_least.min(axis=1), run.face_greatest.max(axis=1)
+    np.fmin.at(least, run.field_layer, run.field_least)
+    np.fmax.at(greatest, run.field_layer, run.field_greatest)
+    largest = np.nan_to_num(np.fmax(np.abs(least), np.abs(greatest)))
+    behind, before = run.face_least[:-1, 1], run.face_least[1:, 0]
+    above, below = run.face_greatest[:-1, 1], run.face_greatest[1:, 0]
+    return largest, np.nan_to_num(np.fmin(behind, before)), np.nan_to_num(np.fmax(above, below))
 
 
 def field_extremes(stack: Stack, position: Array, force: Array) -> tuple[Array, Array, Array]:

@@ -111,7 +111,7 @@ def test_an_incident_wave_is_half_of_what_a_free_end_feels():
         ),
         ({"joint": joint_text(kind="contact", law="hertzz", radius="10 mm")}, "hertz"),
         ({"joint": joint_text(kind="contact")}, "radius"),
-        ({"joint": joint_text(kind="contact", radius="10 mm", thickness="1 mm")}, "for a contact joint"),
+        ({"joint": joint_text(kind="contact", radius="10 mm", thickness="1 mm")}, "for a joint of kind contact"),
         ({"joint": joint_text(kind="contact", radius="10 mm", preload="1 kN", gap="1 um")}, "no preload"),
         ({"end": 'kind = "free"\nmass = "1 kg"'}, "no other field"),
         ({"end": 'kind = "oscillator"\nmass = "1 kg"'}, "resonance: missing"),
@@ -155,3 +155,36 @@ def test_a_band_without_a_loss_factor_is_refused():
     text = text.replace('material = "2A12"', 'material = "2A12"\nband_low = "1 kHz"')
     with pytest.raises((InputError, InputErrors), match="loss_factor"):
         check(parse_case(text))
+
+
+def test_a_mass_at_the_end_is_not_pushed_twice():
+    """A slow load moves bar and mass as one body: F over the mass of both."""
+    text = BASE.format(joint="", end='kind = "mass"\nmass = "0.5 kg"', load="", solver="")
+    text = text.replace('duration = "80 us"', 'duration = "4 ms"').replace('duration = "300 us"', 'duration = "4 ms"')
+    solution = run_wave(parse_case(text))
+    middle = len(solution.run.time) // 2
+    assert solution.rigid[middle] == pytest.approx(20e3 / solution.run.stack.mass, rel=0.01)
+
+
+def test_a_film_between_bars_is_run_and_reported_in_seconds():
+    """A nanometre between 50 and 80 mm: a wave crosses it a hundred million times in the run."""
+    from strikewave.report import bar_report
+
+    film = '[[stack.layer]]\nname = "film"\nmaterial = "2A12"\nlength = "1 nm"\ndiameter = "30 mm"\n'
+    text = BASE.format(joint="", end="", load="", solver="")
+    text = text.replace('[[stack.layer]]\nname = "lower"', film + '[[stack.layer]]\nname = "lower"')
+    solution = run_wave(parse_case(text))
+    assert solution.method == "spectral"
+    assert "<svg" in bar_report(solution)
+
+
+def test_the_route_of_the_paper_takes_an_incident_wave_as_it_comes():
+    """Endless neighbours: the corrected route is then the exact answer, to the error bound of the run."""
+    middle = '[[stack.layer]]\nname = "middle"\nmaterial = "2A12"\nlength = "20 mm"\ndiameter = "30 mm"\n'
+    tap = '[[tap]]\nname = "mid"\nlayer = "middle"\n'
+    parts = {"joint": "", "end": 'kind = "matched"', "load": 'applied = "incident wave"'}
+    text = BASE.format(**parts, solver='route = "corrected"').replace("2A12", "65Mn") + tap
+    text = text.replace('[[stack.layer]]\nname = "lower"', middle + '[[stack.layer]]\nname = "lower"')
+    solution = run_wave(parse_case(text))
+    route, exact = solution.by_route(0, "corrected").force, solution.run.force[:, 0]
+    assert abs(route - exact).max() < 2e-3 * abs(exact).max()

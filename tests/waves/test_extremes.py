@@ -107,7 +107,7 @@ def test_a_thin_layer_is_a_compliant_joint(transit):
             Wanted(),
             "10000 of them different.*too many",
         ),
-        (Stack((timed("a", 1e4, 1e-4),)), PULSE, Wanted(step=1e-10, method="spectral"), "steps"),
+        (Stack((timed("a", 1e4, 1e-4),)), PULSE, Wanted(step=1e-10, method="spectral"), "samples"),
     ],
 )
 def test_what_would_not_fit_is_refused_before_memory_is_taken(stack, load, wanted, words):

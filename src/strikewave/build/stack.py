@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeVar
 
+import numpy as np
+
 from strikewave.case import Case
 from strikewave.contact.damping import named_contact
 from strikewave.contact.elastoplastic import cap_of
@@ -24,6 +26,8 @@ from strikewave.waves.routes import EXACT
 
 T = TypeVar("T")
 
+USUAL_TAPS = 20
+"""Taps where a case names none."""
 NO_LOAD = 1e-6
 """Duration of the load of zero that a striker bar stands under, s."""
 
@@ -137,7 +141,7 @@ def _joint(table: JointTable, before: LayerTable, after: LayerTable) -> Joint:
     if foreign:
         allowed = ", ".join(_JOINT_FIELDS[table.kind]) or "no other field"
         raise InputError(
-            f"{path}.{foreign[0]}", _typed(getattr(table, foreign[0])), f"for a {table.kind} joint: {allowed}"
+            f"{path}.{foreign[0]}", _typed(getattr(table, foreign[0])), f"for a joint of kind {table.kind}: {allowed}"
         )
     damping = table.damping.si if table.damping else 0.0
     if table.kind == "compliant":
@@ -189,7 +193,13 @@ def _contact(table: JointTable, path: str, before: LayerTable, after: LayerTable
     of_line = table.length.si if table.length else None
     datum = table.datum_depth.si if table.datum_depth else None
     geometry = Geometry(table.radius.si if table.radius else None, math.inf, of_line, datum)
-    stiffness = stiffness_of(table.law or "hertz", one, other, geometry, f"{path}.law")
+    try:
+        stiffness = stiffness_of(table.law or "hertz", one, other, geometry, f"{path}.law")
+    except InputError as error:
+        if error.field != "radius1":
+            raise
+        allowed = "the radius of the first face; the second one is plane"
+        raise InputError(f"{path}.radius", error.got, allowed, 'add radius = "10 mm"') from None
     cap = None
     if table.yield_pressure is not None:
         pressure = table.yield_pressure.si
@@ -283,10 +293,11 @@ def once(path: str, names: list[str]) -> None:
 
 
 def build_taps(case: Case) -> tuple[tuple[str, Tap], ...]:
-    """Return name and place of each tap; the middle of each layer where a case names none."""
+    """Return name and place of each tap; where a case names none the middles of its layers, of many layers some."""
     names = [layer.name for layer in case.stack.layer]
     if not case.tap:
-        return tuple((f"{name} middle", Tap(k, 0.5)) for k, name in enumerate(names))
+        shown = np.unique(np.linspace(0, len(names) - 1, min(len(names), USUAL_TAPS)).round().astype(int)).tolist()
+        return tuple((f"{names[k]} middle", Tap(k, 0.5)) for k in shown)
     once("tap", [tap.name for tap in case.tap])
     for tap in case.tap:
         if tap.layer not in names:

@@ -503,13 +503,21 @@ def name_layers(axes: Any, field: WaveField) -> None:
         axes.text(middle * 1e3, 0.98, name, transform=places, rotation=turned, zorder=4, **style)
 
 
+MOST_TRANSITS = 2000.0
+"""Transits of a layer over which its staircase is drawn."""
+
+
 def sandwiched(field: WaveField) -> int | None:
     """Return the layer whose staircase is worth a picture: between two others, under a load on the first face.
 
     The first tapped one, else the one whose closed form lasts longest; None where there is none.
     """
     layers = field.stack.layers
-    inner = [k for k in np.unique(field.layer).tolist() if 0 < k < len(layers) - 1]
+    inner = [
+        k
+        for k in np.unique(field.layer).tolist()
+        if 0 < k < len(layers) - 1 and field.time[-1] < MOST_TRANSITS * layers[k].transit
+    ]
     if not inner or not field.loaded or any(layer.speed for layer in layers):
         return None
     longest = max(inner, key=lambda k: first_echoes(field.stack, k)[0] / layers[k].transit)

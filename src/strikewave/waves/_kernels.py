@@ -159,10 +159,7 @@ def contact_joint(tables, state, i, b, y):
     push = contact_force(law, ahead, half, 1.0, own[DEEPEST], own[GROWTH], b + preload * y, y, own[GUESS])
     rate = b - y * (push - preload)
     d = ahead + half * rate
-    power, yielded = losses(law, d, rate, push, own[DEEPEST], own[GROWTH])
-    if d <= own[DEEPEST]:
-        yielded = half * power
-    own[LOST] += yielded
+    own[LOST] += losses(law, d, rate, push, own[DEEPEST], own[GROWTH])[1]
     own[WORK] += tables.step * (push - preload) * rate
     if d > own[DEEPEST] and law[YIELD_LOAD] < np.inf:
         own[DEEPEST], own[GROWTH] = d, flattening(law, d)

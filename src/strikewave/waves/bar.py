@@ -18,7 +18,7 @@ from strikewave.waves.layers import Stack
 from strikewave.waves.load import PRESCRIBED, Impactor, Load
 from strikewave.waves.spectral import is_linear
 from strikewave.waves.spectral_bar import needs_spectrum, refuse_spectral_layers, spectral_bar, spectrum_pays
-from strikewave.waves.times import shortest_time
+from strikewave.waves.times import MOST_SAMPLES, refuse_coarse, refuse_few_steps, refuse_samples, shortest_time
 from strikewave.waves.transit import (
     MOST_EVENTS,
     ErrorBound,
@@ -38,10 +38,12 @@ MOST_LAYER_STEPS = 1e7
 """Layer steps of one try that the choice of a step may cost: about half a second."""
 STEPS_OF_MANY_LAYERS = 1e5
 """Steps that many layers may take all the same."""
-USUAL_SAMPLES, MOST_SAMPLES = 20_000, 4e6
-"""Samples of a tap that are kept when the step is chosen for the user, and of all taps in any case."""
-FEWEST_STEPS = 2.0
-"""Steps that a load must last."""
+USUAL_SAMPLES = 20_000
+"""Samples of a tap that are kept when the step is chosen for the user."""
+SHORTEST_SHARE = 1e-5
+"""Share of the transit of the stack below which a duration is refused: its steps would cut the stack into millions."""
+STEPS_WITHOUT_BOUND = 400.0
+"""Steps in the shortest time where no bound can refine them: where joints open and strikers come."""
 TOO_THIN = 0.05
 """A change of a transit beyond which a linear stack goes to the spectral solver."""
 WORST_MISMATCH = 0.5
@@ -93,6 +95,11 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
             raise ValueError(f"{tap} lies outside the stack of {len(stack.layers)} layers")
     if not 0.0 < duration < math.inf:
         raise ValueError(f"the duration must be above zero, got {duration!r} s")
+    if duration < SHORTEST_SHARE * stack.transit:
+        raise ValueError(
+            f"a duration of {duration:g} s is too short beside the transit of the stack, {stack.transit:.3g} s: take "
+            f"one above {SHORTEST_SHARE * stack.transit:.3g} s"
+        )
     places = [(tap.layer, tap.position) for tap in taps]
     if wanted.method == "spectral" or (wanted.method == "auto" and needs_spectrum(stack)):
         return spectral_bar(stack, load, places, duration, wanted)
@@ -119,12 +126,10 @@ def _at_step(
             f"a step of {step:g} s changes a transit by {grid.mismatch:.0%}: take one below "
             f"{0.5 * min(layer.transit for layer in stack.layers):.3g} s"
         )
-    if not isinstance(load, Impactor) and load.duration < FEWEST_STEPS * step and load.largest > 0.0:
-        raise ValueError(
-            f"a step of {step:g} s is too long for a load of {load.duration:g} s: take one below "
-            f"{load.duration / FEWEST_STEPS:.3g} s"
-        )
-    _refuse_samples(duration, step, len(places), f"take a step above {duration * len(places) / MOST_SAMPLES:.3g} s")
+    refuse_few_steps(step, duration)
+    if not isinstance(load, Impactor):
+        refuse_coarse(load, step)
+    refuse_samples(duration, step, len(places), f"take a step above {duration * len(places) / MOST_SAMPLES:.3g} s")
     kept = _Kept(1, shortest)
     return _with_lumped_error(_run(stack, load, places, duration, grid, kept), kept)
 
@@ -134,11 +139,12 @@ def _refined(
 ) -> BarRun:
     """Follow a stack with a step that is refined until the error bound keeps what is wanted."""
     smallest = duration * len(stack.layers) / max(MOST_LAYER_STEPS, STEPS_OF_MANY_LAYERS * len(stack.layers))
-    largest = max(shortest / 50.0, smallest)
+    linear = is_linear(stack, load)
+    largest = max(shortest / (50.0 if linear else STEPS_WITHOUT_BOUND), smallest)
     mismatch, before = 1e-4, math.inf
     for _ in range(_TRIES):
         grid = choose_grid(stack, mismatch, largest, smallest)
-        if grid.mismatch > TOO_THIN and wanted.method == "auto" and is_linear(stack, load):
+        if grid.mismatch > TOO_THIN and wanted.method == "auto" and linear:
             return spectral_bar(stack, load, places, duration, wanted)
         _refuse_thin(stack, grid, duration)
         kept = _Kept(_sampling(duration, grid.step, shortest, len(places)), shortest)
@@ -156,7 +162,7 @@ def _refined(
         else:
             mismatch = grid.mismatch / (2.0 * missed)
         before = over_rate
-    if over > 1.0 and wanted.method == "auto" and is_linear(stack, load) and spectrum_pays(stack, load, duration):
+    if over > 1.0 and wanted.method == "auto" and linear and spectrum_pays(stack, load, duration, len(places)):
         return spectral_bar(stack, load, places, duration, wanted)
     return _with_lumped_error(run, kept)
 
@@ -179,21 +185,6 @@ def _refuse_thin(stack: Stack, grid: Grid, duration: float) -> None:
     )
 
 
-def _refuse_samples(duration: float, step: float, taps: int, advice: str) -> None:
-    """Refuse histories that would not fit in memory.
-
-    Raises
-    ------
-    ValueError
-        If there would be too many samples.
-    """
-    if duration / step * taps > MOST_SAMPLES:
-        raise ValueError(
-            f"{duration:g} s at one sample every {step:.3g} s make {duration / step * taps:.1e} samples at {taps} "
-            f"taps; at most {MOST_SAMPLES:.0e}: {advice}"
-        )
-
-
 @dataclass(frozen=True)
 class _Kept:
     """What is kept of a run: every so many steps; the shortest time to be resolved, s."""
@@ -212,7 +203,7 @@ def _sampling(duration: float, step: float, shortest: float, taps: int) -> int:
     """
     every = max(1, min(math.ceil(duration / step / USUAL_SAMPLES), int(shortest / 50.0 / step)))
     advice = f"a load or joint changes within {shortest:.3g} s; follow a shorter time, or take fewer taps"
-    _refuse_samples(duration, step * every, taps, advice)
+    refuse_samples(duration, step * every, taps, advice)
     return every
 
 
@@ -254,7 +245,9 @@ def _run(
     coarse = max(1, steps // _FIELD_ROWS)
     pictured = _recording(nodes, coarse, (steps - 1) // coarse + 1)
     often = max(1, int(keep.shortest / 20.0 / grid.step))
-    extremes = Extremes(nodes, often, np.zeros(len(nodes)), np.zeros(len(nodes)))
+    faces = np.array([(i, node) for i, count in enumerate(grid.counts) for node in (0, count)])
+    seen = np.concatenate([faces, nodes])
+    extremes = Extremes(seen, often, np.zeros(len(seen)), np.zeros(len(seen)))
     norms = np.zeros(6)
     lost, speed, deepest = 0.0, math.nan, math.nan
     touches, struck = np.empty((0, 3)), isinstance(load, Impactor)
@@ -290,8 +283,10 @@ def _run(
         field_force=pictured.force,
         field_velocity=pictured.velocity[:, :, 1],
         field_layer=nodes[:, 0],
-        field_least=extremes.least,
-        field_greatest=extremes.greatest,
+        field_least=extremes.least[len(faces) :],
+        field_greatest=extremes.greatest[len(faces) :],
+        face_least=extremes.least[: len(faces)].reshape(-1, 2),
+        face_greatest=extremes.greatest[: len(faces)].reshape(-1, 2),
         events=state.events[: min(int(state.clock[1]), MOST_EVENTS)],
         touches=touches,
         impulse=entered,

@@ -68,6 +68,8 @@ class BarRun:
         Index of the layer of each place.
     field_least, field_greatest : ndarray
         Least and greatest force at the places of the field over all steps, N.
+    face_least, face_greatest : ndarray
+        The same at both faces of each layer, shape (layers, 2); NaN where a spectrum of many layers was not looked at.
     events : ndarray
         Openings and closings of joints: index of the joint, time (s), 1 where it opened; shape (n, 3).
     touches : ndarray
@@ -100,6 +102,8 @@ class BarRun:
     field_layer: NDArray[np.int64] = field(repr=False)
     field_least: Array = field(repr=False)
     field_greatest: Array = field(repr=False)
+    face_least: Array = field(repr=False)
+    face_greatest: Array = field(repr=False)
     events: Array = field(repr=False)
     touches: Array = field(repr=False)
     impulse: float

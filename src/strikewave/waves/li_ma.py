@@ -9,6 +9,7 @@ upper fixture, e the specimen, 2 the lower fixture. Both routes are a sum over w
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -22,6 +23,8 @@ from strikewave.waves.layers import Layer
 Floats = NDArray[np.float64]
 History = Callable[[Floats], Floats]
 
+MOST_TRANSFERS = 100_000
+"""Waves that a sum over the transits of a layer may count."""
 ROUTES = ("as printed", "corrected")
 """The two routes by name."""
 
@@ -285,8 +288,23 @@ def superposed(rigid: ArrayLike, wave: ArrayLike) -> Floats:
 
 
 def _count(sandwich: Sandwich, times: ArrayLike, transfers: int | None) -> int:
-    """Return how many transfers to count by the last time: the k-th wave does not come before (k - 2) t0."""
+    """Return how many transfers to count by the last time: the k-th wave does not come before (k - 2) t0.
+
+    Waves that echoes have made smaller than rounding are left out.
+
+    Raises
+    ------
+    ValueError
+        If there are very many: the layer is too thin beside the time for a sum over its transits.
+    """
     arrived = int(np.max(np.asarray(times, dtype=float), initial=0.0) / sandwich.transit) + 2
+    share = abs(sandwich.first_reflection * sandwich.second_reflection)
+    if share < 1.0:
+        arrived = min(arrived, 2 * math.ceil(math.log(1e-18) / math.log(max(share, 1e-18))) + 4)
+    if arrived > MOST_TRANSFERS:
+        raise ValueError(
+            f"layer {sandwich.specimen.name} is too thin for the routes of Li & Ma 2019: {arrived} waves would count"
+        )
     return arrived if transfers is None else min(transfers, arrived)
 
 

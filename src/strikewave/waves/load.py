@@ -92,6 +92,16 @@ class Pulse:
         return abs(self.peak)
 
     @property
+    def steepest_time(self) -> float:
+        """Largest magnitude over the largest slope, s; jumps do not count."""
+        if self.shape == "rectangle":
+            return self.duration
+        if self.shape in ("half-sine", "sine-squared"):
+            return self.duration / math.pi
+        fall = self.duration - self.rise if self.shape == "triangle" else self.rise
+        return min(self.rise, fall or self.rise)
+
+    @property
     def impulse(self) -> float:
         """Integral of the force, N s."""
         share = {
@@ -151,6 +161,12 @@ class Sampled:
     def duration(self) -> float:
         """Time of the last sample, s."""
         return float(self.time[-1])
+
+    @property
+    def steepest_time(self) -> float:
+        """Largest magnitude over the largest slope, s."""
+        slope = float(np.abs(np.diff(self.values) / np.diff(self.time)).max())
+        return min(self.largest / slope, self.duration) if slope > 0.0 else self.duration
 
     @property
     def rise_time(self) -> float:

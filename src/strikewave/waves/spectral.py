@@ -59,8 +59,8 @@ def refuse_nonlinear(stack: Stack, load: Load) -> None:
     cannot = nonlinear_parts(stack, load)
     if cannot:
         raise ValueError(
-            f"{cannot[0]}, but layers with loss or dispersion need the spectral solver, which is linear: take loss "
-            "and dispersion out, or follow the part behind the contact under a force or an incident wave"
+            f"{cannot[0]}, but the spectral solver, which layers with loss or dispersion need, is linear: take delay "
+            "lines without loss and dispersion, or follow the part behind the contact under a force or an incident wave"
         )
 
 
@@ -179,17 +179,21 @@ class Spectrum:
         grow = np.exp(self.sigma * self.step * np.arange(self.steps))
         return np.asarray(fft.irfft(spectra, self.count)[..., : self.steps] * grow)
 
-    def look(self, places: Sequence[tuple[int, float]]) -> Histories:
-        """Return what happens at places: layer, and fraction of the layer from its loaded side."""
+    def look(self, places: Sequence[tuple[int, float]], accelerated: bool = True) -> Histories:
+        """Return what happens at places: layer, and fraction of the layer from its loaded side.
+
+        Where no acceleration is asked for it is empty.
+        """
         order = np.argsort([layer for layer, _ in places], kind="stable")
-        found = np.empty((3, len(places), self.steps))
+        found = np.empty((3 if accelerated else 2, len(places), self.steps))
         batch = max(1, int(MOST_VALUES / self.s.size))
         for begin in range(0, len(places), batch):
             chosen = order[begin : begin + batch]
             force, velocity, _, _ = self._respond([places[k] for k in chosen])
-            for k, spectra in enumerate((force, velocity, self.s * velocity)):
-                found[k, chosen] = self.history(spectra)
-        return Histories(*found)
+            found[0, chosen], found[1, chosen] = self.history(force), self.history(velocity)
+            if accelerated:
+                found[2, chosen] = self.history(self.s * velocity)
+        return Histories(found[0], found[1], found[2] if accelerated else np.empty((len(places), 0)))
 
     def ends(self) -> tuple[Array, Array, tuple[float, float, float]]:
         """Return the force on the first face and of the stack on its end, N; their impulses and the momentum, N s.

@@ -12,12 +12,13 @@ from strikewave.waves.bar_run import BarRun, Wanted, faces_of_hung, hung_acceler
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import Impactor, Load, Pulse, Sampled
 from strikewave.waves.spectral import MOST_VALUES, Histories, Spectrum, refuse_nonlinear
+from strikewave.waves.times import MOST_SAMPLES, load_time, refuse_coarse, refuse_few_steps, refuse_samples
 from strikewave.waves.transit import ErrorBound, Grid, field_nodes
 
 Array = NDArray[np.float64]
 
 STEPS_OF_CHANGE = 50.0
-"""Steps of the first try in the shortest time that the load or a joint takes."""
+"""Steps of the first try in the shortest time in which the load changes."""
 MOST_STEPS = 1_000_000
 """A run of more time steps is refused."""
 MOST_WORK = 3e7
@@ -32,11 +33,12 @@ def needs_spectrum(stack: Stack) -> bool:
     return any(layer.loss is not None or layer.dispersion != "none" for layer in stack.layers)
 
 
-def spectrum_pays(stack: Stack, load: Load, duration: float) -> bool:
+def spectrum_pays(stack: Stack, load: Load, duration: float, taps: int) -> bool:
     """Tell whether the spectral solver follows a smooth load in seconds."""
     if isinstance(load, Impactor) or load.rise_time == 0.0:
         return False
-    return duration / load.rise_time * STEPS_OF_CHANGE * len(stack.layers) < MOST_WORK
+    steps = 2.0 * STEPS_OF_CHANGE * duration / load_time(load)
+    return steps * len(stack.layers) < 2.0 * MOST_WORK and steps < MOST_STEPS and steps * taps < MOST_SAMPLES
 
 
 def refuse_spectral_layers(stack: Stack) -> None:
@@ -70,7 +72,11 @@ def spectral_bar(
     """
     refuse_nonlinear(stack, load)
     assert not isinstance(load, Impactor)
-    step = wanted.step or min(load.rise_time or load.duration, duration) / STEPS_OF_CHANGE
+    step = wanted.step or min(load_time(load), duration) / STEPS_OF_CHANGE
+    refuse_few_steps(step, duration)
+    refuse_coarse(load, step)
+    refuse_samples(duration, 0.5 * step, len(places), "take a longer step, follow a shorter time, or take fewer taps")
+    _refuse_steps(duration, 0.5 * step)
     fine, found = _look(stack, load, places, duration, step)
     for _ in range(_TRIES):
         coarse, before = fine, found
@@ -81,7 +87,10 @@ def spectral_bar(
             change.velocity / (wanted.velocity * _largest(found.velocity)),
             change.acceleration / (wanted.acceleration * _largest(found.acceleration)),
         ]
-        if wanted.step or max(over) <= 1.0 or 2.0 * fine.steps * len(stack.layers) > MOST_WORK:
+        steps = 2.0 * fine.steps
+        if wanted.step or max(over) <= 1.0 or steps * len(stack.layers) > MOST_WORK or steps > MOST_STEPS:
+            break
+        if steps * len(places) > MOST_SAMPLES:
             break
     if wanted.step:
         bound = ErrorBound(2.0 * change.velocity, 2.0 * change.acceleration)
@@ -89,20 +98,25 @@ def spectral_bar(
     return _bar_run(fine, found, places, duration, change)
 
 
-def _look(
-    stack: Stack, load: Pulse | Sampled, places: Sequence[tuple[int, float]], duration: float, step: float
-) -> tuple[Spectrum, Histories]:
-    """Return a spectrum and what happens at places.
+def _refuse_steps(duration: float, step: float) -> None:
+    """Refuse too many steps.
 
     Raises
     ------
     ValueError
-        If there are too many steps.
+        If there are.
     """
     if duration / step > MOST_STEPS:
         raise ValueError(
-            f"a step of {step:.3g} s over {duration:.3g} s is more than {MOST_STEPS:.0e} steps: follow a shorter time"
+            f"{duration:.3g} s at a step of {2.0 * step:.3g} s, and once more at half of it for the error, is more "
+            f"than {MOST_STEPS:.0e} steps: follow a shorter time, or take a longer step"
         )
+
+
+def _look(
+    stack: Stack, load: Pulse | Sampled, places: Sequence[tuple[int, float]], duration: float, step: float
+) -> tuple[Spectrum, Histories]:
+    """Return a spectrum and what happens at places."""
     spectrum = Spectrum(stack, load, step, math.ceil(duration / step * (1.0 - 1e-12)) + 1)
     return spectrum, spectrum.look(places)
 
@@ -132,9 +146,10 @@ def _bar_run(
     batch = max(1, int(MOST_VALUES / spectrum.steps))
     for begin in range(0, len(nodes), batch):
         part = slice(begin, begin + batch)
-        seen = spectrum.look([(int(layer), node / _CELLS) for layer, node in nodes[part]])
+        seen = spectrum.look([(int(layer), node / _CELLS) for layer, node in nodes[part]], accelerated=False)
         force[:, part], velocity[:, part] = seen.force.T[::coarse], seen.velocity.T[::coarse]
         least[part], greatest[part] = seen.force.min(axis=1), seen.force.max(axis=1)
+    face_least, face_greatest = _face_extremes(spectrum, batch)
     face, end, (entered, through, moved) = spectrum.ends()
     faces = faces_of_hung(stack)
     return BarRun(
@@ -158,6 +173,8 @@ def _bar_run(
         field_layer=nodes[:, 0],
         field_least=np.minimum(least, 0.0),
         field_greatest=np.maximum(greatest, 0.0),
+        face_least=face_least,
+        face_greatest=face_greatest,
         events=np.empty((0, 3)),
         touches=np.empty((0, 3)),
         impulse=entered,
@@ -165,3 +182,16 @@ def _bar_run(
         momentum=moved,
         energy_lost=0.0,
     )
+
+
+def _face_extremes(spectrum: Spectrum, batch: int) -> tuple[Array, Array]:
+    """Return least and greatest force at both faces of each layer, N; NaN where that would take long."""
+    layers = len(spectrum.stack.layers)
+    least, greatest = np.full(2 * layers, np.nan), np.full(2 * layers, np.nan)
+    faces = [(layer, end) for layer in range(layers) for end in (0.0, 1.0)]
+    if layers * layers * spectrum.steps / batch < MOST_WORK:
+        for begin in range(0, len(faces), batch):
+            part = slice(begin, begin + batch)
+            force = spectrum.look(faces[part], accelerated=False).force
+            least[part], greatest[part] = np.minimum(force.min(axis=1), 0.0), np.maximum(force.max(axis=1), 0.0)
+    return least.reshape(-1, 2), greatest.reshape(-1, 2)

@@ -6,10 +6,63 @@ import math
 
 from strikewave.contact.law import AnyContact, indentation_under
 from strikewave.waves.layers import Stack
-from strikewave.waves.load import Impactor, Load
+from strikewave.waves.load import Impactor, Load, Pulse, Sampled
 
+MOST_SAMPLES = 4e6
+"""Samples of all taps."""
+FEWEST_STEPS = 2.0
+"""Steps that a load must last."""
 RELAXATION_STEPS = 20.0
 """Relaxation times of a joint or an end that 50 steps may cover: one takes 2.5 steps at least."""
+
+
+def load_time(load: Pulse | Sampled) -> float:
+    """Return the time in which a prescribed load changes most, s."""
+    return min(load.rise_time or load.duration, load.steepest_time)
+
+
+def refuse_coarse(load: Pulse | Sampled, step: float) -> None:
+    """Refuse a step that is too long for the load.
+
+    Raises
+    ------
+    ValueError
+        If so.
+    """
+    if load.duration < FEWEST_STEPS * step and load.largest > 0.0:
+        raise ValueError(
+            f"a step of {step:g} s is too long for a load of {load.duration:g} s: take one below "
+            f"{load.duration / FEWEST_STEPS:.3g} s"
+        )
+
+
+def refuse_few_steps(step: float, duration: float) -> None:
+    """Refuse a step that leaves hardly a sample of the run.
+
+    Raises
+    ------
+    ValueError
+        If so.
+    """
+    if step > 0.5 * duration:
+        raise ValueError(
+            f"a step of {step:g} s is too long to follow {duration:g} s: take one below {0.5 * duration:g} s"
+        )
+
+
+def refuse_samples(duration: float, step: float, taps: int, advice: str) -> None:
+    """Refuse histories that would not fit in memory.
+
+    Raises
+    ------
+    ValueError
+        If there would be too many samples.
+    """
+    if duration / step * taps > MOST_SAMPLES:
+        raise ValueError(
+            f"{duration:g} s at one sample every {step:.3g} s make {duration / step * taps:.1e} samples at {taps} "
+            f"taps; at most {MOST_SAMPLES:.0e}: {advice}"
+        )
 
 
 def shortest_time(stack: Stack, load: Load) -> float:
@@ -21,7 +74,7 @@ def shortest_time(stack: Stack, load: Load) -> float:
         else:
             times.append(_indentation_time(stack, load))
     else:
-        times.append(load.rise_time or load.duration)
+        times.append(load_time(load))
     z = [layer.impedance for layer in stack.layers]
     slow = []
     for joint, before, after in zip(stack.joints, z, z[1:], strict=False):

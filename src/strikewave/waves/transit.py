@@ -237,7 +237,10 @@ def _end_coefficients(stack: Stack, dt: float) -> Array:
 
 
 def state_at_rest(stack: Stack, grid: Grid) -> State:
-    """Return the state before the load: no force anywhere, each layer at its own speed, gaps open."""
+    """Return the state before the load: no force anywhere, each layer at its own speed, gaps open.
+
+    A mass between two layers moves with the second one, a mass at the end with the last.
+    """
     nodes = np.array(grid.counts, dtype=np.int64) + 1
     z = np.repeat([layer.impedance for layer in stack.layers], nodes)
     v = np.repeat([layer.speed for layer in stack.layers], nodes)
@@ -254,10 +257,16 @@ def state_at_rest(stack: Stack, grid: Grid) -> State:
     )
     for i, joint in enumerate(stack.joints):
         state.joint[i, 0] = -joint.gap
+        if joint.mass > 0.0 or joint.attached > 0.0:
+            inertia = 2.0 * (joint.mass or joint.attached) / grid.step * stack.layers[i + 1].speed
+            state.joint[i, 0 if joint.mass > 0.0 else 1] = inertia
         state.joint[i, OPEN] = float(joint.gap > SEEN)
         if joint.contact is not None:
             deepest = max(depth_at_yield(striking_law(joint.contact)), indentation_under(joint.contact, joint.preload))
             state.joint[i, DEEPEST], state.joint[i, GROWTH] = deepest, 1.0
+    if stack.end.kind in ("mass", "oscillator"):
+        inertia = 2.0 * stack.end.value / grid.step * stack.layers[-1].speed
+        state.end[:] = (-inertia, 0.0) if stack.end.kind == "mass" else (0.0, inertia)
     return state
 
 
