@@ -57,10 +57,10 @@ class Form:
         '0.2 m'
         """
         path, equals, text = (part.strip() for part in change.partition("="))
-        if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'":
-            text = text[1:-1]
         if not equals or not path or not text:
             raise InputError("--set", change, f"path=value, such as {self.example}")
+        if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'":
+            text = text[1:-1]
         *tables, key = path.split(".")
         place = self._table_in(document, tables, change)
         if not isinstance(place, dict):

@@ -373,12 +373,20 @@ def test_the_bandwidth_that_the_warning_names_is_quotable(strikewave, bar):
     assert "rise-steep" in codes
 
 
-def test_the_case_of_the_docs_runs(strikewave, tmp_path):
-    """The example of docs/waves.md, as it stands there."""
+def test_the_cases_of_the_docs_run(strikewave, tmp_path):
+    """The examples of docs/waves.md as they stand there: the first one without a warning, and under its striker."""
     from pathlib import Path
 
     text = (Path(__file__).parents[2] / "docs" / "waves.md").read_text("utf-8")
-    (tmp_path / "docs.toml").write_text(text.partition("```toml\n")[2].partition("```")[0])
+    first, struck = (part.partition("```")[0] for part in text.split("```toml\n")[1:3])
+    (tmp_path / "docs.toml").write_text(first)
     code, out, _ = strikewave("wave", "docs.toml", "--json")
     assert code == 0
-    assert "joint-gap" in {w["code"] for w in json.loads(out)["warnings"]}
+    assert json.loads(out)["warnings"] == []
+    before, _, load = first.partition("[load]")
+    (tmp_path / "struck.toml").write_text(before + struck + "[[tap]]" + load.partition("[[tap]]")[2])
+    code, out, _ = strikewave("wave", "struck.toml", "--json")
+    assert code == 0
+    contact = json.loads(out)["contact"]
+    # no more than the momentum of the striker twice over
+    assert 0.2 * 5.0 < contact["impulse"] < 2 * 0.2 * 5.0
