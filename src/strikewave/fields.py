@@ -59,7 +59,7 @@ class Form:
         path, equals, text = (part.strip() for part in change.partition("="))
         if not equals or not path or not text:
             raise InputError("--set", change, f"path=value, such as {self.example}")
-        if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'":
+        if len(text) > 2 and text[0] == text[-1] and text[0] in "\"'":
             text = text[1:-1]
         *tables, key = path.split(".")
         place = self._table_in(document, tables, change)
