@@ -48,8 +48,11 @@ function drawLayers(b, top, named) {
     pen.fillStyle = `rgb(${layer.grey},${layer.grey},${layer.grey})`;
     pen.fillRect(from, top, to - from, b.each);
     if (layer.begin > 0) {
-      pen.fillStyle = "#8a8a8a";
-      pen.fillRect(from - 0.5, top, 1, b.each);
+      const wide = layer.joint === "thick" ? 2.4 : 1, gap = layer.joint === "dashed" ? 4 : 0;
+      pen.fillStyle = layer.joint ? "#333333" : "#8a8a8a";
+      for (let y = 0; y < b.each; y += gap ? 10 : b.each) {
+        pen.fillRect(from - 0.5 * wide, top + y, wide, Math.min(gap ? 6 : b.each, b.each - y));
+      }
     }
     if (named) {
       pen.fillStyle = SOFT;

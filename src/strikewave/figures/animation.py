@@ -16,7 +16,10 @@ from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.figures.field import (
+    DASHED,
+    JOINT_STYLES,
     QUANTITIES,
+    THICK,
     WaveField,
     draw_along,
     name_layers,
@@ -99,6 +102,7 @@ def page_data(field: WaveField) -> dict[str, Any]:
                 "begin": _digits((ends[k] - layers[k].length) * 1e3),
                 "end": _digits(ends[k] * 1e3),
                 "grey": round(255 * greys[k]),
+                "joint": "" if k == 0 else _drawn(field.stack.joints[k - 1].kind),
             }
             for k in kept.tolist()
         ],
@@ -111,6 +115,12 @@ def _place_of(field: WaveField, tap: Tap) -> int:
     """Return the place of the field nearest to a tap, in the tap's own layer where that has places."""
     elsewhere = np.where(field.layer == tap.layer, 0.0, field.ends[-1])
     return int(np.argmin(np.abs(field.position - field.place(tap)) + elsewhere))
+
+
+def _drawn(kind: str) -> str:
+    """Return how the joint before a layer is drawn: dashed, thick, or as a thin line."""
+    style = JOINT_STYLES.get(kind)
+    return {None: "", DASHED: "dashed", THICK: "thick"}[style]
 
 
 def _panel(field: WaveField, quantity: str, rows: NDArray[np.int64]) -> dict[str, Any]:

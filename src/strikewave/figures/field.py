@@ -264,17 +264,21 @@ def cell_edges(centres: Array) -> Array:
     return np.concatenate([centres[:1], 0.5 * (centres[1:] + centres[:-1]), centres[-1:]])
 
 
+BONDED_STYLE: tuple[Any, float] = ("-", 0.7)
+DASHED: tuple[Any, float] = ((0, (4, 2)), 0.9)
+THICK: tuple[Any, float] = ("-", 1.8)
+JOINT_STYLES = {"compliant": DASHED, "gasket": DASHED, "contact": DASHED, "mass": THICK, "oscillator": THICK}
+"""Line style and width of the joints that are not bonded."""
+
+
 def _faces(axes: Any, field: WaveField) -> None:
     """Draw the joints: bonded a thin line, springs dashed, a mass thick; one that can open double while open."""
     if len(field.stack.layers) > _MOST_SHADED:
         return
-    dashed: tuple[Any, float] = ((0, (4, 2)), 0.9)
-    thick: tuple[Any, float] = ("-", 1.8)
-    styles = {"compliant": dashed, "gasket": dashed, "mass": thick, "oscillator": thick}
     last = field.time[-1] * 1e6
     peak = float(np.abs(field.force).max(initial=0.0))
     for k, (joint, end) in enumerate(zip(field.stack.joints, field.ends[:-1] * 1e3, strict=True)):
-        style, width = styles.get(joint.kind, ("-", 0.7))
+        style, width = JOINT_STYLES.get(joint.kind, BONDED_STYLE)
         axes.plot([0.0, last], [end, end], color="#222222", linewidth=width, linestyle=style)
         face = np.flatnonzero(field.layer == k)
         if not joint.unilateral or not face.size:
@@ -474,8 +478,10 @@ def shade_layers(axes: Any, field: WaveField) -> None:
     for end, grey in zip(field.ends * 1e3, shades(field.stack), strict=True):
         axes.axvspan(begin, end, color=str(grey), linewidth=0.0, zorder=0)
         begin = end
-    for end in field.ends[:-1] * 1e3:
-        axes.axvline(end, color="#8a8a8a", linewidth=0.6, zorder=1)
+    for joint, end in zip(field.stack.joints, field.ends[:-1] * 1e3, strict=True):
+        style, width = JOINT_STYLES.get(joint.kind, BONDED_STYLE)
+        colour = "#8a8a8a" if joint.kind not in JOINT_STYLES else "#333333"
+        axes.axvline(end, color=colour, linewidth=width, linestyle=style, zorder=1)
 
 
 def draw_along(axes: Any, field: WaveField, values: Array) -> list[Any]:
