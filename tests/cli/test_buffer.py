@@ -5,6 +5,7 @@ import json
 import math
 import os
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -43,6 +44,7 @@ material = "PTFE"
 thickness = "1 mm"
 diameter = "15 mm"
 """
+IMPACTS = Path(__file__).parents[3] / "shared" / "data" / "smd-5kg-impacts"
 FEW = ("--material", "rubber", "--material", "PTFE", "--thickness", "1 mm", "--layers", "2")
 
 
@@ -192,7 +194,9 @@ def test_a_record_with_the_sensor_of_a_case(strikewave, bar, shot):
         (["--limit", "5000 g", "--sensor", "ac"], ["--sensor", 'did you mean "acc"?']),
         (["--limit", "5000 g", "--layers", "-1"], ["--layers", "from 0 to 10"]),
         (["--limit", "5000 g", "--layers", "9"], ["--layers", "at most 20000"]),
-        (["--limit", "5000 g", "--rank", "price"], ["--rank", "bandwidth, peak"]),
+        (["--limit", "5000 g", "--rank", "price"], ["--rank", "bandwidth, peak, robust"]),
+        (["--limit", "5000 g", "--blow", "99"], ["--blow", "from 1 to 1"]),
+        (["--limit", "5000 g", "--record", "none.csv", "--blow", "2"], ["--blow", "without --record"]),
         (["--limit", "5000 g", "--model", "Endevco"], ["accelerometer"]),
         (["--limit", "5000 g", "--mass", "0 gram"], ["--mass", "above 0 kg"]),
         (["--limit", "5000 g", "--diameter", "wide"], ["--diameter", "a length"]),
@@ -237,6 +241,74 @@ def test_neither_case_nor_record(strikewave):
     code, _, err = strikewave("buffer", "--limit", "5000 g")
     assert code == 2
     assert "--record" in err
+
+
+def test_the_robust_rank_leaves_a_robust_stack_in_the_case(strikewave, bar):
+    thick = ("--material", "rubber", "--thickness", "1 mm", "--thickness", "5 mm", "--layers", "1")
+    firsts = {}
+    for rank in ("bandwidth", "robust"):
+        words = ("--limit", "9000 g", "--rank", rank, *thick, "--set", "solver.duration=2 ms", "--out", rank)
+        assert strikewave("buffer", bar, *words)[0] == 0
+        with open(f"{rank}/buffer.json") as file:
+            firsts[rank] = json.load(file)["candidates"][0]
+        with open(f"{rank}/case.toml") as file:
+            gasket = tomllib.loads(file.read())["sensor"][0]["gasket"][0]
+        assert f"rubber {gasket['thickness']['value']}" == firsts[rank]["name"]
+    assert firsts["robust"]["robust"]
+    assert not firsts["bandwidth"]["robust"]
+
+
+def test_the_screen_begins_with_words_and_its_rows_are_in_order(strikewave, bar, monkeypatch):
+    for columns in ("160", "80"):
+        monkeypatch.setenv("COLUMNS", columns)
+        names = ("--material", "rubber", "--material", "polycarbonate", "--thickness", "0.5 mm")
+        code, out, err = strikewave("buffer", bar, "--limit", "5000 g", *names, "--out", "there", "--force")
+        assert code == 0
+        assert err[0].strip()
+        lines = out.splitlines()
+        assert max(map(len, lines[:-1])) <= int(columns)
+        firsts = [line.split()[0].rstrip("*") for line in lines if line.strip()]
+        places = [int(word) for word in firsts[1:] if word.isdigit()]
+        assert len(places) > 3
+        assert places == sorted(places)
+        assert "now: PTFE 1 mm" in out
+        # a name breaks between gaskets only: what stands before and after a bar is whole
+        assert not any(line.rstrip().endswith(("rubber", "polycarbonate", "0.5")) for line in lines)
+
+
+def _write(name, values):
+    rows = "\n".join(f"{1e-6 * k:.6f},{value:.9g}" for k, value in enumerate(values))
+    with open(name, "w") as file:
+        file.write("time [s],base [g]\n" + rows + "\n")
+
+
+def test_a_record_that_its_examination_calls_bad_is_refused(strikewave):
+    t = np.arange(3000)
+    _write("drift.csv", 15.0 * np.sin(2.0 * np.pi * t / 900.0) + 10.0 * t / 3000.0)
+    words = ("--mass", "5 gram", "--diameter", "15 mm", "--limit", "5000 g", *FEW, "--json")
+    code, out, err = strikewave("buffer", "--record", "drift.csv", *words)
+    assert code == 2
+    assert out == ""
+    assert "no-pulse" in err
+
+
+@pytest.mark.skipif(not IMPACTS.is_dir(), reason="the real records are not here: ../shared/data")
+def test_a_real_record_without_a_blow_is_refused(strikewave):
+    words = ("--unit", "g", "--mass", "5 gram", "--diameter", "15 mm", "--limit", "5000 g", *FEW, "--json")
+    code, _, err = strikewave("buffer", "--record", str(IMPACTS / "impact_00.lvm"), *words)
+    assert code == 2
+    assert "no-pulse" in err
+    assert "not-settled" in err
+
+
+def test_what_is_suspect_in_a_record_is_among_the_warnings(strikewave):
+    t = np.arange(3000)
+    _write("downwards.csv", np.where((t > 500) & (t < 560), -1e4 * np.sin(np.pi * (t - 500) / 60.0), 0.0))
+    words = ("--mass", "5 gram", "--diameter", "15 mm", "--limit", "9000 g", *FEW, "--json")
+    code, out, _ = strikewave("buffer", "--record", "downwards.csv", *words)
+    assert code == 0
+    suspect = [w["message"] for w in json.loads(out)["warnings"] if w["code"] == "record-suspect"]
+    assert any(message.startswith("polarity:") for message in suspect)
 
 
 def test_a_record_in_volts_needs_its_sensitivity(strikewave, shot):

@@ -68,3 +68,23 @@ def test_inside_the_band_nothing_is_further_from_one(eta, thickness, mass):
         inside = np.linspace(0.0, edge * (1.0 - 1e-6), 500)
         assert np.max(np.abs(np.abs(transmission(mounting, inside)) - 1.0)) <= share
         assert abs(abs(transmission(mounting, edge)) - 1.0) >= share
+
+
+def test_the_5_percent_band_of_an_overdamped_mounting_ends_below_one():
+    """Four times critical: |H|^2 = (1 + (2 z r)^2) / ((1 - r^2)^2 + (2 z r)^2) stays below 1.05 and leaves at 0.95."""
+    k, m, z = 4e5, 1e-2, 4.0
+    found = band(Mounting((Gasket(1.0, 1e12, 1e-4, 1e-4),), m, k, 2.0 * z * math.sqrt(k * m)))
+    r = found.within_5 / (math.sqrt(k / m) / (2.0 * math.pi))
+    height = math.sqrt((1.0 + (2.0 * z * r) ** 2) / ((1.0 - r * r) ** 2 + (2.0 * z * r) ** 2))
+    assert found.largest < 1.05
+    assert height == pytest.approx(0.95, abs=1e-5)
+
+
+@pytest.mark.parametrize(("eta", "damping"), [(0.0, 0.0), (0.01, 0.0), (0.0, 5e3)])
+def test_quality_is_infinite_where_nothing_has_loss_and_only_there(eta, damping):
+    found = band(Mounting((Gasket(1100.0, 10e6, 1e-4, 2e-3, eta),), 5e-3, 2e8, damping))
+    assert math.isinf(found.quality) == (eta == damping == 0.0)
+    assert (found.largest, found.largest_at) == (found.quality, found.resonance) or eta + damping > 0.0
+    # of the gasket a third moves along
+    natural = math.sqrt(5e5 / (5e-3 + 0.22e-3 / 3.0)) / (2.0 * math.pi)
+    assert found.resonance == pytest.approx(natural, rel=0.01)

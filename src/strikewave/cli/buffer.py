@@ -6,6 +6,7 @@ import contextlib
 import math
 import os
 import shlex
+import shutil
 import sys
 import time as clock
 from collections.abc import Callable, Iterator
@@ -21,8 +22,9 @@ from strikewave.cli.common import Changes, Force, Json, Out, number, print_json,
 if TYPE_CHECKING:
     from strikewave.case import Case
     from strikewave.quantities import Value
-    from strikewave.records import ChannelReading
-    from strikewave.studies.buffer import BufferStudy, Candidate, Choice
+    from strikewave.records import ChannelReading, Finding
+    from strikewave.studies.buffer import BufferStudy, Choice
+    from strikewave.studies.buffer_candidate import Candidate
     from strikewave.studies.buffer_seat import Blows, Seat
     from strikewave.tables import SensorTable
 
@@ -30,6 +32,15 @@ THICKNESSES = ("0.5 mm", "1 mm", "2 mm")
 """Of the gaskets unless said otherwise."""
 LONGEST = 200_000
 """Samples of a record that are kept about its largest value."""
+
+COLUMNS = (
+    "#", "stack, from the surface up", "peak\n(g)", "of limit\n(1)", "5 %\n(Hz)", "10 %\n(Hz)", "-3 dB\n(Hz)",
+    "resonance\n(Hz)", "Q", "softer\n(g)", "stiffer\n(g)", "no slip\n(g)", "robust",
+)  # fmt: skip
+LEFT_OUT, WIDE = (4, 6, 7, 8, 9, 11), 150
+"""Columns of the table that a screen with fewer characters does without."""
+NAME, SHORT_NAME = 38, 24
+"""Characters of a line of a stack's name, on a wide and on a narrow screen."""
 
 
 class Source(NamedTuple):
@@ -62,9 +73,7 @@ def command(
         typer.Option("--thickness", help="Of the gaskets; repeated. 0.5, 1 and 2 mm by default.", show_default=False),
     ] = None,
     layers: Annotated[int, typer.Option("--layers", help="Most gaskets of a stack.")] = 3,
-    rank: Annotated[str, typer.Option("--rank", help="bandwidth or peak decides among those that keep it.")] = (
-        "bandwidth"
-    ),
+    rank: Annotated[str, typer.Option("--rank", help="bandwidth, peak or robust: what comes first.")] = "bandwidth",
     mass: Annotated[str | None, typer.Option("--mass", help="Of the sensor.", show_default=False)] = None,
     diameter: Annotated[
         str | None, typer.Option("--diameter", help="Of the gaskets; that of the case by default.", show_default=False)
@@ -93,7 +102,9 @@ def command(
     """
     begun = clock.perf_counter()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for matrices this small, threads wait longer than they work
-    from strikewave.studies.buffer import Goal, design_buffer
+    from strikewave.errors import InputError
+    from strikewave.studies.buffer import design_buffer
+    from strikewave.studies.buffer_candidate import Goal
 
     goal = Goal(_limit(limit), rank)
     choice = _choice(material, thickness, layers)
@@ -104,12 +115,14 @@ def command(
         with _progress("blows") as report:
             blows = _blows(source, blow, report)
     else:
+        if blow != "worst":
+            raise InputError("--blow", blow, "only without --record, which holds one blow")
         stated = measured.stated_of(unit=unit, sensitivity=sensitivity)
-        reading = _reading(record, stated, measured.options_of(rate, time, channel))
+        reading, findings = _reading(record, stated, measured.options_of(rate, time, channel))
         seat = _from_case(case, sensor, changes, given, needed=False).seat
         source = Source(None, seat, Path(record), reading)
         _check_out(out)
-        blows = _recorded(source.record, reading)
+        blows = _recorded(source.record, reading, findings)
     with _progress("stacks") as report:
         study = design_buffer(source.seat, blows, choice, goal, report)
     if out is not None or not json:
@@ -199,25 +212,27 @@ def _blows(source: Source, blow: str, report: Callable[[float], None]) -> Blows:
     return blows_of(source.case, source.seat.table, blow, report)
 
 
-def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> ChannelReading:
-    """Return one channel of a file, examined."""
+def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> tuple[ChannelReading, list[Finding]]:
+    """Return one channel of a file, and what its examination suspects; one that it calls bad is refused."""
     from strikewave.errors import InputError
     from strikewave.records import Request, calibrations_beside, read_file, read_record
 
     record = read_record(file, options)
     measured.check_channels(stated, [record])
     reading = read_file(record, calibrations_beside(Path(file)), Request(options.channels or ("1",), stated))
-    for finding in reading.all_findings:
-        if finding.severity != "good":
-            say(f"{finding.severity} [{finding.code}]: {finding.message}")
     channel = reading.channels[0].channel
     if channel.unit != "m/s^2":
         has = channel.unit or "the file's own numbers"
         raise InputError("--unit", has, "an acceleration", 'say --unit g, or --sensitivity "1.2 mV/g"')
-    return reading.channels[0]
+    findings = [finding for finding in reading.all_findings if finding.severity != "good"]
+    if reading.status == "bad":
+        why = "; ".join(f"{f.code}: {f.message}" for f in findings if f.severity == "bad")
+        hint = f"{why}; see `{shlex.join(['strikewave', 'record', file])}`, or take another --channel"
+        raise InputError("--record", file, "a record that its examination does not call bad", hint)
+    return reading.channels[0], findings
 
 
-def _recorded(path: Path | None, reading: ChannelReading) -> Blows:
+def _recorded(path: Path | None, reading: ChannelReading, findings: list[Finding]) -> Blows:
     """Return the motion about the largest value of a record, its zero line taken off."""
     import numpy as np
 
@@ -233,24 +248,29 @@ def _recorded(path: Path | None, reading: ChannelReading) -> Blows:
         f"the record holds nothing above {0.5e-3 * channel.sampling_rate:.4g} kHz, nor what its own sensor and filter "
         "took off: a stiff buffer may read more than is shown"
     )
-    warning = Notice("record-bandwidth", message, 0.5 * channel.sampling_rate, 0.0)
+    warnings = [Notice("record-bandwidth", message, 0.5 * channel.sampling_rate, 0.0)]
+    warnings += [Notice("record-suspect", f"{f.code}: {f.message}", f.value, 0.0) for f in findings]
     name = f"{path.name if path else ''} {channel.name}".strip()
-    return Blows((Motion(name, values, channel.step, channel.start + first * channel.step),), 0, (warning,))
+    return Blows((Motion(name, values, channel.step, channel.start + first * channel.step),), 0, tuple(warnings))
 
 
 @contextlib.contextmanager
 def _progress(what: str) -> Iterator[Callable[[float], None]]:
-    """Show a bar on stderr; gives a function that takes the share done."""
+    """Show a bar on stderr where that is a terminal; gives a function that takes the share done."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    bar = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %"), TimeElapsedColumn())
-    with Progress(*bar, console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task(what, total=1.0)
-        from strikewave.compiled import is_cold
+    from strikewave.compiled import is_cold
 
-        if what == "blows" and is_cold():
-            progress.console.print("compiling the kernels: once after install, about 20 s", highlight=False)
+    if what == "blows" and is_cold():
+        say("compiling the kernels: once after install, about 20 s")
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda share: None
+        return
+    bar = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %"), TimeElapsedColumn())
+    with Progress(*bar, console=console, transient=True) as progress:
+        task = progress.add_task(what, total=1.0)
         yield lambda share: progress.update(task, completed=share)
 
 
@@ -318,7 +338,8 @@ def _sensor_text(study: BufferStudy, source: Source) -> str:
 
 
 def _print(study: BufferStudy) -> None:
-    from strikewave.studies.buffer import ALIKE, LEADING, distinct
+    from strikewave.studies.buffer import LEADING
+    from strikewave.studies.buffer_candidate import ALIKE, RINGING, distinct
 
     motion, seat = study.motion, study.seat
     rigid = "" if motion.rigid_peak is None else f", rigid-body peak {number(motion.rigid_peak, 'm/s^2', 'g', 5)} g"
@@ -327,19 +348,19 @@ def _print(study: BufferStudy) -> None:
         f"surface {number(motion.peak, 'm/s^2', 'g', 5)} g{rigid}"
     )
     say("the motion of the surface is given: the sensor's back-effect on the structure is not modelled")
-    columns = [
-        "#", "stack, from the surface up", "peak (g)", "margin", "5 % (Hz)", "10 % (Hz)", "-3 dB (Hz)",
-        "resonance (Hz)", "Q", "E x 0.5, x 2 (g)", "no slip (g)", "robust",
-    ]  # fmt: skip
     shown = distinct(study.candidates, LEADING)
     shown += [c for c in (study.robust, study.direct) if c is not None and c not in shown]
-    rows = [_cells(study.candidates.index(candidate) + 1, candidate) for candidate in shown]
+    places = {candidate: place for place, candidate in enumerate(study.candidates, 1)}
+    rows = [_cells(str(places[candidate]), candidate) for candidate in sorted(shown, key=places.__getitem__)]
+    rows += [] if study.present is None else [_cells("", study.present)]
     kept = sum(candidate.keeps for candidate in study.candidates)
+    first_by = {"robust": "the robust first, then by bandwidth"}.get(study.goal.rank, f"first by {study.goal.rank}")
     title = (
-        f"{kept} of {len(study.candidates)} stacks keep {number(study.goal.limit, 'm/s^2', 'g', 5)} g; first by "
-        f"{study.goal.rank if kept else 'peak'} (* on the front of peak and bandwidth)"
+        f"{kept} of {len(study.candidates)} stacks keep {number(study.goal.limit, 'm/s^2', 'g', 5)} g; "
+        f"{first_by if kept else 'first by peak'} (* on the front of peak and bandwidth)"
     )
-    table(title, columns, rows, left=2)
+    kinds = [k for k in range(len(COLUMNS)) if k not in LEFT_OUT or _wide()]
+    table(title, [COLUMNS[k] for k in kinds], [[row[k] for k in kinds] for row in rows], left=2)
     if len(study.candidates) > len(shown):
         say(
             f"stacks with peak and bandwidth of one above within {ALIKE:.0%} are left out here; --json and the files "
@@ -347,26 +368,47 @@ def _print(study: BufferStudy) -> None:
         )
     first = study.candidates[0]
     words = [f"{first.rigid_ratio:.3g} times the rigid-body peak"] if math.isfinite(first.rigid_ratio) else []
-    words += [f"velocity change off by {first.velocity_error:+.1%}"] if math.isfinite(first.velocity_error) else []
+    if math.isfinite(first.velocity_error):
+        words += [f"velocity change off by {first.velocity_error:+.1%}"]
+    elif first.ringing > RINGING or not first.whole:
+        words += ["velocity change not known: the history ends while it still rings"]
     words += [f"{first.sag * 1e6:.3g} um of sag", f"loss factors held to {first.loss_error:.1%} from 1 to 100 kHz"]
     say(f"{first.name}: {', '.join(words)}")
     for notice in study.warnings:
         say(f"warning [{notice.code}]: {notice.message}")
 
 
-def _cells(place: int, candidate: Candidate) -> list[str]:
+def _wide() -> bool:
+    """Return whether the screen holds all columns; without one there is room."""
+    return shutil.get_terminal_size((160, 24)).columns >= WIDE
+
+
+def _cells(place: str, candidate: Candidate) -> list[str]:
     """Return a row of the table on the screen."""
     band, found = candidate.band, candidate.leading if candidate.sheets else None
-    frequencies = (band.within_5, band.within_10, band.half_power, band.resonance)
-    spread = [number(peak, "m/s^2", "g", 4) for peak in (found.softer, found.stiffer)] if found else ["-"]
+    passed = [
+        "-" if not math.isfinite(f) else significant(f, 3)
+        for f in (band.within_5, band.within_10, band.half_power, band.resonance)
+    ]
+    spread = (found.softer, found.stiffer, found.confined) if found else (None,) * 3
     return [
         f"{place}{'*' if candidate.pareto else ''}",
-        candidate.name,
-        number(abs(candidate.peak), "m/s^2", "g", 5) + (" cut off" if candidate.clipped else ""),
-        "-" if math.isnan(candidate.margin) else f"{candidate.margin:+.1%}",
-        *("-" if not math.isfinite(f) else significant(f, 3) for f in frequencies),
+        _folded(candidate.name),
+        number(candidate.true_peak, "m/s^2", "g", 5) + (" cut" if candidate.clipped else ""),
+        "-" if math.isnan(candidate.margin) else f"{1.0 - candidate.margin:.3g}",
+        *passed,
         "-" if math.isnan(band.quality) else significant(band.quality, 3),
-        ", ".join(spread),
-        number(found.confined if found else None, "m/s^2", "g", 4),
+        *(number(peak, "m/s^2", "g", 4) for peak in spread),
         "-" if found is None or not candidate.keeps else "yes" if found.robust else "no",
     ]
+
+
+def _folded(name: str) -> str:
+    """Return the name of a stack in lines that end between gaskets."""
+    lines, longest = [""], NAME if _wide() else SHORT_NAME
+    for part in name.split(" | "):
+        if lines[-1] and len(lines[-1]) + len(part) > longest - 5:
+            lines.append(part)
+        else:
+            lines[-1] += f" | {part}" if lines[-1] else part
+    return " |\n".join(lines)

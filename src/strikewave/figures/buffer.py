@@ -12,7 +12,8 @@ from strikewave.figures.pulses import thin
 from strikewave.figures.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
 from strikewave.sensors import transmission
 from strikewave.sensors.mounting import RESOLVED
-from strikewave.studies.buffer import BufferStudy, Candidate, distinct
+from strikewave.studies.buffer import BufferStudy
+from strikewave.studies.buffer_candidate import Candidate, distinct
 from strikewave.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def first_ones(study: BufferStudy) -> list[Candidate]:
 def peak_bandwidth(study: BufferStudy) -> Figure:
     """Draw the peak of each stack's reading against the frequency up to which it passes within 10 %."""
     figure, axes = _figure()
-    buffered = [candidate for candidate in study.candidates if candidate.sheets and np.isfinite(candidate.peak)]
+    buffered = [candidate for candidate in study.candidates if candidate.sheets and np.isfinite(candidate.true_peak)]
     kept = [c for c in buffered if c.keeps]
     clipped = [c for c in buffered if c.clipped]
     above = [c for c in buffered if not c.keeps and not c.clipped]
@@ -55,14 +56,19 @@ def peak_bandwidth(study: BufferStudy) -> Figure:
         if study.robust is not None and study.robust.sheets:
             name = f"robust: {study.robust.name}"
             axes.plot(*_places([study.robust]), "D", color=GREEN, markersize=9, fillstyle="none", label=name)
+        if study.present is not None:
+            axes.plot(*_places([study.present]), "^", color=DARK, markersize=7, label=study.present.name)
     else:
         _nothing(axes)
     axes.axhline(study.goal.limit / STANDARD_GRAVITY, color=DARK, linewidth=1.2, linestyle="--", label="limit")
-    if np.isfinite(study.direct.peak):
-        height = abs(study.direct.peak) / STANDARD_GRAVITY
+    if study.seat.range < study.goal.limit:
+        height = study.seat.range / STANDARD_GRAVITY
+        axes.axhline(height, color=ORANGE, linewidth=1.2, linestyle="-.", label="range")
+    if np.isfinite(study.direct.true_peak):
+        height = study.direct.true_peak / STANDARD_GRAVITY
         axes.axhline(height, color=GREY, linewidth=1.0, linestyle=":", label="direct")
     title = f"What {study.seat.table.name} reads of {study.motion.name}, and what the buffer passes"
-    quiet(axes, _short(title), "amplitude within 10 % up to (Hz)", "peak of the reading (g)")
+    quiet(axes, _short(title), "amplitude within 10 % up to (Hz)", "peak (g); of the element where cut off")
     axes.margins(x=0.05, y=0.08)
     _legend(axes)
     return figure
@@ -142,7 +148,7 @@ def _places(candidates: Sequence[Candidate]) -> tuple[list[float], list[float]]:
     """Return bandwidths (at most that which is resolved) and peaks in g."""
     return (
         [min(c.band.within_10, RESOLVED) for c in candidates],
-        [abs(c.peak) / STANDARD_GRAVITY for c in candidates],
+        [c.true_peak / STANDARD_GRAVITY for c in candidates],
     )
 
 

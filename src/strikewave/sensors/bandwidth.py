@@ -33,9 +33,11 @@ class Band(NamedTuple):
     half_power : float
         Lowest frequency at which |H| is below 1/sqrt(2), -3 dB; infinite alike.
     resonance, quality : float
-        First frequency at which |H| is largest about it, and |H| there; NaN where there is none below 200 kHz.
+        First frequency at which |H| is largest about it, and |H| there; NaN where there is none below 200 kHz. The
+        quality is infinite where nothing has loss.
     largest, largest_at : float
-        Largest |H| below 200 kHz, and its frequency; one, and NaN, where the sensor follows exactly.
+        Largest |H| below 200 kHz, and its frequency; one, and NaN, where the sensor follows exactly. Infinite, at
+        the first resonance, where nothing has loss.
     """
 
     within_5: float
@@ -78,6 +80,8 @@ def band(mounting: Mounting) -> Band:
     tops = 1 + np.flatnonzero((inner > magnitude[:-2]) & (inner >= magnitude[2:]))
     resonance = _summit(mounting, f, int(tops[0])) if tops.size else (math.nan, math.nan)
     largest = _summit(mounting, f, int(np.argmax(magnitude)))
+    if tops.size and mounting.edge_damping == 0.0 and not any(layer.loss_factor for layer in mounting.gaskets):
+        resonance = largest = (resonance[0], math.inf)
     return Band(leaves(0.95, 1.05), leaves(0.9, 1.1), leaves(math.sqrt(0.5), math.inf), *resonance, *largest[::-1])
 
 

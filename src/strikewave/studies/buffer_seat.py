@@ -6,7 +6,6 @@ import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
@@ -17,11 +16,12 @@ from strikewave.build.sensor import build_channels
 from strikewave.build.stack import area_of, checked, need
 from strikewave.case import Case
 from strikewave.errors import MISSING, InputError, nearest
-from strikewave.materials import Material, material, materials
+from strikewave.materials import material, materials
 from strikewave.notices import notices
 from strikewave.quantities import Value
 from strikewave.readings import Channel, largest
 from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor, accelerometer, read
+from strikewave.signal.pulse import measure_pulse
 from strikewave.simulate import observe
 from strikewave.solution import Notice
 from strikewave.tables import GasketTable, SensorTable
@@ -57,6 +57,13 @@ def usual_materials() -> tuple[str, ...]:
     return tuple(name for name, row in materials().items() if row.kind in soft and row.loss_factor is not None)
 
 
+class Present(NamedTuple):
+    """The buffer that a case has before the search: what it is called, and the mounting."""
+
+    name: str
+    mounting: Mounting
+
+
 @dataclass(frozen=True)
 class Seat:
     """A sensor, its recorder, and what is the same below it whatever the stack.
@@ -71,6 +78,8 @@ class Seat:
         ``diameter`` or ``area`` of its gaskets.
     mass, area : float
         Of the sensor, kg, and of the gaskets, m^2.
+    present : Present or None
+        The buffer that the case has now.
     """
 
     channel: Channel
@@ -78,6 +87,13 @@ class Seat:
     footprint: dict[str, Value]
     mass: float
     area: float
+    present: Present | None = None
+
+    @property
+    def range(self) -> float:
+        """Largest reading of sensor and recorder, m/s^2."""
+        full_scale = self.channel.recorder.full_scale
+        return min(self.channel.sensor.range, math.inf if full_scale is None else full_scale)
 
     def mounting(self, sheets: Sheets, stiffer: Sequence[float] = ()) -> Mounting:
         """Return sensor and gaskets on the edge contact; ``stiffer`` multiplies the modulus of each gasket."""
@@ -121,8 +137,8 @@ class Motion:
         Time between samples, and of the first one, s.
     touched : float
         Time of first touch after a sampling instant of the recorder, s; the first sample where ``start`` is 0.
-    rigid_peak : float or None
-        Of the rigid-body acceleration, where it is known, m/s^2.
+    rigid_peak, rigid_width : float or None
+        Of the rigid-body acceleration, where it is known, m/s^2, and at 10 % of its peak, s.
     """
 
     name: str
@@ -131,6 +147,12 @@ class Motion:
     start: float = 0.0
     touched: float = 0.0
     rigid_peak: float | None = None
+    rigid_width: float | None = None
+
+    @property
+    def width(self) -> float:
+        """Width of the pulse at 10 % of its peak, s: of the rigid body where it is known, else of the surface."""
+        return pulse_width(self.acceleration, self.step) if self.rigid_width is None else self.rigid_width
 
     @property
     def peak(self) -> float:
@@ -153,38 +175,16 @@ class Motion:
         return min(math.ceil(at) - at, 1.0 - 1e-9)
 
 
-def confinement(row: Material, area: float, thickness: float) -> float:
-    """Return by how much a disc of an elastomer stiffens where its faces cannot slip, at most.
-
-    1/E_a = 1/(E (1 + 2 S^2)) + 1/K, E_a at least E, with S = sqrt(A/pi) / (2 h), the loaded area of a disc over its
-    free one, and K = E / (3 (1 - 2 nu)). Filled rubbers stiffen less: 2 S^2 is then multiplied by 0.5 to 1.
-    Source: Gent & Lindley 1959 (relation from memory).
-
-    Parameters
-    ----------
-    row : Material
-        E in Pa, nu.
-    area, thickness : float
-        A in m^2, h in m, of neighbours of this material together.
+def pulse_width(values: Array, step: float) -> float:
+    """Return the width at 10 % of the value of largest magnitude, s; NaN where there is none.
 
     Examples
     --------
-    >>> round(confinement(material("rubber"), math.pi * 0.01**2, 5e-3), 2)
-    2.97
+    >>> pulse_width(-np.sin(np.pi * np.linspace(0.0, 1.0, 201)), 5e-3).__round__(3)
+    0.936
     """
-    shape = math.sqrt(area / math.pi) / (2.0 * thickness)
-    bulk = 1.0 / (3.0 * (1.0 - 2.0 * row.poissons_ratio))
-    return max(1.0 / (1.0 / (1.0 + 2.0 * shape**2) + 1.0 / bulk), 1.0)
-
-
-def confined(sheets: Sheets, area: float) -> list[float]:
-    """Return by how much each gasket stiffens where elastomers cannot slip."""
-    factors = []
-    for name, group in groupby(sheets, key=lambda sheet: sheet.material):
-        run, row = tuple(group), material(name)
-        total = sum(sheet.thickness.si for sheet in run)
-        factors += [confinement(row, area, total) if row.kind == "elastomer" else 1.0] * len(run)
-    return factors
+    upright = values * math.copysign(1.0, largest(values)) if values.size > 2 else values
+    return measure_pulse(upright, step).width if upright.size > 2 and upright.max() > 0.0 else math.nan
 
 
 def loads(mounting: Mounting) -> list[tuple[float, Gasket]]:
@@ -287,7 +287,16 @@ def seat_of(table: SensorTable, case: Case | None = None, footprint: Mapping[str
     if not shape:
         raise InputError(f"{path}.gasket", MISSING, "the footprint of the sensor", 'add --diameter "15 mm"')
     gasket_table = GasketTable(material="", thickness=Value(si=1.0, typed="1 m"), **shape)
-    return Seat(channel, bare, shape, mass, area_of(gasket_table, f"{path}.gasket"))
+    return Seat(channel, bare, shape, mass, area_of(gasket_table, f"{path}.gasket"), _present(case, table))
+
+
+def _present(case: Case | None, table: SensorTable) -> Present | None:
+    """Return the buffer that a sensor of a case has now; None where it has none."""
+    if case is None or not table.gasket:
+        return None
+    (channel,) = build_channels(case.model_copy(update={"sensor": (table,)}))
+    name = " | ".join(f"{layer.material or 'gasket'} {layer.thickness.typed}" for layer in table.gasket)
+    return Present(f"now: {name}", channel.sensor.mounting)
 
 
 def with_sheets(seat: Seat, sheets: Sheets) -> SensorTable:
@@ -329,14 +338,22 @@ def blows_of(
         If parts of the case do not fit together, or there is no such blow.
     """
     bare = case.model_copy(update={"sensor": (SensorTable(name=table.name, tap=table.tap),)})
+    _check_blow(blow, case)
     if case.machine is None:
         solution = run_wave(bare)
-        motion = _motion("the load of the bar", solution.readings[0], 0.0, largest(solution.rigid))
+        motion = _motion("the load of the bar", solution.readings[0])
+        width = pulse_width(solution.rigid, motion.step)
+        motion = dataclasses.replace(motion, rigid_peak=largest(solution.rigid), rigid_width=width)
         return Blows((motion,), 0, solution.warnings, solution.run.stack.mass)
     seen = observe(bare, progress)
     pairs = [(one, history) for one, history in zip(seen.blows, seen.histories, strict=True) if history is not None]
     motions = tuple(
-        _motion(f"blow {one.index}", history.readings[0], one.time - seen.view.recorder_begin, one.rigid_peak)
+        dataclasses.replace(
+            _motion(f"blow {one.index}", history.readings[0]),
+            touched=one.time - seen.view.recorder_begin,
+            rigid_peak=one.rigid_peak,
+            rigid_width=one.width,
+        )
         for one, history in pairs
     )
     if not motions:
@@ -348,15 +365,22 @@ def blows_of(
     return Blows(motions, _chosen(blow, motions), listed, seen.machine.struck.assembly_mass)
 
 
-def _motion(name: str, reading: Reading, touched: float, rigid_peak: float) -> Motion:
+def _motion(name: str, reading: Reading) -> Motion:
     """Return the motion that an ideal sensor read."""
     time = reading.time
     step = float(time[-1] - time[0]) / (time.size - 1)
-    return Motion(name, reading.values, step, float(time[0]), touched, rigid_peak)
+    return Motion(name, reading.values, step, float(time[0]))
+
+
+def _check_blow(blow: str, case: Case) -> None:
+    """Refuse a blow that a case cannot have before it runs."""
+    most = 1 if case.feed is None or case.machine is None else round(case.feed.blows.si)
+    if blow not in ("worst", "first", *map(str, range(1, most + 1))):
+        raise InputError("--blow", blow, f"worst, first, or a number from 1 to {most}")
 
 
 def _chosen(blow: str, motions: Sequence[Motion]) -> int:
-    """Return the place of a blow by what it is called."""
+    """Return the place of a blow by what it is called; one that missed cannot be chosen."""
     if blow == "worst":
         return int(np.argmax([abs(motion.peak) for motion in motions]))
     names = [motion.name.removeprefix("blow ") for motion in motions]
