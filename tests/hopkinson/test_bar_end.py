@@ -104,3 +104,32 @@ def test_histories_that_are_none_are_refused(bad):
 def test_a_disk_without_mass_is_refused():
     with pytest.raises(ValueError, match="mass"):
         rigid_disk(PULSE, STEP, BAR, 0.0)
+
+
+@pytest.mark.parametrize("transit", [9.6, 26.4])
+@pytest.mark.parametrize("mass", [0.0, 0.01])
+def test_an_elastic_disk_with_a_sensor_against_its_line_in_laplace(transit, mass):
+    """Zin = Zd (ZL + Zd tanh sT)/(Zd + ZL tanh sT), ZL = s m, F = 2 Fi Zin/(Zin + Zb): shifted transform, 1e-5."""
+    bar, size, shift = Bar(2700.0, 70e9, 0.02, 1.0), 1 << 16, 2000.0
+    speed = math.sqrt(210e9 / 7800.0)
+    disk = Layer("disk", 7800.0, 210e9, 0.5 * bar.area, transit * STEP * speed)
+    s = shift + 2j * np.pi * np.fft.rfftfreq(size, STEP)
+    force = bar.stiffness * np.fft.rfft(PULSE * np.exp(-shift * TIME), size)
+    tanh, zd, zl = np.tanh(s * disk.transit), disk.impedance, s * mass
+    zin = zd * (zl + zd * tanh) / (zd + zl * tanh)
+    face = 2.0 * force * zin / (zin + bar.impedance)
+    outer = face / zin * np.cosh(s * disk.transit) - face / zd * np.sinh(s * disk.transit)
+    exact = np.fft.irfft(outer, size)[:2000] * np.exp(shift * TIME)
+    found = elastic_disk(PULSE, STEP, bar, disk, mass).velocity
+    assert np.abs(found - exact).max() < 1e-5 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("gain", [3.0, -3.0])
+@pytest.mark.parametrize("second", [0.999, 1.001])
+@pytest.mark.parametrize("first", [1.0, -1.0])
+def test_the_ratio_of_peaks_compares_the_same_lobe(gain, second, first):
+    """Two lobes, the second of the other sign: which is larger in the reading by a hair does not turn the ratio."""
+    t = np.linspace(0.0, 1.0, 1001)
+    one, other = np.exp(-(((t - 0.4) / 0.05) ** 2)), np.exp(-(((t - 0.7) / 0.05) ** 2))
+    found = compare_sensor(first * gain * (one - second * other), first * (one - 0.5 * other), 1e-3)
+    assert found.peak_ratio == pytest.approx(gain, rel=2e-3)

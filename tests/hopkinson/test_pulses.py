@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from strikewave.errors import InputError
 from strikewave.hopkinson import Bar, Trace, align, find_pulses, reduce
-from strikewave.hopkinson.onset import onset, split
+from strikewave.hopkinson.onset import drift, onset, split
+from strikewave.hopkinson.pulses import quieten
 
 from .bench import STEP, bench
 
@@ -138,3 +139,46 @@ def test_split_of_two_white_noises(rng):
     for _ in range(50):
         x = np.concatenate([rng.standard_normal(500), 10.0 * rng.standard_normal(500)])
         assert abs(split(x) - 500) <= 5
+
+
+@pytest.mark.parametrize("offset", [0.0, 3e-4])
+def test_a_slow_foot_does_not_move_the_zero_line(shot, offset, rng):
+    """A foot that grows to 2 % of the pulse over the last 8 us in noise of 1 %, before a quiet head of 27 us.
+
+    The mean zero line of 40 draws is off by less than four of its standard errors, 4 x 1 %/sqrt(40 x 250); taken up to the
+    onset it would be off by a foot's mean of 1 % over a fourth of the head, 0.2 %.
+    """
+    traces = shot[2]
+    peak, record = traces[0].strain.max(), cut(traces[0], 3150, None)
+    foot = 0.02 * np.clip((np.arange(record.strain.size) - 270) / 80.0, 0.0, 1.0)
+    foot[350:] = 0.0
+    found = []
+    for _ in range(40):
+        strain = record.strain + peak * (foot + 0.01 * rng.standard_normal(foot.size)) + offset
+        found.append(quieten(Trace(strain, STEP), "trace"))
+    assert np.mean([q.baseline for q in found]) == pytest.approx(offset, abs=4.0 * 0.01 * peak / np.sqrt(40 * 250.0))
+    assert np.mean([q.noise for q in found]) == pytest.approx(0.01 * peak, rel=0.05)
+
+
+def test_a_zero_line_that_drifts_is_told_from_noise_and_from_noise_that_remembers(rng):
+    """4 standard errors of a difference of two of eight means: white noise beyond it once in a few hundred heads.
+
+    So does noise whose neighbours are alike by 0.9; a drift by a standard deviation over 4000 samples always shows.
+    """
+    from scipy.signal import lfilter
+
+    for noise in (lambda: rng.standard_normal(4000), lambda: lfilter([1.0], [1.0, -0.9], rng.standard_normal(4000))):
+        still = [drift(noise()) for _ in range(100)]
+        assert sum(found.difference > 4.0 * found.error for found in still) <= 4
+    moving = [drift(rng.standard_normal(4000) + np.linspace(0.0, 1.0, 4000)) for _ in range(100)]
+    assert all(found.difference > 4.0 * found.error for found in moving)
+
+
+def test_a_strain_of_a_forgotten_unit_is_refused(shot):
+    """Microstrain taken for strain: 7.6 instead of 7.6e-6; on one channel alone too."""
+    bars, _, traces, _ = shot
+    wrong = [Trace(1e6 * t.strain, t.step, t.start) for t in traces]
+    with pytest.raises(InputError, match=r"incident trace: .*ustrain"):
+        find_pulses(*wrong, bars)
+    with pytest.raises(InputError, match=r"transmitted trace: .*ustrain"):
+        find_pulses(traces[0], wrong[1], bars)

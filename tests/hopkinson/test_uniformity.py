@@ -85,3 +85,21 @@ def test_an_impedance_ratio_that_cannot_be_is_refused(bad):
     for call in (lambda: stress_difference(bad, 1), lambda: face_forces(bad, [1.0]), lambda: transits_to_uniform(bad)):
         with pytest.raises(ValueError, match="beta"):
             call()
+
+
+@pytest.mark.parametrize(("beta", "rise"), [(0.25, 2.0), (0.1, 2.0), (2.0, 5.0)])
+def test_transits_to_uniform_to_a_two_hundredth(beta, rise):
+    """The last time above 5 % on a grid fifty times as fine."""
+    time = np.arange(0.0, 60.0, 1e-4) + 5e-5
+    late = time[np.flatnonzero(~(np.abs(face_forces(beta, time, rise).alpha) < 0.05))[-1]]
+    assert transits_to_uniform(beta, rise) == pytest.approx(late, abs=0.006)
+
+
+@pytest.mark.parametrize("beta", [0.3, 0.4, 0.5, 1.0, 2.0])
+def test_under_a_long_rise_5_percent_comes_after_20_beta_and_half_its_inverse(beta):
+    """F1 - F2 stays at 2 beta t0/rise of the plateau while the mean force grows as 2 (t - 1/(2 beta)) t0/rise.
+
+    Their ratio is 5 % at t = 20 beta + 1/(2 beta), whatever the rise. 0.2: the echoes that are left swing about it.
+    """
+    expected = 20.0 * beta + 0.5 / beta
+    assert [transits_to_uniform(beta, rise) for rise in (50.0, 200.0)] == pytest.approx([expected] * 2, abs=0.2)

@@ -1,4 +1,4 @@
-"""``strikewave new``: begin a case file from a published one."""
+"""``strikewave new``: begin a case file from a published one, or a set-up of split bars from an example."""
 
 from __future__ import annotations
 
@@ -9,12 +9,17 @@ import typer
 
 from strikewave.cli.common import Force, say
 
+SPLIT_BAR = "hopkinson"
+"""Stands for the example of a set-up of split bars, and is the command that it is for."""
+
 
 def command(
     file: Annotated[
         Path, typer.Argument(help="The case file to write; .toml is added where it lacks.", show_default=False)
     ],
-    origin: Annotated[str, typer.Option("--from", metavar="CASE", help="The case to begin from.")] = "li-ma-2019",
+    origin: Annotated[
+        str, typer.Option("--from", metavar="CASE", help="The case to begin from; hopkinson for split bars.")
+    ] = "li-ma-2019",
     force: Force = False,
 ) -> int:
     """Write a new case file to edit, with every value and its provenance."""
@@ -29,6 +34,12 @@ def command(
         raise InputError("FILE", str(path), "a name that is not taken", "add --force to replace it")
     if not path.absolute().parent.is_dir():
         raise InputError("FILE", str(path), "a file in a folder that exists")
+    if origin == SPLIT_BAR:
+        from strikewave.split_bar import example_setup
+
+        write_whole(path, example_setup())
+        say(f"written: {path}; name your bars and files, then: strikewave {SPLIT_BAR} {path}")
+        return 0
     case = load_case(origin)
     text = dump_case(case.model_copy(update={"name": path.stem, "title": f"{path.stem}, from {origin}"}))
     parse_case(text)  # refuses a name that no result folder may have

@@ -1,31 +1,49 @@
-"""``strikewave validate``: check a case and list its values with their provenance."""
+"""``strikewave validate``: check a case or a set-up of split bars and list its values with their provenance."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
-from strikewave.cli.common import CaseName, Changes, Json, print_json, table
+from strikewave.cli.common import CaseName, Changes, Json, print_json, say, table
 from strikewave.documents import head
+
+if TYPE_CHECKING:
+    from strikewave.quantities import Value
 
 
 def command(case: CaseName, changes: Changes = None, json: Json = False) -> int:
     """Check a case without running it; list every value and where it comes from."""
     from strikewave.build import check
-    from strikewave.case import load_case
-    from strikewave.quantities import PROVENANCES
+    from strikewave.case import load_case, read_case_text
+    from strikewave.split_bar import check_setup, holds_setup, load_setup, values_of
 
+    if holds_setup(read_case_text(case)[0]):
+        split_bar = load_setup(case, changes or ())
+        missing, setup = check_setup(split_bar), split_bar.setup
+        _show(setup.name, setup.title, dict(values_of(setup)), json)
+        if missing:
+            say("not there yet: " + ", ".join(missing))
+        return 0
     read = load_case(case, changes or ())
     check(read)
-    values = read.values()
+    _show(read.name, read.title, read.values(), json)
+    return 0
+
+
+def _show(name: str, title: str, values: Mapping[str, Value], json: bool) -> None:
+    """Print the values of a case with their provenance."""
+    from strikewave.quantities import PROVENANCES
+
     counted = Counter[str](value.provenance for value in values.values())
     if json:
         rows = {
             path: {"value": v.si, "typed": v.typed, "provenance": v.provenance, "note": v.note}
             for path, v in values.items()
         }
-        print_json({**head({"value": "SI"}), "case": read.name, "provenance": dict(counted), "values": rows})
-        return 0
+        print_json({**head({"value": "SI"}), "case": name, "provenance": dict(counted), "values": rows})
+        return
     shown = [[path, str(v.typed), v.provenance, v.note] for path, v in values.items()]
-    table(read.title or read.name, ["field", "value", "provenance", "note"], shown, left=4)
+    table(title or name, ["field", "value", "provenance", "note"], shown, left=4)
     print("valid: " + ", ".join(f"{counted[p]} {p}" for p in PROVENANCES if counted[p]))
-    return 0

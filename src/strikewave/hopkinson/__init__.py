@@ -3,10 +3,11 @@
 from strikewave.hopkinson.alignment import METHODS, FaceWaves, align
 from strikewave.hopkinson.bars import Bar, Elastic, Specimen, Striker, elastic
 from strikewave.hopkinson.checks import (
-    elastic_slope,
     energy,
     equilibrium,
     momentum,
+    rise_slope,
+    rise_slopes,
     striker_check,
 )
 from strikewave.hopkinson.gauges import BRIDGES, Bridge
@@ -33,13 +34,14 @@ __all__ = [
     "align",
     "carried",
     "elastic",
-    "elastic_slope",
     "energy",
     "equilibrium",
     "face_forces",
     "find_pulses",
     "momentum",
     "reduce",
+    "rise_slope",
+    "rise_slopes",
     "stress_difference",
     "striker_check",
     "transits_to_uniform",

@@ -28,6 +28,9 @@ from strikewave.waves import BONDED, End, Layer, Sampled, Stack, Tap, Wanted, ru
 
 Array = NDArray[np.float64]
 
+LEAST_STEPS = 20.0
+"""Steps of a wave through an elastic disk; a whole number, so that the disk is as thick as it is said to be."""
+
 
 class EndMotion(NamedTuple):
     """Velocity (m/s) and acceleration (m/s^2) of the sensor, and the force between bar and disk (N), over time."""
@@ -108,7 +111,7 @@ def elastic_disk(strain: ArrayLike, step: float, bar: Bar, disk: Layer, mass: fl
     stack = Stack((long, disk), (BONDED,), end)
     time = step * np.arange(e.size)
     load = Sampled(np.asarray(time), bar.stiffness * e)
-    fine = min(step, disk.transit / 20.0)
+    fine = disk.transit / math.ceil(max(LEAST_STEPS, disk.transit / step) * (1.0 - 1e-9))
     run = run_bar(stack, load, [Tap(1, 0.0), Tap(1, 1.0)], 1.0 * transit + time[-1], Wanted(step=fine))
     at = time + run.grid.step * round(transit / run.grid.step)
     return EndMotion(
@@ -119,9 +122,9 @@ def elastic_disk(strain: ArrayLike, step: float, bar: Bar, disk: Layer, mass: fl
 class Agreement(NamedTuple):
     """A sensor beside its reference.
 
-    ``sensitivity`` is reading over reference by least squares at the best delay, ``peak_ratio`` that of the
-    largest values, ``delay`` by how much the reading is late (s), ``residual`` the root mean square of what is
-    left, over that of the reading.
+    ``sensitivity`` is reading over reference by least squares at the best delay, ``peak_ratio`` that of what the
+    reading has at most over the largest value of the reference, both the same way along the blow, ``delay`` by how much
+    the reading is late (s), ``residual`` the root mean square of what is left, over that of the reading.
     """
 
     sensitivity: float
@@ -165,8 +168,10 @@ def compare_sensor(reading: ArrayLike, reference: ArrayLike, step: float) -> Agr
     moved = _moved(x, delay / step)
     ratio = float(y @ moved / (moved @ moved))
     left = y - ratio * moved
-    peaks = [float(h[np.argmax(np.abs(h))]) for h in (y, x)]
-    return Agreement(ratio, peaks[0] / peaks[1], delay, float(np.sqrt((left @ left) / (y @ y))))
+    way = math.copysign(1.0, x[np.argmax(np.abs(x))])
+    same = math.copysign(way, way * ratio)
+    peaks = float((same * y).max()) * same / (float((way * x).max()) * way)
+    return Agreement(ratio, peaks, delay, float(np.sqrt((left @ left) / (y @ y))))
 
 
 def _moved(values: Array, places: float) -> Array:

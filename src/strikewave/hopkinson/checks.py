@@ -1,8 +1,10 @@
-"""What a split-Hopkinson test says of itself: equilibrium, momentum, energy, the striker, the elastic slope."""
+"""What a split-Hopkinson test says of itself: equilibrium, momentum, energy, the striker, the slope of the rise."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -10,16 +12,14 @@ from numpy.typing import NDArray
 
 from strikewave.hopkinson.bars import Striker
 from strikewave.hopkinson.pulses import Pulses
-from strikewave.hopkinson.reduction import Curve, Reduction
+from strikewave.hopkinson.reduction import Analysis, Curve, Reduction, reduce
 
 Array = NDArray[np.float64]
 
 SLOPE_BAND = (0.1, 0.5)
-"""Shares of the largest stress between which the elastic slope is fitted, on the first way up."""
-
-
-NEAR_TOP = 0.9
-"""Share of the largest force down to which the end of the loading counts."""
+"""Shares of the largest stress between which the slope of the rise is fitted, on the first way up."""
+LASTING = 3.0
+"""Rise times of the incident pulse for which forces must agree one after another to count as in equilibrium."""
 
 
 class Equilibrium(NamedTuple):
@@ -33,21 +33,26 @@ class Equilibrium(NamedTuple):
         Integral of |F1 - F2| over that of (F1 + F2)/2 while the incident wave lasts.
     force_ratio : float
         Impulse on the first face over that on the second, while the incident wave lasts.
-    since : float
-        Time after the arrival from which R stays below the limit until the mean force last is at 9/10 of its
-        largest value, s; NaN if never.
+    begin, end : float
+        The longest stretch of the loading in which R stays below the limit, s after the arrival; NaN if none lasts
+        for `LASTING` rise times of the incident pulse.
+    share : float
+        Part of the loading in which R is below the limit, in one stretch or in many.
     """
 
     ratio: Array
     misfit: float
     force_ratio: float
-    since: float
+    begin: float
+    end: float
+    share: float
 
 
 def equilibrium(reduction: Reduction, limit: float = 0.05) -> Equilibrium:
     """Compare the forces on the two faces.
 
-    ``since`` takes R of forces averaged over the rise time of the incident pulse, so that noise does not end it.
+    ``begin``, ``end`` and ``share`` take R of forces averaged over the rise time of the incident pulse, so that noise
+    does not end a stretch.
     """
     f1, f2, on = reduction.first_force, reduction.second_force, reduction.loading
     mean = 0.5 * (f1 + f2)
@@ -63,25 +68,24 @@ def equilibrium(reduction: Reduction, limit: float = 0.05) -> Equilibrium:
         ratio=ratio,
         misfit=float(np.sum(np.abs(f1 - f2)[on])) / total if total > 0.0 else math.nan,
         force_ratio=float(np.sum(f1[on])) / second if second else math.nan,
-        since=_since(reduction, limit),
+        **_stretch(reduction, limit),
     )
 
 
-def _since(reduction: Reduction, limit: float) -> float:
-    """Return when smoothed forces begin to agree and stay so while the mean force is near its largest."""
-    width = max(round(reduction.waves.window / reduction.waves.step), 1)
+def _stretch(reduction: Reduction, limit: float) -> dict[str, float]:
+    """Return begin and end of the longest stretch in which smoothed forces agree, and the share of the loading."""
+    waves, on = reduction.waves, np.flatnonzero(reduction.loading)
+    width = max(round(waves.window / waves.step), 1)
     box = np.ones(width) / width
-    f1, f2 = (np.convolve(f, box, "same") for f in (reduction.first_force, reduction.second_force))
-    mean = 0.5 * (f1 + f2)
-    high = np.flatnonzero(reduction.loading & (mean > NEAR_TOP * float(mean.max())))
-    if not high.size:
-        return math.nan
-    span = np.arange(int(np.argmax(reduction.time >= 0.0)), int(high[-1]) + 1)
-    apart = np.flatnonzero(~(np.abs(f1 - f2)[span] <= limit * np.abs(mean[span])))
-    if not apart.size:
-        return 0.0
-    later = span[int(apart[-1])] + 1
-    return float(reduction.time[later]) if later <= high[-1] else math.nan
+    f1, f2 = (np.convolve(f, box, "same")[on] for f in (reduction.first_force, reduction.second_force))
+    agree = np.abs(f1 - f2) <= limit * 0.5 * np.abs(f1 + f2)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], agree, [False]]).astype(int)))
+    begins, ends = edges[::2], edges[1::2] - 1
+    share = float(np.mean(agree))
+    if not begins.size or (longest := int((ends - begins).max())) * waves.step < LASTING * waves.window:
+        return {"begin": math.nan, "end": math.nan, "share": share}
+    k = int(np.argmax(ends - begins == longest))
+    return {"begin": float(reduction.time[on[begins[k]]]), "end": float(reduction.time[on[ends[k]]]), "share": share}
 
 
 class Momentum(NamedTuple):
@@ -195,32 +199,47 @@ def striker_check(pulses: Pulses, reduction: Reduction, striker: Striker) -> Str
 
 
 class Slope(NamedTuple):
-    """Slope of a stress-strain curve, Pa, its standard error, and how many samples it stands on."""
+    """Slope of the rise of a stress-strain curve, Pa, and between which values a sample of misalignment moves it."""
 
     value: float
-    error: float
-    samples: int
+    low: float = math.nan
+    high: float = math.nan
 
 
-def elastic_slope(curve: Curve, loading: NDArray[np.bool_]) -> Slope:
-    """Return the slope of the first rise of a curve, by least squares of strain on stress.
+def rise_slope(curve: Curve, loading: NDArray[np.bool_]) -> float:
+    """Return the slope of the first rise of a curve from 10 to 50 % of the largest stress, Pa; NaN without samples.
 
-    A Hopkinson test does not measure Young's modulus well: equilibrium comes late in the rise and the bar faces
-    are pressed in. The slope is a check, not a property.
+    By least squares of strain on stress. A Hopkinson test does not measure Young's modulus well: equilibrium comes
+    late in the rise and the bar faces are pressed in. The slope is a check, not a property.
     """
+    compliance = _rise_compliance(curve, loading)
+    return 1.0 / compliance if compliance else math.nan
+
+
+def rise_slopes(reduction: Reduction, analysis: Analysis) -> Slope:
+    """Return `rise_slope` by an analysis, with its values where reflected and transmitted wave come a sample off.
+
+    ``high`` is infinite where the rise is upright, or leans backwards, within a sample.
+    """
+    waves, each = reduction.waves, []
+    for back, on in product((-1, 0, 1), repeat=2):
+        moved = replace(waves, reflected=np.roll(waves.reflected, back), transmitted=np.roll(waves.transmitted, on))
+        shifted = reduce(moved, reduction.bars, reduction.specimen)
+        each.append(_rise_compliance(shifted.curve(analysis), reduction.loading))
+    if any(math.isnan(one) for one in each) or max(each) <= 0.0:
+        return Slope(rise_slope(reduction.curve(analysis), reduction.loading))
+    high = 1.0 / min(each) if min(each) > 0.0 else math.inf
+    return Slope(rise_slope(reduction.curve(analysis), reduction.loading), 1.0 / max(each), high)
+
+
+def _rise_compliance(curve: Curve, loading: NDArray[np.bool_]) -> float:
+    """Return strain over stress of the first rise, 1/Pa; NaN where it has fewer than three samples."""
     stress, strain = curve.stress[loading], curve.strain[loading]
     top = float(stress.max(initial=0.0))
     high = int(np.argmax(stress >= SLOPE_BAND[1] * top)) if top > 0.0 else 0
     below = np.flatnonzero(stress[:high] < SLOPE_BAND[0] * top)
     low = int(below[-1]) + 1 if below.size else 0
-    count = high - low
-    if count < 3:
-        return Slope(math.nan, math.nan, max(count, 0))
-    x, y = stress[low:high], strain[low:high]
-    x = x - x.mean()
-    compliance = float(x @ (y - y.mean()) / (x @ x))
-    left = y - y.mean() - compliance * x
-    error = math.sqrt(float(left @ left) / (count - 2) / float(x @ x))
-    if compliance == 0.0:
-        return Slope(math.nan, math.nan, count)
-    return Slope(1.0 / compliance, error / compliance**2, count)
+    if high - low < 3:
+        return math.nan
+    x = stress[low:high] - stress[low:high].mean()
+    return float(x @ strain[low:high] / (x @ x))

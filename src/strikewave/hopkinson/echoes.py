@@ -6,7 +6,10 @@ the transforms S of two passes with the way x between them, at each frequency f,
 
     c(f) = x / tau(f),    a(f) = ln(|S1|/|S2|) / x
 
-with tau the delay by phase and a the attenuation (Np/m), what is lost at the ends included.
+with tau the delay by phase and a the attenuation (Np/m), what is lost at the ends included. All passes count at once:
+their times are t0 + N tau_near + M tau_far after N turns at the near end and M at the far one, a straight plane by
+least squares, each pass with the weight of its energy since all have the same noise. The noise of two passes has
+nothing in common, so that what is left gives the standard errors.
 
 Source: the spectral ratio of successive echoes as in C. Bacon, An experimental method for considering dispersion and
 attenuation in a viscoelastic Hopkinson bar, Experimental Mechanics 38 (1998) 242-249 (reference from memory).
@@ -22,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import next_fast_len, rfft, rfftfreq
 from scipy.signal import correlate
+from scipy.special import stdtrit
 
 from strikewave.errors import InputError
 from strikewave.hopkinson.bars import Bar
@@ -38,17 +42,52 @@ ABOVE_NOISE = 10.0
 WEAKEST = 0.03
 """Amplitude of a frequency over that of the strongest one of a pass, down to which it is used: below, the tails that
 windows cut count."""
-LEAD = 0.1
-"""Share of the window of a pass that lies before its onset."""
+LEAD = 0.2
+"""Share of the window of a pass that lies before its foot."""
+FLANK = 0.25
+"""Share of the lead over which the window rises; the foot of a pulse must not lie on it."""
 FEWEST_PASSES = 3
+ROUNDS = 20
+"""Of the search for the bar speed whose dispersion gives the times."""
+ONCE_IN = 1e-3
+"""Records in which chance makes a good pass look odd."""
 
 
 class Estimate(NamedTuple):
-    """A mean, its standard error (NaN for a single value), and how many values it stands on."""
+    """A value by least squares, its standard error (NaN without freedom), and the degrees of freedom of the fit."""
 
     value: float
     error: float
-    values: int
+    freedom: int
+
+    @property
+    def student(self) -> float:
+        """Standard errors to either side that hold 95 % of Student's distribution: 12.7 for one degree, 2 for many.
+
+        Examples
+        --------
+        >>> round(Estimate(1.0, 0.1, 3).student, 3)
+        3.182
+        """
+        return float(stdtrit(self.freedom, 0.975)) if self.freedom > 0 else math.nan
+
+
+class Odd(NamedTuple):
+    """A pass at the begin that does not go with those after it: its number from 1, how late (s), how strong.
+
+    ``strength`` is its amplitude over what those after it say, each weighted with the energy of its frequencies.
+    """
+
+    number: int
+    late: float
+    strength: float
+
+
+class Ways(NamedTuple):
+    """Bar speed (m/s) if the first pulse ran the other way, and what is then left of times over what is left now."""
+
+    speed: float
+    misfit: float
 
 
 @dataclass(frozen=True)
@@ -66,21 +105,27 @@ class Echoes:
     first : int
         Number of the first pass used.
     speed : Estimate
-        Bar speed c0, m/s, from each pair of passes with a known way between them.
+        Bar speed c0, m/s, from the turns at the near end; from all ways where the length is given.
     length : Estimate
         Length of the bar, m: given (no error), or from round trips and the speed.
+    round_trip : Estimate
+        Length of the bar by round trips and the speed of the turns at the near end, m, whether it is given or not.
     attenuation : Estimate
         Over a round trip at the pulse's own frequencies, Np/m, each weighted with its energy.
     frequency : ndarray
         Of the band in which every pass stands out of the noise, Hz, shape (K,).
     phase_speed, phase_speed_error : ndarray
-        c(f) of the pairs, m/s, and its standard error, shape (K,).
+        c(f), m/s, and its standard error, shape (K,).
     theory_speed : ndarray
         The phase speed of the theory with the speed found, m/s, shape (K,).
     losses, losses_error : ndarray
         a(f) of the round trips, Np/m, shape (K,).
     theory : str
         Of dispersion, by which c0 was taken from c(f).
+    odd : Odd or None
+        The last of the first two passes that does not go with those after it.
+    other_way : Ways
+        What the other way of the first pulse would give.
     """
 
     quiet: Quiet = field(repr=False)
@@ -89,6 +134,7 @@ class Echoes:
     first: int
     speed: Estimate
     length: Estimate
+    round_trip: Estimate
     attenuation: Estimate
     frequency: Array = field(repr=False)
     phase_speed: Array = field(repr=False)
@@ -97,10 +143,12 @@ class Echoes:
     losses: Array = field(repr=False)
     losses_error: Array = field(repr=False)
     theory: Theory
+    odd: Odd | None
+    other_way: Ways
 
 
 class _Passes(NamedTuple):
-    """Places (samples) of the passes, the length of their windows, and their transforms."""
+    """Places (samples) of the passes, the length of their windows, their transforms, number of the first."""
 
     places: NDArray[np.int64]
     size: int
@@ -136,26 +184,28 @@ def calibrate_bar(
     quiet = quieten(trace, "echo trace")
     if way not in ("towards", "away"):
         raise InputError("echoes.way", way, '"towards" or "away"')
-    near, around = _delays(quiet, bar, way)
-    passes = _passes(quiet, near, around, skip)
+    passes = _passes(quiet, _places(quiet, bar, way), skip)
     usable = _band(passes, quiet)
     if usable.size < 2:
         raise InputError("echo trace", "echoes in the noise", f"passes {ABOVE_NOISE:g} times above their noise")
-    step, known = quiet.trace.step, _known_pairs(passes, bar, way)
-    if not known:
-        hint = "give the length of the bar, or skip fewer passes"
-        raise InputError("echo trace", "no two passes with a known way between", "at least one such pair", hint)
-    delay = np.array([_delay(passes, n, m, usable, step) for n, m, _ in known])
-    distance = np.array([x for *_, x in known])
-    weight = np.abs(passes.spectra[0][usable]) ** 2
-    w = 2.0 * np.pi * passes.frequency[usable]
-    each = np.array([_bar_speed(d, x, (w, weight), bar, theory) for d, x in zip(delay, distance, strict=True)])
-    speed = _estimate(each)
-    trips = [(n, n + 2) for n in range(passes.places.size - 2)]
-    length = _length(passes, trips, usable, speed.value, (bar, step, theory))
-    lost = np.array([_loss(passes, n, m, usable) for n, m in trips]) / (2.0 * length.value)
-    phase = distance[:, None] / delay
+    step = quiet.trace.step
+    delays = np.array([_delay(passes, n, usable, step) for n in range(passes.places.size)])
+    amplitude = np.abs(passes.spectra[:, usable])
+    energy = (amplitude**2).sum(axis=1)
+    w, logs = 2.0 * np.pi * passes.frequency[usable], np.log(amplitude)
+    seen = _Seen(delays, logs, energy, amplitude[0] ** 2, w, passes.first, bar, theory)
+    free, times, design = _speed_and_length(seen, way)
+    speed, phase, phase_error = (free.speed, *_phase_speed(seen, design, 2.0 * bar.gauge_distance))
+    length, misfit = free.length, math.nan
+    other = Ways(_speed_and_length(seen, _other(way))[0].speed.value, math.nan)
+    if math.isfinite(bar.length):
+        length = Estimate(bar.length, math.nan, 0)
+        speed, misfit, ways = _known_length(seen, way)
+        phase, phase_error = _phase_speed(seen, ways, 1.0)
+        turned, left, _ = _known_length(seen, _other(way))
+        other = Ways(turned.value, left / misfit if misfit > 0.0 else math.nan)
     rod = bar.rod._replace(bar_speed=speed.value)
+    attenuation, losses, losses_error = _losses(seen, length)
     return Echoes(
         quiet=quiet,
         times=np.asarray(quiet.trace.start + step * passes.places),
@@ -163,40 +213,65 @@ def calibrate_bar(
         first=skip,
         speed=speed,
         length=length,
-        attenuation=_estimate(lost @ weight / weight.sum()),
+        round_trip=free.length,
+        attenuation=attenuation,
         frequency=passes.frequency[usable],
-        phase_speed=phase.mean(axis=0),
-        phase_speed_error=_error(phase),
+        phase_speed=phase,
+        phase_speed_error=phase_error,
         theory_speed=np.asarray(w / wave_number(w, rod, theory).real),
-        losses=lost.mean(axis=0),
-        losses_error=_error(lost),
+        losses=losses,
+        losses_error=losses_error,
         theory=theory,
+        odd=_odd(seen, times, design, step),
+        other_way=other,
     )
 
 
-def _delays(quiet: Quiet, bar: Bar, way: Way) -> tuple[float, float]:
-    """Return the delay of the second pass, and of a round trip, in samples, by correlation with the first pass.
+def _other(way: Way) -> Way:
+    return "away" if way == "towards" else "towards"
 
-    The round trip is the largest correlation of the same sign once the first pulse is over; the second pass, turned
-    over at one end, the deepest before it.
+
+class _Places(NamedTuple):
+    """Foot of the first pass, delay of the second one, and of a round trip, in samples."""
+
+    foot: float
+    near: float
+    around: float
+
+
+def _places(quiet: Quiet, bar: Bar, way: Way) -> _Places:
+    """Find the passes by correlation with the first one.
+
+    The foot is that of the straight line through a quarter and a half of the height, which noise hardly moves. The
+    round trip is the first large correlation of the same sign once the first pulse is over. The second pass, turned
+    over at one end, is the deepest one before it near to where it is expected; or the deepest of all, if twice as deep.
     """
-    x, begin = quiet.trace.strain, quiet.onset
-    half = np.abs(x[begin:]) > 0.5 * float(np.abs(x).max())
-    inside = begin + int(np.argmax(half))
-    width = crossing(x, inside, 0.5 * float(x[inside]), 1) - begin
-    if not math.isfinite(width) or begin + 4 * width > x.size:
+    x = quiet.trace.strain
+    peak = float(np.abs(x).max())
+    inside = quiet.onset + int(np.argmax(np.abs(x[quiet.onset :]) > 0.5 * peak))
+    over = crossing(x, inside, 0.25 * peak, 1)
+    top = inside + int(np.argmax(x[inside : int(over) + 1])) if math.isfinite(over) else inside
+    quarter, half = (crossing(x, top, share * float(x[top]), -1) for share in (0.25, 0.5))
+    foot = 2.0 * quarter - half if math.isfinite(quarter) else float(quiet.onset)
+    width = crossing(x, top, 0.5 * float(x[top]), 1) - foot
+    begin, clear = max(round(foot), 0), int(2.0 * width) if math.isfinite(width) else 0
+    if not clear or begin + 2 * clear > x.size:
         raise InputError("echo trace", "one pulse alone", "a record of several round trips")
-    template = x[begin : begin + int(2.0 * width)]
-    same = correlate(x[begin:], template, "valid")
-    clear = int(2.0 * width)
-    around = clear + int(np.argmax(same[clear:]))
-    if math.isfinite(bar.length):
-        around = _near_peak(same, 2.0 * bar.length / bar.speed / quiet.trace.step, 1.0)
+    same = correlate(x[begin:], x[begin : begin + clear], "valid")
+    around = _first_large(same, clear)
     if around <= clear + 1:
         raise InputError("echo trace", "no echo of the sign of the first pulse", "a record of several round trips")
-    near = clear + int(np.argmin(same[clear:around]))
+    deepest = clear + int(np.argmin(same[clear:around]))
     expected = 2.0 * bar.delay / quiet.trace.step
-    return float(_near_peak(same, expected if way == "towards" else around - expected, -1.0, near)), float(around)
+    near = _near_peak(same[:around], expected if way == "towards" else around - expected, -1.0, deepest)
+    near = near if same[near] < 0.5 * same[deepest] else deepest
+    return _Places(foot, float(near), float(around))
+
+
+def _first_large(same: Array, clear: int) -> int:
+    """Return the place of the first correlation that comes up to nine tenths of the largest one."""
+    first = clear + int(np.argmax(same[clear:] >= 0.9 * float(same[clear:].max())))
+    return first + int(np.argmax(same[first : first + clear]))
 
 
 def _near_peak(same: Array, expected: float, sign: float, fallback: int = 0) -> int:
@@ -207,20 +282,24 @@ def _near_peak(same: Array, expected: float, sign: float, fallback: int = 0) -> 
     return low + int(np.argmax(sign * same[low:high]))
 
 
-def _passes(quiet: Quiet, near: float, around: float, skip: int) -> _Passes:
+def _passes(quiet: Quiet, found: _Places, skip: int) -> _Passes:
     """Cut the passes out as long as they stand out of the noise, turn every second one over, and transform them."""
+    foot, near, around = found
     size = int(min(near, around - near))
     x, lead = quiet.trace.strain, int(LEAD * min(near, around - near))
-    count = int(2 * ((x.size - quiet.onset) // around)) + 2
-    offsets = [(n // 2) * around + (n % 2) * near for n in range(count)]
-    places = np.array([quiet.onset + round(o) for o in offsets], dtype=np.int64)
+    count = int(2 * ((x.size - foot) // around)) + 2
+    places = np.array([round(foot + (n // 2) * around + (n % 2) * near) for n in range(count)], dtype=np.int64)
     places = places[places - lead + size <= x.size]
     ceiling = noise_ceiling(quiet.noise, x.size)
     drowned = [float(np.abs(x[max(p - lead, 0) : p - lead + size]).max()) <= ceiling for p in places]
     places = places[: drowned.index(True)] if any(drowned) else places
     numbers = np.arange(places.size)[skip:]
     places = places[skip:]
-    if places.size < FEWEST_PASSES or places[0] < lead:
+    if places.size and places[0] < lead:
+        got = f"{places[0] * quiet.trace.step * 1e6:.4g} us before the first pass"
+        allowed = f"at least {lead * quiet.trace.step * 1e6:.4g} us, a fifth of the time between passes"
+        raise InputError("echo trace", got, allowed, "record with a longer pre-trigger, or set echoes.skip = 1")
+    if places.size < FEWEST_PASSES:
         hint = "record longer, or skip fewer passes"
         raise InputError("echo trace", f"{places.size} passes", f"at least {FEWEST_PASSES} whole passes", hint)
     total = next_fast_len(4 * size, real=True)
@@ -231,9 +310,10 @@ def _passes(quiet: Quiet, near: float, around: float, skip: int) -> _Passes:
 
 
 def _taper(size: int, lead: int) -> Array:
-    """Return a window with cosine flanks over the lead on both sides."""
-    flank = 0.5 * (1.0 - np.cos(np.pi * (np.arange(lead) + 0.5) / max(lead, 1)))
-    return np.concatenate([flank, np.ones(size - 2 * lead), flank[::-1]])
+    """Return a window with cosine flanks over a part of the lead on both sides."""
+    wide = int(FLANK * lead)
+    flank = 0.5 * (1.0 - np.cos(np.pi * (np.arange(wide) + 0.5) / max(wide, 1)))
+    return np.concatenate([flank, np.ones(size - 2 * wide), flank[::-1]])
 
 
 def _band(passes: _Passes, quiet: Quiet) -> NDArray[np.intp]:
@@ -246,68 +326,159 @@ def _band(passes: _Passes, quiet: Quiet) -> NDArray[np.intp]:
     return np.arange(low, low + (int(sunk[0]) if sunk.size else clear.size - low))
 
 
-def _known_pairs(passes: _Passes, bar: Bar, way: Way) -> list[tuple[int, int, float]]:
-    """Return pairs of passes with the way between them: round the near end, and round trips of a known length."""
-    count = passes.places.size
-    turn = 0 if way == "towards" else 1
-    pairs = [(n, n + 1, 2.0 * bar.gauge_distance) for n in range(count - 1) if (n + passes.first) % 2 == turn]
-    if math.isfinite(bar.length):
-        pairs += [(n, n + 2, 2.0 * bar.length) for n in range(count - 2)]
-    return pairs
+class _Seen(NamedTuple):
+    """What the passes show: delays after the first one (s) and logarithms of amplitudes, each of shape (P, K).
+
+    ``energy`` is that of each pass, ``weight`` that of each frequency w (rad/s) of the first one, ``first`` its number.
+    """
+
+    delays: Array
+    logs: Array
+    energy: Array
+    weight: Array
+    w: Array
+    first: int
+    bar: Bar
+    theory: Theory
 
 
-def _delay(passes: _Passes, n: int, m: int, band: NDArray[np.intp], step: float) -> Array:
-    """Return the delay from one pass to another at each frequency, by phase, s."""
-    turn = np.unwrap(np.angle(passes.spectra[n][band] * np.conj(passes.spectra[m][band])))
-    w = 2.0 * np.pi * passes.frequency[band]
+class _Free(NamedTuple):
+    """Speed and length with a way known round the near end alone."""
+
+    speed: Estimate
+    length: Estimate
+
+
+class _Plane(NamedTuple):
+    """Least squares: values of shape (p, ...), inverse of the normal matrix, variance of unit weight, freedom."""
+
+    value: Array
+    inverse: Array
+    variance: Array
+    freedom: int
+
+    def errors(self, place: int) -> Array:
+        """Return the standard errors of a value."""
+        return np.asarray(np.sqrt(self.inverse[place, place] * self.variance))
+
+    def carried(self, slopes: Array) -> float:
+        """Return the standard error of what depends on the values with these slopes."""
+        return float(np.sqrt(slopes @ self.inverse @ slopes * self.variance))
+
+
+def _plane(design: Array, values: Array, weight: Array) -> _Plane:
+    """Fit values of shape (P, ...) by design (P, p) with weights of shape (P,); no errors without freedom."""
+    inverse = np.linalg.pinv((design.T * weight) @ design)
+    found = np.asarray(inverse @ (design.T * weight) @ values)
+    freedom = design.shape[0] - design.shape[1]
+    left = values - design @ found
+    squares = np.tensordot(weight, left**2, axes=1)
+    variance = squares / freedom if freedom > 0 else np.full_like(squares, np.nan)
+    return _Plane(found, np.asarray(inverse), np.asarray(variance), freedom)
+
+
+def _turns(seen: _Seen, way: Way) -> Array:
+    """Return 1, the turns at the near and those at the far end before each pass, shape (P, 3)."""
+    n = seen.first + np.arange(seen.energy.size)
+    many, few = (n + 1) // 2, n // 2
+    near, far = (many, few) if way == "towards" else (few, many)
+    return np.column_stack([np.ones(n.size), near - near[0], far - far[0]])
+
+
+def _delay(passes: _Passes, m: int, band: NDArray[np.intp], step: float) -> Array:
+    """Return the delay of a pass after the first one at each frequency, by phase, s."""
+    turn = np.unwrap(np.angle(passes.spectra[0][band] * np.conj(passes.spectra[m][band])))
     turn -= 2.0 * np.pi * round(float(turn[0]) / (2.0 * np.pi))
-    return np.asarray(step * (passes.places[m] - passes.places[n]) + turn / w)
+    return np.asarray(step * (passes.places[m] - passes.places[0]) + turn / (2.0 * np.pi * passes.frequency[band]))
 
 
-def _loss(passes: _Passes, n: int, m: int, band: NDArray[np.intp]) -> Array:
-    """Return the logarithm of the ratio of the amplitudes of two passes."""
-    return np.asarray(np.log(np.abs(passes.spectra[n][band]) / np.abs(passes.spectra[m][band])))
+def _plain_times(seen: _Seen, speed: float) -> Array:
+    """Return the delays that a bar without dispersion would show, by the theory at a bar speed, s, shape (P,).
+
+    By least squares of the phases, which are as uncertain as their amplitude is small: w |S|.
+    """
+    k = wave_number(seen.w, seen.bar.rod._replace(bar_speed=speed), seen.theory).real
+    slower, weight = k * speed / seen.w, seen.weight * seen.w**2
+    return np.asarray(seen.delays @ (weight * slower) / (weight @ slower**2))
 
 
-def _bar_speed(delay: Array, distance: float, at: tuple[Array, Array], bar: Bar, theory: Theory) -> float:
-    """Return the c0 whose theory gives the delays best: least squares with the energy as weight, by iteration."""
-    w, weight = at
-    c0 = bar.speed
-    for _ in range(20):
-        rod = bar.rod._replace(bar_speed=c0)
-        told = distance * wave_number(w, rod, theory).real / w
-        ratio = float((weight * told) @ delay / ((weight * told) @ told))
-        c0 /= ratio
-        if abs(ratio - 1.0) < 1e-12:
+def _speed_and_length(seen: _Seen, way: Way) -> tuple[_Free, Array, Array]:
+    """Return speed and length by turns at both ends, the plain times, and the design: c = 2 d/D, L = d (D + F)/D."""
+    design, d = _turns(seen, way), seen.bar.gauge_distance
+    speed = seen.bar.speed
+    for _ in range(ROUNDS):
+        times = _plain_times(seen, speed)
+        found = _plane(design, times, seen.energy)
+        near, far = float(found.value[1]), float(found.value[2])
+        before, speed = speed, 2.0 * d / near
+        if abs(speed / before - 1.0) < 1e-12:
             break
-    return c0
+    if not near > 0.0 or not far > 0.0:
+        raise InputError("echo trace", "passes out of turn", "a pulse that runs from end to end")
+    error = found.carried(np.array([0.0, -speed / near, 0.0]))
+    off = found.carried(np.array([0.0, -d * far / near**2, d / near]))
+    length = d * (near + far) / near
+    return _Free(Estimate(speed, error, found.freedom), Estimate(length, off, found.freedom)), times, design
 
 
-def _length(
-    passes: _Passes,
-    trips: list[tuple[int, int]],
-    band: NDArray[np.intp],
-    speed: float,
-    setting: tuple[Bar, float, Theory],
-) -> Estimate:
-    """Return the length of the bar: as given, or half of what a wave of the speed found passes in a round trip."""
-    bar, step, theory = setting
-    if math.isfinite(bar.length):
-        return Estimate(bar.length, math.nan, 0)
-    w = 2.0 * np.pi * passes.frequency[band]
-    weight = np.abs(passes.spectra[0][band]) ** 2
-    k = wave_number(w, bar.rod._replace(bar_speed=speed), theory).real / w
-    each = [float(np.average(_delay(passes, n, m, band, step) / k, weights=weight)) / 2.0 for n, m in trips]
-    return _estimate(np.array(each))
+def _known_length(seen: _Seen, way: Way) -> tuple[Estimate, float, Array]:
+    """Return the speed over known ways, the root mean square of what is left of the times (s), and the design."""
+    d, turns = seen.bar.gauge_distance, _turns(seen, way)
+    design = np.column_stack([np.ones(turns.shape[0]), 2.0 * (turns[:, 1] * d + turns[:, 2] * (seen.bar.length - d))])
+    speed = seen.bar.speed
+    for _ in range(ROUNDS):
+        times = _plain_times(seen, speed)
+        found = _plane(design, times, seen.energy)
+        before, speed = speed, 1.0 / float(found.value[1])
+        if abs(speed / before - 1.0) < 1e-12:
+            break
+    left = float(np.sqrt(np.mean((times - design @ found.value) ** 2)))
+    return Estimate(speed, float(found.errors(1)) * speed**2, found.freedom), left, design
 
 
-def _estimate(values: Array) -> Estimate:
-    error = float(values.std(ddof=1)) / math.sqrt(values.size) if values.size > 1 else math.nan
-    return Estimate(float(values.mean()), error, int(values.size))
+def _phase_speed(seen: _Seen, design: Array, way: float) -> tuple[Array, Array]:
+    """Return c(f) = way over the second value of the fit of the delays at each frequency, and its standard error."""
+    found = _plane(design, seen.delays, seen.energy)
+    speed = way / found.value[1]
+    return np.asarray(speed), np.asarray(found.errors(1) * np.abs(speed / found.value[1]))
 
 
-def _error(rows: Array) -> Array:
-    """Return the standard error over rows; NaN for a single one."""
-    if rows.shape[0] < 2:
-        return np.full(rows.shape[1], np.nan)
-    return np.asarray(rows.std(axis=0, ddof=1) / math.sqrt(rows.shape[0]))
+def _trips(seen: _Seen) -> Array:
+    """Return 1, whether a pass was turned over, and the round trips before each pass, shape (P, 3)."""
+    n = seen.first + np.arange(seen.energy.size)
+    return np.column_stack([np.ones(n.size), n % 2, n // 2 - n[0] // 2])
+
+
+def _losses(seen: _Seen, length: Estimate) -> tuple[Estimate, Array, Array]:
+    """Return the attenuation by energy, that of each frequency, and its standard error: what a round trip takes."""
+    way, design = 2.0 * length.value, _trips(seen)
+    whole = _plane(design, seen.logs @ seen.weight / seen.weight.sum(), seen.energy)
+    each = _plane(design, seen.logs, seen.energy)
+    value = -float(whole.value[2]) / way
+    unsure = 0.0 if math.isnan(length.error) else value * length.error / length.value
+    mean = Estimate(value, math.hypot(float(whole.errors(2)) / way, unsure), whole.freedom)
+    return mean, np.asarray(-each.value[2] / way), np.asarray(each.errors(2) / way)
+
+
+def _odd(seen: _Seen, times: Array, design: Array, step: float) -> Odd | None:
+    """Return the last of the first two passes that those after it do not foretell, in time or in amplitude.
+
+    By Student's distribution once in a thousand records; a sample and 2 % of amplitude always pass.
+    """
+    logs = seen.logs @ seen.weight / seen.weight.sum()
+    for k in (1, 0):
+        if times.size - k - 1 - design.shape[1] < 2:
+            continue
+        late, surely_late = _foretold(design, times, seen.energy, k)
+        louder, surely_louder = _foretold(_trips(seen), logs, seen.energy, k)
+        if (surely_late and abs(late) > step) or (surely_louder and abs(louder) > 0.02):
+            return Odd(seen.first + k + 1, late, math.exp(louder))
+    return None
+
+
+def _foretold(design: Array, values: Array, weight: Array, k: int) -> tuple[float, bool]:
+    """Return by how much a value differs from what those after it say, and whether chance hardly does that."""
+    after = _plane(design[k + 1 :], values[k + 1 :], weight[k + 1 :])
+    apart = float(values[k] - design[k] @ after.value)
+    spread = math.sqrt(float((1.0 / weight[k] + design[k] @ after.inverse @ design[k]) * after.variance))
+    return apart, abs(apart) > float(stdtrit(after.freedom, 1.0 - 0.5 * ONCE_IN)) * spread

@@ -8,6 +8,7 @@ different variance with the least information criterion.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,8 @@ FALSE_ALARM = 0.01
 """Records of pure noise in which a pulse is found."""
 PERSISTS = 5
 """Samples that must stand above a level one after another, so that a spike of the digitiser is no pulse."""
+BLOCKS = 8
+"""Parts of a quiet head whose means are compared."""
 
 
 def split(values: Array) -> int:
@@ -75,7 +78,7 @@ def onset(values: Array) -> int | None:
     >>> onset(trace)
     101
     """
-    half = first_above(values, 0.5 * _largest(values))
+    half = first_above(values, 0.5 * largest(values))
     return None if half is None else split(values[: half + 1])
 
 
@@ -88,8 +91,8 @@ def ending(values: Array) -> int:
     return values.size if back is None else values.size - back
 
 
-def _largest(values: Array) -> float:
-    """Return the largest value that lasts for `PERSISTS` samples."""
+def largest(values: Array) -> float:
+    """Return the largest magnitude that lasts for `PERSISTS` samples."""
     if values.size < PERSISTS:
         return math.inf
     return float(np.lib.stride_tricks.sliding_window_view(np.abs(values), PERSISTS).min(axis=1).max())
@@ -101,3 +104,38 @@ def noise_ceiling(noise: float, samples: int) -> float:
     sqrt(2 ln(N/p)) times the standard deviation, with p = `FALSE_ALARM`.
     """
     return noise * math.sqrt(2.0 * math.log(max(samples, 2) / FALSE_ALARM))
+
+
+class Drift(NamedTuple):
+    """Largest difference between the means of parts of a stretch, and the standard error of such a difference."""
+
+    difference: float
+    error: float
+
+
+def drift(values: Array) -> Drift:
+    """Return by how much the means of `BLOCKS` equal parts of a stretch of noise differ.
+
+        error = s sqrt(2/n (1 + r)/(1 - r))
+
+    with s the standard deviation within the parts, n samples in each, and r the correlation of neighbours, whose
+    powers that of samples farther apart is taken for (noise of first order). Infinite where a part has one sample.
+
+    Examples
+    --------
+    >>> still = np.random.default_rng(1).standard_normal(4000)
+    >>> steady, rising = drift(still), drift(still + 1e-3 * np.arange(4000))
+    >>> steady.difference < 4.0 * steady.error, rising.difference > 20.0 * rising.error
+    (True, True)
+    """
+    size = values.size // BLOCKS
+    if size < 2:
+        return Drift(0.0, math.inf)
+    parts = values[: size * BLOCKS].reshape(BLOCKS, size)
+    means = parts.mean(axis=1)
+    apart = parts - means[:, None]
+    power = float(np.mean(apart**2))
+    if power == 0.0:
+        return Drift(float(np.ptp(means)), 0.0)
+    alike = min(max(float(np.mean(apart[:, 1:] * apart[:, :-1])) / power, 0.0), 0.999)
+    return Drift(float(np.ptp(means)), math.sqrt(2.0 * power / size * (1.0 + alike) / (1.0 - alike)))

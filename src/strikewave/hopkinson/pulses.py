@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from strikewave.errors import InputError
 from strikewave.hopkinson.bars import Bar
-from strikewave.hopkinson.onset import FEWEST, ending, first_above, noise_ceiling, onset
+from strikewave.hopkinson.onset import FEWEST, Drift, drift, ending, first_above, largest, noise_ceiling, onset
 from strikewave.signal.pulse import crossing
 
 Array = NDArray[np.float64]
@@ -22,6 +22,10 @@ LEAD = 0.05
 """Share of the time between incident and reflected pulse that a window begins before its pulse."""
 HEADROOM = 2
 """A trace needs this many times `FEWEST` samples."""
+HEAD = 0.75
+"""Share of the quiet head that gives zero line and noise: a slow foot may lie in the rest, before it is told."""
+LARGEST_STRAIN = 0.02
+"""No bar stays elastic at this strain: a trace beyond it has another unit than it says."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +53,11 @@ class Quiet:
     onset : int
         First sample of the first pulse.
     baseline, noise : float
-        Mean and standard deviation of the raw samples before it.
+        Mean and standard deviation of the raw samples in the first three quarters of what lies before it.
     polarity : int
         What the raw strain was multiplied with.
+    drift : Drift
+        By how much means over parts of those samples differ.
     """
 
     trace: Trace
@@ -59,6 +65,7 @@ class Quiet:
     baseline: float
     noise: float
     polarity: int
+    drift: Drift
 
 
 @dataclass(frozen=True)
@@ -132,14 +139,15 @@ def quieten(trace: Trace, field_name: str) -> Quiet:
     if begin is None or begin < FEWEST:
         hint = "record with a pre-trigger, or swap the channels if they are mixed up"
         raise InputError(field_name, f"{begin or 0} quiet samples", f"{FEWEST} quiet samples before the pulse", hint)
-    level, noise = float(values[:begin].mean()), float(values[:begin].std())
+    head = values[: int(HEAD * begin)]
+    level, noise = float(head.mean()), float(head.std())
     values = values - level
     peak = first_above(values, 0.5 * float(np.abs(values).max()))
     if peak is None or float(np.abs(values).max()) <= noise_ceiling(noise, values.size):
         raise InputError(field_name, "noise alone", "a pulse that stands above the noise before it")
     polarity = 1 if values[peak] > 0.0 else -1
     made = Trace(polarity * values, trace.step, trace.start)
-    return Quiet(made, begin, float(np.median(trace.strain)) + level, noise, polarity)
+    return Quiet(made, begin, float(np.median(trace.strain)) + level, noise, polarity, drift(head))
 
 
 def find_pulses(incident: Trace, transmitted: Trace, bars: tuple[Bar, Bar]) -> Pulses:
@@ -159,7 +167,8 @@ def find_pulses(incident: Trace, transmitted: Trace, bars: tuple[Bar, Bar]) -> P
     Raises
     ------
     InputError
-        If a trace cannot be used, the channels seem swapped, the pulses overlap, or the record ends within them.
+        If a trace cannot be used, the channels seem swapped, the pulses overlap, the record ends within them, or a
+        strain is none of a bar.
     """
     first, second = quieten(incident, "incident trace"), quieten(transmitted, "transmitted trace")
     step = incident.step
@@ -199,6 +208,8 @@ def _cut(first: Quiet, second: Quiet, bars: tuple[Bar, Bar]) -> Pulses:
         raise InputError("record", words, f"at least the {shape[0] * 1e6:.4g} us of the incident pulse", hint)
     count = int(length / step) + 1
     came, back, on = (trace.strain[k : k + count] for trace, (k, _) in zip(sources, places, strict=True))
+    for name, wave in (("incident", came), ("incident", back), ("transmitted", on)):
+        _check_strain(largest(wave), name)
     starts = [trace.start + k * step for trace, (k, _) in zip(sources, places, strict=True)]
     return Pulses(
         incident=came,
@@ -214,6 +225,14 @@ def _cut(first: Quiet, second: Quiet, bars: tuple[Bar, Bar]) -> Pulses:
         width=shape[3],
         traces=(first, second),
     )
+
+
+def _check_strain(strain: float, name: str) -> None:
+    """Refuse a strain that no elastic bar bears."""
+    if strain > LARGEST_STRAIN:
+        hint = 'strain or microstrain? state unit = "ustrain" at the gauge, or look at its bridge and gain'
+        allowed = f"at most {LARGEST_STRAIN:.0%}: a pressure bar stays elastic"
+        raise InputError(f"{name} trace", f"a strain of {strain:.3g}", allowed, hint)
 
 
 def _place(trace: Trace, time: float) -> tuple[int, float]:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from strikewave.hopkinson.checks import Equilibrium, Slope
     from strikewave.hopkinson.echoes import Estimate
     from strikewave.split_bar import EchoSolution, SensorSolution, SplitBarSolution
 
@@ -27,13 +28,15 @@ _SHOT = (
     "the mean force and all three waves."
 )
 _SLOPE = (
-    "The elastic slope is fitted from 10 to 50 % of the largest stress. It is a check, not Young's modulus: "
-    "equilibrium comes late in the rise, and the bar faces give way."
+    "The slope of the rise is fitted from 10 to 50 % of the largest stress; in brackets is what it becomes where "
+    "reflected and transmitted wave come a sample earlier or later. It is a check, not Young's modulus: equilibrium "
+    "comes late in the rise, and the bar faces give way."
 )
 _ECHOES = (
     "Both ends are free, and the pulse passes the gauge again and again. The phase between two passes over a known way "
     "gives the speed at each frequency, the ratio of their amplitudes over a round trip the attenuation, losses at the "
-    "ends included. The error is the standard error over the pairs; that of the stated distance comes on top."
+    "ends included. All passes count at once, by least squares; the standard error is by what is left of them, and "
+    "Student's factor times it holds 95 %. The error of the stated distance comes on top."
 )
 _SENSOR = (
     "The incident wave, carried from the gauge to the end, tells how what stands there moves: v = 2 c ε at a bare end, "
@@ -73,15 +76,33 @@ def _curve_table(solution: SplitBarSolution) -> Table:
         rows.append(
             [
                 name + (" *" if name == solution.case.setup.solver.analysis else ""),
-                f"{100.0 * float(np.nanmax(true.strain[on])):.2f}",
-                f"{float(np.nanmax(true.stress[on])) / 1e6:.1f}",
-                f"{float(np.nanmedian(true.rate[on])):.0f}",
-                NONE if math.isnan(slope.value) else f"{slope.value / 1e9:.1f} ± {slope.error / 1e9:.1f}",
+                f"{100.0 * float(true.strain[on].max()):.2f}",
+                f"{float(true.stress[on].max()) / 1e6:.1f}",
+                f"{float(np.median(true.rate[on])):.0f}",
+                _slope(slope),
             ]
         )
-    heads = ["analysis", "true strain (%)", "true stress (MPa)", "true rate (1/s)", "slope (GPa)"]
-    caption = f"{solution.title}: largest true strain and stress, median true rate, elastic slope; * the one chosen"
+    heads = ["analysis", "true strain (%)", "true stress (MPa)", "true rate (1/s)", "slope of the rise (GPa)"]
+    caption = (
+        f"{solution.title}: largest true strain and stress, median true rate, slope from 10 to 50 % of the largest "
+        "stress (and within a sample of misalignment); * the one chosen"
+    )
     return Table(caption, heads, rows)
+
+
+def _slope(slope: Slope) -> str:
+    """Write a slope with the values between which a sample of misalignment moves it, GPa."""
+    if math.isnan(slope.value):
+        return NONE
+    value = f"{slope.value / 1e9:.3g}"
+    if math.isnan(slope.low):
+        return value
+    above = (
+        f"{slope.low / 1e9:.3g} or more"
+        if math.isinf(slope.high)
+        else f"{slope.low / 1e9:.3g} to {slope.high / 1e9:.3g}"
+    )
+    return f"{value} ({above})"
 
 
 def _balance_table(solution: SplitBarSolution) -> Table:
@@ -92,20 +113,32 @@ def _balance_table(solution: SplitBarSolution) -> Table:
         solution.case.setup.limits,
     )
     specimen = NONE if math.isnan(impulses.specimen) else f"{impulses.specimen * 1e3:.3g} mN s"
+    wrong = "" if work.acceleration >= 0.0 else "; below 0: the forces do not balance"
     rows: list[list[Cell]] = [
         ["force difference over mean force", f"{alike.misfit:.1%}", f"limit {limits.force_misfit.si:.0%}"],
         ["impulse on face 1 over face 2", f"{alike.force_ratio:.4f}", "1 but for the specimen's own momentum"],
-        ["forces agree to 5 % from", with_unit(alike.since, "s", "us", 3), "to the end of the loading"],
-        ["impulse that is missing", f"{impulses.closure:+.2%}", f"of the incident one; limit {limits.momentum.si:.0%}"],
+        ["forces agree to 5 %", _agreeing(alike), f"in all over {alike.share:.0%} of the loading"],
+        [
+            "impulse that is missing" if impulses.closure >= 0.0 else "impulse in surplus",
+            f"{abs(impulses.closure):.2%}",
+            f"of the incident one; limit {limits.momentum.si:.0%}",
+        ],
         ["incident, reflected, transmitted impulse", _three(impulses[:3], 1.0, "N s"), f"specimen {specimen}"],
         ["incident, reflected, transmitted energy", _three(work[:3], 1.0, "J"), ""],
         [
             "absorbed energy",
             f"{work.absorbed:.4g} J",
-            f"deforms {work.deformation:.4g}, moves {work.acceleration:.3g} J",
+            f"deforms {work.deformation:.4g}, moves {work.acceleration:.3g} J{wrong}",
         ],
     ]
     return Table("Balances while the incident wave lasts", ["quantity", "value", "note"], rows)
+
+
+def _agreeing(alike: Equilibrium) -> str:
+    """Write the longest stretch in which the forces agree."""
+    if math.isnan(alike.begin):
+        return "in no lasting stretch"
+    return f"from {alike.begin * 1e6:.1f} to {alike.end * 1e6:.1f} µs"
 
 
 def _three(values: Sequence[float], scale: float, unit: str) -> str:
@@ -120,7 +153,7 @@ def _alignment_table(solution: SplitBarSolution) -> Table:
     ]
     caption = (
         f"How late the waves are at the specimen against geometry; alignment {waves.method}, dispersion "
-        f"{waves.theory} up to {waves.band / 1e3:.4g} kHz, window {waves.window * 1e6:.3g} µs"
+        f"{waves.theory} up to {waves.band / 1e3:.4g} kHz, greatest move allowed {waves.window * 1e6:.3g} µs, the rise"
     )
     return Table(caption, ["wave", "by onset (µs)", "by balance (µs)", "moved (µs)"], rows)
 
@@ -184,20 +217,33 @@ def echo_tables(solution: EchoSolution) -> list[Table]:
         [
             "bar speed (m/s)",
             *_estimated(found.speed, 1.0),
-            f"stated {solution.bar.speed:.6g}: {solution.difference:+.2%}",
+            f"{solution.difference:+.2%} off the stated {solution.bar.speed:.6g}",
         ],
-        ["length (mm)", *_estimated(found.length, 1e3), "given" if math.isfinite(solution.bar.length) else "found"],
+        ["length (mm)", *_estimated(found.round_trip, 1e3), _length_words(solution)],
         ["attenuation (1/m)", *_estimated(found.attenuation, 1.0), "by energy, ends included"],
-        ["passes used", str(found.times.size), NONE, NONE, f"from number {found.first + 1} on"],
-        ["band (kHz)", f"{band[0] / 1e3:.3g} to {band[-1] / 1e3:.3g}", NONE, NONE, "every pass ten times its noise"],
+        ["passes used", str(found.times.size), NONE, NONE, NONE, f"from number {found.first + 1} on"],
+        [
+            "band (kHz)",
+            f"{band[0] / 1e3:.3g} to {band[-1] / 1e3:.3g}",
+            NONE,
+            NONE,
+            NONE,
+            "every pass ten times its noise",
+        ],
     ]
-    heads = ["quantity", "value", "standard error", "pairs", "note"]
+    heads = ["quantity", "value", "standard error", "Student's factor, 95 %", "freedom", "note"]
     return [Table(f"{solution.title}: what the echoes say, dispersion {found.theory}", heads, rows)]
 
 
-def _estimated(one: Estimate, scale: float) -> tuple[str, str, str]:
-    error = NONE if math.isnan(one.error) else f"{one.error * scale:.2g}"
-    return f"{one.value * scale:.6g}", error, str(one.values) if one.values else NONE
+def _length_words(solution: EchoSolution) -> str:
+    stated = solution.bar.length
+    return f"by round trips; given as {stated * 1e3:.6g}" if math.isfinite(stated) else "by round trips"
+
+
+def _estimated(one: Estimate, scale: float) -> tuple[str, str, str, str]:
+    if math.isnan(one.error):
+        return f"{one.value * scale:.6g}", NONE, NONE, str(one.freedom)
+    return f"{one.value * scale:.6g}", f"{one.error * scale:.2g}", f"{one.student:.3g}", str(one.freedom)
 
 
 def sensor_tables(solution: SensorSolution) -> list[Table]:
@@ -307,18 +353,22 @@ def shot_report(solution: SplitBarSolution, text: str) -> str:
     words = (
         f"The specimen reached a true strain of {summary['strain']:.1%} at {summary['rate']:.0f} 1/s (median) and a "
         f"true stress of {summary['stress'] / 1e6:.4g} MPa. The forces on its faces differ by "
-        f"{solution.equilibrium.misfit:.1%} of their mean, and {solution.momentum.closure:+.2%} of the incident "
-        "impulse is missing."
+        f"{solution.equilibrium.misfit:.1%} of their mean, and {abs(solution.momentum.closure):.2%} of the incident "
+        f"impulse is {_closing(solution)}."
     )
     numbers = [
         ("largest true stress", f"{summary['stress'] / 1e6:.4g} MPa"),
         ("largest true strain", f"{100.0 * summary['strain']:.3g} %"),
         ("median true rate", f"{summary['rate']:.0f} 1/s"),
         ("force difference", f"{solution.equilibrium.misfit:.1%}"),
-        ("impulse missing", f"{solution.momentum.closure:+.2%}"),
+        (f"impulse {_closing(solution)}", f"{abs(solution.momentum.closure):.2%}"),
     ]
     body = Section("Result", f"{_SHOT}\n\n{_SLOPE}", [*shot_tables(solution), *pictures])
     return _page(solution, text, "Report of a split-Hopkinson shot", words, (numbers, body))
+
+
+def _closing(solution: SplitBarSolution) -> str:
+    return "missing" if solution.momentum.closure >= 0.0 else "in surplus"
 
 
 def sensor_report(solution: SensorSolution, text: str) -> str:
@@ -373,7 +423,7 @@ def echo_report(solution: EchoSolution, text: str) -> str:
         Picture(_figure(lambda axes: draw_losses(axes, found)), "Attenuation by the echoes."),
     ]
     words = (
-        f"The bar speed by {found.speed.values} pairs of passes is {found.speed.value:.5g} m/s, "
+        f"The bar speed by {found.times.size} passes is {found.speed.value:.5g} m/s, "
         f"{solution.difference:+.2%} off the stated one."
     )
     numbers = [

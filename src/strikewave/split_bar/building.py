@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from strikewave.errors import InputError
+from strikewave.errors import MISSING, InputError
 from strikewave.hopkinson.bars import Bar, Elastic, Specimen, Striker, elastic
 from strikewave.hopkinson.gauges import Bridge
 from strikewave.hopkinson.pulses import Trace, quieten
@@ -33,6 +34,8 @@ from strikewave.waves import Layer
 
 LARGEST_SAMPLES = 20_000_000
 """A trace with more samples is refused: no shot needs them."""
+SLOWEST, FASTEST = 500.0, 20_000.0
+"""Bar speeds outside of these, m/s, are those of no solid: a unit is forgotten."""
 TINIEST, LARGEST_READING = 1e-30, 1e30
 """Factors below and readings above are no readings of a sensor."""
 
@@ -43,31 +46,49 @@ def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> t
     Raises
     ------
     InputError
-        If constants are missing or do not fit.
+        If constants are missing or do not fit, or the gauge is not on the bar.
     """
     own = table
     if incident is not None and not (table.material or table.density or table.modulus or table.speed):
         own = incident
-    density, modulus, speed = (_si(getattr(own, key)) for key in ("density", "modulus", "speed"))
     poisson = table.poissons_ratio or own.poissons_ratio
     nu = 0.29 if poisson is None else poisson.si
-    if own.material:
-        known = material(own.material)
-        density = known.density if density is None else density
-        modulus = known.youngs_modulus if modulus is None and speed is None else modulus
-        nu = known.poissons_ratio if poisson is None else nu
+    if own.material and poisson is None:
+        nu = material(own.material).poissons_ratio
     diameter = table.diameter or (incident.diameter if incident is not None else None)
     if diameter is None:
         raise InputError(f"{path}.diameter", "nothing", 'a length with its unit, such as "20 mm"')
+    constants = _constants(path, own.material, (_si(own.density), _si(own.modulus), _si(own.speed)))
+    length = math.inf if table.length is None else table.length.si
+    if not table.gauge_distance.si < length:
+        got, allowed = table.gauge_distance.typed, f"less than the length of the bar, {length:g} m"
+        raise InputError(f"{path}.gauge_distance", got, allowed, "it counts from the end at the specimen or sensor")
+    return Bar(constants.density, constants.modulus, diameter.si, table.gauge_distance.si, nu, length), constants
+
+
+def _constants(path: str, name: str, stated: tuple[float | None, float | None, float | None]) -> Elastic:
+    """Return density, modulus and speed of a bar from what is stated, over what its material has.
+
+    Raises
+    ------
+    InputError
+        If fewer than two are known, or their speed is that of no solid.
+    """
+    density, modulus, speed = stated
+    if name:
+        known = material(name)
+        density = known.density if density is None else density
+        modulus = known.youngs_modulus if modulus is None and speed is None else modulus
     try:
-        constants = elastic(density, modulus, speed)
-        length = math.inf if table.length is None else table.length.si
-        made = Bar(constants.density, constants.modulus, diameter.si, table.gauge_distance.si, nu, length)
+        found = elastic(density, modulus, speed)
     except ValueError as error:
-        raise InputError(
-            path, "what is stated", "two of density, modulus and speed, or a material", str(error)
-        ) from None
-    return made, constants
+        allowed = "two of density, modulus and speed, or a material"
+        raise InputError(path, "what is stated", allowed, str(error)) from None
+    if not SLOWEST <= found.speed <= FASTEST:
+        by = "as stated" if found.derived != "speed" else f"by {found.density:.4g} kg/m^3 and {found.modulus:.4g} Pa"
+        allowed = f"a speed of {SLOWEST:g} to {FASTEST:g} m/s"
+        raise InputError(path, f"a bar speed of {found.speed:.4g} m/s {by}", allowed, "look at the units")
+    return found
 
 
 def build_specimen(table: SpecimenTable) -> Specimen:
@@ -90,19 +111,25 @@ def build_specimen(table: SpecimenTable) -> Specimen:
 
 
 def build_striker(setup: SplitBarSetup, bar: Bar) -> Striker | None:
-    """Return the striker bar; None where none is stated."""
+    """Return the striker bar, of the incident bar's constants where it states none of its own; None without one.
+
+    Raises
+    ------
+    InputError
+        If one of density and modulus is missing, or their speed is that of no solid.
+    """
     table = setup.striker
     if table is None:
         return None
-    density, modulus = table.density, table.modulus
-    rho, E = (bar.density if density is None else density.si), (bar.modulus if modulus is None else modulus.si)
-    if table.material:
-        known = material(table.material)
-        rho, E = known.density, known.youngs_modulus
+    own = Elastic(bar.density, bar.modulus, bar.speed, "speed")
+    if table.material or table.density or table.modulus:
+        for key, other in (("density", "modulus"), ("modulus", "density")):
+            if not table.material and getattr(table, key) is None:
+                raise InputError(f"striker.{key}", MISSING, f"both density and modulus, or neither: {other} is stated")
+        own = _constants("striker", table.material, (_si(table.density), _si(table.modulus), None))
     diameter = bar.diameter if table.diameter is None else table.diameter.si
-    speed = math.sqrt(E / rho)
-    impedance = rho * speed * 0.25 * math.pi * diameter**2
-    return Striker(table.length.si, speed, impedance, math.nan if table.speed is None else table.speed.si)
+    impedance = own.density * own.speed * 0.25 * math.pi * diameter**2
+    return Striker(table.length.si, own.speed, impedance, math.nan if table.speed is None else table.speed.si)
 
 
 def build_disk(table: DiskTable, bar: Bar) -> Layer:
@@ -126,7 +153,40 @@ def recorded_file(case: SplitBarCase, table: RecordedTable) -> Path:
     return case.folder / table.file
 
 
-def build_trace(case: SplitBarCase, table: GaugeTable, path: str, bar: Bar) -> tuple[Trace, list[Finding]]:
+def check_setup(case: SplitBarCase) -> list[str]:
+    """Build all that needs no file, and return the names of the files that are not there.
+
+    Raises
+    ------
+    InputError
+        If constants are missing or do not fit.
+    """
+    setup = case.setup
+    incident, transmitted = setup.bar.incident, setup.bar.transmitted
+    bar, _ = build_bar(incident, "bar.incident")
+    records: list[RecordedTable] = [incident.gauge]
+    if transmitted is not None:
+        build_bar(transmitted, "bar.transmitted", incident)
+        records.append(transmitted.gauge)
+    if setup.specimen is not None:
+        build_specimen(setup.specimen)
+    if setup.disk is not None and setup.disk.kind == "elastic":
+        build_disk(setup.disk, bar)
+    if setup.accelerometer is not None:
+        records.append(setup.accelerometer)
+    build_striker(setup, bar)
+    return sorted({one.file for one in records if not recorded_file(case, one).is_file()})
+
+
+class Gauged(NamedTuple):
+    """The strain of a gauge, what reading it showed, and file and name of the channel that it came from."""
+
+    trace: Trace
+    findings: list[Finding]
+    source: tuple[Path, str]
+
+
+def build_trace(case: SplitBarCase, table: GaugeTable, path: str, bar: Bar) -> Gauged:
     """Read the strain of a gauge, and what reading it showed.
 
     Raises
@@ -135,7 +195,8 @@ def build_trace(case: SplitBarCase, table: GaugeTable, path: str, bar: Bar) -> t
         If the file, the channel or its unit cannot be used, or samples are missing.
     """
     channel, findings = _channel(case, table, path)
-    return Trace(_strain(channel, table, path, bar), channel.step, channel.start), findings
+    trace = Trace(_strain(channel, table, path, bar), channel.step, channel.start)
+    return Gauged(trace, findings, (recorded_file(case, table).resolve(), channel.name))
 
 
 class Reading(NamedTuple):
@@ -190,13 +251,18 @@ def _calibration(table: AccelerometerTable) -> Calibration:
 def _channel(case: SplitBarCase, table: RecordedTable, path: str) -> tuple[Channel, list[Finding]]:
     """Read a channel on an even clock, and what reading it showed."""
     options = Options(_si(table.rate), table.time, (table.channel,))
-    channel = read_record(recorded_file(case, table), options).channel(table.channel)
+    try:
+        channel, findings = even(read_record(recorded_file(case, table), options).channel(table.channel))
+    except InputError as error:
+        key = {"FILE": "file"}.get(error.field, error.field.removeprefix("--"))
+        place = f"{path}.{key}" if key in type(table).model_fields else f"{path}.file"
+        hint = re.sub(r"--(\w+)", rf"{path}.\1", error.hint)
+        raise InputError(place, error.got, error.allowed, hint) from None
     if channel.values.size > LARGEST_SAMPLES:
         raise InputError(f"{path}.file", f"{channel.values.size} samples", f"at most {LARGEST_SAMPLES} samples")
     bad = int(np.count_nonzero(~np.isfinite(channel.values)))
     if bad:
         raise InputError(f"{path}.file", f"{bad} samples that are no numbers", "finite samples")
-    channel, findings = even(channel)
     findings += [
         found._replace(message=f"{path}: the record stops at {found.value:.4g} again and again: its range ended there")
         for found in clipped(Examined(channel.values, channel.step, channel.start))

@@ -12,7 +12,8 @@ from strikewave.materials import material
 from strikewave.solution import Notice
 from strikewave.split_bar.bar_end import Bench, Comparison, Standing, bar_layer, compare_at_end
 from strikewave.split_bar.building import build_bar, build_disk, build_reading, build_trace
-from strikewave.split_bar.notices import citations, constant_notices, digests, reading_notices
+from strikewave.split_bar.notices import citations, constant_notices, digests, drift_notices, reading_notices
+from strikewave.split_bar.plausibility import strain_notices
 from strikewave.split_bar.reading import SplitBarCase
 from strikewave.split_bar.sensor_solution import SensorSolution
 from strikewave.split_bar.tables import SplitBarSetup
@@ -37,7 +38,7 @@ def compare_accelerometer(case: SplitBarCase) -> SensorSolution:
     table, sensor = setup.bar.incident, setup.accelerometer
     assert sensor is not None
     bar, constants = build_bar(table, "bar.incident")
-    trace, findings = build_trace(case, table.gauge, "bar.incident.gauge", bar)
+    trace, findings, _ = build_trace(case, table.gauge, "bar.incident.gauge", bar)
     reading = build_reading(case, sensor)
     standing = _standing(setup, bar)
     bandwidth = setup.solver.bandwidth
@@ -49,6 +50,8 @@ def compare_accelerometer(case: SplitBarCase) -> SensorSolution:
     notices = [
         *reading_notices([*findings, *reading.findings]),
         *constant_notices({"incident": constants}),
+        *drift_notices(found.pulses.traces[:1], ["bar.incident.gauge"]),
+        *strain_notices(found.pulses),
         *rise_notices(stack, rise, found.bandwidth.value),
         *layer_notices(stack, _largest_forces(found, bar, stack)),
         *_bandwidth_notices(found),

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     import xarray
 
 _KEYS = {
-    "s": "passes window",
-    "m/s": "speed stated_speed phase_speed phase_speed_error theory_speed",
-    "m": "length",
+    "s": "passes window late",
+    "m/s": "speed other_way stated_speed phase_speed phase_speed_error theory_speed",
+    "m": "length round_trip",
     "1/m": "attenuation losses losses_error",
     "Hz": "frequency",
-    "1": "difference",
+    "1": "difference strength",
 }
 UNITS = {key: unit for unit, keys in _KEYS.items() for key in keys.split()}
 """Unit of each key of the JSON document."""
@@ -85,11 +85,14 @@ class EchoSolution:
                 "passes": found.times,
                 "first_pass": found.first,
                 "window": found.window,
-                "speed": found.speed._asdict(),
+                "speed": {**found.speed._asdict(), "student": found.speed.student},
                 "stated_speed": self.bar.speed,
                 "difference": self.difference,
                 "length": found.length._asdict(),
+                "round_trip": found.round_trip._asdict(),
                 "attenuation": found.attenuation._asdict(),
+                "odd_pass": None if found.odd is None else found.odd._asdict(),
+                "other_way": found.other_way.speed,
                 "dispersion": found.theory,
                 "frequency": found.frequency,
                 "phase_speed": found.phase_speed,

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from strikewave.errors import InputError
 from strikewave.hopkinson import Elastic
+from strikewave.hopkinson.pulses import Quiet
 from strikewave.records.finding import Finding
 from strikewave.solution import Notice
 from strikewave.split_bar.building import recorded_file
@@ -15,6 +16,11 @@ from strikewave.split_bar.tables import RecordedTable
 
 MISMATCH = 0.005
 """Share by which stated density, modulus and speed may disagree without a word."""
+
+DRIFT = 4.0
+"""Standard errors by which means of parts of a quiet head may differ without a word."""
+DRIFT_SHARE = 1e-3
+"""Share of the largest strain of the record below which such a difference is not worth one."""
 
 
 def digests(case: SplitBarCase, records: Iterable[RecordedTable]) -> dict[str, str]:
@@ -50,3 +56,16 @@ def constant_notices(constants: dict[str, Elastic]) -> Iterator[Notice]:
                 f"{one.modulus / 1e9:.4g} GPa of its density and speed, which is used"
             )
             yield Notice("constants-disagree", message, one.mismatch, MISMATCH)
+
+
+def drift_notices(quiets: Iterable[Quiet], names: Iterable[str]) -> Iterator[Notice]:
+    """Yield gauges whose zero line moves before the pulse."""
+    for quiet, name in zip(quiets, names, strict=True):
+        difference, error = quiet.drift
+        limit = max(DRIFT * error, DRIFT_SHARE * float(abs(quiet.trace.strain).max()))
+        if difference > limit:
+            message = (
+                f"the zero line of {name} moves by {difference * 1e6:.3g} ustrain before the pulse, more than noise "
+                "does: forces and impulses are no surer than that"
+            )
+            yield Notice("baseline-drifts", message, difference, limit)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterable, Iterator
+from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,6 +15,7 @@ from strikewave.errors import MISSING, InputError, InputErrors, show
 from strikewave.fields import Form
 from strikewave.quantities import Value
 from strikewave.split_bar.tables import SplitBarSetup
+from strikewave.tables import Table
 
 LARGEST_FILE = 1_000_000
 """A set-up above this many bytes is refused."""
@@ -27,6 +29,32 @@ class SplitBarCase(NamedTuple):
     setup: SplitBarSetup
     text: str
     folder: Path
+
+
+def example_setup() -> str:
+    """Return the text of a set-up of a shot to begin from, every key with a word.
+
+    Examples
+    --------
+    >>> parse_setup(example_setup()).setup.kind
+    'shot'
+    """
+    return (resources.files("strikewave") / "split_bar" / "example.toml").read_text("utf-8")
+
+
+def holds_setup(text: str) -> bool:
+    """Tell whether a TOML text is a set-up of split bars: it has [bar.incident].
+
+    Examples
+    --------
+    >>> holds_setup(example_setup()), holds_setup("[machine]"), holds_setup("[")
+    (True, False, False)
+    """
+    try:
+        bar = tomllib.loads(text).get("bar")
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(bar, dict) and "incident" in bar
 
 
 def load_setup(path: str, changes: Iterable[str] = ()) -> SplitBarCase:
@@ -74,6 +102,7 @@ def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: 
         raise InputError("schema", schema, "schema = 1", "begin the set-up with schema = 1")
     for change in changes:
         FORM.change(document, change)
+    _check_tables(document, [])
     document.setdefault("name", name)
     place = folder or Path()
     if isinstance(document.get("folder"), str) and document["folder"]:
@@ -84,6 +113,19 @@ def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: 
     except ValidationError as error:
         raise InputErrors(FORM.lines(error)) from None
     return SplitBarCase(setup, tomlkit.dumps(_toml(document)), place)
+
+
+def _check_tables(part: dict[str, Any], places: list[str]) -> None:
+    """Refuse what stands where a table belongs, in words."""
+    for key, entry in part.items():
+        model = FORM.table_at([*places, key])
+        if model is None or not issubclass(model, Table):
+            continue
+        path = ".".join([*places, key])
+        if not isinstance(entry, dict):
+            keys = ", ".join(FORM.keys_at([*places, key]))
+            raise InputError(path, entry, f"a table [{path}] with {keys}")
+        _check_tables(entry, [*places, key])
 
 
 def values_of(part: Any, path: str = "") -> Iterator[tuple[str, Value]]:

@@ -15,7 +15,7 @@ from strikewave._version import __version__
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
 from strikewave.hopkinson.bars import Elastic, Striker
-from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, StrikerCheck, elastic_slope
+from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import ANALYSES, Curve, Reduction
 from strikewave.solution import Notice
@@ -29,9 +29,9 @@ Array = NDArray[np.float64]
 SCHEMA = 1
 """Of the files of a solution."""
 _KEYS = {
-    "s": "time onset end rise width starts window late_onset late_balance applied since duration duration_expected",
-    "1": "plateau noise misfit force_ratio closure mismatch strain strain_expected",
-    "Pa": "modulus stress elastic_slope",
+    "s": "time onset begin end rise width starts window late_onset late_balance applied duration duration_expected",
+    "1": "plateau noise misfit force_ratio share closure mismatch strain strain_expected",
+    "Pa": "modulus stress rise_slope",
     "kg/m^3": "density",
     "m/s": "speed",
     "1/s": "rate",
@@ -98,17 +98,16 @@ class SplitBarSolution:
         return self.reduction.curve(self.case.setup.solver.analysis)
 
     def slopes(self) -> dict[str, Slope]:
-        """Return the elastic slope by each analysis."""
-        on = self.reduction.loading
-        return {name: elastic_slope(self.reduction.curve(name), on) for name in ANALYSES}
+        """Return the slope of the rise by each analysis, and how far a sample of misalignment moves it."""
+        return {name: rise_slopes(self.reduction, name) for name in ANALYSES}
 
     def summary(self) -> dict[str, float]:
         """Return the largest values of the true curve while the incident wave lasts, and the median true rate."""
         true, on = self.curve.true(), self.reduction.loading
         return {
-            "strain": float(np.nanmax(true.strain[on])),
-            "stress": float(np.nanmax(true.stress[on])),
-            "rate": float(np.nanmedian(true.rate[on])),
+            "strain": float(true.strain[on].max()),
+            "stress": float(true.stress[on].max()),
+            "rate": float(np.median(true.rate[on])),
         }
 
     def document(self) -> dict[str, Any]:
@@ -145,7 +144,7 @@ class SplitBarSolution:
                 "momentum": self.momentum._asdict(),
                 "energy": self.energy._asdict(),
                 "striker": None if self.striker_check is None else self.striker_check._asdict(),
-                "elastic_slope": {name: slope._asdict() for name, slope in self.slopes().items()},
+                "rise_slope": {name: slope._asdict() for name, slope in self.slopes().items()},
                 "largest_true": self.summary(),
                 "analysis": setup.solver.analysis,
                 "time": self.reduction.time,

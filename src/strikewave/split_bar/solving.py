@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from strikewave.errors import InputError
 from strikewave.hopkinson import (
-    Bar,
+    ANALYSES,
     Pulses,
     Reduction,
     Specimen,
@@ -18,13 +19,15 @@ from strikewave.hopkinson import (
     reduce,
     striker_check,
 )
-from strikewave.hopkinson.checks import Equilibrium, Momentum, StrikerCheck
-from strikewave.hopkinson.echoes import Echoes, calibrate_bar
+from strikewave.hopkinson.checks import LASTING, Equilibrium, Momentum, StrikerCheck
+from strikewave.hopkinson.echoes import calibrate_bar
 from strikewave.solution import Notice
 from strikewave.split_bar.building import build_bar, build_specimen, build_striker, build_trace
 from strikewave.split_bar.comparing import compare_accelerometer
+from strikewave.split_bar.echo_notices import echo_notices
 from strikewave.split_bar.echoes import EchoSolution
-from strikewave.split_bar.notices import MISMATCH, citations, constant_notices, digests, reading_notices
+from strikewave.split_bar.notices import citations, constant_notices, digests, drift_notices, reading_notices
+from strikewave.split_bar.plausibility import check_strain, specimen_notices, strain_notices, stress_notices
 from strikewave.split_bar.reading import SplitBarCase
 from strikewave.split_bar.sensor_solution import SensorSolution
 from strikewave.split_bar.solution import SplitBarSolution
@@ -60,20 +63,26 @@ def _reduce(case: SplitBarCase) -> SplitBarSolution:
     second, others = build_bar(transmitted, "bar.transmitted", incident)
     bars, specimen = (first, second), build_specimen(setup.specimen)
     gauges = ((incident.gauge, "bar.incident.gauge"), (transmitted.gauge, "bar.transmitted.gauge"))
-    traces, findings = [], []
-    for (gauge, path), bar in zip(gauges, bars, strict=True):
-        trace, said = build_trace(case, gauge, path, bar)
-        traces.append(trace)
-        findings += said
-    pulses = find_pulses(traces[0], traces[1], bars)
+    gauged = [build_trace(case, gauge, path, bar) for (gauge, path), bar in zip(gauges, bars, strict=True)]
+    if gauged[0].source == gauged[1].source:
+        allowed = "another channel or file than that of the incident gauge"
+        raise InputError("bar.transmitted.gauge.channel", transmitted.gauge.channel, allowed)
+    pulses = find_pulses(gauged[0].trace, gauged[1].trace, bars)
     waves = align(pulses, bars, setup.solver.dispersion, setup.solver.alignment, specimen.transit or 0.0)
     reduction = reduce(waves, bars, specimen)
+    for analysis in ANALYSES:
+        check_strain(reduction, reduction.curve(analysis))
+    true, on = reduction.curve(setup.solver.analysis).true(), reduction.loading
     alike, impulses = equilibrium(reduction, UNIFORM), momentum(reduction)
     striker = build_striker(setup, bars[0])
     checked = None if striker is None else striker_check(pulses, reduction, striker)
     notices = [
-        *reading_notices(findings),
+        *reading_notices([found for one in gauged for found in one.findings]),
+        *drift_notices(pulses.traces, [path for _, path in gauges]),
         *constant_notices({"incident": constants, "transmitted": others}),
+        *strain_notices(pulses),
+        *specimen_notices(specimen, bars),
+        *stress_notices(float(true.stress[on].max()), specimen),
         *_alignment_notices(reduction, pulses),
         *_balance_notices(alike, impulses, setup.limits),
         *_striker_notices(checked),
@@ -98,9 +107,14 @@ def _calibrate(case: SplitBarCase) -> EchoSolution:
     setup = case.setup
     table = setup.bar.incident
     bar, constants = build_bar(table, "bar.incident")
-    trace, findings = build_trace(case, table.gauge, "bar.incident.gauge", bar)
+    trace, findings, _ = build_trace(case, table.gauge, "bar.incident.gauge", bar)
     found = calibrate_bar(trace, bar, setup.echoes.way, int(setup.echoes.skip.si), setup.solver.dispersion)
-    notices = [*reading_notices(findings), *constant_notices({"incident": constants}), *_echo_notices(found, bar)]
+    notices = [
+        *reading_notices(findings),
+        *drift_notices([found.quiet], ["bar.incident.gauge"]),
+        *constant_notices({"incident": constants}),
+        *echo_notices(found, bar, setup.echoes.way),
+    ]
     return EchoSolution(
         case=case,
         bar=bar,
@@ -143,11 +157,15 @@ def _balance_notices(alike: Equilibrium, impulses: Momentum, limits: LimitsTable
         )
         yield Notice("force-misfit", message, alike.misfit, limits.force_misfit.si, broken=True)
     if not abs(impulses.closure) <= limits.momentum.si:
-        message = f"impulses do not close: {impulses.closure:+.1%} of the incident one is missing"
+        words = "missing" if impulses.closure > 0.0 else "in surplus"
+        message = f"impulses do not close: {abs(impulses.closure):.1%} of the incident one is {words}"
         yield Notice("momentum", message, impulses.closure, limits.momentum.si, broken=True)
-    if math.isnan(alike.since):
-        message = f"the forces never agree to {UNIFORM:.0%} up to the end of the loading"
-        yield Notice("no-equilibrium", message, math.nan, UNIFORM)
+    if math.isnan(alike.begin):
+        message = (
+            f"there is no stretch of {LASTING:g} rise times in which the forces agree to {UNIFORM:.0%}; in all they do "
+            f"over {alike.share:.0%} of the loading"
+        )
+        yield Notice("no-equilibrium", message, alike.share, math.nan)
 
 
 def _striker_notices(checked: StrikerCheck | None) -> Iterator[Notice]:
@@ -162,13 +180,3 @@ def _striker_notices(checked: StrikerCheck | None) -> Iterator[Notice]:
         if abs(off) > STRIKER_MISMATCH:
             message = f"the {words} of the incident pulse is {off:+.1%} off what the striker should make"
             yield Notice(f"striker-{code}", message, off, STRIKER_MISMATCH)
-
-
-def _echo_notices(found: Echoes, bar: Bar) -> Iterator[Notice]:
-    off = found.speed.value / bar.speed - 1.0
-    limit = max(MISMATCH, 3.0 * found.speed.error / bar.speed if math.isfinite(found.speed.error) else 0.0)
-    if abs(off) > limit:
-        message = f"the speed by echoes, {found.speed.value:.5g} m/s, is {off:+.2%} off the stated {bar.speed:.5g} m/s"
-        yield Notice("speed-differs", message, off, limit)
-    if found.speed.values < 2:
-        yield Notice("one-pair", "the speed stands on a single pair of passes: it has no error", 1.0, 2.0)
