@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from strikewave._version import __version__
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.echoes import Echoes
-from strikewave.solution import Notice
-from strikewave.split_bar.reading import SplitBarCase
-from strikewave.split_bar.solution import SCHEMA, csv_text, inputs
+from strikewave.split_bar.outcome import Outcome, csv_text
+from strikewave.split_bar.solution import inputs
 
 if TYPE_CHECKING:
     import xarray
@@ -32,42 +28,20 @@ UNITS = {key: unit for unit, keys in _KEYS.items() for key in keys.split()}
 """Unit of each key of the JSON document."""
 
 
-@dataclass(frozen=True)
-class EchoSolution:
+@dataclass(frozen=True, kw_only=True)
+class EchoSolution(Outcome):
     """A bar calibrated by its echoes.
 
     Attributes
     ----------
-    case : SplitBarCase
-        Set-up, its text, its folder.
     bar : Bar
         As stated.
     echoes : Echoes
         What was found.
-    digests : mapping
-        SHA-256 of the file, by its name.
-    warnings : tuple of Notice
-        What to know.
-    citations : tuple of str
-        Keys of the sources.
     """
 
-    case: SplitBarCase
     bar: Bar
     echoes: Echoes = field(repr=False)
-    digests: Mapping[str, str]
-    warnings: tuple[Notice, ...]
-    citations: tuple[str, ...]
-
-    @property
-    def title(self) -> str:
-        """The title of the set-up."""
-        return self.case.setup.title or self.case.setup.name
-
-    @property
-    def broken(self) -> bool:
-        """Whether a stated limit was broken."""
-        return any(notice.broken for notice in self.warnings)
 
     @property
     def difference(self) -> float:
@@ -134,9 +108,4 @@ class EchoSolution:
             "frequency": quantity("frequency", found.frequency, "Hz", "frequency"),
             "time": quantity("time", trace.time, "s", "time of the record"),
         }
-        attributes = {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.case.text}
-        return xarray.Dataset(variables, coordinates, attributes)
-
-    def save(self, path: Path) -> None:
-        """Write speed and attenuation over frequency as NetCDF."""
-        self.dataset().to_netcdf(path, engine="h5netcdf")
+        return xarray.Dataset(variables, coordinates, self.attributes())

@@ -6,20 +6,17 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave._version import __version__
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
 from strikewave.hopkinson.bars import Bar, Elastic
-from strikewave.solution import Notice
 from strikewave.split_bar.bar_end import Comparison, Standing
-from strikewave.split_bar.reading import SplitBarCase
-from strikewave.split_bar.solution import SCHEMA, csv_text, inputs
+from strikewave.split_bar.outcome import Outcome, csv_text
+from strikewave.split_bar.solution import inputs
 
 if TYPE_CHECKING:
     import xarray
@@ -67,14 +64,12 @@ class Uncertainty(NamedTuple):
         return math.hypot(*(part for part in self if not math.isnan(part)))
 
 
-@dataclass(frozen=True)
-class SensorSolution:
+@dataclass(frozen=True, kw_only=True)
+class SensorSolution(Outcome):
     """An accelerometer beside the reference acceleration at the end of its bar.
 
     Attributes
     ----------
-    case : SplitBarCase
-        Set-up, its text, its folder.
     bar : Bar
         As stated.
     standing : Standing
@@ -89,15 +84,8 @@ class SensorSolution:
         Whether the rise is long enough for accelerations to be quoted.
     constants : dict
         Which of density, modulus and speed of the bar is derived.
-    digests : mapping
-        SHA-256 of the files, by their names.
-    warnings : tuple of Notice
-        What to know.
-    citations : tuple of str
-        Keys of the sources.
     """
 
-    case: SplitBarCase
     bar: Bar
     standing: Standing
     unit: str
@@ -105,19 +93,6 @@ class SensorSolution:
     rise_diameters: float
     quoted: bool
     constants: Mapping[str, Elastic]
-    digests: Mapping[str, str]
-    warnings: tuple[Notice, ...]
-    citations: tuple[str, ...]
-
-    @property
-    def title(self) -> str:
-        """The title of the set-up."""
-        return self.case.setup.title or self.case.setup.name
-
-    @property
-    def broken(self) -> bool:
-        """Whether a stated limit was broken."""
-        return any(notice.broken for notice in self.warnings)
 
     @property
     def sensitivity_unit(self) -> str:
@@ -239,9 +214,4 @@ class SensorSolution:
         }
         variables = {name: quantity("time", v[kept], unit, words) for name, (v, unit, words) in histories.items()}
         coordinates = {"time": quantity("time", found.time[kept], "s", "time after the wave comes to the end")}
-        attributes = {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.case.text}
-        return xarray.Dataset(variables, coordinates, attributes)
-
-    def save(self, path: Path) -> None:
-        """Write the histories as NetCDF."""
-        self.dataset().to_netcdf(path, engine="h5netcdf")
+        return xarray.Dataset(variables, coordinates, self.attributes())

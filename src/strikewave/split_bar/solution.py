@@ -5,20 +5,18 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave._version import __version__
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
 from strikewave.hopkinson.bars import Elastic, Striker
 from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import ANALYSES, Curve, Reduction
-from strikewave.solution import Notice
+from strikewave.split_bar.outcome import Outcome, csv_text
 from strikewave.split_bar.reading import SplitBarCase, values_of
 
 if TYPE_CHECKING:
@@ -26,8 +24,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SCHEMA = 1
-"""Of the files of a solution."""
 _KEYS = {
     "s": "time onset begin end rise width starts window late_onset late_balance applied duration duration_expected",
     "1": "plateau noise misfit force_ratio share closure mismatch strain strain_expected",
@@ -43,14 +39,12 @@ UNITS = {key: unit for unit, keys in _KEYS.items() for key in keys.split()}
 """Unit of each key of the JSON document; a table has one unit where it is named alone."""
 
 
-@dataclass(frozen=True)
-class SplitBarSolution:
+@dataclass(frozen=True, kw_only=True)
+class SplitBarSolution(Outcome):
     """A reduced shot.
 
     Attributes
     ----------
-    case : SplitBarCase
-        Set-up, its text, its folder.
     pulses : Pulses
         As found at the gauges.
     reduction : Reduction
@@ -61,15 +55,8 @@ class SplitBarSolution:
         Where a striker is stated.
     constants : dict
         Which of density, modulus and speed of each bar is derived.
-    digests : mapping
-        SHA-256 of the files, by their names.
-    warnings : tuple of Notice
-        What to know.
-    citations : tuple of str
-        Keys of the sources.
     """
 
-    case: SplitBarCase
     pulses: Pulses = field(repr=False)
     reduction: Reduction = field(repr=False)
     equilibrium: Equilibrium = field(repr=False)
@@ -78,19 +65,6 @@ class SplitBarSolution:
     striker: Striker | None
     striker_check: StrikerCheck | None
     constants: Mapping[str, Elastic]
-    digests: Mapping[str, str]
-    warnings: tuple[Notice, ...]
-    citations: tuple[str, ...]
-
-    @property
-    def title(self) -> str:
-        """The title of the set-up."""
-        return self.case.setup.title or self.case.setup.name
-
-    @property
-    def broken(self) -> bool:
-        """Whether a stated limit was broken."""
-        return any(notice.broken for notice in self.warnings)
 
     @property
     def curve(self) -> Curve:
@@ -176,12 +150,7 @@ class SplitBarSolution:
             "time": quantity("time", r.time, "s", "time after the incident wave comes to the specimen"),
             "analysis": ("analysis", np.array(ANALYSES, dtype=object)),
         }
-        attributes = {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.case.text}
-        return xarray.Dataset(variables, coordinates, attributes)
-
-    def save(self, path: Path) -> None:
-        """Write the histories at the specimen as NetCDF."""
-        self.dataset().to_netcdf(path, engine="h5netcdf")
+        return xarray.Dataset(variables, coordinates, self.attributes())
 
     def reduction_table(self) -> str:
         """Return the histories at the specimen, with the curve of the chosen analysis, as CSV text."""
@@ -214,14 +183,6 @@ class SplitBarSolution:
             columns[f"{name} time [s]"] = np.asarray(start + pulses.step * np.arange(values.size))
             columns[f"{name} strain [1]"] = values
         return csv_text(columns)
-
-
-def csv_text(columns: Mapping[str, Array]) -> str:
-    """Return columns of equal length as CSV text; nothing where there is no number."""
-    lines = [",".join(columns)]
-    for row in zip(*columns.values(), strict=True):
-        lines.append(",".join("" if value != value else f"{value:.9g}" for value in row))
-    return "\n".join(lines) + "\n"
 
 
 def inputs(case: SplitBarCase) -> dict[str, dict[str, Any]]:
