@@ -158,4 +158,10 @@ def test_very_short_waves_are_surface_waves(omega):
     k = (1 - 2 * nu) / (2 * (1 - nu))
     x = optimize.brentq(lambda x: (2 - x) ** 2 - 4 * math.sqrt(1 - x) * math.sqrt(1 - x * k), 0.5, 0.999)
     speed = omega / wave_number(omega, Rod(1.0, 1.0, nu))
-    assert abs(speed / math.sqrt(x / (2 * (1 + nu))) - 1.0) < 0.25 / abs(omega)
+    assert abs(speed / math.sqrt(x / (2 * (1 + nu))) - 1.0) < 0.25 / min(abs(omega), 2000.0)
+
+
+def test_a_bar_of_ten_metres_at_megahertz_is_followed_in_no_time():
+    """A diameter typed in the wrong unit: 30 000 radii a wave."""
+    k = wave_number(np.linspace(0.0, 2e7, 5000) - 10j, Rod(5.0, 5000.0, 0.29))
+    assert np.all(np.isfinite(k))

@@ -63,6 +63,10 @@ def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> t
     if not table.gauge_distance.si < length:
         got, allowed = table.gauge_distance.typed, f"less than the length of the bar, {length:g} m"
         raise InputError(f"{path}.gauge_distance", got, allowed, "it counts from the end at the specimen or sensor")
+    if table.gauge_distance.si < diameter.si:
+        allowed = f"at most the gauge distance, {table.gauge_distance.si:g} m, and better a tenth of it"
+        hint = "within some ten diameters of its end no wave is one-dimensional"
+        raise InputError(f"{path}.diameter", diameter.typed, allowed, hint)
     return Bar(constants.density, constants.modulus, diameter.si, table.gauge_distance.si, nu, length), constants
 
 

@@ -15,6 +15,8 @@ BAR_STRAIN = 0.005
 """Plateau strain of a bar above which its material must be asked: a strong steel yields at 0.7 %."""
 FLATTEST, SLENDEREST = 0.25, 2.0
 """Length over diameter: below it friction at the faces counts, above it the specimen buckles or is late."""
+NEAREST_GAUGE = 10.0
+"""Diameters between gauge and end of a bar after which the higher modes of a front have died away, as a rule."""
 STRESS_OF_MODULUS = 0.1
 """Largest stress over the modulus: about the strength of a perfect crystal."""
 LARGEST_STRESS = 10e9
@@ -43,6 +45,17 @@ def strain_notices(pulses: Pulses) -> Iterator[Notice]:
     if pulses.plateau > BAR_STRAIN:
         message = f"the plateau of the incident pulse is {pulses.plateau:.2%} of strain: does the bar bear that?"
         yield Notice("bar-strain", message, pulses.plateau, BAR_STRAIN)
+
+
+def gauge_notices(bars: tuple[Bar, Bar]) -> Iterator[Notice]:
+    """Yield a gauge so near the specimen that the wave is not yet one-dimensional there."""
+    for name, bar in zip(("incident", "transmitted"), bars, strict=True):
+        diameters = bar.gauge_distance / bar.diameter
+        if diameters < NEAREST_GAUGE:
+            message = (
+                f"the gauge of the {name} bar is {diameters:.3g} diameters from the specimen: waves are not yet plane"
+            )
+            yield Notice("gauge-near", message, diameters, NEAREST_GAUGE)
 
 
 def specimen_notices(specimen: Specimen, bars: tuple[Bar, Bar]) -> Iterator[Notice]:

@@ -27,7 +27,13 @@ from strikewave.split_bar.comparing import compare_accelerometer
 from strikewave.split_bar.echo_notices import echo_notices
 from strikewave.split_bar.echoes import EchoSolution
 from strikewave.split_bar.notices import citations, constant_notices, digests, drift_notices, reading_notices
-from strikewave.split_bar.plausibility import check_strain, specimen_notices, strain_notices, stress_notices
+from strikewave.split_bar.plausibility import (
+    check_strain,
+    gauge_notices,
+    specimen_notices,
+    strain_notices,
+    stress_notices,
+)
 from strikewave.split_bar.reading import SplitBarCase
 from strikewave.split_bar.sensor_solution import SensorSolution
 from strikewave.split_bar.solution import SplitBarSolution
@@ -81,6 +87,7 @@ def _reduce(case: SplitBarCase) -> SplitBarSolution:
         *drift_notices(pulses.traces, [path for _, path in gauges]),
         *constant_notices({"incident": constants, "transmitted": others}),
         *strain_notices(pulses),
+        *gauge_notices(bars),
         *specimen_notices(specimen, bars),
         *stress_notices(float(true.stress[on].max()), specimen),
         *_alignment_notices(reduction, pulses),

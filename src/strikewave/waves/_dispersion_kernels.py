@@ -11,7 +11,7 @@ import numpy as np
 from strikewave.compiled import kernel, leaf_kernel
 
 LONGEST_STEP = 0.05
-"""Longest step of the path, in units of w a/c0 or k a."""
+"""Longest step of the path, in units of w a/c0 or k a; above w a/c0 = 10 it grows with that."""
 SETTLED = 1e-9
 """Relative change by a Newton step after which the next one would be below rounding."""
 _ITERATIONS = 30
@@ -55,7 +55,9 @@ def follow_frequency(omega, s, r):
     x, slope = np.empty(omega.size, np.complex128), np.empty(omega.size, np.complex128)
     here, ratio, rate = 0.0j, 1.0 + 0.0j, 0.0j
     for i in range(omega.size):
-        begin, steps = here, int(abs(omega[i] - here) / LONGEST_STEP) + 1
+        # where waves are short the mode hardly bends any more
+        longest = LONGEST_STEP * max(1.0, 0.1 * abs(here))
+        begin, steps = here, int(abs(omega[i] - here) / longest) + 1
         for k in range(1, steps + 1):
             there = begin + (omega[i] - begin) * (k / steps)
             W = there * there

@@ -20,6 +20,8 @@ from strikewave.errors import nearest
 from strikewave.waves._dispersion_kernels import follow_frequency, follow_wavelength
 
 Theory = Literal["none", "love-rayleigh", "pochhammer-chree"]
+SHORTEST = 2000.0
+"""w a/c0 beyond which the wave counts as a surface wave, whose speed stays: to 1e-4 it does."""
 THEORIES: tuple[Theory, ...] = get_args(Theory)
 
 
@@ -45,9 +47,10 @@ def wave_number(
 
         2 A (B^2 + (k a)^2) J1(A) J1(B) - (B^2 - (k a)^2)^2 J0(A) J1(B) - 4 (k a)^2 A B J1(A) J0(B) = 0
 
-    that begins as k = w/c0 and is followed from there (Graff 1975, section 8.2). It holds for every frequency and
-    any nu in (-1, 0.5]. A nu of 0 has no dispersion. For a nu below about 0.05 two modes nearly touch at
-    w a/c0 = 1.26, and the root may go on along the faster one, which is what a load would excite.
+    that begins as k = w/c0 and is followed from there (Graff 1975, section 8.2). It holds for any nu in (-1, 0.5] and
+    every frequency; beyond w a/c0 = 2000 the speed stays. A nu of 0 has no dispersion. For a nu below about 0.05 two
+    modes nearly touch at w a/c0 = 1.26, and the root may go on along the faster one, which is what a load would
+    excite.
 
     Parameters
     ----------
@@ -93,6 +96,8 @@ def wave_number(
         k = w / np.sqrt(c0**2 - 0.5 * (nu * a * w) ** 2)
         return np.where(k.imag > 0.0, np.conj(k), k)  # of two roots the one that dies away
     omega = (w * a / c0).ravel()
+    size = np.abs(omega)
+    omega *= SHORTEST / np.maximum(size, SHORTEST)
     mirrored = omega.real < 0.0
     omega[mirrored] = -np.conj(omega[mirrored])
     order = np.argsort(omega.real, kind="stable")
