@@ -316,6 +316,7 @@ def codes_of(strikewave, setup, *changes):
     ("changes", "code"),
     [
         (["specimen.diameter=21 mm"], "specimen-wide"),
+        (["bar.incident.diameter=150 mm"], "gauge-near"),
         (["specimen.diameter=4 mm"], "specimen-slender"),
         (["specimen.diameter=60 mm"], "specimen-flat"),
         (["specimen.modulus=1 MPa"], "stress-implausible"),
