@@ -158,9 +158,9 @@ class Recorder(Table):
 
 def _word(raw: Any) -> Any:
     """Check a name that stands in paths and heads of columns."""
-    if isinstance(raw, str) and re.fullmatch(r"\w[\w +-]{0,39}", raw) and not raw.isdigit():
+    if isinstance(raw, str) and re.fullmatch(r"[^\W_][\w +-]{0,39}", raw) and not raw.isdigit():
         return raw
-    raise InputError("", raw, "letters, digits, space, +, - and _, at most 40, not a number alone")
+    raise InputError("", raw, "a letter or digit, then also space, +, - and _, at most 40 in all, not a number alone")
 
 
 Name = Annotated[str, BeforeValidator(_word)]
