@@ -6,7 +6,6 @@ are saved and named. `STRIKEWAVE_VERIFY=1` tries 2 000 files a format instead of
 
 import json
 import os
-import runpy
 import select
 import subprocess
 import sys
@@ -18,11 +17,12 @@ from hypothesis import strategies as st
 
 from strikewave.records.readers import FORMATS
 
+from .samples import NEEDS, SAMPLES
+
 EXAMPLES = 2000 if os.environ.get("STRIKEWAVE_VERIFY") == "1" else 40
 SECONDS, HANG = 40.0, 90.0
 """What one file may take, and after what it is given up, s."""
 LARGEST_MEMORY = 512 * 2**20
-SAMPLES = runpy.run_path(str(Path(__file__).with_name("test_binary_readers.py")))
 
 DRIVER = """
 import json, resource, sys, time
@@ -124,12 +124,12 @@ class Reader:
 
 @pytest.mark.parametrize("form", FORMATS)
 def test_mutated_files(form, tmp_path_factory):
-    needed = SAMPLES["NEEDS"].get(form)
+    needed = NEEDS.get(form)
     if needed:
         pytest.importorskip(needed)
     folder = Path(os.environ.get("STRIKEWAVE_FUZZ", tmp_path_factory.mktemp(form)))
     sample = folder / f"whole.{form}"
-    SAMPLES["SAMPLES"][form](sample)
+    SAMPLES[form](sample)
     whole = sample.read_bytes()
     reader = Reader(folder)
     reader.read(whole)
