@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import functools
 import io
 import math
 from collections.abc import Iterator
@@ -128,7 +129,7 @@ class BarSolution:
         """The solver that ran: delay lines, or spectral."""
         return "delay lines" if any(layer.steps for layer in self.waves.layers) else "spectral"
 
-    @property
+    @functools.cached_property
     def losses(self) -> tuple[Loss, ...]:
         """Where the stack loses energy, and how well the loss factor is held over its band."""
         return fitted_losses(self.case)

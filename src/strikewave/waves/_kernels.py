@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.compiled import called_kernel, kernel, leaf_kernel
-from strikewave.contact._law_kernels import YIELD_LOAD, flattening
+from strikewave.contact._law_kernels import YIELD_LOAD, flattening, residual
 from strikewave.waves._press_kernels import contact_force, losses
 
 BONDED, ELASTIC, MASS, UNILATERAL, OSCILLATOR, CONTACT = 0, 1, 2, 3, 4, 5
@@ -164,7 +164,7 @@ def contact_joint(tables, state, i, b, y):
     if d > own[DEEPEST] and law[YIELD_LOAD] < np.inf:
         own[DEEPEST], own[GROWTH] = d, flattening(law, d)
     own[COMPRESSION], own[RATE], own[GUESS] = d - value[DATUM], rate, push
-    note_gap(tables, state, i, own[DEEPEST] * (1.0 - 1.0 / own[GROWTH]) - d)
+    note_gap(tables, state, i, residual(own[DEEPEST], own[GROWTH]) - d)
     return push - preload
 
 

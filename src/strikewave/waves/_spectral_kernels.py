@@ -10,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.compiled import kernel, leaf_kernel
+from strikewave.waves._kernels import FORCE, SPEED
 
-FORCE, SPEED, INCIDENT = 0, 1, 2
-"""What a load prescribes at the first face."""
 FREE, MATCHED, RIGID, MASS, SPRING, DASHPOT, OSCILLATOR = range(7)
 """Kinds of the end."""
 STIFFNESS, DAMPING, POINT, ATTACHED = 0, 1, 2, 3
