@@ -15,11 +15,15 @@ from strikewave.errors import InputError, InputErrors, nearest, show
 from strikewave.quantities import Range, Value
 from strikewave.units import DIMENSIONS
 
+_OF_TOLERANCE = ("tolerance", "distribution")
+"""Keys of a quantity that a change of its value keeps."""
+
 
 def row_name(row: Any, place: int) -> str:
-    """Return how a path calls a row of an array of tables: by its name, what it comes after, or its place."""
+    """Return how a path calls a row of an array of tables: by its name, what it comes after, its number or place."""
     get = row.get if isinstance(row, Mapping) else (lambda key, default: getattr(row, key, default))
-    return str(get("name", "") or get("after", "") or place)
+    number = get("number", "")
+    return str(get("name", "") or get("after", "") or getattr(number, "typed", number) or place)
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,8 @@ class Form:
 
     def change(self, document: dict[str, Any], change: str) -> None:
         """Set ``path=value`` in a document; a bare number is SI; a changed quantity is assumed and says so.
+
+        It keeps its tolerance, which ``path.tolerance=value`` changes.
 
         Raises
         ------
@@ -73,7 +79,9 @@ class Form:
             return
         if allowed.unit in DIMENSIONS and not isinstance(typed, str):
             typed = f"{text} {allowed.unit}"
-        place[key] = {"value": typed, "provenance": "assumed", "note": "set by the user"}
+        before = place.get(key)
+        kept = {name: before[name] for name in _OF_TOLERANCE if name in before} if isinstance(before, dict) else {}
+        place[key] = {"value": typed, "provenance": "assumed", **kept, "note": "set by the user"}
 
     def _table_in(self, document: dict[str, Any], tables: list[str], change: str) -> Any:
         """Return the table of a document at a path, made where it is not there."""
@@ -82,6 +90,8 @@ class Form:
             inner: Any = None
             if isinstance(place, dict):
                 inner = place.setdefault(table, {})
+                if not isinstance(inner, dict | list) and self.range_at(tables[: depth + 1]) is not None:
+                    inner = place[table] = {"value": inner}
             elif isinstance(place, list):
                 inner = next((row for k, row in enumerate(place) if table in (row_name(row, k), str(k))), None)
             if not isinstance(inner, dict | list) or (isinstance(inner, list) and depth == len(tables) - 1):

@@ -1,7 +1,7 @@
 """Values of a case: a number in SI with the text it was typed as, its provenance and a note.
 
 The provenance of a value is one of published, measured, inferred, assumed, fitted; a value typed
-without one is assumed.
+without one is assumed. A value may carry a tolerance, of which `strikewave.studies.scatter` makes use.
 """
 
 from __future__ import annotations
@@ -19,6 +19,37 @@ PROVENANCES = ("published", "measured", "inferred", "assumed", "fitted")
 Provenance = Literal["published", "measured", "inferred", "assumed", "fitted"]
 
 
+DISTRIBUTIONS = ("normal", "uniform")
+Distribution = Literal["normal", "uniform"]
+DEVIATIONS, TRUNCATION = 2.0, 3.0
+"""Standard deviations that a normal tolerance stands for, and at which what is drawn ends."""
+TABLE = ("value", "provenance", "note", "tolerance", "distribution")
+"""What the table of a quantity may hold."""
+
+
+class ToleranceBand(BaseModel):
+    """How far a value may be off.
+
+    Attributes
+    ----------
+    size : float
+        Half width of the band in SI, or share of the value where it is relative.
+    typed : str or float
+        What was typed, such as ``"2 %"`` or ``"20 um"``.
+    relative : bool
+        Whether it is a share of the value.
+    distribution : str
+        Within the band: uniform, or normal with a half width of two standard deviations, cut off at three.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    size: float
+    typed: str | int | float
+    relative: bool
+    distribution: Distribution = "normal"
+
+
 class Value(BaseModel):
     """A number in SI and where it comes from.
 
@@ -32,6 +63,8 @@ class Value(BaseModel):
         published, measured, inferred, assumed or fitted.
     note : str
         Why, or from where.
+    tolerance : ToleranceBand, optional
+        How far it may be off.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -40,12 +73,26 @@ class Value(BaseModel):
     typed: str | int | float
     provenance: Provenance = "assumed"
     note: str = ""
+    tolerance: ToleranceBand | None = None
+
+    @property
+    def half_width(self) -> float:
+        """Half width of its tolerance in SI, 0 where it has none."""
+        band = self.tolerance
+        if band is None:
+            return 0.0
+        return band.size * abs(self.si) if band.relative else band.size
 
     def document(self) -> Any:
-        """Return what stands in a case file: the plain value, or a table with provenance and note."""
-        if self.provenance == "assumed" and not self.note:
+        """Return what stands in a case file: the plain value, or a table with provenance, tolerance and note."""
+        band = self.tolerance
+        if self.provenance == "assumed" and not self.note and band is None:
             return self.typed
         table: dict[str, Any] = {"value": self.typed, "provenance": self.provenance}
+        if band is not None:
+            table["tolerance"] = band.typed
+        if band is not None and band.distribution != "normal":
+            table["distribution"] = band.distribution
         return {**table, "note": self.note} if self.note else table
 
 
@@ -83,31 +130,53 @@ class Range:
         """
         if isinstance(raw, Value):
             return raw
-        provenance: Provenance = "assumed"
-        note, typed = "", raw
-        if isinstance(raw, dict):
-            unknown = [key for key in raw if key not in ("value", "provenance", "note")]
-            if unknown:
-                raise InputError(
-                    str(unknown[0]),
-                    raw[unknown[0]],
-                    "value, provenance, note",
-                    nearest(str(unknown[0]), ("value", "provenance", "note")),
-                )
-            if "value" not in raw:
-                raise InputError("", raw, "a table with value, provenance, note", "give the table a value")
-            typed, provenance, note = raw["value"], raw.get("provenance", "assumed"), raw.get("note", "")
-            if provenance not in PROVENANCES:
-                raise InputError(
-                    "provenance", provenance, "one of " + ", ".join(PROVENANCES), nearest(str(provenance), PROVENANCES)
-                )
-            if not isinstance(note, str):
-                raise InputError("note", note, "text")
+        if not isinstance(raw, dict):
+            return Value(si=self._within(raw), typed=raw)
+        _check_keys(raw)
+        typed, provenance, note = raw["value"], raw.get("provenance", "assumed"), raw.get("note", "")
+        si = self._within(typed)
+        return Value(si=si, typed=typed, provenance=provenance, note=note, tolerance=self._band(raw, si))
+
+    def _within(self, typed: Any) -> float:
+        """Return what was typed in SI; refuse what lies outside the range."""
         si = self._number(typed)
-        outside = si < self.low or si > self.high or (self.open_low and si <= self.low)
-        if outside:
+        if si < self.low or si > self.high or (self.open_low and si <= self.low):
             raise InputError("", typed, self.allowed())
-        return Value(si=si, typed=typed, provenance=provenance, note=note)
+        return si
+
+    def _band(self, raw: dict[str, Any], si: float) -> ToleranceBand | None:
+        """Return the tolerance of a value, checked against it."""
+        distribution = raw.get("distribution", "normal")
+        if "tolerance" not in raw:
+            if "distribution" in raw:
+                raise InputError("distribution", distribution, "only beside a tolerance", 'such as tolerance = "2 %"')
+            return None
+        typed = raw["tolerance"]
+        if distribution not in DISTRIBUTIONS:
+            allowed = "one of " + ", ".join(DISTRIBUTIONS)
+            raise InputError("distribution", distribution, allowed, nearest(str(distribution), DISTRIBUTIONS))
+        if self.unit == "count":
+            raise InputError("tolerance", typed, "no tolerance on a whole number", "remove it")
+        share = _percent(typed)
+        size = self._absolute(typed) if share is None else share
+        if not size > 0.0:
+            raise InputError("tolerance", typed, "above 0", "leave it out where there is none")
+        if share is not None and (share > 1.0 or si == 0.0):
+            hint = f"the value is 0: give the tolerance {self._example()}" if si == 0.0 else ""
+            raise InputError("tolerance", typed, "at most 100 % of a value that is not 0", hint)
+        if share is None and self.low >= 0.0 and 0.0 < si < size:
+            raise InputError("tolerance", typed, f"at most the value itself ({raw['value']}), which cannot be below 0")
+        return ToleranceBand(size=size, typed=typed, relative=share is not None, distribution=distribution)
+
+    def _absolute(self, typed: Any) -> float:
+        """Return a tolerance in the unit of the quantity."""
+        try:
+            return self._number(typed)
+        except InputError as error:
+            raise InputError("tolerance", typed, f'a share such as "2 %", or {self._example()}', error.hint) from None
+
+    def _example(self) -> str:
+        return f'with its unit, such as "{DIMENSIONS[self.unit][1]}"' if self.unit in DIMENSIONS else "as a number"
 
     def _number(self, typed: Any) -> float:
         if self.unit in DIMENSIONS:
@@ -126,6 +195,33 @@ class Range:
         if not math.isfinite(number) or (self.unit == "count" and number != int(number)):
             raise InputError("", typed, self.allowed())
         return number
+
+
+def _check_keys(raw: dict[str, Any]) -> None:
+    """Refuse the table of a quantity without a value, with unknown keys or with an unknown provenance."""
+    unknown = [key for key in raw if key not in TABLE]
+    if unknown:
+        raise InputError(str(unknown[0]), raw[unknown[0]], ", ".join(TABLE), nearest(str(unknown[0]), TABLE))
+    if "value" not in raw:
+        raise InputError("", raw, "a table with value, provenance, note", "give the table a value")
+    provenance = raw.get("provenance", "assumed")
+    if provenance not in PROVENANCES:
+        allowed = "one of " + ", ".join(PROVENANCES)
+        raise InputError("provenance", provenance, allowed, nearest(str(provenance), PROVENANCES))
+    if not isinstance(raw.get("note", ""), str):
+        raise InputError("note", raw["note"], "text")
+
+
+def _percent(typed: Any) -> float | None:
+    """Return the share that "2 %" says; None where it is no share."""
+    number, sign, rest = typed.partition("%") if isinstance(typed, str) and len(typed) <= 40 else ("", "", "")
+    if not sign or rest.strip():
+        return None
+    try:
+        share = float(number) / 100.0
+    except ValueError:
+        return None
+    return share if math.isfinite(share) else None
 
 
 def _of(unit: str, low: float = -math.inf, high: float = math.inf, open_low: bool = False) -> Any:
@@ -165,6 +261,19 @@ Count = Annotated[Value, _of("count", 1, 100)]
 BlowCount = Annotated[Value, _of("count", 1, 1000)]
 SampleCount = Annotated[Value, _of("count", 10, 10_000_000)]
 
+MaybeAngle = Annotated[Value | None, _of("rad", -2.0 * math.pi, 2.0 * math.pi)]
+MaybeOffset = Annotated[Value | None, _of("m", -1.0, 1.0)]
+MaybeInertia = Annotated[Value | None, not_negative("kg m^2", 1e5)]
+MaybeRotationRate = Annotated[Value | None, positive("N m/rad", 1e12)]
+MaybeRotationDrag = Annotated[Value | None, not_negative("N m s/rad", 1e7)]
+MaybeRatio = Annotated[Value | None, positive("", 1e3)]
+MaybeRestitution = Annotated[Value | None, _of("", 0.01, 1.0)]
+MaybeShare = Annotated[Value | None, _of("", 0.0, 1.0)]
+MaybeStrokeShare = Annotated[Value | None, _of("", 0.01, 0.99)]
+MaybeTurns = Annotated[Value | None, _of("count", 1, 1000)]
+MaybeFriction = Annotated[Value | None, not_negative("N", 1e6)]
+MaybeHold = Annotated[Value | None, positive("s", 1e4)]
+StrikerNumber = Annotated[Value, _of("count", 1, 100)]
 MaybeMass = Annotated[Value | None, positive("kg", 1e6)]
 MaybeLength = Annotated[Value | None, positive("m", 1e4)]
 MaybeArea = Annotated[Value | None, positive("m^2", 1e4)]

@@ -22,6 +22,7 @@ from strikewave.quantities import (
     Length,
     Mass,
     MaybeAcceleration,
+    MaybeAngle,
     MaybeArea,
     MaybeBits,
     MaybeDamping,
@@ -29,22 +30,33 @@ from strikewave.quantities import (
     MaybeError,
     MaybeForce,
     MaybeFrequency,
+    MaybeFriction,
     MaybeGap,
+    MaybeHold,
+    MaybeInertia,
     MaybeLayerSpeed,
     MaybeLength,
     MaybeLoss,
     MaybeMass,
     MaybeModulus,
+    MaybeOffset,
     MaybeOrder,
     MaybePoisson,
     MaybePreload,
     MaybePressure,
     MaybeQuality,
+    MaybeRatio,
+    MaybeRestitution,
+    MaybeRotationDrag,
+    MaybeRotationRate,
+    MaybeShare,
     MaybeShift,
     MaybeSpeed,
     MaybeSpringRate,
     MaybeStep,
+    MaybeStrokeShare,
     MaybeTime,
+    MaybeTurns,
     OutputStep,
     Range,
     Restitution,
@@ -55,6 +67,7 @@ from strikewave.quantities import (
     Share,
     Speed,
     SpringRate,
+    StrikerNumber,
     Tolerance,
     Torque,
     Value,
@@ -68,7 +81,13 @@ class Table(BaseModel):
 
 
 class Machine(Table):
-    """[machine]: a rotary machine."""
+    """[machine]: a rotary machine.
+
+    ``blow_angle`` is that between the outward radius and the blow at the strike position: 0, where it is left out, is
+    a cam, 90 deg is a blow along the path; a blow at an angle needs a ``face_width`` after which the nose lets go.
+    Motor and belt: turns of the motor a turn (1), its inertia (0), and the belt's stiffness (rigid) at the turntable;
+    ``torque`` is that behind the belt. The speed may ripple by a share, so many times a turn (1).
+    """
 
     kind: Literal["rotary"]
     speed: Rotation
@@ -80,10 +99,40 @@ class Machine(Table):
     speed_gain: RotationGain
     drag: RotationDrag
     brake: Torque
+    blow_angle: MaybeAngle = None
+    face_width: MaybeLength = None
+    belt_ratio: MaybeRatio = None
+    motor_inertia: MaybeInertia = None
+    belt_stiffness: MaybeRotationRate = None
+    belt_damping: MaybeRotationDrag = None
+    speed_ripple: MaybeShare = None
+    ripple_order: MaybeTurns = None
+    ripple_phase: MaybeAngle = None
+
+
+class OwnStriker(Table):
+    """[[striker.each]]: what one striker, by its ``number`` from 1, has for itself.
+
+    ``angle_error`` is how far it stands ahead of its place, ``reach_error`` how far beyond the others' radius;
+    ``restitution`` stands for that of [contact].
+    """
+
+    number: StrikerNumber
+    mass: MaybeMass = None
+    nose_radius: MaybeLength = None
+    contact_length: MaybeLength = None
+    mount_stiffness: MaybeSpringRate = None
+    mount_damping: MaybeDamping = None
+    angle_error: MaybeAngle = None
+    reach_error: MaybeOffset = None
+    restitution: MaybeRestitution = None
 
 
 class Striker(Table):
-    """[striker]: the impact component on its mount."""
+    """[striker]: the impact component on its mount; strikers that differ have rows of their own.
+
+    ``angle_error`` and ``reach_error`` are those of every striker (0): they are there for their tolerances.
+    """
 
     mass: Mass
     material: str
@@ -91,10 +140,17 @@ class Striker(Table):
     contact_length: Length
     mount_stiffness: SpringRate
     mount_damping: Damping
+    angle_error: MaybeAngle = None
+    reach_error: MaybeOffset = None
+    each: tuple[OwnStriker, ...] = ()
 
 
 class FeedTable(Table):
-    """[feed]: the hydraulic feed."""
+    """[feed]: the hydraulic feed.
+
+    ``acceleration`` and ``cushion`` are the shares of a stroke's time in which it speeds up and is cushioned (halves);
+    ``hold`` is the longest time in the strike position.
+    """
 
     blows: BlowCount
     wait: Duration
@@ -104,13 +160,17 @@ class FeedTable(Table):
     arrival: Share
     release_delay: FeedTime
     retract_time: FeedTime
+    acceleration: MaybeStrokeShare = None
+    cushion: MaybeStrokeShare = None
+    hold: MaybeHold = None
 
 
 class Object(Table):
     """[object]: everything that moves when struck, and what holds it; gravity above 0 pushes it away.
 
     The object is either a nose on a frame (mass, nose_mass, frame_stiffness, frame_damping), or a stack
-    (``assembly`` names the first layer of the part that carries the sensor).
+    (``assembly`` names the first layer of the part that carries the sensor). ``friction`` is that of its rails while
+    it slides, ``stiction`` the most while it sticks (as much where left out).
     """
 
     mass: MaybeMass = None
@@ -125,6 +185,8 @@ class Object(Table):
     stop_stiffness: SpringRate
     stop_restitution: Restitution
     gravity: Acceleration
+    friction: MaybeFriction = None
+    stiction: MaybeFriction = None
 
 
 class ContactTable(Table):
@@ -366,6 +428,8 @@ def read_published(raw: Any) -> Any:
     if isinstance(value, Value):
         return raw
     read = Range(unit, 0.0, open_low=True).read(value)
+    if read.tolerance is not None:
+        raise InputError("value.tolerance", read.tolerance.typed, "no tolerance on a published number", "remove it")
     return {**raw, "value": read.model_copy(update={"provenance": "published"})}
 
 

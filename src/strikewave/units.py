@@ -30,6 +30,7 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
     "N s": ("an impulse", "2.5 N s"),
     "N m": ("a torque", "30 N m"),
     "N/m": ("a stiffness", "40 kN/m"),
+    "N m/rad": ("a stiffness in rotation", "20 kN m/rad"),
     "N s/m": ("a damping", "60 N s/m"),
     "N m s/rad": ("a damping in rotation", "0.02 N m s/rad"),
     "kg m^2": ("a moment of inertia", "4 kg m^2"),

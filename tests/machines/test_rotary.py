@@ -29,7 +29,7 @@ def independent_blow(machine, speed, slowest, duration=400e-6):
     Turntable of constant speed, one striker on its mount, nose, frame, assembly, support spring and stop,
     force clipped at zero; the object rests in the strike position.
     """
-    s, o = machine.strikers, machine.struck
+    s, o = machine.strikers.first, machine.struck
     radius, q = machine.turntable.radius, machine.engagement
     k, n, chi = s.contact.stiffness, s.contact.exponent, s.contact.hysteresis_factor
     # on its mount the striker runs steadily on the circle R / (1 - m w^2 / k)
@@ -152,7 +152,7 @@ def test_approach_speed_of_an_object_at_rest_is_that_of_the_cam():
     found = blows(run_rotary(machine))
     radius, q = machine.turntable.radius, machine.engagement
     for blow in found[1:]:
-        circle = radius / (1 - machine.strikers.mass * blow.turntable_speed**2 / machine.strikers.mount_stiffness)
+        circle = radius / (1 - machine.strikers.mass * blow.turntable_speed**2 / machine.strikers.first.mount_stiffness)
         nominal = blow.turntable_speed * math.sqrt(circle**2 - (radius - q) ** 2)
         assert blow.approach_speed == pytest.approx(nominal, rel=1e-5)
 

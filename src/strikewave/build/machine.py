@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar
 from pydantic import BaseModel
 
 from strikewave.build.stack import build_stack, build_taps, checked
-from strikewave.case import Case
+from strikewave.case import Case, Rig
 from strikewave.contact import (
     AnyContact,
     Geometry,
@@ -25,13 +25,17 @@ from strikewave.contact import (
 )
 from strikewave.errors import MISSING, InputError, InputErrors, nearest
 from strikewave.machines import Feed, RotaryMachine, Strikers, StruckObject, Turntable
+from strikewave.machines import Striker as BuiltStriker
 from strikewave.machines.feed import expected_time
 from strikewave.machines.layered import LayeredObject, machine_grid
 from strikewave.materials import Material, material
-from strikewave.tables import ContactTable, FeedTable, Striker
+from strikewave.quantities import Value
+from strikewave.tables import ContactTable, FeedTable, OwnStriker, Striker
+from strikewave.tables import Machine as MachineTable
 from strikewave.waves import Stack
 
 T = TypeVar("T")
+TableT = TypeVar("TableT", bound=BaseModel)
 
 MOST_SAMPLES = 2e6
 """Samples of the whole train beyond which a solution is refused."""
@@ -92,6 +96,61 @@ def face_contact(striker: Striker, contact: ContactTable, face: Material) -> Any
     return named_contact(stiffness, contact.damping, contact.restitution.si, cap)
 
 
+def _strikers(rig: Rig) -> Strikers:
+    """Return the strikers, each with what it has for itself.
+
+    Raises
+    ------
+    InputError
+        If a row names a striker that there is not, or one twice.
+    """
+    face, count = material(rig.object.material, "object.material"), int(rig.machine.strikers.si)
+    own: dict[int, OwnStriker] = {}
+    for row in rig.striker.each:
+        number = int(row.number.si)
+        if number > count or number in own:
+            allowed = f"each of the strikers 1 to {count} once at most"
+            raise InputError(f"striker.each.{number}.number", row.number.typed, allowed)
+        own[number] = row
+    common = face_contact(rig.striker, rig.contact, face)
+    each = tuple(_striker(rig, own.get(number), common, face) for number in range(1, count + 1))
+    return Strikers(each, rig.contact.slowest_approach.si, rig.contact.yields == "face")
+
+
+def _striker(rig: Rig, own: OwnStriker | None, common: AnyContact, face: Material) -> BuiltStriker:
+    """Return one striker, as all are or with what it has for itself."""
+    given = {key: value for key, value in own or () if isinstance(value, Value)}
+    table, pair = _with_own(rig.striker, given), _with_own(rig.contact, given)
+    its_own = bool({"nose_radius", "contact_length", "restitution"} & given.keys())
+    contact = face_contact(table, pair, face) if its_own else common
+    errors = {key: _or(getattr(table, key), 0.0) for key in ("angle_error", "reach_error")}
+    return _filled(BuiltStriker, table, contact=contact, **errors)
+
+
+def _with_own(table: TableT, given: dict[str, Value]) -> TableT:
+    """Return a table with those of some values that are its own."""
+    return table.model_copy(update={key: value for key, value in given.items() if key in type(table).model_fields})
+
+
+def _or(value: Value | None, default: float) -> float:
+    """Return a quantity in SI, or what holds where it is left out."""
+    return default if value is None else value.si
+
+
+def _turntable(table: MachineTable) -> Turntable:
+    """Return the turntable; motor and belt as it would have them."""
+    return _filled(
+        Turntable,
+        table,
+        motor_inertia=_or(table.motor_inertia, 0.0) * _or(table.belt_ratio, 1.0) ** 2,
+        belt_stiffness=_or(table.belt_stiffness, math.inf),
+        belt_damping=_or(table.belt_damping, 0.0),
+        ripple=_or(table.speed_ripple, 0.0),
+        ripple_order=_or(table.ripple_order, 1.0),
+        ripple_phase=_or(table.ripple_phase, 0.0),
+    )
+
+
 def build_machine(case: Case) -> RotaryMachine:
     """Turn a case into the machine that runs.
 
@@ -107,19 +166,20 @@ def build_machine(case: Case) -> RotaryMachine:
     if lines:
         raise InputErrors(lines)
     return RotaryMachine(
-        turntable=_filled(Turntable, rig.machine),
-        strikers=_filled(
-            Strikers,
-            rig.striker,
-            count=int(rig.machine.strikers.si),
-            contact=face_contact(rig.striker, rig.contact, material(rig.object.material, "object.material")),
-            same_spot=rig.contact.yields == "face",
-            slowest_approach=rig.contact.slowest_approach.si,
-        ),
+        turntable=_turntable(rig.machine),
+        strikers=_strikers(rig),
         feed=_feed(rig.feed),
-        struck=_filled(StruckObject, rig.object, **bodies._asdict()),
+        struck=_filled(
+            StruckObject,
+            rig.object,
+            **bodies._asdict(),
+            friction=_or(rig.object.friction, 0.0),
+            stiction=None if rig.object.stiction is None else rig.object.stiction.si,
+        ),
         engagement=rig.machine.engagement.si,
         layered=layered,
+        blow_angle=_or(rig.machine.blow_angle, 0.0),
+        face_width=_or(rig.machine.face_width, math.inf),
     )
 
 
@@ -222,16 +282,21 @@ def _filled(kind: type[T], table: BaseModel, **others: Any) -> T:
 
 
 def _feed(table: FeedTable) -> Feed:
-    return _filled(Feed, table, blows=int(table.blows.si))
+    return _filled(
+        Feed,
+        table,
+        blows=int(table.blows.si),
+        acceleration=_or(table.acceleration, 0.5),
+        cushion=_or(table.cushion, 0.5),
+        hold=_or(table.hold, math.inf),
+    )
 
 
 def _misfits(case: Case, bodies: Bodies) -> Iterator[InputError]:
     """Yield an error for each pair of values that does not fit together."""
     m, striker, f, o, _, _ = case.rig()
-    reach = m.radius.si * (1.0 - math.cos(min(0.5 * math.pi, math.pi / m.strikers.si)))
-    if m.engagement.si >= reach:
-        allowed = f"less than {reach * 1e3:.4g} mm, where a nose would touch more than half a pitch before its apex"
-        yield InputError("machine.engagement", m.engagement.typed, allowed)
+    yield from _strike_misfits(m)
+    yield from _striker_misfits(m, striker)
     stretch = striker.mass.si * m.speed.si**2 / striker.mount_stiffness.si
     if stretch > 0.1:
         allowed = f"enough to hold the striker on its circle (it would stretch by {stretch:.0%} of the radius)"
@@ -263,3 +328,66 @@ def _misfits(case: Case, bodies: Bodies) -> Iterator[InputError]:
     if m.inertia.si <= carried:
         allowed = f"more than that of the strikers alone ({carried:.4g} kg m^2)"
         yield InputError("machine.inertia", m.inertia.typed, allowed, "it includes them")
+    if m.belt_stiffness is not None and _or(m.motor_inertia, 0.0) == 0.0:
+        yield InputError("machine.motor_inertia", MISSING, "above zero where the belt gives way", "or leave the belt")
+    if _or(f.acceleration, 0.5) + _or(f.cushion, 0.5) > 1.0:
+        allowed = f"at most 1 together with feed.acceleration ({_or(f.acceleration, 0.5):g})"
+        yield InputError("feed.cushion", _or(f.cushion, 0.5), allowed, "they are shares of the same stroke's time")
+    if o.stiction is not None and o.stiction.si < _or(o.friction, 0.0):
+        allowed = f"at least object.friction ({_or(o.friction, 0.0):g} N)"
+        yield InputError("object.stiction", o.stiction.typed, allowed)
+
+
+def _strike_misfits(m: MachineTable) -> Iterator[InputError]:
+    """Yield an error for each way in which noses and face cannot meet as they should."""
+    angle, radius, q = _or(m.blow_angle, 0.0), m.radius.si, m.engagement.si
+    if not 0.0 <= angle <= 0.5 * math.pi:
+        typed = m.blow_angle.typed if m.blow_angle else angle
+        yield InputError("machine.blow_angle", typed, "from 0 (as a cam) to 90 deg (along the path)")
+        return
+    half = math.pi / m.strikers.si
+    reach = radius * (math.cos(angle) - math.cos(min(half, math.pi - angle) + angle))
+    if angle == 0.0:
+        reach = radius * (1.0 - math.cos(min(0.5 * math.pi, half)))
+    if q >= reach:
+        allowed = f"less than {reach * 1e3:.4g} mm, where a nose would touch more than half a pitch before its apex"
+        yield InputError("machine.engagement", m.engagement.typed, allowed)
+        return
+    if m.face_width is None:
+        if angle > 0.0:
+            allowed = "the width of the face across the blow, after which the nose lets go"
+            yield InputError("machine.face_width", MISSING, allowed, 'such as face_width = "20 mm"')
+        return
+    first = angle - math.acos(math.cos(angle) - q / radius)
+    across = abs(radius * (math.sin(first - angle) + math.sin(angle)))
+    if across >= 0.5 * m.face_width.si:
+        allowed = f"more than {2e3 * across:.4g} mm: a nose first touches {across * 1e3:.4g} mm from the middle"
+        yield InputError("machine.face_width", m.face_width.typed, allowed, "it would meet the edge")
+    way = 0.5 * m.face_width.si / radius - math.sin(angle)
+    if angle > 0.0 and (way >= 1.0 or angle + math.asin(way) >= half):
+        allowed = "small enough that a nose has left it half a pitch after the strike position"
+        yield InputError("machine.face_width", m.face_width.typed, allowed)
+
+
+def _striker_misfits(m: MachineTable, striker: Striker) -> Iterator[InputError]:
+    """Yield an error for strikers that would stand in one another's place."""
+    pitch, count = 2.0 * math.pi / m.strikers.si, int(m.strikers.si)
+    own = {int(row.number.si): row for row in striker.each}
+
+    def stands(i: int) -> float:
+        row = own.get(i % count + 1)
+        error = row.angle_error if row and row.angle_error else striker.angle_error
+        return pitch * i - _or(error, 0.0)
+
+    def nose(i: int) -> float:
+        row = own.get(i % count + 1)
+        return _or(row.nose_radius, striker.nose_radius.si) if row else striker.nose_radius.si
+
+    for i in range(count if count > 1 else 0):
+        chord = 2.0 * m.radius.si * math.sin(0.5 * min(max(stands(i + 1) - stands(i), 0.0), math.pi))
+        both = nose(i) + nose(i + 1)
+        if chord <= both:
+            allowed = f"fewer, or smaller noses: {i + 1} and {(i + 1) % count + 1} overlap "
+            allowed += f"({chord * 1e3:.3g} mm from axis to axis, noses of {both * 1e3:.3g} mm together)"
+            yield InputError("machine.strikers", m.strikers.typed, allowed)
+            return

@@ -2,8 +2,12 @@
 
 Nodes are bodies (0 .. bodies-1) and then bases. A link joins node a (behind) to node b (ahead):
 indentation or compression d = x_a - x_b - offset; its force F pushes b forward and a back.
+
+Friction between two nodes is Coulomb's: while they slide the force is the sliding one, against the slip; while they
+stick it is whatever keeps them together, up to the sticking force. A body takes one friction link at most.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -28,8 +32,11 @@ from strikewave.contact._law_kernels import (
     yielding,
 )
 
-SPRING, STOP_LINK, CONTACT = 0, 1, 2
+SPRING, STOP_LINK, CONTACT, FRICTION = 0, 1, 2, 3
 OPEN, PUSHING, SLACK, YIELDING = 0, 1, 2, 3
+"""Modes of springs, stops and contacts."""
+STICKING, SLIDING, SLIDING_BACK = 0, 1, 2
+"""Modes of friction; sliding where the node behind is the faster one."""
 SWITCHES = 3
 """Switch functions of a link."""
 _REGAIN = 1e-9
@@ -39,8 +46,12 @@ KIND, BEHIND, AHEAD = 0, 1, 2
 """Columns of `Links.joins`."""
 MASS, GRAVITY = 0, 1
 """Columns of the table of bodies, kg and m/s^2."""
-PLACE, SPEED, FORCE = 0, 1, 2
-"""Rows of the table of bases: position, speed, and the force of the links on the base."""
+PLACE, SPEED, FORCE, ACCELERATION = 0, 1, 2, 3
+"""Rows of the table of bases: position, speed, the force of the links on the base, acceleration."""
+MEAN, AMPLITUDE, RATE, PHASE = 0, 1, 2, 3
+"""Columns of the table of shakes: mean position (m), amplitude (m), rate (rad/s), phase (rad)."""
+SLIDING_FORCE, STICKING_FORCE = STIFFNESS, DAMPING
+"""Where the row of a friction link holds its two forces, N."""
 
 
 class Links(NamedTuple):
@@ -55,12 +66,25 @@ class Links(NamedTuple):
 
 
 class ChainSystem(NamedTuple):
-    """Bodies on bases that stand still; state = positions, speeds, energy dissipated in each link."""
+    """Bodies on bases that stand still or shake; state = positions, speeds, energy dissipated in each link."""
 
     bodies: np.ndarray
     bases: np.ndarray
     joins: np.ndarray
     values: np.ndarray
+    shakes: np.ndarray
+
+
+@leaf_kernel
+def shake(shakes, bases, t):
+    """Fill position, speed and acceleration of each base: x = mean + a sin(w t + phase)."""
+    for i in range(shakes.shape[0]):
+        row = shakes[i]
+        turn = row[RATE] * t + row[PHASE]
+        swing = row[AMPLITUDE] * math.sin(turn)
+        bases[PLACE, i] = row[MEAN] + swing
+        bases[SPEED, i] = row[AMPLITUDE] * row[RATE] * math.cos(turn)
+        bases[ACCELERATION, i] = -swing * row[RATE] ** 2
 
 
 @leaf_kernel
@@ -122,10 +146,52 @@ def link_motion(joins, values, i, y, bases, bodies):
 
 
 @leaf_kernel
-def chain_forces(joins, values, y, bases, bodies, mode, memory, out):
+def frictionless(joins, values, table, y, bases, mode, memory, node):
+    """Return the acceleration of a node without friction, m/s^2."""
+    bodies = table.shape[0]
+    if node >= bodies:
+        return bases[ACCELERATION, node - bodies]
+    push = 0.0
+    for j in range(joins.shape[0]):
+        if joins[j, KIND] == FRICTION or (joins[j, BEHIND] != node and joins[j, AHEAD] != node):
+            continue
+        d, rate = link_motion(joins, values, j, y, bases, bodies)
+        deepest, s = spot_of(joins, memory, j)
+        force, _ = link_force(joins[j, KIND], values[j], d, rate, mode[j], memory[j], deepest, s)
+        push += force if joins[j, AHEAD] == node else -force
+    return push / table[node, MASS] + table[node, GRAVITY]
+
+
+@leaf_kernel
+def holding_force(joins, values, table, y, bases, mode, memory, i):
+    """Return the force with which friction link i would keep its nodes together, N: equal accelerations."""
+    a, b = joins[i, BEHIND], joins[i, AHEAD]
+    apart = frictionless(joins, values, table, y, bases, mode, memory, a)
+    apart -= frictionless(joins, values, table, y, bases, mode, memory, b)
+    give = 0.0
+    if a < table.shape[0]:
+        give += 1.0 / table[a, MASS]
+    if b < table.shape[0]:
+        give += 1.0 / table[b, MASS]
+    return apart / give
+
+
+@leaf_kernel
+def friction_force(joins, values, table, y, bases, mode, memory, i):
+    """Return the force of friction link i, N."""
+    if mode[i] == STICKING:
+        return holding_force(joins, values, table, y, bases, mode, memory, i)
+    return values[i, SLIDING_FORCE] if mode[i] == SLIDING else -values[i, SLIDING_FORCE]
+
+
+@leaf_kernel
+def chain_forces(joins, values, table, y, bases, mode, memory, out):
     """Fill out with the force of each link."""
     for i in range(joins.shape[0]):
-        d, rate = link_motion(joins, values, i, y, bases, bodies)
+        if joins[i, KIND] == FRICTION:
+            out[i] = friction_force(joins, values, table, y, bases, mode, memory, i)
+            continue
+        d, rate = link_motion(joins, values, i, y, bases, table.shape[0])
         deepest, s = spot_of(joins, memory, i)
         out[i], _ = link_force(joins[i, KIND], values[i], d, rate, mode[i], memory[i], deepest, s)
 
@@ -142,11 +208,14 @@ def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
     for i in range(joins.shape[0]):
         dy[first + i] = 0.0
         kind = joins[i, KIND]
-        if kind != SPRING and mode[i] == OPEN:
+        if kind in (STOP_LINK, CONTACT) and mode[i] == OPEN:
             continue
         d, rate = link_motion(joins, values, i, y, bases, bodies)
-        deepest, s = spot_of(joins, memory, i)
-        force, elastic = link_force(kind, values[i], d, rate, mode[i], memory[i], deepest, s)
+        if kind == FRICTION:
+            force, elastic = friction_force(joins, values, table, y, bases, mode, memory, i), 0.0
+        else:
+            deepest, s = spot_of(joins, memory, i)
+            force, elastic = link_force(kind, values[i], d, rate, mode[i], memory[i], deepest, s)
         dy[first + i] = (force - elastic) * rate
         a, b = joins[i, BEHIND], joins[i, AHEAD]
         if a < bodies:
@@ -176,7 +245,15 @@ def contact_switches(law, d, rate, mode, approach, deepest, s, g):
 
 
 @leaf_kernel
-def link_switches(joins, values, y, bases, bodies, mode, memory, g):
+def friction_switch(joins, values, table, y, bases, mode, memory, i, rate):
+    """Return the switch function of friction link i: it still holds, or still slides the same way."""
+    if mode[i] == STICKING:
+        return values[i, STICKING_FORCE] - abs(holding_force(joins, values, table, y, bases, mode, memory, i))
+    return rate if mode[i] == SLIDING else -rate
+
+
+@leaf_kernel
+def link_switches(joins, values, table, y, bases, mode, memory, g):
     """Fill the switch functions of each link.
 
     A force lost while the link is still compressed comes back only above a small share, so that rounding
@@ -188,8 +265,10 @@ def link_switches(joins, values, y, bases, bodies, mode, memory, g):
         kind = joins[i, KIND]
         if kind == SPRING:
             continue
-        d, rate = link_motion(joins, values, i, y, bases, bodies)
-        if kind == CONTACT:
+        d, rate = link_motion(joins, values, i, y, bases, table.shape[0])
+        if kind == FRICTION:
+            own[0] = friction_switch(joins, values, table, y, bases, mode, memory, i, rate)
+        elif kind == CONTACT:
             deepest, s = spot_of(joins, memory, i)
             contact_switches(values[i], d, rate, mode[i], memory[i], deepest, s, own)
         elif mode[i] == OPEN:
@@ -211,10 +290,35 @@ def remember(joins, values, memory, i, deepest):
 
 
 @leaf_kernel
-def link_switch(joins, values, k, y, bases, bodies, mode, memory):
+def slip(joins, values, table, y, bases, mode, memory, i):
+    """Let friction link i stick or slide, as the force that would hold it says; what comes to rest has no slip left.
+
+    The speeds of the two bodies become that of their common momentum: they differ by rounding only.
+    """
+    a, b, bodies = joins[i, BEHIND], joins[i, AHEAD], table.shape[0]
+    if mode[i] != STICKING:
+        if a < bodies and b < bodies:
+            both = table[a, MASS] + table[b, MASS]
+            y[bodies + a] = (table[a, MASS] * y[bodies + a] + table[b, MASS] * y[bodies + b]) / both
+            y[bodies + b] = y[bodies + a]
+        elif a < bodies:
+            y[bodies + a] = bases[SPEED, b - bodies]
+        else:
+            y[bodies + b] = bases[SPEED, a - bodies]
+    held = holding_force(joins, values, table, y, bases, mode, memory, i)
+    if mode[i] != STICKING and abs(held) <= values[i, STICKING_FORCE]:
+        mode[i] = STICKING
+    else:
+        mode[i] = SLIDING if held > 0.0 else SLIDING_BACK
+
+
+@leaf_kernel
+def link_switch(joins, values, table, k, y, bases, mode, memory):
     """Change the mode of the link that switch k belongs to; remember approach speed and yielded depth."""
-    i, which = k // SWITCHES, k % SWITCHES
-    if which == 1:
+    i, which, bodies = k // SWITCHES, k % SWITCHES, table.shape[0]
+    if joins[i, KIND] == FRICTION:
+        slip(joins, values, table, y, bases, mode, memory, i)
+    elif which == 1:
         mode[i] = SLACK if mode[i] == PUSHING else PUSHING
     elif which == 2 and mode[i] == PUSHING:
         mode[i] = YIELDING
@@ -241,6 +345,7 @@ def is_a(system, kind):
 def _derivatives(system, t, y, mode, memory, dy):
     def rates(system, t, y, mode, memory, dy):
         s = system
+        shake(s.shakes, s.bases, t)
         chain_rates(s.joins, s.values, s.bodies, y, s.bases, mode, memory, dy, 2 * s.bodies.shape[0])
 
     return rates if is_a(system, ChainSystem) else None
@@ -249,7 +354,8 @@ def _derivatives(system, t, y, mode, memory, dy):
 @overload(_integrator.forces, jit_options=LEAF)
 def _forces(system, t, y, mode, memory, out):
     def fill(system, t, y, mode, memory, out):
-        chain_forces(system.joins, system.values, y, system.bases, system.bodies.shape[0], mode, memory, out)
+        shake(system.shakes, system.bases, t)
+        chain_forces(system.joins, system.values, system.bodies, y, system.bases, mode, memory, out)
 
     return fill if is_a(system, ChainSystem) else None
 
@@ -257,7 +363,8 @@ def _forces(system, t, y, mode, memory, out):
 @overload(_integrator.switches, jit_options=LEAF)
 def _switches(system, t, y, mode, memory, g):
     def fill(system, t, y, mode, memory, g):
-        link_switches(system.joins, system.values, y, system.bases, system.bodies.shape[0], mode, memory, g)
+        shake(system.shakes, system.bases, t)
+        link_switches(system.joins, system.values, system.bodies, y, system.bases, mode, memory, g)
 
     return fill if is_a(system, ChainSystem) else None
 
@@ -274,6 +381,7 @@ def _horizon(system, t, y, mode, memory):
 def _switch(system, k, t, y, mode, memory):
     def change(system, k, t, y, mode, memory):
         s = system
-        return link_switch(s.joins, s.values, k, y, s.bases, s.bodies.shape[0], mode, memory)
+        shake(s.shakes, s.bases, t)
+        return link_switch(s.joins, s.values, s.bodies, k, y, s.bases, mode, memory)
 
     return change if is_a(system, ChainSystem) else None

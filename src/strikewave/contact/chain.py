@@ -6,6 +6,7 @@ its compression is d = x_behind - x_ahead - offset and its force pushes the two 
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -16,15 +17,23 @@ from strikewave.contact._chain_kernels import (
     AHEAD,
     BEHIND,
     CONTACT,
+    FRICTION,
     KIND,
     OPEN,
     PLACE,
     PUSHING,
+    SLIDING,
+    SLIDING_BACK,
+    SLIDING_FORCE,
+    SPEED,
     SPRING,
+    STICKING,
+    STICKING_FORCE,
     STOP_LINK,
     SWITCHES,
     ChainSystem,
     Links,
+    shake,
 )
 from strikewave.contact._integrator import Control
 from strikewave.contact._law_kernels import COLUMNS, DAMPING, OFFSET, PRELOAD, SLOWEST, SPOT, STIFFNESS, YIELD_LOAD
@@ -81,17 +90,55 @@ class Touch:
     spot: int = 0
 
 
-Link = Spring | Stop | Touch
+@dataclass(frozen=True)
+class Friction:
+    """Coulomb friction between two nodes: ``sliding`` against the slip, up to ``sticking`` while there is none, N.
+
+    Where no sticking force is given it is the sliding one.
+    """
+
+    behind: str
+    ahead: str
+    sliding: float
+    sticking: float | None = None
+
+    @property
+    def holds(self) -> float:
+        """Largest force while the nodes stick, N."""
+        return self.sliding if self.sticking is None else self.sticking
+
+
+Link = Spring | Stop | Touch | Friction
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """A base that shakes: x = mean + amplitude sin(rate t + phase), m, rad/s, rad.
+
+    Examples
+    --------
+    >>> table = Vibration(0.0, amplitude=1e-3, rate=100.0)
+    >>> chain = Chain({"block": 1.0}, [Friction("block", "table", sliding=2.0)], {"table": table})
+    >>> motion = simulate(chain, {}, {"block": 0.1}, duration=0.02)  # 10 m/s^2 at most, friction gives 2
+    >>> print(motion.speeds(0.01).round(3))
+    [0.08]
+    """
+
+    mean: float
+    amplitude: float
+    rate: float
+    phase: float = 0.0
 
 
 @dataclass(frozen=True)
 class Chain:
-    """Bodies (name: mass in kg), bases that stand still (name: position in m), links and gravity (m/s^2).
+    """Bodies (name: mass in kg), bases (name: position in m, or `Vibration`), links and gravity (m/s^2).
 
     Raises
     ------
     ValueError
-        If a mass is not positive and finite, or a link names a node that does not exist.
+        If a mass is not positive and finite, a link names a node that does not exist, or a body has two friction
+        links.
 
     Examples
     --------
@@ -104,7 +151,7 @@ class Chain:
 
     bodies: Mapping[str, float]
     links: Sequence[Link]
-    bases: Mapping[str, float] = field(default_factory=dict)
+    bases: Mapping[str, float | Vibration] = field(default_factory=dict)
     gravity: float = 0.0
 
     def __post_init__(self) -> None:
@@ -125,8 +172,15 @@ class Chain:
                     single(link.contact)
                 except ValueError as error:
                     raise ValueError(f"link of {link.behind!r} to {link.ahead!r}: {error}") from None
+            elif isinstance(link, Friction):
+                if not 0.0 <= link.sliding <= link.holds < np.inf:
+                    raise ValueError(f"friction needs 0 <= sliding <= sticking, both finite, got {link!r}")
             elif not (link.stiffness >= 0.0 and link.damping >= 0.0):
                 raise ValueError(f"stiffness and damping of a link must not be negative, got {link!r}")
+        rubbed = [node for link in self.links if isinstance(link, Friction) for node in (link.behind, link.ahead)]
+        twice = sorted({node for node in rubbed if node in self.bodies and rubbed.count(node) > 1})
+        if twice:
+            raise ValueError(f"a body takes one friction link at most, {twice[0]!r} has more")
 
     @property
     def nodes(self) -> list[str]:
@@ -182,7 +236,7 @@ def contacts(motion: Motion, link: int) -> Array:
 
 def link_arrays(links: Sequence[Link], nodes: Sequence[str]) -> Links:
     """Return links as the tables that the kernels take."""
-    kinds = {Spring: SPRING, Stop: STOP_LINK, Touch: CONTACT}
+    kinds = {Spring: SPRING, Stop: STOP_LINK, Touch: CONTACT, Friction: FRICTION}
     joins = np.zeros((len(links), 3), dtype=np.int64)
     values = np.zeros((len(links), COLUMNS))
     for i, link in enumerate(links):
@@ -190,10 +244,14 @@ def link_arrays(links: Sequence[Link], nodes: Sequence[str]) -> Links:
         if isinstance(link, Touch):
             values[i] = single(link.contact)
             values[i, SLOWEST], values[i, SPOT] = link.slowest_approach, link.spot
-        else:
-            values[i, [STIFFNESS, DAMPING, YIELD_LOAD]] = link.stiffness, link.damping, np.inf
-            values[i, PRELOAD] = link.preload if isinstance(link, Spring) else 0.0
-        values[i, OFFSET] = link.offset
+            values[i, OFFSET] = link.offset
+            continue
+        values[i, YIELD_LOAD] = np.inf
+        if isinstance(link, Friction):
+            values[i, [SLIDING_FORCE, STICKING_FORCE]] = link.sliding, link.holds
+            continue
+        values[i, [STIFFNESS, DAMPING, OFFSET]] = link.stiffness, link.damping, link.offset
+        values[i, PRELOAD] = link.preload if isinstance(link, Spring) else 0.0
     return Links(joins, values)
 
 
@@ -209,26 +267,41 @@ def first_depths(links: Links) -> Array:
     return out
 
 
-def first_modes(links: Links, nodes: Array, deepest: Array | None = None) -> NDArray[np.int64]:
+def first_modes(
+    links: Links, nodes: Array, deepest: Array | None = None, speeds: Array | None = None
+) -> NDArray[np.int64]:
     """Return the mode of each link at given node positions: what overlaps at the start already pushes.
 
-    ``deepest`` (m) is how deep each contact has yielded; nothing where it is left out.
+    ``deepest`` (m) is how deep each contact has yielded, nothing where it is left out; ``speeds`` (m/s) are those of
+    the nodes, which friction needs: where they are left out or equal it sticks.
     """
     left, flat = np.zeros((2, len(links.joins)))
     spots(links.values, first_depths(links) if deepest is None else deepest, left, flat)
     pushing = (links.joins[:, KIND] == SPRING) | (compressions(links, nodes) > left)
-    return np.where(pushing, PUSHING, OPEN).astype(np.int64)
+    modes = np.where(pushing, PUSHING, OPEN)
+    v = np.zeros(nodes.size) if speeds is None else speeds
+    slips = v[links.joins[:, BEHIND]] - v[links.joins[:, AHEAD]]
+    ways = np.select([slips > 0.0, slips < 0.0], [SLIDING, SLIDING_BACK], STICKING)
+    return np.where(links.joins[:, KIND] == FRICTION, ways, modes).astype(np.int64)
 
 
-def stored_energy(links: Links, nodes: Array, deepest: Array | None = None) -> float:
-    """Return the energy stored in springs, stops and contacts at given node positions, J; see `first_modes`."""
+def stored_energy(
+    links: Links, nodes: Array, deepest: Array | None = None, mode: NDArray[np.int64] | None = None
+) -> float:
+    """Return the energy stored in springs, stops and contacts at given node positions, J; see `first_modes`.
+
+    Where modes are given, a contact that is open stores nothing, wherever its nodes are.
+    """
     kind, value = links.joins[:, KIND], links.values
     d = compressions(links, nodes)
     in_contacts = np.zeros(d.size)
     energies(value, d, first_depths(links) if deepest is None else deepest, in_contacts)
+    if mode is not None:
+        in_contacts[mode[: d.size] == OPEN] = 0.0
     spring = value[:, PRELOAD] * d + 0.5 * value[:, STIFFNESS] * d**2
     stop = 0.5 * value[:, STIFFNESS] * np.maximum(d, 0.0) ** 2
-    return float(np.sum(np.select([kind == SPRING, kind == CONTACT], [spring, in_contacts], stop)))
+    kinds = [kind == SPRING, kind == CONTACT, kind == STOP_LINK]
+    return float(np.sum(np.select(kinds, [spring, in_contacts, stop], 0.0)))
 
 
 def simulate(
@@ -267,12 +340,12 @@ def simulate(
     x = np.array([positions.get(name, 0.0) for name in names])
     v = np.array([speeds.get(name, 0.0) for name in names])
     masses = np.array(list(chain.bodies.values()))
-    base = np.array(list(chain.bases.values()), dtype=float)
     links = link_arrays(chain.links, chain.nodes)
-    bases = np.zeros((3, base.size))
-    bases[PLACE] = base
+    shakes = _shakes(chain)
+    bases = _bases_at(shakes, 0.0)
+    base = bases[PLACE]
     table = np.column_stack([masses, np.full(masses.size, float(chain.gravity))])
-    system = ChainSystem(table, bases, links.joins, links.values)
+    system = ChainSystem(table, bases, links.joins, links.values, shakes)
     unknown = [name for name in (*positions, *speeds) if name not in names]
     if unknown:
         raise ValueError(f"no body {unknown[0]!r}; {nearest(unknown[0], names)}")
@@ -281,15 +354,28 @@ def simulate(
     period = shortest_time(chain, speed)
     energy = 0.5 * float(masses @ v**2) + 0.5 * float(masses.sum()) * speed**2
     scale = np.concatenate([np.full(x.size, speed * period), np.full(x.size, speed), np.full(len(chain.links), energy)])
-    still = np.concatenate([v, np.zeros_like(base)])
-    closing = still[links.joins[:, BEHIND]] - still[links.joins[:, AHEAD]]
+    speeds_of = np.concatenate([v, bases[SPEED]])
+    closing = speeds_of[links.joins[:, BEHIND]] - speeds_of[links.joins[:, AHEAD]]
     memory = np.concatenate([np.maximum(closing, 0.0), first_depths(links), np.ones(len(chain.links))])
     y = np.concatenate([x, v, np.zeros(len(chain.links))])
-    start = State(0.0, y, first_modes(links, np.concatenate([x, base])), memory)
+    start = State(0.0, y, first_modes(links, np.concatenate([x, base]), speeds=speeds_of), memory)
     control = Control(tolerance, scale, 2e-3 * period, max(duration, period), duration)
     motion = integrate(system, start, control, (len(chain.links), SWITCHES * len(chain.links)))
     _check_ends(chain, links, motion)
     return ChainMotion(chain, motion)
+
+
+def _shakes(chain: Chain) -> Array:
+    """Return mean, amplitude, rate and phase of each base, shape (bases, 4)."""
+    given = (b if isinstance(b, Vibration) else Vibration(b, 0.0, 0.0) for b in chain.bases.values())
+    return np.array([dataclasses.astuple(b) for b in given], dtype=float).reshape(-1, 4)
+
+
+def _bases_at(shakes: Array, time: float) -> Array:
+    """Return the table of bases at a time."""
+    bases = np.zeros((4, len(shakes)))
+    shake(shakes, bases, time)
+    return bases
 
 
 def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
@@ -299,8 +385,10 @@ def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
     if not ending:
         return
     states, _ = motion.sample(np.append(motion.record.time, motion.end.time))
-    base = np.array(list(chain.bases.values()), dtype=float)
-    pressed = np.array([compressions(links, np.append(row, base)) for row in states[:, : len(chain.bodies)]])
+    times = np.append(motion.record.time, motion.end.time)
+    places = [_bases_at(_shakes(chain), t)[PLACE] for t in times]
+    rows = zip(states[:, : len(chain.bodies)], places, strict=True)
+    pressed = np.array([compressions(links, np.append(row, base)) for row, base in rows])
     for i, contact in ending:
         check_end(contact, float(pressed[:, i].max()))
 
@@ -312,16 +400,17 @@ def _speed_scale(chain: Chain, links: Links, nodes: Array, speeds: Array) -> flo
     gained = 2.0 * stored_energy(links, nodes) / float(masses.sum()) + 2.0 * abs(chain.gravity) * drop
     preload = max((abs(link.preload) for link in chain.links if isinstance(link, Spring)), default=0.0)
     gained += 2.0 * preload * drop / float(masses.sum())
-    return max(float(np.abs(speeds).max(initial=0.0)), float(np.ptp(speeds)), max(gained, 0.0) ** 0.5, 1e-6)
+    shaken = max((abs(b.amplitude * b.rate) for b in chain.bases.values() if isinstance(b, Vibration)), default=0.0)
+    return max(float(np.abs(speeds).max(initial=0.0)), float(np.ptp(speeds)), max(gained, 0.0) ** 0.5, shaken, 1e-6)
 
 
 def shortest_time(chain: Chain, speed: float) -> float:
-    """Return the shortest time scale of a chain's links at a given speed, s: sqrt(m/k), or d_max/v0 of a contact."""
-    times = []
+    """Return the shortest time scale of a chain at a given speed, s: sqrt(m/k), d_max/v0 of a contact, 1/rate."""
+    times = [1.0 / abs(b.rate) for b in chain.bases.values() if isinstance(b, Vibration) and b.rate]
     for link in chain.links:
         mass = 1.0 / sum(1.0 / chain.bodies[node] for node in (link.behind, link.ahead) if node in chain.bodies)
         if isinstance(link, Touch):
             times.append(elastic_indentation(link.contact, mass, speed) / speed)
-        elif link.stiffness > 0.0:
+        elif not isinstance(link, Friction) and link.stiffness > 0.0:
             times.append((mass / link.stiffness) ** 0.5)
     return min(times, default=1.0)

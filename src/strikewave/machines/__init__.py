@@ -2,7 +2,7 @@
 
 from strikewave.machines.blows import Blow, blows
 from strikewave.machines.feed import Feed
-from strikewave.machines.rotary import RotaryMachine, RotaryRun, Strikers, run_rotary
+from strikewave.machines.rotary import RotaryMachine, RotaryRun, Striker, Strikers, run_rotary
 from strikewave.machines.struck_object import StruckObject
 from strikewave.machines.turntable import Turntable
 
@@ -11,6 +11,7 @@ __all__ = [
     "Feed",
     "RotaryMachine",
     "RotaryRun",
+    "Striker",
     "Strikers",
     "StruckObject",
     "Turntable",

@@ -2,7 +2,7 @@
 
 The stack moves in a frame of its own that starts with the object's speed and falls with gravity; waves are
 what differs from it. The machine's bodies follow the trapezoidal rule with the contact force of this step
-found as in `strikewave.waves._press_kernels`; spring, damper and stop act on the far end of the stack.
+found as in `strikewave.waves._press_kernels`; spring, damper, stop and rail friction act on the far end of the stack.
 """
 
 from typing import NamedTuple
@@ -11,11 +11,18 @@ import numpy as np
 
 from strikewave.compiled import kernel, leaf_kernel
 from strikewave.contact._chain_kernels import MASS, PLACE, SPEED
+from strikewave.contact._law_kernels import stored
 from strikewave.machines._kernels import (
+    ACROSS,
     APEX_SWITCH,
+    BELT_TWIST,
     FEED,
     FEED_SWITCH,
+    HALF_FACE,
+    MOTOR_SPEED,
+    OWN_STATES,
     RETRACTING,
+    motor_speed,
     own_switch,
     own_switches,
     rotary_rates,
@@ -43,6 +50,7 @@ from strikewave.waves._press_kernels import (
     begin_contact,
     press,
 )
+from strikewave.waves._press_kernels import POWER as POWER_LOST
 
 (
     CONTACT_FORCE,
@@ -68,7 +76,7 @@ SETTLED, CROWDED, ENDLESS = 0, 1, 2
 
 
 class Supports(NamedTuple):
-    """What holds the far end on the carriage: heavy-load spring with damper, and stop; SI."""
+    """What holds the far end on the carriage: heavy-load spring with damper, stop, rail friction; SI."""
 
     spring: float
     preload: float
@@ -77,6 +85,8 @@ class Supports(NamedTuple):
     stop: float
     stop_damping: float
     stop_offset: float
+    sliding: float
+    sticking: float
 
 
 class Blow(NamedTuple):
@@ -100,8 +110,29 @@ class Blow(NamedTuple):
 
 
 @leaf_kernel
+def rub(supports, tables, state, share, slip):
+    """Add rail friction to what holds the end of the stack, and return it, N.
+
+    ``slip`` is what the end's speed on the carriage would be in this step but for the wave and its reflection. With
+    v = (2 p - f)/z and f = share (a + F) + ... the friction F = v z/share would stop the end.
+    """
+    if supports.sticking == 0.0:
+        return 0.0
+    last = tables.nodes.size - 1
+    nodes, z = tables.nodes[last], tables.impedance[last]
+    p = state.forward[tables.start[last] + (state.place[last] + 2) % nodes]
+    f = share * state.end[0] + tables.end[END_WAVE] * p
+    stops = (slip + (2.0 * p - f) / z) * z / share
+    friction = stops
+    if abs(stops) > supports.sticking:
+        friction = supports.sliding if stops > 0.0 else -supports.sliding
+    state.end[0] += friction
+    return friction
+
+
+@leaf_kernel
 def hold(supports, tables, state, place, frame, wave, carriage, carriage_speed):
-    """Set the end of the stack to f = a + R v of spring, damper and stop; return the spring's part of a.
+    """Set the end of the stack to f = a + R v of all that holds it; return the parts of a of spring and friction.
 
     ``frame`` and ``wave`` are the speeds of the frame and, a step ago, of the end in it.
     """
@@ -117,7 +148,7 @@ def hold(supports, tables, state, place, frame, wave, carriage, carriage_speed):
     tables.end[END_OWN], tables.end[END_WAVE] = share, 2.0 * resistance / z * share
     tables.end[END_RESISTANCE], tables.end[END_BETA], tables.end[END_SIGMA] = resistance, 0.0, 0.0
     state.end[0] = spring - stop
-    return spring
+    return spring, rub(supports, tables, state, share, rate)
 
 
 @leaf_kernel
@@ -135,11 +166,14 @@ def move_machine(system, t, dt, y, mode, memory, push, rates):
         y[strikers + i] += dt * old[strikers + i]
     y[angle] += dt * (y[angle + 1] + 0.5 * dt * old[angle + 1])
     y[angle + 1] += dt * old[angle + 1]
+    y[angle + BELT_TWIST] += dt * old[angle + BELT_TWIST]
+    y[angle + MOTOR_SPEED] += dt * old[angle + MOTOR_SPEED]
     rotary_rates(system, t, y, mode, memory, new)
     for i in range(strikers):
         y[strikers + i] += 0.5 * dt * (new[strikers + i] - push[i] / system.bodies[i, MASS] - old[strikers + i])
-    y[angle + 1] += 0.5 * dt * (new[angle + 1] - old[angle + 1])
-    for i in range(angle + 2, y.size):
+    for i in range(angle + 1, angle + OWN_STATES):
+        y[i] += 0.5 * dt * (new[i] - old[i])
+    for i in range(angle + OWN_STATES, y.size):
         y[i] += 0.5 * dt * (old[i] + new[i])
     for i in range(y.size):
         old[i] = new[i]
@@ -149,14 +183,26 @@ def move_machine(system, t, dt, y, mode, memory, push, rates):
 def switch_machine(system, t, y, mode, memory, g, switches, changed):
     """Let drive, feed and passing strikers change their modes; list the changes; return how many there are."""
     strikers, links = system.bodies.shape[0], system.joins.shape[0]
-    own_switches(system.settings, links, t, y[2 * strikers], y[2 * strikers + 1], mode, memory, g)
+    own_switches(system, t, y[2 * strikers], motor_speed(system, y), mode, memory, g)
     for k in range(APEX_SWITCH + 1):
         if g[k] < 0.0 and not (k == FEED_SWITCH and mode[links + FEED] == RETRACTING):
-            own_switch(system.settings, links, strikers, k, t, mode, memory)
+            own_switch(system, k, t, y, mode, memory)
             if changed < switches.shape[0]:
                 switches[changed, 0], switches[changed, 1] = k, t
             changed += 1
     return changed
+
+
+@leaf_kernel
+def slip_off(law, contact, touches, t, dt):
+    """End a contact whose striker has left the face: what it stores is lost."""
+    if contact[CLOSED] > 0.0:
+        contact[LOST] += stored(law, contact[DEPTH], contact[DEEPEST])
+        k = int(contact[COUNT]) - 1
+        if k < touches.shape[0]:
+            touches[k, 1] = t
+    contact[FORCE], contact[CLOSED], contact[POWER_LOST] = 0.0, 0.0, 0.0
+    contact[QUIET] += dt
 
 
 @leaf_kernel
@@ -175,11 +221,11 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
     ``machine`` is (system, y, mode, memory) with strikers only, moved on in place. Fills ``history`` every so
     many steps, ``touches`` and ``switches`` (which, time); returns why it ended, the steps made, the numbers
     of touches and switches, the displacement of the end in its frame, the impulse that the waves got,
-    energies (lost in stop, damper and contact, given by the feed, half of what first and last step push the end), and
-    the deepest indentation.
+    energies (lost in stop, damper, rail and contact, given by the feed, half of what first and last step push the end),
+    and the deepest indentation.
     """
     system, y, mode, memory = machine
-    dt, z, g = tables.step, tables.impedance[0], np.empty(APEX_SWITCH + 1)
+    dt, z, g = tables.step, tables.impedance[0], np.empty(APEX_SWITCH + 1 + system.seats.shape[0])
     last, strikers, s = tables.nodes.size - 1, system.bodies.shape[0], blow.striker
     rates, push, contact = np.empty((2, y.size)), np.zeros(strikers), np.empty(CONTACT_SIZE)
     mass = system.bodies[s, MASS]
@@ -187,9 +233,10 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
     begin_contact(law, contact, blow.approach, blow.deepest)
     u_face, u_end, u_nose, u_assembly, v_face, v_end = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     v_nose, v_assembly = blow.nose_speed, blow.assembly_speed
-    was_force, was_in, was_end, was_carried, was_damped, was_stopped = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    was_force, was_in, was_end, was_carried = 0.0, 0.0, 0.0, 0.0
+    was_damped, was_stopped, was_rubbed = 0.0, 0.0, 0.0
     entered, through, net = 0.0, 0.0, 0.0
-    lost_stop, lost_damper, fed, push_ends = 0.0, 0.0, 0.0, 0.0
+    lost_stop, lost_damper, lost_rail, fed, push_ends = 0.0, 0.0, 0.0, 0.0, 0.0
     why, changed, n = ENDLESS, 0, 0
     while n < history.shape[0] * blow.every:
         t, since = blow.time + n * dt, n * dt
@@ -201,12 +248,16 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
             push[s] = contact[FORCE]
             move_machine(system, t, dt, y, mode, memory, push, rates)
         free = y[strikers + s] + inertia * contact[FORCE]
-        force = press(law, contact, touches, t, dt, free - frame + 2.0 * m / z, inertia + 1.0 / z)
+        force = 0.0
+        if abs(system.bases[ACROSS, s]) <= system.settings[HALF_FACE]:
+            force = press(law, contact, touches, t, dt, free - frame + 2.0 * m / z, inertia + 1.0 / z)
+        else:
+            slip_off(law, contact, touches, t, dt)
         y[strikers + s] = free - inertia * force
 
         carriage, carriage_speed = system.bases[PLACE, strikers], system.bases[SPEED, strikers]
         place = blow.end + fallen + u_end + dt * v_end
-        spring = hold(supports, tables, state, place, frame, v_end, carriage, carriage_speed)
+        spring, friction = hold(supports, tables, state, place, frame, v_end, carriage, carriage_speed)
         f_end = advance(tables, state, force - m)
         _, v_new = force_and_velocity(tables, state, last, tables.nodes[last] - 1)
         f_in, _ = force_and_velocity(tables, state, blow.first_of_assembly, 0)
@@ -218,7 +269,8 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
         rate, deep = frame + v_end - carriage_speed, carriage - place - supports.stop_offset
         damped, stopped = supports.damper * rate * rate, 0.0
         if deep > 0.0:
-            stopped = (supports.stop * deep - (spring + supports.damper * v_end - f_end)) * rate
+            stopped = (supports.stop * deep - (spring + friction + supports.damper * v_end - f_end)) * rate
+        rubbed = friction * (frame + v_new - carriage_speed)
         if n > 0:
             kick = half * (was_force + force - was_in - f_in) / blow.nose_mass
             u_nose += dt * (v_nose + 0.5 * kick)
@@ -231,10 +283,11 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
             fed -= half * (was_carried + f_end * carriage_speed)
             lost_damper += half * (was_damped + damped)
             lost_stop += half * (was_stopped + stopped)
+            lost_rail += half * (was_rubbed + rubbed)
         else:
             push_ends = 0.5 * dt * f_end * v_end
         was_force, was_in, was_end = force, f_in, f_end
-        was_carried, was_damped, was_stopped = f_end * carriage_speed, damped, stopped
+        was_carried, was_damped, was_stopped, was_rubbed = f_end * carriage_speed, damped, stopped, rubbed
         net += dt * (force - f_end)
         for recording in recordings:
             record(tables, state, recording, n)
@@ -257,5 +310,5 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
                 why = CROWDED if contact[CLOSED] > 0.0 else SETTLED
                 break
     push_ends += 0.5 * dt * was_end * v_end
-    energies = (lost_stop, lost_damper, contact[LOST], fed, push_ends)
+    energies = (lost_stop, lost_damper, lost_rail, contact[LOST], fed, push_ends)
     return why, n, int(contact[COUNT]), changed, u_end, net, energies, contact[DEEPEST]

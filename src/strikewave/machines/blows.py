@@ -185,8 +185,9 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
     yielded = run.deepest(end, striker)
     if yielded > before:
         deep = yielded
-    check_end(run.machine.strikers.contact, deep)
-    spot = spot_after(run.machine.strikers.contact, deep, yielded)
+    contact_law = run.machine.strikers.each[striker].contact
+    check_end(contact_law, deep)
+    spot = spot_after(contact_law, deep, yielded)
     rebound = run.span_at(np.nextafter(end, begin)).parting_speed(end, striker)
     return Blow(
         index=index,

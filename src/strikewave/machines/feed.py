@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Feed:
-    """Valve, stroke and timing of the feed; both ways are cycloidal, s = u - sin(2 pi u)/(2 pi).
+    """Valve, stroke and timing of the feed.
+
+    Both ways the speed rises as (1 - cos)/2 over a share of the time, stays, and falls alike over another, the
+    cushioning; with halves the way is cycloidal, s = u - sin(2 pi u)/(2 pi).
 
     Parameters
     ----------
@@ -28,6 +32,10 @@ class Feed:
         From retract command to first motion, s.
     retract_time : float
         Time of the retraction, s.
+    acceleration, cushion : float, optional
+        Shares of the time of a stroke in which it speeds up and is cushioned, together 1 at most.
+    hold : float, optional
+        Longest time in the strike position, s: then the retract command comes, blows or not.
     """
 
     wait: float
@@ -38,6 +46,14 @@ class Feed:
     blows: int
     release_delay: float
     retract_time: float
+    acceleration: float = 0.5
+    cushion: float = 0.5
+    hold: float = math.inf
+
+    @property
+    def fastest(self) -> float:
+        """Highest speed of the stroke, m/s: (way/time) / (1 - (acceleration + cushion)/2)."""
+        return self.stroke / self.stroke_time / (1.0 - 0.5 * (self.acceleration + self.cushion))
 
 
 def angle_at_valve_signal(feed: Feed, speed: float, pitch: float) -> float:
@@ -65,4 +81,4 @@ def expected_time(feed: Feed, pitch_time: float) -> float:
     0.323
     """
     way = feed.valve_delay + feed.stroke_time + feed.release_delay + feed.retract_time
-    return way + (feed.blows + 1) * pitch_time
+    return way + min((feed.blows + 1) * pitch_time, feed.hold)

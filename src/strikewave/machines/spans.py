@@ -17,6 +17,7 @@ from strikewave.contact._chain_kernels import SWITCHES
 from strikewave.contact.chain import contacts
 from strikewave.contact.motion import Motion
 from strikewave.machines import _stack_kernels as column
+from strikewave.machines._kernels import FACE_SWITCH, ON_FACE, OWN_STATES
 from strikewave.machines.struck_object import StruckObject
 from strikewave.waves._kernels import Recording
 
@@ -39,9 +40,10 @@ class Moments(NamedTuple):
 
 @dataclass(frozen=True)
 class Places:
-    """Indices into the state and the links for a number of strikers."""
+    """Indices into the state and the links for a number of strikers, on rails that rub or not."""
 
     strikers: int
+    rubs: bool = False
 
     @property
     def bodies(self) -> int:
@@ -60,13 +62,13 @@ class Places:
 
     @property
     def angle(self) -> int:
-        """State index of the turntable's angle; its speed follows."""
+        """State index of the turntable's angle; its speed, the belt's twist and the motor's speed follow."""
         return 2 * self.bodies
 
     @property
     def energies(self) -> int:
         """State index of the energy dissipated in the first link; drive, drag and feed follow the last."""
-        return self.angle + 2
+        return self.angle + OWN_STATES
 
     @property
     def contacts(self) -> slice:
@@ -94,9 +96,14 @@ class Places:
         return 2 * self.strikers + 2
 
     @property
+    def rail(self) -> int:
+        """Link of the rail's friction, where there is any."""
+        return 2 * self.strikers + 3
+
+    @property
     def links(self) -> int:
         """Number of links."""
-        return 2 * self.strikers + 3
+        return 2 * self.strikers + 3 + self.rubs
 
     @property
     def own_memory(self) -> slice:
@@ -117,6 +124,16 @@ class Places:
     def own_switches(self) -> int:
         """Place of the machine's own switch functions, after those of the links."""
         return SWITCHES * self.links
+
+    @property
+    def own_modes(self) -> slice:
+        """The machine's own modes, after those of the links."""
+        return slice(self.links, self.links + ON_FACE + self.strikers)
+
+    @property
+    def switches(self) -> int:
+        """Number of switch functions."""
+        return self.own_switches + FACE_SWITCH + self.strikers
 
 
 @dataclass(frozen=True)
@@ -142,7 +159,7 @@ class ChainSpan:
         states, forces = self.motion.sample(times)
         place, struck = self.place, self.struck
         v = states[:, place.bodies : place.angle]
-        pushed = forces[:, place.frame] - forces[:, place.support] + forces[:, place.stop]
+        pushed = forces[:, place.frame] + self._held(forces)
         momentum = v[:, place.nose] * struck.nose_mass + v[:, place.assembly] * struck.assembly_mass
         return Moments(
             forces[:, place.contacts].sum(axis=1),
@@ -155,6 +172,12 @@ class ChainSpan:
             states[:, place.angle + 1],
             np.maximum(states[:, : place.strikers].max(axis=1) - states[:, place.nose], 0.0),
         )
+
+    def _held(self, forces: Array) -> Array:
+        """Return the force of spring, stop and rail on the assembly, of link forces (N, links)."""
+        place = self.place
+        rail = forces[:, place.rail] if place.rubs else 0.0
+        return np.asarray(forces[:, place.stop] - forces[:, place.support] - rail)
 
     def contacts(self) -> Array:
         """Return begin, end, approach speed and striker (from 0) of each contact, shape (N, 4)."""
@@ -183,9 +206,9 @@ class ChainSpan:
         if high <= low:
             return 0.0, 0.0
         within = (record.time >= low - 1e-15) & (record.time + record.step <= high + 1e-15)
-        links = self._per_step[within].sum(axis=0)
+        links = self._per_step[within].sum(axis=0, keepdims=True)
         weight = self.struck.mass * self.struck.gravity * (high - low)
-        return float(links[place.contacts].sum()), float(links[place.stop] - links[place.support]) + weight
+        return float(links[:, place.contacts].sum()), float(self._held(links)[0]) + weight
 
     def deepest(self, time: float, striker: int) -> float:
         """Return the depth to which the spot of a striker has yielded by a time, m."""

@@ -17,7 +17,9 @@ from strikewave.contact._chain_kernels import (
     MASS,
     OPEN,
     PLACE,
+    SLIDING_FORCE,
     SPEED,
+    STICKING_FORCE,
     Links,
     remember,
 )
@@ -26,7 +28,7 @@ from strikewave.contact.chain import first_modes, stored_energy
 from strikewave.contact.motion import State
 from strikewave.errors import IntegrationError
 from strikewave.machines import _stack_kernels as column
-from strikewave.machines._kernels import RotarySystem, place_bases
+from strikewave.machines._kernels import ACROSS, HALF_FACE, ON_FACE, OWN_STATES, RotarySystem, place_bases
 from strikewave.machines._stack_kernels import COLUMNS, CROWDED, ENDLESS, Blow, Supports, follow
 from strikewave.machines.layered import LayeredObject
 from strikewave.machines.spans import Places, StackSpan
@@ -132,7 +134,7 @@ class _Strike:
     def __init__(self, layered: LayeredObject, struck: StruckObject, system: RotarySystem, start: State) -> None:
         self.layered, self.struck, self.system, self.start = layered, struck, system, start
         self.count = system.bodies.shape[0] - 2
-        self.place = place = Places(self.count)
+        self.place = place = Places(self.count, system.joins.shape[0] > 2 * self.count + 3)
         place_bases(system, start.time, start.y, start.mode, start.memory)
         self.striker = int(np.flatnonzero(start.mode[place.contacts] != OPEN)[0])
         self.x, self.v = start.y[: place.bodies], start.y[place.bodies : place.angle]
@@ -163,7 +165,7 @@ class _Strike:
     def strikers_alone(self) -> tuple[RotarySystem, Array, NDArray[np.int64], Array]:
         """Return the machine without the object: system, state, modes, memory."""
         place, start, n = self.place, self.start, self.count
-        y = [self.x[:n], self.v[:n], start.y[place.angle : place.angle + 2], np.zeros(n + 3)]
+        y = [self.x[:n], self.v[:n], start.y[place.angle : place.energies], np.zeros(n + 3)]
         mode = np.concatenate([start.mode[place.mounts], start.mode[place.links :]])
         memory = np.concatenate([start.memory[place.mounts], start.memory[place.own_memory], np.zeros(n), np.ones(n)])
         return _strikers_only(self.system, n), np.concatenate(y), mode, memory
@@ -198,15 +200,17 @@ class _Strike:
         end.y[place.nose], end.y[place.assembly] = last[column.NOSE_PLACE], last[column.ASSEMBLY_PLACE]
         end.y[place.bodies + place.nose] = last[column.NOSE_SPEED]
         end.y[place.bodies + place.assembly] = last[column.ASSEMBLY_SPEED]
-        end.y[place.angle : place.angle + 2] = moved[2 * n : 2 * n + 2]
+        end.y[place.angle : place.energies] = moved[2 * n : 2 * n + OWN_STATES]
         end.mode[place.links :], end.memory[place.own_memory] = mode[n:], memory[n : memory.size - 2 * n]
         place_bases(self.system, time, end.y, end.mode, end.memory)
+        half = self.system.settings[HALF_FACE]
+        end.mode[place.links + ON_FACE :] = np.abs(self.system.bases[ACROSS, :n]) <= half
         return end
 
     def settle_accounts(self, end: State, last: Array, moved: Array, u_end: float, energies: tuple[float, ...]) -> None:
         """Let the stack's ringing go, set the modes of the links, and book every energy of the blow."""
         place, n, gravity = self.place, self.count, self.struck.gravity
-        lost_stop, lost_damper, lost, fed, push_ends = energies
+        lost_stop, lost_damper, lost_rail, lost, fed, push_ends = energies
         since = end.time - self.start.time
         frame = self.speed + gravity * since
         stands = float(self.x[place.assembly]) + (self.speed + 0.5 * gravity * since) * since + u_end
@@ -217,15 +221,19 @@ class _Strike:
             left = self._beyond_bodies(end, frame, stands, relative)
         nodes = np.concatenate([end.y[: place.bodies], self.system.bases[PLACE]])
         links = Links(self.system.joins, self.system.values)
-        end.mode[: place.links] = first_modes(links, nodes, end.memory[place.depths])
+        speeds = np.concatenate([end.y[place.bodies : place.angle], self.system.bases[SPEED]])
+        end.mode[: place.links] = first_modes(links, nodes, end.memory[place.depths], speeds)
         end.mode[place.contacts] = OPEN
         at = place.energies
         end.y[at + self.striker] += lost
-        end.y[at + n : at + 2 * n] += moved[2 * n + 2 : 3 * n + 2]
+        mounts = 2 * n + OWN_STATES
+        end.y[at + n : at + 2 * n] += moved[mounts : mounts + n]
         end.y[at + place.frame] += left + push_ends - self.ringing + float(self.waves.joint[:, LOST].sum())
         end.y[at + place.support] += lost_damper
         end.y[at + place.stop] += lost_stop
-        end.y[at + place.links :] += moved[3 * n + 2 :]
+        if place.rubs:
+            end.y[at + place.rail] += lost_rail
+        end.y[at + place.links :] += moved[mounts + n :]
         end.y[-1] += fed
 
     def _beyond_bodies(self, bodies: State, speed: float, stands: float, relative: Array) -> float:
@@ -263,7 +271,8 @@ def _ease(system: RotarySystem, place: Places, bodies: State, energy: float) -> 
 def _supports(system: RotarySystem, place: Places) -> Supports:
     """Return what holds the end, from the links of the machine."""
     spring, stop = system.values[place.support], system.values[place.stop]
-    numbers = [*spring[[STIFFNESS, PRELOAD, DAMPING, OFFSET]], *stop[[STIFFNESS, DAMPING, OFFSET]]]
+    rail = system.values[place.rail, [SLIDING_FORCE, STICKING_FORCE]] if place.rubs else (0.0, 0.0)
+    numbers = [*spring[[STIFFNESS, PRELOAD, DAMPING, OFFSET]], *stop[[STIFFNESS, DAMPING, OFFSET]], *rail]
     return Supports(*(float(number) for number in numbers))
 
 
@@ -282,7 +291,12 @@ def _strikers_only(system: RotarySystem, strikers: int) -> RotarySystem:
     joins[:, 1] -= np.where(joins[:, 1] >= strikers, 2, 0)
     joins[:, 2] -= np.where(joins[:, 2] >= strikers, 2, 0)
     return RotarySystem(
-        system.bodies[:strikers].copy(), system.bases.copy(), joins, system.values[mounts].copy(), system.settings
+        system.bodies[:strikers].copy(),
+        system.bases.copy(),
+        joins,
+        system.values[mounts].copy(),
+        system.seats,
+        system.settings,
     )
 
 

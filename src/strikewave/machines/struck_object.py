@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from strikewave.contact.chain import Link, Spring, Stop
+from strikewave.contact.chain import Friction, Link, Spring, Stop
 from strikewave.contact.dampers import cut_off_damping_ratio
 
 NOSE, ASSEMBLY, CARRIAGE = "nose", "assembly", "carriage"
@@ -32,6 +32,9 @@ class StruckObject:
         Restitution of the whole object on the stop, 0.01 to 1.
     gravity : float
         Gravity along the blow, m/s^2.
+    friction, stiction : float, optional
+        Coulomb friction of the rail between assembly and carriage, N: while it slides, and the most while it sticks
+        (as much where left out).
     """
 
     nose_mass: float
@@ -44,6 +47,18 @@ class StruckObject:
     stop_stiffness: float
     stop_restitution: float
     gravity: float
+    friction: float = 0.0
+    stiction: float | None = None
+
+    @property
+    def rail(self) -> Friction:
+        """Friction between assembly and carriage."""
+        return Friction(ASSEMBLY, CARRIAGE, self.friction, self.stiction)
+
+    @property
+    def rubs(self) -> bool:
+        """Whether the rail has friction."""
+        return self.rail.holds > 0.0
 
     @property
     def mass(self) -> float:
@@ -63,8 +78,9 @@ class StruckObject:
 
     def links(self, rest: float) -> list[Link]:
         """Return frame, support spring and stop for an assembly that rests at ``rest`` on a carriage at 0, m."""
-        return [
+        held: list[Link] = [
             Spring(NOSE, ASSEMBLY, self.frame_stiffness, self.frame_damping),
             Spring(ASSEMBLY, CARRIAGE, self.spring, self.damper, self.preload, offset=rest),
             Stop(CARRIAGE, ASSEMBLY, self.stop_stiffness, self.stop_damping, offset=-rest - self.stop_compression),
         ]
+        return [*held, self.rail] if self.rubs else held

@@ -1,4 +1,4 @@
-"""The turntable: a heavy disc, a drive with a torque limit, a speed controller, bearing drag, a brake."""
+"""The turntable: a heavy disc, a motor on a belt with a torque limit, a speed controller, bearing drag, a brake."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from dataclasses import dataclass
 class Turntable:
     """A driven disc that carries the strikers.
 
-    The controller asks the drive for the drag at set speed plus ``speed_gain`` times the speed error and
-    gets 0 to ``torque``. The drag is viscous.
+    The controller asks the drive for the drag at set speed plus ``speed_gain`` times the motor's speed error and
+    gets 0 to ``torque``. The drag is viscous. Motor and belt are given as the turntable would have them: with a motor
+    of i turns a turn, its inertia times i^2 and its torque times i.
 
     Parameters
     ----------
@@ -29,6 +30,12 @@ class Turntable:
         Viscous drag, N m s/rad.
     brake : float
         Torque of the brake, N m.
+    motor_inertia : float, optional
+        kg m^2.
+    belt_stiffness, belt_damping : float, optional
+        N m/rad and N m s/rad; rigid where left out: the motor's inertia then belongs to each blow.
+    ripple, ripple_order, ripple_phase : float, optional
+        Share of the set speed by which it swings, how often a turn, and phase at angle 0, rad.
     """
 
     inertia: float
@@ -38,6 +45,22 @@ class Turntable:
     speed_gain: float
     drag: float
     brake: float
+    motor_inertia: float = 0.0
+    belt_stiffness: float = math.inf
+    belt_damping: float = 0.0
+    ripple: float = 0.0
+    ripple_order: float = 1.0
+    ripple_phase: float = 0.0
+
+    @property
+    def turning(self) -> float:
+        """Inertia of turntable and motor together, kg m^2."""
+        return self.inertia + self.motor_inertia
+
+    @property
+    def rigid_belt(self) -> bool:
+        """Whether the motor turns with the turntable."""
+        return math.isinf(self.belt_stiffness)
 
 
 def spin_up_time(turntable: Turntable, tolerance: float = 1e-4) -> float:
@@ -64,9 +87,9 @@ def spin_up_time(turntable: Turntable, tolerance: float = 1e-4) -> float:
             f"the drive's {t.torque:.4g} N m cannot hold {t.speed:.4g} rad/s against a drag of {held:.4g} N m"
         )
     limit = max(t.speed - (t.torque - held) / t.speed_gain, 0.0)
-    full = t.inertia * limit / t.torque * _log_share(-t.drag * limit / t.torque)
+    full = t.turning * limit / t.torque * _log_share(-t.drag * limit / t.torque)
     error = t.speed - limit
-    approach = t.inertia / (t.speed_gain + t.drag) * math.log(max(error / (tolerance * t.speed), 1.0))
+    approach = t.turning / (t.speed_gain + t.drag) * math.log(max(error / (tolerance * t.speed), 1.0))
     return full + approach
 
 
@@ -79,7 +102,7 @@ def speed_after_wait(turntable: Turntable, wait: float, tolerance: float = 1e-4)
     >>> round(speed_after_wait(disc, 0.0), 5)
     76.39236
     """
-    rate = (turntable.speed_gain + turntable.drag) / turntable.inertia
+    rate = (turntable.speed_gain + turntable.drag) / turntable.turning
     return turntable.speed * (1.0 - tolerance * math.exp(-rate * wait))
 
 
@@ -93,7 +116,7 @@ def braking_time(turntable: Turntable, speed: float) -> float:
     10.0
     """
     t = turntable
-    return t.inertia * speed / t.brake * _log_share(t.drag * speed / t.brake)
+    return t.turning * speed / t.brake * _log_share(t.drag * speed / t.brake)
 
 
 def _log_share(x: float) -> float:
