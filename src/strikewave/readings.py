@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow
-from strikewave.machines.rotary import RotaryMachine, RotaryRun
+from strikewave.machines.machine import RotaryMachine
+from strikewave.machines.rotary import RotaryRun
 from strikewave.machines.spans import StackSpan
 from strikewave.sensors import Reading, Recorder, Sensor, read
 from strikewave.signal.filters import Filter

@@ -2,13 +2,15 @@
 
 from strikewave.machines.blows import Blow, blows
 from strikewave.machines.feed import Feed
-from strikewave.machines.rotary import RotaryMachine, RotaryRun, Striker, Strikers, run_rotary
+from strikewave.machines.machine import Launch, RotaryMachine, Striker, Strikers
+from strikewave.machines.rotary import RotaryRun, run_rotary
 from strikewave.machines.struck_object import StruckObject
 from strikewave.machines.turntable import Turntable
 
 __all__ = [
     "Blow",
     "Feed",
+    "Launch",
     "RotaryMachine",
     "RotaryRun",
     "Striker",

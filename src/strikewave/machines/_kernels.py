@@ -288,7 +288,7 @@ def own_switch(system, own, t, y, mode, memory):
     if own >= FACE_SWITCH:
         return cross_edge(system, own - FACE_SWITCH, y, mode, memory)
     if own == FEED_SWITCH:
-        if mode[links + FEED] == RETRACTING:
+        if mode[links + FEED] == RETRACTING or settings[STROKE] == 0.0:
             return STOP
         mode[links + FEED] += 1
         memory[links + FEED_START] = t

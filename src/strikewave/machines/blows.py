@@ -107,9 +107,9 @@ def contact_table(run: RotaryRun) -> Array:
 
 def counted_passes(run: RotaryRun) -> dict[int, float]:
     """Return the passes whose apex fell while the object was held in place: pass number to time, s."""
-    phases = dict(run.phases)
+    begin, end = run.held
     times = run.switch_times(APEX_SWITCH)
-    times = times[(times >= phases["fed"]) & (times <= phases["retract command"] + 1e-12)]
+    times = times[(times >= begin) & (times <= end + 1e-12)]
     angles = run.sample(times).turntable_angle if times.size else np.empty(0)
     return {round(a / run.machine.pitch): float(t) for a, t in zip(angles, times, strict=True)}
 
@@ -142,7 +142,7 @@ def pulse_window(
     The window ends at ``until`` (s after first touch), or where the motion ends.
     """
     after = min(until, run.end - touch)
-    first, last = -round(min(WINDOW_BEFORE, touch) / step), int(after / step)
+    first, last = -int(min(WINDOW_BEFORE, touch) / step), int(after / step)
     since = step * np.arange(first, last + 1, dtype=np.float64)
     moments = run.sample(touch + since)
     return since, moments.contact_force, moments.rigid_acceleration
@@ -178,7 +178,7 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
     velocity_change = float(np.diff(edges.object_speed)[0])
     since, force, acceleration = pulse_window(run, begin, min(until, end + WINDOW_AFTER) - begin)
     pulse = measure_pulse(acceleration, SAMPLE_STEP, since[0]) if acceleration.max() > 0 else None
-    free = min(until, max(dict(run.phases)["retract"], end))
+    free = min(until, max(run.released, end))
     path = run.sample(np.linspace(begin, free, 2001)).assembly_place
     width = pulse.width if pulse else math.nan
     before, (deep, restitution) = run.deepest(np.nextafter(begin, 0.0), striker), _work(run, rows)

@@ -9,6 +9,8 @@ from strikewave.contact.chain import Friction, Link, Spring, Stop
 from strikewave.contact.dampers import cut_off_damping_ratio
 
 NOSE, ASSEMBLY, CARRIAGE = "nose", "assembly", "carriage"
+FAR = 1e6
+"""Where a stop stands that there is none, m."""
 
 
 @dataclass(frozen=True)
@@ -73,14 +75,17 @@ class StruckObject:
 
     @property
     def stop_compression(self) -> float:
-        """Compression of the stop at rest, m: preload less weight over stiffness."""
+        """Compression of the stop at rest, m: preload less weight over stiffness; none without a stop."""
+        if self.stop_stiffness == 0.0:
+            return 0.0
         return (self.preload - self.mass * self.gravity) / self.stop_stiffness
 
     def links(self, rest: float) -> list[Link]:
         """Return frame, support spring and stop for an assembly that rests at ``rest`` on a carriage at 0, m."""
+        stands = -rest - self.stop_compression if self.stop_stiffness else FAR
         held: list[Link] = [
             Spring(NOSE, ASSEMBLY, self.frame_stiffness, self.frame_damping),
             Spring(ASSEMBLY, CARRIAGE, self.spring, self.damper, self.preload, offset=rest),
-            Stop(CARRIAGE, ASSEMBLY, self.stop_stiffness, self.stop_damping, offset=-rest - self.stop_compression),
+            Stop(CARRIAGE, ASSEMBLY, self.stop_stiffness, self.stop_damping, offset=stands),
         ]
         return [*held, self.rail] if self.rubs else held

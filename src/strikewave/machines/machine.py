@@ -1,0 +1,371 @@
+"""The machine as parts and as the tables that the kernels take: turntable or launch, strikers, feed, object.
+
+Each nose runs on a circle; the object's plane face stands across the direction of the blow and moves back along
+it. At the strike position that direction makes the blow angle with the radius. At 0 the strike is that of a cam: the
+face stands across the line from the axis, ``engagement`` inside the noses' reach, so that a nose meets it at the
+angle arccos(1 - q/R) before its apex with the normal speed w sqrt(2 R q - q^2), which falls as the object has not
+come back all the way. At a right angle the strike is tangential, with the whole speed of the rim; a face of finite
+width then lets the nose pass, which slips off its edge.
+
+A machine with a `Launch` has no drive: one striker that flies, swings on an arm or waits, and an object that may come
+to it, just before first touch.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, PLACE, SPEED, Links
+from strikewave.contact.chain import Link, Spring, Touch, first_depths, first_modes, link_arrays, stored_energy
+from strikewave.contact.law import AnyContact
+from strikewave.contact.motion import State
+from strikewave.machines._kernels import (
+    ACROSS,
+    BASE_ROWS,
+    BELT_TWIST,
+    CARRIED,
+    FEED,
+    FIRST,
+    HELD,
+    INERTIA,
+    MOTOR_SPEED,
+    NEXT_APEX,
+    ON_FACE,
+    SECOND,
+    SETTINGS,
+    WAITING,
+    WEIGHT_MOMENT,
+    RotarySystem,
+    place_bases,
+)
+from strikewave.machines.feed import Feed, angle_at_valve_signal
+from strikewave.machines.layered import LayeredObject
+from strikewave.machines.spans import Places
+from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, StruckObject
+from strikewave.machines.turntable import Turntable, speed_after_wait
+
+Array = NDArray[np.float64]
+
+FOREVER = 1e9
+"""A time that never comes, s."""
+BEFORE_TOUCH = 10e-6
+"""How long before first touch a launched machine begins, s."""
+
+
+@dataclass(frozen=True)
+class Launch:
+    """How a machine without a drive begins, just before first touch; speeds along the blow.
+
+    Parameters
+    ----------
+    striker_speed : float, optional
+        Of a striker that flies, m/s.
+    object_speed : float, optional
+        Of the object, m/s; below 0 where it comes to the striker.
+    arm_speed : float, optional
+        Of the arm that carries the striker, rad/s.
+    weight_moment : float, optional
+        Weight of the arm times the distance of its centre of gravity, N m: it hangs straight at the strike.
+    striker_gravity : float, optional
+        Gravity along the blow that a flying striker feels, m/s^2.
+    travel : float, optional
+        Time from the release to first touch, s.
+    follow : float, optional
+        How long to follow after first touch, s.
+    """
+
+    striker_speed: float = 0.0
+    object_speed: float = 0.0
+    arm_speed: float = 0.0
+    weight_moment: float = 0.0
+    striker_gravity: float = 0.0
+    travel: float = 0.0
+    follow: float = 10e-3
+
+
+@dataclass(frozen=True)
+class Striker:
+    """One striker on its mount.
+
+    Parameters
+    ----------
+    mass : float
+        Moving mass, kg.
+    mount_stiffness, mount_damping : float
+        The mount on the turntable along the blow, N/m and N s/m; 0 where it flies.
+    contact : Contact
+        Law of the contact between nose and face.
+    angle_error, reach_error : float, optional
+        How far it stands ahead of its place (rad), and beyond the radius of the others (m).
+    """
+
+    mass: float
+    mount_stiffness: float
+    mount_damping: float
+    contact: AnyContact
+    angle_error: float = 0.0
+    reach_error: float = 0.0
+
+
+@dataclass(frozen=True)
+class Strikers:
+    """The strikers, nominally at equal angles.
+
+    Parameters
+    ----------
+    each : tuple of Striker
+        In the order in which they strike.
+    slowest_approach : float
+        Lowest approach speed that the hysteresis factor uses, m/s.
+    same_spot : bool
+        Whether the strikers share what yields: it is the face, which all hit on the same spot, not the noses.
+    """
+
+    each: tuple[Striker, ...]
+    slowest_approach: float
+    same_spot: bool = True
+
+    @property
+    def count(self) -> int:
+        """How many."""
+        return len(self.each)
+
+    @property
+    def first(self) -> Striker:
+        """The first one, which stands for all where they do not differ."""
+        return self.each[0]
+
+    @property
+    def mass(self) -> float:
+        """Mean mass of one, kg."""
+        return sum(striker.mass for striker in self.each) / self.count
+
+
+@dataclass(frozen=True)
+class RotaryMachine:
+    """Turntable, strikers, feed, object, and how they meet.
+
+    Parameters
+    ----------
+    turntable : Turntable
+        With its drive.
+    strikers : Strikers
+        On the turntable.
+    feed : Feed
+        Of the object.
+    struck : StruckObject
+        As bodies.
+    engagement : float
+        How far before the place of a nose at the strike position the face rests, along the blow, m.
+    layered : LayeredObject, optional
+        The object's layers, if it has any.
+    blow_angle : float, optional
+        Of the blow from the outward radius at the strike position, rad: 0 as a cam, pi/2 along the path.
+    face_width : float, optional
+        Of the face across the blow, m, about the strike position.
+    launch : Launch, optional
+        How it begins where it has no drive.
+    """
+
+    turntable: Turntable
+    strikers: Strikers
+    feed: Feed
+    struck: StruckObject
+    engagement: float
+    layered: LayeredObject | None = None
+    blow_angle: float = 0.0
+    face_width: float = math.inf
+    launch: Launch | None = None
+
+    @property
+    def pitch(self) -> float:
+        """Angle between strikers, rad."""
+        return 2.0 * math.pi / self.strikers.count
+
+    @property
+    def first_touch(self) -> float:
+        """Angle from the strike position at which a nose meets the face at rest, rad.
+
+        R (cos(p - a) - cos a) = -q: p = a - arccos(cos a - q/R), with the angle a of the blow.
+        """
+        return self.blow_angle - math.acos(math.cos(self.blow_angle) - self.engagement / self.turntable.radius)
+
+    @property
+    def nominal_approach(self) -> float:
+        """Approach speed at set speed on an object at rest in the strike position, m/s: w R sin(a - p).
+
+        As a cam it is w sqrt(2 R q - q^2). A launch gives it.
+        """
+        if self.launch is not None:
+            arm = self.launch.arm_speed * self.turntable.radius
+            return arm + self.launch.striker_speed - self.launch.object_speed
+        reach = math.cos(self.blow_angle) - self.engagement / self.turntable.radius
+        return self.turntable.speed * self.turntable.radius * math.sqrt(1.0 - reach**2)
+
+    @property
+    def leaves(self) -> float:
+        """Angle after the strike position from which a nose is past the object, rad.
+
+        The apex of a cam; where it has left the face if the blow goes with the path: R sin(p - a) + R sin a = b/2.
+        """
+        if self.blow_angle == 0.0 or math.isinf(self.face_width):
+            return 0.0
+        way = 0.5 * self.face_width / self.turntable.radius - math.sin(self.blow_angle)
+        return self.blow_angle + math.asin(min(way, 1.0))
+
+
+def machine_links(machine: RotaryMachine) -> tuple[list[Link], list[str]]:
+    """Return the links and the node names of the machine, bodies first."""
+    count, strikers = machine.strikers.count, machine.strikers
+    names, seats = [f"striker {i + 1}" for i in range(count)], [f"seat {i + 1}" for i in range(count)]
+    spot = 1 if strikers.same_spot else 0
+    touches: list[Link] = [
+        Touch(name, NOSE, striker.contact, strikers.slowest_approach, spot=spot)
+        for name, striker in zip(names, strikers.each, strict=True)
+    ]
+    mounts: list[Link] = [
+        Spring(seat, name, striker.mount_stiffness, striker.mount_damping)
+        for seat, name, striker in zip(seats, names, strikers.each, strict=True)
+    ]
+    links = touches + mounts + machine.struck.links(rest=-machine.engagement)
+    return links, [*names, NOSE, ASSEMBLY, *seats, CARRIAGE]
+
+
+def rotary_system(machine: RotaryMachine) -> RotarySystem:
+    """Return the machine as the tables that the kernels take."""
+    links, nodes = machine_links(machine)
+    count, disc, feed, struck = machine.strikers.count, machine.turntable, machine.feed, machine.struck
+    angle, launch = machine.blow_angle, machine.launch or Launch()
+    bodies, seats = np.zeros((count + 2, 3)), np.zeros((count, 3))
+    for i, striker in enumerate(machine.strikers.each):
+        stands = machine.pitch * i + angle - striker.angle_error
+        flies = striker.mount_stiffness == 0.0
+        bodies[i] = striker.mass, launch.striker_gravity if flies else 0.0, 0.0 if flies else striker.mass
+        seats[i] = math.cos(stands), math.sin(stands), disc.radius + striker.reach_error
+    bodies[count] = struck.nose_mass, struck.gravity, 0.0
+    bodies[count + 1] = struck.assembly_mass, struck.gravity, 0.0
+    tables = link_arrays(links, nodes)
+    settings = {
+        "inertia": disc.turning if disc.rigid_belt else disc.inertia,
+        "drag": disc.drag,
+        "set_speed": disc.speed,
+        "gain": disc.speed_gain,
+        "torque": disc.torque,
+        "ripple": disc.ripple,
+        "ripple_order": disc.ripple_order,
+        "ripple_phase": disc.ripple_phase,
+        "motor_inertia": disc.motor_inertia,
+        "belt_stiffness": disc.belt_stiffness,
+        "belt_damping": disc.belt_damping,
+        "weight_moment": launch.weight_moment,
+        "weight_angle": 0.0,
+        "valve_delay": feed.valve_delay,
+        "stroke": feed.stroke,
+        "stroke_time": feed.stroke_time,
+        "acceleration": feed.acceleration,
+        "cushion": feed.cushion,
+        "hold": min(feed.hold, FOREVER),
+        "release_delay": feed.release_delay,
+        "retract_time": feed.retract_time,
+        "blows": feed.blows,
+        "layered": 0.0 if machine.layered is None else 1.0,
+        "along": disc.radius * math.cos(angle),
+        "across": disc.radius * math.sin(angle),
+        "half_face": 0.5 * machine.face_width,
+        "pitch": machine.pitch,
+    }
+    values = np.array([settings[name] for name in SETTINGS], dtype=float)
+    return RotarySystem(bodies, np.zeros((BASE_ROWS, count + 1)), tables.joins, tables.values, seats, values)
+
+
+def start_state(machine: RotaryMachine, system: RotarySystem) -> State:
+    """Return the state at the valve signal: at speed, object at rest on its stop, carriage retracted."""
+    if machine.launch is not None:
+        return _launched_state(machine, machine.launch, system)
+    place, disc, struck = places_of(machine), machine.turntable, machine.struck
+    count, feed = place.strikers, machine.feed
+    speed = speed_after_wait(disc, feed.wait)
+    y = np.zeros(place.energies + place.links + 3)
+    modes = np.zeros(place.own_modes.stop, dtype=np.int64)
+    modes[place.links + FEED] = WAITING
+    memory = np.zeros(place.growths.stop)
+    memory[place.growths] = 1.0
+    memory[place.links + NEXT_APEX] = machine.pitch + machine.leaves
+    memory[place.depths] = first_depths(Links(system.joins, system.values))
+    y[place.angle] = angle_at_valve_signal(feed, disc.speed, machine.pitch) + machine.leaves
+    y[place.angle + 1] = y[place.angle + MOTOR_SPEED] = speed
+    if not disc.rigid_belt:
+        y[place.angle + BELT_TWIST] = disc.drag * speed / disc.belt_stiffness
+    place_bases(system, 0.0, y, modes, memory)
+    bases = system.bases
+    # on its mount a striker runs steadily on the larger circle R / (1 - m w^2 / k)
+    for i, striker in enumerate(machine.strikers.each):
+        larger = 1.0 / (1.0 - striker.mass * speed**2 / striker.mount_stiffness)
+        y[i] = bases[PLACE, i] - (larger - 1.0) * bases[SECOND, i]
+        y[place.bodies + i] = larger * bases[SPEED, i]
+    rest = -machine.engagement + feed.stroke
+    y[place.assembly] = rest
+    y[place.nose] = rest + struck.nose_mass * struck.gravity / struck.frame_stiffness
+    nodes = np.concatenate([y[: place.bodies], bases[PLACE]])
+    modes[: place.links] = first_modes(Links(system.joins, system.values), nodes)
+    before = np.abs(bases[ACROSS, :count]) <= 0.5 * machine.face_width
+    modes[place.links + ON_FACE :] = before
+    modes[place.contacts] = np.where(before, modes[place.contacts], OPEN)
+    return State(0.0, y, modes, memory)
+
+
+def _launched_state(machine: RotaryMachine, launch: Launch, system: RotarySystem) -> State:
+    """Return the state `BEFORE_TOUCH` of a launched machine: striker or arm moving, object in place."""
+    place, struck = places_of(machine), machine.struck
+    y = np.zeros(place.energies + place.links + 3)
+    modes = np.zeros(place.own_modes.stop, dtype=np.int64)
+    modes[place.links + FEED] = HELD
+    memory = np.zeros(place.growths.stop)
+    memory[place.growths] = 1.0
+    memory[place.links + NEXT_APEX] = FOREVER
+    memory[place.depths] = first_depths(Links(system.joins, system.values))
+    y[place.angle], y[place.angle + 1] = machine.first_touch - launch.arm_speed * BEFORE_TOUCH, launch.arm_speed
+    place_bases(system, 0.0, y, modes, memory)
+    bases, rest = system.bases, -machine.engagement
+    if machine.strikers.first.mount_stiffness > 0.0:
+        y[0], y[place.bodies] = bases[PLACE, 0], bases[SPEED, 0]
+    else:
+        y[0], y[place.bodies] = rest - launch.striker_speed * BEFORE_TOUCH, launch.striker_speed
+    y[place.assembly] = rest - launch.object_speed * BEFORE_TOUCH
+    y[place.nose] = y[place.assembly]
+    if launch.object_speed == 0.0:
+        y[place.nose] += struck.nose_mass * struck.gravity / struck.frame_stiffness
+    y[place.bodies + place.nose] = y[place.bodies + place.assembly] = launch.object_speed
+    nodes = np.concatenate([y[: place.bodies], bases[PLACE]])
+    speeds = np.concatenate([y[place.bodies : place.angle], bases[SPEED]])
+    modes[: place.links] = first_modes(Links(system.joins, system.values), nodes, speeds=speeds)
+    modes[place.links + ON_FACE :] = 1
+    return State(0.0, y, modes, memory)
+
+
+def places_of(machine: RotaryMachine) -> Places:
+    """Return where the state and the links of a machine stand."""
+    return Places(machine.strikers.count, machine.struck.rubs)
+
+
+def energy(machine: RotaryMachine, system: RotarySystem, state: State) -> float:
+    """Return kinetic energy of turntable, motor and bodies, energy stored in links and belt, and of height, J."""
+    place, disc = places_of(machine), machine.turntable
+    x, v = state.y[: place.bodies], state.y[place.bodies : place.angle]
+    speed, twist, motor = state.y[place.angle + 1 : place.energies]
+    place_bases(system, state.time, state.y, state.mode, state.memory)
+    bases = system.bases
+    inertia = system.settings[INERTIA] - float(
+        system.bodies[: place.strikers, CARRIED] @ bases[FIRST, : place.strikers] ** 2
+    )
+    nodes = np.concatenate([x, bases[PLACE]])
+    stored = stored_energy(Links(system.joins, system.values), nodes, state.memory[place.depths], state.mode)
+    if not disc.rigid_belt:
+        stored += 0.5 * disc.belt_stiffness * twist**2 + 0.5 * disc.motor_inertia * motor**2
+    height = -float(np.sum(system.bodies[:, MASS] * system.bodies[:, GRAVITY] * x))
+    height -= float(system.settings[WEIGHT_MOMENT]) * math.cos(state.y[place.angle])
+    return 0.5 * inertia * speed**2 + 0.5 * float(system.bodies[:, MASS] @ v**2) + stored + height
