@@ -8,7 +8,7 @@ Examples
 0.5
 """
 
-from strikewave.contact.chain import Chain, ChainMotion, Spring, Stop, Touch, simulate
+from strikewave.contact.chain import Chain, ChainMotion, Friction, Spring, Stop, Touch, Vibration, simulate
 from strikewave.contact.dampers import damper_law, damper_laws
 from strikewave.contact.damping import (
     damping_law,
@@ -58,6 +58,7 @@ __all__ = [
     "Damper",
     "DamperLaw",
     "DampingLaw",
+    "Friction",
     "Geometry",
     "History",
     "Identified",
@@ -71,6 +72,7 @@ __all__ = [
     "StiffnessLaw",
     "Stop",
     "Touch",
+    "Vibration",
     "cap_of",
     "contact_modulus",
     "damper_law",

@@ -359,7 +359,7 @@ def simulate(
     memory = np.concatenate([np.maximum(closing, 0.0), first_depths(links), np.ones(len(chain.links))])
     y = np.concatenate([x, v, np.zeros(len(chain.links))])
     start = State(0.0, y, first_modes(links, np.concatenate([x, base]), speeds=speeds_of), memory)
-    control = Control(tolerance, scale, 2e-3 * period, max(duration, period), duration)
+    control = Control(tolerance, scale, 2e-3 * period, _longest_step(chain, max(duration, period)), duration)
     motion = integrate(system, start, control, (len(chain.links), SWITCHES * len(chain.links)))
     _check_ends(chain, links, motion)
     return ChainMotion(chain, motion)
@@ -376,6 +376,13 @@ def _bases_at(shakes: Array, time: float) -> Array:
     bases = np.zeros((4, len(shakes)))
     shake(shakes, bases, time)
     return bases
+
+
+def _longest_step(chain: Chain, otherwise: float) -> float:
+    """Return the longest step that sees every shaking base come and go, s: an eighth of its period."""
+    rates = [abs(base.rate) for base in chain.bases.values() if isinstance(base, Vibration)]
+    fastest = max(rates, default=0.0)
+    return min(otherwise, 0.25 * np.pi / fastest) if fastest > 0.0 else otherwise
 
 
 def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:

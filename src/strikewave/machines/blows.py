@@ -22,6 +22,8 @@ GLANCING_SHARE = 0.5
 """A blow whose approach speed is below this share of the nominal one is called glancing."""
 DOUBLE_SHARE = 0.1
 """A blow is called double when a later group of contacts carries this share of its contact impulse."""
+SMALLEST_SPEED = 1e-6
+"""Momentum is told to this speed of the object at least, m/s: a face that is only grazed gets none."""
 WORK_SAMPLES = 2001
 """Samples of a contact over which its work is summed."""
 WINDOW_BEFORE, WINDOW_AFTER, SAMPLE_STEP = 50e-6, 1.5e-3, 0.25e-6
@@ -205,7 +207,8 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
         impulse=contact + support,
         contact_impulse=contact,
         support_impulse=support,
-        momentum_error=abs(contact + support - struck.mass * velocity_change) / contact,
+        momentum_error=abs(contact + support - struck.mass * velocity_change)
+        / max(contact, struck.mass * SMALLEST_SPEED),
         peak_force=float(force.max()),
         rigid_peak=pulse.peak if pulse else math.nan,
         width=width,

@@ -297,6 +297,8 @@ def start_state(machine: RotaryMachine, system: RotarySystem) -> State:
     memory[place.links + NEXT_APEX] = machine.pitch + machine.leaves
     memory[place.depths] = first_depths(Links(system.joins, system.values))
     y[place.angle] = angle_at_valve_signal(feed, disc.speed, machine.pitch) + machine.leaves
+    swing = disc.ripple * math.sin(disc.ripple_order * y[place.angle] + disc.ripple_phase)
+    speed += swing * disc.speed
     y[place.angle + 1] = y[place.angle + MOTOR_SPEED] = speed
     if not disc.rigid_belt:
         y[place.angle + BELT_TWIST] = disc.drag * speed / disc.belt_stiffness

@@ -208,7 +208,7 @@ def _phases(run: RotaryRun, last_speed: float) -> tuple[tuple[str, float], ...]:
     if run.machine.launch is not None:
         touch = [("blows", float(touched[0, 0]))] if len(touched) else []
         return (("release", -run.machine.launch.travel), *touch, ("end", run.end))
-    times = run.switch_times(FEED_SWITCH)
+    times = run.switch_times(FEED_SWITCH)  # feed, fed, perhaps the end of the hold, retract, back
     at_speed = -feed.wait
     named = [
         ("spin-up", at_speed - spin_up_time(disc)),
@@ -216,8 +216,8 @@ def _phases(run: RotaryRun, last_speed: float) -> tuple[tuple[str, float], ...]:
         ("valve signal", 0.0),
         ("feed", float(times[0])),
         ("fed", float(times[1])),
-        ("retract command", float(times[2]) - feed.release_delay),
-        ("retract", float(times[2])),
+        ("retract command", float(times[-2]) - feed.release_delay),
+        ("retract", float(times[-2])),
         ("brake", run.end),
         ("stopped", run.end + braking_time(disc, last_speed)),
     ]

@@ -1,0 +1,551 @@
+"""The stacked velocity amplifier: bodies in a line that hit one another in pairs, each faster than the one before.
+
+Positions and speeds are positive upwards, along the blow. Bodies are numbered from the bottom, in words from 1. A body
+of infinite mass is a floor, a ceiling or a striker that nothing slows. `collide` finds every collision in its order,
+secondary ones included; `collide_softly` follows the same line with contacts that take time: where two contacts of a
+body overlap, pairs no longer tell how fast the last body goes.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from strikewave.contact.chain import Chain, ChainMotion, Touch, simulate
+from strikewave.contact.law import AnyContact, not_negative, positive, refuse
+from strikewave.machines.launch import STANDARD_GRAVITY
+
+Array = NDArray[np.float64]
+
+AT_REST = 1e-9
+"""Approach speed, over the speed scale of the line, below which bodies that meet stay together."""
+AT_ONCE = 1e-12
+"""Collisions nearer than this share of the time passed happen at once."""
+
+
+def next_speed(speed: ArrayLike, mass_ratio: ArrayLike, restitution: ArrayLike, falling: ArrayLike = 0.0) -> Array:
+    """Return the speed of a body that is struck, (1 + e) (v + u)/(1 + mu) - u, m/s.
+
+    Parameters
+    ----------
+    speed : array_like
+        v of the body that strikes, m/s.
+    mass_ratio : array_like
+        mu, mass of the struck body over that of the striking one.
+    restitution : array_like
+        e.
+    falling : array_like, optional
+        u at which the struck body comes against the blow, m/s; 0 where it rests.
+
+    Notes
+    -----
+    Source: Rodgers et al. 2009; momentum and Newton's restitution.
+
+    Examples
+    --------
+    >>> print(next_speed(10.0, 0.25, 0.8), next_speed(1.0, 0.0, 1.0, falling=1.0))
+    14.4 3.0
+    """
+    v, mu, e, u = (np.asarray(value, dtype=float) for value in (speed, mass_ratio, restitution, falling))
+    return np.asarray((1.0 + e) * (v + u) / (1.0 + mu) - u)
+
+
+def chain_speed(masses: Sequence[float], restitution: ArrayLike, speed: float, falling: float = 0.0) -> float:
+    """Return the speed of the last body of a line where each is struck once, in order, m/s; see `next_speed`.
+
+    Later collisions can push the last body on: `collide` finds them.
+
+    Parameters
+    ----------
+    masses : sequence of float
+        From the body that strikes first, kg.
+    restitution : array_like
+        One, or one for each pair.
+    speed, falling : float
+        v of the first body, and u at which all others come against the blow, m/s.
+
+    Examples
+    --------
+    >>> round(chain_speed([4.0, 2.0, 1.0], 1.0, speed=1.0), 6)
+    1.777778
+    """
+    each = np.broadcast_to(np.asarray(restitution, dtype=float), (len(masses) - 1,))
+    for (first, second), e in zip(itertools.pairwise(masses), each, strict=True):
+        speed = float(next_speed(speed, second / first, e, falling))
+    return speed
+
+
+def gain_limit(restitution: float, collisions: int, falling: bool = False) -> float:
+    """Return the gain of the last body for mass ratios that go to zero, (1 + e)^n, less 1 for a falling line.
+
+    The floor counts as a collision of a falling line: 3 for two elastic bodies, 7 for three,
+    so 9 and 49 times the height (Walker 1988).
+
+    Examples
+    --------
+    >>> gain_limit(1.0, 3, falling=True), gain_limit(0.5, 2)
+    (7.0, 2.25)
+    """
+    return (1.0 + restitution) ** collisions - (1.0 if falling else 0.0)
+
+
+def fastest_masses(first: float, last: float, count: int) -> Array:
+    """Return the masses that make the last body of a line fastest: a geometric row, kg.
+
+    The product of the ratios is given and each enters as 1/(1 + mu), so the best are equal, whatever the restitutions,
+    resting or falling.
+
+    Notes
+    -----
+    Source: Rodgers et al. 2009 (their power law).
+
+    Examples
+    --------
+    >>> print(fastest_masses(8.0, 1.0, 4))
+    [8. 4. 2. 1.]
+    """
+    positive("the masses of the ends", [first, last])
+    return np.asarray(first * (last / first) ** np.linspace(0.0, 1.0, count))
+
+
+def resting_ratio(speed: float, restitution: float, falling: float = 0.0) -> float:
+    """Return the mass ratio that brings the striking body to rest, mu = v/((1 + e) (v + u) - v).
+
+    A line of such ratios hands all its motion to the last body, the second of the two designs of Rodgers et al. 2009.
+    Symbols of `next_speed`.
+
+    Examples
+    --------
+    >>> resting_ratio(1.0, 1.0), round(resting_ratio(1.0, 1.0, falling=1.0), 6)
+    (1.0, 0.333333)
+    """
+    return speed / ((1.0 + restitution) * (speed + falling) - speed)
+
+
+@dataclass(frozen=True)
+class Line:
+    """Bodies in a line, from the bottom.
+
+    Parameters
+    ----------
+    masses : tuple of float
+        kg; the first and the last may be infinite.
+    restitutions : tuple of float
+        Of each pair of neighbours, 0 to 1.
+    gaps : tuple of float
+        Between neighbours at the start, m.
+    speeds : tuple of float
+        At the start, m/s, upwards.
+    gravity : float, optional
+        Downwards, m/s^2.
+
+    Raises
+    ------
+    ValueError
+        If a number is out of range or their count does not fit.
+    """
+
+    masses: tuple[float, ...]
+    restitutions: tuple[float, ...]
+    gaps: tuple[float, ...]
+    speeds: tuple[float, ...]
+    gravity: float = STANDARD_GRAVITY
+
+    def __post_init__(self) -> None:
+        count = len(self.masses)
+        for name, wanted in (("restitutions", count - 1), ("gaps", count - 1), ("speeds", count)):
+            if count < 2 or len(getattr(self, name)) != wanted:
+                raise ValueError(f"{count} masses take {wanted} {name}, got {len(getattr(self, name))}; two at least")
+        masses, e = np.asarray(self.masses, dtype=float), np.asarray(self.restitutions, dtype=float)
+        refuse("a mass", masses, masses > 0.0, "positive")
+        positive("a mass between the ends", masses[1:-1])
+        if not np.any(np.isfinite(masses)):
+            raise ValueError("one body at least must have a finite mass")
+        refuse("a restitution", e, (e >= 0.0) & (e <= 1.0), "within 0 to 1")
+        not_negative("a gap", self.gaps)
+        not_negative("gravity", self.gravity)
+        refuse("a speed", self.speeds, np.isfinite(self.speeds), "finite")
+
+
+class Collision(NamedTuple):
+    """Two neighbours meet.
+
+    Attributes
+    ----------
+    time : float
+        s.
+    pair : int
+        Number of the lower body; the upper one is the next.
+    before, after : (float, float)
+        Speeds of the lower and the upper body, m/s.
+    impulse : float
+        N s.
+    energy_lost : float
+        (1 - e^2) m w^2/2 with the reduced mass m and the approach speed w, J.
+    at_once : bool
+        Whether a third body touched one of the two at that moment.
+    """
+
+    time: float
+    pair: int
+    before: tuple[float, float]
+    after: tuple[float, float]
+    impulse: float
+    energy_lost: float
+    at_once: bool
+
+
+@dataclass(frozen=True)
+class Collisions:
+    """A line from its start to its end; ask it for any time.
+
+    Attributes
+    ----------
+    line : Line
+        What was followed.
+    collisions : tuple of Collision
+        In their order.
+    words : tuple of str
+        What the user should know.
+    end : float
+        Time after which nothing was followed, s; infinite where nothing collides any more.
+    support : float
+        Impulse of floor and ceiling on what rests there, by the last collision, N s.
+    """
+
+    line: Line
+    collisions: tuple[Collision, ...]
+    words: tuple[str, ...]
+    end: float
+    support: float
+    _flights: tuple[_Flight, ...] = field(repr=False)
+
+    def positions(self, times: ArrayLike) -> Array:
+        """Return positions above the lowest body's start, m, shape (N, bodies), or (bodies,) for one time."""
+        t, rows = self._rows(times)
+        return np.asarray(rows[0] + rows[1] * t + 0.5 * rows[2] * t**2)
+
+    def speeds(self, times: ArrayLike) -> Array:
+        """Return speeds, m/s, shape (N, bodies), or (bodies,) for one time; after the collision at its very time."""
+        t, rows = self._rows(times)
+        return np.asarray(rows[1] + rows[2] * t)
+
+    @property
+    def final_speeds(self) -> Array:
+        """Speeds after the last collision, m/s."""
+        return self._flights[-1].speeds
+
+    @property
+    def gain(self) -> float:
+        """Largest speed with which the top body leaves a collision over the first approach speed; NaN without one."""
+        finite = [k for k, mass in enumerate(self.line.masses) if math.isfinite(mass)]
+        leaves = [c.after[1] for c in self.collisions if c.pair + 1 == finite[-1]]
+        if not leaves:
+            return math.nan
+        first = self.collisions[0].before
+        return max(leaves) / (first[0] - first[1])
+
+    @property
+    def energy_lost(self) -> float:
+        """Energy lost in all collisions, J."""
+        return math.fsum(collision.energy_lost for collision in self.collisions)
+
+    @property
+    def energy_error(self) -> float:
+        """Energy that the ledger misses, from the start to the last collision, over the energy of the start.
+
+        Only with floors and ceilings at rest: one that moves does work.
+        """
+        first, last = self._flights[0], self._flights[-1]
+        start = self._energy(first)
+        return abs(self._energy(last) + self.energy_lost - start) / (start or 1.0)
+
+    @property
+    def momentum_error(self) -> float:
+        """Momentum that the ledger misses over the largest momentum that a collision passed on."""
+        masses, last = self._finite_masses, len(self.line.masses) - 2
+        change = float(masses @ (self._flights[-1].speeds - self._flights[0].speeds))
+        fell = float(masses.sum()) * self.line.gravity * self._flights[-1].time
+        floor, ceiling = math.isinf(self.line.masses[0]), math.isinf(self.line.masses[-1])
+        up = math.fsum(c.impulse for c in self.collisions if floor and c.pair == 0)
+        down = math.fsum(c.impulse for c in self.collisions if ceiling and c.pair == last)
+        largest = max((c.impulse for c in self.collisions), default=1.0)
+        return abs(change + fell - up + down - self.support) / largest
+
+    @property
+    def _finite_masses(self) -> Array:
+        return np.where(np.isfinite(self.line.masses), self.line.masses, 0.0)
+
+    def _energy(self, flight: _Flight) -> float:
+        return float(self._finite_masses @ (0.5 * flight.speeds**2 + self.line.gravity * flight.places))
+
+    def _rows(self, times: ArrayLike) -> tuple[Array, Array]:
+        t = np.asarray(times, dtype=float)
+        refuse("a time", t, (t >= 0.0) & (t <= self.end), f"from 0 to the end, {self.end:g} s")
+        begins = np.array([flight.time for flight in self._flights])
+        which = np.searchsorted(begins, t, side="right") - 1
+        table = np.array([[flight.places, flight.speeds, flight.pulls] for flight in self._flights])
+        return (t - begins[which])[..., None], np.moveaxis(table[which], -2, 0)
+
+
+class _Flight(NamedTuple):
+    """The line from one time to the next collision: time, places, speeds, accelerations."""
+
+    time: float
+    places: Array
+    speeds: Array
+    pulls: Array
+
+
+def collide(line: Line, duration: float = math.inf, most: int = 10_000) -> Collisions:
+    """Follow a line of bodies from collision to collision.
+
+    Between collisions all is closed form: bodies fall freely or rest on a floor. The next collision is the first of
+    all pairs, whatever their order in the line. Collisions at once are taken from the bottom up, each as a pair of its
+    own with the speeds that the one before has left; so touching bodies act as if a gap of nothing lay between them.
+    Bodies that meet at less than `AT_REST` of the speed scale stay together: endless bounces end there, and the words
+    say so.
+
+    Parameters
+    ----------
+    line : Line
+        Bodies, gaps, speeds.
+    duration : float, optional
+        How long, s.
+    most : int, optional
+        Largest number of collisions.
+
+    Raises
+    ------
+    ValueError
+        If the duration is not positive, or `most` is not at least 1.
+
+    Notes
+    -----
+    Source: Rodgers et al. 2009 for the pairs; the order is found here.
+
+    Examples
+    --------
+    >>> three = Line((1.0, 0.1, 0.01), (1.0, 1.0), gaps=(0.01, 0.01), speeds=(1.0, 0.0, 0.0), gravity=0.0)
+    >>> run = collide(three)
+    >>> [c.pair for c in run.collisions], round(run.gain, 6)
+    ([0, 1], 3.305785)
+    """
+    if not duration > 0.0 or most < 1:
+        raise ValueError(f"the duration must be positive and the collisions 1 at least, got {duration!r} and {most!r}")
+    state = _State(line)
+    flights, words = [state.flight()], list[str]()
+    collisions: list[Collision] = []
+    ended = duration
+    while True:
+        wait, pair, at_once = state.next_collision()
+        if math.isinf(wait) or state.time + wait > duration:
+            break
+        if len(collisions) == most:
+            ended = state.time
+            words.append(f"stopped after {most} collisions, at {ended:.6g} s: more follow")
+            break
+        state.advance(wait, pair)
+        collisions.append(state.strike(pair, at_once))
+        flights.append(state.flight())
+    words += _words_about(state.rested, sum(collision.at_once for collision in collisions))
+    return Collisions(line, tuple(collisions), tuple(words), ended, state.support, tuple(flights))
+
+
+def _words_about(rested: set[int], at_once: int) -> list[str]:
+    words = []
+    if rested:
+        bodies = ", ".join(str(k + 1) for k in sorted(rested))
+        words.append(
+            f"ever smaller bounces bring to rest on a neighbour: body {bodies}; those below {AT_REST:g} of the speed "
+            "scale are left out"
+        )
+    if at_once:
+        words.append(
+            f"collisions while a third body touches: {at_once}; they are taken in pairs from the bottom up, and finite "
+            "contacts may end otherwise"
+        )
+    return words
+
+
+class _State:
+    """The line at a time; gaps are kept themselves, so that bodies that touch touch exactly."""
+
+    def __init__(self, line: Line) -> None:
+        self.line, self.time, self.support = line, 0.0, 0.0
+        self.base, self.gaps, self.speeds = 0.0, list(line.gaps), list(line.speeds)
+        self.rested: set[int] = set()
+        scale = math.sqrt(float(np.ptp(line.speeds)) ** 2 + 2.0 * line.gravity * sum(line.gaps))
+        self.slow = AT_REST * scale
+        self.pulls = self._pulls()
+
+    def _pulls(self) -> list[float]:
+        """Return the acceleration of each body: none for what is infinite or rests on such from below."""
+        out, held = [], True
+        for k, mass in enumerate(self.line.masses):
+            below = k > 0 and self.gaps[k - 1] == 0.0 and self.speeds[k] == self.speeds[k - 1]
+            held = math.isinf(mass) if k == 0 else held and below
+            out.append(0.0 if held or math.isinf(mass) else -self.line.gravity)
+        return out
+
+    def flight(self) -> _Flight:
+        places = np.concatenate([[self.base], self.base + np.cumsum(self.gaps)])
+        return _Flight(self.time, places, np.array(self.speeds), np.array(self.pulls))
+
+    def next_collision(self) -> tuple[float, int, bool]:
+        """Return the wait for the next collision, its pair, and whether a third body touches at that moment."""
+        waits = [self._wait(k) for k in range(len(self.gaps))]
+        soonest = min(waits)
+        if math.isinf(soonest):
+            return soonest, 0, False
+        tie = AT_ONCE * (self.time + soonest)
+        pair = next(k for k, wait in enumerate(waits) if wait <= soonest + tie)
+        beside = [k for k in (pair - 1, pair + 1) if 0 <= k < len(waits)]
+        still = soonest == 0.0
+        touching = any(waits[k] <= soonest + tie or (self.gaps[k] == 0.0 and self._stay(k, still)) for k in beside)
+        return soonest, pair, touching
+
+    def _stay(self, k: int, still: bool) -> bool:
+        """Return whether a pair that touches now still does at the next collision."""
+        return still or (self.speeds[k] == self.speeds[k + 1] and self.pulls[k] == self.pulls[k + 1])
+
+    def _wait(self, k: int) -> float:
+        """Return when the gap d + w t + a t^2/2 of a pair closes, s; infinite if never."""
+        d, w, a = self.gaps[k], self.speeds[k + 1] - self.speeds[k], self.pulls[k + 1] - self.pulls[k]
+        inside = w * w - 2.0 * a * d
+        if w < 0.0:
+            return math.inf if inside < 0.0 else 2.0 * d / (-w + math.sqrt(inside))
+        return (w + math.sqrt(inside)) / -a if a < 0.0 else math.inf
+
+    def advance(self, wait: float, pair: int) -> None:
+        """Let the line fly; the pair touches at the end of it."""
+        v, a = self.speeds, self.pulls
+        for k in range(len(self.gaps)):
+            w, change = v[k + 1] - v[k], a[k + 1] - a[k]
+            self.gaps[k] = max(self.gaps[k] + (w + 0.5 * change * wait) * wait, 0.0)
+        self.gaps[pair] = 0.0
+        self.base += (v[0] + 0.5 * a[0] * wait) * wait
+        held = sum(m for m, pull in zip(self.line.masses, a, strict=True) if math.isfinite(m) and pull == 0.0)
+        self.support += held * self.line.gravity * wait
+        self.speeds = [speed + pull * wait for speed, pull in zip(v, a, strict=True)]
+        self.time += wait
+
+    def strike(self, pair: int, at_once: bool) -> Collision:
+        """Let a pair collide, with no restitution where it is slow."""
+        lower, upper = self.line.masses[pair : pair + 2]
+        before = self.speeds[pair], self.speeds[pair + 1]
+        approach = before[0] - before[1]
+        slow = approach < self.slow
+        e = 0.0 if slow else self.line.restitutions[pair]
+        reduced = 1.0 / (1.0 / lower + 1.0 / upper)
+        impulse = (1.0 + e) * reduced * approach
+        after = before[0] - impulse / lower, before[1] + impulse / upper
+        if e == 0.0:
+            common = after[1] if math.isinf(upper) else after[0]
+            after = common, common
+        self.speeds[pair : pair + 2] = after
+        if slow:
+            self.rested.add(pair + 1 if math.isfinite(upper) else pair)
+            self._stay_together(pair)
+        self.pulls = self._pulls()
+        lost = 0.5 * (1.0 - e * e) * reduced * approach**2
+        return Collision(self.time, pair, before, after, impulse, lost, at_once)
+
+    def _stay_together(self, pair: int) -> None:
+        """Give all bodies that touch the pair and are as slow beside it one speed, that of their momentum."""
+        v, first, last = self.speeds, pair, pair + 1
+        while first > 0 and self.gaps[first - 1] == 0.0 and abs(v[first - 1] - v[first]) < self.slow:
+            first -= 1
+        while last < len(v) - 1 and self.gaps[last] == 0.0 and abs(v[last + 1] - v[last]) < self.slow:
+            last += 1
+        members = range(first, last + 1)
+        fixed = [v[k] for k in members if math.isinf(self.line.masses[k])]
+        total = math.fsum(self.line.masses[k] * v[k] for k in members) if not fixed else 0.0
+        common = fixed[0] if fixed else total / math.fsum(self.line.masses[k] for k in members)
+        for k in members:
+            if fixed and math.isfinite(self.line.masses[k]):
+                self.support += self.line.masses[k] * (common - v[k])
+            v[k] = common
+
+
+@dataclass(frozen=True)
+class SoftCollisions:
+    """A line whose contacts take time.
+
+    Attributes
+    ----------
+    motion : ChainMotion
+        All of it; bodies are named 1, 2 ... from the bottom, infinite ones are bases.
+    speeds : ndarray
+        At the end, m/s; of an infinite body 0.
+    contacts : tuple of ndarray
+        Begin, end (s) and approach speed (m/s) of the contacts of each pair, shape (N, 3).
+    """
+
+    motion: ChainMotion
+    speeds: Array
+    contacts: tuple[Array, ...]
+
+    @property
+    def overlap(self) -> float:
+        """Longest time that two contacts of one body last together, s: pairwise theory asks for 0."""
+        longest = 0.0
+        for one, other in itertools.pairwise(self.contacts):
+            begin = np.maximum(one[:, None, 0], other[None, :, 0])
+            end = np.minimum(one[:, None, 1], other[None, :, 1])
+            longest = max(longest, float(np.max(end - begin, initial=0.0)))
+        return longest
+
+
+def collide_softly(
+    line: Line, contacts: Sequence[AnyContact], duration: float, tolerance: float = 1e-10
+) -> SoftCollisions:
+    """Follow a line whose bodies meet by contact laws; its restitutions are not asked.
+
+    Parameters
+    ----------
+    line : Line
+        Bodies, gaps, speeds; an infinite one must stand still.
+    contacts : sequence of Contact or LogarithmicContact
+        Law of each pair of neighbours.
+    duration : float
+        How long, s.
+    tolerance : float, optional
+        Of `strikewave.contact.chain.simulate`.
+
+    Raises
+    ------
+    ValueError
+        If there is not one contact for each pair, or an infinite body moves.
+
+    Examples
+    --------
+    >>> from strikewave.contact import Contact
+    >>> pair = Line((1.0, 1.0), (1.0,), gaps=(0.0,), speeds=(1.0, 0.0), gravity=0.0)
+    >>> run = collide_softly(pair, [Contact(1e9, 1.5)], duration=1e-3)
+    >>> print(abs(run.speeds).round(6))
+    [0. 1.]
+    """
+    if len(contacts) != len(line.gaps):
+        raise ValueError(f"{len(line.masses)} bodies take {len(line.gaps)} contacts, got {len(contacts)}")
+    places = np.concatenate([[0.0], np.cumsum(line.gaps)])
+    names = [str(k + 1) for k in range(len(places))]
+    infinite = np.isinf(line.masses)
+    if np.any(np.asarray(line.speeds)[infinite] != 0.0):
+        raise ValueError("a body of infinite mass must stand still among finite contacts")
+    bodies = {name: mass for name, mass, fixed in zip(names, line.masses, infinite, strict=True) if not fixed}
+    bases = {name: float(x) for name, x, fixed in zip(names, places, infinite, strict=True) if fixed}
+    touches = [Touch(*pair, contact) for pair, contact in zip(itertools.pairwise(names), contacts, strict=True)]
+    chain = Chain(bodies, touches, bases, -line.gravity)
+    start = dict(zip(names, places, strict=True)), dict(zip(names, line.speeds, strict=True))
+    at, moving = ({name: float(values[name]) for name in bodies} for values in start)
+    motion = simulate(chain, at, moving, duration, tolerance)
+    speeds = np.zeros(len(names))
+    speeds[~infinite] = motion.speeds(duration)
+    return SoftCollisions(motion, speeds, tuple(motion.contacts(k) for k in range(len(touches))))

@@ -1,0 +1,329 @@
+"""Speeds of arrival against the integrated equations of motion, closed limits and published numbers."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from scipy.integrate import quad, solve_ivp
+from scipy.special import beta
+
+from strikewave.contact import Contact
+from strikewave.hopkinson.bars import Bar, Striker
+from strikewave.machines.launch import (
+    STANDARD_GRAVITY,
+    GasGun,
+    MacheteHammer,
+    Pendulum,
+    drop_for_half_sine,
+    fall_speed,
+    half_sine_pulse,
+    inertia_of_period,
+    linear_shaper,
+    machete_energy,
+    machete_speed,
+    muzzle_speed,
+    pendulum_energy,
+    pendulum_speed,
+    shaper_pulse,
+    wave_muzzle_speed,
+)
+
+G = STANDARD_GRAVITY
+GUN = GasGun(pressure=2e6, volume=5e-3, bore=2e-3, length=1.5, mass=0.5, friction=150.0)
+
+
+def reached(rate, span, state, place, target):
+    """Return the state where one of its places reaches a target."""
+
+    def there(_, y):
+        return y[place] - target
+
+    there.terminal, there.direction = True, 1.0
+    solved = solve_ivp(rate, (0.0, span), state, events=there, rtol=1e-11, atol=1e-13, method="DOP853")
+    assert solved.status == 1
+    return solved.y_events[0][0]
+
+
+@given(
+    height=st.floats(0.01, 50.0),
+    share=st.floats(0.0, 0.5),
+    viscous=st.floats(0.0, 5.0),
+    drag=st.floats(0.0, 2.0),
+    guided=st.booleans(),
+)
+def test_fall_against_the_equation_of_motion(height, share, viscous, drag, guided):
+    viscous, drag = (viscous, 0.0) if guided else (0.0, drag)
+    speed = fall_speed(height, friction=share, viscous=viscous, drag=drag)
+    pull = G * (1.0 - share)
+    end = reached(lambda _, y: [y[1], pull - viscous * y[1] - drag * y[1] ** 2], 500.0, [0.0, 0.0], 0, height)
+    assert speed == pytest.approx(end[1], rel=1e-8)  # the integrator's tolerance and its event
+
+
+@pytest.mark.parametrize("law", ["viscous", "drag"])
+def test_little_friction_takes_its_work_from_a_fall(law):
+    """First order of the exact speed: v^2 = 2 g h - 2 r int v dh (or 2 c int v^2 dh); the rest is of second order."""
+    height = 2.0
+    free = math.sqrt(2.0 * G * height)
+    work = {"viscous": 2.0 / 3.0 * free * height, "drag": G * height**2}[law]
+    misses = []
+    for small in (1e-3, 1e-4, 1e-5):
+        speed = float(fall_speed(height, **{law: small}))
+        misses.append(abs((speed**2 - free**2) / (2.0 * small) + work))
+    assert np.allclose(np.log10(np.array(misses[:-1]) / misses[1:]), 1.0, atol=2e-3)
+
+
+def test_terminal_speeds_of_a_long_fall():
+    assert fall_speed(1e4, viscous=2.0) == pytest.approx(G / 2.0, rel=1e-12)
+    assert fall_speed(1e4, drag=0.5) == pytest.approx(math.sqrt(G / 0.5), rel=1e-12)
+
+
+def test_lambert_keeps_its_digits_where_its_series_ends():
+    mpmath = pytest.importorskip("mpmath")
+    for height in np.geomspace(1e-12, 1.0, 61):
+        with mpmath.workdps(40):
+            whole = 1 + mpmath.lambertw(-mpmath.exp(-1 - mpmath.mpf(float(height)) / G)).real
+            exact = float(G * whole)
+        # the term after the series' last, 0.007 (0.02)^6, and cancellation in 1 + W above it
+        assert fall_speed(height, viscous=1.0) == pytest.approx(exact, rel=2e-12)
+
+
+def test_navy_light_weight_hammer():
+    """MIL-S-901D: 400 lb from 5 ft, 2000 ft lb: 2711.6 J."""
+    speed = fall_speed(5 * 0.3048)
+    assert 0.5 * 400 * 0.45359237 * speed**2 == pytest.approx(2000 * 1.3558179483314, rel=1e-9)
+
+
+@given(angle=st.floats(0.1, 3.0), centre=st.floats(0.1, 1.0), spread=st.floats(1.0, 2.0))
+def test_pendulum_against_the_equation_of_motion(angle, centre, spread):
+    hammer = Pendulum(mass=3.0, centre=centre, inertia=3.0 * centre**2 * spread, radius=1.1 * centre)
+
+    def rate(_, y):
+        return [y[1], -hammer.mass * G * centre / hammer.inertia * math.sin(y[0])]
+
+    end = reached(rate, 60.0, [-angle, 0.0], 0, 0.0)
+    assert pendulum_speed(hammer, angle) == pytest.approx(hammer.radius * end[1], rel=1e-8)
+
+
+def test_charpy_pendulums_of_iso_13802():
+    """Simple pendulums of 0.225 m and 0.390 m let go at 160 deg (usual sizes): 2.9 m/s and 3.8 m/s, each +-10 %."""
+    for length, published in ((0.225, 2.9), (0.390, 3.8)):
+        simple = Pendulum(1.0, length, length**2, length)
+        assert pendulum_speed(simple, math.radians(160.0)) == pytest.approx(published, rel=0.02)
+
+
+@given(angle=st.floats(0.01, 3.1), strike=st.floats(0.0, 1.5))
+def test_pendulum_energy_is_effective_mass_at_its_speed(angle, strike):
+    assume(angle > strike)
+    hammer = Pendulum(mass=20.0, centre=0.7, inertia=10.5, radius=0.75)
+    energy = 0.5 * hammer.effective_mass * pendulum_speed(hammer, angle, strike) ** 2
+    assert energy == pytest.approx(float(pendulum_energy(hammer, angle, strike)), rel=1e-13)
+    height = 0.7 * (math.cos(strike) - math.cos(angle))
+    assert energy == pytest.approx(20.0 * G * height, rel=1e-9, abs=1e-11)  # the cosines cancel
+
+
+def test_inertia_comes_back_from_the_period_of_small_swings():
+    hammer = Pendulum(mass=20.0, centre=0.7, inertia=10.5, radius=0.75)
+    rate = lambda _, y: [y[1], -20.0 * G * 0.7 / 10.5 * math.sin(y[0])]  # noqa: E731
+    quarter = solve_ivp(
+        rate, (0.0, 1.0), [-1e-4, 0.0], events=lambda _, y: y[0], rtol=1e-11, atol=1e-16, method="DOP853"
+    ).t_events[0][0]
+    # the period grows by a^2/16 = 6e-10 at the angle 1e-4
+    assert inertia_of_period(20.0, 0.7, 4.0 * quarter) == pytest.approx(10.5, rel=5e-9)
+    assert hammer.reduced_length == pytest.approx(G * (4.0 * quarter) ** 2 / (4.0 * math.pi**2), rel=5e-9)
+
+
+@given(
+    teeth=st.integers(1, 12),
+    unbalance=st.floats(0.0, 3.0),
+    weight=st.floats(1.0, 50.0),
+    strike=st.floats(-0.3, 0.3),
+    friction=st.floats(0.0, 0.5),
+)
+def test_machete_hammer_against_the_equation_of_motion(teeth, unbalance, weight, strike, friction):
+    hammer = MacheteHammer(24, 1.7, 0.6, unbalance, weight, drum=0.08, friction=friction, strike_angle=strike)
+    start = teeth * hammer.pitch
+    assume(start + strike < math.pi)
+    pull = weight * G * 0.08 - friction
+    assume(pull + unbalance * G * math.sin(strike) > 0.05)
+    assume(pull + unbalance * G * min(math.sin(start + strike), 0.0) > 0.05)
+
+    def rate(_, y):  # y[0] is the angle gone, from the release
+        return [y[1], (pull + unbalance * G * math.sin(start - y[0] + strike)) / (1.7 + weight * 0.08**2)]
+
+    end = reached(rate, 100.0, [0.0, 0.0], 0, start)
+    assert machete_speed(hammer, teeth) == pytest.approx(0.6 * end[1], rel=1e-8)
+
+
+def test_balanced_machete_hammer_goes_with_the_root_of_its_teeth():
+    hammer = MacheteHammer(30, 2.0, 0.6, weight=36.0, drum=0.1)
+    n = np.arange(1, 21)
+    assert np.allclose(machete_speed(hammer, n) / np.sqrt(n), machete_speed(hammer, 1), rtol=1e-14)
+
+
+def test_arm_without_a_weight_is_a_pendulum():
+    hammer = MacheteHammer(20, 10.5, 0.75, unbalance=20.0 * 0.7)
+    swing = Pendulum(20.0, 0.7, 10.5, 0.75)
+    assert machete_speed(hammer, 7) == pytest.approx(float(pendulum_speed(swing, 7 * hammer.pitch)), rel=1e-14)
+    assert hammer.effective_mass == swing.effective_mass
+
+
+@given(gamma=st.sampled_from([1.0, 1.2, 1.4, 5 / 3]), pressure=st.floats(1e6, 3e7), volume=st.floats(1e-3, 0.1))
+def test_gas_gun_against_the_work_of_its_gas(gamma, pressure, volume):
+    gun = GasGun(pressure, volume, 2e-3, 1.5, 0.5, friction=150.0, heat_ratio=gamma)
+
+    def force(x):
+        return 2e-3 * pressure * (volume / (volume + 2e-3 * x)) ** gamma - gun.held_back
+
+    work = quad(force, 0.0, 1.5, epsabs=0.0, epsrel=1e-13)[0]
+    assert muzzle_speed(gun) == pytest.approx(math.sqrt(2.0 * work / 0.5), rel=1e-12)
+
+
+def test_isothermal_gas_gun_is_the_limit_of_the_adiabatic_one():
+    """And it is faster (Rohrbach et al. 2012)."""
+    isothermal = muzzle_speed(GasGun(2e6, 5e-3, 2e-3, 1.5, 0.5, heat_ratio=1.0))
+    misses = [isothermal - muzzle_speed(GasGun(2e6, 5e-3, 2e-3, 1.5, 0.5, heat_ratio=1 + d)) for d in (1e-2, 1e-3)]
+    assert misses[0] > misses[1] > 0.0
+    assert misses[0] / misses[1] == pytest.approx(10.0, rel=0.01)
+
+
+def test_gas_gun_of_a_huge_reservoir_has_constant_force():
+    gun = GasGun(2e6, 1e6, 2e-3, 1.5, 0.5, ambient=0.0)
+    assert muzzle_speed(gun) == pytest.approx(math.sqrt(2 * 2e6 * 2e-3 * 1.5 / 0.5), rel=1e-8)
+
+
+@given(length=st.floats(0.01, 50.0), gamma=st.floats(1.1, 5 / 3))
+def test_gas_with_inertia_against_the_equation_of_motion(length, gamma):
+    gun = GasGun(2e6, 5e-3, 2e-3, length, 0.5, heat_ratio=gamma)
+
+    def rate(_, y):
+        s = 1.0 - 0.5 * (gamma - 1.0) * y[1] / 343.0
+        return [y[1], 2e6 * 2e-3 / 0.5 * s ** (2.0 * gamma / (gamma - 1.0))]
+
+    end = reached(rate, 10.0, [0.0, 0.0], 0, length)
+    assert wave_muzzle_speed(gun, 343.0) == pytest.approx(end[1], rel=1e-8)
+
+
+def test_gas_with_inertia_is_slower_by_a_first_order_of_its_mach_number():
+    """Against constant pressure: v/v0 = 1 - gamma v0/(3 a) + ..."""
+    misses = []
+    for length in (1e-2, 1e-4, 1e-6):
+        free = math.sqrt(2.0 * 2e6 * 2e-3 * length / 0.5)
+        gun = GasGun(2e6, 5e-3, 2e-3, length, 0.5)
+        misses.append((1.0 - wave_muzzle_speed(gun, 343.0) / free) / (1.4 * free / (3.0 * 343.0)) - 1.0)
+    assert abs(misses[-1]) < 1e-3
+    assert misses[0] / misses[1] == pytest.approx(10.0, rel=0.1)
+
+
+def test_gas_never_drives_beyond_its_escape_speed():
+    gun = GasGun(1e8, 5e-3, 2e-3, 1e5, 1e-3)
+    assert 0.8 * 5.0 * 343.0 < wave_muzzle_speed(gun, 343.0) < 5.0 * 343.0
+
+
+def test_gas_that_cannot_push_to_the_muzzle_is_refused():
+    with pytest.raises(ValueError, match="cannot push the projectile"):
+        muzzle_speed(GasGun(1.2e5, 1e-3, 2e-3, 1.5, 0.5))
+    with pytest.raises(ValueError, match="cannot push the projectile"):
+        muzzle_speed(GasGun(1.0e5, 1.0, 2e-3, 1.5, 0.5))
+    with pytest.raises(ValueError, match="above 1"):
+        wave_muzzle_speed(GasGun(2e6, 5e-3, 2e-3, 1.5, 0.5, heat_ratio=1.0), 343.0)
+
+
+@given(speed=st.floats(0.3, 10.0), stiffness=st.floats(1e3, 1e9))
+def test_half_sine_with_gravity_against_the_equation_of_motion(speed, stiffness):
+    mass = 20.0
+    pulse = half_sine_pulse(speed, mass, stiffness, G)
+    w = math.sqrt(stiffness / mass)
+
+    def lifts(_, y):
+        return y[0]
+
+    lifts.terminal, lifts.direction = True, -1.0
+    solved = solve_ivp(
+        lambda _, y: [y[1], G - w**2 * y[0]],
+        (0.0, 10.0 / w),
+        [0.0, speed],
+        events=lifts,
+        rtol=1e-11,
+        atol=1e-14 * speed,
+        method="DOP853",
+        dense_output=True,
+        max_step=0.02 / w,
+    )
+    path = solved.sol(np.linspace(0.0, solved.t[-1], 20001))
+    assert pulse.width == pytest.approx(solved.t[-1], rel=1e-8)
+    assert pulse.velocity_change == pytest.approx(speed - solved.y[1, -1], rel=1e-8)
+    assert pulse.crush == pytest.approx(path[0].max(), rel=1e-6)  # the sampling of a maximum
+    assert pulse.peak == pytest.approx((w**2 * path[0] - G).max(), rel=1e-6)
+
+
+@given(speed=st.floats(0.1, 10.0), stiffness=st.floats(1e5, 1e9))
+def test_linear_shaper_is_the_exponent_1_of_any_contact(speed, stiffness):
+    assert np.allclose(
+        shaper_pulse(Contact(stiffness, 1.0), speed, 20.0), half_sine_pulse(speed, 20.0, stiffness), rtol=1e-9
+    )
+
+
+def test_hertzian_shaper_has_the_duration_of_hertz():
+    """T = 2.94 d/v for the exponent 3/2, exactly (4/5) B(2/5, 1/2), and a peak of 5 v^2/(4 d)."""
+    pulse = shaper_pulse(Contact(1e9, 1.5), 3.0, 20.0)
+    assert pulse.width * 3.0 / pulse.crush == pytest.approx(0.8 * beta(0.4, 0.5), rel=1e-9)
+    assert pulse.peak == pytest.approx(1.25 * 9.0 / pulse.crush, rel=1e-12)
+
+
+@given(restitution=st.floats(0.05, 1.0))
+def test_linear_shaper_throws_back_with_its_restitution(restitution):
+    pulse = shaper_pulse(linear_shaper(7.9e8, 20.0, restitution), 2.35, 20.0)
+    assert pulse.velocity_change == pytest.approx((1.0 + restitution) * 2.35, rel=1e-7)
+
+
+@given(peak=st.floats(10.0, 1e6), width=st.floats(1e-5, 0.1))
+def test_drop_for_a_half_sine_undoes_the_pulse(peak, width):
+    drop = drop_for_half_sine(peak, width)
+    pulse = half_sine_pulse(drop.speed, 3.0, 3.0 * drop.stiffness_over_mass)
+    assert pulse[:3] == pytest.approx((peak, width, 2.0 * peak * width / math.pi), rel=1e-13)
+    assert fall_speed(drop.height) == pytest.approx(drop.speed, rel=1e-13)
+
+
+def test_conditions_of_jesd22_b104():
+    """Equivalent drop heights, in cm as the standard rounds them (table from memory)."""
+    for peak, width, height in ((2900, 0.3e-3, 150), (1500, 0.5e-3, 112), (500, 1.0e-3, 50), (200, 1.5e-3, 18)):
+        assert drop_for_half_sine(peak * G, width, 0.0).height * 100 == pytest.approx(height, abs=0.51)
+
+
+def test_worked_example_of_a_maker():
+    """ETS, shock test machine selection: 100 g (1000 m/s^2) over 11 ms takes 2 x 1000 x 11/3.14/1000 = 7.0 m/s."""
+    assert 2.0 * drop_for_half_sine(1000.0, 11e-3).speed == pytest.approx(7.0, abs=0.006)
+
+
+def test_striker_bar_of_equal_bars_gives_half_its_speed():
+    """sigma = rho c v/2 over 2 L/c (Kolsky 1963): what launch leaves to `hopkinson.bars`."""
+    bar = Bar(7800.0, 210e9, 0.02, 1.02)
+    striker = Striker(0.2, bar.speed, bar.impedance, 10.0)
+    assert striker.strain(bar) * 210e9 == pytest.approx(7800.0 * bar.speed * 10.0 / 2.0, rel=1e-12)
+    assert striker.pulse_length == pytest.approx(0.4 / bar.speed, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: fall_speed([1.0, -1.0]), "height must be finite and >= 0, got -1.0 at index 1"),
+        (lambda: fall_speed(1.0, friction=1.0), "friction of the guide must be from 0 to below 1"),
+        (lambda: fall_speed(1.0, viscous=1.0, drag=1.0), "not both"),
+        (lambda: fall_speed(1.0, gravity=0.0), "gravity must be positive"),
+        (lambda: Pendulum(2.0, 0.5, 0.4, 0.5), "at least mass times centre squared, 0.5 kg"),
+        (lambda: Pendulum(2.0, 0.5, math.nan, 0.5), "inertia of the pendulum"),
+        (lambda: pendulum_speed(Pendulum(2.0, 0.5, 0.6, 0.5), 0.1, 0.2), "angle of release"),
+        (lambda: machete_energy(MacheteHammer(30, 2.0, 0.6, weight=1.0, drum=0.1), 2.5), "whole number"),
+        (lambda: machete_energy(MacheteHammer(30, 2.0, 0.6, friction=1.0), [0, 3]), "at index 1"),
+        (lambda: MacheteHammer(30, -2.0, 0.6), "inertia of the hammer"),
+        (lambda: GasGun(2e6, 0.0, 2e-3, 1.5, 0.5), "volume of the gas gun"),
+        (lambda: GasGun(2e6, 1e-3, 2e-3, 1.5, 0.5, heat_ratio=2.0), "1 to 5/3, got 2.0"),
+        (lambda: half_sine_pulse(0.0, 1.0, 1.0), "speed must be positive"),
+        (lambda: drop_for_half_sine(1.0, 1.0, 1.5), "within 0 to 1"),
+    ],
+)
+def test_refusals_name_the_number(call, words):
+    with pytest.raises(ValueError, match=words.replace("+", r"\+")):
+        call()
