@@ -7,18 +7,22 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from strikewave.case import Case
 from strikewave.machines import Blow
+from strikewave.machines._kernels import stroke_places
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window
 from strikewave.machines.rotary import RotaryRun
-from strikewave.machines.spans import StackSpan
+from strikewave.machines.spans import Moments, StackSpan
 from strikewave.readings import BlowHistory, Channel, Observed, View
 from strikewave.solution import BLOW_UNITS
 from strikewave.waves.li_ma import ROUTES
 
 if TYPE_CHECKING:
     import xarray
+
+Array = NDArray[np.float64]
 
 PULSE_STEP = 0.5e-6
 """Sampling of the stored blow windows, s."""
@@ -29,20 +33,39 @@ def quantity(dimension: Any, values: Any, unit: str, name: str) -> tuple[Any, An
     return dimension, values, {"units": unit, "long_name": name}
 
 
+def carriage_position(case: Case, phases: Sequence[tuple[str, float]], time: Array) -> Array:
+    """Return how far the carriage is from its fed place, m, at times after the valve signal.
+
+    Both strokes begin and end where the phases of the run say.
+    """
+    feed, at = case.rig().feed, dict(phases)
+    rise, fall = (0.5 if share is None else share.si for share in (feed.acceleration, feed.cushion))
+
+    def moved(begin: float, end: float) -> Array:
+        places = np.empty(time.size)
+        stroke_places((time - begin) / (end - begin), rise, fall, places)
+        return places
+
+    return np.asarray(feed.stroke.si * (1.0 - moved(at["feed"], at["fed"]) + moved(at["retract"], at["brake"])))
+
+
 def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
     """Sample a run and what was seen of it into a dataset."""
     import xarray
 
     run, found = seen.run, seen.blows
     time = np.arange(0.0, run.end, case.solver.output_step.si)
+    time = time[time <= run.end]  # rounding may lead beyond
     train = run.sample(time)
     pulse_time = np.arange(-round(WINDOW_BEFORE / PULSE_STEP), round(WINDOW_AFTER / PULSE_STEP) + 1) * PULSE_STEP
     force, acceleration = (np.full((len(found), pulse_time.size), np.nan) for _ in range(2))
     for row, blow in enumerate(found):
         if blow.kind != "missed":
             since, f, a = pulse_window(run, blow.time, WINDOW_AFTER, PULSE_STEP)
-            force[row, : since.size], acceleration[row, : since.size] = f[: pulse_time.size], a[: pulse_time.size]
-    recorder = case.rig().recorder
+            first = round((since[0] - pulse_time[0]) / PULSE_STEP)
+            held = slice(first, first + since.size)
+            force[row, held], acceleration[row, held] = (v[: pulse_time.size - first] for v in (f, a))
+    recorder, begun = case.impact().recorder, case.time_zero
     record_time = recorder.begin + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
     inside = (record_time >= 0.0) & (record_time <= run.end)
     record = np.zeros(record_time.size)
@@ -53,7 +76,6 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
         "nose_position": quantity("time", train.face_place, "m", "position of the struck face along the blow"),
         "assembly_position": quantity("time", train.assembly_place, "m", "position of the assembly"),
         "assembly_speed": quantity("time", train.assembly_speed, "m/s", "speed of the assembly"),
-        "turntable_speed": quantity("time", train.turntable_speed, "rad/s", "turntable speed"),
         "pulse_force": quantity(("blow", "pulse_time"), force, "N", "contact force of each blow"),
         "pulse_acceleration": quantity(
             ("blow", "pulse_time"), acceleration, "m/s^2", "rigid-body acceleration of each blow"
@@ -62,6 +84,9 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
             "record_time", record, "m/s^2", "rigid-body acceleration as an ideal recorder samples it"
         ),
     }
+    if case.launched() is None:
+        variables["turntable_speed"] = quantity("time", train.turntable_speed, "rad/s", "turntable speed")
+    variables |= _place_variables(case, run, time, train)
     for column in (f.name for f in dataclasses.fields(Blow)):
         if column not in ("index", "kind"):
             values = np.array([getattr(b, column) for b in found])
@@ -70,9 +95,9 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
             )
     variables["blow_kind"] = quantity("blow", np.array([b.kind for b in found], dtype=object), "1", "kind")
     coordinates = {
-        "time": quantity("time", time, "s", "time after the valve signal"),
+        "time": quantity("time", time, "s", f"time after {begun}"),
         "pulse_time": quantity("pulse_time", pulse_time, "s", "time after first touch"),
-        "record_time": quantity("record_time", record_time, "s", "time after the valve signal"),
+        "record_time": quantity("record_time", record_time, "s", f"time after {begun}"),
         "blow": ("blow", np.array([b.index for b in found], dtype=np.int64)),
     }
     if seen.taps:
@@ -83,6 +108,19 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
     variables |= _reading_variables(seen.histories, seen.view.channels)
     variables |= _field_variables(run)
     return xarray.Dataset(variables, coordinates, {"route": seen.view.route})
+
+
+def _place_variables(case: Case, run: RotaryRun, time: Array, train: Moments) -> dict[str, Any]:
+    """Return where turntable and carriage are; nothing for a machine without a feed."""
+    if not {"feed", "fed", "retract", "brake"} <= dict(run.phases).keys():
+        return {}
+    carriage = carriage_position(case, run.phases, time)
+    return {
+        "turntable_angle": quantity(
+            "time", train.turntable_angle, "rad", "angle of the first striker after the strike position"
+        ),
+        "carriage_position": quantity("time", carriage, "m", "way of the carriage from its fed place"),
+    }
 
 
 def _tap_variables(histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: View) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from strikewave.contact.registry import FROM_MEMORY
 from strikewave.machines import Blow
 from strikewave.materials import material
 from strikewave.solution import Notice
-from strikewave.tables import ContactTable, Striker
+from strikewave.tables import POWER, AnyStriker, ContactTable
 
 LEDGER_LIMIT = 1e-6
 """Energy or momentum missing beyond this share breaks a stated limit."""
@@ -44,7 +44,8 @@ def notices(case: Case, found: Sequence[Blow]) -> tuple[Notice, ...]:
         listed.append(
             Notice(
                 "no-blow",
-                "no striker touched the object: see where it rests against machine.engagement",
+                "no striker touched the object: see "
+                + ("where it rests against machine.engagement" if case.launched() is None else "[machine]"),
                 0.0,
                 1.0,
                 broken=True,
@@ -67,7 +68,8 @@ def law_notices(case: Case) -> Iterator[Notice]:
     contact = case.contact
     if contact is None:
         return
-    for law in (damping_law(contact.damping), stiffness_law(contact.law)):
+    laws = [damping_law(contact.damping), *([stiffness_law(contact.law)] if contact.law != POWER else [])]
+    for law in laws:
         if law.status == FROM_MEMORY:
             message = f"the contact law {law.name} is from memory: no text that states it could be opened"
             yield Notice("law-from-memory", message, 1.0, 0.0)
@@ -94,7 +96,7 @@ def ledger_notices(ledger: Mapping[str, float]) -> Iterator[Notice]:
 
 
 def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
-    made, wanted = sum(blow.kind != "missed" for blow in found), case.rig().feed.blows.si
+    made, wanted = sum(blow.kind != "missed" for blow in found), case.feed.blows.si if case.feed else 1.0
     if made != wanted:
         message = f"{made} blows instead of the {wanted:.0f} wanted"
         yield Notice("blow-count", message, float(made), wanted, broken=True)
@@ -104,6 +106,15 @@ def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
         if any(blow.kind == "double" for blow in found):
             message += "; impulse and velocity change of a double blow span its whole pass"
         yield Notice("blow-kind", message, float(len(odd)), 0.0)
+    away = [blow for blow in found if blow.kind == "missed" and blow.retreat > 0.0]
+    if away:
+        farthest = max(blow.retreat for blow in away)
+        message = (
+            f"the object was still away, by up to {farthest * 1e3:.3g} mm, when the strikers of blow "
+            f"{', '.join(str(blow.index) for blow in away)} passed: it needs a stiffer spring, more preload, less "
+            "friction or a longer interval"
+        )
+        yield Notice("object-away", message, farthest, 0.0)
     cut = [str(blow.index) for blow in found if blow.kind != "missed" and not blow.width > 0.0]
     if cut:
         message = f"no width: the acceleration stays above 10 % of its peak around blow {', '.join(cut)}"
@@ -111,20 +122,23 @@ def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
 
 
 def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
-    rig = case.rig()
+    parts = case.impact()
     advice = ", or trust the rigid pulse, which hangs on frame and mount, more than the contact force"
     peak = max(blow.peak_force for blow in struck)
-    yield from yield_notices(rig.striker, rig.contact, rig.object.material, peak, advice)
+    yield from yield_notices(parts.striker, parts.contact, parts.object.material, peak, advice)
 
 
 def yield_notices(
-    striker: Striker, contact: ContactTable, face: str, peak: float, otherwise: str = ""
+    striker: AnyStriker, contact: ContactTable, face: str, peak: float, otherwise: str = ""
 ) -> Iterator[Notice]:
     """Warn where an elastic contact goes beyond its first yield, or a cap lies below it.
 
     ``face`` is the material that is hit, ``peak`` the largest force, N, ``otherwise`` what to do besides.
     """
-    length = striker.contact_length.si if "length" in stiffness_law(contact.law).needs else None
+    if contact.law == POWER or striker.nose_radius is None:
+        return
+    of_line = "length" in stiffness_law(contact.law).needs
+    length = striker.contact_length.si if of_line and striker.contact_length else None
     first = first_yield(material(striker.material), material(face), Geometry(striker.nose_radius.si, math.inf, length))
     if first is None:
         return
@@ -147,7 +161,7 @@ def yield_notices(
 
 
 def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
-    recorder = case.rig().recorder
+    recorder = case.impact().recorder
     begin = recorder.begin
     end = begin + recorder.memory.si / recorder.sampling_rate.si
     last = struck[-1].time + struck[-1].width

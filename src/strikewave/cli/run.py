@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from strikewave.cli.carry_out import Work, carry_out
 from strikewave.cli.common import (
@@ -25,16 +28,31 @@ if TYPE_CHECKING:
     from strikewave.solution import Solution
 
 
-def command(case: CaseName, changes: Changes = None, out: Out = None, force: Force = False, json: Json = False) -> int:
+def command(
+    case: CaseName,
+    changes: Changes = None,
+    animate: Annotated[
+        bool, typer.Option("--animate", help="Write machine.html and machine.gif too: the machine in motion.")
+    ] = False,
+    out: Out = None,
+    force: Force = False,
+    json: Json = False,
+) -> int:
     """Run a machine case: table of blows, published beside computed, files in out/CASE.
 
     With --json, files are written only where --out says.
     """
+    from strikewave.errors import InputError
+
+    if animate and json and out is None:
+        raise InputError("--animate", "--json without --out", "a folder for the animation", "add --out DIR")
     files = "report.html, summary.svg, solution.nc, blows.csv, case.toml"
-    return carry_out(Work(_solve, write_result, _print, files), case, changes, out, force, json)
+    files += ", machine.html, machine.gif" if animate else ""
+    write = functools.partial(write_result, animate=animate)
+    return carry_out(Work(_solve, write, _print, files), case, changes, out, force, json)
 
 
-def write_result(solution: Solution, place: Path, text: str) -> None:
+def write_result(solution: Solution, place: Path, text: str, animate: bool = False) -> None:
     """Write the files of a result into a folder."""
     from strikewave.figures import save, summary
     from strikewave.report import report
@@ -43,7 +61,26 @@ def write_result(solution: Solution, place: Path, text: str) -> None:
     (place / "blows.csv").write_text(solution.table(), "utf-8")
     (place / "case.toml").write_text(text, "utf-8")
     save(summary(solution), place / "summary.svg")
-    (place / "report.html").write_text(report(solution), "utf-8", newline="\n")
+    moving = _animate(solution, place) if animate else ""
+    (place / "report.html").write_text(report(solution, moving=moving), "utf-8", newline="\n")
+
+
+def _animate(solution: Solution, place: Path) -> str:
+    """Write the machine in motion as a page and as a GIF, which takes some seconds; return the name of the page."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from strikewave.figures.machine_animation import machine_page, write_machine_gif
+
+    page = machine_page(solution)
+    if page is None:
+        say("no animation: only the rotary machine can be shown in motion")
+        return ""
+    (place / "machine.html").write_text(page, "utf-8", newline="\n")
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("machine.gif", total=1.0)
+        write_machine_gif(solution, place / "machine.gif", lambda share: progress.update(task, completed=share))
+    return "machine.html"
 
 
 def _solve(case: Case) -> Solution:
@@ -71,6 +108,7 @@ def _solve(case: Case) -> Solution:
 
 
 def _print(solution: Solution) -> None:
+    from strikewave.report.machine_words import reference_law
     from strikewave.report.numbers import BLOW_COLUMNS, CONTACT_COLUMNS, heads
 
     columns = ["#", "kind", *heads(BLOW_COLUMNS), "contacts"]
@@ -85,6 +123,7 @@ def _print(solution: Solution) -> None:
     table("Contact, blow by blow", ["#", *heads(CONTACT_COLUMNS)], rows)
     _print_waves(solution)
     _print_published(solution)
+    _print_collisions(solution)
     r = solution.reference
     pulse = (
         number(r.duration, "s", "us", 3) + " us",
@@ -92,7 +131,7 @@ def _print(solution: Solution) -> None:
         number(r.peak_acceleration, "m/s^2", "g", 3) + " g",
     )
     say(
-        f"for comparison: the printed contact law on a rigid object, at the nominal {r.approach_speed:.3g} m/s "
+        f"for comparison: {reference_law(solution.case)} on a rigid object, at the nominal {r.approach_speed:.3g} m/s "
         f"and with no frame or mount to bend: {', '.join(pulse)}"
     )
     fitted = solution.case.fitted_fields()
@@ -139,18 +178,17 @@ def _print_waves(solution: Solution) -> None:
 
 def _header(solution: Solution) -> str:
     """Return the main settings in one line."""
-    case = solution.case
-    rig, nominal = case.rig(), solution.reference.approach_speed
-    turntable = rig.machine.speed.si
-    settings = (
-        f"{number(turntable, 'rad/s', 'rpm', 4)} rpm",
-        f"{rig.machine.strikers.si:.0f} strikers",
-        f"engagement {number(rig.machine.engagement.si, 'm', 'mm', 4)} mm",
-        f"nominal approach {nominal:.4g} m/s",
-        f"object {solution.masses['object']:.4g} kg",
-        f"{rig.feed.blows.si:.0f} blows wanted",
-    )
-    return f"{case.name}: " + ", ".join(settings)
+    from strikewave.report.machine_words import settings
+
+    return f"{solution.case.name}: " + ", ".join(settings(solution))
+
+
+def _print_collisions(solution: Solution) -> None:
+    """Print the collisions of the bodies of an amplifier."""
+    from strikewave.report.machine_words import COLLISION_HEADS, collision_rows
+
+    if solution.collisions:
+        table("Collisions in the line, by restitution alone", COLLISION_HEADS, collision_rows(solution), left=3)
 
 
 def _print_published(solution: Solution) -> None:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
-import json
 import textwrap
 from collections.abc import Callable
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave._version import __version__
+from strikewave.figures.animation_page import moving_page, packed, printable
 from strikewave.figures.field import (
     DASHED,
     JOINT_STYLES,
@@ -62,25 +58,9 @@ def animation_page(field: WaveField, title: str, name: str = "") -> str:
     >>> "<title>a &lt; b</title>" in page, len(page) < 1.5e6
     (True, True)
     """
-    from jinja2 import Environment, StrictUndefined
-    from markupsafe import Markup
-
-    folder = resources.files("strikewave.figures")
-    script, style = ((folder / f"animation.{kind}").read_text("utf-8") for kind in ("js", "css"))
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True)
     document = page_data(field)
-    return environment.from_string((folder / "animation.html").read_text("utf-8")).render(
-        title=_printable(title),
-        name=_printable(name),
-        version=__version__,
-        style=Markup(style),  # our own, no input
-        script=Markup(script),
-        style_hash=Markup(_source_hash(style)),
-        script_hash=Markup(_source_hash(script)),
-        data=Markup(script_safe(json.dumps(document, allow_nan=False, separators=(",", ":")))),
-        last_frame=len(document["time"]) - 1,
-        last_place=len(document["position"]) - 1,
-    )
+    last = {"last_frame": len(document["time"]) - 1, "last_place": len(document["position"]) - 1}
+    return moving_page("animation", document, title, name, **last)
 
 
 def page_data(field: WaveField) -> dict[str, Any]:
@@ -89,7 +69,7 @@ def page_data(field: WaveField) -> dict[str, Any]:
     time = field.time[rows] * 1e6
     kept, layers = np.unique(field.layer), field.stack.layers
     greys, ends = shades(field.stack), field.ends
-    taps = [{"name": _printable(name), "position": _digits(field.place(tap) * 1e3)} for name, tap in field.taps]
+    taps = [{"name": printable(name), "position": _digits(field.place(tap) * 1e3)} for name, tap in field.taps]
     return {
         "time": [_digits(t) for t in time],
         "decimals": _decimals(time),
@@ -98,7 +78,7 @@ def page_data(field: WaveField) -> dict[str, Any]:
         "layer": np.searchsorted(kept, field.layer).tolist(),
         "layers": [
             {
-                "name": _printable(layers[k].name),
+                "name": printable(layers[k].name),
                 "begin": _digits((ends[k] - layers[k].length) * 1e3),
                 "end": _digits(ends[k] * 1e3),
                 "grey": round(255 * greys[k]),
@@ -127,8 +107,7 @@ def _panel(field: WaveField, quantity: str, rows: NDArray[np.int64]) -> dict[str
     """Return one quantity as the page's script reads it."""
     shown = QUANTITIES[quantity]
     counts, peak = quantised(field.values(quantity)[rows] / shown.scale)
-    packed = base64.b64encode(counts.astype("<i2").tobytes()).decode("ascii")
-    return {"name": shown.name, "unit": shown.unit, "label": shown.label, "peak": peak, "data": packed}
+    return {"name": shown.name, "unit": shown.unit, "label": shown.label, "peak": peak, "data": packed(counts, "<i2")}
 
 
 def quantised(values: Array) -> tuple[NDArray[np.int16], float]:
@@ -146,29 +125,6 @@ def quantised(values: Array) -> tuple[NDArray[np.int16], float]:
 def even_rows(count: int, most: int) -> NDArray[np.int64]:
     """Return evenly chosen rows, at most so many, the first and the last one among them."""
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
-
-
-def script_safe(text: str) -> str:
-    r"""Return JSON that cannot end the script element it stands in.
-
-    Examples
-    --------
-    >>> script_safe('"</script><!--"')
-    '"\\u003c/script\\u003e\\u003c!--"'
-    """
-    for letter in "<>&\u2028\u2029":
-        text = text.replace(letter, f"\\u{ord(letter):04x}")
-    return text
-
-
-def _source_hash(text: str) -> str:
-    """Return the hash by which a content security policy knows a script or a style sheet."""
-    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")
-
-
-def _printable(text: str) -> str:
-    """Return text in which what cannot be shown, or turns lines round, is replaced."""
-    return "".join(letter if letter.isprintable() else "\ufffd" for letter in text)
 
 
 def _decimals(time: Array) -> int:
@@ -215,7 +171,7 @@ def _moving(field: WaveField, title: str) -> tuple[Figure, Callable[[int], None]
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8.0, 5.4), layout="constrained")
-    figure.suptitle(textwrap.fill(_printable(title), 90), x=0.01, ha="left", fontsize=10, parse_math=False)
+    figure.suptitle(textwrap.fill(printable(title), 90), x=0.01, ha="left", fontsize=10, parse_math=False)
     clock = figure.text(0.99, 0.01, "", ha="right", va="bottom", fontsize=10, family="monospace")
     panels = list(zip(figure.subplots(2, 1, sharex=True), map(QUANTITIES.__getitem__, PANELS), strict=True))
     values = [field.values(shown.name) / shown.scale for _, shown in panels]

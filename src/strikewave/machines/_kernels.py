@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from strikewave.compiled import LEAF, leaf_kernel
+from strikewave.compiled import LEAF, kernel, leaf_kernel
 from strikewave.contact import _integrator
 from strikewave.contact._chain_kernels import (
     ACCELERATION,
@@ -108,6 +108,13 @@ def stroke_profile(fraction, rise, fall):
         place = 1.0 - 0.5 * top * (left - math.sin(turn * left) / turn)
         return place, 0.5 * top * (1.0 - math.cos(turn * left)), -0.5 * top * turn * math.sin(turn * left)
     return top * (fraction - 0.5 * rise), top, 0.0
+
+
+@kernel
+def stroke_places(fractions, rise, fall, out):
+    """Fill the positions of a stroke at fractions of its time; see `stroke_profile`."""
+    for i in range(out.size):
+        out[i], _, _ = stroke_profile(min(max(fractions[i], 0.0), 1.0), rise, fall)
 
 
 @leaf_kernel

@@ -70,7 +70,8 @@ class Blow:
     velocity_change : float
         Of the object's centre of mass from first touch to last release: impulse over its mass.
     retreat : float
-        Largest retreat after first touch, until the next blow or the retraction, m.
+        Largest retreat after first touch, until the next blow or the retraction, m; of a missed blow, how far behind
+        its place of rest the face was when the striker passed.
     turntable_speed : float
         At first touch, rad/s.
     """
@@ -153,11 +154,12 @@ def pulse_window(
 def _missed(run: RotaryRun, index: int, number: int, time: float) -> Blow:
     nothing = dict.fromkeys(
         (
-            *("approach_speed", "rebound_speed", "restitution", "rigid_peak", "width", "rise", "retreat"),
+            *("approach_speed", "rebound_speed", "restitution", "rigid_peak", "width", "rise"),
             *("indentation", "residual_indentation", "contact_stiffness", "flattening", "momentum_error"),
         ),
         math.nan,
     )
+    passing = run.sample(np.array([time]))
     zeros = dict.fromkeys(("impulse", "contact_impulse", "support_impulse", "peak_force", "velocity_change"), 0.0)
     return Blow(
         index=index,
@@ -165,7 +167,8 @@ def _missed(run: RotaryRun, index: int, number: int, time: float) -> Blow:
         striker=number % run.machine.strikers.count + 1,
         time=time,
         contacts=0,
-        turntable_speed=float(run.sample(np.array([time])).turntable_speed[0]),
+        retreat=float(passing.face_place[0]) + run.machine.engagement,
+        turntable_speed=float(passing.turntable_speed[0]),
         **nothing,
         **zeros,
     )

@@ -170,8 +170,13 @@ class ChainSpan:
             momentum / struck.mass,
             states[:, place.angle],
             states[:, place.angle + 1],
-            np.maximum(states[:, : place.strikers].max(axis=1) - states[:, place.nose], 0.0),
+            self._indentation(states, forces[:, place.contacts]),
         )
+
+    def _indentation(self, states: Array, contact_forces: Array) -> Array:
+        """Return the deepest indentation of a striker that pushes, m; one off the face may stand beyond it."""
+        deep = states[:, : self.place.strikers] - states[:, [self.place.nose]]
+        return np.asarray(np.where(contact_forces > 0.0, deep, 0.0).max(axis=1))
 
     def _held(self, forces: Array) -> Array:
         """Return the force of spring, stop and rail on the assembly, of link forces (N, links)."""

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from strikewave._version import __version__
+from strikewave.report.machine_words import MACHINES, launch_tables, reference_law
 from strikewave.report.numbers import (
     BLOW_COLUMNS,
     CONTACT_COLUMNS,
@@ -21,7 +22,7 @@ from strikewave.report.numbers import (
     spelled,
     with_unit,
 )
-from strikewave.report.parts import NONE, Cell, Code, Flow, Part, Picture, Section, Table, Tag, written
+from strikewave.report.parts import NONE, Cell, Code, Flow, Link, Part, Picture, Section, Table, Tag, written
 from strikewave.units import in_unit
 
 if TYPE_CHECKING:
@@ -30,27 +31,6 @@ if TYPE_CHECKING:
 
     from strikewave.case import Case
     from strikewave.solution import Solution
-
-_MACHINES = {
-    "rotary": (
-        "A rotary machine: a turntable carries the strikers, a hydraulic feed brings the object into their path, each "
-        "striker hits it in turn, and a preloaded spring and a damper bring it back to its stop before the next one "
-        "comes. The nose of a striker acts on the object's face like a cam. After the wanted number of passes the feed "
-        "withdraws the object and the turntable is braked.",
-        (
-            "turntable",
-            "mount",
-            "striker",
-            "contact",
-            "nose",
-            "frame",
-            "assembly",
-            "spring, damper, stop",
-            "carriage of the feed",
-        ),
-    ),
-}
-"""Kind of machine: its description, and its bodies and links in the order in which a blow runs through them."""
 
 _DATA_FLOW = (
     "case file",
@@ -79,26 +59,52 @@ _WORDS = (
     "A blow is one pass of one striker, all its re-contacts included. It is glancing when its approach speed is below "
     "half of the nominal one, double when a second group of contacts, more than a pulse width later, carries a tenth "
     "of the contact impulse, missed when the striker passed an object in place without touching it, and full "
-    "otherwise. Time counts from the valve signal. The rigid peak and its width, taken at 10 % of the peak, belong to "
+    "otherwise. Time counts from {begun}. The rigid peak and its width, taken at 10 % of the peak, belong to "
     "the rigid-body acceleration: the momentum rate of the assembly over its mass. The velocity change is that of the "
     "object's centre of mass from first touch to last release. g is standard gravity, 9.80665 m/s²."
 )
 
 
-def setup(solution: Solution) -> Section:
-    """Say what machine it is and how the numbers come about."""
+def setup(solution: Solution, moving: str = "") -> Section:
+    """Say what machine it is and how the numbers come about; ``moving`` is the page that shows it in motion."""
     kind = str(getattr(getattr(solution.case, "machine", None), "kind", ""))
-    words, chain = _MACHINES.get(kind, (f"A machine of the kind {kind}.", ()))
+    words, chain = MACHINES.get(kind, (f"A machine of the kind {kind}.", ()))
     layers = _layers(solution.case)
     if not kind:
         words = "No machine: a stack of layers, loaded at its first face." if layers else "No machine is named."
-    parts: list[Part] = []
+    words += _strike_words(solution.case)
+    parts = _drawing(solution.case)
+    if moving:
+        parts.append(Link(moving, "The machine in motion, with its histories: the whole run, or one blow slowed down"))
     if chain and not layers:
         parts.append(Flow(chain, "Bodies and links, in the order in which a blow runs through them"))
     if layers:
         parts.append(Flow(layers, "The stack, from its loaded face on"))
     parts.append(Flow(_DATA_FLOW if kind else _WAVE_FLOW, "From the case to this report"))
     return Section("Set-up", words, parts)
+
+
+def _strike_words(case: Case) -> str:
+    """Say how the nose of a striker of the rotary machine meets the face; nothing for another machine."""
+    from strikewave.figures.machine_geometry import strike_geometry
+
+    geometry = strike_geometry(case)
+    if geometry is None:
+        return ""
+    if not geometry.blow_angle:
+        return " The nose of a striker acts on the object's face like a cam."
+    return f" The blow stands at {math.degrees(geometry.blow_angle):.4g}° to the radius at the strike position."
+
+
+def _drawing(case: Case) -> list[Part]:
+    """Return the drawing of the machine with its numbers; nothing for a machine that is not drawn."""
+    from strikewave.figures.machine_drawing import drawing_words, machine_drawing
+
+    figure = machine_drawing(case)
+    if figure is None:
+        return []
+    words = f"The machine with its numbers, at first touch. {drawing_words(case)}"
+    return [Picture(figure, words, f"Drawing of the rotary machine with a list of its parts. {drawing_words(case)}")]
 
 
 def _layers(case: Case) -> list[str]:
@@ -218,12 +224,13 @@ def blow_table(solution: Solution) -> Section:
     beside = ""
     if reference is not None:
         beside = (
-            "\n\nFor comparison, the printed contact law on a rigid object, at the nominal "
+            f"\n\nFor comparison, {reference_law(solution.case)} on a rigid object, at the nominal "
             f"{written(reference.approach_speed, 3)} m/s and with no frame or mount to bend: "
             f"{with_unit(reference.duration, 's', 'us', 3)}, {with_unit(reference.peak_force, 'N', 'kN', 3)}, "
             f"{with_unit(reference.peak_acceleration, 'm/s^2', 'g', 3)}."
         )
-    return Section("Blows", (_WORDS if rows else "") + beside, [table, *_contacts(solution)])
+    words = _WORDS.format(begun=solution.case.time_zero) if rows else ""
+    return Section("Blows", words + beside, [table, *_contacts(solution)])
 
 
 def _contacts(solution: Solution) -> list[Table]:
@@ -360,6 +367,7 @@ def checks(solution: Solution) -> Section:
     ]
     masses: list[list[Cell]] = [[name, mass] for name, mass in (solution.masses or {}).items()]
     phases: list[list[Cell]] = [[name, f"{time:.6f}"] for name, time in solution.phases or ()]
+    begun = solution.case.time_zero
     heads = ["ledger", "error, share", "limit", "result"]
     kept = Table("Ledgers", heads, ledger, empty="No ledger was kept.")
     if solution.case.machine is None and not masses and not phases:
@@ -372,7 +380,8 @@ def checks(solution: Solution) -> Section:
         [
             kept,
             Table("Masses", ["body", "mass (kg)"], masses, empty="No mass is listed."),
-            Table("Phases, from the valve signal", ["phase", "begins (s)"], phases, empty="No phase is listed."),
+            *launch_tables(solution),
+            Table(f"Phases, from {begun}", ["phase", "begins (s)"], phases, empty="No phase is listed."),
         ],
     )
 

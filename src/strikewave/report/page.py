@@ -73,7 +73,7 @@ def whole_page(head: Head, sections: Sequence[Section]) -> str:
     return _CONTROL.sub("\ufffd", page)
 
 
-def report(solution: Solution, sections: Sequence[Section] = ()) -> str:
+def report(solution: Solution, sections: Sequence[Section] = (), moving: str = "") -> str:
     """Return the report of a run as one HTML page: no script, nothing fetched, the same bytes each time.
 
     Parameters
@@ -82,6 +82,8 @@ def report(solution: Solution, sections: Sequence[Section] = ()) -> str:
         What ran and what it gave. Parts may be empty or None: the page then says so in words.
     sections : sequence of Section, optional
         Further sections, shown after the pulses in this order.
+    moving : str, optional
+        Name of the file beside the report that shows the machine in motion, if there is one.
 
     Examples
     --------
@@ -98,7 +100,7 @@ def report(solution: Solution, sections: Sequence[Section] = ()) -> str:
         struck_by_machine = [chapters.blow_table(solution), chapters.pulse_pictures(solution)]
         struck_by_machine += [*stack_section(whole), *sensor_section(whole)]
     listing = [
-        chapters.setup(solution),
+        chapters.setup(solution, moving),
         chapters.inputs(solution.case),
         *struck_by_machine,
         *sections,
@@ -187,7 +189,7 @@ def _numbered(listing: Sequence[Section]) -> Iterator[dict[str, Any]]:
 def _complete(solution: Any) -> Any:
     """Return what the page asks of a solution; what it has not is None."""
     names = ["blows", "data", "published", "warnings", "ledger", "masses", "phases", "citations", "reference"]
-    names += ["readings", "taps", "waves"]
+    names += ["readings", "taps", "waves", "launch", "collisions"]
     found = {name: getattr(solution, name, None) for name in names}
     return SimpleNamespace(title=solution.title, case=solution.case, **found)
 

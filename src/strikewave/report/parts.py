@@ -118,7 +118,16 @@ class Code:
     kind: ClassVar[str] = "code"
 
 
-Part = Table | Picture | Flow | Code
+@dataclass(frozen=True)
+class Link:
+    """A way to another file of the same result; ``file`` is its name."""
+
+    file: str
+    text: str
+    kind: ClassVar[str] = "link"
+
+
+Part = Table | Picture | Flow | Code | Link
 
 
 @dataclass(frozen=True)
@@ -131,7 +140,7 @@ class Section:
         Its head.
     text : str
         Paragraphs, with an empty line between them; they stand before the parts.
-    parts : sequence of Table, Picture, Flow or Code
+    parts : sequence of Table, Picture, Flow, Code or Link
         What follows, in this order.
 
     Examples
