@@ -146,6 +146,18 @@ SOURCES: dict[str, str] = {
         "M. G. Vangel, Confidence intervals for a normal coefficient of variation, The American Statistician "
         "50 (1996) 21-26"
     ),
+    "wilks-1941": (
+        "S. S. Wilks, Determination of Sample Sizes for Setting Tolerance Limits, The Annals of Mathematical "
+        "Statistics 12 (1941) 91-96, doi:10.1214/aoms/1177731788"
+    ),
+    "saltelli-2010": (
+        "A. Saltelli, P. Annoni, I. Azzini, F. Campolongo, M. Ratto, S. Tarantola, Variance based sensitivity analysis "
+        "of model output, Computer Physics Communications 181 (2010) 259-270, doi:10.1016/j.cpc.2009.09.018"
+    ),
+    "jansen-1999": (
+        "M. J. W. Jansen, Analysis of variance designs for model output, Computer Physics Communications 117 (1999) "
+        "35-43, doi:10.1016/S0010-4655(98)00154-4"
+    ),
     "sae-j211": ("SAE J211-1, Instrumentation for impact test, part 1: electronic instrumentation, appendix C"),
     "gray-2000": (
         "G. T. Gray III, Classic Split-Hopkinson Pressure Bar Testing, ASM Handbook 8, ASM International 2000, 462-476 "
@@ -179,10 +191,40 @@ SOURCES: dict[str, str] = {
         "A. N. Gent, P. B. Lindley, The Compression of Bonded Rubber Blocks, Proceedings of the Institution of "
         "Mechanical Engineers 173 (1959) 111-122 (relation and reference from memory)"
     ),
+    "timoshenko-goodier-1970": (
+        "S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, 3rd ed., McGraw-Hill, New York 1970, art. 32 "
+        "(rotating discs; the tests integrate the equilibrium of the disc)"
+    ),
     "patera-1984": (
         "A. T. Patera, A spectral element method for fluid dynamics: laminar flow in a channel expansion, "
         "Journal of Computational Physics 54 (1984) 468-488"
     ),
+    "rodgers-2009": (
+        "B. Rodgers, S. Goyal, G. Kelly, M. Sheehy, The Dynamics of Multiple Pair-Wise Collisions in a Chain for "
+        "Designing Optimal Shock Amplifiers, Shock and Vibration 16 (2009) 99-116 (abstract seen; pages from memory)"
+    ),
+    "galperin-2003": (
+        "G. Galperin, Playing Pool with pi (the Number pi from a Billiard Point of View), Regular and Chaotic Dynamics "
+        "8 (2003) 375-394 (result seen in a note; pages from memory)"
+    ),
+    "mcnamara-young-1992": (
+        "S. McNamara, W. R. Young, Inelastic collapse and clumping in a one-dimensional granular medium, Physics of "
+        "Fluids A 4 (1992) 496-504 (from memory)"
+    ),
+    "rohrbach-2012": (
+        "Z. J. Rohrbach, T. R. Buresh, M. J. Madsen, Modeling the exit velocity of a compressed air cannon, American "
+        "Journal of Physics 80 (2012) 24-26, doi:10.1119/1.3644253"
+    ),
+    "siegel-1965": "A. E. Siegel, The Theory of High Speed Guns, AGARDograph 91, NATO 1965 (reference from memory)",
+    "walker-1988": (
+        "J. Walker, The Amateur Scientist: Drop two stacked balls from waist height; the top ball may bounce up to the "
+        "ceiling, Scientific American, October 1988"
+    ),
+    "iso-148-2": (
+        "ISO 148-2:2016, Metallic materials - Charpy pendulum impact test - Part 2: Verification of testing machines "
+        "(formulas from memory)"
+    ),
+    "jesd22-b104": "JEDEC JESD22-B104C:2004, Mechanical Shock (its table of conditions from memory)",
 }
 
 
