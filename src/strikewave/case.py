@@ -14,13 +14,25 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from strikewave.errors import MISSING, InputError, InputErrors, nearest, show
 from strikewave.fields import Form, row_name
+from strikewave.machine_tables import AnyLaunched, AnyMachine
 from strikewave.quantities import Provenance, Value
 from strikewave.tables import (
     PUBLISHED_QUANTITIES,
+    AnyObject,
+    AnyStriker,
     ContactTable,
     FeedTable,
     LoadTable,
@@ -46,11 +58,22 @@ LARGEST_FILE = 1_000_000
 TABLES = ("machine", "striker", "feed", "object", "contact", "stack", "load", "tap", "sensor", "recorder", "solver")
 """The tables of a case that hold quantities."""
 RIG = ("machine", "striker", "feed", "object", "contact", "recorder")
-"""The tables that a machine needs."""
+"""The tables that a rotary machine needs; a machine without a drive has no feed."""
+STRICT: dict[str, type[Table]] = {"striker": Striker, "object": Object}
+"""Tables of which a rotary machine needs all that one without a drive may leave out."""
+
+
+class Impact(NamedTuple):
+    """The tables that every machine case has: what meets, how, and what records it."""
+
+    striker: AnyStriker
+    object: AnyObject
+    contact: ContactTable
+    recorder: Recorder
 
 
 class Rig(NamedTuple):
-    """The tables of a machine case, all of them there."""
+    """The tables of a rotary machine, all of them there."""
 
     machine: Machine
     striker: Striker
@@ -69,10 +92,10 @@ class Case(Table):
     name: Annotated[str, BeforeValidator(case_name)] = ""
     title: str = ""
     source: str = ""
-    machine: Machine | None = None
-    striker: Striker | None = None
+    machine: AnyMachine | None = None
+    striker: AnyStriker | None = None
     feed: FeedTable | None = None
-    object: Object | None = None
+    object: AnyObject | None = None
     contact: ContactTable | None = None
     stack: StackTable = StackTable()
     load: LoadTable | None = None
@@ -82,17 +105,27 @@ class Case(Table):
     solver: Solver = Solver()
     published: tuple[Annotated[Published, BeforeValidator(read_published)], ...] = ()
 
+    @field_validator("striker", "object", mode="before")
+    @classmethod
+    def _strict(cls, raw: Any, info: ValidationInfo) -> Any:
+        """Ask for every quantity, but in a machine without a drive."""
+        free = not isinstance(info.data.get("machine", raw), Machine | None)
+        if free or not isinstance(raw, Mapping) or info.field_name is None:
+            return raw
+        return STRICT[info.field_name].model_validate(raw)
+
     @model_validator(mode="after")
     def _whole(self) -> Case:
         """Refuse a case without anything to run, and a machine without one of its tables."""
-        if self.machine is None and not self.stack.layer:
-            missing = [name for name in RIG if getattr(self, name) is None]
-            if len(missing) == len(RIG):
-                raise InputError("", MISSING, "[machine] with its tables, or [[stack.layer]] with [load]")
+        needed = [name for name in RIG if name != "feed" or isinstance(self.machine, Machine | None)]
+        if self.machine is None and not self.stack.layer and all(getattr(self, name) is None for name in RIG):
+            raise InputError("", MISSING, "[machine] with its tables, or [[stack.layer]] with [load]")
         if self.machine is not None or not self.stack.layer:
-            lines = [f"{name}: missing; add [{name}]" for name in RIG if getattr(self, name) is None]
+            lines = [f"{name}: missing; add [{name}]" for name in needed if getattr(self, name) is None]
             if lines:
                 raise InputErrors(lines)
+        if "feed" not in needed and self.feed is not None:
+            raise InputError("feed", "[feed]", "none: nothing is fed in a machine without a drive", "remove it")
         return self
 
     @property
@@ -100,18 +133,47 @@ class Case(Table):
         """The command that runs it: "run" a machine, or "wave" a bar alone."""
         return "run" if self.machine is not None else "wave"
 
-    def rig(self) -> Rig:
-        """Return the tables of the machine.
+    @property
+    def time_zero(self) -> str:
+        """What the time of its results counts from, in words."""
+        return "the start" if self.launched() else "the valve signal"
+
+    def impact(self) -> Impact:
+        """Return the tables that every machine case has.
 
         Raises
         ------
         InputError
             If the case is that of a bar alone.
         """
-        if self.machine is None:
+        parts = self.striker, self.object, self.contact, self.recorder
+        if self.machine is None or None in parts:
             hint = "this case is a bar alone: `strikewave wave` runs it"
             raise InputError("machine", MISSING, "[machine] with its tables", hint)
-        return Rig(*(getattr(self, name) for name in RIG))
+        return Impact(*parts)  # type: ignore[arg-type]
+
+    def rig(self) -> Rig:
+        """Return the tables of a rotary machine.
+
+        Raises
+        ------
+        InputError
+            If the case is that of a bar alone, or of another machine.
+        """
+        striker, struck, contact, recorder = self.impact()
+        if not (
+            isinstance(self.machine, Machine)
+            and isinstance(striker, Striker)
+            and isinstance(struck, Object)
+            and self.feed is not None
+        ):
+            kind = getattr(self.machine, "kind", MISSING)
+            raise InputError("machine.kind", kind, "rotary", "this needs a rotary machine, such as case li-ma-2019")
+        return Rig(self.machine, striker, self.feed, struck, contact, recorder)
+
+    def launched(self) -> AnyLaunched | None:
+        """Return the machine if it is one without a drive."""
+        return None if isinstance(self.machine, Machine) else self.machine
 
     def values(self) -> dict[str, Value]:
         """Return every quantity by its path, such as ``machine.speed`` or ``stack.layer.upper.length``."""

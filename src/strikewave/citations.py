@@ -224,6 +224,20 @@ SOURCES: dict[str, str] = {
         "ISO 148-2:2016, Metallic materials - Charpy pendulum impact test - Part 2: Verification of testing machines "
         "(formulas from memory)"
     ),
+    "iso-16063-22": (
+        "ISO 16063-22:2005, Methods for the calibration of vibration and shock transducers - Part 22: Shock "
+        "calibration by comparison to a reference transducer (its table of devices seen on a maker's page)"
+    ),
+    "mil-s-901d": (
+        "MIL-S-901D, Shock Tests, H.I. (High-Impact) Shipboard Machinery, Equipment, and Systems, Requirements for, "
+        "1989 (weight and height of the light-weight hammer seen in a maker's text)"
+    ),
+    "endevco-tp-321": "Endevco TP 321, Acceleration levels of dropped objects",
+    "en-166": "EN 166:2001, Personal eye-protection - Specifications (ball and speed seen in a maker's sheet)",
+    "jesd22-b111": (
+        "JEDEC JESD22-B111A:2016, Board Level Drop Test Method of Components for Handheld Electronic Products "
+        "(condition B from memory)"
+    ),
     "jesd22-b104": "JEDEC JESD22-B104C:2004, Mechanical Shock (its table of conditions from memory)",
 }
 

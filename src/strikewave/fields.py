@@ -1,6 +1,7 @@
 """The fields of a file by their paths: what may stand there, how one is changed, and what is wrong with them.
 
 A path names tables and a key, such as ``machine.speed``; a row of an array of tables goes by its name or its place.
+Where a table may be one of several, its ``kind`` tells which; it stands in pydantic's paths, not in ours.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from strikewave.errors import InputError, InputErrors, nearest, show
 from strikewave.quantities import Range, Value
@@ -72,7 +74,7 @@ class Form:
         if not isinstance(place, dict):
             raise InputError("--set " + path, change, f"a table of the {self.name}")
         typed: Any = _number(text)
-        allowed = self.range_at([*tables, key])
+        allowed = self.range_at([*self._with_kinds(document, tables), key])
         if allowed is None:
             words = isinstance(place.get(key), str) or self._takes_text([*tables, key])
             place[key] = text if words else typed
@@ -104,7 +106,7 @@ class Form:
         lines: list[str] = []
         for fault in error.errors():
             places = [show(str(part)).strip('"') for part in fault["loc"]]
-            path = ".".join(places)
+            path = ".".join(self._without_kinds(places))
             cause = fault.get("ctx", {}).get("error")
             if isinstance(cause, InputErrors):
                 lines += cause.lines
@@ -123,37 +125,66 @@ class Form:
                 lines.append(f"{path or self.name}: got {show(fault['input'])}; {fault['msg']}")
         return lines
 
-    def table_at(self, places: list[str]) -> type[BaseModel] | None:
-        """Return the model of the table at a path; a name or number stands for the row of an array of tables."""
-        model: type[BaseModel] | None = self.model
+    def tables_at(self, places: list[str]) -> list[type[BaseModel]]:
+        """Return the models of the table at a path; a name or number stands for the row of an array of tables."""
+        models: list[type[BaseModel]] = [self.model]
         in_rows = False
         for place in places:
             if in_rows:
                 in_rows = False
                 continue
-            field = model.model_fields.get(place) if model else None
-            model, in_rows = _table_of(field.annotation) if field else (None, False)
-        return model
+            chosen = [model for model in models if _kind_of(model) == place] if len(models) > 1 else []
+            if chosen:
+                models = chosen
+                continue
+            fields = [model.model_fields[place] for model in models if place in model.model_fields]
+            found = [_tables_of(field.annotation) for field in fields]
+            models = list(dict.fromkeys(model for tables, _ in found for model in tables))
+            in_rows = any(rows for _, rows in found)
+        return models
+
+    def table_at(self, places: list[str]) -> type[BaseModel] | None:
+        """Return the model of the table at a path, the first where it may be one of several."""
+        return next(iter(self.tables_at(places)), None)
 
     def keys_at(self, places: list[str]) -> list[str]:
         """Return the keys of the table at a path; none where there is no table."""
-        model = self.table_at(places)
-        return [field.alias or key for key, field in model.model_fields.items()] if model else []
+        return [f.alias or key for model in self.tables_at(places) for key, f in model.model_fields.items()]
 
     def range_at(self, places: list[str]) -> Range | None:
         """Return what the quantity at a path may be; None where there is no quantity."""
-        model = self.table_at(places[:-1])
-        field = model.model_fields.get(places[-1]) if model else None
-        for rule in field.metadata if field else ():
-            owner = getattr(getattr(rule, "func", None), "__self__", None)
-            if isinstance(owner, Range):
-                return owner
+        for field in self._fields_at(places):
+            for rule in field.metadata:
+                owner = getattr(getattr(rule, "func", None), "__self__", None)
+                if isinstance(owner, Range):
+                    return owner
         return None
 
+    def _fields_at(self, places: list[str]) -> list[FieldInfo]:
+        tables = self.tables_at(places[:-1])
+        return [model.model_fields[places[-1]] for model in tables if places[-1] in model.model_fields]
+
+    def _without_kinds(self, places: list[str]) -> list[str]:
+        """Return the places of a path without those that only tell which of several tables is meant."""
+        return [
+            place
+            for depth, place in enumerate(places)
+            if not (depth and len(several := self.tables_at(places[:depth])) > 1 and place in map(_kind_of, several))
+        ]
+
+    def _with_kinds(self, document: Mapping[str, Any], tables: list[str]) -> list[str]:
+        """Return the tables of a path, each of several followed by the kind that a document says it is."""
+        places: list[str] = []
+        part: Any = document
+        for table in tables:
+            places.append(table)
+            part = part.get(table) if isinstance(part, Mapping) else None
+            if isinstance(part, Mapping) and "kind" in part and len(self.tables_at(places)) > 1:
+                places.append(str(part["kind"]))
+        return places
+
     def _takes_text(self, places: list[str]) -> bool:
-        model = self.table_at(places[:-1])
-        field = model.model_fields.get(places[-1]) if model else None
-        return field is not None and str in (field.annotation, *get_args(field.annotation))
+        return any(str in (field.annotation, *get_args(field.annotation)) for field in self._fields_at(places))
 
     def _example(self, places: list[str]) -> str:
         allowed = self.range_at(places)
@@ -161,7 +192,7 @@ class Form:
             return f'add {places[-1]} = "{DIMENSIONS[allowed.unit][1]}"'
         if allowed is not None:
             return f"add {places[-1]}, {allowed.allowed()}"
-        is_table = self.table_at(places) not in (None, Value)
+        is_table = self.tables_at(places) not in ([], [Value])
         return f"add [{'.'.join(places)}]" if is_table or len(places) == 1 else f"add {places[-1]}"
 
 
@@ -175,12 +206,17 @@ def _number(text: str) -> int | float | str:
     return text
 
 
-def _table_of(kind: Any) -> tuple[type[BaseModel] | None, bool]:
-    """Return the table that an annotation holds, and whether it holds a row of them."""
+def _tables_of(kind: Any) -> tuple[list[type[BaseModel]], bool]:
+    """Return the tables that an annotation may hold, with their stricter forms, and whether it holds rows of them."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
-        return kind, False
-    for part in get_args(kind):
-        table, rows = _table_of(part)
-        if table is not None:
-            return table, rows or get_origin(kind) is tuple
-    return None, False
+        return [kind, *kind.__subclasses__()], False
+    found = [_tables_of(part) for part in get_args(kind)]
+    rows = any(inner for _, inner in found) or (get_origin(kind) is tuple and any(tables for tables, _ in found))
+    return [table for tables, _ in found for table in tables], rows
+
+
+def _kind_of(table: type[BaseModel]) -> str:
+    """Return the kind that a table is of; empty where it is of none."""
+    field = table.model_fields.get("kind")
+    kinds = get_args(field.annotation) if field else ()
+    return str(kinds[0]) if len(kinds) == 1 else ""

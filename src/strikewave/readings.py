@@ -134,7 +134,7 @@ def blow_history(run: RotaryRun, blow: Blow, view: View, routes: bool = False) -
     before = round(min(WINDOW_BEFORE, blow.time) / step)
     after = math.floor((last - blow.time) / step + 1e-9)
     since = step * np.arange(-before, after + 1, dtype=np.float64)
-    moments = run.sample(np.minimum(blow.time + since, last))
+    moments = run.sample(np.clip(blow.time + since, 0.0, last))
     rigid, by_route, without = moments.rigid_acceleration, {}, []
     taps = layered.taps if layered else ()
     force, speed, total = (np.zeros((len(taps), since.size)) for _ in range(3))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from statistics import median
 
 import numpy as np
 
 from strikewave import citations
 from strikewave.build import build_channels, build_machine, build_taps, check_route, contact_stiffness
+from strikewave.build.launch import Release, line_collisions, release
 from strikewave.case import Case
 from strikewave.contact import damping_law, factor, solve_impact
 from strikewave.dataset import build_dataset
@@ -27,13 +29,22 @@ from strikewave.readings import (
     sensor_sources,
     without_peaks,
 )
-from strikewave.solution import Comparison, RigidReference, Solution, wave_setup
+from strikewave.solution import Comparison, Notice, RigidReference, Solution, wave_setup
 from strikewave.validity import channel_notices, honest_bandwidth, wave_notices
 from strikewave.waves import Stack
 from strikewave.waves.routes import EXACT
 
 LOWEST_BANDWIDTH = 1e3
 """Lowest bandwidth of the acceleration of a blow, which lasts a millisecond, Hz."""
+
+
+_LAUNCH_SOURCES = {
+    "drop": ("jesd22-b104",),
+    "pendulum": ("iso-148-2",),
+    "gas-gun": ("rohrbach-2012", "siegel-1965"),
+    "amplifier": ("rodgers-2009",),
+}
+"""Kind of machine: sources of what brings it to the blow."""
 
 
 def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Solution:
@@ -62,8 +73,10 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
     """
     seen = observe(case, progress)
     machine, run = seen.machine, seen.run
+    start = release(case, machine.struck.mass) if case.launched() else None
     listed = [
         *notices(case, seen.blows),
+        *(launch_notices(case, seen, start) if start else ()),
         *wave_notices(run, seen.histories, seen.readings, seen.view.bandwidth),
         *channel_notices(
             seen.view.channels,
@@ -93,7 +106,40 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
         waves=wave_setup(machine.layered.stack, machine.layered.grid) if machine.layered else None,
         citations=_citations(case, seen),
         data=build_dataset(case, seen),
+        launch=launch_of(machine, start) if start else {},
+        collisions=line_collisions(case, start) if start else (),
     )
+
+
+def launch_of(machine: RotaryMachine, start: Release) -> dict[str, float]:
+    """Return what is said of a machine without a drive: see `strikewave.solution.LAUNCH_UNITS`."""
+    arm, striker = machine.turntable, machine.strikers.first
+    said = {
+        "approach_speed": start.arm * arm.radius + start.striker - start.object,
+        "energy_released": start.energy,
+        "energy_at_touch": 0.5 * striker.mass * start.striker**2
+        + 0.5 * machine.struck.mass * start.object**2
+        + (0.5 * arm.inertia * start.arm**2 if start.arm else 0.0),
+    }
+    return said if start.line is None else {**said, "gain": start.line.gain}
+
+
+def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notice]:
+    """Say what a user of a machine without a drive should know."""
+    yield from start.told
+    machine, touched = case.launched(), seen.run.contacts()
+    if machine is None or not len(touched):
+        return
+    message = (
+        f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): unless "
+        "something catches it, what rebounds comes again"
+    )
+    yield Notice("first-blow-only", message, machine.follow.si, 0.0)
+    if touched[-1, 1] >= seen.run.end:
+        message = (
+            "striker and object still touch at the end: width, impulse and rebound are not those of the whole blow"
+        )
+        yield Notice("contact-not-over", f"{message}; raise machine.follow", seen.run.end, machine.follow.si)
 
 
 def observe(case: Case, progress: Callable[[float], None] | None = None) -> Observed:
@@ -106,11 +152,13 @@ def observe(case: Case, progress: Callable[[float], None] | None = None) -> Obse
     if route != EXACT and stack is None:
         raise InputError("solver.route", route, EXACT, "the object of this case is no stack")
     check_route(case, taps, channels)
-    view = View(channels, stated_bandwidth(case, stack), case.rig().recorder.begin, route)
+    view = View(channels, stated_bandwidth(case, stack), case.impact().recorder.begin, route)
     if machine.layered is not None:
         check_rates(case, view, kept_step(machine.layered.grid))
     run = run_rotary(machine, case.solver.tolerance.si, progress)
     found = blows(run)
+    if case.launched() is not None:
+        found = tuple(dataclasses.replace(blow, turntable_speed=math.nan) for blow in found)
     first = next((blow for blow in found if blow.kind != "missed"), None)
     histories = tuple(
         None if blow.kind == "missed" else blow_history(run, blow, view, routes=blow is first) for blow in found
@@ -152,15 +200,19 @@ def stated_bandwidth(case: Case, stack: Stack | None) -> float:
 
 
 def printed_law_on_rigid_object(case: Case, machine: RotaryMachine) -> RigidReference:
-    """Return what the printed contact law gives on a rigid object: no frame, no mount, a massive turntable.
+    """Return what the contact gives on a rigid object, with no frame and no mount, at the nominal approach speed.
 
-    Stiffness by the case's law, damping by eq (24) of Li & Ma 2019 as printed, at the machine's nominal
-    approach speed.
+    Of a rotary machine: the printed law, damping by eq (24) of Li & Ma 2019, and a massive turntable. Of a machine
+    without a drive: the law of the case, between the mass that strikes (of an arm the effective one) and the object's.
     """
-    law = contact_stiffness(case)
-    chi = float(factor("li-ma-printed", case.rig().contact.restitution.si))
-    mass = machine.struck.mass
-    blow = solve_impact(law.contact(chi), np.inf, mass, machine.nominal_approach)
+    mass, striker = machine.struck.mass, machine.strikers.first
+    if machine.launch is None:
+        chi = float(factor("li-ma-printed", case.impact().contact.restitution.si))
+        contact, against = contact_stiffness(case).contact(chi), np.inf
+    else:
+        arm = machine.turntable
+        contact, against = striker.contact, arm.inertia / arm.radius**2 if machine.launch.arm_speed else striker.mass
+    blow = solve_impact(contact, against, mass, machine.nominal_approach)
     force = float(blow.peak_force)
     return RigidReference(machine.nominal_approach, force, force / mass, float(blow.duration))
 
@@ -222,10 +274,10 @@ def compare(case: Case, found: Sequence[Blow], readings: Sequence[BlowReading | 
 def _citations(case: Case, seen: Observed) -> tuple[str, ...]:
     """Return the keys of the sources of the models that took part."""
     origin = next((key for key in citations.SOURCES if case.source.startswith(key)), "")
-    contact = case.rig().contact
+    contact = case.impact().contact
     keys = [origin, contact_stiffness(case).source, "hunt-crossley-1975", damping_law(contact.damping).source]
     keys += ["thornton-1997"] if contact.yield_pressure is not None else []
-    keys += ["schwager-poschel-2007", "hairer-1993"]
+    keys += ["schwager-poschel-2007", "hairer-1993", *_LAUNCH_SOURCES.get(getattr(case.machine, "kind", ""), ())]
     if seen.machine.layered:
         keys += ["kolsky-1963", *(["li-ma-2019"] if case.solver.route != EXACT else [])]
     keys += sensor_sources(seen.view.channels)

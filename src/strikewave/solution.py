@@ -1,6 +1,6 @@
 """The solution of a case: histories with units as an xarray Dataset, and tables.
 
-The dataset holds the whole train (dimension ``time``, from the valve signal), each blow in detail
+The dataset holds the whole train (dimension ``time``, from the valve signal or the start), each blow in detail
 (``blow`` by ``pulse_time``, from first touch), what an ideal recorder would have stored
 (``record_time``), and the table of blows.
 """
@@ -66,6 +66,12 @@ HISTORIES = (
 )
 """The histories of a solution."""
 
+
+def histories_of(case: Case) -> set[str]:
+    """Return the histories of a solution: without a turntable there is no speed of one."""
+    return set(HISTORIES) - (set() if case.launched() is None else {"turntable_speed"})
+
+
 DETAIL_COLUMNS = ("striker", "contact_impulse", "support_impulse", "momentum_error", "rise", "retreat")
 """Columns of blows.csv that the JSON document leaves out."""
 
@@ -106,6 +112,25 @@ class Comparison:
     role: str
     note: str = ""
     sensor: str = ""
+
+
+@dataclass(frozen=True)
+class LineCollision:
+    """A collision of two bodies of an amplifier, SI: time after the lowest met the floor, speeds upwards."""
+
+    time: float
+    lower: str
+    upper: str
+    lower_before: float
+    upper_before: float
+    lower_after: float
+    upper_after: float
+    impulse: float
+    energy_lost: float
+
+
+LAUNCH_UNITS = {"approach_speed": "m/s", "energy_released": "J", "energy_at_touch": "J", "gain": "1"}
+"""What is said of a machine without a drive, and its SI unit."""
 
 
 @dataclass(frozen=True)
@@ -163,6 +188,10 @@ class Solution:
         Keys of the sources of the models used.
     data : xarray.Dataset
         Histories and the table of blows, with units in their attributes.
+    launch : dict
+        Of a machine without a drive, SI: see `LAUNCH_UNITS`.
+    collisions : tuple of LineCollision
+        Of the bodies of an amplifier, that of striker and object among them, by restitution alone.
     """
 
     case: Case
@@ -177,6 +206,8 @@ class Solution:
     waves: WaveSetup | None
     citations: tuple[str, ...]
     data: xarray.Dataset = field(repr=False, compare=False)
+    launch: dict[str, float] = field(default_factory=dict)
+    collisions: tuple[LineCollision, ...] = ()
 
     @property
     def title(self) -> str:
@@ -205,6 +236,8 @@ class Solution:
         units = {k: u for k, u in BLOW_UNITS.items() if k not in hidden}
         units |= {"wave_peak": "m/s^2", "total_peak": "m/s^2", "bandwidth": "Hz", "peak": "m/s^2", "masses": "kg"}
         units |= {"step": "s", "mismatch": "1", "length_asked": "m", "length_used": "m"}
+        units |= LAUNCH_UNITS | {"lower_before": "m/s", "upper_before": "m/s"}
+        units |= {"lower_after": "m/s", "upper_after": "m/s", "energy_lost": "J"}
         units |= {"ledger": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
         return plain(
             {
@@ -215,11 +248,17 @@ class Solution:
                 "masses": self.masses,
                 "phases": [{"name": name, "time": time} for name, time in self.phases],
                 "ledger": self.ledger,
+                **self._launched(),
                 "waves": dataclasses.asdict(self.waves) if self.waves else None,
                 "published": [without(dataclasses.asdict(c), "note", "sensor") for c in self.published],
                 "fitted_fields": self.case.fitted_fields(),
             }
         )
+
+    def _launched(self) -> dict[str, Any]:
+        """Return what the JSON document says of a machine without a drive; nothing of one with a drive."""
+        rows = [dataclasses.asdict(collision) for collision in self.collisions]
+        return {"launch": self.launch, "collisions": rows} if self.launch else {}
 
     def table(self) -> str:
         """Return the table of blows as CSV text, every column with its unit."""
@@ -252,6 +291,8 @@ class Solution:
             "readings": [dataclasses.asdict(r) if r else None for r in self.readings],
             "waves": dataclasses.asdict(self.waves) if self.waves else None,
             "citations": self.citations,
+            "launch": self.launch,
+            "collisions": [dataclasses.asdict(collision) for collision in self.collisions],
         }
         attributes = {
             "strikewave_schema": SCHEMA,
@@ -291,7 +332,7 @@ def load_solution(path: Path | str) -> Solution:
         columns = [f.name for f in dataclasses.fields(Blow)]
         rows = zip(*(data["blow" if c == "index" else f"blow_{c}"].values.tolist() for c in columns), strict=True)
         blows = tuple(Blow(*row) for row in rows)
-        if not {blow.kind for blow in blows} <= set(KINDS) or not set(HISTORIES) <= set(data.variables):
+        if not {blow.kind for blow in blows} <= set(KINDS) or not histories_of(case) <= set(data.variables):
             raise ValueError("a blow of unknown kind, or a history is missing")
         return Solution(
             case=case,
@@ -306,6 +347,8 @@ def load_solution(path: Path | str) -> Solution:
             waves=_waves(state["waves"]),
             citations=tuple(state["citations"]),
             data=data.drop_attrs(deep=False),
+            launch=state.get("launch", {}),
+            collisions=tuple(LineCollision(**row) for row in state.get("collisions", ())),
         )
     except InputError:
         raise

@@ -28,10 +28,12 @@ from strikewave.quantities import (
     MaybeDamping,
     MaybeDensity,
     MaybeError,
+    MaybeExponent,
     MaybeForce,
     MaybeFrequency,
     MaybeFriction,
     MaybeGap,
+    MaybeGravity,
     MaybeHold,
     MaybeInertia,
     MaybeLayerSpeed,
@@ -42,6 +44,7 @@ from strikewave.quantities import (
     MaybeOffset,
     MaybeOrder,
     MaybePoisson,
+    MaybePositiveForce,
     MaybePreload,
     MaybePressure,
     MaybeQuality,
@@ -128,14 +131,23 @@ class OwnStriker(Table):
     restitution: MaybeRestitution = None
 
 
-class Striker(Table):
+class AnyStriker(Table):
+    """[striker]: what strikes; without a mount it is free. The contact law says which sizes of its nose it needs."""
+
+    mass: Mass
+    material: str
+    nose_radius: MaybeLength = None
+    contact_length: MaybeLength = None
+    mount_stiffness: MaybeSpringRate = None
+    mount_damping: MaybeDamping = None
+
+
+class Striker(AnyStriker):
     """[striker]: the impact component on its mount; strikers that differ have rows of their own.
 
     ``angle_error`` and ``reach_error`` are those of every striker (0): they are there for their tolerances.
     """
 
-    mass: Mass
-    material: str
     nose_radius: Length
     contact_length: Length
     mount_stiffness: SpringRate
@@ -165,12 +177,12 @@ class FeedTable(Table):
     hold: MaybeHold = None
 
 
-class Object(Table):
+class AnyObject(Table):
     """[object]: everything that moves when struck, and what holds it; gravity above 0 pushes it away.
 
     The object is either a nose on a frame (mass, nose_mass, frame_stiffness, frame_damping), or a stack
     (``assembly`` names the first layer of the part that carries the sensor). ``friction`` is that of its rails while
-    it slides, ``stiction`` the most while it sticks (as much where left out).
+    it slides, ``stiction`` the most while it sticks (as much where left out). A support that is left out is none.
     """
 
     mass: MaybeMass = None
@@ -179,33 +191,56 @@ class Object(Table):
     frame_damping: MaybeDamping = None
     assembly: str = ""
     material: str
+    spring: MaybeSpringRate = None
+    preload: MaybePreload = None
+    damper: MaybeDamping = None
+    stop_stiffness: MaybeSpringRate = None
+    stop_restitution: MaybeRestitution = None
+    gravity: MaybeGravity = None
+    friction: MaybeFriction = None
+    stiction: MaybeFriction = None
+
+
+class Object(AnyObject):
+    """[object]: everything that moves when struck, and what holds it; gravity above 0 pushes it away.
+
+    See `AnyObject`; in a rotary machine spring, damper and stop bring it back.
+    """
+
     spring: SpringRate
     preload: Force
     damper: Damping
     stop_stiffness: SpringRate
     stop_restitution: Restitution
     gravity: Acceleration
-    friction: MaybeFriction = None
-    stiction: MaybeFriction = None
+
+
+POWER = "power"
+"""The contact law that is given by a force at a depth."""
 
 
 class ContactTable(Table):
     """[contact]: law of the contact between nose and face; with a yield pressure it is elastic-plastic.
 
     What has yielded stays: on the face, where all strikers hit the same spot, or on each nose (``yields``).
+    The law "power", that of a pulse shaper or of a measured contact, is F = K d^n with K from ``reference_force`` at
+    ``reference_depth`` and n = ``exponent`` (1).
     """
 
     law: str = "palmgren"
     damping: str = "exact"
     restitution: Restitution
     slowest_approach: Speed
+    reference_force: MaybePositiveForce = None
+    reference_depth: MaybeLength = None
+    exponent: MaybeExponent = None
     datum_depth: MaybeLength = None
     yield_pressure: MaybePressure = None
     yields: Literal["face", "nose"] = "face"
 
 
 class Recorder(Table):
-    """[recorder]: triggered by the valve signal."""
+    """[recorder]: triggered by the valve signal, or at the start of a machine without one."""
 
     sampling_rate: Frequency
     delay: Duration
@@ -407,12 +442,15 @@ PUBLISHED_QUANTITIES = {
 
 
 class Published(Table):
-    """[[published]]: a number to set beside the result; ``sensor`` names the one it was read from."""
+    """[[published]]: a number to set beside the result; ``sensor`` names the one it was read from.
+
+    Its ``origin`` is a measurement, a simulation, or what a standard specifies.
+    """
 
     quantity: str
     sensor: str = ""
     value: Value
-    origin: Literal["measured", "simulated"]
+    origin: Literal["measured", "simulated", "specified"]
     role: Literal["fitted", "predicted", "shown"]
     note: str = ""
 

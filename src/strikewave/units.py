@@ -20,6 +20,7 @@ STANDARD_GRAVITY = 9.80665
 DIMENSIONS: dict[str, tuple[str, str]] = {
     "m": ("a length", "0.5 mm"),
     "m^2": ("an area", "700 mm^2"),
+    "m^3": ("a volume", "5000 cm^3"),
     "kg": ("a mass", "0.459 kg"),
     "s": ("a time", "200 us"),
     "rad": ("an angle", "15 deg"),

@@ -105,3 +105,19 @@ def test_object_comes_to_rest_on_its_stop():
     band = 5.0 / (machine.struck.stop_stiffness + machine.struck.spring)
     assert before.assembly_place[0] == pytest.approx(-machine.engagement, abs=1.1 * band)
     assert before.assembly_speed[0] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_late_light_touch_is_no_part_of_the_blow():
+    """The returning object brushes the same nose 5 ms later: the velocity change stays that of the blow itself."""
+    run = run_rotary(machine_of("object.spring=52.25 kN/m", "object.preload=522.5 N", "feed.blows=4"))
+    rows, late = run.contacts(), 0
+    for blow in blows(run):
+        mine = rows[(rows[:, 0] >= blow.time - 1e-9) & (rows[:, 0] < blow.time + 15e-3)]
+        early = mine[mine[:, 0] < blow.time + 2e-3]
+        before, after = run.sample(np.array([early[0, 0], early[:, 1].max()])).object_speed
+        assert blow.kind == "full"
+        assert blow.contacts == len(mine)
+        assert blow.velocity_change == pytest.approx(after - before, rel=1e-9)
+        assert blow.momentum_error < 1e-6
+        late += len(mine) > len(early)
+    assert late > 0

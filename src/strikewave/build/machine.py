@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from pydantic import BaseModel
 
-from strikewave.build.stack import build_stack, build_taps, checked
+from strikewave.build.stack import build_stack, build_taps, checked, need
 from strikewave.case import Case, Rig
 from strikewave.contact import (
     AnyContact,
@@ -30,7 +30,7 @@ from strikewave.machines.feed import expected_time
 from strikewave.machines.layered import LayeredObject, machine_grid
 from strikewave.materials import Material, material
 from strikewave.quantities import Value
-from strikewave.tables import ContactTable, FeedTable, OwnStriker, Striker
+from strikewave.tables import POWER, AnyStriker, ContactTable, FeedTable, OwnStriker, Striker
 from strikewave.tables import Machine as MachineTable
 from strikewave.waves import Stack
 
@@ -55,14 +55,41 @@ def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
     InputError
         If the law or a material is unknown.
     """
-    rig = case.rig()
-    face = material(rig.object.material, "object.material")
-    return face_stiffness(rig.striker, rig.contact, face)
+    parts = case.impact()
+    face = material(parts.object.material, "object.material")
+    return face_stiffness(parts.striker, parts.contact, face)
 
 
-def face_stiffness(striker: Striker, contact: ContactTable, face: Material) -> Stiffness | LogarithmicStiffness:
+_OF_POWER = ("reference_force", "reference_depth", "exponent")
+
+
+def _power_stiffness(contact: ContactTable) -> Stiffness:
+    """Return the stiffness of a power law that is given by a force at a depth, K = F/d^n."""
+    hint = f'for the law {POWER}, such as reference_force = "10 kN" at reference_depth = "1 mm"'
+    force = need(contact.reference_force, "contact.reference_force", "a force on the curve", hint)
+    depth = need(contact.reference_depth, "contact.reference_depth", "the depth at that force", hint)
+    exponent = or_else(contact.exponent, 1.0)
+    return Stiffness(force / depth**exponent, exponent, POWER)
+
+
+def _nose_geometry(striker: AnyStriker, contact: ContactTable, depth: float | None) -> Geometry:
+    """Return the sizes of a nose on a plane face, those that the law needs all there."""
+    sizes = {"radius1": striker.nose_radius, "length": striker.contact_length}
+    for (need_of, size), key in zip(sizes.items(), ("nose_radius", "contact_length"), strict=True):
+        if size is None and need_of in stiffness_law(contact.law).needs:
+            raise InputError(f"striker.{key}", MISSING, f"a length, for the law {contact.law}", f'{key} = "10 mm"')
+    length = striker.contact_length.si if striker.contact_length else None
+    return Geometry(or_else(striker.nose_radius, math.inf), math.inf, length, depth)
+
+
+def face_stiffness(striker: AnyStriker, contact: ContactTable, face: Material) -> Stiffness | LogarithmicStiffness:
     """Return the contact stiffness of a striker on a plane face of a material."""
     nose = material(striker.material, "striker.material")
+    if contact.law == POWER:
+        return _power_stiffness(contact)
+    given = next((key for key in _OF_POWER if getattr(contact, key) is not None), None)
+    if given is not None:
+        raise InputError(f"contact.{given}", getattr(contact, given).typed, f"only for the law {POWER}", "remove it")
     needs = stiffness_law(contact.law, "contact.law").needs
     depth = contact.datum_depth.si if contact.datum_depth else None
     if contact.datum_depth is not None and "datum_depth" not in needs:
@@ -72,24 +99,28 @@ def face_stiffness(striker: Striker, contact: ContactTable, face: Material) -> S
     if depth is None and "datum_depth" in needs:
         allowed = f"how deep the struck body is, for the law {contact.law} on a plane face"
         raise InputError("contact.datum_depth", MISSING, allowed, 'such as datum_depth = "30 mm"')
-    geometry = Geometry(striker.nose_radius.si, math.inf, striker.contact_length.si, depth)
+    geometry = _nose_geometry(striker, contact, depth)
     return stiffness_of(contact.law, nose, face, geometry, "contact.law")
 
 
-def pressure_cap(striker: Striker, contact: ContactTable, face: Material) -> PressureCap | None:
+def pressure_cap(striker: AnyStriker, contact: ContactTable, face: Material) -> PressureCap | None:
     """Return the cap on the pressure of a striker on a face, where the case has one."""
     if contact.yield_pressure is None:
         if contact.yields != "face":
             allowed = "only with contact.yield_pressure: nothing yields without it"
             raise InputError("contact.yields", contact.yields, allowed, "add the pressure, or remove it")
         return None
+    if contact.law == POWER or striker.nose_radius is None:
+        allowed = f"only with striker.nose_radius, and not for the law {POWER}"
+        raise InputError("contact.yield_pressure", contact.yield_pressure.typed, allowed, "remove it")
     nose = material(striker.material, "striker.material")
     of_line = "length" in stiffness_law(contact.law, "contact.law").needs
-    geometry = Geometry(striker.nose_radius.si, length=striker.contact_length.si if of_line else None)
+    length = striker.contact_length.si if of_line and striker.contact_length else None
+    geometry = Geometry(striker.nose_radius.si, length=length)
     return cap_of(nose, face, geometry, contact.yield_pressure.si)
 
 
-def face_contact(striker: Striker, contact: ContactTable, face: Material) -> AnyContact:
+def face_contact(striker: AnyStriker, contact: ContactTable, face: Material) -> AnyContact:
     """Return the contact of a striker on a face: stiffness, damping, and a cap on the pressure."""
     damping_law(contact.damping, "contact.damping")
     stiffness, cap = face_stiffness(striker, contact, face), pressure_cap(striker, contact, face)
@@ -123,7 +154,7 @@ def _striker(rig: Rig, own: OwnStriker | None, common: AnyContact, face: Materia
     table, pair = _with_own(rig.striker, given), _with_own(rig.contact, given)
     its_own = bool({"nose_radius", "contact_length", "restitution"} & given.keys())
     contact = face_contact(table, pair, face) if its_own else common
-    errors = {key: _or(getattr(table, key), 0.0) for key in ("angle_error", "reach_error")}
+    errors = {key: or_else(getattr(table, key), 0.0) for key in ("angle_error", "reach_error")}
     return _filled(BuiltStriker, table, contact=contact, **errors)
 
 
@@ -132,7 +163,7 @@ def _with_own(table: TableT, given: dict[str, Value]) -> TableT:
     return table.model_copy(update={key: value for key, value in given.items() if key in type(table).model_fields})
 
 
-def _or(value: Value | None, default: float) -> float:
+def or_else(value: Value | None, default: float) -> float:
     """Return a quantity in SI, or what holds where it is left out."""
     return default if value is None else value.si
 
@@ -142,12 +173,12 @@ def _turntable(table: MachineTable) -> Turntable:
     return _filled(
         Turntable,
         table,
-        motor_inertia=_or(table.motor_inertia, 0.0) * _or(table.belt_ratio, 1.0) ** 2,
-        belt_stiffness=_or(table.belt_stiffness, math.inf),
-        belt_damping=_or(table.belt_damping, 0.0),
-        ripple=_or(table.speed_ripple, 0.0),
-        ripple_order=_or(table.ripple_order, 1.0),
-        ripple_phase=_or(table.ripple_phase, 0.0),
+        motor_inertia=or_else(table.motor_inertia, 0.0) * or_else(table.belt_ratio, 1.0) ** 2,
+        belt_stiffness=or_else(table.belt_stiffness, math.inf),
+        belt_damping=or_else(table.belt_damping, 0.0),
+        ripple=or_else(table.speed_ripple, 0.0),
+        ripple_order=or_else(table.ripple_order, 1.0),
+        ripple_phase=or_else(table.ripple_phase, 0.0),
     )
 
 
@@ -159,9 +190,15 @@ def build_machine(case: Case) -> RotaryMachine:
     InputError, InputErrors
         With one line for each thing that does not fit together.
     """
+    from strikewave.build.launch import build_launched
+
+    return _rotary(case) if case.launched() is None else build_launched(case)
+
+
+def _rotary(case: Case) -> RotaryMachine:
     rig = case.rig()
-    layered = _layered(case)
-    bodies = _bodies(case, layered)
+    layered = layered_object(case)
+    bodies = object_bodies(case, layered)
     lines = [str(error) for error in _misfits(case, bodies)]
     if lines:
         raise InputErrors(lines)
@@ -173,13 +210,13 @@ def build_machine(case: Case) -> RotaryMachine:
             StruckObject,
             rig.object,
             **bodies._asdict(),
-            friction=_or(rig.object.friction, 0.0),
+            friction=or_else(rig.object.friction, 0.0),
             stiction=None if rig.object.stiction is None else rig.object.stiction.si,
         ),
         engagement=rig.machine.engagement.si,
         layered=layered,
-        blow_angle=_or(rig.machine.blow_angle, 0.0),
-        face_width=_or(rig.machine.face_width, math.inf),
+        blow_angle=or_else(rig.machine.blow_angle, 0.0),
+        face_width=or_else(rig.machine.face_width, math.inf),
     )
 
 
@@ -218,9 +255,9 @@ def _refuse_waves_alone(case: Case, stack: Stack) -> None:
             raise InputError(f"stack.joint.{layer.name}.kind", joint.kind, allowed, hint)
 
 
-def _layered(case: Case) -> LayeredObject | None:
+def layered_object(case: Case) -> LayeredObject | None:
     """Return the object as a stack, if the case has one."""
-    table = case.rig().object
+    table = case.impact().object
     if not case.stack.layer:
         return None
     given = [key for key in _OF_BODIES if getattr(table, key) is not None]
@@ -244,9 +281,9 @@ def _layered(case: Case) -> LayeredObject | None:
     if frame.mass > 0.0 or (frame.unilateral and frame.preload == 0.0):
         allowed = "a joint that holds: the frame before the assembly is bonded, compliant, gasket or preloaded"
         raise InputError(f"stack.joint.{names[names.index(table.assembly) - 1]}.kind", frame.kind, allowed)
-    if case.rig().feed.blows.si > MOST_STACK_BLOWS:
+    if case.feed is not None and case.feed.blows.si > MOST_STACK_BLOWS:
         allowed = f"at most {MOST_STACK_BLOWS} where the object is a stack"
-        raise InputError("feed.blows", case.rig().feed.blows.typed, allowed, "its waves are kept for each blow")
+        raise InputError("feed.blows", case.feed.blows.typed, allowed, "its waves are kept for each blow")
     step = case.solver.step.si if case.solver.step else None
     if step is not None and not FINEST_STEP <= step <= COARSEST_STEP:
         allowed = f"{FINEST_STEP * 1e9:g} to {COARSEST_STEP * 1e9:g} ns where a machine strikes a stack"
@@ -258,11 +295,11 @@ def _layered(case: Case) -> LayeredObject | None:
     return LayeredObject(stack, names.index(table.assembly), grid, taps)
 
 
-def _bodies(case: Case, layered: LayeredObject | None) -> Bodies:
+def object_bodies(case: Case, layered: LayeredObject | None) -> Bodies:
     """Return nose, frame and assembly: as the case gives them, or as they follow from the stack."""
     if layered is not None:
         return Bodies(layered.nose_mass, layered.assembly_mass, layered.frame_stiffness, layered.frame_damping)
-    table = case.rig().object
+    table = case.impact().object
     if table.assembly:
         raise InputError("object.assembly", table.assembly, "only where the object is a stack", "add [[stack.layer]]")
     missing = [f"object.{key}: missing; add {key}, or describe the object by [[stack.layer]]" for key in _OF_BODIES]
@@ -286,9 +323,9 @@ def _feed(table: FeedTable) -> Feed:
         Feed,
         table,
         blows=int(table.blows.si),
-        acceleration=_or(table.acceleration, 0.5),
-        cushion=_or(table.cushion, 0.5),
-        hold=_or(table.hold, math.inf),
+        acceleration=or_else(table.acceleration, 0.5),
+        cushion=or_else(table.cushion, 0.5),
+        hold=or_else(table.hold, math.inf),
     )
 
 
@@ -328,19 +365,19 @@ def _misfits(case: Case, bodies: Bodies) -> Iterator[InputError]:
     if m.inertia.si <= carried:
         allowed = f"more than that of the strikers alone ({carried:.4g} kg m^2)"
         yield InputError("machine.inertia", m.inertia.typed, allowed, "it includes them")
-    if m.belt_stiffness is not None and _or(m.motor_inertia, 0.0) == 0.0:
+    if m.belt_stiffness is not None and or_else(m.motor_inertia, 0.0) == 0.0:
         yield InputError("machine.motor_inertia", MISSING, "above zero where the belt gives way", "or leave the belt")
-    if _or(f.acceleration, 0.5) + _or(f.cushion, 0.5) > 1.0:
-        allowed = f"at most 1 together with feed.acceleration ({_or(f.acceleration, 0.5):g})"
-        yield InputError("feed.cushion", _or(f.cushion, 0.5), allowed, "they are shares of the same stroke's time")
-    if o.stiction is not None and o.stiction.si < _or(o.friction, 0.0):
-        allowed = f"at least object.friction ({_or(o.friction, 0.0):g} N)"
+    if or_else(f.acceleration, 0.5) + or_else(f.cushion, 0.5) > 1.0:
+        allowed = f"at most 1 together with feed.acceleration ({or_else(f.acceleration, 0.5):g})"
+        yield InputError("feed.cushion", or_else(f.cushion, 0.5), allowed, "they are shares of the same stroke's time")
+    if o.stiction is not None and o.stiction.si < or_else(o.friction, 0.0):
+        allowed = f"at least object.friction ({or_else(o.friction, 0.0):g} N)"
         yield InputError("object.stiction", o.stiction.typed, allowed)
 
 
 def _strike_misfits(m: MachineTable) -> Iterator[InputError]:
     """Yield an error for each way in which noses and face cannot meet as they should."""
-    angle, radius, q = _or(m.blow_angle, 0.0), m.radius.si, m.engagement.si
+    angle, radius, q = or_else(m.blow_angle, 0.0), m.radius.si, m.engagement.si
     if not 0.0 <= angle <= 0.5 * math.pi:
         typed = m.blow_angle.typed if m.blow_angle else angle
         yield InputError("machine.blow_angle", typed, "from 0 (as a cam) to 90 deg (along the path)")
@@ -377,11 +414,11 @@ def _striker_misfits(m: MachineTable, striker: Striker) -> Iterator[InputError]:
     def stands(i: int) -> float:
         row = own.get(i % count + 1)
         error = row.angle_error if row and row.angle_error else striker.angle_error
-        return pitch * i - _or(error, 0.0)
+        return pitch * i - or_else(error, 0.0)
 
     def nose(i: int) -> float:
         row = own.get(i % count + 1)
-        return _or(row.nose_radius, striker.nose_radius.si) if row else striker.nose_radius.si
+        return or_else(row.nose_radius, striker.nose_radius.si) if row else striker.nose_radius.si
 
     for i in range(count if count > 1 else 0):
         chord = 2.0 * m.radius.si * math.sin(0.5 * min(max(stands(i + 1) - stands(i), 0.0), math.pi))

@@ -39,11 +39,25 @@ def _show(name: str, title: str, values: Mapping[str, Value], json: bool) -> Non
     counted = Counter[str](value.provenance for value in values.values())
     if json:
         rows = {
-            path: {"value": v.si, "typed": v.typed, "provenance": v.provenance, "note": v.note}
+            path: {"value": v.si, "typed": v.typed, "provenance": v.provenance, "note": v.note, **_tolerance(v)}
             for path, v in values.items()
         }
         print_json({**head({"value": "SI"}), "case": name, "provenance": dict(counted), "values": rows})
         return
-    shown = [[path, str(v.typed), v.provenance, v.note] for path, v in values.items()]
+    shown = [[path, _typed(v), v.provenance, v.note] for path, v in values.items()]
     table(title or name, ["field", "value", "provenance", "note"], shown, left=4)
     print("valid: " + ", ".join(f"{counted[p]} {p}" for p in PROVENANCES if counted[p]))
+
+
+def _typed(value: Value) -> str:
+    """Return a value as it was typed, with its tolerance."""
+    band = value.tolerance
+    if band is None:
+        return str(value.typed)
+    return f"{value.typed} ± {band.typed}" + (f" ({band.distribution})" if band.distribution != "normal" else "")
+
+
+def _tolerance(value: Value) -> dict[str, float | str]:
+    """Return the tolerance of a value for the JSON document, its half width in SI; nothing where there is none."""
+    band = value.tolerance
+    return {} if band is None else {"tolerance": value.half_width, "distribution": band.distribution}

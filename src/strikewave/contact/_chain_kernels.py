@@ -40,6 +40,8 @@ STICKING, SLIDING, SLIDING_BACK = 0, 1, 2
 SWITCHES = 3
 """Switch functions of a link."""
 _REGAIN = 1e-9
+_AT_REST = 1e-12
+"""Slip below which friction takes nodes to be at rest, m/s."""
 
 
 KIND, BEHIND, AHEAD = 0, 1, 2
@@ -246,10 +248,14 @@ def contact_switches(law, d, rate, mode, approach, deepest, s, g):
 
 @leaf_kernel
 def friction_switch(joins, values, table, y, bases, mode, memory, i, rate):
-    """Return the switch function of friction link i: it still holds, or still slides the same way."""
+    """Return the switch function of friction link i: it still holds, or still slides the same way.
+
+    What has just broken loose has no slip yet: it slides until the slip is a little below zero, so that neither
+    rounding nor a short excess of the force can toss it to and fro.
+    """
     if mode[i] == STICKING:
         return values[i, STICKING_FORCE] - abs(holding_force(joins, values, table, y, bases, mode, memory, i))
-    return rate if mode[i] == SLIDING else -rate
+    return (rate if mode[i] == SLIDING else -rate) + _AT_REST
 
 
 @leaf_kernel

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.figures.style import BLUE, GREY, quiet
-from strikewave.figures.summary import _KIND_COLOURS, _MOST_LABELS, _published_marks
+from strikewave.figures.summary import _KIND_COLOURS, _MOST_LABELS, _published_marks, time_words
 from strikewave.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ def whole_train(solution: Solution) -> Figure:
     data = solution.data
     time, values = thin(data["time"].values, data["rigid_acceleration"].values)
     axes.plot(time * 1e3, values / STANDARD_GRAVITY, color=BLUE, linewidth=0.8)
-    quiet(axes, "Rigid-body acceleration, whole train", "time after the valve signal (ms)", "acceleration (g)")
+    quiet(axes, "Rigid-body acceleration, whole train", f"{time_words(solution)} (ms)", "acceleration (g)")
     kinds = {blow.kind for blow in solution.blows}
     for kind, colour in _KIND_COLOURS.items():
         blows = [blow for blow in solution.blows if blow.kind == kind]

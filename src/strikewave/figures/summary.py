@@ -69,7 +69,7 @@ def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes
 
 def _published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any) -> None:
     """Mark published peak and width of the first blow: numbers, not curves, and only where they belong."""
-    styles = {"measured": (RED, "o"), "simulated": (GREY, "s")}
+    styles = {"measured": (RED, "o"), "simulated": (GREY, "s"), "specified": (ORANGE, "D")}
     values = {(c.quantity, c.measured_or_simulated): c.published for c in solution.published}
     peak_time = time[int(np.nanargmax(acceleration))]
     above = time[acceleration >= 0.1 * np.nanmax(acceleration)]
@@ -88,12 +88,17 @@ def _published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any
             )
 
 
+def time_words(solution: Solution) -> str:
+    """Return what the time of the whole run counts from."""
+    return str(solution.data["time"].attrs.get("long_name", "time after the valve signal"))
+
+
 def _train(solution: Solution, axes: Any) -> None:
     data = solution.data
     time = data["time"].values * 1e3
     acceleration = data["rigid_acceleration"].values / STANDARD_GRAVITY
     axes.plot(time, acceleration, color=BLUE, linewidth=0.8)
-    quiet(axes, "Rigid-body acceleration, whole train", "time after the valve signal (ms)", "acceleration (g)")
+    quiet(axes, "Rigid-body acceleration, whole train", f"{time_words(solution)} (ms)", "acceleration (g)")
     labelled = len(solution.blows) <= _MOST_LABELS
     room = 0.06 * (time[-1] - time[0]) * 1e-3 if time.size else 0.0
     free = -math.inf

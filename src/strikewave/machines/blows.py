@@ -48,7 +48,8 @@ class Blow:
     contacts : int
         Intervals of contact.
     approach_speed, rebound_speed : float
-        Closing speed at first touch, parting speed at the last release.
+        Closing speed at first touch, parting speed at the release that ends the blow: the last one of a double blow,
+        else the last one before a gap longer than the pulse, after which the striker only touches lightly.
     restitution : float
         Of the contact: square root of the work that it gives back over the work that it takes (Stronge).
     indentation, residual_indentation : float
@@ -58,7 +59,7 @@ class Blow:
     flattening : float
         Radius of the spot after the blow over that before anything yielded.
     impulse : float
-        Of all forces on the object from first touch to last release, N s.
+        Of all forces on the object from first touch to the release that ends the blow, N s.
     contact_impulse, support_impulse : float
         Its two parts: the strikers' contact; spring, damper, stop and gravity.
     momentum_error : float
@@ -68,7 +69,7 @@ class Blow:
     rigid_peak, width, rise : float
         Of the assembly's rigid-body acceleration; width at 10 % of the peak.
     velocity_change : float
-        Of the object's centre of mass from first touch to last release: impulse over its mass.
+        Of the object's centre of mass from first touch to the release that ends the blow: impulse over its mass.
     retreat : float
         Largest retreat after first touch, until the next blow or the retraction, m; of a missed blow, how far behind
         its place of rest the face was when the striker passed.
@@ -176,18 +177,18 @@ def _missed(run: RotaryRun, index: int, number: int, time: float) -> Blow:
 
 def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
     struck = run.machine.struck
-    begin, end = float(rows[0, 0]), float(rows[:, 1].max())
-    striker = int(rows[0, 3])
+    begin, striker, last = float(rows[0, 0]), int(rows[0, 3]), float(rows[:, 1].max())
+    since, force, acceleration = pulse_window(run, begin, min(until, last + WINDOW_AFTER) - begin)
+    pulse = measure_pulse(acceleration, SAMPLE_STEP, since[0]) if acceleration.max() > 0 else None
+    width = pulse.width if pulse else math.nan
+    kind, end = _kind(run, rows, width)
     edges = run.sample(np.array([begin, end]))
     contact, support = run.impulses(begin, end)
     velocity_change = float(np.diff(edges.object_speed)[0])
-    since, force, acceleration = pulse_window(run, begin, min(until, end + WINDOW_AFTER) - begin)
-    pulse = measure_pulse(acceleration, SAMPLE_STEP, since[0]) if acceleration.max() > 0 else None
-    free = min(until, max(run.released, end))
+    free = min(until, max(run.released, last))
     path = run.sample(np.linspace(begin, free, 2001)).assembly_place
-    width = pulse.width if pulse else math.nan
     before, (deep, restitution) = run.deepest(np.nextafter(begin, 0.0), striker), _work(run, rows)
-    yielded = run.deepest(end, striker)
+    yielded = run.deepest(last, striker)
     if yielded > before:
         deep = yielded
     contact_law = run.machine.strikers.each[striker].contact
@@ -196,7 +197,7 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
     rebound = run.span_at(np.nextafter(end, begin)).parting_speed(end, striker)
     return Blow(
         index=index,
-        kind=_kind(run, rows, width),
+        kind=kind,
         striker=striker + 1,
         time=begin,
         contacts=len(rows),
@@ -235,14 +236,16 @@ def _work(run: RotaryRun, rows: Array) -> tuple[float, float]:
     return deepest, math.sqrt(back / taken) if taken > 0.0 else math.nan
 
 
-def _kind(run: RotaryRun, rows: Array, width: float) -> str:
-    if rows[0, 2] < GLANCING_SHARE * run.machine.nominal_approach:
-        return "glancing"
+def _kind(run: RotaryRun, rows: Array, width: float) -> tuple[str, float]:
+    """Return the kind of a blow and when it ends, s: later light touches, a pulse width off, are no part of it."""
+    last = float(rows[:, 1].max())
     gaps = np.flatnonzero(rows[1:, 0] - rows[:-1, 1] > width)
+    end = float(rows[: gaps[0] + 1, 1].max()) if gaps.size else last
+    if rows[0, 2] < GLANCING_SHARE * run.machine.nominal_approach:
+        return "glancing", end
     if gaps.size:
-        end = float(rows[:, 1].max())
-        later, _ = run.impulses(float(rows[gaps[0] + 1, 0]), end)
-        whole, _ = run.impulses(float(rows[0, 0]), end)
+        later, _ = run.impulses(float(rows[gaps[0] + 1, 0]), last)
+        whole, _ = run.impulses(float(rows[0, 0]), last)
         if later > DOUBLE_SHARE * whole:
-            return "double"
-    return "full"
+            return "double", last
+    return "full", end

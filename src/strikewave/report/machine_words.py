@@ -16,7 +16,7 @@ MACHINES = {
     "rotary": (
         "A rotary machine: a turntable carries the strikers, a hydraulic feed brings the object into their path, each "
         "striker hits it in turn, and a preloaded spring and a damper bring it back to its stop before the next one "
-        "comes. The nose of a striker acts on the object's face like a cam. After the wanted number of passes the feed "
+        "comes. After the wanted number of passes the feed "
         "withdraws the object and the turntable is braked.",
         (
             "turntable",

@@ -1,0 +1,226 @@
+"""Which tolerance the scatter comes from: each alone, or Sobol indices, with bounds.
+
+Alone: all other quantities are nominal. The share in the variance between runs of a figure y is Var(y_i)/Var(y). The
+share in the scatter that tolerances add within a run is E(v_i²)/E(v²), with v the coefficient of variation of the peaks
+over those of the same blows of the nominal run, which takes out what the dynamics alone do. Where tolerances do not
+interact, shares add up to 1; a sum that cannot be 1 is told.
+
+Sobol indices split a variance whatever the interactions, at several times the runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+RESAMPLES = 1000
+"""Of the bootstrap."""
+CONFIDENCE = 0.95
+"""Of the bounds of shares."""
+
+
+@dataclass(frozen=True)
+class Share:
+    """Share of one tolerance, with its bounds at 95 %; the total one counts interactions too (Sobol alone)."""
+
+    path: str
+    share: float
+    low: float
+    high: float
+    floor: float = 0.0
+    total: float | None = None
+    total_low: float | None = None
+    total_high: float | None = None
+
+    @property
+    def distinct(self) -> bool:
+        """Whether it can be told apart from 0: bounds above what rounding of the runs gives."""
+        return self.low > self.floor
+
+
+@dataclass(frozen=True)
+class Shares:
+    """Shares in one quantity, largest first, and their sum, with its bounds at 95 %; ``runs`` that each rests on."""
+
+    of: str
+    rows: tuple[Share, ...]
+    sum: float
+    sum_low: float
+    sum_high: float
+    runs: int
+
+    @property
+    def additive(self) -> bool:
+        """Whether the sum can be 1: no interaction shows."""
+        return self.sum_low <= 1.0 <= self.sum_high
+
+
+@dataclass(frozen=True)
+class Indices:
+    """First-order and total Sobol indices."""
+
+    first: Array
+    total: Array
+
+
+def sobol_indices(a: Array, b: Array, mixed: Array) -> Indices:
+    """Return first-order and total indices from runs at Sobol's two samples and their mixtures.
+
+    S_i = E(y_B (y_i - y_A))/V (Saltelli et al. 2010, table 2 (b)) with y centred, and T_i = E((y_A - y_i)²)/(2 V)
+    (Jansen 1999), V the variance of y_A and y_B together.
+
+    Parameters
+    ----------
+    a, b : array, shape (..., N)
+        Results at the samples A and B.
+    mixed : array, shape (groups, ..., N)
+        Results at A with the columns of one group from B.
+
+    Source: ``saltelli-2010``, ``jansen-1999``.
+
+    Examples
+    --------
+    >>> x = np.random.default_rng(1).random((2, 4, 4096))
+    >>> a, b = x[0, 0] + 2 * x[0, 1], x[1, 0] + 2 * x[1, 1]
+    >>> found = sobol_indices(a, b, np.array([x[1, 0] + 2 * x[0, 1], x[0, 0] + 2 * x[1, 1]]))
+    >>> bool(np.allclose(found.first, [0.2, 0.8], atol=0.03))
+    True
+    """
+    both = np.concatenate([a, b], axis=-1)
+    centre, variance = both.mean(axis=-1, keepdims=True), both.var(axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        first = np.mean((b - centre) * (mixed - a), axis=-1) / variance
+        total = 0.5 * np.mean((a - mixed) ** 2, axis=-1) / variance
+    return Indices(first, total)
+
+
+def mixtures(points: Array, sizes: Sequence[int]) -> tuple[Array, Array, Array]:
+    """Return A, B and, for each group of columns, A with that group from B; points have both halves side by side.
+
+    Examples
+    --------
+    >>> [part.shape for part in mixtures(np.zeros((8, 6)), (1, 2))]
+    [(8, 3), (8, 3), (2, 8, 3)]
+    """
+    a, b = np.split(points, 2, axis=1)
+    edges = np.concatenate([[0], np.cumsum(sizes)])
+    mixed = np.repeat(a[None], len(sizes), axis=0)
+    for k, (begin, end) in enumerate(pairwise(edges)):
+        mixed[k, :, begin:end] = b[:, begin:end]
+    return a, b, mixed
+
+
+def sobol_points(dimensions: int, runs: int, seed: int) -> Array:
+    """Return scrambled Sobol points for both samples, shape (runs, 2 dimensions); ``runs`` is a power of two."""
+    from scipy.stats.qmc import Sobol
+
+    source = np.random.Generator(np.random.Philox(np.random.SeedSequence(seed)))
+    return np.asarray(Sobol(2 * dimensions, seed=source).random_base2(round(np.log2(runs))))
+
+
+def sobol_shares(of: str, paths: Sequence[str], a: Array, b: Array, mixed: Array, seed: int) -> Shares:
+    """Return the Sobol indices of a quantity with bootstrap bounds; runs without a result are left out.
+
+    The bootstrap takes the points as random; Sobol's are more even, so that the bounds are on the wide side.
+    """
+    whole = np.isfinite(a) & np.isfinite(b) & np.isfinite(mixed).all(axis=0)
+    a, b, mixed = a[whole], b[whole], mixed[:, whole]
+    if not a.size:
+        return _unknown(of, paths)
+    found = sobol_indices(a, b, mixed)
+    place = _resamples(a.size, seed)
+    tried = [sobol_indices(a[place], b[place], one[place]) for one in mixed]
+    tried_first = np.array([one.first for one in tried])
+    first, total = _bounds(tried_first), _bounds(np.array([one.total for one in tried]))
+    rows = [
+        Share(path, *_floats(found.first[k], *first[:, k]), 0.0, *_floats(found.total[k], *total[:, k]))
+        for k, path in enumerate(paths)
+    ]
+    return _shares(of, rows, float(found.first.sum()), tried_first.sum(axis=0), a.size)
+
+
+def variance_shares(of: str, paths: Sequence[str], whole: Array, alone: Array, seed: int) -> Shares:
+    """Return the shares Var(y_i)/Var(y) of each tolerance alone, with bootstrap bounds.
+
+    Parameters
+    ----------
+    of : str
+        Name of the quantity.
+    paths : sequence of str
+        Of the tolerances.
+    whole : array, shape (N,)
+        Results with all tolerances.
+    alone : array, shape (tolerances, N)
+        Results of the same draws with one tolerance at a time.
+    seed : int
+        Of the bootstrap.
+    """
+    rounding = ROUNDING * float(np.mean(whole[np.isfinite(whole)])) if np.isfinite(whole).any() else np.nan
+    return _alone(of, paths, whole, alone, lambda y: y.var(axis=-1), rounding, seed)
+
+
+ROUNDING = 1e-6
+"""Relative scatter that a run's steps alone may give (see RUN_TOLERANCE): a share of less is not told apart from 0."""
+
+
+def scatter_shares(of: str, paths: Sequence[str], whole: Array, alone: Array, seed: int) -> Shares:
+    """Return the shares E(v_i²)/E(v²) of each tolerance alone, with bootstrap bounds; see `variance_shares`."""
+    return _alone(of, paths, whole, alone, lambda v: np.mean(v**2, axis=-1), ROUNDING, seed)
+
+
+def _alone(
+    of: str,
+    paths: Sequence[str],
+    whole: Array,
+    alone: Array,
+    size: Callable[[Array], Array],
+    rounding: float,
+    seed: int,
+) -> Shares:
+    """Return the sizes of scatter of each tolerance alone over that of all together."""
+    kept = np.isfinite(whole) & np.isfinite(alone).all(axis=0)
+    whole, alone = whole[kept], alone[:, kept]
+    if not whole.size:
+        return _unknown(of, paths)
+    place = _resamples(whole.size, seed)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found, floor = size(alone) / size(whole), float(rounding**2 / size(whole))
+        tried = np.array([size(one[place]) for one in alone]) / size(whole[place])
+    bounds = _bounds(tried)
+    rows = [Share(path, *_floats(found[k], *bounds[:, k]), floor) for k, path in enumerate(paths)]
+    return _shares(of, rows, float(found.sum()), tried.sum(axis=0), whole.size)
+
+
+def _unknown(of: str, paths: Sequence[str]) -> Shares:
+    """Return shares that no run tells anything of."""
+    rows = tuple(Share(path, np.nan, np.nan, np.nan) for path in paths)
+    return Shares(of, rows, np.nan, np.nan, np.nan, 0)
+
+
+def _floats(share: float, low: float, high: float) -> tuple[float, float, float]:
+    return float(share), float(low), float(high)
+
+
+def _shares(of: str, rows: list[Share], whole: float, tried: Array, runs: int) -> Shares:
+    low, high = _bounds(tried)
+    ordered = sorted(rows, key=lambda row: -row.share if np.isfinite(row.share) else np.inf)
+    return Shares(of, tuple(ordered), whole, float(low), float(high), runs)
+
+
+def _resamples(count: int, seed: int) -> NDArray[np.int64]:
+    """Return places of the bootstrap, shape (resamples, count)."""
+    source = np.random.Philox(np.random.SeedSequence(seed, spawn_key=(0xB007,)))
+    return np.random.Generator(source).integers(0, max(count, 1), (RESAMPLES, count))
+
+
+def _bounds(tried: Array) -> Array:
+    """Return the bounds at 95 % of resampled numbers along the last axis, stacked; NaN where there are none."""
+    if tried.shape[-1] == 0 or not np.isfinite(tried).all():
+        return np.full((2, *tried.shape[:-1]), np.nan)
+    return np.quantile(tried, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], axis=-1)

@@ -1,0 +1,129 @@
+"""``strikewave scatter`` as a user types it: documents, files, shares, and what bad input is told."""
+
+import csv
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from strikewave import load_case
+from strikewave.case import parse_case
+from strikewave.figures.scatter import scatter_picture
+from strikewave.studies.scatter import Plan, scatter
+
+QUICK = ("scatter", "li-ma-2019", "--workers", "1", "--runs", "10", "--set", "feed.blows=3")
+TWO = ("--set", "striker.mass.tolerance=2 %", "--set", "feed.arrival.tolerance=0.05")
+
+
+@pytest.fixture(scope="module")
+def study():
+    changes = ["feed.blows=3", "striker.mass.tolerance=2 %", "feed.arrival.tolerance=0.05"]
+    return scatter(load_case("li-ma-2019", changes), Plan(12, 3, "alone"))
+
+
+def test_files_appear_whole_and_agree(strikewave):
+    code, out, err = strikewave(*QUICK, *TWO)
+    assert code == 0
+    folder = Path("out/scatter-li-ma-2019")
+    assert sorted(path.name for path in folder.iterdir()) == ["case.toml", "runs.csv", "scatter.json", "scatter.svg"]
+    assert "written: out/scatter-li-ma-2019/" in err
+    for words in ("CV between runs", "dynamics alone", "Shares in the variance of the typical peak", "each striker"):
+        assert words in out
+    rows = list(csv.DictReader((folder / "runs.csv").open()))
+    document = json.loads((folder / "scatter.json").read_text())
+    assert len(rows) == document["runs"] == 10
+    means = np.array([float(row["mean peak [m/s^2]"]) for row in rows])
+    assert document["figures"]["peak"]["mean"]["mean"] == pytest.approx(means.mean(), rel=1e-12)
+    assert document["figures"]["peak"]["mean"]["cv"] == pytest.approx(means.std(ddof=1) / means.mean(), rel=1e-12)
+    assert all(0.97 <= float(row[f"striker.mass of {k} [kg]"]) <= 1.03 for row in rows for k in range(1, 5))
+    assert {"blows", "full", "missed", "double", "glancing", "failure", "cv of peak [1]"} <= rows[0].keys()
+
+
+def test_the_case_file_of_a_result_runs_again_to_the_same_bits(strikewave):
+    strikewave(*QUICK, *TWO, "--shares", "none", "--out", "first")
+    strikewave("scatter", "first", "--workers", "1", "--runs", "10", "--shares", "none", "--out", "second")
+    assert Path("first/runs.csv").read_bytes() == Path("second/runs.csv").read_bytes()
+    case = parse_case(Path("second/case.toml").read_text())
+    assert case.striker.mass.half_width == 0.02
+
+
+def test_another_seed_is_another_result_and_needs_force(strikewave):
+    words = (*QUICK, *TWO, "--shares", "none", "--out", "here")
+    assert strikewave(*words)[0] == 0
+    code, _, err = strikewave(*words, "--seed", "2")
+    assert code == 2
+    assert "--force" in err
+    assert strikewave(*words, "--seed", "2", "--force")[0] == 0
+
+
+def test_json_alone_writes_no_files(strikewave):
+    code, out, _ = strikewave(*QUICK, *TWO, "--json")
+    document = json.loads(out)
+    assert code == 0
+    assert not Path("out").exists()
+    assert document["shares"]["method"] == "alone"
+    drawn = {row["path"]: row["drawn"] for row in document["tolerances"]}
+    assert drawn == {"feed.arrival": "once a run", "striker.mass": "for each striker"}
+    assert document["figures"]["peak"]["cv_within"]["limit"] is None
+    assert {row["path"] for one in document["shares"]["of"] for row in one["rows"]} == set(drawn)
+
+
+def test_sobol_indices_come_with_totals(strikewave):
+    code, out, _ = strikewave(*QUICK, *TWO, "--shares", "sobol", "--json")
+    document = json.loads(out)
+    assert code == 0
+    for one in document["shares"]["of"]:
+        assert one["runs_each"] == 16
+        assert all(row["total_low"] <= row["total"] <= row["total_high"] for row in one["rows"])
+    assert any("Saltelli" in source for source in document["sources"])
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("scatter", "li-ma-2019"), 'striker.mass.tolerance="2 %"'),
+        (("scatter", "li-ma-2019", "--set", "recorder.pre_trigger.tolerance=10 %"), "quantity that a blow feels"),
+        (("scatter", "li-ma-2019-fig13-bar"), "strikewave wave"),
+        ((*QUICK, *TWO, "--runs", "1"), "--runs: got 1; allowed: a whole number from 10"),
+        ((*QUICK, *TWO, "--shares", "half"), '--shares: got "half"; allowed: one of alone, sobol, none'),
+        ((*QUICK, *TWO, "--workers", "0"), "--workers"),
+        ((*QUICK, "--set", "striker.mass.tolerance=2 mm"), "striker.mass.tolerance"),
+        ((*QUICK, "--set", "striker.mass.tolerance=150 %"), "at most 100 %"),
+        ((*QUICK, "--set", "feed.blows.tolerance=1"), "no tolerance on a whole number"),
+    ],
+)
+def test_bad_input_is_told_in_one_line(strikewave, words, told):
+    code, out, err = strikewave(*words)
+    assert (code, out) == (2, "")
+    assert told in err
+    assert err.count("\n") == 1
+    assert not Path("out").exists()
+
+
+def test_picture_shows_peaks_bands_and_shares(study):
+    figure = scatter_picture(study)
+    peaks, between, within = figure.axes
+    medians = next(line for line in peaks.lines if line.get_label() == "median").get_ydata()
+    np.testing.assert_allclose(medians, np.median([run.peak for run in study.runs], axis=0) / 9.80665, rtol=1e-12)
+    still = next(line for line in peaks.lines if line.get_label() == "dynamics alone").get_ydata()
+    np.testing.assert_allclose(still, study.still.peak / 9.80665, rtol=1e-12)
+    for axes, shares in ((between, study.shares[0]), (within, study.shares[1])):
+        assert [text.get_text() for text in axes.get_yticklabels()] == [row.path for row in shares.rows]
+        widths = [bar.get_width() for bar in axes.patches]
+        np.testing.assert_allclose(widths, [100.0 * row.share for row in shares.rows], rtol=1e-12)
+
+
+def test_picture_of_runs_with_missed_blows(study):
+    """A blow that no run struck leaves a gap; missed runs are counted in words."""
+    from dataclasses import replace
+
+    lost = np.where(np.arange(3) == 1, math.nan, study.runs[0].peak)
+    missed = replace(study.runs[0], kinds=("full", "missed", "full"), peak=lost)
+    figure = scatter_picture(replace(study, runs=(missed,) * 12, shares=()))
+    (axes,) = figure.axes
+    assert "12 runs with missed blows" in axes.get_title(loc="left")
+    median = next(line for line in axes.lines if line.get_label() == "median").get_ydata()
+    assert np.isnan(median).tolist() == [False, True, False]
+    figure.canvas.draw()
