@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import machine_bench
 import numba
 import numpy as np
 import peers_bench
@@ -188,6 +189,7 @@ def main():
             table(("law", "time", "e that comes out"), laws()),
             "## The published machine",
             table(("work", "time", "target"), processes()),
+            machine_bench.section(),
             waves_bench.section(),
             records_bench.section(),
             reading_bench.section(),
