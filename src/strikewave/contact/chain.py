@@ -121,7 +121,7 @@ class Vibration:
     >>> chain = Chain({"block": 1.0}, [Friction("block", "table", sliding=2.0)], {"table": table})
     >>> motion = simulate(chain, {}, {"block": 0.1}, duration=0.02)  # 10 m/s^2 at most, friction gives 2
     >>> print(motion.speeds(0.01).round(3))
-    [0.08]
+    [0.082]
     """
 
     mean: float
