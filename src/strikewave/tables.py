@@ -50,9 +50,9 @@ from strikewave.quantities import (
     MaybeQuality,
     MaybeRatio,
     MaybeRestitution,
+    MaybeRipple,
     MaybeRotationDrag,
     MaybeRotationRate,
-    MaybeShare,
     MaybeShift,
     MaybeSpeed,
     MaybeSpringRate,
@@ -108,7 +108,7 @@ class Machine(Table):
     motor_inertia: MaybeInertia = None
     belt_stiffness: MaybeRotationRate = None
     belt_damping: MaybeRotationDrag = None
-    speed_ripple: MaybeShare = None
+    speed_ripple: MaybeRipple = None
     ripple_order: MaybeTurns = None
     ripple_phase: MaybeAngle = None
 

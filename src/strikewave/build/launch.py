@@ -10,7 +10,8 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.special import ellipk
 
-from strikewave.build.machine import MOST_SAMPLES, Bodies, face_contact, layered_object, object_bodies, or_else
+from strikewave.build.machine import Bodies, face_contact, layered_object, object_bodies, or_else
+from strikewave.build.misfits import MOST_SAMPLES
 from strikewave.build.stack import checked, need
 from strikewave.case import Case
 from strikewave.errors import MISSING, InputError, InputErrors

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
 from typing import Any, NamedTuple, TypeVar
 
 from pydantic import BaseModel
 
+from strikewave.build.misfits import misfits
 from strikewave.build.stack import build_stack, build_taps, checked, need
 from strikewave.case import Case, Rig
 from strikewave.contact import (
@@ -26,25 +26,20 @@ from strikewave.contact import (
 from strikewave.errors import MISSING, InputError, InputErrors, nearest
 from strikewave.machines import Feed, RotaryMachine, Strikers, StruckObject, Turntable
 from strikewave.machines import Striker as BuiltStriker
-from strikewave.machines.feed import expected_time
 from strikewave.machines.layered import LayeredObject, machine_grid
 from strikewave.materials import Material, material
 from strikewave.quantities import Value
-from strikewave.tables import POWER, AnyStriker, ContactTable, FeedTable, OwnStriker, Striker
+from strikewave.tables import POWER, AnyStriker, ContactTable, FeedTable, OwnStriker
 from strikewave.tables import Machine as MachineTable
 from strikewave.waves import Stack
 
 T = TypeVar("T")
 TableT = TypeVar("TableT", bound=BaseModel)
 
-MOST_SAMPLES = 2e6
-"""Samples of the whole train beyond which a solution is refused."""
 FINEST_STEP, COARSEST_STEP = 1e-9, 1e-6
 """Time steps of a struck stack, s: finer ones take minutes, coarser ones lose the contact."""
 MOST_STACK_BLOWS = 100
 """Most blows on a stack: about 1 MB of waves is kept of each."""
-LONGEST_INTERVAL = 0.5
-"""Longest time between strikers, s: the bodies between two blows are followed in full."""
 
 
 def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
@@ -199,10 +194,7 @@ def _rotary(case: Case) -> RotaryMachine:
     rig = case.rig()
     layered = layered_object(case)
     bodies = object_bodies(case, layered)
-    lines = [str(error) for error in _misfits(case, bodies)]
-    if lines:
-        raise InputErrors(lines)
-    return RotaryMachine(
+    machine = RotaryMachine(
         turntable=_turntable(rig.machine),
         strikers=_strikers(rig),
         feed=_feed(rig.feed),
@@ -218,6 +210,10 @@ def _rotary(case: Case) -> RotaryMachine:
         blow_angle=or_else(rig.machine.blow_angle, 0.0),
         face_width=or_else(rig.machine.face_width, math.inf),
     )
+    lines = [str(error) for error in misfits(case, machine)]
+    if lines:
+        raise InputErrors(lines)
+    return machine
 
 
 class Bodies(NamedTuple):
@@ -327,104 +323,3 @@ def _feed(table: FeedTable) -> Feed:
         cushion=or_else(table.cushion, 0.5),
         hold=or_else(table.hold, math.inf),
     )
-
-
-def _misfits(case: Case, bodies: Bodies) -> Iterator[InputError]:
-    """Yield an error for each pair of values that does not fit together."""
-    m, striker, f, o, _, _ = case.rig()
-    yield from _strike_misfits(m)
-    yield from _striker_misfits(m, striker)
-    stretch = striker.mass.si * m.speed.si**2 / striker.mount_stiffness.si
-    if stretch > 0.1:
-        allowed = f"enough to hold the striker on its circle (it would stretch by {stretch:.0%} of the radius)"
-        yield InputError("striker.mount_stiffness", striker.mount_stiffness.typed, allowed)
-    interval = 2.0 * math.pi / (m.speed.si * m.strikers.si)
-    samples = expected_time(_feed(f), interval) / case.solver.output_step.si
-    if samples > MOST_SAMPLES:
-        allowed = f"a step that keeps the train below {MOST_SAMPLES:.0e} samples (here {samples:.1e})"
-        yield InputError("solver.output_step", case.solver.output_step.typed, allowed)
-    weight = (bodies.nose_mass + bodies.assembly_mass) * o.gravity.si
-    if o.preload.si <= weight:
-        allowed = f"more than the weight along the blow ({weight:.4g} N)"
-        yield InputError("object.preload", o.preload.typed, allowed, "the spring must hold the object on its stop")
-    if f.stroke.si <= m.engagement.si:
-        allowed = f"more than machine.engagement ({m.engagement.typed})"
-        yield InputError("feed.stroke", f.stroke.typed, allowed, "a shorter stroke does not clear the strikers")
-    drag = m.drag.si * m.speed.si
-    if drag >= m.torque.si:
-        allowed = f"more than the drag at set speed ({drag:.4g} N m)"
-        yield InputError("machine.torque", m.torque.typed, allowed, "the drive cannot hold the speed")
-    if interval > LONGEST_INTERVAL:
-        allowed = f"a striking interval of at most {LONGEST_INTERVAL:g} s (here {interval:.3g} s)"
-        yield InputError("machine.speed", m.speed.typed, allowed, "turn faster, or take more strikers")
-    sag = bodies.nose_mass * abs(o.gravity.si) / bodies.frame_stiffness
-    if sag > 0.01 * m.engagement.si:
-        allowed = f"enough to carry the nose (its weight bends the frame by {sag * 1e3:.3g} mm)"
-        yield InputError("object.frame_stiffness", f"{bodies.frame_stiffness:.4g} N/m", allowed)
-    carried = m.strikers.si * striker.mass.si * m.radius.si**2
-    if m.inertia.si <= carried:
-        allowed = f"more than that of the strikers alone ({carried:.4g} kg m^2)"
-        yield InputError("machine.inertia", m.inertia.typed, allowed, "it includes them")
-    if m.belt_stiffness is not None and or_else(m.motor_inertia, 0.0) == 0.0:
-        yield InputError("machine.motor_inertia", MISSING, "above zero where the belt gives way", "or leave the belt")
-    if or_else(f.acceleration, 0.5) + or_else(f.cushion, 0.5) > 1.0:
-        allowed = f"at most 1 together with feed.acceleration ({or_else(f.acceleration, 0.5):g})"
-        yield InputError("feed.cushion", or_else(f.cushion, 0.5), allowed, "they are shares of the same stroke's time")
-    if o.stiction is not None and o.stiction.si < or_else(o.friction, 0.0):
-        allowed = f"at least object.friction ({or_else(o.friction, 0.0):g} N)"
-        yield InputError("object.stiction", o.stiction.typed, allowed)
-
-
-def _strike_misfits(m: MachineTable) -> Iterator[InputError]:
-    """Yield an error for each way in which noses and face cannot meet as they should."""
-    angle, radius, q = or_else(m.blow_angle, 0.0), m.radius.si, m.engagement.si
-    if not 0.0 <= angle <= 0.5 * math.pi:
-        typed = m.blow_angle.typed if m.blow_angle else angle
-        yield InputError("machine.blow_angle", typed, "from 0 (as a cam) to 90 deg (along the path)")
-        return
-    half = math.pi / m.strikers.si
-    reach = radius * (math.cos(angle) - math.cos(min(half, math.pi - angle) + angle))
-    if angle == 0.0:
-        reach = radius * (1.0 - math.cos(min(0.5 * math.pi, half)))
-    if q >= reach:
-        allowed = f"less than {reach * 1e3:.4g} mm, where a nose would touch more than half a pitch before its apex"
-        yield InputError("machine.engagement", m.engagement.typed, allowed)
-        return
-    if m.face_width is None:
-        if angle > 0.0:
-            allowed = "the width of the face across the blow, after which the nose lets go"
-            yield InputError("machine.face_width", MISSING, allowed, 'such as face_width = "20 mm"')
-        return
-    first = angle - math.acos(math.cos(angle) - q / radius)
-    across = abs(radius * (math.sin(first - angle) + math.sin(angle)))
-    if across >= 0.5 * m.face_width.si:
-        allowed = f"more than {2e3 * across:.4g} mm: a nose first touches {across * 1e3:.4g} mm from the middle"
-        yield InputError("machine.face_width", m.face_width.typed, allowed, "it would meet the edge")
-    way = 0.5 * m.face_width.si / radius - math.sin(angle)
-    if angle > 0.0 and (way >= 1.0 or angle + math.asin(way) >= half):
-        allowed = "small enough that a nose has left it half a pitch after the strike position"
-        yield InputError("machine.face_width", m.face_width.typed, allowed)
-
-
-def _striker_misfits(m: MachineTable, striker: Striker) -> Iterator[InputError]:
-    """Yield an error for strikers that would stand in one another's place."""
-    pitch, count = 2.0 * math.pi / m.strikers.si, int(m.strikers.si)
-    own = {int(row.number.si): row for row in striker.each}
-
-    def stands(i: int) -> float:
-        row = own.get(i % count + 1)
-        error = row.angle_error if row and row.angle_error else striker.angle_error
-        return pitch * i - or_else(error, 0.0)
-
-    def nose(i: int) -> float:
-        row = own.get(i % count + 1)
-        return or_else(row.nose_radius, striker.nose_radius.si) if row else striker.nose_radius.si
-
-    for i in range(count if count > 1 else 0):
-        chord = 2.0 * m.radius.si * math.sin(0.5 * min(max(stands(i + 1) - stands(i), 0.0), math.pi))
-        both = nose(i) + nose(i + 1)
-        if chord <= both:
-            allowed = f"fewer, or smaller noses: {i + 1} and {(i + 1) % count + 1} overlap "
-            allowed += f"({chord * 1e3:.3g} mm from axis to axis, noses of {both * 1e3:.3g} mm together)"
-            yield InputError("machine.strikers", m.strikers.typed, allowed)
-            return

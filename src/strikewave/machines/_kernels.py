@@ -31,12 +31,14 @@ from strikewave.contact._chain_kernels import (
     PLACE,
     SPEED,
     SWITCHES,
+    YIELDING,
     chain_forces,
     chain_rates,
     is_a,
     link_motion,
     link_switch,
     link_switches,
+    remember,
     spot_of,
 )
 from strikewave.contact._integrator import CONTINUE, RESTART, STOP
@@ -66,15 +68,15 @@ BELT_TWIST, MOTOR_SPEED, OWN_STATES = 2, 3, 4
 
 SETTINGS = (
     *("inertia", "drag", "set_speed", "gain", "torque", "ripple", "ripple_order", "ripple_phase"),
-    *("motor_inertia", "belt_stiffness", "belt_damping", "weight_moment", "weight_angle"),
+    *("motor_inertia", "belt_stiffness", "belt_damping", "weight_moment"),
     *("valve_delay", "stroke", "stroke_time", "acceleration", "cushion", "hold", "release_delay", "retract_time"),
     *("blows", "layered", "along", "across", "half_face", "pitch"),
 )
 """Names of `RotarySystem.settings`, SI; see `strikewave.machines.rotary.rotary_system`."""
 (INERTIA, DRAG, SET_SPEED, GAIN, TORQUE, RIPPLE, RIPPLE_ORDER, RIPPLE_PHASE) = range(8)
-(MOTOR_INERTIA, BELT_STIFFNESS, BELT_DAMPING, WEIGHT_MOMENT, WEIGHT_ANGLE) = range(8, 13)
-(VALVE_DELAY, STROKE, STROKE_TIME, ACCELERATE, CUSHION, HOLD, RELEASE_DELAY, RETRACT_TIME) = range(13, 21)
-(BLOWS, LAYERED, ALONG, ASIDE, HALF_FACE, PITCH) = range(21, 27)
+(MOTOR_INERTIA, BELT_STIFFNESS, BELT_DAMPING, WEIGHT_MOMENT) = range(8, 12)
+(VALVE_DELAY, STROKE, STROKE_TIME, ACCELERATE, CUSHION, HOLD, RELEASE_DELAY, RETRACT_TIME) = range(12, 20)
+(BLOWS, LAYERED, ALONG, ASIDE, HALF_FACE, PITCH) = range(20, 26)
 FEED_TIMES = (VALVE_DELAY, STROKE_TIME, HOLD, RELEASE_DELAY, RETRACT_TIME)
 """How long each phase of the feed lasts: places in the settings."""
 
@@ -194,7 +196,7 @@ def rotary_rates(system, t, y, mode, memory, dy):
         slip = motor - speed
         pull = stiffness * y[angle + BELT_TWIST] + settings[BELT_DAMPING] * slip
     inertia = settings[INERTIA]
-    moment = pull - drag - settings[WEIGHT_MOMENT] * math.sin(theta + settings[WEIGHT_ANGLE])
+    moment = pull - drag - settings[WEIGHT_MOMENT] * math.sin(theta)
     for i in range(strikers):
         first = bases[FIRST, i]
         inertia -= bodies[i, CARRIED] * first * first
@@ -274,6 +276,9 @@ def cross_edge(system, i, y, mode, memory):
     mode[links + ON_FACE + i] = 0
     if mode[i] == OPEN:
         return CONTINUE
+    if mode[i] == YIELDING:
+        remember(system.joins, system.values, memory, i, d)
+        deepest, s = spot_of(system.joins, memory, i)
     y[2 * bodies + OWN_STATES + i] += stored(system.values[i], d, deepest)
     mode[i] = OPEN
     return RESTART

@@ -22,6 +22,7 @@ from strikewave.machines._kernels import (
     MOTOR_SPEED,
     OWN_STATES,
     RETRACTING,
+    STROKE,
     motor_speed,
     own_switch,
     own_switches,
@@ -185,7 +186,8 @@ def switch_machine(system, t, y, mode, memory, g, switches, changed):
     strikers, links = system.bodies.shape[0], system.joins.shape[0]
     own_switches(system, t, y[2 * strikers], motor_speed(system, y), mode, memory, g)
     for k in range(APEX_SWITCH + 1):
-        if g[k] < 0.0 and not (k == FEED_SWITCH and mode[links + FEED] == RETRACTING):
+        ends = k == FEED_SWITCH and (mode[links + FEED] == RETRACTING or system.settings[STROKE] == 0.0)
+        if g[k] < 0.0 and not ends:
             own_switch(system, k, t, y, mode, memory)
             if changed < switches.shape[0]:
                 switches[changed, 0], switches[changed, 1] = k, t
@@ -206,11 +208,11 @@ def slip_off(law, contact, touches, t, dt):
 
 
 @leaf_kernel
-def another_touches(y, strikers, striker, face):
-    """Tell whether another striker than this one reaches beyond the face."""
-    found = False
-    for i in range(strikers):
-        found = found or (i != striker and y[i] > face)
+def another_touches(system, y, striker, face):
+    """Tell whether another striker than this one reaches beyond the face, and is before it."""
+    found, half = False, system.settings[HALF_FACE]
+    for i in range(system.seats.shape[0]):
+        found = found or (i != striker and y[i] > face and abs(system.bases[ACROSS, i]) <= half)
     return found
 
 
@@ -305,7 +307,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
         changed = switch_machine(system, t, y, mode, memory, g, switches, changed)
         n += 1
         if (n - 1) % blow.every == 0:
-            crowded = another_touches(y, strikers, s, blow.face + fallen + u_face)
+            crowded = another_touches(system, y, s, blow.face + fallen + u_face)
             if crowded or contact[QUIET] > blow.settle:
                 why = CROWDED if contact[CLOSED] > 0.0 else SETTLED
                 break

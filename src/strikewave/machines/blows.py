@@ -227,7 +227,8 @@ def _work(run: RotaryRun, rows: Array) -> tuple[float, float]:
     """Return the largest indentation of some contacts, m, and their restitution by work given back over work taken."""
     deepest, taken, back = 0.0, 0.0, 0.0
     for begin, end in rows[:, :2]:
-        moments = run.sample(np.linspace(begin, end, WORK_SAMPLES))
+        # up to just before its end: what a nose that slips off still stores is not given back
+        moments = run.sample(np.linspace(begin, np.nextafter(end, begin), WORK_SAMPLES))
         d, force = moments.indentation, moments.contact_force
         work = 0.5 * (force[1:] + force[:-1]) * np.diff(d)
         deepest = max(deepest, float(d.max()))

@@ -262,7 +262,6 @@ def rotary_system(machine: RotaryMachine) -> RotarySystem:
         "belt_stiffness": disc.belt_stiffness,
         "belt_damping": disc.belt_damping,
         "weight_moment": launch.weight_moment,
-        "weight_angle": 0.0,
         "valve_delay": feed.valve_delay,
         "stroke": feed.stroke,
         "stroke_time": feed.stroke_time,

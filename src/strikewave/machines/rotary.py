@@ -158,13 +158,16 @@ def run_rotary(
         state = motion.end
         if state.mode[place.links + EDGE]:
             raise IntegrationError(_at_the_edge(machine, state, place))
-        if machine.layered is None or not np.any(state.mode[place.contacts] != OPEN):
+        untouched = not np.any(state.mode[place.contacts] != OPEN)
+        if machine.layered is None or untouched or state.time >= control.end:
             break
         first = not any(isinstance(span, StackSpan) for span in spans)
         blow, state = strike(machine.layered, machine.struck, system, state, field=first)
         spans.append(blow)
-    unfinished = machine.launch is None and state.mode[place.links + FEED] != RETRACTING
-    if unfinished or state.time >= control.end:
+        if machine.launch is not None and state.time >= expected:
+            break
+    finished = state.mode[place.links + FEED] == RETRACTING and state.time < control.end
+    if machine.launch is None and not finished:
         done = int(state.mode[place.links + PASSES])
         raise IntegrationError(
             f"after {state.time:.3g} s only {done} of {feed.blows} passes were made and the turntable turns at "
