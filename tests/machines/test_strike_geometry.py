@@ -37,6 +37,7 @@ def test_first_touch_is_where_circle_and_plane_cross(angle, engagement, speed):
         # the object stands still whenever the striker comes
         "object.stop_restitution=0.1",
         "feed.stroke_time=10 ms",
+        "feed.stroke=120 mm",
     )
     run = run_rotary(machine)
     first = blows(run)[0]
@@ -55,6 +56,7 @@ def test_blow_along_the_path_has_the_speed_of_the_rim():
         *RIGID,
         "machine.blow_angle=90 deg",
         "machine.face_width=10 mm",
+        "feed.stroke=60 mm",
         "machine.engagement=0.1 mm",
         "machine.speed=200 rpm",
         "machine.strikers=1",
@@ -69,6 +71,7 @@ def test_nose_that_pushes_slips_off_the_edge_of_the_face():
     machine = machine_of(
         "machine.blow_angle=90 deg",
         "machine.face_width=8 mm",
+        "feed.stroke=60 mm",
         "machine.engagement=0.1 mm",
         "machine.speed=130 rpm",
         "machine.strikers=1",

@@ -63,7 +63,7 @@ class Blow:
     contact_impulse, support_impulse : float
         Its two parts: the strikers' contact; spring, damper, stop and gravity.
     momentum_error : float
-        Impulse less change of momentum, over the contact impulse.
+        Impulse less change of momentum, over the larger of contact and support impulse.
     peak_force : float
         Largest contact force.
     rigid_peak, width, rise : float
@@ -212,7 +212,7 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
         contact_impulse=contact,
         support_impulse=support,
         momentum_error=abs(contact + support - struck.mass * velocity_change)
-        / max(contact, struck.mass * SMALLEST_SPEED),
+        / max(contact, abs(support), struck.mass * SMALLEST_SPEED),
         peak_force=float(force.max()),
         rigid_peak=pulse.peak if pulse else math.nan,
         width=width,
