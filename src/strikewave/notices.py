@@ -20,6 +20,8 @@ from strikewave.materials import material
 from strikewave.solution import Notice
 from strikewave.tables import POWER, AnyStriker, ContactTable
 
+FAR_BEYOND = 100.0
+"""Beyond this many times the load of first yield an elastic law says little about the force."""
 LEDGER_LIMIT = 1e-6
 """Energy or momentum missing beyond this share breaks a stated limit."""
 SAME_RESTITUTION = 1e-9
@@ -52,12 +54,12 @@ def notices(case: Case, found: Sequence[Blow]) -> tuple[Notice, ...]:
             )
         )
         return tuple(listed)
-    listed += [*_odd_blows(case, found), *_yield(case, struck), *_recorder(case, struck)]
+    listed += [*_odd_blows(case, found), *_rail(case), *_yield(case, struck), *_recorder(case, struck)]
     return tuple(listed)
 
 
 def _changed(case: Case) -> Iterator[Notice]:
-    changed = case.changed_fields()
+    changed = case.changed_fields() if case.published else []
     if changed:
         message = f"the published numbers belong to the case {case.source}; this one differs in {', '.join(changed)}"
         yield Notice("changed-case", message, float(len(changed)), 0.0)
@@ -154,10 +156,31 @@ def yield_notices(
     limit = first.load
     if peak > limit:
         message = (
-            f"the contact yields below its surface (von Mises) beyond {limit / 1e3:.3g} kN and is loaded with "
-            f"{peak / 1e3:.3g} kN: the elastic law is stretched; give contact.yield_pressure{otherwise}"
+            f"the contact yields below its surface (von Mises) beyond {_force(limit)} and is loaded with "
+            f"{_force(peak)}, {peak / limit:.3g} times that: the elastic law "
+            f"{'says little about this force' if peak > FAR_BEYOND * limit else 'is stretched'}; give "
+            f"contact.yield_pressure{otherwise}"
         )
         yield Notice("contact-yield", message, peak, limit)
+
+
+def _force(newtons: float) -> str:
+    """Return a force in words, N or kN."""
+    return f"{newtons:.3g} N" if newtons < 1e3 else f"{newtons / 1e3:.3g} kN"
+
+
+def _rail(case: Case) -> Iterator[Notice]:
+    """Say where the rail holds the object against the spring, away from its stop."""
+    if case.launched() is not None or case.object is None:
+        return
+    o = case.rig().object
+    holds = max((value.si for value in (o.friction, o.stiction) if value is not None), default=0.0)
+    if holds > o.preload.si:
+        message = (
+            f"the rail holds with up to {_force(holds)} what the preload pulls back with {_force(o.preload.si)}: the "
+            "object need not come back to its stop; give it more preload, or less friction"
+        )
+        yield Notice("rail-holds", message, holds, o.preload.si)
 
 
 def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:

@@ -93,6 +93,7 @@ def test_object_that_never_comes_back_is_named():
     codes = {notice.code for notice in solution.warnings}
     assert "blow-count" in codes
     assert "object-away" in codes
+    assert "rail-holds" in codes
 
 
 def test_object_comes_to_rest_on_its_stop():
