@@ -33,10 +33,11 @@ def kernel_key(package: Path) -> str:
     return digest.hexdigest()[:16]
 
 
-def is_cold() -> bool:
-    """Tell whether the kernels have to be compiled before the first run."""
+def is_cold(name: str = "") -> bool:
+    """Tell whether the kernels, or the one with a name, have to be compiled before the first run."""
     folder = cache_folder()
-    return folder is None or next(Path(folder).rglob("*.nbi"), None) is None
+    pattern = f"*{name}*.nbi" if name else "*.nbi"
+    return folder is None or next(Path(folder).rglob(pattern), None) is None
 
 
 @functools.cache

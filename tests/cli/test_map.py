@@ -1,6 +1,9 @@
 """``strikewave map`` as a user types it: files, documents, going on, and what bad input is told."""
 
 import json
+import os
+import resource
+import signal
 import subprocess
 import sys
 import time
@@ -15,23 +18,51 @@ from strikewave.figures.map import map_figure
 from strikewave.studies.map import MapStudy, axis_of, plan_of
 from strikewave.studies.map_cells import FIELDS, PLACE
 from strikewave.studies.map_regimes import FAILED
-from strikewave.studies.map_store import NAME
+from strikewave.studies.map_store import rows_beside
 
 FEW = ("map", "li-ma-2019", "--points", "4x3", "--workers", "1", "--train", "0", "--set", "feed.blows=3")
 
 
 def test_files_agree_and_the_nearest_case_reads_back(strikewave):
-    code, out, err = strikewave(*FEW, "--want-cv", "20 %")
+    code, out, err = strikewave(*FEW, "--want-cv", "4.5 %")
     assert code == 0
-    folder = Path("out/map-li-ma-2019")
+    (folder,) = Path("out").iterdir()
+    assert folder.name.startswith("map-li-ma-2019-")
     names = {"case.toml", "map.json", "map.nc", "map.csv", "map.svg", "map.png", "equal-blows.toml"}
     assert {path.name for path in folder.iterdir()} == names
-    assert "a full run of it has a CV of" in err
+    assert "a full run has a CV of" in err
     document = json.loads((folder / "map.json").read_text())
     assert np.shape(document["cells"]["cv"]) == (1, 3, 4)
     changed = load_case(str(folder / "equal-blows.toml"))
     assert changed.machine.speed.si == pytest.approx(document["nearest"]["settings"]["machine.speed"], rel=1e-8)
-    assert "nearest within 20 %" in out
+    assert "nearest within 4.5 %" in out
+
+
+def test_changed_case_never_replaces_the_unchanged_one(strikewave):
+    """Without --out each has a folder of its own, as those of other commands."""
+    strikewave(*FEW[:8], "--blows", "3")
+    strikewave(*FEW)
+    assert sorted(len(path.name) for path in Path("out").iterdir()) == [
+        len("map-li-ma-2019"),
+        len("map-li-ma-2019-") + 8,
+    ]
+
+
+def test_tables_fit_into_80_columns(strikewave, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    _, out, _ = strikewave(*FEW, "--want-cv", "20 %", "--panels", "object.damper=10 N s/m, 40 N s/m")
+    heads = [line.split("  ")[0].strip() for line in out.splitlines()]
+    assert {"machine.speed (rpm)", "object.damper (N s/m)", "CV from 2nd blow (%)", "largest retreat (mm)"} <= set(
+        heads
+    )
+
+
+def test_case_that_is_even_is_told_so(strikewave):
+    """With a limit above its own CV, the case is the nearest even setting, and the file is the case."""
+    code, _, err = strikewave(*FEW, "--want-cv", "20 %", "--out", "here")
+    assert code == 0
+    assert "the case has even blows already" in err
+    assert load_case("here/equal-blows.toml").machine.speed.typed == load_case("li-ma-2019").machine.speed.typed
 
 
 def test_json_is_one_document_and_writes_nothing(strikewave):
@@ -55,31 +86,43 @@ def test_the_same_map_again_replaces_the_old_one(strikewave):
     code, _, _ = strikewave(*FEW, "--out", "here")
     assert code in (0, 3)
     assert len(Path("here/map.nc").read_bytes()) == len(first)
-    assert not (Path("here") / NAME).exists()
+    assert [path.name for path in Path().iterdir()] == ["here"]
 
 
-def test_other_files_and_other_cases_are_never_replaced(strikewave):
+@pytest.mark.parametrize("other", [("--set", "machine.radius=190 mm"), ("--x", "machine.speed=500 rpm:600 rpm")])
+def test_other_files_and_other_maps_are_never_replaced(strikewave, other):
+    """Another case, or other axes: refused before anything is run."""
     strikewave(*FEW, "--out", "here")
-    code, _, err = strikewave(*FEW, "--out", "here", "--set", "machine.radius=190 mm")
+    code, _, err = strikewave(*FEW, *other, "--out", "here")
     assert code == 2
-    assert "another case" in err
+    assert "--force" in err
     Path("here/notes.txt").write_text("mine")
     code, _, err = strikewave(*FEW, "--out", "here", "--force")
     assert code == 2
     assert "notes.txt" in err
 
 
+def begun(environment, *words, **more):
+    """The command, begun as a process group of its own."""
+    code = "from strikewave.cli.app import main; main()"
+    command = [sys.executable, "-c", code, *words]
+    return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True, **more)
+
+
+def wait_for(path, going):
+    limit = time.monotonic() + 120.0
+    while not path.exists() and going.poll() is None and time.monotonic() < limit:
+        time.sleep(0.01)
+    assert path.exists()
+
+
 def test_killed_map_goes_on_to_the_same_end(strikewave, environment):
     """SIGKILL once a row is kept: the same command finishes, and every number is that of a map never stopped."""
-    words = (*FEW[:2], "--points", "30x20", "--workers", "1", "--train", "0", "--set", "feed.blows=3")
-    code = "from strikewave.cli.app import main; main()"
-    going = subprocess.Popen([sys.executable, "-c", code, *words, "--out", "killed"], env=environment)
-    kept, limit = Path("killed") / NAME, time.monotonic() + 120.0
-    while not kept.exists() and going.poll() is None and time.monotonic() < limit:
-        time.sleep(0.01)
+    words = (*FEW[:2], "--points", "14x20", "--workers", "1", "--train", "0", "--set", "feed.blows=3")
+    going = begun(environment, *words, "--out", "killed")
+    wait_for(rows_beside(Path("killed")), going)
     going.kill()
-    going.wait()
-    assert kept.exists()
+    going.communicate()
     _, _, err = strikewave(*words, "--out", "killed")
     assert "of 20 rows are there already" in err
     strikewave(*words, "--out", "whole")
@@ -87,15 +130,66 @@ def test_killed_map_goes_on_to_the_same_end(strikewave, environment):
         assert one.identical(other)
 
 
+@pytest.mark.parametrize("after", [0.0, 0.3, 1.0])
+def test_interrupt_ends_all_processes_at_once(strikewave, environment, after):
+    """Ctrl-C goes to the whole group, while workers start or run rows of half a minute: no traceback, and no process
+    left, whose stderr would be waited for."""
+    strikewave(*FEW, "--out", "warm")
+    words = ("map", "li-ma-2019", "--points", "400x40", "--workers", "2", "--train", "60", "--out", "here")
+    going = begun(environment, *words)
+    line = going.stderr.readline()
+    assert "machines" in line, line
+    time.sleep(after)
+    began = time.monotonic()
+    os.killpg(going.pid, signal.SIGINT)
+    _, err = going.communicate(timeout=60.0)
+    assert time.monotonic() - began < 10.0
+    assert going.returncode == 130
+    assert "stopped; " in err
+    assert "Traceback" not in err
+
+
+def test_interrupted_map_says_what_is_kept(strikewave, environment):
+    going = begun(environment, "map", "li-ma-2019", "--points", "8x400", "--train", "0", "--out", "here")
+    wait_for(rows_beside(Path("here")), going)
+    os.killpg(going.pid, signal.SIGINT)
+    _, err = going.communicate(timeout=60.0)
+    assert "of 400 rows are kept in" in err
+    assert "nothing was written" not in err
+
+
+def test_full_disk_is_told_and_the_same_command_goes_on(strikewave, environment):
+    """Files of 4 kB at most, a row being 1.3: told in words, and with room again the rows that stand are not run."""
+    words = ("map", "li-ma-2019", "--points", "12x9", "--workers", "1", "--train", "0", "--blows", "3", "--out", "here")
+
+    def small():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4000, resource.RLIM_INFINITY))
+
+    strikewave(*FEW, "--out", "warm")
+    going = begun({**environment, "PYTHONDONTWRITEBYTECODE": "1"}, *words, preexec_fn=small)
+    _, err = going.communicate(timeout=120.0)
+    assert going.returncode == 2
+    assert "a place that can be written" in err
+    code, _, err = strikewave(*words)
+    assert code in (0, 3)
+    assert "of 9 rows are there already" in err
+
+
 def test_rows_of_another_map_are_refused_until_fresh(strikewave):
-    folder = Path("here")
-    folder.mkdir()
-    (folder / NAME).write_bytes(b"not a map")
+    rows_beside(Path("here")).write_bytes(b"not a map")
     code, _, err = strikewave(*FEW, "--out", "here", "--force")
     assert code == 2
     assert "--fresh" in err
     code, _, _ = strikewave(*FEW, "--out", "here", "--force", "--fresh")
     assert code in (0, 3)
+
+
+def test_compiling_of_the_fast_run_is_told(strikewave, monkeypatch):
+    """Other kernels may be there already."""
+    monkeypatch.setattr("strikewave.compiled.is_cold", lambda name="": name == "run_train")
+    _, _, err = strikewave(*FEW, "--json")
+    assert err.startswith("compiling the kernels of the fast run")
 
 
 def test_picture_of_a_map_without_results_says_so():

@@ -1,23 +1,36 @@
 """Maps: regimes against known return maps, the return of the object against integration, cells, and going on."""
 
+import dataclasses
 import math
+import os
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from strikewave import load_case
-from strikewave.errors import InputError
-from strikewave.machines import StruckObject
+from strikewave.errors import InputError, IntegrationError, StrikewaveError
+from strikewave.machines import StruckObject, blows, run_rotary
 from strikewave.machines.quick import quick_run
-from strikewave.quantities import Range
-from strikewave.studies.map import axis_of, check_plan, make_map, plan_of
-from strikewave.studies.map_cells import FIELDS, PLACE, case_at, cell_of, machine_of, row_of, spread, start_worker
+from strikewave.quantities import Range, ToleranceBand
+from strikewave.studies.map import MapStudy, axis_of, check_plan, confirmed, in_full, make_map, plan_of
+from strikewave.studies.map_cells import (
+    FIELDS,
+    PLACE,
+    REASONS,
+    case_at,
+    cell_of,
+    machine_of,
+    measured,
+    own_blows,
+    row_of,
+    start_worker,
+)
 from strikewave.studies.map_regimes import IRREGULAR, MISSES, NO_RETURN, UNKNOWN, period_of, regime_of
-from strikewave.studies.map_return import arrivals, bounce_time, flight
-from strikewave.studies.map_store import NAME, Store
+from strikewave.studies.map_return import arrivals, bounce_time
+from strikewave.studies.map_store import Store, rows_beside
+from strikewave.studies.scatter_statistics import variation
+from strikewave.studies.workers import Workers
 
 ONE = np.ones(1)
 
@@ -75,33 +88,35 @@ def test_misses_and_no_return_are_named():
     assert regime_of(logistic(4.0), np.zeros(100, dtype=bool), ONE).code == IRREGULAR
 
 
+@pytest.mark.parametrize("turn", [3, 12])
+def test_strikers_that_differ_repeat_after_a_turn(turn):
+    """However many they are; fewer than three turns tell nothing."""
+    states = np.tile(np.arange(turn, dtype=float)[:, np.newaxis], (4, 1))
+    none = np.zeros(4 * turn, dtype=bool)
+    assert regime_of(states, none, ONE, turn).name == f"period-{turn}"
+    short = 2 * turn + 1
+    assert regime_of(states[:short], none[:short], ONE, turn).code == UNKNOWN
+    assert regime_of(logistic(4.0), np.zeros(100, dtype=bool), ONE, turn).code == IRREGULAR
+
+
+def twelve():
+    """A machine with twelve strikers, each shorter than the one before by 10 um."""
+    machine = machine_of(load_case("li-ma-2019", ["machine.strikers=12", "machine.speed=250 rpm", "feed.blows=3"]))
+    own = tuple(dataclasses.replace(s, reach_error=-1e-5 * k) for k, s in enumerate(machine.strikers.each))
+    return dataclasses.replace(machine, strikers=dataclasses.replace(machine.strikers, each=own))
+
+
+def test_twelve_strikers_with_their_own_reach_are_period_12():
+    """As many turns as that takes: in 84 blows, but not in 60, of which the first half is left out."""
+    machine = twelve()
+    cells = [measured(quick_run(machine, length), 3, length) for length in (84, 60)]
+    assert [cell[PLACE["period"]] for cell in cells] == [12, 0]
+    assert cells[0][PLACE["reason"]] == 0
+    assert "too short" in REASONS[int(cells[1][PLACE["reason"]])]
+
+
 def held(spring=40e3, preload=400.0, damper=20.0, restitution=0.5, stop=200e3):
     return StruckObject(0.06, 0.399, 9e7, 200.0, spring, preload, damper, stop, restitution, 9.8)
-
-
-@given(speed=st.floats(0.5, 10), spring=st.floats(2e3, 2e5), preload=st.floats(20, 2000), ratio=st.floats(0.0, 0.7))
-@settings(max_examples=25)
-def test_flight_against_integration(speed, spring, preload, ratio):
-    """scipy's integrator, which shares nothing with the closed form; 1e-8 is what it holds at rtol 1e-11."""
-    damper = 2.0 * ratio * math.sqrt(spring * 0.459)
-    struck = held(spring, preload, damper)
-
-    def rates(t, y):
-        force = preload - struck.mass * struck.gravity + spring * y[0] + damper * y[1]
-        return [y[1], -force / struck.mass]
-
-    def back(t, y):
-        return y[0]
-
-    def turns(t, y):
-        return y[1]
-
-    back.terminal, back.direction = True, -1
-    found = solve_ivp(rates, (0.0, 10.0), [0.0, speed], "DOP853", events=(back, turns), rtol=1e-11, atol=1e-14)
-    ours = flight(struck, speed)
-    assert ours.time == pytest.approx(found.t_events[0][-1], rel=1e-8)
-    assert ours.speed == pytest.approx(-found.y_events[0][-1][1], rel=1e-7, abs=1e-9)
-    assert ours.retreat == pytest.approx(found.y_events[1][0][0], rel=1e-8)
 
 
 @pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9])
@@ -120,11 +135,32 @@ def test_bounce_against_integration(restitution):
     assert -found.y[1, -1] == pytest.approx(restitution, rel=1e-8)
 
 
-def test_object_that_creeps_back_has_no_time_of_return():
-    creeping = held(damper=2.1 * math.sqrt(40e3 * 0.459))
-    with pytest.raises(ValueError, match="creeps"):
-        flight(creeping, 5.0)
-    assert all(math.isnan(t) for t in arrivals(creeping, 5.0))
+@pytest.mark.parametrize("damper", [20.0, 2.1 * math.sqrt(40e3 * 0.459)])
+def test_arrivals_against_integration(damper):
+    """Both flights, the second begun with the restitution's share of the first return, as one integrates them; the
+    second damper lets the object creep back. 1e-8 is what the integrator holds at rtol 1e-11."""
+    struck = held(damper=damper)
+
+    def rates(t, y):
+        force = struck.preload - struck.mass * struck.gravity + struck.spring * y[0] + struck.damper * y[1]
+        return [y[1], -force / struck.mass]
+
+    def back(t, y):
+        return y[0]
+
+    back.terminal, back.direction = True, -1
+
+    def flown(speed):
+        found = solve_ivp(rates, (0.0, 10.0), [0.0, speed], "DOP853", events=back, rtol=1e-11, atol=1e-14)
+        return found.t[-1], -found.y[1, -1]
+
+    first, speed = flown(5.0)
+    second, _ = flown(struck.stop_restitution * speed)
+    assert arrivals(struck, 5.0) == pytest.approx((first, first + bounce_time(struck) + second), rel=1e-8)
+
+
+def test_object_that_its_preload_does_not_hold_never_returns():
+    assert all(math.isnan(t) for t in arrivals(held(preload=4.0), 5.0))
 
 
 def value(unit, typed):
@@ -154,22 +190,54 @@ def test_cell_is_the_fast_run_of_its_case():
     )
     run = quick_run(machine_of(case), 12)
     peaks = run.column("rigid_peak")[:3]
-    assert row[2, PLACE["cv"]] == spread(peaks) == np.std(peaks, ddof=1) / np.mean(peaks)
+    assert row[2, PLACE["cv"]] == variation(peaks) == np.std(peaks, ddof=1) / np.mean(peaks)
     assert row[2, PLACE["peak"]] == peaks.mean()
     assert row[2, PLACE["retreat"]] == run.column("retreat")[:3].max()
 
 
-def test_a_missed_blow_counts_as_a_peak_of_zero():
+def test_missed_blows_are_left_out_of_the_variation_but_are_never_even():
     changes = ["object.spring=1 kN/m", "object.preload=30 N", "object.damper=0 N s/m", "feed.blows=6"]
-    cell = cell_of(load_case("li-ma-2019", changes), 6, 0)
-    assert cell[PLACE["missed"]] > 0
-    assert cell[PLACE["cv"]] > 0.3
+    case = load_case("li-ma-2019", changes)
+    cell, peaks = cell_of(case, 6, 0), quick_run(machine_of(case)).column("rigid_peak")
+    assert cell[PLACE["missed"]] == np.isnan(peaks).sum() > 0
+    struck = peaks[~np.isnan(peaks)]
+    assert cell[PLACE["cv"]] == pytest.approx(np.std(struck, ddof=1) / np.mean(struck), rel=1e-12)
+    plan = small(train=0, case=case)
+    study = MapStudy(plan, np.tile(cell, (*plan.shape, 1)), 10.0, dict(zip(FIELDS, cell, strict=True)))
+    assert not study.even_settings()
+
+
+def test_hold_ends_the_own_blows_as_in_full():
+    """The feed retracts 70 ms after it arrived, blows or not: those that do not come count as missed, and the machine
+    is never even, nor does a full run of it with its own feed confirm it."""
+    case = load_case("li-ma-2019", ["feed.blows=6", "feed.hold=70 ms"])
+    machine = machine_of(case)
+    full = blows(run_rotary(machine, 1e-7))
+    run = quick_run(machine, 12)
+    assert own_blows(run, 6).stop == len(full) < 6
+    cell = cell_of(case, 6, 0)
+    assert cell[PLACE["missed"]] == 6 - len(full)
+    with pytest.raises(StrikewaveError, match="of 6 blows came"):
+        in_full(case, 6)
 
 
 def test_two_processes_give_what_one_gives():
     plan = small()
     one, two = make_map(plan, 0.02, 1), make_map(plan, 0.02, 2)
     assert np.array_equal(one.data, two.data, equal_nan=True)
+
+
+def test_process_that_dies_is_told():
+    """Killed from outside, say for memory: in words that name the option."""
+    with pytest.raises(StrikewaveError, match="--workers"), Workers(2) as pool:
+        list(pool.as_finished(os._exit, [1, 1]))
+
+
+def test_work_keeps_its_order_or_comes_as_it_is_finished():
+    for count in (1, 2):
+        with Workers(count) as pool:
+            assert list(pool.in_order(abs, [-3, 2, -1])) == [3, 2, 1]
+            assert dict(pool.as_finished(abs, [-3, 2, -1])) == {-3: 3, 2: 2, -1: 1}
 
 
 def test_stopped_map_goes_on_to_the_same_end(tmp_path):
@@ -183,33 +251,71 @@ def test_stopped_map_goes_on_to_the_same_end(tmp_path):
         raise StoppedError
 
     with pytest.raises(StoppedError):
-        make_map(plan, 0.02, 1, Store(plan, tmp_path), stop)
-    kept = Store(plan, tmp_path)
+        make_map(plan, 0.02, 1, Store(plan, tmp_path / "rows"), stop)
+    kept = Store(plan, tmp_path / "rows")
     assert kept.done.tolist() == [True, False, False]
     resumed = make_map(plan, 0.02, 1, kept, shares.append)
     assert len(shares) == 2
     assert np.array_equal(resumed.data, make_map(plan, 0.02).data, equal_nan=True)
 
 
+def kept_rows(plan, path):
+    """A file with two rows of a plan, and what it holds."""
+    store = Store(plan, path)
+    for row in (0, 2):
+        store.keep(row, np.full((4, len(FIELDS)), row + 0.5))
+    return path.read_bytes()
+
+
+def test_rows_are_read_as_they_were_kept(tmp_path):
+    plan, path = small(), rows_beside(tmp_path / "out" / "map")
+    kept_rows(plan, path)
+    found = Store(plan, path)
+    assert found.done.tolist() == [True, False, True]
+    assert (found.data[2] == 2.5).all()
+    assert not Store(plan, path, fresh=True).done.any()
+    found.remove()
+    assert not list(path.parent.iterdir())
+
+
+@pytest.mark.parametrize("lost", [1, 100, 500])
+def test_row_cut_off_by_a_full_disk_is_left_aside_and_the_map_goes_on(tmp_path, lost):
+    """Cut into the last row, by a full disk or a kill: the rows before it stand, and later ones are read again."""
+    plan, path = small(), tmp_path / "rows"
+    path.write_bytes(kept_rows(plan, path)[:-lost])
+    going = Store(plan, path)
+    assert going.done.sum() == (1 if lost < 8 + 8 * 4 * len(FIELDS) + 4 else 0)
+    going.keep(1, np.ones((4, len(FIELDS))))
+    again = Store(plan, path)
+    assert again.done[1]
+    assert (again.data[1] == 1.0).all()
+
+
 def test_rows_of_another_map_and_damaged_ones_are_refused(tmp_path):
-    plan = small()
-    store = Store(plan, tmp_path)
-    store.keep(0, np.zeros((4, len(FIELDS))))
+    plan, path = small(), tmp_path / "rows"
+    text = kept_rows(plan, path)
     with pytest.raises(InputError, match="of another"):
-        Store(small(train=13), tmp_path)
-    assert not Store(small(train=13), tmp_path, fresh=True).done.any()
-    for damage in (b"", b"PK", (tmp_path / NAME).read_bytes()[:300]):
-        (tmp_path / NAME).write_bytes(damage)
+        Store(small(train=13), path)
+    flipped = bytearray(text)
+    flipped[120] ^= 1
+    for damage in (b"PK" + text, b"not a map", bytes(flipped), text + 30 * text[90:]):
+        path.write_bytes(damage)
         with pytest.raises(InputError, match="damaged"):
-            Store(plan, tmp_path)
+            Store(plan, path)
+    (tmp_path / "link").symlink_to(path)
+    for place in (tmp_path / "link", tmp_path):
+        with pytest.raises(InputError, match="folder or a link"):
+            Store(plan, place)
 
 
-def test_pickled_rows_are_never_loaded(tmp_path):
-    plan = small()
-    key = Store(plan, None).key
-    np.savez(tmp_path / NAME, key=np.array(key), done=np.array([{}], dtype=object), data=np.zeros(1))
+def test_large_file_of_rows_is_refused_unread(tmp_path):
+    """A terabyte that begins as it should: refused by its size, without being read."""
+    plan, path = small(), tmp_path / "rows"
+    kept_rows(plan, path)
+    with path.open("r+b") as file:
+        file.truncate(10**12)
     with pytest.raises(InputError, match="damaged"):
-        Store(plan, tmp_path)
+        Store(plan, path)
 
 
 def test_nearest_even_setting_is_the_nearest_and_keeps_the_limit_in_full():
@@ -217,7 +323,66 @@ def test_nearest_even_setting_is_the_nearest_and_keeps_the_limit_in_full():
     assert study.setting is not None
     assert study.setting.cv <= 0.03
     assert study.setting.cv == pytest.approx(study.setting.cell["cv"], abs=2e-4)
-    assert study.setting.distance == min(distance for distance, _ in study.even_settings())
+    assert study.setting.distance == min(distance for distance, *_ in study.even_settings())
+
+
+def even_study(case, axes, values):
+    """A map whose cells all have the same evenness, without a run."""
+    cell = dict.fromkeys(FIELDS, 0.0) | values
+    plan = plan_of(case, axes, None, 0)
+    data = np.tile(list(cell.values()), (*plan.shape, 1))
+    return MapStudy(plan, data, 0.05, cell)
+
+
+def test_case_that_is_even_is_the_nearest_itself():
+    """Its own blows, four with a CV of 4 % from the first, in full too: nothing is changed, not even its provenance."""
+    study = make_map(small((2, 2), 0, load_case("li-ma-2019", ["feed.blows=4"])), 0.06)
+    assert study.even
+    assert study.setting.distance == 0.0
+    assert study.setting.values == study.here
+    assert study.nearest_case() == study.case
+
+
+def test_distance_along_an_axis_from_zero_is_measured_by_its_range():
+    case = load_case("li-ma-2019", ["feed.blows=3", "object.friction=0 N"])
+    friction = axis_of(case, "object.friction", (value("N", "0 N"), value("N", "80 N")), 3, False)
+    speed = axis_of(case, "machine.speed", None, 3, False)
+    study = even_study(case, (speed, friction), {"cv": 0.01})
+    steps = {values: distance for distance, values, _ in study.even_settings()}
+    at = 0.5 * study.here[0]
+    assert steps[at, 40.0] == pytest.approx(math.hypot(0.5, 0.5), rel=1e-12)
+    assert steps[at, 80.0] == pytest.approx(math.hypot(0.5, 1.0), rel=1e-12)
+
+
+def test_settings_that_full_runs_refuse_say_why(monkeypatch):
+    """Where the full run has another CV, or fails, that is told, and is not the same as that nothing was even."""
+    case = load_case("li-ma-2019", ["feed.blows=3"])
+    study = even_study(case, small().axes, {"cv": 0.01})
+    told = iter([0.3, IntegrationError("it broke"), 0.2, 0.25, 0.4])
+
+    def full(case, count):
+        found = next(told)
+        if isinstance(found, Exception):
+            raise found
+        return found, 1.0
+
+    monkeypatch.setattr("strikewave.studies.map.in_full", full)
+    setting, refused = confirmed(study)
+    assert setting is None
+    assert len(refused) == 5
+    assert refused[0].values == study.here
+    assert "CV of 30 %" in refused[0].reason
+    assert "it broke" in refused[1].reason
+
+
+def test_nearest_case_keeps_the_tolerances_of_what_it_changes():
+    case = load_case("li-ma-2019", ["feed.blows=3"])
+    speed = case.machine.speed.model_copy(update={"tolerance": ToleranceBand(typed="2 %", size=0.02, relative=True)})
+    case = case.with_values({"machine.speed": speed})
+    study = even_study(case, small(case=case).axes, {"cv": 0.01})
+    changed = study.case_of((60.0, 30e3))
+    assert changed.machine.speed.tolerance.typed == "2 %"
+    assert changed.machine.speed.si == 60.0
 
 
 def test_a_failed_cell_says_why():

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import math
+import hashlib
 import os
-import secrets
-import shutil
+import signal
 import time as clock
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from strikewave.cli.carry_out import BROKEN
-from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_json, say, significant, table
+from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_json, say, table
 
 if TYPE_CHECKING:
     from strikewave.case import Case
@@ -28,7 +27,20 @@ X, Y = "machine.speed", "object.spring"
 """What stands along the axes unless said otherwise."""
 FILES = ("case.toml", "map.json", "map.nc", "map.csv", "map.svg", "map.png", "equal-blows.toml")
 """What a map writes."""
+_PEAK = ("m/s^2", "g")
+SHOWN = (
+    ("CV (%)", "cv", "1", "%"),
+    ("CV from 2nd blow (%)", "cv_later", "1", "%"),
+    ("mean peak (g)", "peak", *_PEAK),
+    ("missed (1)", "missed", "1", "1"),
+    ("largest retreat (mm)", "retreat", "m", "mm"),
+    ("stop force (kN)", "stop_force", "N", "kN"),
+    ("train (ms)", "train_time", "s", "ms"),
+)
+"""What is told of a setting: words, name of the field, SI unit and unit."""
 MOST_PANELS = 6
+INTERRUPTED = 128 + signal.SIGINT
+"""Exit code of a map that was stopped."""
 
 
 def command(
@@ -70,39 +82,66 @@ def command(
     """
     begun = clock.perf_counter()
     from strikewave.case import load_case
+    from strikewave.compiled import is_cold
     from strikewave.figures.map import check_colour
-    from strikewave.studies.map import check_plan, make_map, plan_of
-    from strikewave.studies.map_store import Store
+    from strikewave.files import check_place
+    from strikewave.studies.map import check_plan, plan_of
+    from strikewave.studies.map_store import Store, rows_beside
 
     check_colour(colour)
     loaded = load_case(case, changes or ())
     plan = plan_of(loaded, _axes(loaded, (x, y, panels), points, log or []), blows, train)
     wanted, count = _share(want_cv), _workers(workers)
     seconds = check_plan(plan, count)
-    folder = Path("out") / f"map-{loaded.name or 'case'}" if out is None and not json else out
+    folder, replace, text = out, force, _identity(plan, wanted)
+    if out is None and not json:
+        mark = "-" + hashlib.sha256(plan.case.encode()).hexdigest()[:8] if changes else ""
+        folder, replace = Path("out") / f"map-{loaded.name or 'case'}{mark}", True
     if folder is not None:
-        _check_place(folder, plan.case, force or out is None)
-        _begin(folder, plan.case)
-    store = Store(plan, folder, fresh)
+        check_place(folder, text, replace)
+    store = Store(plan, None if folder is None else rows_beside(folder.absolute()), fresh)
+    if is_cold("run_train"):
+        say("compiling the kernels of the fast run: once after install, a minute or more")
     say(_words(plan, seconds, store))
-    with _progress(float(store.done.mean())) as report:
-        study = make_map(plan, wanted, count, store, report)
+    study = _made(plan, wanted, count, store)
     if folder is not None:
-        _write(study, folder, colour)
+        _write(study, folder, (text, replace), colour)
+        store.remove()
     if json:
         print_json(study.document(), indent=None)
     else:
         _print(study)
     if folder is not None:
-        say(f"written: {folder}/ ({', '.join(name for name in FILES if (folder / name).exists())})")
+        say(f"written: {str(folder).rstrip('/')}/ ({', '.join(name for name in FILES if (folder / name).exists())})")
     say(f"done in {clock.perf_counter() - begun:.2f} s")
     return BROKEN if study.broken else 0
+
+
+def _identity(plan: Plan, wanted: float) -> str:
+    """Return the case as text, and above it what was asked: other axes are another result."""
+    sizes = " x ".join(f"{len(axis.values)} {axis.path}" for axis in plan.axes)
+    key = hashlib.sha256(repr((plan, wanted)).encode()).hexdigest()[:12]
+    asked = f"{sizes}, {plan.blows} blows, trains of {plan.train}, CV within {100.0 * wanted:g} %"
+    return f"# strikewave map of {asked}; plan {key}\n{plan.case}"
+
+
+def _made(plan: Plan, wanted: float, workers: int, store: Store) -> MapStudy:
+    """Make a map; where it is stopped, finished rows are kept, and said to be."""
+    from strikewave.studies.map import make_map
+
+    try:
+        with _progress(float(store.done.mean())) as report:
+            return make_map(plan, wanted, workers, store, report)
+    except KeyboardInterrupt:
+        kept = f"{store.done.sum()} of {store.done.size} rows are kept in {store.path}: the same command goes on there"
+        say("stopped; " + (kept if store.path is not None and store.done.any() else "nothing was written"))
+        raise SystemExit(INTERRUPTED) from None
 
 
 def _axes(case: Case, given: tuple[str, str, str | None], points: str, log: list[str]) -> tuple[Axis, ...]:
     """Return the axes of a map from what was typed."""
     from strikewave.errors import InputError
-    from strikewave.studies.map import axis_of
+    from strikewave.studies.map import axis_of, units_of
     from strikewave.studies.map_cells import Axis
 
     sizes = _points(points)
@@ -124,14 +163,7 @@ def _axes(case: Case, given: tuple[str, str, str | None], points: str, log: list
     if not 1 <= len(values) <= MOST_PANELS:
         allowed = f"setting=value,value, with 1 to {MOST_PANELS} values"
         raise InputError("--panels", given[2], allowed, 'such as object.damper="10 N s/m, 40 N s/m"')
-    shown = axis_of(case, path, None, 2, False)
-    third = Axis(path, _unit_of(values[0]) or shown.unit, shown.si_unit, tuple(sorted(v.si for v in values)))
-    return (*found, third)
-
-
-def _unit_of(value: Value) -> str:
-    """Return the unit in which a value was typed."""
-    return str(value.typed).strip().lstrip("+-0123456789.eE").strip() if isinstance(value.typed, str) else ""
+    return (*found, Axis(path, *units_of(path, values[0]), tuple(sorted(v.si for v in values))))
 
 
 def _value(case: Case, path: str, text: str) -> Value:
@@ -178,37 +210,6 @@ def _workers(count: int) -> int:
     return min(count, os.cpu_count() or 1)
 
 
-def _check_place(folder: Path, identity: str, force: bool) -> None:
-    """Refuse a folder that holds anything but a map, or the map of another case without ``force``."""
-    from strikewave.errors import InputError, show
-    from strikewave.studies.map_store import NAME
-
-    if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        raise InputError("--out", str(folder), "a folder", "this is a file or a link; choose another name")
-    if not folder.exists() or not any(folder.iterdir()):
-        return
-    foreign = sorted(entry.name for entry in folder.iterdir() if entry.name not in (*FILES, NAME))
-    if foreign:
-        hint = f"it holds files that are not of a map ({show(', '.join(foreign))}); move them, or choose another folder"
-        raise InputError("--out", str(folder), "an empty or new folder", hint)
-    mark = folder / "case.toml"
-    if not force and (not mark.is_file() or mark.read_text("utf-8", errors="replace") != identity):
-        hint = "it holds the map of another case; add --force to replace it"
-        raise InputError("--out", str(folder), "a new folder", hint)
-
-
-def _begin(folder: Path, text: str) -> None:
-    """Make the folder, and mark it with the case."""
-    from strikewave.errors import InputError
-    from strikewave.files import write_whole
-
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError("--out", str(folder), "a place that can be written", error.strerror or "") from None
-    write_whole(folder / "case.toml", text)
-
-
 def _words(plan: Plan, seconds: float, store: Store) -> str:
     """Return what is about to be run, in words."""
     panels, rows, columns = plan.shape
@@ -216,7 +217,7 @@ def _words(plan: Plan, seconds: float, store: Store) -> str:
     left = 1.0 - float(store.done.mean())
     kept = f", {store.done.sum()} of {store.done.size} rows are there already" if store.done.any() else ""
     trains = f" and trains of {plan.train}" if plan.train else ""
-    return f"{size} machines, {plan.blows} blows{trains}: about {left * seconds:.0f} s on free cores{kept}"
+    return f"{size} machines, {plan.blows} blows{trains}: about {max(left * seconds, 1.0):.0f} s on free cores{kept}"
 
 
 @contextlib.contextmanager
@@ -225,10 +226,6 @@ def _progress(done: float) -> Iterator[Callable[[float], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    from strikewave.compiled import is_cold
-
-    if is_cold():
-        say("compiling the kernels: once after install, about 60 s")
     console = Console(stderr=True)
     if not console.is_terminal:
         yield lambda share: None
@@ -240,22 +237,18 @@ def _progress(done: float) -> Iterator[Callable[[float], None]]:
         yield lambda share: progress.update(task, completed=share)
 
 
-def _write(study: MapStudy, folder: Path, colour: str) -> None:
-    """Write the files of a map: all beside the finished rows first, then one after the other into place.
-
-    The rows go last, so that a map that is stopped while it is written begins there again.
-    """
+def _write(study: MapStudy, folder: Path, mark: tuple[str, bool], colour: str) -> None:
+    """Write the files of a map, all at once."""
     import json
 
     from strikewave.case import dump_case
-    from strikewave.errors import InputError
     from strikewave.figures import save
     from strikewave.figures.map import map_figure
-    from strikewave.studies.map_store import NAME
+    from strikewave.files import whole_folder
 
-    place = folder.with_name(f".{folder.name[:60]}-{secrets.token_hex(6)}")
-    try:
-        place.mkdir()
+    text, replace = mark
+    with whole_folder(folder, text, replace) as place:
+        (place / "case.toml").write_text(text, "utf-8")
         (place / "map.json").write_text(json.dumps(study.document(), allow_nan=False) + "\n", "utf-8")
         (place / "map.csv").write_text(study.table(), "utf-8")
         study.dataset().to_netcdf(place / "map.nc", engine="h5netcdf")
@@ -264,16 +257,6 @@ def _write(study: MapStudy, folder: Path, colour: str) -> None:
         save(figure, place / "map.png")
         if study.setting is not None:
             (place / "equal-blows.toml").write_text(dump_case(study.nearest_case()), "utf-8")
-        for name in FILES[1:]:
-            if (place / name).exists():
-                (place / name).replace(folder / name)
-            else:
-                (folder / name).unlink(missing_ok=True)
-        (folder / NAME).unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError("--out", str(folder), "a place that can be written", error.strerror or "") from error
-    finally:
-        shutil.rmtree(place, ignore_errors=True)
 
 
 def _print(study: MapStudy) -> None:
@@ -282,25 +265,39 @@ def _print(study: MapStudy) -> None:
     table("Regimes", ["regime", "cells (%)"], rows)
     for text, count in study.failures.items():
         say(f"no result, or no regime, in {count} cells: {text}")
-    axes, found = study.plan.axes, study.setting
-    columns = ["", *(f"{a.path}\n({a.unit or '1'})" for a in axes), "CV\n(%)", "CV from 2nd\n(%)", "peak\n(g)",
-               "retreat\n(mm)", "stop\n(kN)", "train\n(ms)"]  # fmt: skip
-    lines = [_line("case", axes, study.here, study.present)]
+    found = study.setting
+    columns = ["", "case"] + ([] if found is None else [f"nearest within {100.0 * study.wanted:g} %"])
+    shown = [_column(study, study.here, study.present)]
     if found is not None:
-        lines.append(_line(f"nearest within {100.0 * study.wanted:g} %", axes, found.values, found.cell))
-    table(f"{study.case.name}: {study.plan.blows} blows", columns, lines)
+        shown.append(_column(study, found.values, found.cell))
+    heads = [f"{a.path} ({a.unit or '1'})" for a in study.plan.axes] + [head for head, *_ in SHOWN]
+    table(f"{study.case.name}: {study.plan.blows} blows", columns, list(zip(heads, *shown, strict=True)))
+    for values, reason in study.refused:
+        say(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")
     if found is None:
-        say(f"no setting of this map has blows that all come with a CV within {100.0 * study.wanted:g} %")
+        say(_none_found(study))
         return
-    say(
-        f"the nearest is {found.distance:.3g} away in relative steps; a full run of it has a CV of "
-        f"{100.0 * found.cv:.3g} % and a mean peak of {number(found.peak, 'm/s^2', 'g', 5)} g"
-    )
+    full = f"a full run has a CV of {100.0 * found.cv:.3g} % and a mean peak of {number(found.peak, *_PEAK, 5)} g"
+    if found.distance == 0.0:
+        say(f"the case has even blows already: {full}")
+    else:
+        say(f"the nearest is {found.distance:.3g} away in relative steps; {full}")
 
 
-def _line(name: str, axes: tuple[Axis, ...], values: tuple[float, ...], cell: dict[str, float]) -> list[str]:
-    """Return a row of the table of settings."""
-    shown = [f"{axis.shown(value):.5g}" for axis, value in zip(axes, values, strict=True)]
-    spreads = ["-" if math.isnan(cell[key]) else significant(100.0 * cell[key], 3) for key in ("cv", "cv_later")]
-    units = (("peak", "m/s^2", "g"), ("retreat", "m", "mm"), ("stop_force", "N", "kN"), ("train_time", "s", "ms"))
-    return [name, *shown, *spreads, *(number(cell[key], si, unit, 5) for key, si, unit in units)]
+def _none_found(study: MapStudy) -> str:
+    """Return why there is no even setting, in words."""
+    limit, even = f"{100.0 * study.wanted:g} %", len(study.even_settings())
+    if not even:
+        return f"no setting of this map has blows that all come with a CV within {limit}"
+    tried = f"the {len(study.refused)} nearest of them" if even > len(study.refused) else "all of them"
+    return f"{even} settings have a CV within {limit} by the fast run; {tried} failed in full runs"
+
+
+def _at(axes: tuple[Axis, ...], values: tuple[float, ...]) -> str:
+    return ", ".join(f"{axis.path} = {axis.typed(value)}" for axis, value in zip(axes, values, strict=True))
+
+
+def _column(study: MapStudy, values: tuple[float, ...], cell: dict[str, float]) -> list[str]:
+    """Return a column of the table of settings."""
+    shown = [f"{axis.shown(value):.5g}" for axis, value in zip(study.plan.axes, values, strict=True)]
+    return shown + [number(cell[key], si, unit, 3 if unit == "%" else 5) for _, key, si, unit in SHOWN]

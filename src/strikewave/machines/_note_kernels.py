@@ -39,12 +39,15 @@ from strikewave.machines._kernels import FEED, FEED_START, HELD, ON_FACE, PITCH,
     STOP_FORCE,
     ANGLE,
     DISC_SPEED,
-) = range(16)
+    LAST_CHANGE,
+) = range(17)
 """Columns of the table of blows: pass number, striker (from 0), time of first touch (of the apex where missed, then
-with CONTACTS 0), approach speed, rigid peak, its width at 10 %, velocity change, contacts, impulse of the contacts
-and of the second and later groups of them, place and speed of the face at first touch, largest retreat, largest force
-of the stop until the next blow, turntable's angle at first touch less that of the strike position, and its speed."""
-BLOW_COLUMNS = 16
+with CONTACTS 0), approach speed, rigid peak, its width at 10 %, velocity change to the release before the first gap
+longer than that, contacts, impulse of the contacts and of the second and later groups of them, place and speed of the
+face at first touch (place at the apex where missed), largest retreat (NaN where missed), largest force of the stop
+until the next pass, turntable's angle at first touch less that of the strike position, and its speed; velocity change
+to the last release."""
+BLOW_COLUMNS = 17
 
 CURRENT, SAMPLES, CONTACTS_SEEN, ROWS_USED, IN_TOUCH, FALLEN, COAST_STEPS, BLOW_STEPS, COUNTS = range(9)
 """Places of `Notes.counts`: row of the blow that lasts (-1 where none), samples and contacts of it, rows, in touch,
@@ -56,12 +59,14 @@ LEVEL = 0.1
 """Share of the peak at which the width is taken."""
 _NODES, _WEIGHTS = (0.5 * v for v in np.polynomial.legendre.leggauss(5))
 _STOP_SAMPLES = 8
+_STOP = 4
+"""Which join of a blow is the stop."""
 
 
 class Notes(NamedTuple):
     """What is written down: the table of blows, and of the one that lasts its samples and contacts.
 
-    Samples are time and rigid acceleration; contacts are begin, end and impulse.
+    Samples are time and rigid acceleration; contacts are begin, end, impulse, and velocity change to their end.
     """
 
     table: np.ndarray
@@ -80,22 +85,33 @@ def open_row(coast, blow, going, struck, notes, t):
     counts, numbers = notes.counts, notes.numbers
     links, noses = coast.joins.shape[0], coast.noses.shape[0]
     number = round(struck.y[6] / coast.settings[PITCH])
-    if counts[CURRENT] < 0 or notes.table[counts[CURRENT], PASS] != number:
-        if counts[ROWS_USED] == notes.table.shape[0]:
-            return False
-        counts[CURRENT] = counts[ROWS_USED]
-        counts[ROWS_USED] += 1
+    other = counts[CURRENT] < 0 or notes.table[counts[CURRENT], PASS] != number
+    if other and not _next_row(notes):
+        return False
+    if other or notes.table[counts[CURRENT], CONTACTS] == 0.0:
         counts[SAMPLES] = counts[CONTACTS_SEEN] = counts[FALLEN] = 0
         numbers[TOP] = -np.inf
         row = notes.table[counts[CURRENT]]
         row[PASS], row[STRIKER], row[TIME] = number, going.mode[links + ON_FACE + noses], t
         row[APPROACH], row[PEAK], row[WIDTH] = struck.memory[0], np.nan, np.nan
-        row[CONTACTS] = row[IMPULSE] = row[LATER] = row[STOP_FORCE] = row[VELOCITY_CHANGE] = 0.0
+        row[CONTACTS] = row[IMPULSE] = row[LATER] = row[VELOCITY_CHANGE] = row[LAST_CHANGE] = 0.0
         row[FACE], row[FACE_SPEED], row[DISC_SPEED] = struck.y[1], struck.y[4], struck.y[7]
         row[ANGLE] = struck.y[6] - number * coast.settings[PITCH]
         numbers[FIRST_PLACE] = numbers[HIGHEST] = struck.y[2]
         numbers[SPEED_BEFORE] = struck.y[4]
     _open_contact(notes, t)
+    return True
+
+
+@leaf_kernel
+def _next_row(notes):
+    """Begin another row; False where none is left."""
+    counts = notes.counts
+    if counts[ROWS_USED] == notes.table.shape[0]:
+        return False
+    counts[CURRENT] = counts[ROWS_USED]
+    counts[ROWS_USED] += 1
+    notes.table[counts[CURRENT], STOP_FORCE] = 0.0
     return True
 
 
@@ -106,13 +122,16 @@ def _open_contact(notes, t):
     counts[IN_TOUCH] = 1
     if counts[CONTACTS_SEEN] < notes.contacts.shape[0]:
         notes.contacts[counts[CONTACTS_SEEN], 0] = notes.contacts[counts[CONTACTS_SEEN], 1] = t
-        notes.contacts[counts[CONTACTS_SEEN], 2] = 0.0
+        notes.contacts[counts[CONTACTS_SEEN], 2] = notes.contacts[counts[CONTACTS_SEEN], 3] = 0.0
         counts[CONTACTS_SEEN] += 1
 
 
 @called_kernel
-def missed_row(coast, going, notes, t):
-    """Write down the pass whose apex has just come, if the object was held in place and nothing touched it."""
+def missed_row(coast, going, notes, t, face):
+    """Write down the pass whose apex has just come, if the object was held in place and nothing touched it.
+
+    Returns False where no row is left.
+    """
     links, counts = coast.joins.shape[0], notes.counts
     phase = going.mode[links + FEED]
     held = phase == HELD or (phase == RELEASED and going.memory[links + FEED_START] == t)
@@ -120,15 +139,12 @@ def missed_row(coast, going, notes, t):
     last = notes.table[counts[ROWS_USED] - 1, PASS] if counts[ROWS_USED] > 0 else -1.0
     if not held or number <= last:
         return True
-    if counts[ROWS_USED] == notes.table.shape[0]:
+    if not _next_row(notes):
         return False
-    row = notes.table[counts[ROWS_USED]]
-    for k in range(BLOW_COLUMNS):
-        row[k] = np.nan
-    row[PASS], row[STRIKER], row[TIME] = number, number % coast.noses.shape[0], t
-    row[CONTACTS], row[DISC_SPEED], row[VELOCITY_CHANGE] = 0.0, going.y[3], 0.0
-    counts[ROWS_USED] += 1
-    counts[CURRENT] = -1
+    row = notes.table[counts[CURRENT]]
+    row[PASS], row[STRIKER], row[TIME], row[FACE] = number, number % coast.noses.shape[0], t, face
+    row[CONTACTS] = row[VELOCITY_CHANGE] = row[LAST_CHANGE] = 0.0
+    row[DISC_SPEED] = going.y[3]
     return True
 
 
@@ -143,6 +159,7 @@ def note_blow(coast, blow, struck, notes, steps, work):
         closed = record.mode[r, 0] != OPEN
         if closed and counts[IN_TOUCH] == 0:
             _open_contact(notes, record.time[r])
+        _note_support(blow, record, r, notes, work)
         for k in range(_NODES.size):
             if counts[FALLEN] == 0 or closed:
                 _sample_blow(coast, blow, record, r, 0.5 + _NODES[k], closed * _WEIGHTS[k], notes, work)
@@ -150,8 +167,24 @@ def note_blow(coast, blow, struck, notes, steps, work):
         if closed and after == OPEN:
             counts[IN_TOUCH] = 0
             evaluate(record.dense[r], 1.0, work)
-            row[VELOCITY_CHANGE] = share * work[4] + (1.0 - share) * work[5] - numbers[SPEED_BEFORE]
+            row[LAST_CHANGE] = share * work[4] + (1.0 - share) * work[5] - numbers[SPEED_BEFORE]
             notes.contacts[counts[CONTACTS_SEEN] - 1, 1] = record.time[r] + record.step[r]
+            notes.contacts[counts[CONTACTS_SEEN] - 1, 3] = row[LAST_CHANGE]
+
+
+@called_kernel
+def _note_support(blow, record, r, notes, work):
+    """Write down retreat and force of the stop at begin, middle and end of a step of a blow."""
+    numbers, row = notes.numbers, notes.table[notes.counts[CURRENT]]
+    for k in range(3):
+        evaluate(record.dense[r], 0.5 * k, work)
+        numbers[HIGHEST] = max(numbers[HIGHEST], work[2])
+        if record.mode[r, _STOP] == PUSHING:
+            place_bases(blow, record.time[r] + 0.5 * k * record.step[r], work, record.mode[r], record.memory[r])
+            d, rate = link_motion(blow.joins, blow.values, _STOP, work, blow.bases, 3)
+            force, _ = link_force(STOP_LINK, blow.values[_STOP], d, rate, PUSHING, 0.0, 0.0, 1.0)
+            row[STOP_FORCE] = max(row[STOP_FORCE], force)
+    row[RETREAT] = numbers[HIGHEST] - numbers[FIRST_PLACE]
 
 
 @called_kernel
@@ -172,10 +205,6 @@ def _sample_blow(coast, blow, record, r, x, weight, notes, work):
             continue
         force, _ = link_force(blow.joins[j, KIND], blow.values[j], d, rate, record.mode[r, j], 0.0, 0.0, 1.0)
         pushed += -force if j == 3 else force
-        if j == 4:
-            row[STOP_FORCE] = max(row[STOP_FORCE], force)
-    numbers[HIGHEST] = max(numbers[HIGHEST], work[2])
-    row[RETREAT] = numbers[HIGHEST] - numbers[FIRST_PLACE]
     if counts[SAMPLES] < notes.samples.shape[1]:
         notes.samples[0, counts[SAMPLES]] = t
         a = pushed / blow.bodies[2, MASS] + blow.bodies[2, GRAVITY]
@@ -193,7 +222,7 @@ def _sample_blow(coast, blow, record, r, x, weight, notes, work):
 
 @called_kernel
 def measure_row(notes):
-    """Find peak and width of the rigid acceleration of the blow that lasts, and the impulse of its later contacts."""
+    """Find peak and width of the rigid acceleration of the blow that lasts, and what its later contacts add."""
     count, row = notes.counts[SAMPLES], notes.table[notes.counts[CURRENT]]
     time, a = notes.samples[0], notes.samples[1]
     top = 0
@@ -219,15 +248,17 @@ def measure_row(notes):
             break
     row[WIDTH], row[LATER] = end - begin, 0.0
     later = False
-    for k in range(1, notes.counts[CONTACTS_SEEN]):
-        later = later or notes.contacts[k, 0] - notes.contacts[k - 1, 1] > row[WIDTH]
+    for k in range(notes.counts[CONTACTS_SEEN]):
+        later = later or (k > 0 and notes.contacts[k, 0] - notes.contacts[k - 1, 1] > row[WIDTH])
         if later:
             row[LATER] += notes.contacts[k, 2]
+        else:
+            row[VELOCITY_CHANGE] = notes.contacts[k, 3]
 
 
 @called_kernel
 def note_coast(coast, going, notes, steps, work):
-    """Write down retreat and force of the stop of the steps after a blow, until the next touch or the retraction."""
+    """Write down retreat and force of the stop of the steps after a pass, until the next touch or the retraction."""
     record, counts, numbers = going.record, notes.counts, notes.numbers
     links = coast.joins.shape[0]
     counts[COAST_STEPS] += steps
@@ -251,7 +282,8 @@ def note_coast(coast, going, notes, steps, work):
             d, rate = link_motion(coast.joins, coast.values, 1, work, coast.bases, 1)
             force, _ = link_force(STOP_LINK, coast.values[1], d, rate, PUSHING, 0.0, 0.0, 1.0)
             row[STOP_FORCE] = max(row[STOP_FORCE], force)
-    row[RETREAT] = numbers[HIGHEST] - numbers[FIRST_PLACE]
+    if row[CONTACTS] > 0.0:
+        row[RETREAT] = numbers[HIGHEST] - numbers[FIRST_PLACE]
 
 
 @leaf_kernel

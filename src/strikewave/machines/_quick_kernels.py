@@ -477,7 +477,7 @@ def run_train(machine, going, struck, controls, train, notes):
             h = control.first_step
         elif going.record.event[events - 1, 0] == SWITCHES * links + FEED_SWITCH:
             return DONE, t
-        elif not missed_row(coast, going, notes, t):
+        elif not missed_row(coast, going, notes, t, face_of(coast, t, going.y, going.mode, going.memory)):
             return TOO_MANY, t
         rows = notes.counts[ROWS_USED]
         if train.most and going.mode[links + PASSES] >= train.most:

@@ -55,11 +55,13 @@ class QuickBlow:
     impulse : float
         Of the contacts.
     face_place, face_speed : float
-        Of the struck face at first touch.
+        Of the struck face at first touch; its place at the apex where missed.
     angle : float
         Of the turntable at first touch, less that at which the striker stands in the strike position.
-    retreat, stop_force : float
-        Largest retreat and largest force of the stop until the next blow.
+    retreat : float
+        As of a `Blow`.
+    stop_force : float
+        Largest force of the stop until the next pass.
     """
 
     index: int
@@ -87,7 +89,7 @@ class QuickRun:
     Attributes
     ----------
     machine : RotaryMachine
-        What ran.
+        What ran, with its own feed.
     table : ndarray
         One row a pass, columns as `_quick_kernels` names them.
     end : float
@@ -110,8 +112,7 @@ class QuickRun:
     @property
     def kinds(self) -> list[str]:
         """full, glancing, double or missed, as in `strikewave.machines.Blow`."""
-        limit = GLANCING_SHARE * self.machine.nominal_approach
-        return [_kind(row, limit) for row in self.table]
+        return _kinds(self.machine, self.table)
 
     @property
     def blows(self) -> tuple[QuickBlow, ...]:
@@ -142,6 +143,21 @@ _COLUMNS = {
     "stop_force": column.STOP_FORCE,
     "turntable_speed": column.DISC_SPEED,
 }
+
+
+def _finished(machine: RotaryMachine, noted: Array) -> Array:
+    """Return the table of blows: a double one ends with its last release, a missed one has how far the face was off."""
+    table = noted.copy()
+    kinds = np.array(_kinds(machine, table), dtype=object)
+    double, missed = kinds == "double", kinds == "missed"
+    table[double, column.VELOCITY_CHANGE] = table[double, column.LAST_CHANGE]
+    table[missed, column.RETREAT] = table[missed, column.FACE] + machine.engagement
+    return table
+
+
+def _kinds(machine: RotaryMachine, table: Array) -> list[str]:
+    limit = GLANCING_SHARE * machine.nominal_approach
+    return [_kind(row, limit) for row in table]
 
 
 def _kind(row: Array, limit: float) -> str:
@@ -209,6 +225,7 @@ def quick_run(
     reason = why_not(machine)
     if reason:
         raise ValueError(reason)
+    asked = machine
     if blows is not None:
         machine = dataclasses.replace(machine, feed=dataclasses.replace(machine.feed, blows=blows, hold=math.inf))
     tables, going, struck = quick_tables(machine)
@@ -226,9 +243,9 @@ def quick_run(
     driven, dragged, fed = energies[-3:]
     flowed = abs(driven) + dragged + np.abs(dissipated).sum() + abs(lost)
     missing = gained - (driven - dragged - dissipated.sum() - lost + fed)
-    table = notes.table[: notes.counts[column.ROWS_USED]].copy()
+    table = _finished(machine, notes.table[: notes.counts[column.ROWS_USED]])
     steps = int(notes.counts[column.COAST_STEPS]), int(notes.counts[column.BLOW_STEPS])
-    return QuickRun(machine, table, float(end), lost, float(abs(missing) / flowed), steps)
+    return QuickRun(asked, table, float(end), lost, float(abs(missing) / flowed), steps)
 
 
 def _energy(machine: RotaryMachine, tables: Machine, going: Part, time: float) -> float:
@@ -243,7 +260,7 @@ def empty_notes(rows: int) -> Notes:
     """Return notes with room for so many passes."""
     counts = np.zeros(column.COUNTS, dtype=np.int64)
     counts[column.CURRENT] = -1
-    samples, contacts = np.empty((2, _MOST_SAMPLES)), np.empty((_MOST_CONTACTS, 3))
+    samples, contacts = np.empty((2, _MOST_SAMPLES)), np.empty((_MOST_CONTACTS, 4))
     return Notes(np.full((rows, column.BLOW_COLUMNS), np.nan), samples, contacts, counts, np.zeros(column.NUMBERS))
 
 

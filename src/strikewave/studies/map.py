@@ -6,13 +6,10 @@ import csv
 import dataclasses
 import io
 import math
-import multiprocessing
-import os
-from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,11 +31,12 @@ from strikewave.studies.map_cells import (
     cell_of,
     machine_of,
     row_of,
-    spread,
     start_worker,
 )
 from strikewave.studies.map_regimes import NAMES
 from strikewave.studies.map_store import Store
+from strikewave.studies.scatter_statistics import variation
+from strikewave.studies.workers import Workers
 
 if TYPE_CHECKING:
     import xarray
@@ -66,7 +64,7 @@ class Setting:
     values : tuple of float
         Of each axis, SI.
     distance : float
-        From the case: root of the summed squares of the relative changes.
+        From the case: root of the summed squares of the steps, each over its scale (`MapStudy.scales`).
     cell : dict
         What the map has of it, by the names of `FIELDS`.
     cv : float
@@ -80,6 +78,13 @@ class Setting:
     cell: dict[str, float]
     cv: float
     peak: float
+
+
+class Refusal(NamedTuple):
+    """An even setting of the map, SI, and what its full run showed instead, in words."""
+
+    values: tuple[float, ...]
+    reason: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +102,9 @@ class MapStudy:
     present : dict
         The case itself, as a cell.
     setting : Setting or None
-        The nearest even setting that a full run confirms.
+        The nearest even setting that a full run confirms; the case itself, at distance 0, where it is even already.
+    refused : tuple of Refusal
+        Nearer ones whose full runs disagree.
     """
 
     plan: Plan
@@ -105,6 +112,7 @@ class MapStudy:
     wanted: float
     present: dict[str, float]
     setting: Setting | None = None
+    refused: tuple[Refusal, ...] = ()
 
     @cached_property
     def case(self) -> Case:
@@ -112,8 +120,13 @@ class MapStudy:
         return parse_case(self.plan.case)
 
     @property
+    def paths(self) -> tuple[str, ...]:
+        """What the axes are of."""
+        return tuple(axis.path for axis in self.plan.axes)
+
+    @property
     def broken(self) -> bool:
-        """Whether no setting of the map has even blows."""
+        """Whether no setting of the map has even blows, or none that a full run confirms."""
         return self.setting is None
 
     @property
@@ -168,6 +181,9 @@ class MapStudy:
             "shares": self.shares,
             "failures": self.failures,
             "nearest": self._nearest(),
+            "refused": [
+                {"settings": dict(zip(self.paths, r.values, strict=True)), "why": r.reason} for r in self.refused
+            ],
             "cells": {name: self.field(name) for name in FIELDS},
         }
         return dict(plain(made))
@@ -175,10 +191,9 @@ class MapStudy:
     def _nearest(self) -> dict[str, Any] | None:
         if self.setting is None:
             return None
-        paths = [axis.path for axis in self.plan.axes]
         found = self.setting
         full = {"cv": found.cv, "peak": found.peak, "tolerance": TESTED}
-        settings = dict(zip(paths, found.values, strict=True))
+        settings = dict(zip(self.paths, found.values, strict=True))
         return {"settings": settings, "distance": found.distance, "result": found.cell, "full_run": full}
 
     def dataset(self) -> xarray.Dataset:
@@ -219,18 +234,38 @@ class MapStudy:
         found = (axes[0].values[place[2]], axes[1].values[place[1]])
         return (*found, axes[2].values[place[0]]) if len(axes) > 2 else found
 
-    def even_settings(self) -> list[tuple[float, tuple[int, int, int]]]:
-        """Return distance and place of the cells whose blows all come and are even, nearest first."""
+    @property
+    def scales(self) -> tuple[float, ...]:
+        """What a step along each axis is measured by: the value of the case, or the axis's range where that is 0."""
+        pairs = zip(self.here, self.plan.axes, strict=True)
+        return tuple(abs(at) or axis.values[-1] - axis.values[0] or 1.0 for at, axis in pairs)
+
+    def even_settings(self) -> list[tuple[float, tuple[float, ...], dict[str, float]]]:
+        """Return distance, values and cell of the settings whose blows all come and are even, nearest first.
+
+        The case itself is the first of them where it is even.
+        """
         even = (self.field("cv") <= self.wanted) & (self.field("missed") == 0)
-        found = []
+        found = [(0.0, self.here, self.present)] if self.even else []
         for place in zip(*np.nonzero(even), strict=True):
-            steps = [v / at - 1.0 for v, at in zip(self._values(place), self.here, strict=True) if at]
-            found.append((math.hypot(*steps), (int(place[0]), int(place[1]), int(place[2]))))
-        return sorted(found)
+            values = self._values(place)
+            steps = [(v - at) / scale for v, at, scale in zip(values, self.here, self.scales, strict=True)]
+            cell = dict(zip(FIELDS, self.data[place].tolist(), strict=True))
+            found.append((math.hypot(*steps), values, cell))
+        return sorted(found, key=lambda one: one[:2])
+
+    @property
+    def even(self) -> bool:
+        """Whether the blows of the case itself all come and are even, by the fast run."""
+        return self.present["cv"] <= self.wanted and self.present["missed"] == 0
+
+    def case_of(self, values: tuple[float, ...]) -> Case:
+        """Return the case with other settings; their tolerances stay. The case itself where nothing is other."""
+        return self.case if values == self.here else case_at(self.case, self.plan.axes, values, keep_tolerances=True)
 
     def nearest_case(self) -> Case:
         """Return the case with the nearest even setting; the case itself where there is none."""
-        return self.case if self.setting is None else case_at(self.case, self.plan.axes, self.setting.values)
+        return self.case if self.setting is None else self.case_of(self.setting.values)
 
 
 def _cell(name: str, value: float) -> str:
@@ -251,7 +286,7 @@ def axis_of(case: Case, path: str, ends: tuple[Value, Value] | None, points: int
     values = case.values()
     if path not in values:
         raise InputError(path, path, "a quantity of the case", nearest(path, values))
-    unit, si_unit = _units(case, path, ends[0] if ends else values[path])
+    unit, si_unit = units_of(path, ends[0] if ends else values[path])
     low, high = (ends[0].si, ends[1].si) if ends else (0.5 * values[path].si, 2.0 * values[path].si)
     if not low < high:
         raise InputError(
@@ -263,7 +298,7 @@ def axis_of(case: Case, path: str, ends: tuple[Value, Value] | None, points: int
     return Axis(path, unit, si_unit, tuple(float(v) for v in steps), log)
 
 
-def _units(case: Case, path: str, value: Value) -> tuple[str, str]:
+def units_of(path: str, value: Value) -> tuple[str, str]:
     """Return the unit in which a quantity of a case was typed, and its SI unit."""
     from strikewave.case import FORM
 
@@ -322,54 +357,54 @@ def make_map(
     ------
     InputError
         If the plan is too large, or the case makes no machine.
+    StrikewaveError
+        If a process came to an end before its time.
     """
     check_plan(plan, workers)
     case = parse_case(plan.case)
     machine_of(case)
     kept = Store(plan, None) if store is None else store
-    todo = [int(row) for row in np.flatnonzero(~kept.done)]
-    for row, cells in _rows(plan, todo, workers):
-        kept.keep(row, cells)
-        if progress is not None:
-            progress(float(kept.done.mean()))
     present = dict(zip(FIELDS, cell_of(case, plan.blows, plan.train).tolist(), strict=True))
+    todo = [int(row) for row in np.flatnonzero(~kept.done)]
+    with Workers(min(workers, len(todo)), start_worker, (plan,)) as pool:
+        for row, cells in pool.as_finished(row_of, todo):
+            kept.keep(row, cells)
+            if progress is not None:
+                progress(float(kept.done.mean()))
     study = MapStudy(plan, kept.data.reshape(*plan.shape, len(FIELDS)), wanted, present)
-    return dataclasses.replace(study, setting=_confirmed(study))
+    setting, refused = confirmed(study)
+    return dataclasses.replace(study, setting=setting, refused=refused)
 
 
-def _rows(plan: Plan, todo: list[int], workers: int) -> Iterator[tuple[int, Array]]:
-    """Yield rows of a map as they are finished."""
-    if workers == 1 or len(todo) < 2:
-        start_worker(plan)
-        for row in todo:
-            yield row, row_of(row)
-        return
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(min(workers, os.cpu_count() or 1), context, start_worker, (plan,))
-    try:
-        running = {pool.submit(row_of, row): row for row in todo}
-        while running:
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
-                yield running.pop(future), future.result()
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _confirmed(study: MapStudy) -> Setting | None:
-    """Return the nearest even setting that a full run confirms."""
-    for distance, place in study.even_settings()[:CONFIRMED]:
-        values = study._values(place)
+def confirmed(study: MapStudy) -> tuple[Setting | None, tuple[Refusal, ...]]:
+    """Return the nearest even setting that a full run confirms, and those nearer that it does not."""
+    refused: list[Refusal] = []
+    for distance, values, cell in study.even_settings()[:CONFIRMED]:
         try:
-            machine = machine_of(case_at(study.case, study.plan.axes, values))
-            feed = dataclasses.replace(machine.feed, blows=study.plan.blows, hold=math.inf)
-            run = run_rotary(dataclasses.replace(machine, feed=feed), TESTED)
-        except (StrikewaveError, IntegrationError):
+            cv, peak = in_full(study.case_of(values), study.plan.blows)
+        except (StrikewaveError, IntegrationError) as error:
+            refused.append(Refusal(values, f"the full run failed: {error}"))
             continue
-        peaks = np.array([0.0 if b.kind == "missed" else b.rigid_peak for b in blows(run)[: study.plan.blows]])
-        if spread(peaks) <= study.wanted:
-            cell = dict(zip(FIELDS, study.data[place].tolist(), strict=True))
-            return Setting(values, distance, cell, spread(peaks), float(peaks.mean()))
-    return None
+        if cv <= study.wanted:
+            return Setting(values, distance, cell, cv, peak), tuple(refused)
+        refused.append(Refusal(values, f"the full run has a CV of {100.0 * cv:.3g} %"))
+    return None, tuple(refused)
+
+
+def in_full(case: Case, count: int) -> tuple[float, float]:
+    """Return variation and mean of the rigid peaks of a full run with the case's own feed.
+
+    Raises
+    ------
+    StrikewaveError
+        If not all blows came.
+    """
+    machine = machine_of(case)
+    machine = dataclasses.replace(machine, feed=dataclasses.replace(machine.feed, blows=count))
+    peaks = np.array([blow.rigid_peak for blow in blows(run_rotary(machine, TESTED))[:count] if blow.kind != "missed"])
+    if peaks.size < count:
+        raise StrikewaveError(f"{peaks.size} of {count} blows came")
+    return variation(peaks), float(peaks.mean())
 
 
 def plan_of(case: Case, axes: tuple[Axis, ...], own: int | None = None, train: int = TRAIN) -> Plan:

@@ -15,18 +15,19 @@ from strikewave.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.machines import RotaryMachine
 from strikewave.machines.quick import QuickRun, quick_run, why_not
 from strikewave.quantities import Value
-from strikewave.studies.map_regimes import FAILED, IRREGULAR, UNKNOWN, Regime, regime_of
+from strikewave.studies.map_regimes import CYCLES, FAILED, IRREGULAR, UNKNOWN, Regime, regime_of
 from strikewave.studies.map_return import arrivals
+from strikewave.studies.scatter_statistics import variation
 from strikewave.units import in_unit
 
 Array = NDArray[np.float64]
 
 FIELDS = {
-    "cv": ("1", "coefficient of variation of the rigid peaks of the machine's own blows; a missed one counts as 0"),
-    "cv_later": ("1", "the same from the second blow on"),
-    "peak": ("m/s^2", "mean rigid peak of the machine's own blows"),
+    "cv": ("1", "coefficient of variation of the rigid peaks of the machine's own blows; missed ones are left out"),
+    "cv_later": ("1", "the same without the first blow"),
+    "peak": ("m/s^2", "mean rigid peak of the machine's own blows; missed ones are left out"),
     "first_peak": ("m/s^2", "rigid peak of the first blow"),
-    "missed": ("1", "how many of the machine's own blows missed"),
+    "missed": ("1", "how many of the machine's own blows missed, or did not come before feed.hold was over"),
     "retreat": ("m", "largest retreat of the object"),
     "stop_force": ("N", "largest force of the stop"),
     "train_time": ("s", "from the first to the last of the machine's own blows"),
@@ -46,9 +47,10 @@ REASONS = (
     "a striker meets the edge of the face",
     "another striker touches while a blow still rings",
     "the turntable stalls, or the motion could not be followed",
+    "the train is too short to tell: it must last six turns of strikers that differ",
 )
 """Why a cell has no result, by code."""
-NO_MACHINE, NOT_RIGID, EDGE, CROWDED, LOST = range(1, 6)
+NO_MACHINE, NOT_RIGID, EDGE, CROWDED, LOST, SHORT = range(1, 7)
 
 REPEATS = 1e-5
 """A train ends early once its blows repeat within this."""
@@ -120,13 +122,13 @@ class Plan:
         return (sizes[2] if len(sizes) > 2 else 1, sizes[1], sizes[0])
 
 
-def case_at(case: Case, axes: tuple[Axis, ...], values: tuple[float, ...]) -> Case:
-    """Return a case with the settings of a cell."""
+def case_at(case: Case, axes: tuple[Axis, ...], values: tuple[float, ...], keep_tolerances: bool = False) -> Case:
+    """Return a case with the settings of a cell, which needs no tolerances to run."""
     changes = {
         axis.path: Value(si=value, typed=axis.typed(value), note="chosen by strikewave map")
         for axis, value in zip(axes, values, strict=True)
     }
-    return case.with_values(changes)
+    return case.with_values(changes, keep_tolerances)
 
 
 def machine_of(case: Case) -> RotaryMachine:
@@ -174,51 +176,57 @@ def measured(run: QuickRun, blows: int, train: int) -> Array:
     """Return what a fast run comes to, in the order of `FIELDS`."""
     machine = run.machine
     missed = np.isnan(run.column("approach_speed"))
-    peaks = np.where(missed, 0.0, run.column("rigid_peak"))[:blows]
-    times, later = run.column("time")[:blows], peaks[1:]
-    leaves = (run.column("face_speed") + run.column("velocity_change"))[:blows][~missed[:blows]]
+    own = own_blows(run, blows)
+    peaks, times, struck = run.column("rigid_peak")[own], run.column("time")[own], ~missed[own]
+    leaves = (run.column("face_speed") + run.column("velocity_change"))[own][struck]
     back = arrivals(machine.struck, float(leaves[-1])) if leaves.size and leaves[-1] > 0.0 else (np.nan, np.nan)
     period = machine.pitch / machine.turntable.speed
     regime = train_regime(run, missed, train)
+    short = train > 0 and regime.code == UNKNOWN
     found = {
-        "cv": spread(peaks),
-        "cv_later": spread(later),
-        "peak": peaks.mean(),
-        "first_peak": peaks[0],
-        "missed": missed[:blows].sum(),
-        "retreat": _largest(run.column("retreat")[:blows]),
-        "stop_force": _largest(run.column("stop_force")[:blows]),
-        "train_time": times[-1] - times[0],
+        "cv": variation(peaks),
+        "cv_later": variation(peaks[1:]),
+        "peak": peaks[struck].mean() if struck.any() else np.nan,
+        "first_peak": peaks[0] if peaks.size else np.nan,
+        "missed": blows - struck.sum(),
+        "retreat": _largest(run.column("retreat")[own]),
+        "stop_force": _largest(run.column("stop_force")[own]),
+        "train_time": times[-1] - times[0] if times.size else np.nan,
         "return_ratio": back[0] / period,
         "bounce_ratio": back[1] / period,
         "regime": regime.code,
         "period": regime.period,
-        "reason": 0,
+        "reason": SHORT if short else 0,
     }
     return np.array([found[name] for name in FIELDS], dtype=float)
 
 
+def own_blows(run: QuickRun, blows: int) -> slice:
+    """Return which passes of a run are the machine's own: so many at most, and those before its hold is over."""
+    feed = run.machine.feed
+    return slice(0, min(blows, int(np.sum(run.column("time") <= feed.valve_delay + feed.stroke_time + feed.hold))))
+
+
 def train_regime(run: QuickRun, missed: NDArray[np.bool_], train: int) -> Regime:
-    """Return the regime of the second half of a train, or of its last quarter where only that has settled."""
+    """Return the regime of the second half of a train, or of its last quarter where only that has settled.
+
+    A train that ended early repeats at its end, so that as many turns as are needed may be looked at there.
+    """
     if train == 0:
         return Regime(UNKNOWN, 0)
     states = np.column_stack([run.column("approach_speed"), run.column("angle")])
     scales = np.array([run.machine.nominal_approach, abs(run.machine.first_touch)])
+    turn = _turn(run.machine)
     count = len(states)
-    regimes = [regime_of(states[k:], missed[k:], scales) for k in (count // 2, count - count // 4)]
+    half = count // 2 if count >= train else min(count // 2, max(count - CYCLES * turn, 0))
+    regimes = [regime_of(states[k:], missed[k:], scales, turn) for k in (half, count - count // 4)]
     return regimes[1] if regimes[0].code == IRREGULAR and regimes[1].period else regimes[0]
 
 
-def spread(peaks: Array) -> float:
-    """Return the coefficient of variation: standard deviation (n - 1) over mean; NaN of fewer than two or of none.
-
-    Examples
-    --------
-    >>> round(spread(np.array([1.0, 3.0])), 9)
-    0.707106781
-    """
-    mean = peaks.mean() if peaks.size else 0.0
-    return float(peaks.std(ddof=1) / mean) if peaks.size > 1 and mean > 0.0 else float("nan")
+def _turn(machine: RotaryMachine) -> int:
+    """Return after how many blows the strikers come again: their number where they differ, else one."""
+    first, *others = machine.strikers.each
+    return machine.strikers.count if any(other != first for other in others) else 1
 
 
 def _largest(values: Array) -> float:

@@ -37,8 +37,10 @@ class Regime(NamedTuple):
         return f"period-{self.period}" if self.code == PERIOD_N else NAMES[self.code]
 
 
-def period_of(states: Array, scales: Array, tolerance: float = TOLERANCE) -> int:
+def period_of(states: Array, scales: Array, turn: int = 1, tolerance: float = TOLERANCE) -> int:
     """Return the shortest period of a sequence, 0 where it has none that is seen `CYCLES` times.
+
+    Periods up to `LONGEST_PERIOD` are tried, and that of a turn.
 
     Parameters
     ----------
@@ -46,6 +48,8 @@ def period_of(states: Array, scales: Array, tolerance: float = TOLERANCE) -> int
         Sections of the motion, shape (N, quantities).
     scales : ndarray
         Of each quantity: what ``tolerance`` is a share of.
+    turn : int, optional
+        Blows of a turn.
     tolerance : float, optional
         Largest difference of alike states.
 
@@ -55,14 +59,18 @@ def period_of(states: Array, scales: Array, tolerance: float = TOLERANCE) -> int
     2
     """
     count = len(states)
-    for period in range(1, min(LONGEST_PERIOD, count // CYCLES) + 1):
+    for period in sorted({*range(1, LONGEST_PERIOD + 1), turn}):
+        if period * CYCLES > count:
+            break
         apart = np.abs(states[period:] - states[:-period]) / scales
         if np.all(apart <= tolerance):
             return period
     return 0
 
 
-def regime_of(states: Array, missed: NDArray[np.bool_], scales: Array, tolerance: float = TOLERANCE) -> Regime:
+def regime_of(
+    states: Array, missed: NDArray[np.bool_], scales: Array, turn: int = 1, tolerance: float = TOLERANCE
+) -> Regime:
     """Name what a train has settled to, from the passes after its transient.
 
     Parameters
@@ -73,6 +81,8 @@ def regime_of(states: Array, missed: NDArray[np.bool_], scales: Array, tolerance
         Whether the pass touched nothing.
     scales : ndarray
         Of each quantity.
+    turn : int, optional
+        Strikers of a turn where they differ from one another: the blows can repeat after a whole turn at best.
     tolerance : float, optional
         See `period_of`.
 
@@ -80,7 +90,7 @@ def regime_of(states: Array, missed: NDArray[np.bool_], scales: Array, tolerance
     -------
     Regime
         "no return" where every pass missed, "misses" where some did, else the period, or irregular.
-        Fewer than `CYCLES` passes are unknown.
+        Fewer than `CYCLES` passes, or turns without a period, are unknown.
 
     Examples
     --------
@@ -93,6 +103,8 @@ def regime_of(states: Array, missed: NDArray[np.bool_], scales: Array, tolerance
         return Regime(NO_RETURN, 0)
     if missed.any():
         return Regime(MISSES, 0)
-    period = period_of(states, scales, tolerance)
+    period = period_of(states, scales, turn, tolerance)
+    if not period and turn * CYCLES > len(states):
+        return Regime(UNKNOWN, 0)
     code = {0: IRREGULAR, 1: PERIOD_1, 2: PERIOD_2}.get(period, PERIOD_N)
     return Regime(code, period)

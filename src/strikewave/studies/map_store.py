@@ -1,14 +1,15 @@
 """The finished rows of a map on disk, so that a map that was stopped goes on where it was.
 
-The file is NumPy's npz without pickles. It carries a key made of the plan and the version: rows of another map, or of
-another version, are refused. It is written beside its place and renamed into it.
+The file lies beside the map's folder. It begins with a key made of the plan and the version: rows of another map, or
+of another version, are refused. Then each finished row is appended: its number, its cells, and their check sum. A row
+that was not written to its end, by a full disk or a process that was killed, is the last one, and is left aside.
 """
 
 from __future__ import annotations
 
 import hashlib
-import io
-import zipfile
+import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +22,10 @@ from strikewave.studies.map_cells import FIELDS, Plan
 
 Array = NDArray[np.float64]
 
-NAME = "map.partial.npz"
-_LARGEST = 2_000_000_000
+MOST_TIMES = 4
+"""A file with more rows than so many whole maps has is refused: two runs at once write each row twice."""
+_MARK = b"rows of a strikewave map "
+_HINT = "start anew with --fresh, or choose another --out"
 
 
 def key_of(plan: Plan) -> str:
@@ -30,15 +33,26 @@ def key_of(plan: Plan) -> str:
     return hashlib.sha256(repr((plan, tuple(FIELDS), __version__, kernel_key(PACKAGE))).encode()).hexdigest()
 
 
+def rows_beside(folder: Path) -> Path:
+    """Return where the finished rows of the map in a folder are kept.
+
+    Examples
+    --------
+    >>> str(rows_beside(Path("out/map")))
+    'out/.map.partial'
+    """
+    return folder.with_name(f".{folder.name[:200]}.partial")
+
+
 class Store:
-    """Rows of a map: kept in memory, and in a folder where there is one.
+    """Rows of a map: kept in memory, and in a file where there is one.
 
     Parameters
     ----------
     plan : Plan
         What the map is of.
-    folder : Path, optional
-        Where the file lies.
+    path : Path, optional
+        The file.
     fresh : bool, optional
         Leave aside what is there.
 
@@ -48,41 +62,70 @@ class Store:
         If the file is damaged, or holds another map.
     """
 
-    def __init__(self, plan: Plan, folder: Path | None, fresh: bool = False) -> None:
+    def __init__(self, plan: Plan, path: Path | None, fresh: bool = False) -> None:
         panels, rows, columns = plan.shape
         self.key = key_of(plan)
-        self.path = None if folder is None else folder / NAME
+        self.path = path
         self.data = np.full((panels * rows, columns, len(FIELDS)), np.nan)
         self.done = np.zeros(panels * rows, dtype=bool)
-        if self.path is not None and self.path.exists() and not fresh:
-            self._read(self.path)
+        self._head = _MARK + f"{self.key}\n".encode()
+        self._whole: int | None = 0  # bytes of the file that stand; None once it is begun
+        if path is not None and (path.is_symlink() or (path.exists() and not path.is_file())):
+            raise InputError("--out", str(path), "a file for the finished rows", "this is a folder or a link; move it")
+        if path is not None and path.exists() and not fresh:
+            self._read(path)
 
     def _read(self, path: Path) -> None:
-        hint = "start anew with --fresh, or choose another --out"
+        size = 8 + self.data[0].nbytes + 4
         try:
-            if path.stat().st_size > min(_LARGEST, 2 * self.data.nbytes + 100_000):
-                raise ValueError
-            with np.load(path, allow_pickle=False) as file:
-                key, done, data = str(file["key"]), file["done"], file["data"]
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-            raise InputError("--out", str(path), "the finished rows of a map; this file is damaged", hint) from None
-        if key != self.key:
-            raise InputError("--out", str(path), "the rows of this very map; these are of another", hint)
-        fits = data.shape == self.data.shape and data.dtype == float and done.shape == self.done.shape
-        if not fits or done.dtype != bool:
-            raise InputError("--out", str(path), "the finished rows of a map; this file is damaged", hint)
-        self.data, self.done = data, done
+            with path.open("rb") as file:
+                head = file.read(len(self._head))
+                if head != self._head and head.startswith(_MARK) and len(head) == len(self._head):
+                    raise InputError("--out", str(path), "the rows of this very map; these are of another", _HINT)
+                if not self._head.startswith(head) or path.stat().st_size > MOST_TIMES * size * (len(self.done) + 1):
+                    raise _damaged(path)
+                while len(record := file.read(size)) == size:
+                    self._take(record, path)
+                    self._whole = file.tell()
+        except OSError as error:
+            raise InputError("--out", str(path), "a file that can be read", error.strerror or "") from None
+
+    def _take(self, record: bytes, path: Path) -> None:
+        """Take one row from its record."""
+        row, check = struct.unpack("<q", record[:8])[0], struct.unpack("<I", record[-4:])[0]
+        if zlib.crc32(record[:-4]) != check or not 0 <= row < len(self.done):
+            raise _damaged(path)
+        self.data[row] = np.frombuffer(record[8:-4], "<f8").reshape(self.data[row].shape)
+        self.done[row] = True
 
     def keep(self, row: int, cells: Array) -> None:
-        """Keep a finished row."""
+        """Keep a finished row.
+
+        Raises
+        ------
+        InputError
+            If the disk is full, or the place cannot be written.
+        """
         self.data[row], self.done[row] = cells, True
         if self.path is None:
             return
-        text = io.BytesIO()
-        np.savez(text, key=np.array(self.key), done=self.done, data=self.data)
-        partial = self.path.with_suffix(".new")
+        record = struct.pack("<q", row) + np.ascontiguousarray(cells, "<f8").tobytes()
         try:
-            partial.write_bytes(text.getvalue())
-            partial.replace(self.path)
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self.path.open("ab") as file:
+                if self._whole is not None:
+                    file.truncate(self._whole)
+                    file.write(b"" if self._whole else self._head)
+                    self._whole = None
+                file.write(record + struct.pack("<I", zlib.crc32(record)))
         except OSError as error:
             raise InputError("--out", str(self.path), "a place that can be written", error.strerror or "") from None
+
+    def remove(self) -> None:
+        """Remove the file: the map is whole."""
+        if self.path is not None:
+            self.path.unlink(missing_ok=True)
+
+
+def _damaged(path: Path) -> InputError:
+    return InputError("--out", str(path), "the finished rows of a map; this file is damaged", _HINT)

@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import functools
-import multiprocessing
-import signal
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field, replace
 from types import TracebackType
 
@@ -16,9 +12,10 @@ from numpy.typing import NDArray
 
 from strikewave.build import build_machine
 from strikewave.case import Case
-from strikewave.errors import InputError, InputErrors, IntegrationError, StrikewaveError, show
+from strikewave.errors import InputError, InputErrors, IntegrationError, show
 from strikewave.machines import Blow, RotaryMachine, RotaryRun, blows, run_rotary
 from strikewave.studies.scatter_draws import Tolerance, drawn_case
+from strikewave.studies.workers import Workers
 
 Array = NDArray[np.float64]
 
@@ -128,11 +125,6 @@ def _run_some(case: Case, tolerances: tuple[Tolerance, ...], rows: Array) -> lis
     return [run_result(drawn_case(case, tolerances, row)) for row in rows]
 
 
-def _leave_interrupts() -> None:
-    """Let the parent alone answer Ctrl-C."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
 class Runner:
     """Runs a case at drawn values; a context manager that holds its processes.
 
@@ -158,10 +150,7 @@ class Runner:
         self._some = functools.partial(_run_some, case, tolerances)
         self._advance = advance
         self._done = 0
-        self._pool = None
-        if workers > 1:
-            spawn = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(workers, spawn, initializer=_leave_interrupts)
+        self._workers = Workers(workers)
 
     def __enter__(self) -> Runner:
         return self
@@ -169,8 +158,7 @@ class Runner:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._pool is not None:
-            self._pool.shutdown(wait=True, cancel_futures=True)
+        self._workers.__exit__(kind, error, trace)
 
     def __call__(self, rows: Array) -> list[RunResult]:
         """Return a run for each row of drawn values, in their order.
@@ -182,12 +170,9 @@ class Runner:
         """
         chunks = [rows[k : k + CHUNK] for k in range(0, len(rows), CHUNK)]
         found: list[RunResult] = []
-        try:
-            for some in map(self._some, chunks) if self._pool is None else self._pool.map(self._some, chunks):
-                found += some
-                self._done += len(some)
-                if self._advance is not None:
-                    self._advance(self._done)
-        except BrokenProcessPool:
-            raise StrikewaveError("a process of --workers ended before its time: try --workers 1") from None
+        for some in self._workers.in_order(self._some, chunks):
+            found += some
+            self._done += len(some)
+            if self._advance is not None:
+                self._advance(self._done)
         return found

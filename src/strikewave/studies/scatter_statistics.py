@@ -1,4 +1,4 @@
-"""Bounds that assume no distribution: from the order of a sample alone."""
+"""Scatter of a sample, and bounds that assume no distribution: from its order alone."""
 
 from __future__ import annotations
 
@@ -13,13 +13,31 @@ COVERED, CONFIDENCE = 0.95, 0.95
 
 
 class Spread(NamedTuple):
-    """Median of a figure over the runs with its bounds at 95 %, and a limit that 95 % of all runs keep (95 %)."""
+    """Median of a figure over the runs with its bounds at 95 %, and a limit that 95 % of all runs keep (95 %).
+
+    ``n`` runs have the figure. The limit is infinite where too many of the others are known not to keep any.
+    """
 
     median: float
     low: float
     high: float
     limit: float
     n: int
+
+
+def variation(values: ArrayLike) -> float:
+    """Return the coefficient of variation: standard deviation (n - 1) over mean; NaN below two values.
+
+    NaN among the values, such as the peak of a blow that missed, is left out.
+
+    Examples
+    --------
+    >>> variation([1.0, 3.0, float("nan")]) == 2.0**-0.5, variation([1.0])
+    (True, nan)
+    """
+    sample = np.asarray(values, dtype=float)
+    sample = sample[np.isfinite(sample)]
+    return float(np.std(sample, ddof=1) / np.mean(sample)) if sample.size > 1 else math.nan
 
 
 def upper_limit(values: ArrayLike, covered: float = COVERED, confidence: float = CONFIDENCE) -> float:
@@ -68,15 +86,25 @@ def median_bounds(values: ArrayLike, confidence: float = CONFIDENCE) -> tuple[fl
     return float(sample[place]), float(sample[n - 1 - place])
 
 
-def spread(values: ArrayLike) -> Spread:
-    """Return median and limits of what several runs gave; NaN among them is left out.
+def spread(values: ArrayLike, broken: ArrayLike = False) -> Spread:
+    """Return median and limits of what several runs gave.
+
+    Parameters
+    ----------
+    values : array_like
+        One a run; NaN, where a run has none, is left out.
+    broken : array_like of bool, optional
+        Which of the runs keep no limit, whatever their value: they failed, or missed a blow.
 
     Examples
     --------
     >>> spread([1.0, 2.0, 3.0]).median
     2.0
+    >>> spread(range(100), [False] * 99 + [True]).limit, spread(range(100), [False] * 90 + [True] * 10).limit
+    (98.0, inf)
     """
     sample = np.asarray(values, dtype=float)
-    sample = sample[np.isfinite(sample)]
+    limited = np.where(broken, math.inf, sample)
+    sample, limited = sample[np.isfinite(sample)], limited[~np.isnan(limited)]
     middle = float(np.median(sample)) if sample.size else math.nan
-    return Spread(middle, *median_bounds(sample), upper_limit(sample), sample.size)
+    return Spread(middle, *median_bounds(sample), upper_limit(limited), sample.size)

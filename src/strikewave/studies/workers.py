@@ -1,0 +1,128 @@
+"""Work shared among processes: started without a way to be torn by Ctrl-C, and ended at once when one is wanted."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from types import TracebackType
+from typing import Any, TypeVar
+
+from strikewave.errors import StrikewaveError
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+class Workers:
+    """Processes that run functions; a context manager. With one, everything runs in this process.
+
+    Ctrl-C is answered by the parent alone: an error in the ``with`` block ends the processes at once, whatever they
+    are about, so they must write nothing.
+
+    Parameters
+    ----------
+    count : int
+        Processes; no more than cores.
+    begin : callable, optional
+        Makes a process ready.
+    given : tuple, optional
+        What ``begin`` is called with.
+    """
+
+    def __init__(self, count: int, begin: Callable[..., None] | None = None, given: tuple[Any, ...] = ()) -> None:
+        self._pool: ProcessPoolExecutor | None = None
+        self._before = {process.pid for process in multiprocessing.active_children()}
+        count = min(count, os.cpu_count() or 1)
+        if count > 1:
+            spawn = multiprocessing.get_context("spawn")
+            self._pool = ProcessPoolExecutor(count, spawn, _begin, (begin, given))
+        elif begin is not None:
+            begin(*given)
+
+    def __enter__(self) -> Workers:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._pool is None:
+            return
+        if kind is not None:
+            for process in multiprocessing.active_children():
+                if process.pid not in self._before:
+                    process.terminate()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def in_order(self, function: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+        """Yield a result for each item, in their order.
+
+        Raises
+        ------
+        StrikewaveError
+            If a process came to an end before its time.
+
+        Examples
+        --------
+        >>> with Workers(1) as workers:
+        ...     list(workers.in_order(abs, [-1, 2]))
+        [1, 2]
+        """
+        if self._pool is None:
+            yield from map(function, items)
+            return
+        with _broken_told():
+            for future in self._submitted(self._pool, function, items):
+                yield future.result()
+
+    def as_finished(self, function: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
+        """Yield items with their results as they are finished; raises as `in_order` does."""
+        if self._pool is None:
+            for item in items:
+                yield item, function(item)
+            return
+        with _broken_told():
+            todo = list(items)
+            running = dict(zip(self._submitted(self._pool, function, todo), todo, strict=True))
+            while running:
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    yield running.pop(future), future.result()
+
+    @staticmethod
+    def _submitted(
+        pool: ProcessPoolExecutor, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> list[Future[Result]]:
+        with _interrupts_later():
+            return [pool.submit(function, item) for item in items]
+
+
+def _begin(begin: Callable[..., None] | None, given: tuple[Any, ...]) -> None:
+    """Make a process ready, and let the parent alone answer Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if begin is not None:
+        begin(*given)
+
+
+@contextlib.contextmanager
+def _interrupts_later() -> Iterator[None]:
+    """Hold Ctrl-C back while processes are started, who keep it held back until they ignore it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def _broken_told() -> Iterator[None]:
+    try:
+        yield
+    except BrokenProcessPool:
+        raise StrikewaveError("a process of --workers ended before its time: try --workers 1") from None
