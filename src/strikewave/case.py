@@ -28,7 +28,7 @@ from pydantic import (
 from strikewave.errors import MISSING, InputError, InputErrors, nearest, show
 from strikewave.fields import Form, row_name
 from strikewave.machine_tables import AnyLaunched, AnyMachine
-from strikewave.quantities import Provenance, Value
+from strikewave.quantities import Provenance, ToleranceBand, Value
 from strikewave.tables import (
     PUBLISHED_QUANTITIES,
     AnyObject,
@@ -206,13 +206,20 @@ class Case(Table):
             found.update(_entries(getattr(self, name), name))
         return found
 
-    def with_values(self, changes: Mapping[str, Value]) -> Case:
-        """Return the case with some quantities replaced, by path."""
-        case = self
+    def with_values(self, changes: Mapping[str, Value], keep_tolerances: bool = True) -> Case:
+        """Return the case with some quantities replaced, by path; a value keeps the tolerance of the one before it.
+
+        Raises
+        ------
+        InputError
+            If there is no such quantity, or the tolerance does not suit the new value.
+        """
+        case, mine = self, self.values()
         for path, value in changes.items():
-            if path not in self.values():
-                raise InputError(path, value.typed, "a quantity of the case", nearest(path, self.values()))
-            case = _with_value(case, path.split("."), value)
+            if path not in mine:
+                raise InputError(path, value.typed, "a quantity of the case", nearest(path, mine))
+            kept = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
+            case = _with_value(case, path.split("."), kept)
         return case
 
 
@@ -257,6 +264,22 @@ def _with_value(part: Any, places: list[str], value: Value) -> Any:
             _with_value(row, rest, value) if row_name(row, place) == first else row for place, row in enumerate(part)
         )
     return part.model_copy(update={first: _with_value(getattr(part, first), rest, value)})
+
+
+def _with_band(path: str, value: Value, band: ToleranceBand | None) -> Value:
+    """Return a value with a tolerance, unless it has its own; checked as a case file that holds both would be.
+
+    A share of nothing is nothing: a value of 0 goes without.
+    """
+    allowed = FORM.range_at(path.split("."))
+    if band is None or value.tolerance is not None or allowed is None or (band.relative and value.si == 0.0):
+        return value
+    kept = value.model_copy(update={"tolerance": band})
+    try:
+        allowed.read(kept.document())
+    except InputError as error:
+        raise InputError(f"{path}.{error.field}".rstrip("."), error.got, error.allowed, error.hint) from None
+    return kept
 
 
 @functools.cache

@@ -26,10 +26,11 @@ def study():
 def test_files_appear_whole_and_agree(strikewave):
     code, out, err = strikewave(*QUICK, *TWO)
     assert code == 0
-    folder = Path("out/scatter-li-ma-2019")
+    (folder,) = Path("out").iterdir()
+    assert folder.name.startswith("scatter-li-ma-2019-")
     assert sorted(path.name for path in folder.iterdir()) == ["case.toml", "runs.csv", "scatter.json", "scatter.svg"]
-    assert "written: out/scatter-li-ma-2019/" in err
-    for words in ("CV between runs", "dynamics alone", "Shares in the variance of the typical peak", "each striker"):
+    assert f"written: {folder}/" in err
+    for words in ("CV between runs", "dynamics", "Shares in the variance of the typical peak", "each striker"):
         assert words in out
     rows = list(csv.DictReader((folder / "runs.csv").open()))
     document = json.loads((folder / "scatter.json").read_text())
@@ -78,6 +79,58 @@ def test_sobol_indices_come_with_totals(strikewave):
         assert one["runs_each"] == 16
         assert all(row["total_low"] <= row["total"] <= row["total_high"] for row in one["rows"])
     assert any("Saltelli" in source for source in document["sources"])
+
+
+def test_changed_case_gets_a_folder_of_its_own(strikewave):
+    for change in ("feed.arrival.tolerance=0.05", "feed.arrival.tolerance=0.1"):
+        assert strikewave(*QUICK, "--shares", "none", "--set", change)[0] == 0
+    assert len(list(Path("out").iterdir())) == 2
+
+
+def test_no_more_processes_than_cores(strikewave, monkeypatch):
+    asked = []
+
+    def note(case, plan, report):
+        asked.append(plan.workers)
+        return scatter(case, Plan(plan.runs, plan.seed, plan.shares), report)
+
+    monkeypatch.setattr("os.cpu_count", lambda: 3)
+    monkeypatch.setattr("strikewave.studies.scatter.scatter", note)
+    assert strikewave(*QUICK, *TWO, "--shares", "none", "--workers", "64", "--json")[0] == 0
+    assert asked == [3]
+
+
+@pytest.mark.parametrize("shares", ["alone", "sobol"])
+def test_narrow_screen_folds_no_row(strikewave, monkeypatch, shares):
+    """At 80 characters each number stands whole on one line, and so does each path."""
+    monkeypatch.setenv("COLUMNS", "80")
+    long = ("--set", "object.stop_restitution.tolerance=0.1", "--set", "striker.mount_stiffness.tolerance=5 %")
+    code, out, _ = strikewave(*QUICK, *long, "--shares", shares)
+    assert code == 0
+    rows = out.splitlines()
+    assert max(map(len, rows)) <= 80
+    assert sum(row.strip().startswith("object.stop_restitution ") for row in rows) == 2
+    assert sum(row.strip().startswith("striker.mount_stiffness ") for row in rows) == 2
+    for figure in ("peak", "width", "interval"):
+        (means, *within) = [row.split() for row in rows if row.strip().startswith(f"{figure} ")]
+        assert len(means) == 2 + 1 + 3 + 1 + 3
+        assert [len(cells) for cells in within] == [1 + 1 + 1 + 1 + 3 + 1] * 2
+
+
+def test_runs_without_a_limit_count_as_beyond_it(study):
+    """Of 96 runs the 95th is the limit (Wilks): with eight more that failed or missed a blow there is none."""
+    from dataclasses import replace
+
+    good = study.runs * 8
+    assert replace(study, runs=good).figure("peak").within.limit == max(run.variation("peak") for run in good)
+    failed = replace(study.runs[0], kinds=(), peak=np.empty(0), failure="it did not fit")
+    missed = replace(study.runs[0], kinds=("full", "missed", "full"))
+    for one in (failed, missed):
+        spoiled = replace(study, runs=(*good, *(one,) * 8))
+        assert sum(spoiled.broken) == 8
+        assert spoiled.figure("peak").within.limit == math.inf
+        assert spoiled.document()["figures"]["peak"]["cv_within"]["limit"] is None
+        assert spoiled.document()["without_limit"] == 8
 
 
 @pytest.mark.parametrize(

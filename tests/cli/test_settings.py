@@ -100,6 +100,8 @@ def test_goal_that_no_setting_meets_exits_with_3(strikewave):
     assert document["met"] is False
     assert document["best"] is None
     assert "double" in document["candidates"][0]["obstacles"]
+    assert load_case("found").title == "nearest to blows of 4000 g and 200 us every 20 ms"
+    assert "nearest to blows of 4000 g" in Path("found/settings.svg").read_text("utf-8")
 
 
 def test_on_a_larger_turntable_six_strikers_leave_in_time(strikewave):
@@ -122,6 +124,8 @@ def test_on_a_larger_turntable_six_strikers_leave_in_time(strikewave):
         (("--interval", "20 ms", "--peak", "4000 g", "--width", "0 us"), "--width: got"),
         (("--interval", "20 ms", "--peak", "4000 g", "--width", "5 ms"), "a tenth of the interval"),
         (("--interval", "2 ms", "--peak", "4000 g", "--width", "200 us", "--strikers", "1"), "feed.release_delay"),
+        (("--interval", "20 ms", "--peak", "4000 g", "--width", "1 us"), "--width: got"),
+        (("--interval", "20 ms", "--peak", "1 g", "--width", "200 us", *FEW), "object.frame_stiffness: got"),
         ((*GOAL, "--strikers", "0"), "a whole number from 1 to 100"),
         ((*GOAL, "--vary", "nose"), "--vary"),
         ((*GOAL, "--disc", "cheese"), "--disc"),
@@ -155,4 +159,23 @@ def test_folder_with_other_files_is_refused_before_the_work(strikewave):
 
 def test_same_goal_again_replaces_its_own_result(strikewave):
     for _ in range(2):
-        assert strikewave("settings", *GOAL, *FEW, "--blows", "3")[0] == 0
+        assert strikewave("settings", *GOAL, *FEW, "--blows", "3", "--out", "found")[0] == 0
+
+
+def test_other_question_is_refused_before_the_work(strikewave, monkeypatch):
+    """Another goal or another choice is another result: nothing is searched before --force is asked for."""
+    assert strikewave("settings", *GOAL, *FEW, "--blows", "3", "--out", "found")[0] == 0
+    monkeypatch.setattr("strikewave.studies.settings.design_settings", lambda *_: pytest.fail("searched"))
+    other = ("--interval", "20 ms", "--peak", "4000 g", "--width", "210 us")
+    for words in ((*other, *FEW), (*GOAL, *FEW, "--vary", "mount"), (*GOAL, *FEW, "--set", "machine.inertia=5 kg m^2")):
+        code, _, err = strikewave("settings", *words, "--blows", "3", "--out", "found")
+        assert code == 2
+        assert "--force" in err
+
+
+def test_changed_case_gets_a_folder_of_its_own(strikewave):
+    for change in ((), ("--set", "machine.inertia=5 kg m^2")):
+        assert strikewave("settings", *GOAL, *FEW, "--blows", "3", *change)[0] == 0
+    names = sorted(path.name for path in Path("out").iterdir())
+    assert len(names) == 2
+    assert all(name.startswith("settings-20ms-4000g-200us-") for name in names)

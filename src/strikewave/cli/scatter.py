@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
+import hashlib
+import math
 import os
+import shutil
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,11 +20,15 @@ from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, p
 if TYPE_CHECKING:
     from strikewave.case import Case
     from strikewave.studies.scatter import Plan, ScatterStudy
-    from strikewave.studies.scatter_shares import Share, Shares
-    from strikewave.studies.scatter_statistics import Spread
+    from strikewave.studies.scatter_shares import Shares
 
 SHOWN = {"peak": ("m/s^2", "g"), "width": ("s", "us"), "interval": ("s", "ms"), "velocity_change": ("m/s", "m/s")}
 """Figures of a blow, their SI units and those shown."""
+NAMES = {"peak": "peak", "width": "width", "interval": "interval", "velocity_change": "velocity\nchange"}
+FEWEST_FOR_LIMIT = 59
+"""Runs below which no limit holds for 95 % of all runs with 95 % confidence."""
+SHARES_LEFT_OUT, MEANS_LEFT_OUT, WIDE = (1, 2, 3, 7), (3,), 120
+"""Columns of the tables of shares and of means that a screen with fewer characters does without."""
 
 
 def command(
@@ -30,7 +38,7 @@ def command(
     shares: Annotated[
         str, typer.Option("--shares", help="alone (one tolerance at a time), sobol (slower), or none.")
     ] = "alone",
-    workers: Annotated[int, typer.Option("--workers", help="Processes.")] = 2,
+    workers: Annotated[int, typer.Option("--workers", help="Processes, one a core at most.")] = 2,
     changes: Changes = None,
     out: Out = None,
     force: Force = False,
@@ -43,17 +51,19 @@ def command(
     """
     begun = time.perf_counter()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for arrays this small, threads wait longer than they work
-    from strikewave.case import load_case
+    from strikewave.case import dump_case, load_case
     from strikewave.files import check_place
     from strikewave.studies.scatter import Plan, scatter
 
     read = load_case(case, changes or ())
     plan = Plan(runs, seed, shares, workers)
     plan.check()
+    plan = dataclasses.replace(plan, workers=min(workers, os.cpu_count() or 1))
     text = _identity(read, plan)
     folder, replace = out, force
     if out is None and not json:
-        folder, replace = Path("out") / f"scatter-{read.name or 'case'}", True
+        mark = "-" + hashlib.sha256(dump_case(read).encode()).hexdigest()[:8] if changes else ""
+        folder, replace = Path("out") / f"scatter-{read.name or 'case'}{mark}", True
     if folder is not None:
         check_place(folder, text, replace)
     with _progress() as report:
@@ -119,21 +129,25 @@ def _print(study: ScatterStudy) -> None:
     rows = []
     for name, units in SHOWN.items():
         found = study.figure(name)
-        mean = f"{number(found.mean.low, *units, 5)} to {number(found.mean.high, *units, 5)}"
-        between = f"{_percent(found.mean.cv)} ({_percent(found.mean.cv_low)} to {_percent(found.mean.cv_high)})"
-        cells = [number(found.mean.mean, *units, 5), mean, number(found.typical.mean, *units, 5), between]
-        rows.append([f"{name.replace('_', ' ')} ({units[1]})", *cells])
-    table("Means", ["figure", "mean", "95 % bounds", "typical", "CV between runs (95 %)"], rows)
+        mean = [number(value, *units, 5) for value in (found.mean.mean, found.mean.low, found.mean.high)]
+        between = [_bare(value) for value in (found.mean.cv, found.mean.cv_low, found.mean.cv_high)]
+        typical = number(found.typical.mean, *units, 5)
+        rows.append([f"{NAMES[name]} ({units[1]})", mean[0], _to(*mean[1:]), typical, between[0], _to(*between[1:])])
+    heads = ["figure", "mean", "95 % bounds", "typical", "CV (%)", "95 % bounds"]
+    _table("Means of the runs, and CV between runs", heads, rows, MEANS_LEFT_OUT)
     rows = []
     for name in SHOWN:
-        found = study.figure(name)
-        cells = [_percent(still.variation(name)), *_within(found.within)]
-        cells += [_percent(still.variation(name, later=True)), *_within(found.later)]
-        rows.append([name.replace("_", " "), *cells])
-    heads = ["dynamics alone", "median (95 %)", "95 % of runs below"]
-    table("Scatter within a run (CV); right: without the first blow", ["figure", *heads, *heads], rows)
-    if made < 59:
-        say("95 % of runs below: with 95 % confidence, which takes 59 runs or more")
+        figure = study.figure(name)
+        for blows, later, within in (("all", False, figure.within), ("later", True, figure.later)):
+            cells = [_bare(x) for x in (still.variation(name, later), *within[:4])]
+            rows.append([NAMES[name].replace("\n", " "), blows, *cells[:2], _to(*cells[2:4]), cells[4]])
+    heads = ["figure", "blows", "dynamics\nalone", "median", "95 % bounds", "95 % of\nruns below"]
+    table("Scatter within a run: CV (%); later: without the first blow", heads, rows, left=2)
+    broken = sum(study.broken)
+    counted = f"; {broken} of {len(study.runs)} runs failed or missed a blow and keep no limit" if broken else ""
+    say(f"bounds of the CV between runs: for normal figures; 95 % of runs below: with 95 % confidence{counted}")
+    if len(study.runs) < FEWEST_FOR_LIMIT:
+        say(f"95 % of runs below takes {FEWEST_FOR_LIMIT} runs or more")
     kinds = ", ".join(f"{blows} {kind} (in {runs} runs)" for kind, (blows, runs) in study.kinds().items())
     say(f"blows: {kinds}; largest retreat {number(study.largest_retreat, 'm', 'mm', 3)} mm")
     for one in study.shares:
@@ -146,29 +160,40 @@ def _print_shares(study: ScatterStudy, shares: Shares) -> None:
     """Print the shares in one quantity with what each tolerance is."""
     known = {one.path: one for one in study.tolerances}
     sobol = study.plan.shares == "sobol"
+    columns = ["tolerance", "value", "drawn", "provenance", "share (%)", "95 % bounds"]
+    columns += ["total (%)", "95 % bounds"] if sobol else []
     rows = []
     for row in shares.rows:
         one = known[row.path]
         assert one.value.tolerance is not None
         typed = f"{one.value.typed} ± {one.value.tolerance.typed}"
         each = "each striker" if one.strikers else "once a run"
-        cells = [row.path, typed, each, one.value.provenance, *_share(row)]
-        if sobol and row.total is not None:
-            cells.append(f"{_percent(row.total)} ({_percent(row.total_low)} to {_percent(row.total_high)})")
+        cells = [row.path, typed, each, one.value.provenance]
+        cells += [_bare(row.share) + ("" if row.distinct else " *"), _to(_bare(row.low), _bare(row.high))]
+        cells += [_bare(row.total), _to(_bare(row.total_low), _bare(row.total_high))] if sobol else []
         rows.append(cells)
-    columns = ["tolerance", "value", "drawn", "provenance", "share", "95 % bounds", *(["total"] if sobol else [])]
     title = f"Shares in the {shares.of}, {'Sobol indices' if sobol else 'each alone'}, {shares.runs} runs each"
-    table(title, columns, rows, left=4)
+    _table(title, columns, rows, SHARES_LEFT_OUT, left=4)
+    if not all(row.distinct for row in shares.rows):
+        say("*: not told apart from 0")
     say(f"sum of the shares: {_percent(shares.sum)} ({_percent(shares.sum_low)} to {_percent(shares.sum_high)})")
 
 
-def _share(row: Share) -> list[str]:
-    bounds = f"{_percent(row.low)} to {_percent(row.high)}"
-    return [_percent(row.share), bounds if row.distinct else f"{bounds}: not told apart from 0"]
+def _table(title: str, columns: list[str], rows: list[list[str]], aside: tuple[int, ...], left: int = 1) -> None:
+    """Print a table, on a narrow screen without some of its columns."""
+    wide = shutil.get_terminal_size((160, 24)).columns >= WIDE
+    shown = [k for k in range(len(columns)) if wide or k not in aside]
+    left = sum(k < left for k in shown)
+    table(title, [columns[k] for k in shown], [[row[k] for k in shown] for row in rows], left)
 
 
-def _within(found: Spread) -> list[str]:
-    return [f"{_percent(found.median)} ({_percent(found.low)} to {_percent(found.high)})", _percent(found.limit)]
+def _to(low: str, high: str) -> str:
+    return "-" if "-" in (low, high) else f"{low} to {high}"
+
+
+def _bare(value: float | None) -> str:
+    """Write a share in percent without its sign, for a column that has it in its head."""
+    return _percent(value).removesuffix(" %")
 
 
 def _percent(value: float | None) -> str:
@@ -176,11 +201,13 @@ def _percent(value: float | None) -> str:
 
     Examples
     --------
-    >>> _percent(0.012345), _percent(float("nan"))
-    ('1.23 %', '-')
+    >>> _percent(0.012345), _percent(float("nan")), _percent(float("inf"))
+    ('1.23 %', '-', 'none')
     """
     if value is None or value != value:
         return "-"
+    if math.isinf(value):
+        return "none"
     if 0.0 < abs(value) < 1e-6:
         return "< 1e-4 %"
     return f"{100.0 * value:.3g} %" if abs(value) < 10.0 else f"{100.0 * value:.0f} %"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import shutil
 import time as clock
 from collections.abc import Callable, Iterator
@@ -16,7 +17,7 @@ from strikewave.cli.common import Changes, Force, Json, Out, fixed, number, prin
 
 if TYPE_CHECKING:
     from strikewave.case import Case
-    from strikewave.studies.settings import SettingsStudy
+    from strikewave.studies.settings import Choice, SettingsStudy
     from strikewave.studies.settings_candidate import Candidate, Goal, Limit
 
 SHOWN = 6
@@ -82,6 +83,9 @@ def command(
     from strikewave.studies.settings import Choice, check_goal, design_settings, name_of
     from strikewave.studies.settings_candidate import Goal
 
+    plain = not (changes or strikers or striker_mass or stop_limit) and blows is None
+    plain = plain and (source, vary, disc) == ("li-ma-2019", "frame", "45 steel")
+
     goal = Goal(
         _quantity(interval, "s", "--interval", "20 ms"),
         _quantity(peak, "m/s^2", "--peak", "4000 g"),
@@ -93,18 +97,41 @@ def command(
     choice = Choice(tuple(dict.fromkeys(strikers or ())), tuple(dict.fromkeys(masses)), vary)
     case = load_case(source, [*(changes or ()), *([] if blows is None else [f"feed.blows={blows}"])])
     check_goal(case, goal, choice)
-    if out is not None or not json:
-        check_place(out or Path("out") / name_of(goal), "", force=True)
+    asked, folder, replace = _asked(case, goal, choice), out, force
+    if out is None and not json:
+        folder, replace = Path("out") / (name_of(goal) + ("" if plain else f"-{asked[-10:-2]}")), True
+    if folder is not None:
+        replace = replace or _holds(folder, asked)
+        check_place(folder, asked, replace)
     with _progress() as report:
         study = design_settings(case, goal, choice, report)
-    if out is not None or not json:
-        _write(study, out, force)
+    if folder is not None:
+        _write(study, folder, asked, replace)
     if json:
         print_json(study.document(), indent=None)
     else:
         _print(study)
     say(f"done in {clock.perf_counter() - begun:.2f} s")
     return BROKEN if study.broken else 0
+
+
+def _asked(case: Case, goal: Goal, choice: Choice) -> str:
+    """Return the first line of the written case: what was asked, and a mark of everything that it was asked of."""
+    from strikewave.case import dump_case
+    from strikewave.studies.settings import goal_words
+
+    limits = goal.interval, goal.peak, goal.width, goal.disc.name, goal.stop_limit
+    mark = hashlib.sha256(f"{limits} {choice} {dump_case(case)}".encode()).hexdigest()[:8]
+    return f"# strikewave settings: {goal_words(goal)}, from {case.name or 'case'} ({mark})\n"
+
+
+def _holds(folder: Path, asked: str) -> bool:
+    """Return whether a folder holds the result of the very same question."""
+    try:
+        with (folder / "case.toml").open("rb") as file:
+            return file.read(len(asked.encode())) == asked.encode()
+    except OSError:
+        return False
 
 
 def _quantity(text: str, si: str, field: str, example: str) -> float:
@@ -141,7 +168,7 @@ def _progress() -> Iterator[Callable[[float], None]]:
         yield lambda share: progress.update(task, completed=share)
 
 
-def _write(study: SettingsStudy, out: Path | None, force: bool) -> None:
+def _write(study: SettingsStudy, folder: Path, asked: str, force: bool) -> None:
     """Write the case of the first candidate, all candidates, and their picture."""
     import json
 
@@ -150,16 +177,17 @@ def _write(study: SettingsStudy, out: Path | None, force: bool) -> None:
     from strikewave.figures.settings import settings_figure
     from strikewave.files import whole_folder
 
-    text = dump_case(study.case_of())
-    folder, replace = (Path("out") / study.name, True) if out is None else (out, force)
-    with whole_folder(folder, text, replace) as place:
+    text = asked + dump_case(study.case_of())
+    with whole_folder(folder, text, force) as place:
         (place / "case.toml").write_text(text, "utf-8")
         (place / "settings.json").write_text(json.dumps(study.document(), allow_nan=False) + "\n", "utf-8")
         save(settings_figure(study), place / "settings.svg")
-    say(f"written: {folder}/ (case.toml, settings.json, settings.svg)")
+    say(f"written: {str(folder).rstrip('/')}/ (case.toml, settings.json, settings.svg)")
 
 
 def _print(study: SettingsStudy) -> None:
+    from strikewave.studies.settings import goal_words
+
     first = study.candidates[0]
     say(_header(study.case, study.goal, first))
     met = sum(one.meets for one in study.candidates)
@@ -169,7 +197,7 @@ def _print(study: SettingsStudy) -> None:
     kinds = [k for k in range(len(COLUMNS)) if wide or k not in LEFT_OUT]
     columns = [COLUMNS[k].format(study.choice.vary) for k in kinds]
     rows = [_cells(study, place, one) for place, one in enumerate(study.candidates, 1) if one in shown]
-    title = f"{met} of {len(study.candidates)} settings give {study.title}"
+    title = f"{met} of {len(study.candidates)} settings give {goal_words(study.goal)}"
     table(title, columns, [[row[k] for k in kinds] for row in rows], left=0)
     say(
         "peak, width, interval: of the typical blow, the median of the later full ones; CV: scatter of all peaks; "

@@ -6,6 +6,8 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from strikewave.figures.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
 from strikewave.studies.settings import SettingsStudy
 from strikewave.studies.settings_candidate import WITHIN, Candidate
@@ -32,7 +34,7 @@ def settings_figure(study: SettingsStudy) -> Figure:
     left, right = figure.subplots(1, 2)
     _misses(left, study.candidates[:SHOWN])
     _scatter(right, study.candidates)
-    sheet_title(figure, textwrap.shorten(f"Settings for {study.title}", 90))
+    sheet_title(figure, textwrap.shorten(f"Settings {'' if study.broken else 'for '}{study.title}", 90))
     return figure
 
 
@@ -81,6 +83,9 @@ def _scatter(axes: Any, candidates: Sequence[Candidate]) -> None:
         axis.set_minor_formatter("")
     _ticks(axes)
     quiet(axes, "What it costs", "largest force of the stop (kN)", "scatter of the peaks, CV (%)")
+    if not any(np.isfinite(one.seen.peak.variation) for one in candidates):
+        axes.set_ylabel("one blow alone has no scatter")
+        axes.set_yticks([], minor=False)
     axes.margins(0.08)
     axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4)
 
@@ -97,5 +102,5 @@ def _places(candidates: Sequence[Candidate]) -> tuple[list[float], list[float]]:
     """Return forces in kN and scatters in %."""
     return (
         [max(one.seen.supply.stop_force, 1.0) / 1e3 for one in candidates],
-        [max(100.0 * one.seen.peak.variation, LEAST) for one in candidates],
+        [float(np.fmax(100.0 * one.seen.peak.variation, LEAST)) for one in candidates],
     )

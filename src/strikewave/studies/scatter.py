@@ -99,7 +99,8 @@ class Figure(NamedTuple):
     typical : Statistic
         The same of the typical blow of each run, the median of the later full or double ones.
     within, later : Spread
-        Coefficient of variation of the blows of a run, over the runs; without the first blow.
+        Coefficient of variation of the blows of a run, over the runs; without the first blow. What 95 % of all runs
+        keep counts runs that failed or missed a blow as beyond every limit.
     """
 
     mean: Statistic
@@ -131,9 +132,14 @@ class ScatterStudy:
         return Figure(
             statistic(_known([run.mean(name) for run in runs])),
             statistic(_known([run.typical(name) for run in runs])),
-            spread([run.variation(name) for run in runs]),
-            spread([run.variation(name, later=True) for run in runs]),
+            spread([run.variation(name) for run in self.runs], self.broken),
+            spread([run.variation(name, later=True) for run in self.runs], self.broken),
         )
+
+    @property
+    def broken(self) -> list[bool]:
+        """Which of the runs keep no limit of the scatter within a run: they failed, or missed a blow."""
+        return [bool(run.failure) or "missed" in run.kinds for run in self.runs]
 
     def kinds(self) -> dict[str, tuple[int, int]]:
         """Return how many blows were missed, double and glancing, and in how many runs."""
@@ -191,6 +197,7 @@ class ScatterStudy:
                     "runs": self.plan.runs,
                     "seed": self.plan.seed,
                     "failed": len(self.runs) - len(self.made),
+                    "without_limit": sum(self.broken),
                     "statements": STATEMENTS,
                     "sources": [citation(key) for key in self._sources()],
                     "tolerances": [_tolerance(one) for one in self.tolerances],
@@ -253,10 +260,12 @@ UNITS = {
 }  # fmt: skip
 """SI unit of each quantity of the document."""
 STATEMENTS = {
-    "mean": "mean of the runs' means with bounds at 95 % (Student's t); cv between runs with bounds at 95 % (Vangel)",
+    "mean": "mean of the runs' means with bounds at 95 % (Student's t); cv between runs with bounds at 95 % (Vangel), "
+    "which hold for normal figures",
     "typical": "the same of the median of each run's later full or double blows",
     "cv_within": "standard deviation (n - 1) over mean of the blows of a run: median over the runs with bounds at "
-    "95 %, and a limit that 95 % of all runs keep, with 95 % confidence, both by order statistics",
+    "95 %, and a limit that 95 % of all runs keep, with 95 % confidence, both by order statistics; a run that "
+    "failed or missed a blow keeps no limit",
     "drawn": "a normal tolerance is two standard deviations, cut off at three; a uniform one is the whole band",
     "shares": "with bootstrap bounds at 95 %; a share whose bounds reach 0 cannot be told apart from 0",
 }

@@ -177,7 +177,7 @@ def drawn_case(case: Case, tolerances: Sequence[Tolerance], numbers: Sequence[fl
             own.setdefault(number, {})[OF_EACH_STRIKER[one.path]] = _exactly(one, next(left))
         if not one.strikers:
             once[one.path] = _exactly(one, next(left))
-    made = case.with_values(once)
+    made = case.with_values(once, keep_tolerances=False)
     return made.model_copy(update={"striker": _with_rows(made.rig().striker, own)}) if own else made
 
 

@@ -15,6 +15,7 @@ from strikewave.case import Case
 from strikewave.errors import InputError, InputErrors, IntegrationError, show
 from strikewave.machines import Blow, RotaryMachine, RotaryRun, blows, run_rotary
 from strikewave.studies.scatter_draws import Tolerance, drawn_case
+from strikewave.studies.scatter_statistics import variation
 from strikewave.studies.workers import Workers
 
 Array = NDArray[np.float64]
@@ -71,9 +72,8 @@ class RunResult:
         return float(np.median(values)) if values.size else np.nan
 
     def variation(self, name: str, later: bool = False) -> float:
-        """Return standard deviation (n - 1) over mean of a figure over the blows, NaN where there are too few."""
-        values = self.figure(name, later)
-        return float(np.std(values, ddof=1) / np.mean(values)) if values.size > 1 else np.nan
+        """Return the coefficient of variation of a figure over the blows, NaN where there are too few."""
+        return variation(self.figure(name, later))
 
     def over(self, other: RunResult) -> RunResult:
         """Return the run with its peaks over those of the same blows of another."""

@@ -26,7 +26,7 @@ class Spread(NamedTuple):
 
 
 def variation(values: ArrayLike) -> float:
-    """Return the coefficient of variation: standard deviation (n - 1) over mean; NaN below two values.
+    """Return the coefficient of variation: standard deviation (n - 1) over size of the mean; NaN below two values.
 
     NaN among the values, such as the peak of a blow that missed, is left out.
 
@@ -37,7 +37,7 @@ def variation(values: ArrayLike) -> float:
     """
     sample = np.asarray(values, dtype=float)
     sample = sample[np.isfinite(sample)]
-    return float(np.std(sample, ddof=1) / np.mean(sample)) if sample.size > 1 else math.nan
+    return float(np.std(sample, ddof=1) / abs(np.mean(sample))) if sample.size > 1 else math.nan
 
 
 def upper_limit(values: ArrayLike, covered: float = COVERED, confidence: float = CONFIDENCE) -> float:

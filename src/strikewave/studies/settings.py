@@ -15,10 +15,14 @@ from typing import Any
 
 import numpy as np
 
+from strikewave.build.machine import face_contact
 from strikewave.case import Case
 from strikewave.citations import citation
+from strikewave.contact.law import indentation_under
 from strikewave.documents import head, plain
-from strikewave.errors import InputError
+from strikewave.errors import InputError, InputErrors
+from strikewave.materials import material
+from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.solution import Notice
 from strikewave.studies.settings_candidate import WITHIN, Candidate, Goal, Spread, rank_key
 from strikewave.studies.settings_estimate import (
@@ -57,6 +61,10 @@ SHORTEST = 10.0
 """Least interval over the width of the pulse."""
 WORKERS = 2
 """Threads; the compiled runs hold no lock."""
+LEAST_SHARE = 0.9
+"""Of the width of a half-sine on the contact alone: shorter ones are refused."""
+MOST_REASONS = 5
+"""Reasons that are told where no setting can be run."""
 MOST_CANDIDATES = 500
 """More combinations of strikers, masses and supports than this are refused."""
 
@@ -118,8 +126,8 @@ class SettingsStudy:
 
     @property
     def title(self) -> str:
-        """The goal in words."""
-        return goal_words(self.goal)
+        """The goal in words, and whether the first candidate only comes near it."""
+        return ("nearest to " if self.broken else "") + goal_words(self.goal)
 
     def document(self) -> dict[str, Any]:
         """Return the JSON document."""
@@ -132,7 +140,7 @@ class SettingsStudy:
                     **head(UNITS, warnings),
                     "goal": {**goal, "within": WITHIN, "disc": self.goal.disc.name, "vary": self.choice.vary},
                     "from": self.case.name,
-                    "typical": "median of the later full blows; variation: standard deviation over mean of all struck",
+                    "typical": "median of the later full blows; variation: standard deviation (n - 1) over mean of all",
                     "sources": [citation("li-ma-2019"), *(citation(key) for key in SOURCES)],
                     "met": not self.broken,
                     "best": None if self.broken else rows[0],
@@ -147,10 +155,10 @@ class SettingsStudy:
 SOURCES = ("timoshenko-goodier-1970", "schwager-poschel-2007")
 UNITS = {
     "interval": "s", "peak": "m/s^2", "width": "s", "within": "1", "variation": "1", "approach": "m/s",
-    "velocity_change": "m/s", "peak_force": "N", "retreat": "m", "stop_force": "N", "speed_lost": "rad/s",
-    "speed_regained": "rad/s", "slowest": "rad/s", "engagement": "m", "stiffness": "N/m", "turntable_speed": "rad/s",
-    "passage_time": "s", "return_time": "s", "settling_time": "s", "energy_error": "1", "stop_limit": "N",
-    "engagement_sensitivity": "1/m",
+    "velocity_change": "m/s", "peak_force": "N", "retreat": "m", "stop_force": "N", "energy_taken": "J",
+    "speed_lost": "rad/s", "speed_regained": "rad/s", "slowest": "rad/s", "engagement": "m", "stiffness": "N/m",
+    "turntable_speed": "rad/s", "passage_time": "s", "return_time": "s", "settling_time": "s", "energy_error": "1",
+    "stop_limit": "N", "engagement_sensitivity": "1/m",
 }  # fmt: skip
 """SI unit of each quantity of the document; ``settings`` and ``limits`` name their own."""
 
@@ -248,9 +256,7 @@ def check_goal(case: Case, goal: Goal, choice: Choice) -> None:
         longest = goal.interval / SHORTEST * 1e6
         allowed = f"at most {longest:.4g} us, a tenth of the interval"
         raise InputError("--width", f"{goal.width * 1e6:.4g} us", allowed, "longer pulses run into the next blow")
-    odd = [number for number in choice.strikers if not 1 <= number <= MOST_STRIKERS]
-    if odd:
-        raise InputError("--strikers", odd[0], f"a whole number from 1 to {MOST_STRIKERS}")
+    _check_strikers(case, choice)
     feed, typed = case.rig().feed, f"{goal.interval * 1e3:.4g} ms"
     if feed.release_delay.si >= goal.interval:
         allowed = f"less than the interval, {typed}: the next striker comes before the object leaves"
@@ -264,6 +270,51 @@ def check_goal(case: Case, goal: Goal, choice: Choice) -> None:
     count = len(choice.strikers) * max(len(choice.masses), 1) * (SUPPORTS + 1)
     if count > MOST_CANDIDATES:
         raise InputError("--strikers", f"{count} settings to try", f"at most {MOST_CANDIDATES}", "ask for fewer")
+    least = least_width(case, goal, choice)
+    if goal.width < least:
+        allowed = f"at least about {least * 1e6:.3g} us at this peak: object and striker are no stiffer"
+        hint = "a lighter striker or a stiffer contact helps" + ("" if choice.vary == "frame" else ", or --vary frame")
+        raise InputError("--width", f"{goal.width * 1e6:.4g} us", allowed, hint)
+
+
+def _check_strikers(case: Case, choice: Choice) -> None:
+    """Refuse numbers of strikers that cannot be, and what the rows of single strikers speak against."""
+    odd = [number for number in choice.strikers if not 1 <= number <= MOST_STRIKERS]
+    if odd:
+        raise InputError("--strikers", odd[0], f"a whole number from 1 to {MOST_STRIKERS}")
+    rows = {int(row.number.si): row for row in case.rig().striker.each}
+    last = max(rows, default=0)
+    if choice.strikers and min(choice.strikers) < last:
+        allowed = f"at most {min(choice.strikers)}, as --strikers asks"
+        raise InputError(f"striker.each.{last}.number", last, allowed, "remove its row, or ask for more strikers")
+    own = [number for number, row in rows.items() if row.mass is not None]
+    if choice.masses and own:
+        allowed = f"none: striker {own[0]} has a mass of its own"
+        raise InputError("--striker-mass", f"{choice.masses[0]:g} kg", allowed, "remove the masses of [[striker.each]]")
+
+
+def least_width(case: Case, goal: Goal, choice: Choice) -> float:
+    """Return a width that no setting goes below, s: 0.9 times 0.9362 pi sqrt(M/k) for a free striker.
+
+    1/M = 1/m + 1/m_s of object and lightest striker; k is the contact's force over its indentation at the peak, with
+    the frame in series where that is not chosen: mount and drive only make a pulse longer. A tenth is left for what a
+    half-sine is not. 0 where a striker has a nose of its own.
+
+    Source: docs/settings.md.
+    """
+    rig = case.rig()
+    assert rig.object.mass is not None
+    if any(row.nose_radius or row.contact_length for row in rig.striker.each):
+        return 0.0
+    mass, own = rig.object.mass.si, [row.mass.si for row in rig.striker.each if row.mass is not None]
+    lightest = min([*choice.masses, *own], default=min(MASS_SHARES) * rig.striker.mass.si)
+    force = mass * goal.peak
+    contact = face_contact(rig.striker, rig.contact, material(rig.object.material))
+    give = indentation_under(contact, force) / force
+    if choice.vary == "mount" and rig.object.frame_stiffness is not None:
+        give += 1.0 / rig.object.frame_stiffness.si
+    reduced = mass * lightest / (mass + lightest)
+    return LEAST_SHARE * math.pi * HALF_SINE_WIDTH * math.sqrt(reduced * give)
 
 
 def sensible_strikers(case: Case, goal: Goal, choice: Choice) -> tuple[list[int], dict[int, str]]:
@@ -278,8 +329,12 @@ def sensible_strikers(case: Case, goal: Goal, choice: Choice) -> tuple[list[int]
     wanted = choice.strikers or tuple(sorted({*STRIKERS, int(rig.machine.strikers.si)}))
     radius, stroke = rig.machine.radius.si, rig.feed.stroke.si
     change = pulse_velocity_change(goal.peak, goal.width)
+    last = max((int(row.number.si) for row in rig.striker.each), default=0)
     reached, kept, left = 0.0, [], {}
     for number in dict.fromkeys(wanted):
+        if number < last:
+            left[number] = f"the case has a row for striker {last}"
+            continue
         speed = turntable_speed(number, goal.interval)
         deepest = largest_engagement(number, radius, stroke)
         reach = approach_at(deepest, speed, radius)
@@ -354,8 +409,8 @@ def design_settings(
 
     Raises
     ------
-    InputError
-        If no setting can give it, or none could be run.
+    InputError, InputErrors
+        If no setting can give it, or none could be run: with what each of them failed at.
     """
     choice = choice or Choice()
     check_goal(case, goal, choice)
@@ -368,7 +423,8 @@ def design_settings(
         for mass in masses
         for support in supports(case, goal, number)
     ]
-    heavier = 0 if choice.masses else len(MASS_SHARES) * len(numbers)
+    own = any(row.mass is not None for row in case.rig().striker.each)
+    heavier = 0 if choice.masses or own else len(MASS_SHARES) * len(numbers)
     whole = len(first) + heavier
     found = list(_candidates(first, progress, 0, whole))
     if heavier:
@@ -376,9 +432,7 @@ def design_settings(
     shown = [one for _, one in found if isinstance(one, Candidate)]
     failed = tuple(dict.fromkeys(f"{d.rig.strikers} strikers: {one}" for d, one in found if isinstance(one, str)))
     if not shown:
-        raise InputError(
-            "--interval", f"{goal.interval * 1e3:.4g} ms", "settings that can be run", "; ".join(failed[:5])
-        )
+        raise InputErrors(list(dict.fromkeys(one for _, one in found if isinstance(one, str)))[:MOST_REASONS])
     return SettingsStudy(case, goal, choice, tuple(sorted(shown, key=rank_key)), left, failed)
 
 

@@ -14,10 +14,13 @@ from numpy.typing import NDArray
 
 from strikewave.case import Case
 from strikewave.contact import Geometry, first_yield, stiffness_law
-from strikewave.machines import Blow, RotaryRun
+from strikewave.machines import Blow, RotaryRun, Striker, Turntable
+from strikewave.machines._kernels import BELT_TWIST, MOTOR_SPEED
 from strikewave.machines.blows import contact_table
+from strikewave.machines.spans import ChainSpan
 from strikewave.materials import Material, material
 from strikewave.notices import LEDGER_LIMIT
+from strikewave.studies.scatter_statistics import variation
 from strikewave.studies.settings_estimate import disc_stress, rim_speed_at_yield
 
 Array = NDArray[np.float64]
@@ -49,7 +52,7 @@ class Spread(NamedTuple):
     """A quantity over the blows: that of the typical one, of the first, of the one farthest from the goal; scatter.
 
     ``typical`` is the median of the later full blows (of all struck ones where no later one is full), ``variation`` the
-    standard deviation of all struck ones over their mean.
+    standard deviation (n - 1) of all struck ones over their mean, NaN of one blow alone.
     """
 
     typical: float
@@ -76,11 +79,13 @@ class Limit(NamedTuple):
 class Supply(NamedTuple):
     """What stop and drive bear between the first blow and the retraction.
 
-    Largest force of the stop, N; largest loss of speed to a blow, and what was regained between the last two, rad/s;
-    slowest speed that a blow found, rad/s.
+    Largest force of the stop, N; what a blow takes from turntable, motor and belt: energy on the mean, J, and largest
+    loss of speed, rad/s, as if nothing drove meanwhile; speed regained between the last two blows, and slowest speed
+    that a blow found, rad/s.
     """
 
     stop_force: float
+    energy_taken: float
     speed_lost: float
     speed_regained: float
     slowest: float
@@ -171,7 +176,8 @@ def rank_key(candidate: Candidate) -> tuple[bool, float, float]:
     the others by how far they are from it, a broken limit or odd blows counting as 100 %.
     """
     if candidate.meets:
-        return False, round(candidate.seen.peak.variation, 3), candidate.seen.supply.stop_force
+        scatter = candidate.seen.peak.variation
+        return False, round(scatter, 3) if math.isfinite(scatter) else 0.0, candidate.seen.supply.stop_force
     far = candidate.largest_miss + len(candidate.broken) + bool(candidate.seen.odd)
     return True, far, candidate.seen.supply.stop_force
 
@@ -187,7 +193,7 @@ def observe_blows(run: RotaryRun, found: Sequence[Blow], goal: Goal) -> Observat
     return Observation(
         peak=_spread([blow.rigid_peak for blow in struck], full, goal.peak),
         width=_spread([blow.width for blow in struck], full, goal.width),
-        interval=Spread(median(gaps), gaps[0], _farthest(gaps, goal.interval), _variation(gaps)),
+        interval=Spread(median(gaps), gaps[0], _farthest(gaps, goal.interval), variation(gaps)),
         kinds=tuple(blow.kind for blow in found),
         touched_again=_touched_again(run, [blow.width for blow in struck]),
         wanted=run.machine.feed.blows,
@@ -214,16 +220,11 @@ def _touched_again(run: RotaryRun, widths: Sequence[float]) -> int:
 def _spread(values: Sequence[float], full: Sequence[bool], goal: float) -> Spread:
     later = [value for value, counts in zip(values[1:], full[1:], strict=True) if counts] or values
     known = [value for value in later if math.isfinite(value)]
-    return Spread(median(known) if known else math.nan, values[0], _farthest(values, goal), _variation(values))
+    return Spread(median(known) if known else math.nan, values[0], _farthest(values, goal), variation(values))
 
 
 def _farthest(values: Sequence[float], goal: float) -> float:
     return max(values, key=lambda value: abs(value - goal) if math.isfinite(value) else math.inf)
-
-
-def _variation(values: Sequence[float]) -> float:
-    """Return standard deviation over mean."""
-    return float(np.std(values) / np.mean(values))
 
 
 def supply(run: RotaryRun, touches: Sequence[float]) -> Supply:
@@ -231,35 +232,67 @@ def supply(run: RotaryRun, touches: Sequence[float]) -> Supply:
 
     The force of the stop is that of `StruckObject`: k d + c d', never negative, d = compression at rest - (x + q).
     """
+    return Supply(_stop_force(run, touches), *_taken(run, touches))
+
+
+def _held_until(run: RotaryRun) -> float:
+    """Return when the object is retracted, s."""
+    return dict(run.phases)["retract"]
+
+
+def _stop_force(run: RotaryRun, touches: Sequence[float]) -> float:
+    """Return the largest force of the stop, N."""
     struck = run.machine.struck
-    end = dict(run.phases)["retract"]
-    times = np.arange(touches[0], max(end, touches[-1]) + SAMPLE_STEP, SAMPLE_STEP)
+    times = np.arange(touches[0], max(_held_until(run), touches[-1]) + SAMPLE_STEP, SAMPLE_STEP)
     moments = run.sample(np.minimum(times, run.end))
     deep = struck.stop_compression - moments.assembly_place - run.machine.engagement
     force = struck.stop_stiffness * deep - struck.stop_damping * moments.assembly_speed
-    speed = moments.turntable_speed
-    found = np.searchsorted(times, touches)
-    edges = [*found, times.size]
-    slow = [float(speed[a:b].min()) for a, b in pairwise(edges) if b > a]
-    before = [float(speed[k]) for k in found[: len(slow)]]
-    return Supply(
-        stop_force=float(np.max(force[deep > 0.0], initial=0.0)),
-        speed_lost=max(first - low for first, low in zip(before, slow, strict=True)),
-        speed_regained=before[-1] - slow[-2] if len(slow) > 1 else math.nan,
-        slowest=min(before),
-    )
+    return float(np.max(force[deep > 0.0], initial=0.0))
+
+
+def _taken(run: RotaryRun, touches: Sequence[float]) -> tuple[float, float, float, float]:
+    """Return what blows take from the drive, and what it makes good; see `Supply`.
+
+    A blow takes what the drive gives until the next one touches, less what stays in turntable, motor and belt and what
+    drag and belt lose: a ripple of the drive, which gives and takes by itself, cancels.
+    """
+    disc, n = run.machine.turntable, len(touches)
+    spacing = (touches[-1] - touches[0]) / (n - 1) if n > 1 else run.machine.pitch / disc.speed
+    after = min(max(_held_until(run), touches[-1]), touches[-1] + 0.9 * spacing)
+    given, stored, speed = _drive(run, np.array([*touches, after]))
+    taken = np.diff(given) - np.diff(stored)
+    lost = taken / (disc.turning * speed[:-1])
+    regained = float(speed[-2] - speed[-3] + lost[-2]) if n > 1 else math.nan
+    return float(np.mean(taken)), float(np.max(lost)), regained, float(np.min(speed[:-1]))
+
+
+def _drive(run: RotaryRun, times: Array) -> tuple[Array, Array, Array]:
+    """Return at some times the work of the drive less drag and slip of the belt (J), energy stored (J), speed (rad/s).
+
+    Stored in turntable, motor and belt; the object is a nose on a frame, so that one span holds the whole run.
+    """
+    disc, span = run.machine.turntable, run.spans[0]
+    assert isinstance(span, ChainSpan)
+    states, _ = span.motion.sample(times)
+    own, driven = span.place.angle, span.place.energies + span.place.links
+    speed, twist, motor = states[:, own + 1], states[:, own + BELT_TWIST], states[:, own + MOTOR_SPEED]
+    given = states[:, driven] - states[:, driven + 1]
+    if disc.rigid_belt:
+        return given, 0.5 * disc.turning * speed**2, speed
+    stored = 0.5 * (disc.inertia * speed**2 + disc.motor_inertia * motor**2 + disc.belt_stiffness * twist**2)
+    return given, stored, speed
 
 
 def limits_of(case: Case, run: RotaryRun, seen: Observation, goal: Goal) -> tuple[Limit, ...]:
     """Return the values of a setting that have a limit.
 
-    The mean torque is what makes good the speed lost, J dw/T, and the drag at set speed.
+    The mean torque is what makes good the energy of a blow, E/(w T), and the drag at set speed. Stretch of the mount
+    and first yield are those of the striker that is worst off.
     """
     machine, disc = run.machine, run.machine.turntable
-    striker, strength = case.rig().striker, goal.disc.yield_strength or math.nan
-    circling = striker.mass.si * disc.speed**2
-    stretch = circling * disc.radius / (striker.mount_stiffness.si - circling)
-    torque = disc.inertia * seen.supply.speed_lost / goal.interval + disc.drag * disc.speed
+    strength = goal.disc.yield_strength or math.nan
+    stretch = max(mount_stretch(striker, disc) for striker in machine.strikers.each)
+    torque = seen.supply.energy_taken / (disc.speed * goal.interval) + disc.drag * disc.speed
     found = [
         Limit("rim_speed", disc.speed * disc.radius, rim_speed_at_yield(goal.disc, strength), "m/s"),
         Limit("disc_stress", disc_stress(goal.disc, disc.speed, disc.radius), strength, "Pa"),
@@ -267,9 +300,10 @@ def limits_of(case: Case, run: RotaryRun, seen: Observation, goal: Goal) -> tupl
         Limit("retreat", seen.retreat, machine.feed.stroke, "m"),
         Limit("mean_torque", torque, disc.torque, "N m"),
         Limit("speed_drop", 1.0 - seen.supply.slowest / disc.speed, LARGEST_DROP, "1"),
-        Limit("peak_scatter", seen.peak.variation, LARGEST_SCATTER, "1"),
         Limit("energy_error", seen.energy_error, LEDGER_LIMIT, "1"),
     ]
+    if math.isfinite(seen.peak.variation):
+        found.append(Limit("peak_scatter", seen.peak.variation, LARGEST_SCATTER, "1"))
     if goal.stop_limit is not None:
         found.append(Limit("stop_force", seen.supply.stop_force, goal.stop_limit, "N"))
     load = yield_load(case)
@@ -278,12 +312,37 @@ def limits_of(case: Case, run: RotaryRun, seen: Observation, goal: Goal) -> tupl
     return tuple(found)
 
 
+def mount_stretch(striker: Striker, disc: Turntable) -> float:
+    """Return how far the mount stretches by the striker's circling, m w^2 R/(k - m w^2), m."""
+    circling = striker.mass * disc.speed**2
+    return circling * (disc.radius + striker.reach_error) / (striker.mount_stiffness - circling)
+
+
 def yield_load(case: Case) -> float | None:
-    """Return the load at which the contact first yields inside, N; None where that is modelled, or not known."""
+    """Return the least load at which a striker's contact first yields inside, N.
+
+    None where yielding is modelled, or the load is not known.
+    """
     rig = case.rig()
     if rig.contact.yield_pressure is not None:
         return None
-    length = rig.striker.contact_length.si if "length" in stiffness_law(rig.contact.law).needs else None
     pair = material(rig.striker.material), material(rig.object.material)
-    first = first_yield(*pair, Geometry(rig.striker.nose_radius.si, math.inf, length))
-    return None if first is None else first.load
+    long = "length" in stiffness_law(rig.contact.law).needs
+    loads = []
+    for radius, length in _noses(case):
+        first = first_yield(*pair, Geometry(radius, math.inf, length if long else None))
+        if first is None:
+            return None
+        loads.append(first.load)
+    return min(loads)
+
+
+def _noses(case: Case) -> set[tuple[float, float]]:
+    """Return radius and contact length of the strikers' noses, m: the common ones, and those of single strikers."""
+    table = case.rig().striker
+    own = {
+        ((row.nose_radius or table.nose_radius).si, (row.contact_length or table.contact_length).si)
+        for row in table.each
+    }
+    alike = len(table.each) < case.rig().machine.strikers.si
+    return own | {(table.nose_radius.si, table.contact_length.si)} if alike else own
