@@ -100,7 +100,8 @@ def _striker_misfits(case: Case, machine: RotaryMachine) -> Iterator[InputError]
             allowed = f"enough to hold the striker on its circle (it would stretch by {stretch:.0%} of the radius)"
             yield InputError(path, _typed(case, path), allowed)
         path = _of(case, number, "angle_error")
-        if abs(striker.angle_error) + lasts >= half and path not in named:
+        beyond = striker.angle_error != 0.0 and abs(striker.angle_error) + lasts >= half
+        if beyond and path not in named:
             named.add(path)
             allowed = f"within {max(half - lasts, 0.0):.3g} rad: beyond, a blow falls into the time of the next striker"
             yield InputError(path, _typed(case, path), allowed)
