@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import shlex
 import shutil
 import sys
 import time as clock
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -17,7 +16,19 @@ import typer
 
 from strikewave.cli import measured
 from strikewave.cli.carry_out import BROKEN
-from strikewave.cli.common import Changes, Force, Json, Out, number, print_json, say, significant, table
+from strikewave.cli.common import (
+    Changes,
+    Force,
+    Json,
+    Out,
+    number,
+    print_json,
+    progress_bar,
+    say,
+    say_compiling,
+    significant,
+    table,
+)
 
 if TYPE_CHECKING:
     from strikewave.case import Case
@@ -112,7 +123,8 @@ def command(
     if record is None:
         source = _from_case(case, sensor, changes, given)
         _check_out(out)
-        with _progress("blows") as report:
+        say_compiling()
+        with progress_bar("blows") as report:
             blows = _blows(source, blow, report)
     else:
         if blow != "worst":
@@ -123,7 +135,7 @@ def command(
         source = Source(None, seat, Path(record), reading)
         _check_out(out)
         blows = _recorded(source.record, reading, findings)
-    with _progress("stacks") as report:
+    with progress_bar("stacks") as report:
         study = design_buffer(source.seat, blows, choice, goal, report)
     if out is not None or not json:
         _write(study, source, out, force)
@@ -252,26 +264,6 @@ def _recorded(path: Path | None, reading: ChannelReading, findings: list[Finding
     warnings += [Notice("record-suspect", f"{f.code}: {f.message}", f.value, 0.0) for f in findings]
     name = f"{path.name if path else ''} {channel.name}".strip()
     return Blows((Motion(name, values, channel.step, channel.start + first * channel.step),), 0, tuple(warnings))
-
-
-@contextlib.contextmanager
-def _progress(what: str) -> Iterator[Callable[[float], None]]:
-    """Show a bar on stderr where that is a terminal; gives a function that takes the share done."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from strikewave.compiled import is_cold
-
-    if what == "blows" and is_cold():
-        say("compiling the kernels: once after install, about 20 s")
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda share: None
-        return
-    bar = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %"), TimeElapsedColumn())
-    with Progress(*bar, console=console, transient=True) as progress:
-        task = progress.add_task(what, total=1.0)
-        yield lambda share: progress.update(task, completed=share)
 
 
 def _check_out(out: Path | None) -> None:

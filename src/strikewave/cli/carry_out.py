@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from strikewave.cli.common import print_json, say
+from strikewave.cli.common import own_mark, print_json, say
 
 if TYPE_CHECKING:
     from strikewave.case import Case
@@ -54,8 +53,7 @@ def carry_out(work: Work, name: str, changes: list[str] | None, out: Path | None
     case = load_case(name, changes or ())
     text, folder = dump_case(case), out
     if out is None and not json:
-        mark = "-" + hashlib.sha256(text.encode()).hexdigest()[:8] if changes else ""
-        folder, force = Path("out") / f"{case.name or 'case'}{mark}", True
+        folder, force = Path("out") / f"{case.name or 'case'}{own_mark(text, changes)}", True
     if folder is not None:
         check_place(folder, text, force)
     solution = work.solve(case)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -41,6 +43,48 @@ def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
 def say(text: str) -> None:
     """Print words on stderr, where they cannot spoil what stdout carries."""
     sys.stderr.write(text + "\n")
+
+
+def own_mark(text: str, changes: Sequence[str] | None) -> str:
+    """Return what tells the default folder of a changed case from that of the case itself; ``text`` is the case.
+
+    Examples
+    --------
+    >>> own_mark("schema = 1", []), own_mark("schema = 1", ["machine.speed=500 rpm"])
+    ('', '-20982c99')
+    """
+    return "-" + hashlib.sha256(text.encode()).hexdigest()[:8] if changes else ""
+
+
+def say_compiling() -> None:
+    """Say that the first run takes longer, where it does."""
+    from strikewave.compiled import is_cold
+
+    if is_cold():
+        say("compiling the kernels: once after install, about 20 s")
+
+
+@contextlib.contextmanager
+def progress_bar(
+    what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed",)
+) -> Iterator[Callable[[float], None]]:
+    """Show a bar on stderr where that is a terminal; gives a function that takes the share done.
+
+    It begins with ``done``; ``clocks`` are "elapsed", and "left" for the time that is left.
+    """
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda share: None
+        return
+    times = [TimeElapsedColumn() if clock == "elapsed" else TimeRemainingColumn() for clock in clocks]
+    columns = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %"), *times)
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task(what, total=1.0)
+        progress.update(task, completed=done)
+        yield lambda share: progress.update(task, completed=share)
 
 
 def number(value: float | None, si: str, unit: str, digits: int = 4) -> str:

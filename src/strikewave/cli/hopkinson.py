@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from strikewave.cli.carry_out import BROKEN
-from strikewave.cli.common import Changes, Force, Json, Out, number, print_json, say, table
+from strikewave.cli.common import Changes, Force, Json, Out, number, own_mark, print_json, say, table
 
 if TYPE_CHECKING:
     from strikewave.report.parts import Table
@@ -43,7 +42,7 @@ def command(setup: Setup, changes: Changes = None, out: Out = None, force: Force
     text = case.text + "".join(f"# SHA-256 {digest} {name}\n" for name, digest in solution.digests.items())
     folder = out
     if out is None and not json:
-        mark = "-" + hashlib.sha256(text.encode()).hexdigest()[:8] if changes else ""
+        mark = own_mark(text, changes)
         folder, force = Path("out") / f"{case.setup.name or 'shot'}{mark}", True
     if folder is not None:
         check_place(folder, text, force)

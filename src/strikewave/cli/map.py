@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import os
 import signal
 import time as clock
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from strikewave.cli.carry_out import BROKEN
-from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_json, say, table
+from strikewave.cli.common import (
+    CaseName,
+    Changes,
+    Force,
+    Json,
+    Out,
+    number,
+    own_mark,
+    print_json,
+    progress_bar,
+    say,
+    table,
+)
 
 if TYPE_CHECKING:
     from strikewave.case import Case
@@ -95,7 +105,7 @@ def command(
     seconds = check_plan(plan, count)
     folder, replace, text = out, force, _identity(plan, wanted)
     if out is None and not json:
-        mark = "-" + hashlib.sha256(plan.case.encode()).hexdigest()[:8] if changes else ""
+        mark = own_mark(plan.case, changes)
         folder, replace = Path("out") / f"map-{loaded.name or 'case'}{mark}", True
     if folder is not None:
         check_place(folder, text, replace)
@@ -130,7 +140,7 @@ def _made(plan: Plan, wanted: float, workers: int, store: Store) -> MapStudy:
     from strikewave.studies.map import make_map
 
     try:
-        with _progress(float(store.done.mean())) as report:
+        with progress_bar("map", float(store.done.mean()), ("left",)) as report:
             return make_map(plan, wanted, workers, store, report)
     except KeyboardInterrupt:
         kept = f"{store.done.sum()} of {store.done.size} rows are kept in {store.path}: the same command goes on there"
@@ -218,23 +228,6 @@ def _words(plan: Plan, seconds: float, store: Store) -> str:
     kept = f", {store.done.sum()} of {store.done.size} rows are there already" if store.done.any() else ""
     trains = f" and trains of {plan.train}" if plan.train else ""
     return f"{size} machines, {plan.blows} blows{trains}: about {max(left * seconds, 1.0):.0f} s on free cores{kept}"
-
-
-@contextlib.contextmanager
-def _progress(done: float) -> Iterator[Callable[[float], None]]:
-    """Show a bar with the time left on stderr where that is a terminal; gives a function that takes the share done."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda share: None
-        return
-    bar = (TextColumn("map"), BarColumn(), TextColumn("{task.percentage:>3.0f} %"), TimeRemainingColumn())
-    with Progress(*bar, console=console, transient=True) as progress:
-        task = progress.add_task("map", total=1.0)
-        progress.update(task, completed=done)
-        yield lambda share: progress.update(task, completed=share)
 
 
 def _write(study: MapStudy, folder: Path, mark: tuple[str, bool], colour: str) -> None:

@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-import hashlib
 import math
 import os
 import shutil
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_json, say, table
+from strikewave.cli.common import (
+    CaseName,
+    Changes,
+    Force,
+    Json,
+    Out,
+    number,
+    own_mark,
+    print_json,
+    progress_bar,
+    say,
+    say_compiling,
+    table,
+)
 
 if TYPE_CHECKING:
     from strikewave.case import Case
@@ -62,11 +72,12 @@ def command(
     text = _identity(read, plan)
     folder, replace = out, force
     if out is None and not json:
-        mark = "-" + hashlib.sha256(dump_case(read).encode()).hexdigest()[:8] if changes else ""
+        mark = own_mark(dump_case(read), changes)
         folder, replace = Path("out") / f"scatter-{read.name or 'case'}{mark}", True
     if folder is not None:
         check_place(folder, text, replace)
-    with _progress() as report:
+    say_compiling()
+    with progress_bar("runs", clocks=("elapsed", "left")) as report:
         study = scatter(read, plan, report)
     if folder is not None:
         _write(study, folder, text, replace)
@@ -86,27 +97,6 @@ def _identity(case: Case, plan: Plan) -> str:
 
     asked = f"# strikewave scatter --runs {plan.runs} --seed {plan.seed} --shares {plan.shares}\n"
     return asked + dump_case(case)
-
-
-@contextlib.contextmanager
-def _progress() -> Iterator[Callable[[float], None]]:
-    """Show a bar on stderr where that is a terminal; gives a function that takes the share done."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
-    from strikewave.compiled import is_cold
-
-    if is_cold():
-        say("compiling the kernels: once after install, about 20 s")
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda share: None
-        return
-    words = TextColumn("runs"), TextColumn("{task.percentage:>3.0f} %")
-    columns = (words[0], BarColumn(), words[1], TimeElapsedColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("runs", total=1.0)
-        yield lambda share: progress.update(task, completed=share)
 
 
 def _write(study: ScatterStudy, folder: Path, text: str, force: bool) -> None:

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import shutil
 import time as clock
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from strikewave.cli.carry_out import BROKEN
-from strikewave.cli.common import Changes, Force, Json, Out, fixed, number, print_json, say, significant, table
+from strikewave.cli.common import (
+    Changes,
+    Force,
+    Json,
+    Out,
+    fixed,
+    number,
+    print_json,
+    progress_bar,
+    say,
+    say_compiling,
+    significant,
+    table,
+)
 
 if TYPE_CHECKING:
     from strikewave.case import Case
@@ -103,7 +114,8 @@ def command(
     if folder is not None:
         replace = replace or _holds(folder, asked)
         check_place(folder, asked, replace)
-    with _progress() as report:
+    say_compiling()
+    with progress_bar("settings") as report:
         study = design_settings(case, goal, choice, report)
     if folder is not None:
         _write(study, folder, asked, replace)
@@ -146,26 +158,6 @@ def _quantity(text: str, si: str, field: str, example: str) -> float:
     if not value > 0.0:
         raise InputError(field, text, allowed)
     return value
-
-
-@contextlib.contextmanager
-def _progress() -> Iterator[Callable[[float], None]]:
-    """Show a bar on stderr where that is a terminal; gives a function that takes the share done."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    from strikewave.compiled import is_cold
-
-    if is_cold():
-        say("compiling the kernels: once after install, about 20 s")
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda share: None
-        return
-    bar = (TextColumn("settings"), BarColumn(), TextColumn("{task.percentage:>3.0f} %"), TimeElapsedColumn())
-    with Progress(*bar, console=console, transient=True) as progress:
-        task = progress.add_task("settings", total=1.0)
-        yield lambda share: progress.update(task, completed=share)
 
 
 def _write(study: SettingsStudy, folder: Path, asked: str, force: bool) -> None:

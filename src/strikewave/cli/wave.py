@@ -9,7 +9,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from strikewave.cli.carry_out import Work, carry_out
-from strikewave.cli.common import CaseName, Changes, Force, Json, Out, number, print_fits, print_losses, say, table
+from strikewave.cli.common import (
+    CaseName,
+    Changes,
+    Force,
+    Json,
+    Out,
+    number,
+    print_fits,
+    print_losses,
+    say,
+    say_compiling,
+    table,
+)
 
 if TYPE_CHECKING:
     from strikewave.bar import BarSolution
@@ -46,10 +58,8 @@ def command(
 
 def _solve(case: Case) -> BarSolution:
     from strikewave.bar import run_wave
-    from strikewave.compiled import is_cold
 
-    if is_cold():
-        say("compiling the kernels: once after install, about 20 s")
+    say_compiling()
     return run_wave(case)
 
 
