@@ -19,6 +19,7 @@ _HOMES = {
     "dump_case": "strikewave.case",
     "run_case": "strikewave.simulate",
     "run_wave": "strikewave.bar",
+    "run_fem": "strikewave.elements",
     "Solution": "strikewave.solution",
     "load_solution": "strikewave.solution",
     "material": "strikewave.materials",

@@ -12,7 +12,7 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 from pydantic import (
     BaseModel,
@@ -26,8 +26,10 @@ from pydantic import (
 )
 
 from strikewave.errors import MISSING, InputError, InputErrors, nearest, show
+from strikewave.fem_tables import FemTable
 from strikewave.fields import Form, row_name
 from strikewave.machine_tables import AnyLaunched, AnyMachine
+from strikewave.mesh_tables import FilePart, MeshTable
 from strikewave.quantities import Provenance, ToleranceBand, Value
 from strikewave.tables import (
     PUBLISHED_QUANTITIES,
@@ -50,15 +52,22 @@ from strikewave.tables import (
     read_published,
 )
 
+T = TypeVar("T", LoadTable, FilePart)
+
 SCHEMA = 1
 LARGEST_FILE = 1_000_000
 """A case file above this many bytes is refused."""
 
 
-TABLES = ("machine", "striker", "feed", "object", "contact", "stack", "load", "tap", "sensor", "recorder", "solver")
+TABLES = (
+    *("machine", "striker", "feed", "object", "contact", "stack", "load", "tap", "sensor", "recorder", "solver"),
+    *("mesh", "fem"),
+)
 """The tables of a case that hold quantities."""
 RIG = ("machine", "striker", "feed", "object", "contact", "recorder")
 """The tables that a rotary machine needs; a machine without a drive has no feed."""
+VECTOR = frozenset("xyz")
+"""The keys of a vector."""
 STRICT: dict[str, type[Table]] = {"striker": Striker, "object": Object}
 """Tables of which a rotary machine needs all that one without a drive may leave out."""
 
@@ -103,6 +112,8 @@ class Case(Table):
     sensor: tuple[SensorTable, ...] = ()
     recorder: Recorder | None = None
     solver: Solver = Solver()
+    mesh: MeshTable | None = None
+    fem: FemTable | None = None
     published: tuple[Annotated[Published, BeforeValidator(read_published)], ...] = ()
 
     @field_validator("striker", "object", mode="before")
@@ -118,20 +129,30 @@ class Case(Table):
     def _whole(self) -> Case:
         """Refuse a case without anything to run, and a machine without one of its tables."""
         needed = [name for name in RIG if name != "feed" or isinstance(self.machine, Machine | None)]
-        if self.machine is None and not self.stack.layer and all(getattr(self, name) is None for name in RIG):
-            raise InputError("", MISSING, "[machine] with its tables, or [[stack.layer]] with [load]")
-        if self.machine is not None or not self.stack.layer:
+        lacking = [name for name in ("mesh", "fem") if getattr(self, name) is None]
+        if len(lacking) == 1:
+            examples = {"mesh": "[[mesh.part]], once for each part", "fem": '[fem] with its duration = "80 us"'}
+            raise InputError(lacking[0], MISSING, examples[lacking[0]])
+        alone = not any(getattr(self, name) is not None for name in RIG)
+        if alone and not self.stack.layer and lacking:
+            needed_tables = "[machine] with its tables, [[stack.layer]] with [load], or [mesh] with [fem]"
+            raise InputError("", MISSING, needed_tables)
+        if self.machine is not None or not (self.stack.layer or (alone and not lacking)):
             lines = [f"{name}: missing; add [{name}]" for name in needed if getattr(self, name) is None]
             if lines:
                 raise InputErrors(lines)
+        if self.command == "fem" and self.solver != Solver():
+            raise InputError("solver", "[solver]", "none: a mesh alone is run by the controls of [fem]", "remove it")
         if "feed" not in needed and self.feed is not None:
             raise InputError("feed", "[feed]", "none: nothing is fed in a machine without a drive", "remove it")
         return self
 
     @property
     def command(self) -> str:
-        """The command that runs it: "run" a machine, or "wave" a bar alone."""
-        return "run" if self.machine is not None else "wave"
+        """The command that runs it: "run" a machine, "wave" a bar alone, "fem" a mesh alone."""
+        if self.machine is not None:
+            return "run"
+        return "fem" if self.fem is not None and not self.stack.layer else "wave"
 
     @property
     def time_zero(self) -> str:
@@ -148,7 +169,8 @@ class Case(Table):
         """
         parts = self.striker, self.object, self.contact, self.recorder
         if self.machine is None or None in parts:
-            hint = "this case is a bar alone: `strikewave wave` runs it"
+            what = "a mesh" if self.command == "fem" else "a bar"
+            hint = f"this case is {what} alone: `strikewave {self.command}` runs it"
             raise InputError("machine", MISSING, "[machine] with its tables", hint)
         return Impact(*parts)  # type: ignore[arg-type]
 
@@ -178,9 +200,13 @@ class Case(Table):
     def values(self) -> dict[str, Value]:
         """Return every quantity by its path, such as ``machine.speed`` or ``stack.layer.upper.length``."""
         found: dict[str, Value] = {}
-        for name in TABLES:
+        for name in self.tables():
             found.update(_values(getattr(self, name), name))
         return found
+
+    def tables(self) -> list[str]:
+        """Return the names of the tables that hold quantities of this case; a mesh alone has no solver."""
+        return [name for name in TABLES if (name, self.command) != ("solver", "fem")]
 
     def fitted_fields(self) -> list[str]:
         """Return the paths of the fitted values."""
@@ -202,7 +228,7 @@ class Case(Table):
     def entries(self) -> dict[str, float | str]:
         """Return every quantity (SI) and every choice, such as a material, by its path."""
         found: dict[str, float | str] = {}
-        for name in TABLES:
+        for name in self.tables():
             found.update(_entries(getattr(self, name), name))
         return found
 
@@ -358,14 +384,23 @@ def load_case(name: str, changes: Iterable[str] = ()) -> Case:
 
 
 def _with_whole_path(case: Case, place: Path) -> Case:
-    """Return a case whose load file has its whole path: beside the case file, or else from the working folder."""
-    if case.load is None or not case.load.file or "\0" in case.load.file:
-        return case
-    beside = (place if place.is_dir() else place.parent) / case.load.file
-    found = beside if beside.is_file() else Path(case.load.file)
-    if not found.is_file():
-        return case
-    return case.model_copy(update={"load": case.load.model_copy(update={"file": str(found.resolve())})})
+    """Return a case whose files of load and mesh have their whole path: beside the case, or else from where we work."""
+    folder = place if place.is_dir() else place.parent
+    if case.load is not None and case.load.file:
+        case = case.model_copy(update={"load": _with_whole_file(case.load, folder)})
+    if case.mesh is not None:
+        parts = tuple(_with_whole_file(x, folder) if isinstance(x, FilePart) else x for x in case.mesh.part)
+        case = case.model_copy(update={"mesh": case.mesh.model_copy(update={"part": parts})})
+    return case
+
+
+def _with_whole_file(table: T, folder: Path) -> T:
+    """Return a table whose ``file`` has its whole path, where there is such a file."""
+    if "\0" in table.file:
+        return table
+    beside = folder / table.file
+    found = beside if beside.is_file() else Path(table.file)
+    return table.model_copy(update={"file": str(found.resolve())}) if found.is_file() else table
 
 
 def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
@@ -407,7 +442,7 @@ def document_of(case: Case) -> dict[str, Any]:
     """Return a case as the plain tables of a case file."""
     head = {"schema": SCHEMA, "name": case.name, "title": case.title, "source": case.source}
     document: dict[str, Any] = {key: value for key, value in head.items() if value}
-    for table in TABLES:
+    for table in case.tables():
         rows = _document(getattr(case, table))
         if rows:
             document[table] = rows
@@ -450,20 +485,28 @@ def dump_case(case: Case) -> str:
 
 
 def _toml(value: Any) -> Any:
-    """Turn plain tables into TOML's: a quantity stays on its line, rows become arrays of tables."""
+    """Turn plain tables into TOML's: a quantity or a vector stays on its line, rows become arrays of tables."""
     import tomlkit
 
     if isinstance(value, dict):
-        made: Any = tomlkit.inline_table() if "provenance" in value else tomlkit.table()
+        flat = "provenance" in value or (value.keys() <= VECTOR)
+        made: Any = tomlkit.inline_table() if flat else tomlkit.table()
         for key, entry in value.items():
             made[key] = _toml(entry)
         return made
+    if isinstance(value, list) and not _is_rows(value):
+        return [_toml(entry) for entry in value]
     if isinstance(value, list):
         rows = tomlkit.aot()
         for entry in value:
             rows.append(_toml(entry))
         return rows
     return value
+
+
+def _is_rows(values: list[Any]) -> bool:
+    """Tell whether a list holds rows of an array of tables, not quantities."""
+    return all(isinstance(entry, dict) and "provenance" not in entry for entry in values)
 
 
 __all__ = [

@@ -238,6 +238,24 @@ SOURCES: dict[str, str] = {
         "JEDEC JESD22-B111A:2016, Board Level Drop Test Method of Components for Handheld Electronic Products "
         "(condition B from memory)"
     ),
+    "flanagan-belytschko-1981": (
+        "D. P. Flanagan, T. Belytschko, A uniform strain hexahedron and quadrilateral with orthogonal hourglass "
+        "control, International Journal for Numerical Methods in Engineering 17 (1981) 679-706 (pages from memory)"
+    ),
+    "hughes-winget-1980": (
+        "T. J. R. Hughes, J. Winget, Finite rotation effects in numerical integration of rate constitutive equations "
+        "arising in large-deformation analysis, International Journal for Numerical Methods in Engineering 15 (1980) "
+        "1862-1867 (pages from memory)"
+    ),
+    "lysmer-kuhlemeyer-1969": (
+        "J. Lysmer, R. L. Kuhlemeyer, Finite dynamic model for infinite media, Journal of the Engineering Mechanics "
+        "Division ASCE 95 (1969) 859-877"
+    ),
+    "johnson-cook-1983": (
+        "G. R. Johnson, W. H. Cook, A constitutive model and data for metals subjected to large strains, high strain "
+        "rates and high temperatures, 7th International Symposium on Ballistics, The Hague 1983, 541-547 (pages from "
+        "memory)"
+    ),
     "jesd22-b104": "JEDEC JESD22-B104C:2004, Mechanical Shock (its table of conditions from memory)",
 }
 

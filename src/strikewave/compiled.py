@@ -99,6 +99,16 @@ def fused_kernel(function: F) -> F:
     return _compiled(function, {"fastmath": {"contract"}})
 
 
+def fused_leaf_kernel(function: F) -> F:
+    """Compile a `leaf_kernel` whose products and sums may be rounded once together."""
+    return _compiled(function, {**LEAF, "fastmath": {"contract"}})
+
+
+def fused_called_kernel(function: F) -> F:
+    """Compile a `called_kernel` whose products and sums may be rounded once together."""
+    return _compiled(function, {"_nrt": False, "fastmath": {"contract"}})
+
+
 LEAF: Any = {"_nrt": False, "forceinline": True}
 """Numba's options of a small kernel that makes no array."""
 

@@ -1,7 +1,8 @@
 """The fields of a file by their paths: what may stand there, how one is changed, and what is wrong with them.
 
 A path names tables and a key, such as ``machine.speed``; a row of an array of tables goes by its name or its place.
-Where a table may be one of several, its ``kind`` tells which; it stands in pydantic's paths, not in ours.
+Where a table may be one of several, its ``kind`` (``shape``, ``law``) tells which; it stands in pydantic's paths, not
+in ours.
 """
 
 from __future__ import annotations
@@ -117,6 +118,8 @@ class Form:
                 lines.append(f"{path}: unknown key; {nearest(places[-1], self.keys_at(places[:-1]))}")
             elif fault["type"] == "missing":
                 lines.append(f"{path}: missing; {self._example(places)}")
+            elif fault["type"] == "tuple_type" and self.tables_at(places) == [Value]:
+                lines.append(f"{path}: got {show(fault['input'])}; allowed: a list of quantities with their units")
             elif fault["type"] == "tuple_type":
                 lines.append(f"{path}: got one table; write [[{path}]], once for each")
             elif fault["type"] == "literal_error":
@@ -216,7 +219,9 @@ def _tables_of(kind: Any) -> tuple[list[type[BaseModel]], bool]:
 
 
 def _kind_of(table: type[BaseModel]) -> str:
-    """Return the kind that a table is of; empty where it is of none."""
-    field = table.model_fields.get("kind")
-    kinds = get_args(field.annotation) if field else ()
-    return str(kinds[0]) if len(kinds) == 1 else ""
+    """Return the kind (shape, law) that a table is of; empty where it is of none."""
+    for key in ("kind", "shape", "law"):
+        kinds = get_args(table.model_fields[key].annotation) if key in table.model_fields else ()
+        if len(kinds) == 1:
+            return str(kinds[0])
+    return ""

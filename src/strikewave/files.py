@@ -58,6 +58,9 @@ RESULT_FILES = (
     "asked-given.png",
     "stiffness-laws.svg",
     "stiffness-laws.png",
+    "histories.nc",
+    "histories.csv",
+    "field.vtkhdf",
     "report.html",
 )
 """What a result consists of; a folder that holds anything else is never replaced."""

@@ -41,6 +41,9 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
     "J": ("an energy", "10 J"),
     "V": ("a voltage", "10 V"),
     "C": ("a charge", "100 pC"),
+    "K": ("an absolute temperature", "293 K"),
+    "J/kg/K": ("a specific heat", "470 J/kg/K"),
+    "1/s": ("a strain rate", "1 1/s"),
     "1": ("a strain or another ratio", "200 ustrain"),
 }
 """The SI unit of every kind of quantity used here, its name, and an example that can be typed."""

@@ -1,5 +1,6 @@
 """Case in, parts out: machine, stack, load and sensors, with the checks that only the whole case allows."""
 
+from strikewave.build.elements import build_model, check_elements
 from strikewave.build.machine import build_machine, contact_stiffness
 from strikewave.build.sensor import build_channels
 from strikewave.build.stack import build_load, build_stack, build_taps, check_route, need, wanted
@@ -9,6 +10,7 @@ __all__ = [
     "build_channels",
     "build_load",
     "build_machine",
+    "build_model",
     "build_stack",
     "build_taps",
     "check",
@@ -34,4 +36,6 @@ def check(case: Case) -> None:
         if case.load is not None or case.machine is None:
             build_load(case, stack)
             need(case.solver.duration, "solver.duration", "how long to follow", 'add duration = "300 us"')
+    if case.fem is not None:
+        check_elements(case)
     build_channels(case)

@@ -17,6 +17,7 @@ from strikewave.cli import (
     buffer,
     cases,
     diff,
+    fem,
     hopkinson,
     identify,
     impact,
@@ -46,6 +47,7 @@ app = typer.Typer(
 for name, command in (
     ("run", run.command),
     ("wave", wave.command),
+    ("fem", fem.command),
     ("impact", impact.command),
     ("record", record.command),
     ("srs", srs.command),

@@ -1,0 +1,348 @@
+"""``strikewave fem``: run a model of hexahedra."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import typer
+
+from strikewave.cli.carry_out import BROKEN
+from strikewave.cli.common import (
+    CaseName,
+    Changes,
+    Force,
+    Json,
+    Out,
+    number,
+    own_mark,
+    print_json,
+    say,
+    say_compiling,
+    table,
+)
+from strikewave.documents import head, plain, without
+
+if TYPE_CHECKING:
+    from strikewave.case import Case
+    from strikewave.fem.mesh import Mesh
+    from strikewave.fem.model import Model
+    from strikewave.fem.quality import PartQuality
+    from strikewave.fem.run import Frame
+    from strikewave.fem.solve import Keep, Progress
+    from strikewave.fem.vtkhdf import FieldWriter
+    from strikewave.fem_solution import FemSolution
+
+USUAL_RATE = 5e6
+"""Element-steps a second of one thread, for the estimate before a run."""
+STATE, STATES = "state.h5", 20
+"""Where a run keeps its state to go on from, and how often in the run."""
+
+
+class Choice(NamedTuple):
+    """What was asked for besides the case."""
+
+    report: bool
+    restart: bool
+
+
+def command(
+    case: CaseName,
+    threads: Annotated[int, typer.Option("--threads", help="Threads, one a core at most; they change no number.")] = 1,
+    frames: Annotated[
+        int | None,
+        typer.Option("--frames", help="Pictures in field.vtkhdf, instead of fem.frames.", show_default=False),
+    ] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Build the model, say what it would take; run nothing.")
+    ] = False,
+    restart: Annotated[bool, typer.Option("--restart", help="Go on where an interrupted run stopped.")] = False,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.html.")] = False,
+    changes: Changes = None,
+    out: Out = None,
+    force: Force = False,
+    json: Json = False,
+) -> int:
+    """Run a model of hexahedra: contact forces, rigid-body accelerations, sections, fields, and their ledgers.
+
+    With --json, files are written only where --out says. The exit code is 3 where energy is off by more than 1 %, or
+    hourglass modes hold more than 5 % of the internal energy.
+    """
+    from strikewave.build.elements import build_model
+    from strikewave.case import dump_case, load_case
+    from strikewave.elements import check_model, quality_of
+    from strikewave.errors import InputError
+
+    begun = time.perf_counter()
+    if threads < 1:
+        raise InputError("--threads", threads, "at least 1")
+    changes = [*(changes or ()), *([] if frames is None else [f"fem.frames={frames}"])]
+    read = load_case(case, changes)
+    text, folder = dump_case(read), out
+    if out is None and not json and not check:
+        folder, force = Path("out") / f"{read.name or 'case'}{own_mark(text, changes)}", True
+    if restart and folder is None:
+        raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
+    model = build_model(read, min(threads, os.cpu_count() or 1))
+    quality = quality_of(model)
+    say_model(model, quality)
+    if check:
+        check_model(model)
+        print_json(_check_document(read, model, quality)) if json else _show_quality(model, quality)
+        return 0
+    solution = _carried_out(read, model, folder, force, Choice(not no_report, restart))
+    if json:
+        print_json(solution.document())
+    else:
+        show(solution)
+    say(f"done in {time.perf_counter() - begun:.2f} s")
+    return BROKEN if solution.broken else 0
+
+
+def _carried_out(case: Case, model: Model, folder: Path | None, force: bool, choice: Choice) -> FemSolution:
+    """Run a model and write its files where there is a folder for them."""
+    from strikewave.case import dump_case
+    from strikewave.elements import run_model
+    from strikewave.fem.solve import Asked
+    from strikewave.files import check_place, whole_folder
+
+    say_compiling()
+    if folder is None:
+        with progress() as report:
+            return run_model(case, model, Asked(report=report))
+    text = dump_case(case)
+    check_place(folder, text, force)
+    with unfinished(folder, text, choice.restart) as home, FieldFile(home, model.mesh, choice.restart) as field:
+        asked = Asked(writer=field, keep=_keep(home, model), resume=home / STATE if choice.restart else None)
+        with progress() as report:
+            solution = run_model(case, model, asked._replace(report=report))
+        with whole_folder(folder, text, force) as place:
+            written = [*write_result(solution, place, text, choice.report), *field.hand_over(place)]
+    say(f"written: {folder}/ ({', '.join(written)})")
+    return solution
+
+
+def _keep(home: Path, model: Model) -> Keep:
+    """Return where a run keeps its state, and how often."""
+    from strikewave.fem.solve import Keep
+
+    instants = model.controls.duration / model.controls.interval
+    return Keep(home / STATE, max(1, round(instants / STATES)))
+
+
+@contextlib.contextmanager
+def unfinished(folder: Path, text: str, restart: bool) -> Iterator[Path]:
+    """Give a folder for a run that is under way, ``FOLDER.unfinished``; it stays where there is a state to go on from.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to go on from, or it belongs to another case.
+    """
+    from strikewave.errors import InputError
+
+    home = folder.with_name(f"{folder.name}.unfinished")
+    case = home / "case.toml"
+    if restart and not ((home / STATE).is_file() and case.is_file()):
+        raise InputError("--restart", str(home), "a run that was interrupted", "leave it out to begin anew")
+    if restart and case.read_text("utf-8", errors="replace") != text:
+        raise InputError("--restart", str(home), "the same case", "it holds a run of another case")
+    try:
+        if not restart:
+            _clear(home)
+            home.mkdir(parents=True)
+            case.write_text(text, "utf-8")
+        yield home
+    except OSError as error:
+        raise InputError("--out", str(home), "a place that can be written", error.strerror or str(error)) from error
+    except BaseException:
+        if (home / STATE).is_file():
+            say(f"kept: {home}/; add --restart to go on from there")
+        else:
+            _clear(home)
+        raise
+    _clear(home)
+
+
+def _clear(home: Path) -> None:
+    """Remove what a run that was under way left; a folder with other files stays, and is refused."""
+    from strikewave.errors import InputError
+
+    if not home.exists():
+        return
+    foreign = [entry.name for entry in home.iterdir() if entry.name.split(".")[0] not in ("case", "state", "field")]
+    if home.is_symlink() or foreign:
+        raise InputError("--out", str(home), "a name that is free", "it holds other files; move them")
+    shutil.rmtree(home)
+
+
+class FieldFile:
+    """field.vtkhdf: begun with the first frame, or taken up with it where a run goes on."""
+
+    def __init__(self, home: Path, mesh: Mesh, resumed: bool) -> None:
+        self.path, self.mesh, self.resumed = home / "field.vtkhdf", mesh, resumed
+        self.writer: FieldWriter | None = None
+
+    def add(self, frame: Frame) -> None:
+        """Write a frame; what an interrupted run wrote beyond the state that it goes on from is dropped."""
+        from strikewave.fem.vtkhdf import FieldWriter
+
+        if self.writer is None:
+            begun = self.resumed and self.path.with_name(self.path.name + ".part").is_file()
+            again = FieldWriter.restored(self.path, self.mesh, frame.time) if begun else None
+            self.writer = again or FieldWriter(self.path, self.mesh)
+        self.writer.add(frame)
+
+    def hand_over(self, place: Path) -> list[str]:
+        """Close the file, move it into a folder and return its name; nothing where no frame came."""
+        if self.writer is None:
+            return []
+        self.writer.close()
+        shutil.move(self.path, place)
+        return [self.path.name]
+
+    def __enter__(self) -> FieldFile:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self.writer is not None:
+            self.writer.abandon()
+
+
+@contextlib.contextmanager
+def progress() -> Iterator[Callable[[Progress], None] | None]:
+    """Show a bar with rate and time left on stderr where that is a terminal."""
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield None
+        return
+    columns = BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}")
+    with Bar(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("")
+
+        def report(seen: Progress) -> None:
+            words = f"{seen.speed / 1e6:.2f} M element-steps/s, {seen.left:.0f} s left"
+            bar.update(task, total=seen.duration, completed=seen.time, description=words)
+
+        yield report
+
+
+def say_model(model: Model, quality: Sequence[PartQuality]) -> None:
+    """Say what will be run: elements, nodes, masses, the worst element, about how many steps."""
+    from strikewave.elements import first_step
+
+    mesh, controls = model.mesh, model.controls
+    say(f"{len(mesh.hexahedra)} elements, {len(mesh.points)} nodes")
+    say("mass: " + ", ".join(f"{row.part} {row.volume * model.solids[row.part].density:.4g} kg" for row in quality))
+    worst = min(quality, key=lambda row: row.scaled_jacobian)
+    place = ", ".join(f"{x * 1e3:.4g}" for x in worst.worst_at)
+    say(f"worst element: scaled Jacobian {worst.scaled_jacobian:.2f} in {worst.part} at ({place}) mm")
+    step = first_step(model)
+    count = controls.duration / step
+    work = len(mesh.hexahedra) * count
+    say(
+        f"step about {step * 1e9:.3g} ns: {count:.0f} steps for {controls.duration * 1e6:.4g} us, "
+        f"{work / 1e6:.3g} M element-steps, about {work / (USUAL_RATE * controls.threads):.2g} s"
+    )
+
+
+def write_result(solution: FemSolution, place: Path, text: str, report: bool = True) -> list[str]:
+    """Write the files of a result into a folder, and return their names."""
+    from strikewave.figures import save
+    from strikewave.figures.fem import summary_sheet
+
+    solution.save(place / "histories.nc")
+    (place / "histories.csv").write_text(solution.table(), "utf-8")
+    (place / "case.toml").write_text(text, "utf-8")
+    save(summary_sheet(solution.run, solution.title), place / "summary.svg")
+    if report:
+        from strikewave.report.fem_page import fem_report
+
+        (place / "report.html").write_text(fem_report(solution), "utf-8", newline="\n")
+    return [*(["report.html"] if report else []), "summary.svg", "histories.csv", "histories.nc", "case.toml"]
+
+
+def show(solution: FemSolution) -> None:
+    """Print parts, contacts, ledger and warnings."""
+    rows = [
+        [
+            name,
+            number(part.mass, "kg", "kg"),
+            number(part.rigid_peak, "m/s^2", "g", 5),
+            number(part.width, "s", "us"),
+            number(part.velocity_change, "m/s", "m/s"),
+            " ".join(f"{x:+.2f}" for x in part.direction),
+        ]
+        for name, part in solution.parts.items()
+    ]
+    heads = ["part", "mass (kg)", "rigid peak (g)", "width (us)", "velocity change (m/s)", "along"]
+    table(f"{solution.title}: parts as rigid bodies", heads, rows)
+    rows = [
+        [name, *([*"-----"] if found is None else _contact_cells(found))] for name, found in solution.contacts.items()
+    ]
+    if rows:
+        heads = ["contact", "peak (kN)", "at (us)", "impulse (N s)", "begins (us)", "lasts (us)"]
+        table("Contacts", heads, rows)
+    _show_ledger(solution)
+    for notice in solution.warnings:
+        say(f"warning [{notice.code}]: {notice.message}")
+
+
+def _contact_cells(found: Any) -> list[str]:
+    times = [number(x, "s", "us") for x in (found.at, found.begin, found.duration)]
+    return [number(found.peak, "N", "kN", 5), times[0], number(found.impulse, "N s", "N s"), *times[1:]]
+
+
+def _show_ledger(solution: FemSolution) -> None:
+    from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ledger_measure
+    from strikewave.fem.run import ENERGIES
+
+    run, ledger = solution.run, ledger_measure(solution.run)
+    kinds = [name for name in ENERGIES if run.energy[name].any()]
+    cells = [number(run.initial_energy, "J", "J"), *(number(float(run.energy[name][-1]), "J", "J") for name in kinds)]
+    table("Energy at the end (J)", ["initial", *kinds], [cells], left=0)
+    say(
+        f"ledger: energy {ledger.energy:+.1e} (limit {ENERGY_LIMIT:g}), hourglass {ledger.hourglass:.1e} of internal "
+        f"(limit {HOURGLASS_LIMIT:g}), momentum {ledger.momentum:.1e}"
+    )
+    say(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
+
+
+def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
+    """Print the quality of the mesh by part."""
+    rows = [
+        [
+            row.part,
+            str(row.elements),
+            str(row.nodes),
+            number(row.volume * model.solids[row.part].density, "kg", "kg"),
+            number(row.shortest_edge, "m", "mm"),
+            number(row.longest_edge, "m", "mm"),
+            f"{row.aspect_ratio:.2f}",
+            f"{row.scaled_jacobian:.3f}",
+            number(row.warpage, "rad", "deg", 3),
+        ]
+        for row in quality
+    ]
+    heads = ["part", "elements", "nodes", "mass (kg)", "shortest edge (mm)", "longest (mm)", "aspect ratio"]
+    table("Mesh", [*heads, "scaled Jacobian", "warpage (deg)"], rows)
+
+
+def _check_document(case: Case, model: Model, quality: Sequence[PartQuality]) -> dict[str, Any]:
+    """Return the JSON document of a model that was checked."""
+    from strikewave.elements import first_step
+
+    units = {"volume": "m^3", "shortest_edge": "m", "longest_edge": "m", "warpage": "rad", "worst_at": "m", "step": "s"}
+    counted = {"elements": len(model.mesh.hexahedra), "nodes": len(model.mesh.points), "step": first_step(model)}
+    rows = {row.part: without(dataclasses.asdict(row), "part", "step") for row in quality}
+    return plain({**head(units), "case": case.name, **counted, "parts": rows})

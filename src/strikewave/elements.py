@@ -1,0 +1,209 @@
+"""A model of hexahedra: case in, solution out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from strikewave.build.elements import build_model
+from strikewave.case import Case
+from strikewave.fem.invariants import von_mises
+from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ledger_measure
+from strikewave.fem.model import Model, NonReflecting
+from strikewave.fem.quality import PartQuality, quality_report
+from strikewave.fem.run import FemRun, Frame
+from strikewave.fem.solids import Bilinear, JohnsonCook
+from strikewave.fem_solution import FemSolution
+from strikewave.materials import material
+from strikewave.notices import FEWEST_INTERVALS, LEDGER_LIMIT
+from strikewave.solution import Notice
+
+if TYPE_CHECKING:
+    from strikewave.fem.solve import Asked, Writer
+
+
+@dataclass
+class Watch:
+    """Hands frames on to a writer; keeps that of the largest stress and the last, and the largest stress of each part.
+
+    Parameters
+    ----------
+    model : Model
+        What the frames belong to.
+    writer : Writer, optional
+        Such as `strikewave.fem.vtkhdf.FieldWriter`.
+    """
+
+    model: Model
+    writer: Writer | None = None
+    stress: dict[str, float] = field(default_factory=dict)
+    worst: Frame | None = None
+    last: Frame | None = None
+    _largest: float = field(default=0.0, init=False)
+
+    def add(self, frame: Frame) -> None:
+        """Take a frame."""
+        if self.writer is not None:
+            self.writer.add(frame)
+        equivalent, mesh = von_mises(frame.stress), self.model.mesh
+        for name in mesh.names:
+            largest = float(equivalent[mesh.elements_of(name)].max())
+            self.stress[name] = max(self.stress.get(name, 0.0), largest)
+        if float(equivalent.max()) > self._largest:
+            self._largest, self.worst = float(equivalent.max()), frame
+        self.last = frame
+
+    @property
+    def shown(self) -> tuple[Frame, ...]:
+        """The frames to be shown, in the order of time."""
+        found = {frame.time: frame for frame in (self.worst, self.last) if frame is not None}
+        return tuple(found[time] for time in sorted(found))
+
+
+def run_fem(case: Case, threads: int = 1) -> FemSolution:
+    """Run the model of hexahedra of a case.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If the case has no mesh, or parts of it do not fit together.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> solution = run_fem(load_case("two-bars-fem", ["fem.duration=20 us"]))
+    >>> solution.run.momentum_error < 1e-9
+    True
+    """
+    return run_model(case, build_model(case, threads))
+
+
+def run_model(case: Case, model: Model, asked: Asked | None = None) -> FemSolution:
+    """Run the model of a case; see `run_fem`.
+
+    Parameters
+    ----------
+    case : Case
+        What the model was built from.
+    model : Model
+        Of the case.
+    asked : Asked, optional
+        What is asked of the run besides its histories; the case says how many frames.
+    """
+    from strikewave.fem.solve import Asked, solve
+
+    asked = asked or Asked()
+    watch = Watch(model, asked.writer)
+    run = solve(model, asked._replace(writer=watch, frames=int(case.fem.frames.si) if case.fem else 0))
+    return FemSolution(
+        case=case,
+        model=model,
+        run=run,
+        frames=watch.shown,
+        warnings=tuple(notices(case, model, run, watch)),
+        citations=sources(model),
+    )
+
+
+def check_model(model: Model) -> None:
+    """Prepare a model as a run would, up to its first step: contacts that overlap, ties that reach nothing, sections.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If it could not be run.
+    """
+    from strikewave.fem.engine import Engine
+    from strikewave.fem.solve import check_controls
+
+    check_controls(model)
+    Engine(model)
+
+
+def first_step(model: Model) -> float:
+    """Return the time step that a run begins with, s."""
+    from strikewave.fem.engine import scaled_masses
+
+    controls, rigid = model.controls, {one.part for one in model.rigid}
+    _, _, critical = scaled_masses(model, [name for name in model.mesh.names if name not in rigid])
+    return controls.interval / max(1, math.ceil(controls.interval / (controls.safety * critical) - 1e-9))
+
+
+def quality_of(model: Model) -> tuple[PartQuality, ...]:
+    """Return how good the mesh of each part is."""
+    return quality_report(model.mesh)
+
+
+def sources(model: Model) -> tuple[str, ...]:
+    """Return the keys of the sources that a model rests on."""
+    listed = ["flanagan-belytschko-1981", "hughes-winget-1980"]
+    if any(isinstance(solid, JohnsonCook) for solid in model.solids.values()):
+        listed.append("johnson-cook-1983")
+    if any(isinstance(boundary, NonReflecting) for boundary in model.boundaries):
+        listed.append("lysmer-kuhlemeyer-1969")
+    return tuple(listed)
+
+
+def notices(case: Case, model: Model, run: FemRun, watch: Watch) -> Iterator[Notice]:
+    """Yield what a user should know about a run."""
+    if run.stopped:
+        message = f"the run ended early: {run.stopped}"
+        yield Notice("stopped", message, float(run.time[-1]), model.controls.duration, broken=True)
+    yield from _ledgers(run)
+    if run.added_mass > 0.0:
+        share = run.added_mass / sum(part.mass for part in run.parts.values())
+        message = f"fem.least_step added {run.added_mass:.3g} kg to small elements, {share:.2%} of all mass"
+        yield Notice("added-mass", message, share, 0.0)
+    yield from _contacts(case, run)
+    yield from _strength(case, model, watch)
+
+
+def _ledgers(run: FemRun) -> Iterator[Notice]:
+    ledger = ledger_measure(run)
+    if not abs(ledger.energy) <= ENERGY_LIMIT:
+        what = "too much" if ledger.energy > 0.0 else "missing"
+        message = f"{abs(ledger.energy):.2%} of the energy is {what}: take a smaller fem.safety or smaller elements"
+        yield Notice("energy-ledger", message, abs(ledger.energy), ENERGY_LIMIT, broken=True)
+    if not ledger.hourglass <= HOURGLASS_LIMIT:
+        message = (
+            f"hourglass modes hold {ledger.hourglass:.1%} of the internal energy: take smaller elements, or "
+            'elements = "full" for the part that bends'
+        )
+        yield Notice("hourglass-energy", message, ledger.hourglass, HOURGLASS_LIMIT, broken=True)
+    if not ledger.momentum <= LEDGER_LIMIT:
+        message = f"the momentum ledger misses {ledger.momentum:.1e}"
+        yield Notice("momentum-ledger", message, ledger.momentum, LEDGER_LIMIT, broken=True)
+
+
+def _contacts(case: Case, run: FemRun) -> Iterator[Notice]:
+    """Say which contacts nothing touched, and which pulses the interval of the histories is too long for."""
+    from strikewave.fem.measures import contact_measure
+
+    interval = float(run.time[1] - run.time[0])
+    for name in run.force:
+        found = contact_measure(run, name)
+        if found is None:
+            message = f"nothing touched in the contact {name}: a longer fem.duration, or another place or velocity"
+            yield Notice("no-contact", message, 0.0, 0.0)
+        elif found.duration < FEWEST_INTERVALS * interval:
+            message = (
+                f"the contact {name} lasts {found.duration * 1e6:.3g} us, {found.duration / interval:.1f} intervals of "
+                "the histories: take a shorter fem.interval"
+            )
+            yield Notice("fem-interval", message, found.duration / interval, FEWEST_INTERVALS)
+
+
+def _strength(case: Case, model: Model, watch: Watch) -> Iterator[Notice]:
+    """Say which elastic parts go beyond the yield strength of their material in the frames that were seen."""
+    for part in case.mesh.part if case.mesh else ():
+        strength = material(part.material).yield_strength
+        stress = watch.stress.get(part.name, 0.0)
+        rigid = part.rigid or isinstance(model.solids[part.name], Bilinear | JohnsonCook)
+        if strength is not None and stress > strength and not rigid:
+            message = (
+                f"the elastic part {part.name} is loaded with {stress / 1e6:.4g} MPa (von Mises), beyond the "
+                f"{strength / 1e6:.4g} MPa at which {part.material} yields: give it a solid with a yield strength"
+            )
+            yield Notice("fem-yield", message, stress, strength)

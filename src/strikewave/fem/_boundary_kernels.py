@@ -1,0 +1,92 @@
+"""Kernels of boundaries: each writes the force that it adds, so that one ledger serves all of them."""
+
+from strikewave.compiled import called_kernel, leaf_kernel
+
+
+@called_kernel
+def hold(nodes, directions, speed, kick, v, f, mass, force):
+    """Write and add the forces that give nodes a speed along their held directions within a step.
+
+    ``directions`` (nodes, 3, 3) holds up to three orthonormal rows; rows of zeros hold nothing.
+    """
+    for i in range(nodes.size):
+        n = nodes[i]
+        for c in range(3):
+            force[i, c] = 0.0
+        for k in range(3):
+            d = directions[i, k]
+            if d[0] == 0.0 and d[1] == 0.0 and d[2] == 0.0:
+                continue
+            along = 0.0
+            for c in range(3):
+                along += (v[n, c] + kick * f[n, c] / mass[n]) * d[c]
+            push = mass[n] * (speed - along) / kick
+            for c in range(3):
+                force[i, c] += push * d[c]
+        for c in range(3):
+            f[n, c] += force[i, c]
+
+
+@called_kernel
+def absorb(nodes, matrix, kick, v, f, mass, force):
+    """Write and add the forces of dashpots, -D (v + kick f / 2 m): see `strikewave.fem.boundary.Dashpots`."""
+    for i in range(nodes.size):
+        n = nodes[i]
+        half = 0.5 * kick / mass[n]
+        a, b, c = v[n, 0] + half * f[n, 0], v[n, 1] + half * f[n, 1], v[n, 2] + half * f[n, 2]
+        for k in range(3):
+            force[i, k] = -(matrix[i, k, 0] * a + matrix[i, k, 1] * b + matrix[i, k, 2] * c)
+        for k in range(3):
+            f[n, k] += force[i, k]
+
+
+@leaf_kernel
+def face_modes(x, p, q, r, s, c):
+    """Return the modes xi, eta and xi eta of a face's shape in direction c."""
+    xi, eta = x[q, c] + x[r, c] - x[p, c] - x[s, c], x[r, c] + x[s, c] - x[p, c] - x[q, c]
+    return 0.25 * xi, 0.25 * eta, 0.25 * (x[p, c] + x[r, c] - x[q, c] - x[s, c])
+
+
+@called_kernel
+def press(faces, pressure, x, force):
+    """Write the forces of a pressure on the nodes of faces, given by places in ``force``, as they are now.
+
+    A node has the exact share of a bilinear face: e x g + xi e x w / 3 + eta w x g / 3, e, g, w the modes of its shape.
+    """
+    force[:] = 0.0
+    for k in range(faces.shape[0]):
+        p, q, r, s = faces[k, 0], faces[k, 1], faces[k, 2], faces[k, 3]
+        for c in range(3):
+            e1, g1, w1 = face_modes(x, p, q, r, s, (c + 1) % 3)
+            e2, g2, w2 = face_modes(x, p, q, r, s, (c + 2) % 3)
+            even, one, two = e1 * g2 - e2 * g1, (e1 * w2 - e2 * w1) / 3.0, (w1 * g2 - w2 * g1) / 3.0
+            force[p, c] -= pressure * (even - one - two)
+            force[q, c] -= pressure * (even + one - two)
+            force[r, c] -= pressure * (even + one + two)
+            force[s, c] -= pressure * (even - one + two)
+
+
+@called_kernel
+def add_rows(nodes, force, f):
+    """Add forces to those of their nodes."""
+    for i in range(nodes.size):
+        for c in range(3):
+            f[nodes[i], c] += force[i, c]
+
+
+@called_kernel
+def take_rows(nodes, field, rows):
+    """Copy the rows of some nodes."""
+    for i in range(nodes.size):
+        for c in range(3):
+            rows[i, c] = field[nodes[i], c]
+
+
+@called_kernel
+def work_of(nodes, force, before, v):
+    """Return the sum of force times the mean of the velocities before and after a step."""
+    total = 0.0
+    for i in range(nodes.size):
+        for c in range(3):
+            total += 0.5 * force[i, c] * (before[i, c] + v[nodes[i], c])
+    return total

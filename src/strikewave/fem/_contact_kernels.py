@@ -1,0 +1,427 @@
+"""Compiled contact of two surfaces and of a surface with a wall; `strikewave.fem.contact` explains the law.
+
+Both surfaces stand in one table of nodes and one of faces, those of the first before those of the second, and every
+node is checked against the faces of the other surface. What a node finds depends on nothing but the motion before the
+contact, so that the nodes can be taken in any order; `spread` then adds up the forces in the order of the nodes.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from strikewave.compiled import called_kernel, kernel, leaf_kernel
+from strikewave.fem._surface_kernels import (
+    as_tuple,
+    closest_point,
+    cross,
+    dot,
+    patch,
+    plus,
+    put,
+    row,
+    scaled,
+    shape_functions,
+)
+
+EDGE = 0.05
+"""Share of a face's size beyond the rim of a surface where a node is felt no more; within half of it, it is fully."""
+SAME = 1e-9
+"""Share by which another face must be closer than the present one to take its place."""
+
+
+class Touch(NamedTuple):
+    """Nodes that may touch: their numbers, areas (m^2), velocity before the step, normal force and friction on them.
+
+    The ``first`` so many belong to the first surface; ``step[0]`` is the time step before, s.
+    """
+
+    nodes: np.ndarray
+    first: int
+    area: np.ndarray
+    velocity: np.ndarray
+    normal: np.ndarray
+    friction: np.ndarray
+    step: np.ndarray
+
+
+class Step(NamedTuple):
+    """The step dt of positions, that of velocities, how much closer nodes come, what share of depths is kept."""
+
+    dt: float
+    kick: float
+    travel: float
+    kept: float
+
+
+class Found(NamedTuple):
+    """What each node has found: its face (-1: none yet), shape functions there, gap, and the force on it by parts.
+
+    ``clear`` is the travel before which the node is not looked at, ``offset`` the gap from which depth is measured;
+    ``known`` tells whether the node was over a face, or fully felt, when last looked at.
+    """
+
+    face: np.ndarray
+    shape: np.ndarray
+    gap: np.ndarray
+    pressed: np.ndarray
+    rubbed: np.ndarray
+    touches: np.ndarray
+    clear: np.ndarray
+    offset: np.ndarray
+    known: np.ndarray
+
+
+class ContactState(NamedTuple):
+    """Two surfaces that may touch.
+
+    Faces are corners by place in ``touch.nodes``, ``neighbours`` the faces across their edges (-1: rim of the surface),
+    ``size`` the root of their areas, ``radius`` of the sphere about the mean of their corners, ``limit`` the depth
+    beyond which a node is not taken to be inside, m. The faces that node i may meet are ``candidates[start[i] :
+    start[i + 1]]``, true until ``travel[0]`` exceeds ``margin``. ``place`` and ``moving`` are position and velocity
+    that the nodes would have at the end of the step without contact, ``lightness`` is 1/mass.
+    """
+
+    touch: Touch
+    found: Found
+    faces: np.ndarray
+    neighbours: np.ndarray
+    size: np.ndarray
+    radius: np.ndarray
+    limit: np.ndarray
+    checked: np.ndarray
+    start: np.ndarray
+    candidates: np.ndarray
+    place: np.ndarray
+    moving: np.ndarray
+    lightness: np.ndarray
+    travel: np.ndarray
+    first_faces: int
+    margin: float
+    stiffness: float
+    coefficient: float
+
+
+class WallState(NamedTuple):
+    """Nodes before a rigid plane, given by a point and its unit normal."""
+
+    touch: Touch
+    offset: np.ndarray
+    point: np.ndarray
+    direction: np.ndarray
+    stiffness: float
+    coefficient: float
+
+
+@leaf_kernel
+def corners(state, face):
+    """Return the places of the corners of a face."""
+    k = state.faces[face]
+    return row(state.place, k[0]), row(state.place, k[1]), row(state.place, k[2]), row(state.place, k[3])
+
+
+@leaf_kernel
+def is_far(state, face, x, best):
+    """Tell whether no point of a face can be closer to x than ``best``."""
+    a, b, c, d = corners(state, face)
+    off = plus(scaled(plus(plus(a, 1.0, b), 1.0, plus(c, 1.0, d)), 0.25), -1.0, x)
+    reach = best + state.radius[face]
+    return dot(off, off) > reach * reach
+
+
+@called_kernel
+def nearest_face(state, i):
+    """Return the face closest to node i, xi, eta, the distance, and whether the point lies on the rim of that face.
+
+    The face of the step before keeps its place unless another is closer; of equally close ones the first that the node
+    is over is taken.
+    """
+    x = row(state.place, i)
+    chosen, best, xi, eta, rim = -1, np.inf, 0.0, 0.0, True
+    last = state.found.face[i]
+    if last >= 0:
+        a, b, c, d = corners(state, last)
+        xi, eta, square, rim = closest_point(x, a, b, c, d)
+        chosen, best = last, math.sqrt(square)
+        if not rim and 4.0 * best < (1.0 - max(abs(xi), abs(eta))) * state.size[last]:
+            return chosen, xi, eta, best, rim
+    for place in range(state.start[i], state.start[i + 1]):
+        face = state.candidates[place]
+        if face == last or (chosen >= 0 and is_far(state, face, x, best)):
+            continue
+        a, b, c, d = corners(state, face)
+        new_xi, new_eta, square, new_rim = closest_point(x, a, b, c, d)
+        distance = math.sqrt(square)
+        over = rim and not new_rim and distance <= best * (1.0 + SAME)
+        if chosen < 0 or over or distance < best * (1.0 - SAME):
+            chosen, best, xi, eta, rim = face, distance, new_xi, new_eta, new_rim
+    return chosen, xi, eta, best, rim
+
+
+@leaf_kernel
+def is_behind(state, face, off):
+    """Tell whether a vector points inward of a face; of none (-1) it does not."""
+    if face < 0:
+        return False
+    a, b, c, d = corners(state, face)
+    return dot(off, cross(plus(c, -1.0, a), plus(d, -1.0, b))) < 0.0
+
+
+@called_kernel
+def in_valley(state, face, xi, eta, off):
+    """Tell whether a node whose closest point lies on edges of a face is behind the faces across these edges too."""
+    across = state.neighbours[face]
+    return (
+        (eta > -1.0 or is_behind(state, across[0], off))
+        and (xi < 1.0 or is_behind(state, across[1], off))
+        and (eta < 1.0 or is_behind(state, across[2], off))
+        and (xi > -1.0 or is_behind(state, across[3], off))
+    )
+
+
+@called_kernel
+def gap_at(state, i, face, xi, eta, rim):
+    """Return the gap of node i from a point of a face, the direction out of the face, and the share that is felt.
+
+    Over the face the direction is its normal. Behind an edge between two faces that form a valley it is the line to the
+    edge. Beyond any other edge the share falls to zero within `EDGE` of the size of the face.
+    """
+    a, b, c, d = corners(state, face)
+    m, e, g, h = patch(a, b, c, d)
+    point = plus(plus(plus(m, xi, e), eta, g), xi * eta, h)
+    normal = cross(plus(e, eta, h), plus(g, xi, h))
+    normal = scaled(normal, 1.0 / max(math.sqrt(dot(normal, normal)), 1e-300))
+    off = plus(row(state.place, i), -1.0, point)
+    gap = dot(off, normal)
+    if not rim or gap >= 0.0:
+        return gap, normal, 1.0 if not rim else 0.0
+    if in_valley(state, face, xi, eta, off):
+        depth = math.sqrt(dot(off, off))
+        return -depth, scaled(off, -1.0 / depth), 1.0
+    beside = math.sqrt(max(dot(off, off) - gap * gap, 0.0))
+    return gap, normal, min(max(2.0 - 2.0 * beside / (EDGE * state.size[face]), 0.0), 1.0)
+
+
+@leaf_kernel
+def relative_lightness(state, i, face, shape):
+    """Return 1/m* of node i against a face; see `strikewave.fem.contact`."""
+    k = state.faces[face]
+    spread_out, alone = 0.0, 0.0
+    for c in range(4):
+        light = state.lightness[k[c]]
+        spread_out += shape[c] * light * state.touch.area[k[c]]
+        alone += shape[c] * shape[c] * light
+    return state.lightness[i] + max(spread_out / state.touch.area[i], alone)
+
+
+@leaf_kernel
+def approach_of(state, i, face, shape):
+    """Return the velocity of node i relative to a face."""
+    k = state.faces[face]
+    speed = row(state.moving, i)
+    for c in range(4):
+        speed = plus(speed, -shape[c], row(state.moving, k[c]))
+    return speed
+
+
+@leaf_kernel
+def rubbing(slide, hold, most):
+    """Return Coulomb's force: what would stop the sliding, ``hold`` times its velocity; at most ``most``."""
+    speed = math.sqrt(dot(slide, slide))
+    return scaled(slide, -min(hold, most / speed)) if speed > 0.0 else (0.0, 0.0, 0.0)
+
+
+@leaf_kernel
+def kept_depth(touch, dt):
+    """Return the share of their depth that touching nodes keep as the step changes; note the step.
+
+    The stiffness grows with 1/dt^2: a depth that shrinks with dt holds the energy it held.
+    """
+    before = touch.step[0]
+    touch.step[0] = dt
+    return dt / before if dt < before else 1.0
+
+
+@leaf_kernel
+def moved_offset(offset, gap, before, kept):
+    """Return the gap from which depth is measured, for the gap at the beginning of the step and the one to come."""
+    if before < offset:
+        offset -= (1.0 - kept) * (offset - before)
+    return max(offset, min(gap, 0.0))
+
+
+@leaf_kernel
+def depth_of(found, i, gap, before, share, kept):
+    """Return the depth that a node is pressed out of; ``before`` is the gap at the beginning of the step.
+
+    An overlap that has not come about by pressing counts for nothing until the node has moved out of it: one from
+    before the blow, one of a node that came in beside the rim or from deep inside, or one beyond the rim. Only what
+    the step would add is then pressed back.
+    """
+    found.offset[i] = moved_offset(found.offset[i], gap, before, kept)
+    if not found.known[i] or share < 1.0:
+        found.offset[i] = min(found.offset[i], before)
+    return found.offset[i] - gap
+
+
+@called_kernel
+def press(state, i, step):
+    """Find the face that node i meets and the force on the node."""
+    found = state.found
+    face, xi, eta, distance, rim = nearest_face(state, i)
+    found.face[i] = face
+    gap, normal, share = gap_at(state, i, face, xi, eta, rim)
+    found.gap[i] = gap
+    shape = shape_functions(xi, eta)
+    speed = approach_of(state, i, face, shape)
+    felt = share > 0.0 and gap > -state.limit[face]
+    depth = depth_of(found, i, gap, gap - step.dt * dot(speed, normal), share, step.kept) if felt else 0.0
+    found.known[i] = felt and share == 1.0
+    if depth <= 0.0:
+        found.clear[i] = state.travel[0] + distance - step.travel if gap >= 0.0 else 0.0
+        return
+    light = relative_lightness(state, i, face, shape)
+    if light <= 0.0:
+        return
+    hold = 0.5 * state.stiffness * share / (light * step.kick)
+    force = hold * depth / step.dt
+    found.touches[i] = 1
+    found.clear[i] = 0.0
+    put(found.pressed, i, scaled(normal, force))
+    for c in range(4):
+        found.shape[i, c] = shape[c]
+    if state.coefficient > 0.0:
+        slide = plus(speed, -dot(speed, normal), normal)
+        put(found.rubbed, i, rubbing(slide, hold, state.coefficient * force))
+
+
+@called_kernel
+def foresee(state, x, v, f, inverse_mass, dt, kick):
+    """Fill place and velocity of the nodes at the end of the step without contact; return the travel of the step.
+
+    The travel is the most by which any two nodes of the two surfaces can come closer.
+    """
+    nodes = state.touch.nodes
+    for i in range(nodes.shape[0]):
+        n = nodes[i]
+        state.lightness[i] = inverse_mass[n]
+        for c in range(3):
+            state.touch.velocity[i, c] = v[n, c]
+            state.moving[i, c] = v[n, c] + kick * inverse_mass[n] * f[n, c]
+            state.place[i, c] = x[n, c] + dt * state.moving[i, c]
+    middle = (0.0, 0.0, 0.0)
+    split = state.touch.first
+    for i in range(nodes.shape[0]):
+        count = split if i < split else nodes.shape[0] - split
+        middle = plus(middle, 0.5 / count, row(state.moving, i))
+    fastest = 0.0
+    for i in range(nodes.shape[0]):
+        off = plus(row(state.moving, i), -1.0, middle)
+        fastest = max(fastest, dot(off, off))
+    return 2.0 * dt * math.sqrt(fastest)
+
+
+@called_kernel
+def spread(state, f):
+    """Add the forces on the nodes to f, and their reactions to the corners of the faces that they meet."""
+    touch, found = state.touch, state.found
+    touch.normal[:] = 0.0
+    touch.friction[:] = 0.0
+    for i in range(found.face.shape[0]):
+        if found.touches[i] == 0:
+            continue
+        corner = state.faces[found.face[i]]
+        for c in range(3):
+            touch.normal[i, c] += found.pressed[i, c]
+            touch.friction[i, c] += found.rubbed[i, c]
+            for k in range(4):
+                touch.normal[corner[k], c] -= found.shape[i, k] * found.pressed[i, c]
+                touch.friction[corner[k], c] -= found.shape[i, k] * found.rubbed[i, c]
+    for i in range(touch.nodes.shape[0]):
+        for c in range(3):
+            f[touch.nodes[i], c] += touch.normal[i, c] + touch.friction[i, c]
+
+
+@kernel
+def add_contact(state, x, v, f, inverse_mass, dt, kick=0.0):
+    """Add the contact's forces to the nodal forces f; return whether the faces must be searched before the next step.
+
+    x is at t_n, v at t_(n-1/2), f holds every other force at t_n, inverse_mass (nodes,) is 0 where nodes are held. The
+    forces act on v for the time ``kick``, which is dt (0: the same) but where the step changes; then x moves for dt.
+    """
+    kick = kick if kick > 0.0 else dt
+    travel = foresee(state, x, v, f, inverse_mass, dt, kick)
+    step = Step(dt, kick, travel, kept_depth(state.touch, dt))
+    state.travel[0] += travel
+    found = state.found
+    for i in range(found.face.shape[0]):
+        found.touches[i] = 0
+        met = state.start[i + 1] > state.start[i] or found.face[i] >= 0
+        if not met or state.travel[0] + travel < found.clear[i]:
+            continue
+        for c in range(3):
+            found.rubbed[i, c] = 0.0
+        press(state, i, step)
+    spread(state, f)
+    return state.travel[0] + 2.0 * travel > state.margin
+
+
+@kernel
+def add_wall(state, x, v, f, inverse_mass, dt, kick=0.0):
+    """Add the forces of a rigid plane to the nodal forces f; the arguments are those of `add_contact`."""
+    touch = state.touch
+    kick = kick if kick > 0.0 else dt
+    kept = kept_depth(touch, dt)
+    direction, point = as_tuple(state.direction), as_tuple(state.point)
+    for i in range(touch.nodes.shape[0]):
+        n = touch.nodes[i]
+        put(touch.velocity, i, row(v, n))
+        moving = plus(row(v, n), kick * inverse_mass[n], row(f, n))
+        gap = dot(plus(plus(row(x, n), dt, moving), -1.0, point), direction)
+        state.offset[i] = moved_offset(state.offset[i], gap, gap - dt * dot(moving, direction), kept)
+        depth = state.offset[i] - gap
+        pressed, rubbed = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        if depth > 0.0 and inverse_mass[n] > 0.0:
+            hold = state.stiffness / (inverse_mass[n] * kick)
+            pressed = scaled(direction, hold * depth / dt)
+            slide = plus(moving, -dot(moving, direction), direction)
+            rubbed = rubbing(slide, hold, state.coefficient * hold * depth / dt)
+        put(touch.normal, i, pressed)
+        put(touch.friction, i, rubbed)
+        for c in range(3):
+            f[n, c] += pressed[c] + rubbed[c]
+
+
+@kernel
+def contact_force(touch):
+    """Return the force of the last step on the first surface, N."""
+    force = (0.0, 0.0, 0.0)
+    for i in range(touch.first):
+        force = plus(plus(force, 1.0, row(touch.normal, i)), 1.0, row(touch.friction, i))
+    return force
+
+
+@kernel
+def nearest_faces(state, face, shape, distance):
+    """Fill, for each node with candidates, the closest face, the shape functions at the closest point, the distance."""
+    for i in range(face.shape[0]):
+        if state.start[i + 1] > state.start[i]:
+            face[i], xi, eta, distance[i], _ = nearest_face(state, i)
+            values = shape_functions(xi, eta)
+            for c in range(4):
+                shape[i, c] = values[c]
+
+
+@kernel
+def contact_work(touch, v, dt):
+    """Return the energy that normal forces and friction took in the step that led to the velocity v, J.
+
+    It is -sum F . (v_old + v_new)/2 dt over the nodes, as boundaries and all other forces left v_new.
+    """
+    pressed, rubbed = 0.0, 0.0
+    for i in range(touch.nodes.shape[0]):
+        for c in range(3):
+            middle = 0.5 * (touch.velocity[i, c] + v[touch.nodes[i], c])
+            pressed -= touch.normal[i, c] * middle
+            rubbed -= touch.friction[i, c] * middle
+    return pressed * dt, rubbed * dt

@@ -1,0 +1,84 @@
+"""Where the numbers of an element lie: rows of LANES elements in the scratch, the constants and the state.
+
+Row k of lane j lies at k * LANES + j. Offsets are unsigned: a signed index would be tested for wrap-around, and the
+loops over lanes would not become vector loops.
+
+Modes: 0 e1, 1 e2, 2 e3 (linear in xi, eta, zeta), 3 h1 (eta zeta), 4 h2 (xi zeta), 5 h3 (xi eta), 6 h4 (xi eta zeta).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+LANES = 32
+"""Elements of a chunk."""
+W = np.uint64(LANES)
+ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, SEVEN, EIGHT = np.arange(9, dtype=np.uint64)
+
+
+def rows(first: int, count: int) -> tuple[np.uint64, ...]:
+    """Return the offsets of rows."""
+    return tuple(np.uint64((first + k) * LANES) for k in range(count))
+
+
+X, Y, Z = rows(0, 8), rows(8, 8), rows(16, 8)
+"""Positions of the nodes, then of the modes."""
+U, V, T = rows(24, 8), rows(32, 8), rows(40, 8)
+"""Velocities of the nodes, then of the modes; at last the forces on modes, then on nodes."""
+GX, GY, GZ = rows(48, 6), rows(54, 6), rows(60, 6)
+"""Gradients of the volume with respect to the first six modes."""
+STRAIN, SPIN = rows(66, 6), rows(72, 3)
+"""Strain increment (tensor, xx yy zz xy yz zx) and rotation increment of the step."""
+STRESS = rows(75, 6)
+VOLUME, VISCOUS, WORK, PLASTIC, STEP, HOURGLASS = rows(81, 6)
+"""Volume; pressure of the bulk viscosity; work and plastic work per volume; critical step; hourglass energy."""
+FIXED, HELD = rows(88, 1)[0], rows(115, 1)[0]
+"""Copies of constants and state of the chunk."""
+DAMPING, STEEPEST, TRACE = rows(129, 3)
+"""Of the critical step: damping rate of the bulk viscosity; largest eigenvalue and trace of sum g g^T over volume."""
+FX, FY, FZ, COFACTOR = rows(88, 8), rows(96, 8), rows(104, 8), rows(132, 9)
+"""Of full integration: forces on the modes (in place of constants), cofactors of the Jacobian of a point by columns."""
+WEIGHT, SWELLING, PRESSURE, ALL_WORK, ALL_PLASTIC = rows(141, 5)
+"""Of full integration: Jacobian of a point, mean volume change, and sums over the points, weighted by the Jacobian."""
+SCRATCH = 148 * LANES
+"""Numbers of scratch that a thread needs."""
+
+COUPLING, STIFFNESS, MASS, YIELDING = rows(0, 24), *rows(24, 3)
+CONSTANTS = 27
+"""Rows of constants: how hourglass modes see the six others, hourglass stiffness (N/m), mass (kg), 1/q_y^2 (1/m^2)."""
+SIGMA, STRAIN_P, HEAT, BACK = rows(0, 6), *rows(6, 2), rows(8, 6)
+STATES = 14
+"""Rows of state of a point: stress, equivalent plastic strain, temperature above room, back stress."""
+
+ELASTIC, BILINEAR, JOHNSON_COOK = 0, 1, 2
+LAME, SHEAR, SPEED, DENSITY, YIELD, WIDENING, MOVING = np.arange(7, dtype=np.uint64)
+JC_A, JC_B, JC_N, JC_C, JC_M, JC_RATE, JC_RANGE, JC_HEATING = np.arange(7, 15, dtype=np.uint64)
+SOLID = 16
+"""Numbers that describe a solid: moduli lambda and G, wave speed, density; yield, isotropic and kinematic hardening;
+Johnson-Cook's A, B, n, C, m, reference rate, melting less room temperature, kelvin per joule of plastic work."""
+
+SUMS = 4
+"""Sums over elements: internal work, plastic work, work of the bulk viscosity, hourglass energy; J."""
+
+
+class Blocks(NamedTuple):
+    """Elements in chunks of LANES.
+
+    Attributes
+    ----------
+    nodes : array (chunks * 8 * LANES,) of int32
+    count : array (chunks,) of int32
+        Elements in each chunk; the lanes beyond repeat the last one.
+    part : array (chunks,) of int32
+    constants, state : array (chunks * CONSTANTS * LANES,), (chunks * STATES * LANES,)
+    solids : array (parts, SOLID)
+    kinds : array (parts,) of int32
+    """
+
+    nodes: np.ndarray
+    count: np.ndarray
+    part: np.ndarray
+    constants: np.ndarray
+    state: np.ndarray
+    solids: np.ndarray
+    kinds: np.ndarray

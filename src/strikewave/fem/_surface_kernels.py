@@ -1,0 +1,284 @@
+"""Compiled geometry of surfaces: closest points of bilinear faces, nodal areas, the search of faces near nodes."""
+
+import math
+
+import numpy as np
+
+from strikewave.compiled import called_kernel, kernel, leaf_kernel
+
+_INSIDE = 1e-9
+"""How far beyond 1 a natural coordinate may lie, by rounding, of a point that is over the face."""
+_NEWTON = 12
+"""Most steps of Newton's method; two or three are usual."""
+
+
+@leaf_kernel
+def row(table, i):
+    """Return a row of three as a tuple."""
+    return table[i, 0], table[i, 1], table[i, 2]
+
+
+@leaf_kernel
+def as_tuple(a):
+    """Return an array of three as a tuple."""
+    return a[0], a[1], a[2]
+
+
+@leaf_kernel
+def put(table, i, a):
+    """Write a tuple of three to a row."""
+    table[i, 0], table[i, 1], table[i, 2] = a[0], a[1], a[2]
+
+
+@leaf_kernel
+def plus(a, s, b):
+    """Return a + s b."""
+    return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
+
+
+@leaf_kernel
+def dot(a, b):
+    """Return a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@leaf_kernel
+def cross(a, b):
+    """Return a x b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@leaf_kernel
+def scaled(a, s):
+    """Return s a."""
+    return s * a[0], s * a[1], s * a[2]
+
+
+@leaf_kernel
+def shape_functions(xi, eta):
+    """Return N_i = (1 + xi_i xi)(1 + eta_i eta)/4 of the corners of a face."""
+    a, b, c, d = 1.0 - xi, 1.0 + xi, 1.0 - eta, 1.0 + eta
+    return 0.25 * a * c, 0.25 * b * c, 0.25 * b * d, 0.25 * a * d
+
+
+@leaf_kernel
+def patch(a, b, c, d):
+    """Return m, e, g, h of the face m + xi e + eta g + xi eta h with the corners a, b, c, d."""
+    ac, bd = plus(a, 1.0, c), plus(b, 1.0, d)
+    ca, db = plus(c, -1.0, a), plus(d, -1.0, b)
+    return (
+        scaled(plus(ac, 1.0, bd), 0.25),
+        scaled(plus(ca, -1.0, db), 0.25),
+        scaled(plus(ca, 1.0, db), 0.25),
+        scaled(plus(ac, -1.0, bd), 0.25),
+    )
+
+
+@leaf_kernel
+def along(x, a, b):
+    """Return the place t from -1 at a to 1 at b of the point of a straight edge closest to x, and their distance^2."""
+    edge = plus(b, -1.0, a)
+    t = dot(plus(x, -1.0, a), edge) / max(dot(edge, edge), 1e-300)
+    t = min(max(t, 0.0), 1.0)
+    off = plus(plus(x, -1.0, a), -t, edge)
+    return 2.0 * t - 1.0, dot(off, off)
+
+
+@called_kernel
+def on_rim(x, a, b, c, d):
+    """Return xi, eta of the point of the four edges of a face closest to x, and their distance^2."""
+    t, least = along(x, a, b)
+    xi, eta = t, -1.0
+    t, distance = along(x, b, c)
+    if distance < least:
+        xi, eta, least = 1.0, t, distance
+    t, distance = along(x, c, d)
+    if distance < least:
+        xi, eta, least = -t, 1.0, distance
+    t, distance = along(x, d, a)
+    if distance < least:
+        xi, eta, least = -1.0, -t, distance
+    return xi, eta, least
+
+
+@called_kernel
+def closest_point(x, a, b, c, d):
+    """Return xi, eta of the point of a bilinear face closest to x, their distance^2, and whether it lies on the rim.
+
+    Newton's method for r . p_xi = r . p_eta = 0, r = p - x; where its root lies outside the face, or it finds none,
+    the closest point of the four straight edges.
+    """
+    m, e, g, h = patch(a, b, c, d)
+    xi, eta = 0.0, 0.0
+    for _ in range(_NEWTON):
+        r = plus(plus(plus(plus(m, -1.0, x), xi, e), eta, g), xi * eta, h)
+        t, s = plus(e, eta, h), plus(g, xi, h)
+        tt, ss, ts, rh = dot(t, t), dot(s, s), dot(t, s), dot(r, h)
+        full = tt * ss - (ts + rh) ** 2
+        mixed = ts + rh if full > 1e-3 * tt * ss else ts
+        det = max(tt * ss - mixed * mixed, 1e-300)
+        rt, rs = dot(r, t), dot(r, s)
+        step, step2 = (rs * mixed - rt * ss) / det, (rt * mixed - rs * tt) / det
+        xi = min(max(xi + step, -2.0), 2.0)
+        eta = min(max(eta + step2, -2.0), 2.0)
+        if abs(step) + abs(step2) < 1e-11:
+            break
+    if abs(xi) > 1.0 + _INSIDE or abs(eta) > 1.0 + _INSIDE:
+        xi, eta, distance = on_rim(x, a, b, c, d)
+        return xi, eta, distance, True
+    xi, eta = min(max(xi, -1.0), 1.0), min(max(eta, -1.0), 1.0)
+    r = plus(plus(plus(plus(m, -1.0, x), xi, e), eta, g), xi * eta, h)
+    return xi, eta, dot(r, r), False
+
+
+@kernel
+def add_areas(place, faces, area, size, radius):
+    """Add a quarter of each face's area to its corners; fill the root of the area and the radius of each face."""
+    for face in range(faces.shape[0]):
+        k = faces[face]
+        a, b, c, d = row(place, k[0]), row(place, k[1]), row(place, k[2]), row(place, k[3])
+        across = cross(plus(c, -1.0, a), plus(d, -1.0, b))
+        whole = 0.5 * math.sqrt(dot(across, across))
+        size[face] = math.sqrt(whole)
+        m, _, _, _ = patch(a, b, c, d)
+        furthest = 0.0
+        for corner in (a, b, c, d):
+            off = plus(corner, -1.0, m)
+            furthest = max(furthest, dot(off, off))
+        radius[face] = math.sqrt(furthest)
+        for c in range(4):
+            area[k[c]] += 0.25 * whole
+
+
+@kernel
+def face_boxes(place, faces, reach):
+    """Return the least and the greatest coordinates of each face, widened by its reach, (faces, 6)."""
+    boxes = np.empty((faces.shape[0], 6))
+    for face in range(faces.shape[0]):
+        for c in range(3):
+            low, high = np.inf, -np.inf
+            for k in range(4):
+                value = place[faces[face, k], c]
+                low, high = min(low, value), max(high, value)
+            boxes[face, c] = low - reach[face]
+            boxes[face, 3 + c] = high + reach[face]
+    return boxes
+
+
+@kernel
+def cells_of(low, high, count, wanted):
+    """Return the number of cells by axis and their widths: about as wide as wanted, at most 4 a node in all."""
+    cells = np.ones(3, np.int64)
+    length = np.maximum(high - low, 1e-300)
+    width = max(wanted, length.max() / 1000.0, 1e-300)
+    while True:
+        for c in range(3):
+            cells[c] = int(length[c] / width) + 1
+        if cells[0] * cells[1] * cells[2] <= 4 * count + 64:
+            return cells, length / cells
+        width *= 1.3
+
+
+@leaf_kernel
+def cell_of(value, low, width, cells):
+    """Return the cell that a coordinate lies in, or the nearest."""
+    return min(max(int((value - low) / width), 0), cells - 1)
+
+
+@kernel
+def buckets(place, inside, low, width, cells):
+    """Return the nodes in the order of their cells, and where those of each cell begin."""
+    number = np.empty(inside.shape[0], np.int64)
+    begin = np.zeros(cells[0] * cells[1] * cells[2] + 1, np.int64)
+    for j in range(inside.shape[0]):
+        n = inside[j]
+        i0 = cell_of(place[n, 0], low[0], width[0], cells[0])
+        i1 = cell_of(place[n, 1], low[1], width[1], cells[1])
+        i2 = cell_of(place[n, 2], low[2], width[2], cells[2])
+        number[j] = (i0 * cells[1] + i1) * cells[2] + i2
+        begin[number[j] + 1] += 1
+    begin = np.cumsum(begin)
+    order = np.empty_like(inside)
+    fill = begin[:-1].copy()
+    for j in range(inside.shape[0]):
+        order[fill[number[j]]] = inside[j]
+        fill[number[j]] += 1
+    return order, begin
+
+
+@called_kernel
+def meet(place, box, face, grid, count, candidates, filling):
+    """Count, or fill in, the nodes that lie in the box of a face; count[n] is then where the next face of n goes."""
+    order, begin, low, high, width, cells = grid
+    if (box[0] > high[0] or box[1] > high[1] or box[2] > high[2]) or (
+        box[3] < low[0] or box[4] < low[1] or box[5] < low[2]
+    ):
+        return
+    a0, b0 = cell_of(box[0], low[0], width[0], cells[0]), cell_of(box[3], low[0], width[0], cells[0])
+    a1, b1 = cell_of(box[1], low[1], width[1], cells[1]), cell_of(box[4], low[1], width[1], cells[1])
+    a2, b2 = cell_of(box[2], low[2], width[2], cells[2]), cell_of(box[5], low[2], width[2], cells[2])
+    for i0 in range(a0, b0 + 1):
+        for i1 in range(a1, b1 + 1):
+            line = (i0 * cells[1] + i1) * cells[2]
+            for j in range(begin[line + a2], begin[line + b2 + 1]):
+                n = order[j]
+                x, y, z = place[n, 0], place[n, 1], place[n, 2]
+                if x < box[0] or x > box[3] or y < box[1] or y > box[4] or z < box[2] or z > box[5]:
+                    continue
+                if filling:
+                    candidates[count[n]] = face
+                count[n] += 1
+
+
+@kernel
+def nodes_within(place, checked, nodes, boxes):
+    """Return the nodes of a range, if to be checked, that lie within the bounds of all boxes; the mean box width."""
+    low, high, wide = np.full(3, np.inf), np.full(3, -np.inf), 0.0
+    for face in range(boxes.shape[0]):
+        for c in range(3):
+            low[c], high[c] = min(low[c], boxes[face, c]), max(high[c], boxes[face, 3 + c])
+            wide += (boxes[face, 3 + c] - boxes[face, c]) / (3.0 * boxes.shape[0])
+    inside = np.empty(nodes[1] - nodes[0], np.int64)
+    found = 0
+    for n in range(nodes[0], nodes[1]):
+        x, y, z = row(place, n)
+        if checked[n] and low[0] <= x <= high[0] and low[1] <= y <= high[1] and low[2] <= z <= high[2]:
+            inside[found] = n
+            found += 1
+    return inside[:found], wide
+
+
+@kernel
+def grid(place, checked, nodes, boxes):
+    """Return nodes sorted into cells, where each cell begins, the bounds of the cells, their widths and numbers."""
+    inside, wide = nodes_within(place, checked, nodes, boxes)
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for n in inside:
+        for c in range(3):
+            low[c], high[c] = min(low[c], place[n, c]), max(high[c], place[n, c])
+    cells, width = np.ones(3, np.int64), np.ones(3)
+    if inside.shape[0] > 0:
+        cells, width = cells_of(low, high, inside.shape[0], wide)
+    order, begin = buckets(place, inside, low, width, cells)
+    return order, begin, low, high, width, cells
+
+
+@kernel
+def search(place, checked, faces, reach, split, face_split):
+    """Return, for each node, the faces of the other surface in whose widened boxes it lies: start, candidates.
+
+    Nodes are sorted into cells, and each face looks into the cells that its box covers. Faces of a node ascend.
+    """
+    total, ends = place.shape[0], faces.shape[0]
+    boxes = face_boxes(place, faces, reach)
+    of_first = grid(place, checked, (0, split), boxes[face_split:])
+    of_second = grid(place, checked, (split, total), boxes[:face_split])
+    start, candidates = np.zeros(total + 1, np.int64), np.empty(0, np.int32)
+    for filling in (False, True):
+        place_of = start[:-1].copy()
+        for face in range(ends):
+            meet(place, boxes[face], face, of_second if face < face_split else of_first, place_of, candidates, filling)
+        if not filling:
+            start[1:] = np.cumsum(place_of)
+            candidates = np.empty(start[-1], np.int32)
+    return start, candidates

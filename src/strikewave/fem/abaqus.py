@@ -1,0 +1,317 @@
+"""Nodes, hexahedra, sets and surfaces of an Abaqus input file (.inp).
+
+Read are ``*NODE``, ``*ELEMENT``, ``*NSET``, ``*ELSET`` (also ``GENERATE``), ``*SURFACE, TYPE=ELEMENT`` and the set of
+each ``*SOLID SECTION``; all else is passed over. A file of several parts or instances is refused, as its numbers have
+no meaning without their part; so is one that includes other files.
+"""
+
+from __future__ import annotations
+
+import re
+from array import array
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from strikewave.errors import InputError, nearest
+from strikewave.fem.mesh import FACES, exterior_faces
+from strikewave.fem.raw_mesh import LARGEST_COUNT, RawMesh, Whole, refuse_other_solids
+
+HEXAHEDRON = re.compile(r"C3D8[A-Z]*\Z")
+QUAD = re.compile(r"(S4|CPS4|CPE4|M3D4|R3D4|SFM3D4)[A-Z]*\Z")
+SOLID = re.compile(r"C3D\d+[A-Z]*\Z")
+
+FLAT_HINT = "write it flat: one part, one instance (in Abaqus/CAE: noPartsInputFile=ON)"
+
+
+LONGEST_LINE = 10_000
+"""Characters of a keyword with its options."""
+
+LARGEST_SETS = 100_000_000
+"""Members of all sets and surfaces together."""
+
+
+@dataclass
+class _Contents:
+    """What was read so far: numbers as the file has them, names in capitals (Abaqus knows no case)."""
+
+    nodes: array[int] = field(default_factory=lambda: array("q"))
+    places: array[float] = field(default_factory=lambda: array("d"))
+    hexahedra: array[int] = field(default_factory=lambda: array("q"))
+    quads: dict[str, array[int]] = field(default_factory=dict)
+    node_sets: dict[str, list[str]] = field(default_factory=dict)
+    element_sets: dict[str, list[str]] = field(default_factory=dict)
+    surfaces: dict[str, list[str]] = field(default_factory=dict)
+    sections: list[str] = field(default_factory=list)
+    others: dict[str, int] = field(default_factory=dict)
+    parts: int = 0
+    instances: int = 0
+    spelled: dict[str, str] = field(default_factory=dict)
+
+    def known(self, name: str) -> str:
+        """Return a name in capitals, and remember how it was first written."""
+        self.spelled.setdefault(name.upper(), name)
+        return name.upper()
+
+
+Rows = list[str]
+Options = dict[str, str]
+
+
+def read_abaqus(path: Path) -> RawMesh:
+    """Return what an Abaqus input file holds.
+
+    Raises
+    ------
+    InputError
+        If a line is not what its keyword asks for, numbers repeat or are missing, or the file has several parts,
+        includes other files, or has solids that are not hexahedra of 8 nodes.
+    """
+    found = _Contents()
+    with path.open(encoding="latin-1") as lines:
+        for keyword, options, rows in _blocks(lines):
+            if keyword in _READERS:
+                try:
+                    _READERS[keyword](found, options, rows)
+                except (ValueError, OverflowError) as error:
+                    if isinstance(error, InputError):
+                        raise
+                    raise InputError(f"mesh.file *{keyword}", str(error), "numbers as Abaqus writes them") from None
+    refuse_other_solids(found.others)
+    return _Resolver(found).mesh()
+
+
+def _blocks(lines: Iterable[str]) -> Iterator[tuple[str, Options, Rows]]:
+    """Yield each keyword with its options and the lines of its data."""
+    keyword, options, rows = "", Options(), Rows()
+    pending = ""
+    for raw in lines:
+        line = raw.strip()
+        if not line or line.startswith("**"):
+            continue
+        if pending or line.startswith("*"):
+            line = pending + line
+            pending = line if line.endswith(",") else ""
+            if len(line) > LONGEST_LINE:
+                raise InputError("mesh.file", line, f"keywords of at most {LONGEST_LINE} characters")
+            if pending:
+                continue
+            yield keyword, options, rows
+            name, *words = (word.strip() for word in line[1:].split(","))
+            keyword, rows = " ".join(name.upper().split()), []
+            pairs = (word.partition("=") for word in words)
+            options = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
+        elif keyword in _READERS:
+            rows.append(line)
+    yield keyword, options, rows
+
+
+def _words(rows: Rows) -> Iterator[list[str]]:
+    """Yield the words of each line."""
+    for row in rows:
+        words = [word.strip() for word in row.split(",")]
+        yield words if words[-1] else words[:-1]
+
+
+def _nodes(found: _Contents, options: Options, rows: Rows) -> None:
+    for number, *place in _words(rows):
+        found.nodes.append(int(number))
+        xyz = [float(x.upper().replace("D", "E")) if x else 0.0 for x in place[:3]]
+        found.places.extend(xyz + [0.0] * (3 - len(xyz)))
+        if "NSET" in options:
+            found.node_sets.setdefault(found.known(options["NSET"]), []).append(number)
+
+
+def _elements(found: _Contents, options: Options, rows: Rows) -> None:
+    kind = options.get("TYPE", "").upper()
+    size = 9 if HEXAHEDRON.match(kind) else 5 if QUAD.match(kind) else 0
+    if not size:
+        if SOLID.match(kind):
+            found.others[kind] = found.others.get(kind, 0) + len(rows)
+        return
+    numbers = array("q", (int(word) for words in _words(rows) for word in words if word))
+    if len(numbers) % size:
+        raise InputError(f"mesh.file *ELEMENT, TYPE={kind}", f"{len(numbers)} numbers", f"{size} for each element")
+    name = found.known(options["ELSET"]) if options.get("ELSET") else ""
+    if size == 5:
+        found.quads.setdefault(name, array("q")).extend(numbers)
+        return
+    found.hexahedra.extend(numbers)
+    if len(found.hexahedra) > 9 * LARGEST_COUNT:
+        raise InputError("mesh.file", f"{len(found.hexahedra) // 9} hexahedra", f"at most {LARGEST_COUNT}")
+    if name:
+        found.element_sets.setdefault(name, []).extend(str(number) for number in numbers[::9])
+
+
+def _set(key: str) -> _Reader:
+    """Return the reader of *NSET or *ELSET; a generated row is kept as first:last:step."""
+
+    def read(found: _Contents, options: Options, rows: Rows) -> None:
+        if not options.get(key):
+            raise InputError(f"mesh.file *{key}", "no name", f"{key}=name")
+        sets = found.node_sets if key == "NSET" else found.element_sets
+        members = sets.setdefault(found.known(options[key]), [])
+        for words in _words(rows):
+            if "GENERATE" in options:
+                first, last, step = (int(word) for word in [*words, "1"][:3])
+                members.append(f"{first}:{last}:{step}")
+            else:
+                members.extend(word for word in words if word)
+
+    return read
+
+
+def _surface(found: _Contents, options: Options, rows: Rows) -> None:
+    if options.get("TYPE", "ELEMENT").upper() == "ELEMENT" and options.get("NAME"):
+        found.surfaces.setdefault(found.known(options["NAME"]), []).extend(rows)
+
+
+def _section(found: _Contents, options: Options, rows: Rows) -> None:
+    if options.get("ELSET"):
+        found.sections.append(found.known(options["ELSET"]))
+
+
+def _part(found: _Contents, options: Options, rows: Rows) -> None:
+    found.parts += 1
+    if found.parts > 1:
+        raise InputError("mesh.file", "several *PART", "one part", FLAT_HINT)
+
+
+def _instance(found: _Contents, options: Options, rows: Rows) -> None:
+    found.instances += 1
+    if found.instances > 1 or rows:
+        got = "an *INSTANCE that is moved" if rows else "several *INSTANCE"
+        raise InputError("mesh.file", got, "one instance where its part stands", FLAT_HINT)
+
+
+def _include(found: _Contents, options: Options, rows: Rows) -> None:
+    raise InputError("mesh.file", "*INCLUDE", "a file that holds the whole mesh", "put the included lines in its place")
+
+
+_Reader = Callable[[_Contents, Options, Rows], None]
+_READERS: dict[str, _Reader] = {
+    "NODE": _nodes,
+    "ELEMENT": _elements,
+    "NSET": _set("NSET"),
+    "ELSET": _set("ELSET"),
+    "SURFACE": _surface,
+    "SOLID SECTION": _section,
+    "PART": _part,
+    "INSTANCE": _instance,
+    "INCLUDE": _include,
+}
+
+
+class _Resolver:
+    """Turns the numbers of a file into places in arrays."""
+
+    def __init__(self, found: _Contents) -> None:
+        self.found = found
+        self.spent = 0
+        rows = (
+            np.frombuffer(found.hexahedra, np.int64).reshape(-1, 9) if found.hexahedra else np.empty((0, 9), np.int64)
+        )
+        self.nodes = _Numbers("node", np.array(found.nodes, np.int64))
+        self.elements = _Numbers("element", rows[:, 0])
+        self.hexahedra = self.nodes.places(rows[:, 1:])
+
+    def mesh(self) -> RawMesh:
+        """Return the mesh with its parts, sides and sets."""
+        found = self.found
+        sets = self._sets(found.element_sets, self.elements)
+        nodes = self._sets(found.node_sets, self.nodes)
+        named = dict.fromkeys(found.sections) or [name for name in sets if not name.startswith("_")]
+        spell = found.spelled
+        return RawMesh(
+            points=np.array(found.places).reshape(-1, 3),
+            hexahedra=self.hexahedra.astype(np.int32),
+            parts={spell[name]: sets[name] for name in named if name in sets and len(sets[name])},
+            quads={
+                **{spell[name]: self._shells(quads) for name, quads in found.quads.items() if name},
+                **{spell[name]: self._surface(name, sets) for name in found.surfaces},
+            },
+            node_sets={spell[name]: members for name, members in nodes.items() if not name.startswith("_")},
+        )
+
+    def _shells(self, quads: array[int]) -> Whole:
+        return self.nodes.places(np.frombuffer(quads, np.int64).reshape(-1, 5)[:, 1:])
+
+    def _sets(self, written: dict[str, list[str]], numbers: _Numbers) -> dict[str, Whole]:
+        """Return the members of each set that there are: numbers, ranges, and members of sets named before it."""
+        sets: dict[str, Whole] = {}
+        for name, words in written.items():
+            single = array("q", (int(word) for word in words if word.isdecimal()))
+            members = [numbers.known(np.array(single, np.int64))]
+            for word in dict.fromkeys(word.upper() for word in words if not word.isdecimal()):
+                if ":" in word:
+                    first, last, step = (int(number) for number in word.split(":"))
+                    members.append(numbers.between(first, last, step))
+                elif word in sets:
+                    members.append(sets[word])
+                else:
+                    raise InputError(f"mesh.file set {name}", word, "a set that comes before it", nearest(word, sets))
+                self._spend(len(members[-1]))
+            sets[name] = np.unique(np.concatenate(members))
+        return sets
+
+    def _surface(self, name: str, sets: dict[str, Whole]) -> Whole:
+        """Return the faces of a surface: rows of a set or an element, and S1 to S6, or all that lie outside."""
+        faces: list[Whole] = [np.empty((0, 4), np.int64)]
+        for who, label in dict.fromkeys((row[0], (*row, "")[1]) for row in _words(self.found.surfaces[name]) if row):
+            if who.isdecimal():
+                elements = self.elements.known(np.array([int(who)], np.int64))
+            elif who.upper() in sets:
+                elements = sets[who.upper()]
+            else:
+                raise InputError(f"mesh.file surface {name}", who, "an element or an element set", nearest(who, sets))
+            hexahedra = self.hexahedra[elements]
+            if not label:
+                faces.append(exterior_faces(hexahedra.astype(np.int32)).astype(np.int64))
+            elif re.fullmatch("S[1-6]", label.upper()):
+                faces.append(hexahedra[:, FACES[int(label[1]) - 1]])
+            else:
+                raise InputError(f"mesh.file surface {name}", label, "a face from S1 to S6")
+            self._spend(len(elements))
+        return np.concatenate(faces)
+
+    def _spend(self, members: int) -> None:
+        """Refuse a file whose sets would fill the memory."""
+        self.spent += members
+        if self.spent > LARGEST_SETS:
+            raise InputError("mesh.file", "sets of sets", f"at most {LARGEST_SETS} members of all sets together")
+
+
+class _Numbers:
+    """The numbers that nodes or elements have in a file, each once."""
+
+    def __init__(self, kind: str, numbers: Whole) -> None:
+        self.kind = kind
+        self.order = np.argsort(numbers, kind="stable")
+        self.sorted = numbers[self.order]
+        twice = self.sorted[1:][self.sorted[1:] == self.sorted[:-1]]
+        if len(twice):
+            raise InputError(f"mesh.file {kind}", f"number {twice[0]} twice", "each number once", FLAT_HINT)
+
+    def known(self, numbers: Whole) -> Whole:
+        """Return the places of those numbers that there are."""
+        if not len(self.sorted):
+            return np.empty(0, np.int64)
+        near = np.minimum(np.searchsorted(self.sorted, numbers), len(self.sorted) - 1)
+        return self.order[near[self.sorted[near] == numbers]]
+
+    def between(self, first: int, last: int, step: int) -> Whole:
+        """Return the places of the numbers first, first + step, ... up to last that there are."""
+        if step < 1:
+            raise InputError(f"mesh.file {self.kind} set", f"a step of {step}", "at least 1")
+        low, high = np.searchsorted(self.sorted, [first, last + 1])
+        return self.order[low:high][(self.sorted[low:high] - first) % step == 0]
+
+    def places(self, numbers: Whole) -> Whole:
+        """Return the places of numbers, all of which there must be."""
+        places = self.known(numbers.ravel())
+        if len(places) != numbers.size:
+            missing = numbers.ravel()[~np.isin(numbers.ravel(), self.sorted)]
+            raise InputError(f"mesh.file {self.kind}", f"number {missing[0]}", f"a {self.kind} of the file")
+        return places.reshape(numbers.shape)

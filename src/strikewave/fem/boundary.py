@@ -1,0 +1,279 @@
+"""What holds and loads a mesh, each as a nodal force that makes it so; SI.
+
+A boundary adds, once all other forces of an instant are known, the force by which central differences reach the
+velocity that it asks for, m (v_wanted - v)/dt - f. Work and impulse of all of them then come from one formula, and
+reactions are known to the rounding error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.errors import InputError
+from strikewave.fem import _boundary_kernels as kernels
+from strikewave.fem.mesh import Array, Index, Mesh
+from strikewave.fem.model import (
+    Curve,
+    Driven,
+    Fixed,
+    Guided,
+    Model,
+    NonReflecting,
+    Pressure,
+    Symmetry,
+)
+from strikewave.fem.solids import AnySolid
+
+Flags = NDArray[np.bool_]
+FLAT = 1e-6
+"""How far the normals of a symmetry side may differ."""
+PARALLEL = 1e-6
+"""Below this share of a unit vector, a held direction is one of those held already."""
+
+
+@dataclass
+class Now:
+    """The instant t_n: x there, v half a step before, f all forces so far.
+
+    ``kick`` is the step of the velocity, ``step`` that of the position.
+    """
+
+    time: float
+    kick: float
+    step: float
+    x: Array
+    v: Array
+    f: Array
+    mass: Array
+
+
+class Acting:
+    """Forces on some nodes (each once), and what they do.
+
+    Attributes
+    ----------
+    nodes : array (k,)
+    force, before : array (k, 3)
+        Of this step, N; velocity before it, m/s.
+    """
+
+    def __init__(self, nodes: Index) -> None:
+        self.nodes = np.ascontiguousarray(nodes, np.int32)
+        self.force, self.before = np.zeros((len(nodes), 3)), np.zeros((len(nodes), 3))
+
+    def add(self, now: Now) -> None:
+        """Find the forces of this instant and add them to those of the nodes."""
+        kernels.take_rows(self.nodes, now.v, self.before)
+        self.act(now)
+
+    def act(self, now: Now) -> None:
+        """Write ``force`` and add it to ``now.f``."""
+        raise NotImplementedError
+
+    def work(self, v: Array, kick: float) -> float:
+        """Return the work of the step that led to the velocity v, J."""
+        return float(kick * kernels.work_of(self.nodes, self.force, self.before, v))
+
+    def work_before(self, behind: float) -> float:
+        """Return the part of it that lies before the instant itself, J; ``behind`` is the step before."""
+        return float(0.5 * behind * np.einsum("ni,ni->", self.force, self.before))
+
+
+class Held(Acting):
+    """Nodes without, or with a given, speed along some directions."""
+
+    def __init__(self, nodes: Index, directions: Array, speed: Curve | None = None) -> None:
+        super().__init__(nodes)
+        self.directions, self.speed = np.ascontiguousarray(directions, float), speed
+
+    def act(self, now: Now) -> None:
+        """Hold the nodes; a given speed is that at the middle of the step to come."""
+        speed = 0.0 if self.speed is None else value_at(self.speed, now.time + 0.5 * now.step)
+        kernels.hold(self.nodes, self.directions, speed, now.kick, now.v, now.f, now.mass, self.force)
+
+
+class Pressed(Acting):
+    """Faces under a pressure."""
+
+    def __init__(self, faces: Index, pressure: Curve) -> None:
+        nodes, places = np.unique(faces, return_inverse=True)
+        super().__init__(nodes)
+        self.faces, self.pressure = places.reshape(faces.shape).astype(np.int32), pressure
+
+    def act(self, now: Now) -> None:
+        """Press the faces as they are deformed now."""
+        kernels.press(self.faces, value_at(self.pressure, now.time), now.x[self.nodes], self.force)
+        kernels.add_rows(self.nodes, self.force, now.f)
+
+
+class Dashpots(Acting):
+    """Dashpots C that let waves out, taken at the middle of the step, so that no step is too long for them.
+
+    The force -C (v + v_new)/2 with v_new = v + dt (f - C (v + v_new)/2)/m is -D (v + dt f/2m),
+    D = C (1 + dt C/2m)^-1 (semi-implicit).
+
+    Source: Lysmer & Kuhlemeyer 1969, Journal of the Engineering Mechanics Division 95, 859.
+    """
+
+    def __init__(self, nodes: Index, matrix: Array) -> None:
+        super().__init__(nodes)
+        self.matrix, self.kick, self.ready = matrix, 0.0, matrix
+
+    def act(self, now: Now) -> None:
+        """Absorb what arrives."""
+        if now.kick != self.kick:
+            self.kick = now.kick
+            share = self.matrix * (0.5 * now.kick / now.mass[self.nodes])[:, None, None]
+            self.ready = np.ascontiguousarray(self.matrix @ np.linalg.inv(np.eye(3) + share))
+        kernels.absorb(self.nodes, self.ready, now.kick, now.v, now.f, now.mass, self.force)
+
+
+def value_at(curve: Curve, time: float) -> float:
+    """Return the value of a curve at a time."""
+    return float(np.interp(time, curve.time, curve.value))
+
+
+def area_vectors(points: Array, faces: Index) -> Array:
+    """Return the area vector of each face, m^2, outward."""
+    return np.asarray(
+        0.5 * np.cross(points[faces[:, 2]] - points[faces[:, 0]], points[faces[:, 3]] - points[faces[:, 1]])
+    )
+
+
+def unit(vector: Sequence[float], field: str) -> Array:
+    """Return a vector of length one.
+
+    Raises
+    ------
+    InputError
+        If it has no length.
+    """
+    length = float(np.linalg.norm(vector))
+    if not 0.0 < length < np.inf:
+        raise InputError(field, list(vector), "a vector that is not zero")
+    return np.asarray(vector, float) / length
+
+
+def nodes_named(mesh: Mesh, name: str) -> Index:
+    """Return the nodes of a side, or of a part named alone."""
+    return mesh.nodes_of(name) if name in mesh.names else np.unique(mesh.side(name))
+
+
+def normal_of(mesh: Mesh, side: str) -> Array:
+    """Return the normal of a flat side.
+
+    Raises
+    ------
+    InputError
+        If the side is not flat.
+    """
+    areas = area_vectors(mesh.points, mesh.side(side))
+    mean = unit(areas.sum(axis=0), side)
+    size = np.linalg.norm(areas, axis=1)
+    off = float(np.abs(areas @ mean - size).max() / size.max())
+    if off > FLAT:
+        raise InputError("boundary.side", side, "a flat side for symmetry", "use kind = guided or fixed on a bent one")
+    return mean
+
+
+def _across(axis: Array) -> Array:
+    """Return two directions across an axis, (2, 3)."""
+    return np.asarray(np.linalg.svd(axis[None])[2][1:])
+
+
+def _held_directions(mesh: Mesh, boundary: Fixed | Symmetry | Guided) -> Array:
+    if isinstance(boundary, Fixed):
+        return np.eye(3)
+    if isinstance(boundary, Symmetry):
+        return normal_of(mesh, boundary.side)[None]
+    return _across(unit(boundary.axis, "boundary.axis"))
+
+
+def _orthonormal(held: Array, new: Array) -> Array:
+    """Return the rows of held and those parts of new directions that they do not hold yet."""
+    for direction in new:
+        rest = direction - held.T @ (held @ direction)
+        length = np.linalg.norm(rest)
+        if length > PARALLEL:
+            held = np.vstack([held, rest / length])
+    return held
+
+
+def held_nodes(mesh: Mesh, boundaries: Sequence[Fixed | Symmetry | Guided], free: Flags) -> Held | None:
+    """Return all held nodes with their directions; ``free`` (nodes,) tells which nodes have a mass."""
+    found: dict[bytes, Array] = {b"": np.zeros((0, 3))}
+    kind = np.zeros(len(mesh.points), np.int64)
+    keys = [b""]
+    for boundary in boundaries:
+        nodes = nodes_named(mesh, boundary.side)
+        new = _held_directions(mesh, boundary)
+        before = kind[nodes].copy()
+        for old in np.unique(before):
+            basis = _orthonormal(found[keys[old]], new)
+            key = basis.tobytes()
+            if key not in found:
+                found[key] = basis
+                keys.append(key)
+            kind[nodes[before == old]] = keys.index(key)
+    nodes = np.flatnonzero((kind > 0) & free).astype(np.int32)
+    if not len(nodes):
+        return None
+    table = np.array([np.vstack([found[key], np.zeros((3 - len(found[key]), 3))]) for key in keys])
+    return Held(nodes, table[kind[nodes]])
+
+
+def dashpots(
+    mesh: Mesh, sides: Sequence[NonReflecting], solids: Mapping[str, AnySolid], free: Flags
+) -> Dashpots | None:
+    """Return the dashpots of all non-reflecting sides."""
+    matrix = np.zeros((len(mesh.points), 3, 3))
+    for boundary in sides:
+        solid = solids[boundary.side.rpartition(".")[0] or boundary.side]
+        faces = mesh.side(boundary.side)
+        areas = area_vectors(mesh.points, faces)
+        size = np.linalg.norm(areas, axis=1)
+        normal = areas / size[:, None]
+        shear = solid.density * float(np.sqrt(solid.shear_modulus / solid.density))
+        normal_part = (solid.density * solid.wave_speed - shear) * np.einsum("fi,fj->fij", normal, normal)
+        share = 0.25 * size[:, None, None] * (shear * np.eye(3) + normal_part)
+        for corner in faces.T:
+            np.add.at(matrix, corner, share)
+    nodes = np.flatnonzero(np.any(matrix, axis=(1, 2)) & free).astype(np.int32)
+    return Dashpots(nodes, matrix[nodes]) if len(nodes) else None
+
+
+def build_boundaries(model: Model, free: Flags) -> tuple[list[Acting], list[Held]]:
+    """Return the loads of a model (pressures, dashpots), which contact feels, and what holds it (driven, held nodes).
+
+    ``free`` (nodes,) tells which nodes have a mass of their own.
+
+    Raises
+    ------
+    InputError
+        If a side is not there, a symmetry side is not flat, or a node is driven where it is held.
+    """
+    mesh = model.mesh
+    loads: list[Acting] = [Pressed(mesh.side(b.side), b.pressure) for b in model.boundaries if isinstance(b, Pressure)]
+    quiet = dashpots(mesh, [b for b in model.boundaries if isinstance(b, NonReflecting)], model.solids, free)
+    held = held_nodes(mesh, [b for b in model.boundaries if isinstance(b, Fixed | Symmetry | Guided)], free)
+    driven = [_driven(mesh, b, held, free) for b in model.boundaries if isinstance(b, Driven)]
+    return [*loads, *([quiet] if quiet else [])], [*driven, *([held] if held else [])]
+
+
+def _driven(mesh: Mesh, boundary: Driven, held: Held | None, free: Flags) -> Held:
+    nodes = nodes_named(mesh, boundary.side)
+    nodes = nodes[free[nodes]]
+    direction = unit(boundary.direction, "boundary.direction")
+    if held is not None:
+        common = np.isin(held.nodes, nodes)
+        if np.any(np.abs(held.directions[common] @ direction) > PARALLEL):
+            raise InputError(
+                "boundary.side", boundary.side, "nodes that are not held along the direction they are driven"
+            )
+    rows = np.zeros((len(nodes), 3, 3))
+    rows[:, 0] = direction
+    return Held(nodes, rows, boundary.velocity)

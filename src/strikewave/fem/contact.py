@@ -1,0 +1,292 @@
+"""Contact between deformable bodies and with rigid walls, by a penalty on the gap to come; SI.
+
+A node is pressed out of a face of the other surface by a force that acts on the **predicted gap** g*, the gap that
+there would be at the end of the step dt if there were no contact:
+
+    F = s w m* / dt^2 (-g*)  where g* < 0,    g* = (x* - p*) . n,    x* = x + dt (v + dt f/m),
+
+s share of the stiffness that closes the gap within the step (``Contact.stiffness``), w = 1/2 as both surfaces are
+checked against each other, p* the closest point of the face, n its normal there, and m* the mass that has to be moved:
+
+    1/m* = 1/m_node + max(1/(mu A), sum N_i^2/m_i),
+
+A the node's share of the area of its surface, mu the mass of the face's nodes per area, N_i the shape functions at p*.
+The node pushes the corners of the face back by N_i F: the sum of the forces is zero, and as F runs along x* - p* their
+moment is too, within F dt times the velocity that they have beside each other.
+
+Where two surfaces press evenly on each other both passes together close the share s of the gap within a step, whatever
+their meshes are: with s = 1 this is contact as a kinematic constraint. Because g* contains dt times the velocity the
+force is a spring and a damper in one, and takes energy when surfaces meet: their nodes' share of it, which goes to zero
+with the size of the elements. Held by a steady force F the surfaces overlap by (1 - s)/s F dt^2/m*.
+
+Friction is Coulomb's: the force s w m*/dt |v_t*| that would stop the predicted sliding within the step, at most mu F,
+against the sliding. It remembers nothing and can only take energy; what sticks creeps (1 - s)/s dt T/m* a second under
+a steady force T.
+
+A node meets one face only, the closest. Behind a valley between two faces it is pressed towards the edge; beyond the
+rim of a surface its force fades away between 1/40 and 1/20 of the size of the face. Nodes deeper than half the element
+behind a face are not inside it. A node that came to be inside by another way than through the face, beside the rim say,
+is only kept from going deeper: pressed out of a depth that it never was pressed into it would gain energy.
+
+Where the step gets shorter the stiffness grows, and depths are made to shrink with dt so that they hold no more energy.
+
+Nodes meet faces: two edges that cross where neither has a node inside a face pass through each other, and a surface
+does not meet itself.
+
+Linearly, with all nodes touching, the step x' = (1 - s)((2 - Omega^2) x - x_before) is stable for any vibration with
+Omega = omega dt <= 2 when 0 < s <= 4/3; above 1 contact overshoots and can give energy as it opens. Bars of lattices at
+0.9 of the critical step, with equal and unequal meshes and masses, gained none for any s up to 1.
+
+Before a blow, surfaces that are round but made of flat faces may overlap. Overlaps of less than 1/10 of a face are kept
+as the place from which the gap of that node is measured, until the node has moved out of them; deeper ones are refused.
+
+Sources: Hallquist, Goudreau & Benson 1985, Computer Methods in Applied Mechanics and Engineering 51, 107-137 (both
+surfaces checked against each other); Taylor & Flanagan 1989, PRONTO 3D, SAND87-1912 (contact found in the motion that
+there would be without it).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from strikewave.errors import InputError
+from strikewave.fem import _contact_kernels as kernels
+from strikewave.fem import _surface_kernels as surface_kernels
+from strikewave.fem._contact_kernels import ContactState, Found, Touch, WallState
+from strikewave.fem.mesh import Array, Index, Mesh
+from strikewave.fem.model import Contact, Wall
+from strikewave.fem.surfaces import extents, neighbours, surface_of, thickness
+
+SHALLOW = 0.1
+"""Share of a face's size by which surfaces may overlap before the blow: what a circle of 8 edges cuts off."""
+MARGIN = 0.1
+"""Share of a face's size by which surfaces may move before faces are searched again."""
+_DEEPEST = 0.5
+_REACH = 0.25
+_WALL_STIFFNESS = 0.8
+
+add_contact = kernels.add_contact
+add_wall = kernels.add_wall
+contact_force = kernels.contact_force
+contact_work = kernels.contact_work
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """Nodes that are inside a face before the blow.
+
+    Attributes
+    ----------
+    contact : str
+        Name of the contact or wall.
+    nodes : int
+        How many.
+    deepest : float
+        m; at ``node``, which lies at ``place``, inside a face of ``size`` (m).
+    """
+
+    contact: str
+    nodes: int
+    deepest: float
+    node: int
+    place: tuple[float, float, float]
+    size: float
+
+
+def prepare(contact: Contact, mesh: Mesh, unchecked: Sequence[int] | Index = ()) -> ContactState:
+    """Return a contact ready for the first step of a run that starts from the points of the mesh.
+
+    Nodes that are ``unchecked`` (tied ones) are met by the other surface but not checked against it.
+
+    Raises
+    ------
+    InputError
+        If a side is not there, the sides share nodes, they overlap too deeply, or a number is out of range.
+
+    Examples
+    --------
+    >>> from strikewave.fem.mesh import joined
+    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
+    >>> one = Mesh(cube, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("one",))
+    >>> two = Mesh(cube + [0.0, 0.0, 1.0], one.hexahedra, one.part, ("two",))
+    >>> state = prepare(Contact("one.all", "two.all"), joined([one, two]))
+    >>> state.touch.nodes.size, state.faces.shape
+    (16, (12, 4))
+    """
+    _check(contact)
+    state = two_surfaces(contact, mesh)
+    state.checked[:] = ~np.isin(state.touch.nodes, np.asarray(unchecked, np.int32))
+    state = searched(state, mesh.points, 1.1 * _DEEPEST)
+    gaps = _gaps_now(state, mesh.points)
+    overlap = _overlap(contact.name, state.touch.nodes, gaps, mesh.points, state.size[state.found.face])
+    if overlap is not None and overlap.deepest > SHALLOW * overlap.size:
+        raise _too_deep(overlap, mesh)
+    state.found.offset[:] = gaps
+    state.touch.step[0] = 0.0
+    return state
+
+
+def two_surfaces(contact: Contact, mesh: Mesh) -> ContactState:
+    """Return the state of a contact that has searched nothing yet.
+
+    Raises
+    ------
+    InputError
+        If a side is not there, or the sides share nodes.
+    """
+    first, second = (surface_of(mesh.side(name)) for name in (contact.first, contact.second))
+    shared = np.intersect1d(first.nodes, second.nodes).size
+    if shared:
+        raise InputError(
+            f"{contact.first} and {contact.second}", f"{shared} common nodes", "sides without common nodes"
+        )
+    nodes = np.concatenate([first.nodes, second.nodes])
+    faces = np.concatenate([first.faces, second.faces + np.int32(len(first.nodes))])
+    across = neighbours(faces)
+    now = extents(mesh.points[nodes], faces)
+    split, sizes = len(first.faces), now.size
+    count = len(nodes)
+    found = Found(
+        face=np.full(count, -1, np.int32),
+        shape=np.zeros((count, 4)),
+        gap=np.full(count, np.inf),
+        pressed=np.zeros((count, 3)),
+        rubbed=np.zeros((count, 3)),
+        touches=np.zeros(count, np.uint8),
+        clear=np.zeros(count),
+        offset=np.zeros(count),
+        known=np.zeros(count, np.uint8),
+    )
+    return ContactState(
+        touch=_touch(nodes, len(first.nodes), now.area),
+        found=found,
+        faces=faces,
+        neighbours=across,
+        size=sizes,
+        radius=now.radius,
+        limit=_DEEPEST * np.minimum(thickness(mesh, nodes[faces]), sizes),
+        checked=np.ones(count, np.bool_),
+        start=np.zeros(count + 1, np.int64),
+        candidates=np.zeros(0, np.int32),
+        place=np.zeros((count, 3)),
+        moving=np.zeros((count, 3)),
+        lightness=np.zeros(count),
+        travel=np.zeros(1),
+        first_faces=split,
+        margin=MARGIN * float(min(np.median(sizes[:split]), np.median(sizes[split:]))),
+        stiffness=float(contact.stiffness),
+        coefficient=float(contact.friction),
+    )
+
+
+def searched(state: ContactState, points: Array, reach: float = _REACH) -> ContactState:
+    """Return the contact with nodal areas and candidate faces for where the nodes, (nodes, 3), are now.
+
+    Parameters
+    ----------
+    state : ContactState
+    points : array (nodes, 3)
+        m.
+    reach : float
+        Share of a face's size within which nodes are candidates; the margin of `MARGIN` comes on top.
+    """
+    place = points[state.touch.nodes]
+    now = extents(place, state.faces)
+    state.touch.area[:], state.size[:] = now.area, now.size
+    state.radius[:] = now.radius + state.margin
+    widening = reach * now.size + state.margin
+    start, candidates = surface_kernels.search(
+        place, state.checked, state.faces, widening, state.touch.first, state.first_faces
+    )
+    state.found.clear[:] = 0.0
+    state.travel[0] = 0.0
+    return state._replace(start=start, candidates=candidates)
+
+
+def prepare_wall(wall: Wall, mesh: Mesh) -> WallState:
+    """Return a wall ready for the first step of a run that starts from the points of the mesh.
+
+    Raises
+    ------
+    InputError
+        If the side is not there, lies behind the wall, or the wall has no normal.
+    """
+    length = float(np.linalg.norm(wall.normal))
+    if not 0.0 < length < np.inf:
+        raise InputError(f"wall {wall.name}.normal", wall.normal, "a vector other than zero")
+    if not 0.0 <= wall.friction < np.inf:
+        raise InputError(f"wall {wall.name}.friction", wall.friction, "at least 0")
+    surface = surface_of(mesh.side(wall.side))
+    direction = np.array(wall.normal) / length
+    gaps = (mesh.points[surface.nodes] - np.array(wall.point)) @ direction
+    size = extents(mesh.points[surface.nodes], surface.faces).size
+    overlap = _overlap(wall.name, surface.nodes, gaps, mesh.points, np.full(len(gaps), float(np.median(size))))
+    if overlap is not None and overlap.deepest > SHALLOW * overlap.size:
+        raise _too_deep(overlap, mesh)
+    return WallState(
+        _touch(surface.nodes, len(surface.nodes), np.zeros(len(surface.nodes))),
+        np.minimum(gaps, 0.0),
+        np.array(wall.point, float),
+        direction,
+        _WALL_STIFFNESS,
+        float(wall.friction),
+    )
+
+
+def initial_overlaps(states: Sequence[tuple[str, ContactState | WallState]], points: Array) -> list[Overlap]:
+    """Return where prepared contacts and walls, each with its name, overlap before the blow."""
+    found = []
+    for name, state in states:
+        if isinstance(state, ContactState):
+            overlap = _overlap(name, state.touch.nodes, state.found.offset, points, state.size[state.found.face])
+        else:
+            overlap = _overlap(name, state.touch.nodes, state.offset, points, np.zeros(len(state.offset)))
+        if overlap is not None:
+            found.append(overlap)
+    return found
+
+
+def _check(contact: Contact) -> None:
+    where = f"contact {contact.name}"
+    if contact.first == contact.second:
+        raise InputError(where, contact.second, "two different sides")
+    if not 0.0 <= contact.friction < np.inf:
+        raise InputError(f"{where}.friction", contact.friction, "at least 0")
+    if not 0.0 < contact.stiffness <= 1.0:
+        raise InputError(f"{where}.stiffness", contact.stiffness, "above 0 to 1")
+
+
+def _touch(nodes: Index, first: int, area: Array) -> Touch:
+    velocity, normal, friction = np.zeros((3, len(nodes), 3))
+    return Touch(nodes, first, area, velocity, normal, friction, np.zeros(1))
+
+
+def _gaps_now(state: ContactState, points: Array) -> Array:
+    """Return by how far each node is inside a face as it lies, as a gap: zero or negative."""
+    state.found.offset[:] = -np.inf
+    still, forces, fixed = np.zeros_like(points), np.zeros_like(points), np.zeros(len(points))
+    kernels.add_contact(state, points, still, forces, fixed, 1.0)
+    return np.where(np.isfinite(state.found.offset), state.found.offset, 0.0)
+
+
+def _overlap(name: str, nodes: Index, gaps: Array, points: Array, size: Array) -> Overlap | None:
+    if not np.any(gaps < 0.0):
+        return None
+    worst = int(np.argmin(gaps))
+    node = int(nodes[worst])
+    x, y, z = (float(c) for c in points[node])
+    return Overlap(name, int(np.sum(gaps < 0.0)), -float(gaps[worst]), node, (x, y, z), float(size[worst]))
+
+
+def _too_deep(overlap: Overlap, mesh: Mesh) -> InputError:
+    part = next((name for name in mesh.names if overlap.node in mesh.nodes_of(name)), "no part")
+    place = ", ".join(f"{c:.6g}" for c in overlap.place)
+    return InputError(
+        f"contact {overlap.contact}",
+        f"overlap of {overlap.deepest:.3g} m at ({place}) m in {part}",
+        f"at most {SHALLOW:g} of the size of a face there, {SHALLOW * overlap.size:.3g} m",
+        f"{overlap.nodes} nodes overlap: move the parts apart, or match their meshes",
+    )

@@ -1,0 +1,376 @@
+"""The state of a run and one step of it; `strikewave.fem.solve` drives it; SI."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from strikewave.errors import InputError
+from strikewave.fem import _node_kernels as node_kernels
+from strikewave.fem._contact_kernels import Touch
+from strikewave.fem.boundary import Acting, Held, Now, build_boundaries
+from strikewave.fem.contact import add_contact, add_wall, contact_force, contact_work, prepare, prepare_wall, searched
+from strikewave.fem.full import FullyIntegrated, Mixed
+from strikewave.fem.full import critical_steps as full_critical_steps
+from strikewave.fem.hexahedron import (
+    Hexahedra,
+    OnePoint,
+    build_blocks,
+    critical_steps,
+    element_masses,
+    one_point_constants,
+    shapes,
+)
+from strikewave.fem.mesh import Array, Index, Mesh, volumes
+from strikewave.fem.model import Model
+from strikewave.fem.recorder import Motion, Recorder
+from strikewave.fem.rigid import RigidBody
+from strikewave.fem.run import FemRun, Frame
+from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties
+
+NODES = 20_000
+"""Nodes that a thread moves at least."""
+BROKEN = 0.1
+"""Energy that is missing or too much, as a share of the largest in play, at which a run stops."""
+COLLAPSED = 1e-3
+"""Share of the first critical step below which a run stops."""
+SCALINGS = 60
+"""Rounds in which mass is added."""
+WORKS = ("internal", "plastic", "viscous", "contact", "external")
+"""What is summed over the steps."""
+
+
+class Engine:
+    """Everything that changes in a run.
+
+    Attributes
+    ----------
+    x, v, f : array (nodes, 3)
+        Position at t_n, velocity half a step before, forces at t_n.
+    time, instant, steps : float, int, int
+        t_n; the instant of the histories that is now or comes next; steps done.
+    behind, ahead : float
+        Steps before and after t_n, s.
+    critical : float
+        Critical step of the elements at t_n, s.
+    """
+
+    def __init__(self, model: Model, pool: ThreadPoolExecutor | None = None) -> None:
+        mesh, controls = model.mesh, model.controls
+        self.model, self.pool, self.interval = model, pool, controls.interval
+        self.elements = len(mesh.hexahedra)
+        rigid = {each.part for each in model.rigid}
+        stiff = [name for name in mesh.names if name not in rigid]
+        element_mass, self.added_mass, self.critical = scaled_masses(model, stiff)
+        self.own_mass = nodal_sums(mesh.hexahedra, element_mass / 8.0, len(mesh.points))
+        self.ties = prepare_ties(model.ties, mesh)
+        self.mass = self.own_mass.copy()
+        gather_mass(self.ties, self.mass)
+        free = self.mass > 0.0
+        self.inverse_mass = np.divide(1.0, self.mass, out=np.zeros_like(self.mass), where=free)
+        self.solid = build_elements(model, stiff, element_mass, pool)
+        self.x, self.v, self.f = mesh.points.copy(), np.zeros_like(mesh.points), np.zeros_like(mesh.points)
+        for name, velocity in model.velocity.items():
+            self.v[mesh.nodes_of(name)] = velocity
+        self.loads, self.holds = build_boundaries(model, free)
+        self.bodies = rigid_bodies(model, self.mass, [self.ties.nodes, self.ties.corners.ravel()])
+        self.contacts = {c.name: prepare(c, mesh, self.ties.nodes) for c in model.contacts}
+        self.walls = {w.name: prepare_wall(w, mesh) for w in model.walls}
+        self.yielding = movable(self.inverse_mass, self.holds)
+        shares = {name: part_masses(model.mesh, element_mass, name) for name in mesh.names}
+        self.recorder = Recorder(model, self.own_mass, shares)
+        self.gravity = np.array(model.gravity, float)
+        self.time, self.instant, self.steps, self.behind = 0.0, 0, 0, 0.0
+        self.collapse = COLLAPSED * self.critical
+        self.smallest = np.inf
+        self.done = dict.fromkeys(WORKS, 0.0)
+        self.given = np.zeros(3)
+        self.impulse = {name: np.zeros(3) for name in [*self.contacts, *self.walls]}
+        self.initial_energy = 0.5 * float(self.mass @ np.einsum("ni,ni->n", self.v, self.v))
+        self.kick, self.ahead = 0.0, self._fitting(self.interval)
+
+    @property
+    def acting(self) -> Iterable[Acting]:
+        """Everything but elements, contacts and walls that puts forces on nodes."""
+        return [*self.loads, *self.holds, *self.bodies]
+
+    @property
+    def fingerprint(self) -> str:
+        """What tells apart runs that may not go on from each other's state."""
+        model, digest = self.model, hashlib.sha256()
+        for array in (model.mesh.points, model.mesh.hexahedra, model.mesh.part):
+            digest.update(np.ascontiguousarray(array).tobytes())
+        rest = (model.mesh.names, sorted(model.solids.items()), sorted(model.velocity.items()), model.gravity)
+        parts = (model.boundaries, model.contacts, model.ties, model.walls, model.rigid, model.sections, model.points)
+        controls = {key: value for key, value in vars(model.controls).items() if key not in ("threads", "duration")}
+        digest.update(repr((rest, parts, controls)).encode())
+        return digest.hexdigest()
+
+    @property
+    def touching(self) -> dict[str, Touch]:
+        """Nodes of contacts and walls, by name."""
+        found = {name: state.touch for name, state in self.contacts.items()}
+        return found | {name: wall.touch for name, wall in self.walls.items()}
+
+    def act(self) -> None:
+        """Add to the forces of the elements at t_n all others."""
+        self.kick = 0.5 * (self.behind + self.ahead)
+        now = Now(self.time, self.kick, self.ahead, self.x, self.v, self.f, self.mass)
+        if self.gravity.any():
+            self.f += self.own_mass[:, None] * self.gravity
+        for load in self.loads:
+            load.add(now)
+        for name, state in self.contacts.items():
+            if add_contact(state, self.x, self.v, self.f, self.yielding, self.ahead, self.kick):
+                self.contacts[name] = searched(state, self.x)
+        for wall in self.walls.values():
+            add_wall(wall, self.x, self.v, self.f, self.yielding, self.ahead, self.kick)
+        gather_tied_forces(self.ties, self.f)
+        for each in (*self.holds, *self.bodies):
+            each.add(now)
+
+    def step(self) -> None:
+        """Move the nodes to t_(n+1), book what the forces did, and find the forces of the elements there."""
+        shares = np.linspace(0, len(self.x), max(1, min(self._threads, len(self.x) // NODES)) + 1).astype(int)
+        spans = list(itertools.pairwise(shares.tolist()))
+
+        def move(span: tuple[int, int]) -> None:
+            node_kernels.advance(self.x, self.v, self.f, self.inverse_mass, self.kick, self.ahead, *span)
+
+        list(map(move, spans) if self.pool is None else self.pool.map(move, spans))
+        if len(self.ties.nodes):
+            move_tied(self.ties, self.v)
+            self.x[self.ties.nodes] += self.ahead * self.v[self.ties.nodes]
+        self._book()
+        self.time, self.steps, self.behind = self.time + self.ahead, self.steps + 1, self.ahead
+        self.smallest = min(self.smallest, self.ahead)
+        self.f.fill(0.0)
+        self.critical = self.solid.add_forces(self.x, self.v, self.f, self.ahead)
+
+    @property
+    def _threads(self) -> int:
+        return 1 if self.pool is None else self.model.controls.threads
+
+    def _book(self) -> None:
+        """Add the works and impulses of the step that led to the velocity now."""
+        for each in self.acting:
+            self.done["external"] += each.work(self.v, self.kick)
+            self.given += self.kick * each.force.sum(axis=0)
+        for name, touch in self.touching.items():
+            self.done["contact"] += sum(contact_work(touch, self.v, self.kick))
+            impulse = self.kick * np.array(contact_force(touch))
+            self.impulse[name] += impulse
+            if name in self.walls:
+                self.given += impulse
+
+    def to_next_instant(self) -> None:
+        """Take steps up to the next instant of the histories; the forces there are those of `act` once it is called."""
+        end = (self.instant + 1) * self.interval
+        while True:
+            self.step()
+            left = end - self.time
+            if left < 0.5 * self.ahead or np.isnan(self.critical) or self.critical < self.collapse:
+                break
+            if self.ahead > self.model.controls.safety * self.critical:
+                self.ahead = self._fitting(left)
+            self.act()
+        self.time, self.instant = end, self.instant + 1
+        if self.critical > self.collapse:
+            self.ahead = self._fitting(self.interval)
+
+    def _fitting(self, span: float) -> float:
+        """Return the largest step that is safe and goes into a span a whole number of times, s."""
+        return span / max(1, int(np.ceil(span / (self.model.controls.safety * self.critical) - 1e-9)))
+
+    def motion(self) -> Motion:
+        """Return displacement, velocity and acceleration of the nodes at t_n, once `act` was called."""
+        rate = self.f * self.inverse_mass[:, None]
+        move_tied(self.ties, rate)
+        return Motion(self.x - self.model.mesh.points, self.v + 0.5 * self.behind * rate, rate)
+
+    @np.errstate(invalid="ignore", over="ignore")
+    def record(self) -> str:
+        """Note the instant; return why the run cannot go on, or nothing."""
+        motion = self.motion()
+        internal, plastic, viscous, hourglass = self.solid.work()
+        behind = self.behind
+        kinetic = 0.5 * node_kernels.doubled_kinetic(self.v, self.f, self.mass, self.inverse_mass, behind, self.ahead)
+        external = self.done["external"] + sum(each.work_before(behind) for each in self.acting)
+        fallen = float(self.gravity @ (self.own_mass @ motion.displacement))
+        contact = self.done["contact"] + sum(_work_before(touch, behind) for touch in self.touching.values())
+        force = {name: np.array(contact_force(touch)) for name, touch in self.touching.items()}
+        given = self.given + 0.5 * behind * sum((each.force.sum(axis=0) for each in self.acting), np.zeros(3))
+        given = given + 0.5 * behind * sum((force[name] for name in self.walls), np.zeros(3))
+        energies = {
+            "kinetic": kinetic,
+            "internal": internal,
+            "plastic": plastic,
+            "hourglass": hourglass,
+            "contact": contact,
+            "viscous": viscous,
+            "external": external + fallen,
+        }
+        sums: dict[str, Any] = {**energies, "given": given + self.time * self.own_mass.sum() * self.gravity}
+        for name in force:
+            sums[f"force/{name}"] = force[name]
+            sums[f"impulse/{name}"] = self.impulse[name] + 0.5 * behind * force[name]
+        self.recorder.note(self.time, motion, self.solid.cell_values(self.elements)[0], sums)
+        return self._broken(energies)
+
+    def _broken(self, energies: Mapping[str, float]) -> str:
+        kept = sum(energies[name] for name in ("kinetic", "internal", "hourglass", "contact", "viscous"))
+        given = self.initial_energy + energies["external"]
+        largest = max(abs(given), self.initial_energy, *(abs(e) for e in self.recorder.column("external")))
+        where = f"at {self.time:.4g} s"
+        if not np.isfinite(kept) or np.isnan(self.critical):
+            return f"the numbers end {where}: {self._worst_element()}"
+        if abs(kept - given) > BROKEN * largest and self.steps:
+            off = (kept - given) / largest
+            most = max((abs(energies[n]), n) for n in ("internal", "hourglass", "contact", "viscous"))[1]
+            return f"the energy is off by {off:+.0%} {where}, and {most} energy is largest; {self._worst_element()}"
+        if self.critical < self.collapse:
+            return f"the critical step fell to {self.critical:.3g} s {where}: {self._worst_element()}"
+        return ""
+
+    def _worst_element(self) -> str:
+        """Name the element with the smallest volume for its first."""
+        mesh = self.model.mesh
+        with np.errstate(all="ignore"):
+            ratio = volumes(self.x, mesh.hexahedra) / volumes(mesh.points, mesh.hexahedra)
+        worst = int(np.argmin(np.where(np.isfinite(ratio), ratio, -np.inf)))
+        place = mesh.points[mesh.hexahedra[worst]].mean(axis=0)
+        part = mesh.names[mesh.part[worst]]
+        return (
+            f"look at element {worst - mesh.elements_of(part).start} of {part}, at first around "
+            f"({', '.join(f'{c:.4g}' for c in place)}) m, with {ratio[worst]:.3g} of its first volume"
+        )
+
+    def frame(self) -> Frame:
+        """Return the whole field at t_n, once `act` was called."""
+        motion = self.motion()
+        stress, strain = self.solid.cell_values(self.elements)
+        return Frame(self.time, motion.displacement, motion.velocity, stress, strain)
+
+    def result(self, seconds: float, stopped: str, frames: tuple[Frame, ...]) -> FemRun:
+        """Return what was noted."""
+        noted, names = self.recorder, [*self.contacts, *self.walls]
+        return FemRun(
+            time=noted.column("time"),
+            force={name: noted.column(f"force/{name}") for name in names},
+            impulse={name: noted.column(f"impulse/{name}") for name in names},
+            energy=noted.energy(),
+            initial_energy=self.initial_energy,
+            parts=noted.part_histories(),
+            points=noted.point_histories(),
+            sections=noted.section_histories(),
+            momentum=noted.column("momentum"),
+            impulse_given=noted.column("given"),
+            steps=self.steps,
+            step=self.smallest,
+            added_mass=self.added_mass,
+            seconds=seconds,
+            elements=self.elements,
+            stopped=stopped,
+            frames=frames,
+        )
+
+
+def part_masses(mesh: Mesh, element_mass: Array, name: str) -> Array:
+    """Return the mass of a part at each of its nodes, kg."""
+    chosen = mesh.elements_of(name)
+    whole = nodal_sums(mesh.hexahedra[chosen], element_mass[chosen] / 8.0, len(mesh.points))
+    return whole[mesh.nodes_of(name)]
+
+
+def _work_before(touch: Touch, behind: float) -> float:
+    """Return the energy that a contact took in the half step before the instant, J."""
+    return float(-0.5 * behind * np.einsum("ni,ni->", touch.normal + touch.friction, touch.velocity))
+
+
+def build_elements(model: Model, parts: Iterable[str], mass: Array, pool: ThreadPoolExecutor | None) -> Mixed:
+    """Return the elements of some parts, at rest and without stress; ``mass`` (elements,) is theirs, kg."""
+    mesh, solids, controls = model.mesh, model.solids, model.controls
+    viscous = controls.linear_viscosity, controls.quadratic_viscosity
+    full = {n: mass[mesh.elements_of(n), None] for n in parts if n in controls.full}
+    one = {n: one_point_constants(mesh, solids, n, mass, controls.hourglass) for n in parts if n not in full}
+    sorts: list[tuple[type[Hexahedra], dict[str, Array]]] = [(OnePoint, one), (FullyIntegrated, full)]
+    return Mixed(
+        [
+            sort(*build_blocks(mesh, solids, constants, sort.points), viscous, pool, controls.threads)
+            for sort, constants in sorts
+            if constants
+        ]
+    )
+
+
+def nodal_sums(hexahedra: Index, values: Array, nodes: int) -> Array:
+    """Return the sum of a value of elements over those of each node, (nodes,)."""
+    return np.asarray(np.bincount(hexahedra.ravel(), np.repeat(values, 8), nodes), float)
+
+
+def movable(inverse_mass: Array, holds: Iterable[Held]) -> Array:
+    """Return inverse masses for contact: 0 for nodes that are driven, or held in all directions."""
+    found = inverse_mass.copy()
+    for hold in holds:
+        still = np.all(np.any(hold.directions, axis=2), axis=1) | (hold.speed is not None)
+        found[hold.nodes[still]] = 0.0
+    return found
+
+
+def rigid_bodies(model: Model, mass: Array, tied: Iterable[Index]) -> list[RigidBody]:
+    """Return the rigid parts.
+
+    Raises
+    ------
+    InputError
+        If a node of one is tied.
+    """
+    taken = np.concatenate([np.zeros(0, np.int32), *tied])
+    bodies = []
+    for rigid in model.rigid:
+        velocity = np.array(model.velocity.get(rigid.part, (0.0, 0.0, 0.0)))
+        body = RigidBody(model.mesh, rigid, mass, velocity)
+        if np.isin(body.nodes, taken).any():
+            raise InputError(f"rigid {rigid.part}", "tied nodes", "no tie on a rigid part", "make both parts one")
+        bodies.append(body)
+    return bodies
+
+
+def scaled_masses(model: Model, parts: Iterable[str]) -> tuple[Array, float, float]:
+    """Return the masses of the elements, kg; the mass that was added for the wanted step; the critical step, s.
+
+    Raises
+    ------
+    InputError
+        If no mass makes the wanted step stable.
+    """
+    mesh, controls = model.mesh, model.controls
+    mass = element_masses(mesh, model.solids)
+    before, least = mass.sum(), np.inf
+    for name in parts:
+        chosen, wanted = mesh.elements_of(name), controls.least_step / controls.safety
+        for _ in range(SCALINGS):
+            steps = first_steps(model, name, mass[chosen])
+            short = wanted / steps
+            if short.max() <= 1.0 + 1e-9:
+                break
+            mass[chosen] *= np.maximum(short, 1.0) ** 2
+        else:
+            limit = f"at most about {controls.safety * float(steps.min()):.3g} s for {name}"
+            raise InputError("least_step", controls.least_step, limit, "the bulk viscosity allows no longer one")
+        least = min(least, float(steps.min()))
+    return mass, float(mass.sum() - before), least
+
+
+def first_steps(model: Model, part: str, mass: Array) -> Array:
+    """Return the critical steps of the elements of a part before the run, s; ``mass`` is that of its elements."""
+    mesh, controls = model.mesh, model.controls
+    hexahedra, rest = mesh.hexahedra[mesh.elements_of(part)], (mass, model.solids[part], controls.linear_viscosity)
+    if part in controls.full:
+        return full_critical_steps(mesh.points, hexahedra, *rest)
+    return critical_steps(shapes(mesh.points, hexahedra), *rest)

@@ -1,0 +1,298 @@
+"""The 8-node hexahedron with one integration point (Flanagan & Belytschko 1981): constants, slabs, forces; SI.
+
+Gradient. With the amplitudes of the modes 1, xi, eta, zeta, eta zeta, xi zeta, xi eta, xi eta zeta in place of nodal
+values (a Walsh-Hadamard transform of eight numbers), a shape is e1 xi + e2 eta + e3 zeta + h1 eta zeta + h2 xi zeta +
+h3 xi eta + h4 xi eta zeta, and its volume V has the gradient
+
+    g(e1) = 8 (e2 x e3 + h3 x h2 / 3),   g(h1) = 8/3 (e3 x h2 + h3 x e2),   g(h4) = 0,   and cyclic.
+
+The mean gradient of a field u over the element is then exactly sum over the modes of u_m g_m / V: a linear field gives
+a constant stress for any shape, so that the patch test is passed. Forces are f_m = -sigma g_m, transformed back.
+
+Stress. Strain and rotation increments are taken at the middle of the step, stress is turned by the rotation increment
+(Hughes & Winget 1980): a rigid motion leaves no stress, and the turned stress keeps its invariants.
+
+Hourglass stiffness. What remains of an hourglass mode h when the motion that is linear over the first shape (index
+0) is taken off is q = h + sum over m of c_m x_m, c_m = -(h_0 . g_0m) / V_0. It is zero for any uniform deformation and
+turns with the element. Each q has the energy 8 k q^2 / (1 + r), r = sqrt(1 + q^2 / q_y^2), in an elastic solid 4 k q^2:
+the forces follow from a potential, so that they conserve energy, momentum and angular momentum, and need no history.
+k = 1/2 kappa (lambda + 2 G) B : B / V_0 is that of Flanagan & Belytschko's stiffness form, kappa
+``Controls.hourglass``. For a cube k = E h / 6 would bend exactly: kappa = 0.17 at nu = 0.29. Where a solid yields the
+force of a mode must not go on to grow, or an elastic skeleton would hold the plastic flow up: it stays below
+8 k q_y = 9/2 kappa sigma_y V^(2/3), for a cube of nu = 0 whose stiffness bends exactly the load of a plastic hinge,
+sigma_y h^2.
+
+Bulk viscosity. q = -rho l (q1 c - q2 l min(r, 0)) r, r the rate of volume, l the smallest thickness, c the speed of
+a pressure wave.
+
+Time step. 4 / (d + sqrt(d^2 + 4 w)), w = (2 G a + lambda b) / (m V) with a, b the largest eigenvalue (a bound of it)
+and the trace of sum g g^T, d = l (q1 c - q2 l min(r, 0)) b / V^2 the damping rate of the bulk viscosity, whose force
+lags half a step: no element is faster, nor is a mesh of such elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.fem import _hexahedron_kernels as kernels
+from strikewave.fem import _layout as layout
+from strikewave.fem._layout import Blocks
+from strikewave.fem.mesh import Array, Index, Mesh, volumes
+from strikewave.fem.solids import AnySolid, Bilinear, JohnsonCook
+
+SLAB = 64
+"""Chunks of a slab at least; a mesh is cut into at most `SLABS` slabs."""
+SLABS = 32
+HINGE = 4.5
+"""Largest hourglass force over kappa sigma_y V^(2/3)."""
+SIGNS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
+"""xi, eta, zeta of the nodes."""
+MODES = np.stack(
+    [*SIGNS.T, SIGNS[:, 1] * SIGNS[:, 2], SIGNS[:, 0] * SIGNS[:, 2], SIGNS[:, 0] * SIGNS[:, 1], SIGNS.prod(axis=1)]
+)
+"""Values of the modes e1, e2, e3, h1, h2, h3, h4 at the nodes, (7, 8)."""
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """First shape of elements: amplitudes (elements, 7, 3), gradients of the volume (elements, 6, 3), volume."""
+
+    amplitudes: Array
+    gradients: Array
+    volume: Array
+
+
+def shapes(points: Array, hexahedra: Index) -> Shapes:
+    """Return amplitudes, gradients and volumes of elements.
+
+    Examples
+    --------
+    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
+    >>> found = shapes(cube, np.arange(8, dtype=np.int32)[None])
+    >>> found.gradients[0, :3].diagonal().tolist(), float(found.volume[0])
+    ([2.0, 2.0, 2.0], 1.0)
+    """
+    found = np.einsum("mk,ekd->emd", MODES, points[hexahedra]) / 8.0
+    e1, e2, e3, h1, h2, h3, _ = (found[:, m] for m in range(7))
+    cross = np.cross
+    gradient = np.stack(
+        [
+            8.0 * cross(e2, e3) + 8.0 / 3.0 * cross(h3, h2),
+            8.0 * cross(e3, e1) + 8.0 / 3.0 * cross(h1, h3),
+            8.0 * cross(e1, e2) + 8.0 / 3.0 * cross(h2, h1),
+            8.0 / 3.0 * (cross(e3, h2) + cross(h3, e2)),
+            8.0 / 3.0 * (cross(e1, h3) + cross(h1, e3)),
+            8.0 / 3.0 * (cross(e2, h1) + cross(h2, e1)),
+        ],
+        axis=1,
+    )
+    return Shapes(found, gradient, np.einsum("emd,emd->e", found[:, :6], gradient) / 3.0)
+
+
+def solid_row(solid: AnySolid) -> tuple[int, Array]:
+    """Return kind and numbers of a solid for the kernels."""
+    row = np.zeros(layout.SOLID)
+    shear = solid.shear_modulus
+    row[layout.LAME], row[layout.SHEAR] = solid.wave_modulus - 2.0 * shear, shear
+    row[layout.SPEED], row[layout.DENSITY] = solid.wave_speed, solid.density
+    if isinstance(solid, Bilinear):
+        hardening = solid.plastic_modulus
+        row[layout.YIELD] = solid.yield_strength
+        row[layout.WIDENING] = (1.0 - solid.kinematic) * hardening
+        row[layout.MOVING] = solid.kinematic * hardening
+        return layout.BILINEAR, row
+    if isinstance(solid, JohnsonCook):
+        row[layout.JC_A : layout.JC_RATE + 1] = solid.A, solid.B, solid.n, solid.C, solid.m, solid.reference_rate
+        row[layout.JC_RANGE] = solid.melting_temperature - solid.room_temperature
+        row[layout.JC_HEATING] = solid.heat_fraction / (solid.density * solid.specific_heat)
+        return layout.JOHNSON_COOK, row
+    return layout.ELASTIC, row
+
+
+def critical_steps(found: Shapes, mass: Array, solid: AnySolid, viscosity: float) -> Array:
+    """Return a time step below which each element is stable by itself, s, with a linear viscosity; see the module."""
+    g = found.gradients
+    gram = np.abs(np.einsum("emd,end->emn", g[:, :3], g[:, :3]))
+    warped = np.einsum("emd,emd->e", g[:, 3:], g[:, 3:])
+    largest = gram.sum(axis=2).max(axis=1) + warped
+    return steps_of(found, largest / found.volume, mass, solid, viscosity)
+
+
+def steps_of(found: Shapes, steepest: Array, mass: Array, solid: AnySolid, viscosity: float) -> Array:
+    """Return critical steps, given a bound of the largest eigenvalue of the integral of gradient times gradient."""
+    square = np.einsum("emd,emd->em", found.gradients, found.gradients)
+    trace, thickness = square.sum(axis=1), 2.0 * found.volume / np.sqrt(square[:, :3].max(axis=1))
+    lame = solid.wave_modulus - 2.0 * solid.shear_modulus
+    fastest = (2.0 * solid.shear_modulus * steepest + lame * trace / found.volume) / mass
+    damping = viscosity * solid.wave_speed * thickness * trace / found.volume**2
+    return np.asarray(4.0 / (damping + np.sqrt(damping**2 + 4.0 * fastest)))
+
+
+def one_point_constants(mesh: Mesh, solids: Mapping[str, AnySolid], part: str, mass: Array, hourglass: float) -> Array:
+    """Return what each element of a part keeps (elements, CONSTANTS), for an hourglass coefficient."""
+    elements = mesh.elements_of(part)
+    found = shapes(mesh.points, mesh.hexahedra[elements])
+    rows = np.empty((elements.stop - elements.start, layout.CONSTANTS))
+    coupling = np.einsum("ehd,emd->ehm", found.amplitudes[:, 3:], found.gradients) / found.volume[:, None, None]
+    rows[:, :24] = -coupling.reshape(-1, 24)
+    square = np.einsum("emd,emd->e", found.gradients, found.gradients) / 8.0
+    rows[:, 24] = 0.5 * hourglass * solids[part].wave_modulus * square / found.volume
+    rows[:, 25] = mass[elements]
+    largest = HINGE * hourglass * solids[part].strength * found.volume ** (2.0 / 3.0)
+    rows[:, 26] = (8.0 * rows[:, 24] / largest) ** 2 if hourglass else 0.0
+    return rows
+
+
+def build_blocks(
+    mesh: Mesh, solids: Mapping[str, AnySolid], constants: Mapping[str, Array], points: int
+) -> tuple[Blocks, Index]:
+    """Return the elements of some parts in chunks, and the number of the element in each lane (chunks, LANES).
+
+    Parameters
+    ----------
+    mesh : Mesh
+    solids : mapping of str to solid
+    constants : mapping of str to array (elements of the part, rows)
+        What each element keeps, by part.
+    points : int
+        Integration points of an element.
+    """
+    lanes, numbers, counts, owners, kept = layout.LANES, [], [], [], []
+    for part, rows in constants.items():
+        first, count = mesh.elements_of(part).start, len(rows)
+        chunks = -(-count // lanes)
+        lane = np.minimum(np.arange(chunks * lanes), count - 1)
+        numbers.append(first + lane.reshape(chunks, lanes))
+        counts.append(np.minimum(count - lanes * np.arange(chunks), lanes))
+        owners.append(np.full(chunks, mesh.names.index(part)))
+        kept.append(rows[lane].reshape(chunks, lanes, -1).transpose(0, 2, 1))
+    number = np.concatenate(numbers)
+    table = [solid_row(solids[name]) for name in mesh.names]
+    nodes = mesh.hexahedra[number].transpose(0, 2, 1)
+    blocks = Blocks(
+        nodes=np.ascontiguousarray(nodes, np.int32).ravel(),
+        count=np.concatenate(counts).astype(np.int32),
+        part=np.concatenate(owners).astype(np.int32),
+        constants=np.concatenate(kept).ravel(),
+        state=np.zeros(number.shape[0] * points * layout.STATES * lanes),
+        solids=np.array([row for _, row in table]),
+        kinds=np.array([kind for kind, _ in table], np.int32),
+    )
+    return blocks, number.astype(np.int32)
+
+
+def cut_slabs(nodes: Index, part: Index) -> tuple[NDArray[np.int64], list[NDArray[np.int64]]]:
+    """Cut chunks into slabs, and the slabs into groups whose members share no node.
+
+    Parameters
+    ----------
+    nodes : array (chunks, nodes of a chunk)
+    part : array (chunks,)
+
+    Returns
+    -------
+    slabs : array (slabs, 2)
+        First and last chunk (exclusive).
+    groups : list of array
+        Numbers of slabs that may be treated side by side. The number of threads changes neither, and so no sum.
+    """
+    chunks = len(part)
+    size = max(SLAB, -(-chunks // SLABS))
+    edges = np.unique([0, chunks, *np.flatnonzero(np.diff(part)) + 1, *range(0, chunks, size)]).astype(np.int64)
+    slabs = np.column_stack([edges[:-1], edges[1:]])
+    touched = [np.unique(nodes[first:last]) for first, last in slabs]
+    groups: list[list[int]] = []
+    taken: list[NDArray[np.bool_]] = []
+    for slab, own in enumerate(touched):
+        free = next((k for k, used in enumerate(taken) if not used[own].any()), len(groups))
+        if free == len(groups):
+            groups.append([])
+            taken.append(np.zeros(int(nodes.max()) + 1, bool))
+        groups[free].append(slab)
+        taken[free][own] = True
+    return slabs, [np.array(group, np.int64) for group in groups]
+
+
+class Hexahedra:
+    """Elements of one kind: state, forces, work.
+
+    Parameters
+    ----------
+    blocks, number
+        As of `build_blocks`.
+    viscous : tuple of float
+        Linear and quadratic coefficient of the bulk viscosity.
+    pool : ThreadPoolExecutor or None
+    threads : int
+    """
+
+    points: ClassVar[int]
+    """Integration points of an element."""
+    forces: ClassVar[Callable[..., float]]
+    """Kernel that treats slabs."""
+
+    def __init__(
+        self,
+        blocks: Blocks,
+        number: Index,
+        viscous: tuple[float, float],
+        pool: ThreadPoolExecutor | None = None,
+        threads: int = 1,
+    ) -> None:
+        self.blocks, self.number, self.viscous, self.pool, self.threads = blocks, number, viscous, pool, threads
+        self.slabs, self.groups = cut_slabs(blocks.nodes.reshape(-1, 8 * layout.LANES), blocks.part)
+        self.sums = np.zeros((len(self.slabs), layout.SUMS))
+        self.scratch = [np.zeros(layout.SCRATCH) for _ in range(threads)]
+
+    def add_forces(self, x: Array, v: Array, f: Array, step: float) -> float:
+        """Bring the elements to the end of a step and add their forces to f; return the critical step, s.
+
+        x is at the end of the step, v the velocity within it.
+        """
+        least = np.inf
+        for group in self.groups:
+            shares = np.array_split(group, min(self.threads, len(group)))
+            work = [
+                (self.blocks, self.slabs, share, x, v, f, step, self.viscous, scratch, self.sums)
+                for share, scratch in zip(shares, self.scratch, strict=False)
+            ]
+            if self.pool is None or len(work) == 1:
+                found = [self.forces(*each) for each in work]
+            else:
+                found = list(self.pool.map(lambda each: self.forces(*each), work))
+            least = min(least, *found)
+        return least
+
+    def work(self) -> Array:
+        """Return internal work, plastic work, work of the bulk viscosity and hourglass energy, J."""
+        return np.asarray(self.sums.sum(axis=0))
+
+    def cell_values(self, elements: int) -> tuple[Array, Array]:
+        """Return stress (elements, 6) and equivalent plastic strain (elements,), means over the points.
+
+        They are zero for elements of others.
+        """
+        rows = self.blocks.state.reshape(-1, self.points, layout.STATES, layout.LANES)[:, :, :7].mean(axis=1)
+        stress, strain = np.zeros((elements, 6)), np.zeros(elements)
+        stress[self.number] = rows[:, :6].transpose(0, 2, 1)
+        strain[self.number] = rows[:, 6]
+        return stress, strain
+
+
+class OnePoint(Hexahedra):
+    """Elements with one integration point and hourglass stiffness."""
+
+    points = 1
+    forces = staticmethod(kernels.slab_forces)
+
+
+def element_masses(mesh: Mesh, solids: Mapping[str, AnySolid]) -> Array:
+    """Return the mass of each element, kg."""
+    density = np.array([solids[name].density for name in mesh.names])
+    return np.asarray(density[mesh.part] * volumes(mesh.points, mesh.hexahedra))

@@ -1,0 +1,221 @@
+"""What an explicit run needs: a mesh, a solid for each part, what holds and loads it, what touches; SI.
+
+A side is named ``part.side``, as in `Mesh.side`; ``part.all`` are all exterior faces of a part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.fem.mesh import Mesh
+from strikewave.fem.solids import AnySolid
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A quantity over time, straight between its points, constant before the first and after the last.
+
+    Parameters
+    ----------
+    time, value : tuple of float
+        s and SI; times ascend.
+    """
+
+    time: tuple[float, ...]
+    value: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """Nodes of a side do not move."""
+
+    side: str
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """Nodes of a flat side move only within its plane."""
+
+    side: str
+
+
+@dataclass(frozen=True)
+class Guided:
+    """Nodes of a side, or of a whole part named alone, move only along an axis: a single translation freedom."""
+
+    side: str
+    axis: Vector
+
+
+@dataclass(frozen=True)
+class Driven:
+    """Nodes of a side move along a direction with a given velocity, m/s; they stay free across it."""
+
+    side: str
+    direction: Vector
+    velocity: Curve
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """A pressure on a side as it is deformed, Pa; positive pushes inward."""
+
+    side: str
+    pressure: Curve
+
+
+@dataclass(frozen=True)
+class NonReflecting:
+    """A side that lets waves out: dashpots rho c_p A normal to it and rho c_s A along it (Lysmer & Kuhlemeyer 1969)."""
+
+    side: str
+
+
+AnyBoundary = Fixed | Symmetry | Guided | Driven | Pressure | NonReflecting
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Two surfaces that may touch, both checked against each other.
+
+    Parameters
+    ----------
+    first, second : str
+        Sides.
+    friction : float
+        Coulomb's coefficient.
+    stiffness : float
+        Share s of the stiffness m*/dt^2 that closes a gap within one step; see `strikewave.fem.contact`.
+    """
+
+    first: str
+    second: str
+    friction: float = 0.0
+    stiffness: float = 0.8
+
+    @property
+    def name(self) -> str:
+        """``first-second``."""
+        return f"{self.first}-{self.second}"
+
+
+@dataclass(frozen=True)
+class Tie:
+    """Nodes of a side that stay where they are on another, whose mesh need not match."""
+
+    side: str
+    onto: str
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A rigid plane that does not move; the nodes of a side stay on the side its normal points to."""
+
+    side: str
+    point: Vector
+    normal: Vector
+    friction: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """``side-wall``."""
+        return f"{self.side}-wall"
+
+
+@dataclass(frozen=True)
+class Rigid:
+    """A part that does not deform: its freedoms of translation and of rotation about its centre of mass, by axis."""
+
+    part: str
+    translations: tuple[bool, bool, bool] = (True, True, True)
+    rotations: tuple[bool, bool, bool] = (True, True, True)
+
+
+@dataclass(frozen=True)
+class Section:
+    """Elements of a part that a plane cuts before the blow: their mean stress, velocity and acceleration."""
+
+    name: str
+    part: str
+    point: Vector
+    normal: Vector
+
+
+@dataclass(frozen=True)
+class Point:
+    """The node of a part that lies nearest to a place before the blow."""
+
+    name: str
+    part: str
+    place: Vector
+
+
+@dataclass(frozen=True)
+class Controls:
+    """How a model is run.
+
+    Parameters
+    ----------
+    duration, interval : float
+        s: length of the run, and of the step of its histories.
+    safety : float
+        Share of the critical time step.
+    hourglass : float
+        Coefficient of the hourglass stiffness; see `strikewave.fem.hexahedron`.
+    linear_viscosity, quadratic_viscosity : float
+        Coefficients of the bulk viscosity.
+    full : tuple of str
+        Parts with selectively reduced full integration instead of one point.
+    least_step : float
+        s: mass is added to elements that would need a smaller step; 0 adds none.
+    threads : int
+        Threads; the numbers do not depend on it.
+    """
+
+    duration: float
+    interval: float = 1e-6
+    safety: float = 0.9
+    hourglass: float = 0.05
+    linear_viscosity: float = 0.06
+    quadratic_viscosity: float = 1.5
+    full: tuple[str, ...] = ()
+    least_step: float = 0.0
+    threads: int = 1
+
+
+@dataclass(frozen=True)
+class Model:
+    """Everything that `strikewave.fem.solve.solve` needs.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    solids : mapping of str to solid
+        By part.
+    controls : Controls
+    velocity : mapping of str to vector
+        Initial velocity by part, m/s; parts that are not named rest.
+    gravity : vector
+        m/s^2.
+    boundaries, contacts, ties, walls, rigid, sections, points : tuple
+    """
+
+    mesh: Mesh
+    solids: Mapping[str, AnySolid]
+    controls: Controls
+    velocity: Mapping[str, Vector] = field(default_factory=dict)
+    gravity: Vector = (0.0, 0.0, 0.0)
+    boundaries: tuple[AnyBoundary, ...] = ()
+    contacts: tuple[Contact, ...] = ()
+    ties: tuple[Tie, ...] = ()
+    walls: tuple[Wall, ...] = ()
+    rigid: tuple[Rigid, ...] = ()
+    sections: tuple[Section, ...] = ()
+    points: tuple[Point, ...] = ()

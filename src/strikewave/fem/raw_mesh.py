@@ -1,0 +1,52 @@
+"""What a mesh file holds, before it is put in order; in the file's own unit of length."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.errors import InputError
+from strikewave.fem.mesh import Array, Index
+
+Whole = NDArray[np.integer]
+
+LARGEST_FILE = 1 << 30
+"""Bytes of a mesh file."""
+
+LARGEST_COUNT = 2_000_000
+"""Hexahedra of a mesh file."""
+
+SOLIDS_HINT = 'mesh it with hexahedra; in gmsh: transfinite volumes with "Recombine", or Mesh.SubdivisionAlgorithm = 2'
+
+
+@dataclass(frozen=True)
+class RawMesh:
+    """Nodes, hexahedra and what is named in a file.
+
+    Attributes
+    ----------
+    points : array (nodes, 3)
+    hexahedra : array (elements, 8)
+    parts : mapping of str to array of int
+        Hexahedra by part; each belongs to one part at most.
+    quads : mapping of str to array (faces, 4)
+        Faces by the name of their side.
+    node_sets : mapping of str to array of int
+        Nodes by the name of their set.
+    """
+
+    points: Array
+    hexahedra: Index
+    parts: Mapping[str, Whole] = field(default_factory=dict)
+    quads: Mapping[str, Whole] = field(default_factory=dict)
+    node_sets: Mapping[str, Whole] = field(default_factory=dict)
+
+
+def refuse_other_solids(counts: Mapping[str, int]) -> None:
+    """Refuse solids that are not hexahedra of 8 nodes, by their count."""
+    if counts:
+        found = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
+        raise InputError("mesh.file", found, "hexahedra of 8 nodes as its only solids", SOLIDS_HINT)

@@ -1,0 +1,119 @@
+"""Histories of a run while it goes on; SI."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from strikewave.errors import InputError
+from strikewave.fem.boundary import unit
+from strikewave.fem.mesh import Array, Index, Mesh, volumes
+from strikewave.fem.model import Model, Section
+from strikewave.fem.run import ENERGIES, PartHistory, PointHistory, SectionHistory
+
+
+class Motion(NamedTuple):
+    """Displacement, velocity and acceleration of the nodes at an instant, each (nodes, 3)."""
+
+    displacement: Array
+    velocity: Array
+    acceleration: Array
+
+
+class Recorder:
+    """What is noted at each instant: rows of named columns.
+
+    Parameters
+    ----------
+    model : Model
+    mass : array (nodes,)
+        Of the nodes before ties hand any on, kg.
+    shares : mapping of str to array (nodes of the part,)
+        The part's own mass at its nodes, kg.
+    """
+
+    def __init__(self, model: Model, mass: Array, shares: Mapping[str, Array]) -> None:
+        self.mesh, self.mass, self.shares = model.mesh, mass, shares
+        self.nodes = {name: model.mesh.nodes_of(name) for name in model.mesh.names}
+        self.points = {p.name: _nearest(model.mesh, p.part, np.array(p.place)) for p in model.points}
+        self.sections = {s.name: section_elements(model.mesh, s) for s in model.sections}
+        self.rows: dict[str, list[Array]] = {}
+
+    def note(self, time: float, motion: Motion, stress: Array, sums: Mapping[str, object]) -> None:
+        """Add a row: the sums (energies, forces, impulses) as they are, and the motion of what is watched."""
+        row: dict[str, object] = {"time": time, **sums, "momentum": self.mass @ motion.velocity}
+        for name, nodes in self.nodes.items():
+            share = self.shares[name] / self.shares[name].sum()
+            row[f"part/{name}"] = np.array([share @ field[nodes] for field in motion])
+        for name, node in self.points.items():
+            row[f"point/{name}"] = np.array([field[node] for field in motion])
+        for name, (elements, volume) in self.sections.items():
+            corners = self.mesh.hexahedra[elements]
+            row[f"stress/{name}"] = volume @ stress[elements]
+            row[f"section/{name}"] = np.array([volume @ field[corners].mean(axis=1) for field in motion])
+        for key, value in row.items():
+            self.rows.setdefault(key, []).append(np.asarray(value, float))
+
+    def column(self, key: str) -> Array:
+        """Return a column as one array, first axis the instants."""
+        return np.array(self.rows[key])
+
+    def energy(self) -> dict[str, Array]:
+        """Return the columns of the energy ledger."""
+        return {name: self.column(name) for name in ENERGIES}
+
+    def part_histories(self) -> dict[str, PartHistory]:
+        """Return the motion of the parts."""
+        found = {}
+        for name, share in self.shares.items():
+            moved, speed, rate = np.moveaxis(self.column(f"part/{name}"), 1, 0)
+            found[name] = PartHistory(float(share.sum()), speed, rate, moved)
+        return found
+
+    def point_histories(self) -> dict[str, PointHistory]:
+        """Return the motion of the points."""
+        return {
+            name: PointHistory(node, *np.moveaxis(self.column(f"point/{name}"), 1, 0))
+            for name, node in self.points.items()
+        }
+
+    def section_histories(self) -> dict[str, SectionHistory]:
+        """Return stress and motion of the sections."""
+        found = {}
+        for name, (elements, _) in self.sections.items():
+            _, speed, rate = np.moveaxis(self.column(f"section/{name}"), 1, 0)
+            found[name] = SectionHistory(len(elements), self.column(f"stress/{name}"), speed, rate)
+        return found
+
+
+def section_elements(mesh: Mesh, section: Section) -> tuple[Index, Array]:
+    """Return the elements that a section cuts, and their shares of its volume.
+
+    Raises
+    ------
+    InputError
+        If the plane cuts none.
+    """
+    chosen = mesh.elements_of(section.part)
+    corners = mesh.points[mesh.hexahedra[chosen]]
+    height = (corners - np.array(section.point)) @ unit(section.normal, f"section.{section.name}.normal")
+    small = 1e-9 * float(np.abs(height).max())
+    cut = (height.min(axis=1) <= small) & (height.max(axis=1) > small)
+    if not cut.any():
+        places = mesh.points[mesh.nodes_of(section.part)]
+        low, high = (ends.round(6).tolist() for ends in (places.min(axis=0), places.max(axis=0)))
+        raise InputError(
+            f"section.{section.name}.point",
+            list(section.point),
+            f"a plane that cuts {section.part}, which reaches from {low} to {high} m",
+        )
+    elements = (np.flatnonzero(cut) + chosen.start).astype(np.int32)
+    volume = volumes(mesh.points, mesh.hexahedra[elements])
+    return elements, volume / volume.sum()
+
+
+def _nearest(mesh: Mesh, part: str, place: Array) -> int:
+    nodes = mesh.nodes_of(part)
+    return int(nodes[np.argmin(np.sum((mesh.points[nodes] - place) ** 2, axis=1))])

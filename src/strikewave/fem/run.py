@@ -1,0 +1,149 @@
+"""What an explicit run gives: histories at equal intervals, the energy ledger, the last state; SI."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+ENERGIES = ("kinetic", "internal", "plastic", "hourglass", "contact", "viscous", "external")
+"""Columns of the energy ledger; ``internal`` is elastic energy and plastic work, ``plastic`` the plastic work in it."""
+
+
+@dataclass(frozen=True)
+class PartHistory:
+    """Motion of a part at the instants of the run, each (instants, 3).
+
+    Attributes
+    ----------
+    mass : float
+        kg.
+    velocity : array
+        Momentum over mass, m/s.
+    acceleration : array
+        Rate of momentum over mass (the rigid-body acceleration), m/s^2.
+    displacement : array
+        Mean displacement by mass, m.
+    """
+
+    mass: float
+    velocity: Array
+    acceleration: Array
+    displacement: Array
+
+
+@dataclass(frozen=True)
+class PointHistory:
+    """Motion of a node, each (instants, 3)."""
+
+    node: int
+    displacement: Array
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True)
+class SectionHistory:
+    """Means over the elements of a section, by volume: stress (instants, 6: xx yy zz xy yz zx) and motion."""
+
+    elements: int
+    stress: Array
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The whole field at an instant.
+
+    Attributes
+    ----------
+    time : float
+        s.
+    displacement, velocity : array (nodes, 3)
+        m, m/s.
+    stress : array (elements, 6)
+        Cauchy stress, Pa: xx yy zz xy yz zx, tension positive.
+    plastic_strain : array (elements,)
+        Equivalent plastic strain.
+    """
+
+    time: float
+    displacement: Array
+    velocity: Array
+    stress: Array
+    plastic_strain: Array
+
+
+@dataclass(frozen=True)
+class FemRun:
+    """Histories of a run; row i of each is at ``time[i]``.
+
+    Attributes
+    ----------
+    time : array (instants,)
+        s, equal steps from 0.
+    force, impulse : mapping of str to array (instants, 3)
+        Contact force on the first surface and its integral over time, N and N s, by name of the contact or wall.
+    energy : mapping of str to array (instants,)
+        J, by the words of `ENERGIES`.
+    initial_energy : float
+        J.
+    parts, points, sections : mapping of str to history
+    momentum : array (instants, 3)
+        Of everything, kg m/s; ``impulse_given`` (instants, 3) what boundaries, walls and gravity gave, N s.
+    steps : int
+    step : float
+        Smallest time step, s.
+    added_mass : float
+        kg, by mass scaling on request.
+    seconds : float
+        Wall time.
+    elements : int
+    stopped : str
+        Why the run ended early; empty when it did not.
+    frames : tuple of Frame
+        Only those asked for; a writer takes them as they come instead where one is given.
+    """
+
+    time: Array
+    force: Mapping[str, Array]
+    impulse: Mapping[str, Array]
+    energy: Mapping[str, Array]
+    initial_energy: float
+    parts: Mapping[str, PartHistory]
+    points: Mapping[str, PointHistory]
+    sections: Mapping[str, SectionHistory]
+    momentum: Array
+    impulse_given: Array
+    steps: int
+    step: float
+    added_mass: float
+    seconds: float
+    elements: int
+    stopped: str = ""
+    frames: tuple[Frame, ...] = field(default=())
+
+    @property
+    def energy_error(self) -> Array:
+        """Energy that is missing (negative) or too much, as a share of the largest energy in play, (instants,)."""
+        kept = sum(self.energy[name] for name in ("kinetic", "internal", "hourglass", "contact", "viscous"))
+        given = self.initial_energy + self.energy["external"]
+        scale = np.maximum(np.maximum.accumulate(np.abs(given)), 1e-300)
+        return np.asarray((kept - given) / scale)
+
+    @property
+    def momentum_error(self) -> float:
+        """Largest difference of momentum and what was given, over the largest momentum in play."""
+        off = self.momentum - self.momentum[0] - self.impulse_given
+        carried = sum((part.mass * np.abs(part.velocity) for part in self.parts.values()), np.zeros_like(off))
+        return float(np.abs(off).max() / max(float(carried.max()), 1e-300))
+
+    @property
+    def speed(self) -> float:
+        """Element-steps a second."""
+        return self.elements * self.steps / self.seconds

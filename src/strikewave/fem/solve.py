@@ -1,0 +1,167 @@
+"""Run a model with central differences: forces at t_n, velocity at t_(n+1/2), position at t_(n+1); SI.
+
+Each interval of the histories is cut into equal steps below the critical one, so that its end is met exactly. Order
+within a step: elements, gravity, ties, loads, contact, walls, ties again, boundaries, rigid parts; then nodes move.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from strikewave.errors import InputError, InputErrors
+from strikewave.fem.engine import Engine
+from strikewave.fem.model import Model
+from strikewave.fem.quality import check_mesh
+from strikewave.fem.restart import read_restart, write_restart
+from strikewave.fem.run import FemRun, Frame
+
+REPORT = 0.2
+"""Seconds between two reports of progress."""
+
+
+class Progress(NamedTuple):
+    """How far a run is: time and duration (s), steps done, time step (s), seconds since the start, element-steps/s."""
+
+    time: float
+    duration: float
+    steps: int
+    step: float
+    seconds: float
+    speed: float
+
+    @property
+    def left(self) -> float:
+        """Seconds that are left at the rate so far."""
+        return self.seconds * (self.duration / max(self.time, 1e-300) - 1.0)
+
+
+class Writer(Protocol):
+    """Takes frames as they come."""
+
+    def add(self, frame: Frame) -> None:
+        """Take a frame."""
+
+
+class Keep(NamedTuple):
+    """Where a run keeps its state to go on from, and every how many instants of its histories."""
+
+    path: Path
+    every: int = 10
+
+
+class Asked(NamedTuple):
+    """What is asked of a run besides its histories.
+
+    Attributes
+    ----------
+    frames : int
+        Whole fields, equally spaced over the run, its end included; 0: none.
+    writer : Writer or None
+        Takes the frames; they stay in memory where there is none.
+    keep : Keep or None
+    resume : Path or None
+        File of a run that was interrupted.
+    report : callable or None
+        Called with a `Progress` now and then.
+    """
+
+    frames: int = 0
+    writer: Writer | None = None
+    keep: Keep | None = None
+    resume: Path | None = None
+    report: Callable[[Progress], None] | None = None
+
+
+def solve(model: Model, asked: Asked | None = None) -> FemRun:
+    """Run a model to its end.
+
+    A run whose energy breaks, whose step collapses or whose numbers end stops early and says so in ``stopped``.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If the model cannot be run, with all reasons that are known before the first step.
+
+    Examples
+    --------
+    >>> from strikewave.fem.model import Controls
+    >>> from strikewave.fem.mesh import Mesh
+    >>> from strikewave.fem.solids import Elastic
+    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
+    >>> mesh = Mesh(1e-3 * cube, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("cube",))
+    >>> model = Model(mesh, {"cube": Elastic(7820.0, 211e9, 0.3)}, Controls(2e-6), velocity={"cube": (1.0, 0.0, 0.0)})
+    >>> run = solve(model)
+    >>> len(run.time), round(float(run.parts["cube"].displacement[-1, 0] * 1e6), 9)
+    (3, 2.0)
+    """
+    asked = asked or Asked()
+    instants = check_controls(model)
+    check_mesh(model.mesh)
+    begun = clock.perf_counter()
+    threads = model.controls.threads
+    with ThreadPoolExecutor(threads) as pool:
+        engine = Engine(model, pool if threads > 1 else None)
+        if asked.resume is not None:
+            read_restart(asked.resume, engine)
+        wanted = set(np.linspace(0, instants, asked.frames).round().astype(int).tolist()) if asked.frames else set()
+        frames: list[Frame] = []
+        stopped = _follow(engine, instants, asked, wanted, frames, begun)
+    return engine.result(clock.perf_counter() - begun, stopped, tuple(frames))
+
+
+def _follow(engine: Engine, instants: int, asked: Asked, wanted: set[int], frames: list[Frame], begun: float) -> str:
+    """Run an engine instant by instant; return why it stopped early, or nothing."""
+    shown, done = 0.0, engine.steps
+    while True:
+        instant = engine.instant
+        engine.act()
+        stopped = engine.record()
+        if instant in wanted:
+            (asked.writer.add if asked.writer else frames.append)(engine.frame())
+        now = clock.perf_counter() - begun
+        if asked.report is not None and (now - shown > REPORT or instant == instants or stopped):
+            shown = now
+            speed = engine.elements * (engine.steps - done) / now
+            asked.report(Progress(engine.time, instants * engine.interval, engine.steps, engine.ahead, now, speed))
+        if stopped or instant == instants:
+            return stopped
+        engine.to_next_instant()
+        if asked.keep is not None and engine.instant % asked.keep.every == 0:
+            write_restart(asked.keep.path, engine)
+
+
+def check_controls(model: Model) -> int:
+    """Check what can be checked before anything is built; return the number of intervals.
+
+    Raises
+    ------
+    InputErrors
+        With one line for each thing that is wrong.
+    """
+    controls, mesh, lines = model.controls, model.mesh, []
+
+    def need(field: str, value: object, good: bool, allowed: str) -> None:
+        if not good:
+            lines.append(str(InputError(field, value, allowed)))
+
+    need("duration", controls.duration, 0.0 < controls.duration < np.inf, "above 0")
+    need("interval", controls.interval, 0.0 < controls.interval <= controls.duration, "above 0, at most the duration")
+    need("safety", controls.safety, 0.0 < controls.safety <= 1.0, "above 0 to 1")
+    need("hourglass", controls.hourglass, 0.0 <= controls.hourglass <= 1.0, "from 0 to 1")
+    for name in ("linear_viscosity", "quadratic_viscosity", "least_step"):
+        need(name, getattr(controls, name), 0.0 <= getattr(controls, name) < np.inf, "at least 0")
+    need("threads", controls.threads, controls.threads >= 1, "at least 1")
+    for name in mesh.names:
+        need(f"part {name}", "no solid", name in model.solids, "a solid for each part")
+    for field, named in (("velocity", model.velocity), ("full", controls.full)):
+        for name in named:
+            need(f"{field}", name, name in mesh.names, "a part of the mesh: " + ", ".join(mesh.names))
+    if lines:
+        raise InputErrors(lines)
+    return max(1, round(controls.duration / controls.interval))

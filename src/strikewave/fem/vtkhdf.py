@@ -1,0 +1,362 @@
+"""Fields over time in one VTKHDF file, which ParaView and VTK open as they are.
+
+The file follows the VTKHDF specification 2.0 for an unstructured grid over time whose geometry does not change: the
+mesh stands there once, before the blow, and every step points at it (all geometry offsets are 0), while the offsets
+of its fields grow. What moves is the field ``displacement``: "warp by vector" shows the deformed parts. A stress of
+six components is read by VTK as a symmetric tensor xx yy zz xy yz xz, the order of `Frame`.
+
+Fields are kept in single precision (seven digits, half the room); times and the mesh in double precision. Memory is
+that of one frame; each frame is on the disk when `FieldWriter.add` returns.
+
+Source: VTK documentation, "VTKHDF file format", docs.vtk.org.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.errors import InputError
+from strikewave.fem.invariants import pressure, von_mises
+from strikewave.fem.run import Frame
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from strikewave.fem.mesh import Mesh
+
+VERSION = (2, 0)
+"""Of the specification of VTKHDF."""
+HEXAHEDRON = 12
+"""VTK's number of an 8-node hexahedron, whose nodes stand in the order of `strikewave.fem.mesh`."""
+MOST_ROWS = 32768
+"""Rows of a chunk at most: at six components 768 KiB, within HDF5's cache of 1 MiB."""
+MOST_FRAMES = 1_000_000
+"""Frames that a file may claim to hold."""
+MOST_NODES = 20_000_000
+"""Nodes or elements that a file may claim to hold; bounds the memory of reading one."""
+
+
+class Field(NamedTuple):
+    """A field of the file: where it stands, its name, components, unit, and how it comes from a frame."""
+
+    home: str
+    name: str
+    components: int
+    unit: str
+    of: Callable[[Frame], NDArray[np.float64]]
+
+
+FIELDS = (
+    Field("PointData", "displacement", 3, "m", lambda frame: frame.displacement),
+    Field("PointData", "velocity", 3, "m/s", lambda frame: frame.velocity),
+    Field("CellData", "stress", 6, "Pa", lambda frame: frame.stress),
+    Field("CellData", "von_mises_stress", 1, "Pa", lambda frame: von_mises(frame.stress)),
+    Field("CellData", "pressure", 1, "Pa", lambda frame: pressure(frame.stress)),
+    Field("CellData", "equivalent_plastic_strain", 1, "1", lambda frame: frame.plastic_strain),
+)
+"""What is written of each frame."""
+
+
+class FieldWriter:
+    """Writes frames, one at a time, into a file that takes its name once it is closed.
+
+    Until then it is ``NAME.part`` beside it, and can be taken up again by `restored`. Used as a context, an error
+    leaves that part where it is and an older file under the name untouched.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file, with the ending ``.vtkhdf``.
+    mesh : Mesh
+        What the frames belong to.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from strikewave.fem.mesh import Mesh
+    >>> corners = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
+    >>> mesh = Mesh(corners, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("cube",))
+    >>> rest = Frame(0.0, np.zeros((8, 3)), np.zeros((8, 3)), np.zeros((1, 6)), np.zeros(1))
+    >>> with tempfile.TemporaryDirectory() as home:
+    ...     path = Path(home) / "fields.vtkhdf"
+    ...     with FieldWriter(path, mesh) as writer:
+    ...         writer.add(rest)
+    ...     [frame.time for frame in stored_frames(path)]
+    [0.0]
+    """
+
+    def __init__(self, path: Path, mesh: Mesh) -> None:
+        self._begin(path, mesh)
+        with self._told():
+            self._file = _opened(self._partial, "w")
+            _write_mesh(self._file, mesh)
+            self._file.flush()
+
+    @classmethod
+    def restored(cls, path: Path, mesh: Mesh, before: float) -> Self:
+        """Take up a file again: its part if there is one, else a copy of the finished file.
+
+        Parameters
+        ----------
+        path, mesh
+            As when it was begun.
+        before : float
+            s; frames from this time on are dropped.
+
+        Raises
+        ------
+        InputError
+            If there is nothing to take up, it belongs to another mesh, or it is damaged.
+        """
+        writer = cls.__new__(cls)
+        writer._begin(path, mesh)
+        with writer._told():
+            if not writer._partial.exists():
+                shutil.copyfile(path, writer._partial)
+            writer._file = _opened(writer._partial, "r+")
+        try:
+            grid = _checked_grid(path, writer._file)
+            _check_same_mesh(path, grid, mesh)
+            times = grid["Steps/Values"][: writer.frames_of(grid)]
+            writer._keep(int(np.searchsorted(times, before)))
+        except BaseException:
+            writer._file.close()
+            raise
+        return writer
+
+    def _begin(self, path: Path, mesh: Mesh) -> None:
+        self.path = path
+        self.frames = 0
+        self._partial = path.with_name(path.name + ".part")
+        self._sizes = {"PointData": len(mesh.points), "CellData": len(mesh.hexahedra)}
+
+    @staticmethod
+    def frames_of(grid: Any) -> int:
+        """Return how many whole frames a VTKHDF group holds."""
+        return int(grid["Steps"].attrs["NSteps"])
+
+    def _keep(self, frames: int) -> None:
+        """Cut everything behind so many frames."""
+        grid = self._file["VTKHDF"]
+        self.frames = frames
+        grid["Steps"].attrs["NSteps"] = np.int64(frames)
+        for field in FIELDS:
+            grid[f"{field.home}/{field.name}"].resize(frames * self._sizes[field.home], axis=0)
+        for table in _tables(grid["Steps"]):
+            table.resize(frames, axis=0)
+        self._file.flush()
+
+    def add(self, frame: Frame) -> None:
+        """Append a frame; it is on the disk on return.
+
+        Raises
+        ------
+        InputError
+            If it does not belong to the mesh or does not come after the one before, or the disk is full.
+        """
+        grid = self._file["VTKHDF"]
+        steps = grid["Steps"]
+        if self.frames and not frame.time > (last := float(steps["Values"][self.frames - 1])):
+            raise InputError("frame.time", frame.time, f"after the frame before it, {last:g} s")
+        values = [np.asarray(field.of(frame), np.float32) for field in FIELDS]
+        for field, rows in zip(FIELDS, values, strict=True):
+            if len(rows) != self._sizes[field.home]:
+                raise InputError(f"frame.{field.name}", len(rows), f"{self._sizes[field.home]} rows, as the mesh has")
+        with self._told():
+            for field, rows in zip(FIELDS, values, strict=True):
+                _append(grid[f"{field.home}/{field.name}"], rows, self.frames * len(rows))
+                offsets = steps[f"{field.home}Offsets/{field.name}"]
+                _append(offsets, np.array([self.frames * len(rows)]), self.frames)
+            for name in ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets", "CellDataOffsets/part"):
+                _append(steps[name], np.array([0]), self.frames)
+            _append(steps["NumberOfParts"], np.array([1]), self.frames)
+            _append(steps["Values"], np.array([frame.time]), self.frames)
+            self.frames += 1
+            steps.attrs["NSteps"] = np.int64(self.frames)
+            self._file.flush()
+
+    def close(self) -> None:
+        """Finish the file and give it its name.
+
+        Raises
+        ------
+        InputError
+            If the place cannot be written.
+        """
+        with self._told():
+            self._file.close()
+            self._partial.replace(self.path)
+
+    def abandon(self) -> None:
+        """Leave the file as a part, to be taken up by `restored`."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        if kind is None:
+            self.close()
+        else:
+            self.abandon()
+
+    @contextlib.contextmanager
+    def _told(self) -> Iterator[None]:
+        """Say in the project's words what the disk refuses."""
+        try:
+            yield
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise InputError("FILE", str(self.path), "a place that can be written, with room", reason) from error
+
+
+def stored_frames(path: Path) -> Iterator[Frame]:
+    """Yield the frames of a file, one in memory at a time, in the file's single precision.
+
+    Raises
+    ------
+    InputError
+        If the file is not one that `FieldWriter` wrote, or is damaged.
+    """
+    try:
+        file = _opened(path, "r")
+    except OSError as error:
+        raise InputError("FILE", str(path), "a VTKHDF file", error.strerror or str(error)) from None
+    with file:
+        grid = _checked_grid(path, file)
+        points, cells = len(grid["Points"]), len(grid["Types"])
+        times = grid["Steps/Values"]
+        for k in range(FieldWriter.frames_of(grid)):
+            at_nodes, at_cells = (slice(k * n, (k + 1) * n) for n in (points, cells))
+            yield Frame(
+                float(times[k]),
+                grid["PointData/displacement"][at_nodes].astype(float),
+                grid["PointData/velocity"][at_nodes].astype(float),
+                grid["CellData/stress"][at_cells].astype(float),
+                grid["CellData/equivalent_plastic_strain"][at_cells].astype(float),
+            )
+
+
+def _opened(path: Path, mode: str) -> Any:
+    return _h5py().File(path, mode)
+
+
+def _h5py() -> Any:
+    return importlib.import_module("h5py")  # it has no types
+
+
+def _write_mesh(file: Any, mesh: Mesh) -> None:
+    """Write the geometry, and empty tables for all that comes with the frames."""
+    grid = file.create_group("VTKHDF")
+    grid.attrs["Version"] = np.array(VERSION, np.int64)
+    grid.attrs["Type"] = np.bytes_("UnstructuredGrid")  # ASCII of fixed length, as readers expect
+    cells = len(mesh.hexahedra)
+    for name, count in (("Points", len(mesh.points)), ("Cells", cells), ("ConnectivityIds", 8 * cells)):
+        grid[f"NumberOf{name}"] = np.array([count], np.int64)
+    _packed(grid, "Points", mesh.points)
+    _packed(grid, "Connectivity", mesh.hexahedra.reshape(-1).astype(np.int64))
+    _packed(grid, "Offsets", 8 * np.arange(cells + 1, dtype=np.int64))
+    _packed(grid, "Types", np.full(cells, HEXAHEDRON, np.uint8))
+    _packed(grid, "CellData/part", mesh.part)
+    grid["CellData/part"].attrs["names"] = list(mesh.names)
+    steps = grid.create_group("Steps")
+    steps.attrs["NSteps"] = np.int64(0)
+    _growing(steps, "Values", np.float64)
+    whole = ("PartOffsets", "NumberOfParts", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
+    for name in (*whole, "CellDataOffsets/part"):
+        _growing(steps, name, np.int64)
+    sizes = {"PointData": len(mesh.points), "CellData": cells}
+    for field in FIELDS:
+        _growing(steps, f"{field.home}Offsets/{field.name}", np.int64)
+        data = _growing(grid, f"{field.home}/{field.name}", np.float32, field.components, sizes[field.home])
+        data.attrs["unit"] = field.unit
+
+
+def _packed(group: Any, name: str, values: NDArray[Any]) -> None:
+    group.create_dataset(name, data=values, compression="gzip", compression_opts=1, shuffle=True)
+
+
+def _growing(group: Any, name: str, kind: type, components: int = 1, rows: int = 1024) -> Any:
+    """Begin an empty table of so many components, a step of ``rows`` in as few equal chunks as it takes."""
+    across = () if components == 1 else (components,)
+    chunk = -(-rows // -(-rows // MOST_ROWS))
+    packing: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+    return group.create_dataset(
+        name, (0, *across), dtype=kind, maxshape=(None, *across), chunks=(max(chunk, 1), *across), **packing
+    )
+
+
+def _append(table: Any, rows: NDArray[Any], at: int) -> None:
+    table.resize(at + len(rows), axis=0)
+    table[at:] = rows
+
+
+def _tables(steps: Any) -> Iterator[Any]:
+    """Yield the tables of a row each step."""
+    for name in steps:
+        if name.endswith("DataOffsets"):
+            yield from (steps[name][inner] for inner in steps[name])
+        else:
+            yield steps[name]
+
+
+def _checked_grid(path: Path, file: Any) -> Any:
+    """Return the group of a file after checking that all we read stands in it, in this file, in the right shape."""
+    try:
+        times = _own(file, "Steps/Values")
+        grid = file["VTKHDF"]
+        frames = FieldWriter.frames_of(grid)
+        if not 0 <= frames <= min(times, MOST_FRAMES):
+            raise ValueError(f"it claims {frames} frames")
+        sizes = {"PointData": _own(file, "Points", 3), "CellData": _own(file, "Types")}
+        if max(sizes.values()) > MOST_NODES:
+            raise ValueError(f"it claims more than {MOST_NODES} nodes or elements")
+        if _own(file, "Connectivity") != 8 * sizes["CellData"]:
+            raise ValueError("its cells are not hexahedra")
+        for field in FIELDS:
+            if _own(file, f"{field.home}/{field.name}", field.components) < frames * sizes[field.home]:
+                raise ValueError(f"{field.name} is shorter than its {frames} frames")
+            _own(file, f"Steps/{field.home}Offsets/{field.name}")
+    except (KeyError, ValueError, TypeError, AttributeError, OSError, RuntimeError) as error:
+        raise InputError("FILE", str(path), "fields as strikewave writes them, whole", str(error)[:200]) from None
+    return grid
+
+
+def _own(file: Any, name: str, components: int = 1) -> int:
+    """Return the rows of a table that lies in the file itself and has so many components."""
+    h5py, place = _h5py(), file
+    for word in ("VTKHDF", *name.split("/")):
+        if not isinstance(place.get(word, getlink=True), h5py.HardLink):
+            raise ValueError(f"{name} is missing or lies elsewhere")
+        place = place[word]
+    across = () if components == 1 else (components,)
+    inside = isinstance(place, h5py.Dataset) and not place.is_virtual and not place.external
+    if not inside or place.dtype.kind not in "iuf" or place.shape[1:] != across:
+        raise ValueError(f"{name} is not a table of numbers in the shape it should have")
+    return int(place.shape[0])
+
+
+def _check_same_mesh(path: Path, grid: Any, mesh: Mesh) -> None:
+    """Refuse a file of another mesh."""
+    same = (
+        grid["Points"].shape == mesh.points.shape
+        and grid["Connectivity"].shape == (mesh.hexahedra.size,)
+        and np.array_equal(grid["Points"][:], mesh.points)
+        and np.array_equal(grid["Connectivity"][:], mesh.hexahedra.reshape(-1))
+    )
+    if not same:
+        raise InputError("FILE", str(path), "fields of this mesh", "it belongs to another mesh; begin a new file")

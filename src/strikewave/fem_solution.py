@@ -1,0 +1,272 @@
+"""What a model of hexahedra did: what its parts, contacts and ledgers came to; histories, tables, documents."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave._version import __version__
+from strikewave.case import Case, dump_case
+from strikewave.dataset import quantity
+from strikewave.documents import head, plain, without
+from strikewave.fem.measures import ContactMeasure, contact_measure, ledger_measure
+from strikewave.fem.model import Model
+from strikewave.fem.run import ENERGIES, FemRun, Frame
+from strikewave.signal.pulse import measure_pulse
+from strikewave.solution import Notice
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+
+SCHEMA = 1
+"""Of the file of histories."""
+STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
+"""Components of a stress."""
+STILL = 1e-12
+"""A part whose velocity changes by less than this share of the largest in play does not move."""
+
+
+class PartPulse(NamedTuple):
+    """The blow that a part took, as one rigid body.
+
+    Attributes
+    ----------
+    mass : float
+        kg.
+    direction : tuple of float
+        Unit vector along its largest change of velocity; the rest is measured along it.
+    rigid_peak : float
+        Largest rate of momentum over mass, m/s^2.
+    width : float
+        Of that pulse at 10 % of its peak, s; NaN where the run begins or ends above it.
+    velocity_change : float
+        Largest change of momentum over mass, m/s.
+    """
+
+    mass: float
+    direction: tuple[float, float, float]
+    rigid_peak: float
+    width: float
+    velocity_change: float
+
+
+def part_pulse(run: FemRun, name: str) -> PartPulse:
+    """Measure the blow that a part took; zeros where its velocity does not change."""
+    part = run.parts[name]
+    change = part.velocity - part.velocity[0]
+    size = np.linalg.norm(change, axis=1)
+    largest = float(size.max())
+    scale = max((float(np.abs(other.velocity).max()) for other in run.parts.values()), default=0.0)
+    if not largest > STILL * scale:
+        return PartPulse(part.mass, (0.0, 0.0, 0.0), 0.0, math.nan, 0.0)
+    way = change[int(np.argmax(size))] / largest
+    x, y, z = (float(component) for component in way)
+    along = part.acceleration @ way
+    if not along.max() > 0.0:
+        return PartPulse(part.mass, (x, y, z), 0.0, math.nan, largest)
+    pulse = measure_pulse(along, float(run.time[1] - run.time[0]))
+    return PartPulse(part.mass, (x, y, z), pulse.peak, pulse.width, largest)
+
+
+@dataclass(frozen=True)
+class FemSolution:
+    """What a model of hexahedra did.
+
+    Attributes
+    ----------
+    case : Case
+        What ran.
+    model : Model
+        Mesh, solids, and what holds and loads them.
+    run : FemRun
+        Histories and ledger.
+    frames : tuple of Frame
+        Fields to be shown.
+    warnings : tuple of Notice
+        What to know.
+    citations : tuple of str
+        Keys of the sources of the models used.
+    """
+
+    case: Case
+    model: Model = field(repr=False)
+    run: FemRun = field(repr=False)
+    frames: tuple[Frame, ...] = field(repr=False)
+    warnings: tuple[Notice, ...]
+    citations: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        """The title of the case."""
+        return self.case.title or self.case.name
+
+    @property
+    def case_text(self) -> str:
+        """The case as TOML."""
+        return dump_case(self.case)
+
+    @property
+    def broken(self) -> bool:
+        """Whether a stated limit was broken."""
+        return any(notice.broken for notice in self.warnings)
+
+    @property
+    def parts(self) -> dict[str, PartPulse]:
+        """The blow that each part took."""
+        return {name: part_pulse(self.run, name) for name in self.run.parts}
+
+    @property
+    def contacts(self) -> dict[str, ContactMeasure | None]:
+        """What each contact and wall came to; None where nothing touched."""
+        return {name: contact_measure(self.run, name) for name in self.run.force}
+
+    @property
+    def contact_force_peak(self) -> float:
+        """Largest force of any contact, N."""
+        return max((found.peak for found in self.contacts.values() if found is not None), default=0.0)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document."""
+        run, ledger = self.run, ledger_measure(self.run)
+        energy = {name: float(run.energy[name][-1]) for name in ENERGIES}
+        contacts = {name: None if x is None else _contact(x) for name, x in self.contacts.items()}
+        return plain(
+            {
+                **head(UNITS, [without(dataclasses.asdict(notice), "broken") for notice in self.warnings]),
+                "case": self.case.name,
+                "elements": run.elements,
+                "nodes": len(self.model.mesh.points),
+                "steps": run.steps,
+                "step": run.step,
+                "added_mass": run.added_mass,
+                "seconds": run.seconds,
+                "element_steps_per_second": run.speed,
+                "contact_force_peak": self.contact_force_peak,
+                "contacts": contacts,
+                "parts": {name: part._asdict() for name, part in self.parts.items()},
+                "energy": {"initial": run.initial_energy, **energy, "error": ledger.energy},
+                "hourglass_share": ledger.hourglass,
+                "momentum_error": ledger.momentum,
+                "stopped": run.stopped or None,
+            }
+        )
+
+    def _columns(self) -> Iterator[tuple[str, str, Array]]:
+        """Yield name, unit and values of every history but the time."""
+        run = self.run
+        for name, force in run.force.items():
+            yield from _components(f"{name} force", "N", force)
+        for name, part in run.parts.items():
+            yield from _components(f"{name} displacement", "m", part.displacement)
+            yield from _components(f"{name} velocity", "m/s", part.velocity)
+            yield from _components(f"{name} rigid acceleration", "m/s^2", part.acceleration)
+        for name, point in run.points.items():
+            yield from _components(f"{name} displacement", "m", point.displacement)
+            yield from _components(f"{name} velocity", "m/s", point.velocity)
+            yield from _components(f"{name} acceleration", "m/s^2", point.acceleration)
+        for name, section in run.sections.items():
+            yield from _components(f"{name} stress", "Pa", section.stress, STRESS)
+            yield from _components(f"{name} velocity", "m/s", section.velocity)
+            yield from _components(f"{name} acceleration", "m/s^2", section.acceleration)
+        for name in ENERGIES:
+            yield f"{name} energy", "J", run.energy[name]
+        yield "energy error", "1", run.energy_error
+
+    def table(self) -> str:
+        """Return all histories as CSV text, every column with its unit."""
+        columns = list(self._columns())
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(["time [s]", *(f"{name} [{unit}]" for name, unit, _ in columns)])
+        for row in zip(self.run.time, *(values for _, _, values in columns), strict=True):
+            writer.writerow(["" if math.isnan(value) else f"{value:.9g}" for value in row])
+        return text.getvalue()
+
+    def dataset(self) -> xarray.Dataset:
+        """Return all histories with units: vectors by ``axis``, stresses by ``component``, by the names of the case."""
+        import xarray
+
+        run, vector = self.run, ("time", "axis")
+        variables = {}
+
+        def add(kind: str, name: str, what: str, values: Array, unit: str, where: tuple[str, ...] = vector) -> None:
+            words = f"{what.replace('_', ' ')} of {kind} {name}"
+            variables[f"{kind}.{name}.{what}"] = quantity(where, values, unit, words)
+
+        for name, force in run.force.items():
+            add("contact", name, "force", force, "N")
+            add("contact", name, "impulse", run.impulse[name], "N s")
+        for kind, histories in (("part", run.parts), ("point", run.points), ("section", run.sections)):
+            for name, history in histories.items():
+                for what, unit in MOTION.items():
+                    if hasattr(history, what):
+                        add(kind, name, what, getattr(history, what), unit)
+        for name, section in run.sections.items():
+            add("section", name, "stress", section.stress, "Pa", ("time", "component"))
+        for name in ENERGIES:
+            variables[f"energy.{name}"] = quantity("time", run.energy[name], "J", f"{name} energy")
+        variables["energy.error"] = quantity("time", run.energy_error, "1", "energy missing (-) or too much")
+        variables["momentum"] = quantity(vector, run.momentum, "kg m/s", "momentum of everything")
+        variables["impulse_given"] = quantity(vector, run.impulse_given, "N s", "impulse from outside")
+        coordinates = {
+            "time": quantity("time", run.time, "s", "time after the start"),
+            "axis": ("axis", np.array(["x", "y", "z"], dtype=object)),
+            "component": ("component", np.array(STRESS, dtype=object)),
+        }
+        attributes = {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.case_text}
+        return xarray.Dataset(variables, coordinates, attributes)
+
+    def save(self, path: Path) -> None:
+        """Write all histories as NetCDF."""
+        self.dataset().to_netcdf(path, engine="h5netcdf")
+
+
+MOTION = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
+"""Histories of parts, points and sections, and their units."""
+UNITS = {
+    "step": "s",
+    "added_mass": "kg",
+    "seconds": "s",
+    "element_steps_per_second": "1/s",
+    "contact_force_peak": "N",
+    "peak": "N",
+    "time": "s",
+    "impulse": "N s",
+    "begin": "s",
+    "end": "s",
+    "duration": "s",
+    "mass": "kg",
+    "direction": "1",
+    "rigid_peak": "m/s^2",
+    "width": "s",
+    "velocity_change": "m/s",
+    "initial": "J",
+    **dict.fromkeys(ENERGIES, "J"),
+    "error": "1",
+    "hourglass_share": "1",
+    "momentum_error": "1",
+}
+"""Of the JSON document."""
+
+
+def _contact(found: ContactMeasure) -> dict[str, float]:
+    """Return what a contact came to, for the JSON document."""
+    times = {"time": found.at, "begin": found.begin, "end": found.end, "duration": found.duration}
+    return {"peak": found.peak, "impulse": found.impulse, **times}
+
+
+def _components(name: str, unit: str, values: Array, axes: tuple[str, ...] = ("x", "y", "z")) -> Iterator[Any]:
+    """Yield a column for each component of a history."""
+    for axis, column in zip(axes, values.T, strict=True):
+        yield f"{name} {axis}", unit, column

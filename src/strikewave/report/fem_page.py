@@ -1,0 +1,400 @@
+"""The report of an explicit run: what ran, what its contacts and parts came to, its fields and its ledgers."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave._version import __version__
+from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, LedgerMeasure, contact_measure, ledger_measure
+from strikewave.fem.quality import quality_report
+from strikewave.fem_solution import part_pulse
+from strikewave.notices import LEDGER_LIMIT
+from strikewave.report import chapters
+from strikewave.report.numbers import listed, with_unit
+from strikewave.report.page import Head, whole_page
+from strikewave.report.parts import NONE, Cell, Code, Part, Picture, Section, Table, Tag, written
+from strikewave.units import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from strikewave.fem.model import Model
+    from strikewave.fem.run import FemRun, Frame
+    from strikewave.fem_solution import FemSolution
+
+_SOLIDS = {"Elastic": "elastic", "Bilinear": "bilinear plastic", "JohnsonCook": "Johnson-Cook"}
+_BOUNDARIES = {"NonReflecting": "non-reflecting", "Symmetry": "plane of symmetry"}
+SHOWN_FRAMES = 3
+"""Instants shown in pictures at most."""
+_METHOD = (
+    "Hexahedra of eight nodes, one point of integration each (parts named under full integration have more) with "
+    "stiffness against hourglass modes, followed by central differences in time. Rigid-body acceleration is the rate "
+    "of momentum of a part over its mass; forces of contact are those on the first of the two surfaces. g is standard "
+    "gravity, 9.80665 m/s²."
+)
+_CONTACT = (
+    "Peaks are the largest size of the force, between samples by a parabola; the impulse is that of the whole run; the "
+    "duration counts from when the force first passes a tenth of its peak to when it last does, gaps included."
+)
+_PARTS = (
+    "Peak, width (at 10 % of the peak) and change of velocity are those along the direction in which the velocity of "
+    "the part changes most."
+)
+_FIELDS = (
+    "Each element is shown in the colour of its one value, in one scale for all instants; faces that look aside are a "
+    "little darker. Elements before the plane of the cut are left out whole."
+)
+
+
+def fem_report(solution: FemSolution) -> str:
+    """Return the report of an explicit run as one HTML page: no script, nothing fetched.
+
+    Parameters
+    ----------
+    solution : FemSolution
+        What ran and what it gave; without frames the page says so.
+    """
+    case: Any = getattr(solution, "case", None)
+    text = solution.case_text
+    digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+    as_solution: Any = solution
+    sections = [
+        _result(solution.run),
+        _what_ran(solution.model, solution.run),
+        _fields(solution),
+        _ledgers(solution.run),
+        *([chapters.inputs(case)] if case is not None else []),
+        chapters.warnings(as_solution),
+        chapters.sources(as_solution),
+        _again(text),
+    ]
+    name = str(getattr(case, "name", ""))
+    head = Head(
+        title=solution.title,
+        kicker="Report of an explicit finite-element run",
+        subject="Case",
+        name=name,
+        digest=digest,
+        status=_status(solution),
+        summary=_summary(solution.run),
+        numbers=_key_numbers(solution.run),
+        foot=f"case {name or 'without name'} · SHA-256 of the case text {digest}",
+    )
+    return whole_page(head, sections)
+
+
+def _status(solution: FemSolution) -> Tag:
+    broken = [notice.code for notice in solution.warnings if notice.broken]
+    if solution.run.stopped:
+        return Tag("stopped early" + (f"; stated limit broken: {listed(broken)}" if broken else ""), "bad")
+    if broken:
+        return Tag(f"stated limit broken: {listed(broken)}", "bad")
+    many = len(solution.warnings)
+    warned = f"; {many} warning{'s' if many > 1 else ''}, see below" if many else ""
+    return Tag(f"no stated limit broken{warned}", "warned" if many else "good")
+
+
+def _summary(run: FemRun) -> str:
+    """Say in words what happened."""
+    words = [f"The run ended early: {run.stopped}."] if run.stopped else []
+    found = {name: contact_measure(run, name) for name in run.force}
+    touched = {name: measure for name, measure in found.items() if measure is not None}
+    if touched:
+        name, most = max(touched.items(), key=lambda pair: pair[1].peak)
+        words.append(
+            f"The contact {name} reaches {with_unit(most.peak, 'N', 'kN')}, lasts "
+            f"{with_unit(most.duration, 's', 'us', 3)} and carries {written(most.impulse)} N s."
+        )
+    else:
+        words.append("Nothing touched." if run.force else "No contact is in the model.")
+    pulses = {name: part_pulse(run, name) for name in run.parts}
+    moved = [
+        f"{name} {with_unit(pulse.rigid_peak, 'm/s^2', 'g')} and {with_unit(pulse.velocity_change, 'm/s', 'm/s', 3)}"
+        for name, pulse in pulses.items()
+        if pulse.velocity_change > 0.0
+    ]
+    if moved:
+        words.append(f"Rigid-body peak and change of velocity: {listed(moved[:4])}.")
+    ledger = ledger_measure(run)
+    words.append(_energy_words(ledger))
+    return " ".join(words)
+
+
+def _key_numbers(run: FemRun) -> list[tuple[str, str]]:
+    touched = [m for m in (contact_measure(run, name) for name in run.force) if m is not None]
+    pulses = [part_pulse(run, name) for name in run.parts]
+    numbers: list[tuple[str, str]] = []
+    if touched:
+        most = max(touched, key=lambda measure: measure.peak)
+        numbers += [
+            ("contact force, peak", with_unit(most.peak, "N", "kN")),
+            ("contact duration", with_unit(most.duration, "s", "us", 3)),
+        ]
+    if pulses:
+        numbers.append(("rigid-body peak, largest", with_unit(max(p.rigid_peak for p in pulses), "m/s^2", "g")))
+    ledger = ledger_measure(run)
+    return [
+        *numbers,
+        ("energy error", _share(ledger.energy)),
+        ("elements", f"{run.elements}"),
+        ("steps", f"{run.steps}"),
+    ]
+
+
+def _share(value: float) -> str:
+    """Write a share in per cent.
+
+    Examples
+    --------
+    >>> _share(2.1e-4), _share(-0.0312), _share(math.inf)
+    ('+0.021 %', '-3.12 %', 'no bound')
+    """
+    return f"{100.0 * value:+.3g} %" if math.isfinite(value) else "no bound"
+
+
+def _result(run: FemRun) -> Section:
+    from strikewave.figures import fem
+
+    parts: list[Part] = [_contact_table(run), _part_table(run)]
+    if run.force:
+        caption = "Size of the contact force, with its peak; dotted the size of its impulse."
+        parts.append(Picture(fem.force_figure(run), caption))
+    parts.append(Picture(fem.acceleration_figure(run), "Rigid-body acceleration of the parts along the blow."))
+    parts.append(Picture(fem.energy_figure(run), "Where the energy is, and by how much its ledger is off."))
+    if run.sections:
+        parts.append(
+            Picture(fem.section_figure(run), "Mean stress of the sections along the blow; tension is positive.")
+        )
+    if run.points:
+        parts.append(Picture(fem.point_figure(run), "Velocity of the watched points along the blow."))
+    return Section("Result", f"{_CONTACT} {_PARTS}", parts)
+
+
+def _contact_table(run: FemRun) -> Table:
+    rows: list[list[Cell]] = []
+    for name in run.force:
+        found = contact_measure(run, name)
+        if found is None:
+            rows.append([name, NONE, NONE, NONE, NONE, "never touched"])
+            continue
+        still = "touches at the end" if float(np.linalg.norm(run.force[name][-1])) > 0.01 * found.peak else NONE
+        values = [found.peak / 1e3, found.at * 1e6, found.impulse, found.duration * 1e6]
+        rows.append([name, *(written(v) for v in values), still])
+    heads = ["contact", "peak force (kN)", "at (µs)", "impulse (N s)", "duration (µs)", "note"]
+    return Table("Contacts and walls", heads, rows, empty="No contact is in the model.")
+
+
+def _part_table(run: FemRun) -> Table:
+    rows: list[list[Cell]] = []
+    for name in run.parts:
+        pulse = part_pulse(run, name)
+        direction = ", ".join(f"{v:.3g}" for v in np.round(pulse.direction, 4) + 0.0)
+        width = NONE if math.isnan(pulse.width) else written(pulse.width * 1e6)
+        moved = pulse.velocity_change > 0.0
+        peak = written(pulse.rigid_peak / STANDARD_GRAVITY) if moved else NONE
+        change = written(pulse.velocity_change) if moved else NONE
+        rows.append([name, written(pulse.mass * 1e3), peak, width, change, direction if moved else "does not move"])
+    heads = ["part", "mass (gram)", "rigid peak (g)", "width (µs)", "velocity change (m/s)", "along"]
+    return Table("Parts, each as one rigid body", heads, rows)
+
+
+def _what_ran(model: Model, run: FemRun) -> Section:
+    from strikewave.figures.fem_pictures import contact_zone, mesh_picture, view_of
+
+    view = view_of(model)
+    pictures = [Picture(mesh_picture(model.mesh, view), "The mesh before the blow" + _cut_words(view.cut is not None))]
+    zone = contact_zone(model)
+    if zone is not None:
+        near = dataclasses.replace(view, near=zone)
+        caption = f"The mesh within {zone[1] * 1e3:.3g} mm of where {model.contacts[0].name} is nearest."
+        pictures.append(Picture(mesh_picture(model.mesh, near), caption))
+    pace = f"{run.steps} steps, the smallest {run.step * 1e9:.4g} ns, took {run.seconds:.3g} s."
+    added = f" Mass scaling added {run.added_mass * 1e3:.3g} gram." if run.added_mass > 0.0 else ""
+    parts: list[Part] = [_solid_table(model), _condition_table(model), _quality_table(model), *pictures]
+    return Section("What ran", f"{_METHOD}\n\n{pace}{added}", parts)
+
+
+def _cut_words(cut: bool) -> str:
+    return ", cut along the blow." if cut else "."
+
+
+def _solid_table(model: Model) -> Table:
+    rows: list[list[Cell]] = []
+    for name in model.mesh.names:
+        solid = model.solids[name]
+        kind = _SOLIDS.get(type(solid).__name__, type(solid).__name__)
+        velocity = ", ".join(f"{v:g}" for v in model.velocity.get(name, (0.0, 0.0, 0.0)))
+        rigid = any(r.part == name for r in model.rigid)
+        elements = len(model.mesh.hexahedra[model.mesh.elements_of(name)])
+        rows.append(
+            [
+                name,
+                "rigid" if rigid else kind + (", full integration" if name in model.controls.full else ""),
+                f"{solid.density:g}",
+                f"{solid.youngs_modulus / 1e9:g}",
+                f"{solid.poissons_ratio:g}",
+                str(elements),
+                velocity,
+            ]
+        )
+    heads = ["part", "solid", "density (kg/m³)", "E (GPa)", "Poisson's ratio", "elements", "starts at (m/s)"]
+    return Table("Parts and their solids", heads, rows)
+
+
+def _condition_table(model: Model) -> Table:
+    rows: list[list[Cell]] = []
+    for boundary in model.boundaries:
+        name = type(boundary).__name__
+        kind = _BOUNDARIES.get(name, name.lower())
+        rows.append([kind, boundary.side, _boundary_words(boundary)])
+    rows += [["contact", c.name, f"friction {c.friction:g}, stiffness {c.stiffness:g}"] for c in model.contacts]
+    rows += [["rigid wall", w.side, f"through {_metres(w.point)}, normal {_plain(w.normal)}"] for w in model.walls]
+    rows += [["tie", t.side, f"onto {t.onto}"] for t in model.ties]
+    rows += [["rigid part", r.part, "does not deform"] for r in model.rigid]
+    if any(model.gravity):
+        rows.append(["gravity", "all", f"{_plain(model.gravity)} m/s²"])
+    c = model.controls
+    rows.append(
+        [
+            "controls",
+            "all",
+            f"safety {c.safety:g}, hourglass {c.hourglass:g}, bulk viscosity "
+            f"{c.linear_viscosity:g} and {c.quadratic_viscosity:g}",
+        ]
+    )
+    return Table("What holds, loads and touches", ["kind", "side", "values"], rows)
+
+
+def _boundary_words(boundary: Any) -> str:
+    """Say what a boundary does beyond its kind."""
+    if hasattr(boundary, "axis"):
+        return f"along {_plain(boundary.axis)}"
+    curve = getattr(boundary, "velocity", None) or getattr(boundary, "pressure", None)
+    if curve is None:
+        return NONE
+    most = max(curve.value, key=abs)
+    unit, scale = ("m/s", 1.0) if hasattr(boundary, "velocity") else ("MPa", 1e6)
+    along = f" along {_plain(boundary.direction)}" if hasattr(boundary, "direction") else ""
+    return f"up to {most / scale:.4g} {unit}{along}, {len(curve.value)} points over time"
+
+
+def _plain(vector: Sequence[float]) -> str:
+    return "(" + ", ".join(f"{v:.3g}" for v in vector) + ")"
+
+
+def _metres(place: Sequence[float]) -> str:
+    return "(" + ", ".join(f"{v * 1e3:.4g}" for v in place) + ") mm"
+
+
+def _quality_table(model: Model) -> Table:
+    speeds = {name: solid.wave_speed for name, solid in model.solids.items()}
+    rows: list[list[Cell]] = [
+        [
+            one.part,
+            str(one.nodes),
+            written(one.shortest_edge * 1e3, 3),
+            written(one.longest_edge * 1e3, 3),
+            written(one.aspect_ratio, 3),
+            written(one.scaled_jacobian, 3),
+            written(math.degrees(one.warpage), 2),
+        ]
+        for one in quality_report(model.mesh, speeds)
+    ]
+    heads = ["part", "nodes", "shortest edge (mm)", "longest edge (mm)", "worst aspect ratio", "worst scaled Jacobian"]
+    heads.append("worst warpage (°)")
+    caption = "Quality of the mesh; the scaled Jacobian is 1 for right angles and 0 for a flat corner"
+    return Table(caption, heads, rows)
+
+
+def _fields(solution: FemSolution) -> Section:
+    from strikewave.figures.fem_pictures import frames_picture, view_of
+
+    frames = _chosen(solution.frames or solution.run.frames)
+    if not frames:
+        return Section("Fields", "No frame of the fields was kept for pictures.")
+    view = view_of(solution.model)
+    instants = listed([with_unit(frame.time, "s", "us") if frame.time > 0.0 else "the start" for frame in frames])
+    said = f" at {instants}{_cut_words(view.cut is not None)}"
+    mesh = solution.model.mesh
+    parts: list[Part] = [Picture(frames_picture(mesh, frames, view), f"Von Mises stress{said}")]
+    if any(float(frame.plastic_strain.max(initial=0.0)) > 0.0 for frame in frames):
+        last = [frames[-1]]
+        picture = frames_picture(mesh, last, view, "plastic_strain")
+        parts.append(Picture(picture, "Equivalent plastic strain at the last of these instants."))
+    return Section("Fields", _FIELDS, parts)
+
+
+def _chosen(frames: Sequence[Frame]) -> list[Frame]:
+    """Choose the frame of the largest stress, the last one and one between or before, in the order of time."""
+    from strikewave.fem.invariants import von_mises
+
+    if len(frames) <= SHOWN_FRAMES:
+        return list(frames)
+    largest = [float(von_mises(frame.stress).max(initial=0.0)) for frame in frames]
+    peak, last = int(np.argmax(largest)), len(frames) - 1
+    between = (peak + last) // 2 if last - peak > peak else max(peak // 2, 1)
+    return [frames[k] for k in sorted({between, peak, last})]
+
+
+def _energy_words(ledger: LedgerMeasure) -> str:
+    """Say whether the books balance."""
+    limit, glass = f"{100.0 * ENERGY_LIMIT:.0f} %", f"{100.0 * HOURGLASS_LIMIT:.0f} %"
+    words = f"The energy ledger is off by {_share(ledger.energy)}, "
+    if abs(ledger.energy) <= ENERGY_LIMIT:
+        words += f"within its limit of {limit}."
+    else:
+        words += (
+            f"beyond its limit of {limit}: take a smaller fem.safety, or a finer mesh where parts touch; do not trust "
+            "these numbers."
+        )
+    if ledger.hourglass > HOURGLASS_LIMIT:
+        words += (
+            f" Hourglass modes hold {100.0 * ledger.hourglass:.3g} % of the internal energy, beyond {glass}: refine "
+            "the mesh where it bends or is touched, or integrate that part fully."
+        )
+    return words
+
+
+def _ledgers(run: FemRun) -> Section:
+    ledger = ledger_measure(run)
+    checks = [
+        ("energy, largest error", ledger.energy, ENERGY_LIMIT, "of the energy in play"),
+        ("hourglass energy, largest", ledger.hourglass, HOURGLASS_LIMIT, "of the largest internal energy"),
+        ("momentum, largest error", ledger.momentum, LEDGER_LIMIT, "of the momentum in play"),
+    ]
+    rows: list[list[Cell]] = [
+        [
+            name,
+            f"{value:.2e}",
+            f"{limit:.0e}",
+            Tag("holds", "good") if abs(value) <= limit else Tag("broken", "bad"),
+            words,
+        ]
+        for name, value, limit, words in checks
+    ]
+    held = Table("Ledgers", ["ledger", "share", "limit", "result", "what it is a share of"], rows)
+    return Section("Ledgers", _energy_words(ledger), [held, _energy_table(run)])
+
+
+def _energy_table(run: FemRun) -> Table:
+    from strikewave.fem.run import ENERGIES
+
+    rows: list[list[Cell]] = [["at the start, all", NONE, written(run.initial_energy)]]
+    for name in ENERGIES:
+        values = run.energy[name]
+        most = float(values[int(np.argmax(np.abs(values)))])
+        rows.append(
+            [name + (" (within internal)" if name == "plastic" else ""), written(most), written(float(values[-1]))]
+        )
+    return Table("Energies", ["energy", "largest (J)", "at the end (J)"], rows)
+
+
+def _again(text: str) -> Section:
+    words = f"This command gives the same numbers again with strikewave {__version__}; case.toml is the text below."
+    return Section(
+        "How to run this again", words, [Code("strikewave fem case.toml"), Code(text, "The whole case file, case.toml")]
+    )

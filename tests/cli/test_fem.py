@@ -1,0 +1,381 @@
+"""``strikewave fem``: closed form of two bars, JSON, files, checks, restart, and what wrong input is told."""
+
+import dataclasses
+import json
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+SMALL = """
+schema = 1
+title = "Two blocks"
+[[mesh.part]]
+name = "striker"
+shape = "block"
+material = "65Mn"
+width = "4 mm"
+depth = "4 mm"
+height = "8 mm"
+size = "2 mm"
+velocity = { z = "1 m/s" }
+[[mesh.part]]
+name = "anvil"
+shape = "block"
+material = "65Mn"
+width = "4 mm"
+depth = "4 mm"
+height = "12 mm"
+size = "2 mm"
+at = { z = "8 mm" }
+[fem]
+duration = "8 us"
+interval = "0.1 us"
+frames = 5
+[[fem.contact]]
+first = "striker.z+"
+second = "anvil.z-"
+[[fem.section]]
+name = "gauge"
+part = "anvil"
+point = { z = "13 mm" }
+normal = "z"
+[[fem.point]]
+name = "far end"
+part = "anvil"
+place = { z = "20 mm" }
+"""
+
+BENDING = """
+schema = 1
+[[mesh.part]]
+name = "beam"
+shape = "block"
+material = "65Mn"
+width = "40 mm"
+depth = "4 mm"
+height = "4 mm"
+size = "4 mm"
+[fem]
+duration = "60 us"
+interval = "0.5 us"
+frames = 0
+[[fem.boundary]]
+kind = "fixed"
+side = "beam.x-"
+[[fem.boundary]]
+kind = "pressure"
+side = "beam.z+"
+time = ["0 us", "20 us", "40 us"]
+pressure = ["0 MPa", "2 MPa", "0 MPa"]
+"""
+
+
+@pytest.fixture
+def small(tmp_path):
+    (tmp_path / "small.toml").write_text(SMALL)
+    return "small.toml"
+
+
+@pytest.fixture(scope="module")
+def bars():
+    """The bundled case of two bars, run."""
+    from strikewave import load_case
+    from strikewave.elements import run_fem
+
+    return run_fem(load_case("two-bars-fem"))
+
+
+def test_two_bars_press_each_other_as_plane_waves_say(bars):
+    """Kolsky 1963: rho c0 v A / 2 for 2 l / c0, then the striker rests; A that of the mesh, flat faces for round ones.
+
+    The bars are 60 mm by 12 mm: radial inertia makes the force ring about the plateau (Pochhammer-Chree) by a sixth,
+    so means are compared; 2 % is the ringing that is left in a mean over 15 us, and the taper of the end.
+    """
+    run = bars.run
+    c0 = math.sqrt(211e9 / 7820.0)
+    area = run.parts["striker"].mass / 7820.0 / 60e-3
+    force = -run.force["striker.top-bar.bottom"][:, 2]
+    plateau = (run.time > 5e-6) & (run.time < 20e-6)
+    assert force[plateau].mean() == pytest.approx(7820.0 * c0 * 2.0 / 2.0 * area, rel=0.02)
+    (contact,) = bars.contacts.values()
+    assert contact.impulse == pytest.approx(run.parts["striker"].mass * 2.0, rel=0.02)  # its whole momentum
+    assert contact.duration == pytest.approx(2 * 60e-3 / c0, rel=0.1)
+    assert bars.parts["bar"].velocity_change == pytest.approx(1.0, rel=0.02)  # half its length at the striker's speed
+    stress = run.sections["gauge"].stress[:, 2]
+    behind_the_front = (run.time > 18e-6) & (run.time < 30e-6)
+    assert stress[behind_the_front].mean() == pytest.approx(-7820.0 * c0, rel=0.02)
+    assert not bars.broken
+
+
+def test_a_ball_presses_a_half_space_as_hertz_says():
+    """Johnson 1985, ch. 11.4: F = K^(2/5) (5/4 m v^2)^(3/5) and 2.9432 d/v, less the ends below a tenth of the peak.
+
+    The mass is that of the mesh. 2 %: elements of 0.2 mm in a contact of 0.48 mm radius, and the waves that leave.
+    """
+    from strikewave import load_case
+    from strikewave.elements import run_fem
+
+    finer = [f"mesh.part.{name}.finest=0.2 mm" for name in ("ball", "ground")]
+    solution = run_fem(load_case("hertz-ball-fem", finer))
+    stiffness = 4.0 / 3.0 * 211e9 / (2.0 * (1.0 - 0.288**2)) * math.sqrt(10e-3)
+    energy = 1.25 * 4.0 * solution.parts["ball"].mass
+    (contact,) = solution.contacts.values()
+    assert 4.0 * contact.peak == pytest.approx(stiffness**0.4 * energy**0.6, rel=0.02)
+    depth = (energy / stiffness) ** 0.4
+    reached = 0.1 ** (2.0 / 3.0)  # of the depth, at a tenth of the force; its time: the integral of dx/sqrt(1 - x^2.5)
+    ends = reached + reached**3.5 / 7.0
+    assert contact.duration == pytest.approx((2.9432 - 2.0 * ends) * depth, rel=0.01)
+    # 1e-3: the force on a quarter leans a little against its planes of symmetry, the acceleration is along the blow
+    assert solution.parts["ball"].rigid_peak == pytest.approx(contact.peak / solution.parts["ball"].mass, rel=1e-3)
+    assert {notice.code for notice in solution.warnings} == {"fem-yield"}  # no ledger is broken; real steel would yield
+
+
+def test_the_document_has_its_keys_and_every_number_its_unit(bars):
+    document = bars.document()
+    keys = {"schema", "version", "units", "warnings", "case", "elements", "nodes", "steps", "element_steps_per_second"}
+    assert keys | {"contact_force_peak", "contacts", "parts", "energy", "momentum_error"} <= set(document)
+    assert set(document["parts"]["bar"]) == {"mass", "direction", "rigid_peak", "width", "velocity_change"}
+    words = {"initial", "kinetic", "internal", "plastic", "hourglass", "contact", "viscous", "external", "error"}
+    assert set(document["energy"]) == words
+    assert document["contact_force_peak"] == max(x["peak"] for x in document["contacts"].values())
+    counted = {"schema", "version", "units", "warnings", "case", "elements", "nodes", "steps", "stopped"}
+    numbers = {key for key, value in document.items() if isinstance(value, float)}
+    numbers |= set(document["parts"]["bar"]) | words | set(document["contacts"]["striker.top-bar.bottom"])
+    assert numbers - counted <= set(document["units"])
+    assert json.dumps(document, allow_nan=False)
+
+
+def test_a_part_is_measured_along_its_change_of_velocity(bars):
+    """A half-sine of acceleration, aslant: peak, width at a tenth of it, and its integral, to the sampling."""
+    from strikewave.fem.run import PartHistory
+    from strikewave.fem_solution import part_pulse
+
+    step, lasts, peak = 0.1e-6, 40e-6, 5e4
+    time = step * np.arange(801)
+    way = np.array([2.0, -1.0, 2.0]) / 3.0
+    inside = np.clip((time - 20e-6) / lasts, 0.0, 1.0)
+    size = peak * np.sin(np.pi * inside)
+    speed = peak * lasts / np.pi * (1.0 - np.cos(np.pi * inside))
+    start = np.array([0.0, 7.0, 0.0])
+    history = PartHistory(0.5, start + np.outer(speed, way), np.outer(size, way), np.zeros((801, 3)))
+    run = dataclasses.replace(bars.run, time=time, parts={"p": history})
+    found = part_pulse(run, "p")
+    assert found.direction == pytest.approx(tuple(way), abs=1e-12)
+    assert found.rigid_peak == pytest.approx(peak, rel=1e-9)
+    assert found.velocity_change == pytest.approx(2.0 * peak * lasts / np.pi, rel=1e-12)
+    # linear between samples 0.1 us apart
+    assert found.width == pytest.approx(lasts * (1.0 - 2.0 * math.asin(0.1) / np.pi), rel=1e-4)
+    still = dataclasses.replace(history, velocity=np.tile(start, (801, 1)), acceleration=np.zeros((801, 3)))
+    rest = part_pulse(dataclasses.replace(run, parts={"p": still}), "p")
+    assert (rest.rigid_peak, rest.velocity_change) == (0.0, 0.0)
+    assert math.isnan(rest.width)
+
+
+def test_histories_are_the_same_in_every_file(bars, tmp_path):
+    import xarray
+
+    bars.save(tmp_path / "histories.nc")
+    with xarray.open_dataset(tmp_path / "histories.nc", engine="h5netcdf") as kept:
+        assert np.array_equal(kept["part.bar.acceleration"], bars.run.parts["bar"].acceleration)
+        assert kept["section.gauge.stress"].attrs["units"] == "Pa"
+        assert kept.attrs["case"] == bars.case_text
+    head, *rows = bars.table().splitlines()
+    columns = head.split(",")
+    assert columns[0] == "time [s]"
+    assert "striker.top-bar.bottom force z [N]" in columns
+    assert "gauge stress zz [Pa]" in columns
+    assert len(rows) == bars.run.time.size
+    place = columns.index("bar rigid acceleration z [m/s^2]")
+    read = np.array([float(row.split(",")[place]) for row in rows])
+    assert read == pytest.approx(bars.run.parts["bar"].acceleration[:, 2], rel=1e-8)  # nine digits are written
+
+
+def test_fem_writes_a_whole_result_that_runs_again(strikewave, small):
+    code, out, err = strikewave("fem", small, "--out", "f")
+    assert code == 0
+    files = ["case.toml", "field.vtkhdf", "histories.csv", "histories.nc", "report.html", "summary.svg"]
+    assert sorted(os.listdir("f")) == files
+    assert sorted(os.listdir(".")) == ["f", "small.toml"]  # nothing of the run under way is left
+    assert "rigid peak (g)" in out
+    for words in ("40 elements", "mass: striker 0.001001 kg", "worst element", "element-steps", "ledger: energy"):
+        assert words in err
+    code, out, _ = strikewave("fem", "f/case.toml", "--json")
+    assert code == 0
+    assert json.loads(out)["elements"] == 40
+    assert strikewave("fem", small, "--out", "f")[0] == 0  # the same case may be written again
+    assert strikewave("fem", small, "--out", "f", "--set", "fem.duration=7 us")[0] == 2
+    assert strikewave("fem", small, "--out", "f", "--set", "fem.duration=7 us", "--force", "--no-report")[0] == 0
+    assert "report.html" not in os.listdir("f")
+
+
+@pytest.mark.parametrize("frames", [0, 3])
+def test_as_many_fields_are_written_as_asked_for(strikewave, small, frames):
+    import h5py
+
+    assert strikewave("fem", small, "--out", "f", "--frames", str(frames), "--no-report")[0] == 0
+    assert ("field.vtkhdf" in os.listdir("f")) == (frames > 0)
+    if frames:
+        with h5py.File("f/field.vtkhdf") as file:
+            assert file["VTKHDF/Steps"].attrs["NSteps"] == frames
+
+
+def test_json_says_all_on_stdout_and_writes_nothing(strikewave, small):
+    code, out, err = strikewave("fem", small, "--json", "--threads", "2")
+    assert code == 0
+    threaded = json.loads(out)
+    assert os.listdir(".") == ["small.toml"]
+    assert "done in" in err
+    again = json.loads(strikewave("fem", small, "--json")[1])
+    for key in ("parts", "energy", "contacts", "steps"):
+        assert again[key] == threaded[key]  # threads change no number, not by a bit
+
+
+def test_check_builds_and_runs_nothing(strikewave, small, monkeypatch):
+    from strikewave.fem import solve
+
+    monkeypatch.setattr(solve, "solve", lambda *a, **k: pytest.fail("it ran"))
+    code, out, err = strikewave("fem", small, "--check")
+    assert code == 0
+    assert "scaled Jacobian" in out
+    assert "40 elements, 108 nodes" in err  # 2 x 2 x (4 + 6) elements, 3 x 3 x (5 + 7) nodes
+    assert os.listdir(".") == ["small.toml"]
+    code, out, _ = strikewave("fem", small, "--check", "--json")
+    rows = json.loads(out)["parts"]
+    assert (rows["striker"]["elements"], rows["anvil"]["volume"]) == (16, pytest.approx(192e-9))
+    code, _, err = strikewave("fem", small, "--check", "--set", "mesh.part.anvil.at.z=7.5 mm")
+    assert code == 2
+    assert "overlap" in err
+
+
+def test_the_step_that_is_said_before_is_the_one_that_is_taken(bars):
+    from strikewave.elements import first_step
+
+    assert first_step(bars.model) == pytest.approx(bars.run.step, rel=0.01)  # the mesh hardly deforms
+
+
+def test_an_interrupted_run_goes_on_to_the_same_numbers(strikewave, small, monkeypatch):
+    import h5py
+
+    from strikewave.cli import fem
+
+    assert strikewave("fem", small, "--out", "whole", "--no-report")[0] == 0
+    add, seen = fem.FieldFile.add, []
+
+    def interrupted(self, frame):
+        seen.append(frame.time)
+        if len(seen) == 4:
+            raise KeyboardInterrupt
+        add(self, frame)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(fem.FieldFile, "add", interrupted)
+        code, _, err = strikewave("fem", small, "--out", "broken", "--no-report")
+    assert code == 130
+    assert "add --restart to go on" in err
+    assert not Path("broken").exists()
+    other = strikewave("fem", small, "--out", "broken", "--restart", "--set", "fem.contact.0.friction=0.1")
+    assert other[0] == 2
+    assert "another case" in other[2]
+    assert strikewave("fem", small, "--out", "broken", "--restart", "--no-report")[0] == 0
+    assert not Path("broken.unfinished").exists()
+    assert Path("broken/histories.csv").read_bytes() == Path("whole/histories.csv").read_bytes()
+    with h5py.File("broken/field.vtkhdf") as one, h5py.File("whole/field.vtkhdf") as other:
+        for path in ("Steps/Values", "PointData/displacement", "CellData/stress"):
+            assert np.array_equal(one[f"VTKHDF/{path}"], other[f"VTKHDF/{path}"])
+
+
+def test_a_restart_needs_a_run_to_go_on_from(strikewave, small):
+    code, _, err = strikewave("fem", small, "--out", "f", "--restart")
+    assert code == 2
+    assert "--restart" in err
+    assert "a run that was interrupted" in err
+    code, _, err = strikewave("fem", small, "--json", "--restart")
+    assert code == 2
+    assert "add --out DIR" in err
+
+
+def test_hourglass_energy_beyond_its_limit_exits_with_3(strikewave, tmp_path):
+    """A beam one element thick bends in hourglass modes alone."""
+    (tmp_path / "bending.toml").write_text(BENDING)
+    code, out, _ = strikewave("fem", "bending.toml", "--json")
+    assert code == 3
+    (notice,) = [w for w in json.loads(out)["warnings"] if w["code"] == "hourglass-energy"]
+    assert notice["value"] > 1.0 > notice["limit"] == 0.05
+
+
+@pytest.mark.parametrize(
+    ("changes", "code"),
+    [
+        (["mesh.part.striker.velocity.z=-1 m/s"], "no-contact"),
+        (["fem.interval=1 us"], "fem-interval"),
+        (["fem.least_step=400 ns"], "added-mass"),
+        (["mesh.part.striker.velocity.z=40 m/s", "fem.duration=4 us"], "fem-yield"),
+    ],
+)
+def test_what_a_user_should_know_is_said(strikewave, small, changes, code):
+    words = [word for change in changes for word in ("--set", change)]
+    document = json.loads(strikewave("fem", small, "--json", *words)[1])
+    assert code in {warning["code"] for warning in document["warnings"]}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--set", "fem.contact.0.second=anvl.z-"], 'did you mean "anvil"'),
+        (["--set", "fem.contact.0.second=anvil.z"], "a side of anvil"),
+        (["--set", "mesh.part.anvil.size=0 mm"], "mesh.part.1.size"),
+        (["--set", "mesh.part.anvil.size=10 um"], "elements"),
+        (["--set", "mesh.part.anvil.material=65Nm"], 'did you mean "65Mn"'),
+        (["--set", "mesh.part.anvl.size=1 mm"], "mesh.part.anvl"),
+        (["--set", "mesh.part.anvil.at.z=5 mm"], "fem.contact.0"),  # they overlap by one and a half elements
+        (["--set", "mesh.part.anvil.at.z=7.5 mm"], "contact striker.z+-anvil.z-"),  # and by a quarter of one
+        (["--set", "fem.section.gauge.point.z=50 mm"], "gauge"),
+        (["--threads", "0"], "--threads"),
+        (["--frames", "-1"], "fem.frames"),
+    ],
+)
+def test_wrong_input_is_refused_in_one_line_and_nothing_is_written(strikewave, small, words, said, tmp_path):
+    code, out, err = strikewave("fem", small, *words)
+    assert code == 2
+    assert out == ""
+    assert said in err
+    assert os.listdir(tmp_path) == ["small.toml"] or os.listdir("out") == []
+
+
+def test_other_commands_send_a_mesh_to_its_own(strikewave, small):
+    code, _, err = strikewave("run", small)
+    assert code == 2
+    assert "strikewave fem" in err
+    code, _, err = strikewave("fem", "li-ma-2019")
+    assert code == 2
+    assert "strikewave run" in err
+    code, out, _ = strikewave("cases")
+    assert "strikewave fem two-bars-fem" in out
+    assert strikewave("validate", small)[0] == 0
+
+
+def test_the_example_of_the_docs_builds(strikewave, tmp_path):
+    text = (Path(__file__).parents[2] / "docs" / "elements.md").read_text("utf-8")
+    (tmp_path / "docs.toml").write_text(text.split("```toml\n")[1].partition("```")[0])
+    code, _, err = strikewave("fem", "docs.toml", "--check")
+    assert code == 0
+    assert "elements" in err
+
+
+def test_a_run_names_the_sources_that_it_rests_on(bars):
+    from strikewave.citations import citation
+    from strikewave.elements import sources
+    from strikewave.fem.model import NonReflecting
+    from strikewave.fem.solids import JohnsonCook
+
+    model = dataclasses.replace(
+        bars.model,
+        boundaries=(NonReflecting("bar.top"),),
+        solids={**bars.model.solids, "bar": JohnsonCook(7820.0, 211e9, 0.288, 792e6)},
+    )
+    assert [citation(key)[:8] for key in bars.citations] == ["D. P. Fl", "T. J. R."]
+    assert {"johnson-cook-1983", "lysmer-kuhlemeyer-1969"} <= set(sources(model))
+    assert all(citation(key) for key in sources(model))

@@ -1,0 +1,247 @@
+"""What holds and loads a mesh, against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+from strikewave.errors import InputError
+from strikewave.fem.mesh import joined
+from strikewave.fem.model import (
+    Contact,
+    Controls,
+    Curve,
+    Driven,
+    Fixed,
+    Guided,
+    Model,
+    Point,
+    Pressure,
+    Rigid,
+    Section,
+    Symmetry,
+    Wall,
+)
+from strikewave.fem.round_shapes import cylinder
+from strikewave.fem.shapes import block, moved, turned
+from strikewave.fem.solids import Elastic
+from strikewave.fem.solve import solve
+
+from .bodies import STEEL
+
+pytestmark = pytest.mark.fem
+
+
+def cube(name="cube", side=4e-3, size=1e-3):
+    return block(name, (side, side, side), size, size, size)
+
+
+def one(mesh, duration=20e-6, **rest):
+    return Model(mesh, dict.fromkeys(mesh.names, STEEL), Controls(duration, interval=1e-6), **rest)
+
+
+def test_gravity_makes_a_body_fall_by_half_g_t_squared():
+    run = solve(one(cube(), gravity=(0.0, 0.0, -9.80665)))
+    assert run.parts["cube"].displacement[-1, 2] == pytest.approx(-0.5 * 9.80665 * 20e-6**2, rel=1e-9)
+    assert run.energy["external"][-1] == pytest.approx(run.energy["kinetic"][-1], rel=1e-9)
+    assert run.momentum_error < 1e-12
+
+
+def test_pressure_on_all_sides_gives_its_negative_as_stress_and_no_motion():
+    """A slow pressure p on all sides: stress -p on the axes, volume change -p/K (1e-3: the cube still swings)."""
+    load = Pressure("cube.all", Curve((0.0, 100e-6), (0.0, 1e6)))
+    model = one(cube(), 100e-6, boundaries=(load,), sections=(Section("s", "cube", (0.0, 0.0, 1e-3), (0.0, 0.0, 1.0)),))
+    run = solve(model)
+    assert run.sections["s"].stress[-1, :3] == pytest.approx([-1e6] * 3, rel=5e-3)
+    assert abs(run.sections["s"].stress[-1, 3:]).max() < 1e3
+    assert abs(run.parts["cube"].velocity).max() < 1e-9
+
+
+def test_pressure_on_a_bent_side_pushes_by_its_projected_area():
+    """The force of a pressure on half of a round side is p times diameter times length, whatever the facets."""
+    bar = cylinder("bar", 0.01, 0.01, 1e-3, 2e-3, "half")
+    load = Pressure("bar.round", Curve((0.0,), (1e6,)))
+    run = solve(one(bar, 1e-6, boundaries=(load,)))
+    push = run.parts["bar"].acceleration[0] * run.parts["bar"].mass
+    assert push == pytest.approx([0.0, -1e6 * 0.01 * 0.01, 0.0], abs=1e-9 * 100.0)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5])
+def test_symmetry_halves_a_body_that_is_struck_at_its_middle(angle):
+    """Half a block with a symmetry side moves as the whole, in any direction: mean displacement and energy to 1e-9."""
+    load = Curve((0.0, 5e-6, 10e-6), (0.0, 5e7, 0.0))
+    whole = block("body", (8e-3, 4e-3, 4e-3), 1e-3, 1e-3, 1e-3)
+    half = block("body", (4e-3, 4e-3, 4e-3), 1e-3, 1e-3, 1e-3)
+    low = half.points[:, 0].min()
+    half = moved(half, (-low, 0.0, 0.0))
+    runs = []
+    for mesh, held in ((whole, ()), (half, (Symmetry("body.x-"),))):
+        mesh = turned(mesh, (0.0, 1.0, 0.0), angle)
+        runs.append(solve(one(mesh, boundaries=(Pressure("body.z+", load), *held))))
+    first, second = (run.parts["body"].displacement for run in runs)
+    axis = np.array([math.sin(angle), 0.0, math.cos(angle)])
+    assert first @ axis == pytest.approx(second @ axis, rel=1e-7, abs=1e-12)
+    assert runs[0].energy["internal"] == pytest.approx(2.0 * runs[1].energy["internal"], rel=1e-7, abs=1e-12)
+
+
+def test_fixed_and_guided_nodes_stay_where_they_may():
+    mesh = cube()
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    axis = np.array([1.0, 1.0, 0.0]) / math.sqrt(2.0)
+    model = one(
+        mesh,
+        boundaries=(Fixed("cube.z-"), Guided("cube.z+", tuple(axis))),
+        velocity={"cube": (3.0, 1.0, 2.0)},
+        points=(Point("low", "cube", tuple(low)), Point("high", "cube", tuple(high))),
+    )
+    run = solve(model)
+    assert abs(run.points["low"].displacement).max() < 1e-18
+    moved_by = run.points["high"].displacement
+    assert abs(moved_by - np.outer(moved_by @ axis, axis)).max() < 1e-17
+    assert abs(moved_by @ axis).max() > 1e-6
+
+
+def test_driven_side_follows_its_curve_and_its_work_is_in_the_ledger():
+    """A side driven at 1 m/s from rest: a wave of stress rho c v follows; the work is that of the driving force."""
+    bar = block("bar", (2e-3, 2e-3, 0.05), 1e-3, 1e-3, 1e-3)
+    held = tuple(Symmetry(f"bar.{side}") for side in ("x-", "x+", "y-", "y+"))
+    driven = Driven("bar.z+", (0.0, 0.0, -1.0), Curve((0.0, 2e-6), (0.0, 1.0)))
+    low = bar.points[:, 2].min()
+    middle = Section("middle", "bar", (0.0, 0.0, low + 0.025), (0.0, 0.0, 1.0))
+    run = solve(one(bar, 8e-6, boundaries=(*held, driven), sections=(middle,)))
+    stress = STEEL.density * STEEL.wave_speed
+    assert run.sections["middle"].stress[-1, 2] == pytest.approx(-stress, rel=0.01)
+    assert abs(run.energy_error).max() < 2e-3
+    length = 8e-6 - 1e-6
+    assert run.energy["external"][-1] == pytest.approx(stress * 4e-6 * (length - 2e-6 / 6.0 * 1.0), rel=0.03)
+
+
+def test_wall_with_friction_stops_a_block_after_v_squared_over_2_mu_g():
+    """A flat block slides on a wall under a large gravity: v0^2 / (2 mu g), t = v0 / (mu g), to 1 %."""
+    slab = block("slab", (8e-3, 8e-3, 2e-3), 1e-3, 1e-3, 1e-3)
+    foot = slab.points[:, 2].min()
+    gravity, friction, speed = 2e5, 0.3, 3.0
+    stop = speed / (friction * gravity)
+    model = Model(
+        slab,
+        {"slab": STEEL},
+        Controls(1.4 * stop, interval=1e-6, linear_viscosity=0.06),
+        velocity={"slab": (speed, 0.0, 0.0)},
+        gravity=(0.0, 0.0, -gravity),
+        walls=(Wall("slab.z-", (0.0, 0.0, foot), (0.0, 0.0, 1.0), friction),),
+    )
+    run = solve(model)
+    slid = run.parts["slab"].displacement[-1, 0]
+    assert slid == pytest.approx(speed**2 / (2.0 * friction * gravity), rel=0.01)
+    assert abs(run.parts["slab"].velocity[-1, 0]) < 0.01 * speed
+    assert run.energy["contact"][-1] == pytest.approx(0.5 * run.parts["slab"].mass * speed**2, rel=0.02)
+
+
+def test_rigid_part_moves_and_turns_by_newton_and_euler():
+    """A pressure on one half of a side: the acceleration of the mass, and the spin of the moment of inertia."""
+    body = block("body", (8e-3, 4e-3, 2e-3), 1e-3, 1e-3, 1e-3)
+    top = body.side("body.z+")
+    right = top[body.points[top].mean(axis=1)[:, 0] > body.points[:, 0].mean()]
+    body = type(body)(body.points, body.hexahedra, body.part, body.names, {**body.sides, "body.right": right})
+    middle = body.points.mean(axis=0)
+    tip = body.points[np.argmax(body.points[:, 0])]
+    model = Model(
+        body,
+        {"body": STEEL},
+        Controls(20e-6, interval=1e-6),
+        boundaries=(Pressure("body.right", Curve((0.0,), (1e6,))),),
+        rigid=(Rigid("body"),),
+        points=(Point("tip", "body", tuple(tip)),),
+    )
+    run = solve(model)
+    mass = STEEL.density * 64e-9
+    push = 1e6 * 16e-6
+    assert run.parts["body"].displacement[-1, 2] == pytest.approx(-0.5 * push / mass * 20e-6**2, rel=1e-3)
+    node = body.points[run.points["tip"].node] - middle
+    masses = np.bincount(body.hexahedra.ravel(), minlength=len(body.points)) * STEEL.density * 1e-9 / 8.0
+    arms = body.points - middle
+    inertia = float(masses @ (arms[:, 0] ** 2 + arms[:, 2] ** 2))
+    spin = push * 2e-3 / inertia
+    turn = 0.5 * spin * 20e-6**2
+    lag = run.points["tip"].displacement[-1, 2] - run.parts["body"].displacement[-1, 2]
+    assert lag == pytest.approx(-turn * node[0], rel=2e-3)
+    assert abs(run.energy_error).max() < 2e-3
+
+
+def test_rigid_part_spins_about_a_principal_axis_without_losing_energy():
+    """A driven start is not needed: spin given by the velocity of none, a collision sets it turning; energy stays."""
+    body = moved(block("body", (8e-3, 4e-3, 2e-3), 1e-3, 1e-3, 1e-3), (0.0, 0.0, 5e-3))
+    ball = block("ball", (2e-3, 2e-3, 2e-3), 1e-3, 1e-3, 1e-3)
+    low, high = body.points.min(axis=0), body.points.max(axis=0)
+    ball = moved(ball, (high[0] - ball.points[:, 0].max(), 0.0, low[2] - ball.points[:, 2].max() - 1e-5))
+    model = Model(
+        joined([body, ball]),
+        {"body": STEEL, "ball": STEEL},
+        Controls(60e-6, interval=1e-6),
+        velocity={"ball": (0.0, 0.0, 10.0)},
+        rigid=(Rigid("body"),),
+        contacts=(Contact("ball.all", "body.all"),),
+    )
+    run = solve(model)
+    assert run.parts["body"].velocity[-1, 2] > 0.0
+    assert abs(run.energy_error).max() < 0.01
+    assert run.momentum_error < 1e-9
+
+
+def test_single_translation_of_a_rigid_part():
+    """A rigid part that may only move along z takes the z share of a blow and nothing else."""
+    model = one(
+        cube(),
+        boundaries=(Pressure("cube.z+", Curve((0.0,), (1e6,))), Pressure("cube.x+", Curve((0.0,), (1e6,)))),
+        rigid=(Rigid("cube", (False, False, True), (False, False, False)),),
+    )
+    run = solve(model)
+    mass = STEEL.density * 64e-9
+    assert run.parts["cube"].velocity[-1] == pytest.approx([0.0, 0.0, -16.0 / mass * 20e-6], rel=1e-9)
+    assert run.impulse_given[-1] == pytest.approx(run.momentum[-1], rel=1e-9, abs=1e-15)
+
+
+def test_symmetry_on_a_bent_side_is_refused():
+    bar = cylinder("bar", 0.01, 0.01, 2e-3, 5e-3)
+    with pytest.raises(InputError, match=r"bar\.round.*flat side"):
+        solve(one(bar, boundaries=(Symmetry("bar.round"),)))
+
+
+def test_driving_a_held_side_is_refused():
+    bounds = (Fixed("cube.z-"), Driven("cube.z-", (0.0, 0.0, 1.0), Curve((0.0,), (1.0,))))
+    with pytest.raises(InputError, match="not held along the direction"):
+        solve(one(cube(), boundaries=bounds))
+
+
+def test_section_beside_the_part_is_refused():
+    with pytest.raises(InputError, match="a plane that cuts cube"):
+        solve(one(cube(), sections=(Section("s", "cube", (0.0, 0.0, 1.0), (0.0, 0.0, 1.0)),)))
+
+
+def test_stress_of_two_solids_in_one_bar_is_continuous():
+    """Two parts that share nodes (as imported meshes do) carry one force: stress is equal at the end of a slow pull."""
+    bar = block("bar", (2e-3, 2e-3, 0.01), 1e-3, 1e-3, 1e-3)
+    middle = bar.points[bar.hexahedra].mean(axis=1)[:, 2] > bar.points[:, 2].mean()
+    order = np.argsort(middle, kind="stable")
+    mesh = type(bar)(
+        bar.points,
+        bar.hexahedra[order],
+        middle[order].astype(np.int32),
+        ("low", "high"),
+        {"low.end": bar.side("bar.z-"), "high.end": bar.side("bar.z+")},
+    )
+    soft = Elastic(2780.0, 72e9, 0.0)
+    z = bar.points[:, 2]
+    model = Model(
+        mesh,
+        {"low": Elastic(7820.0, 211e9, 0.0), "high": soft},
+        Controls(200e-6, interval=2e-6),
+        boundaries=(Fixed("low.end"), Pressure("high.end", Curve((0.0, 200e-6), (0.0, -1e6)))),
+        sections=(
+            Section("a", "low", (0.0, 0.0, z.min() + 2.5e-3), (0.0, 0.0, 1.0)),
+            Section("b", "high", (0.0, 0.0, z.max() - 2.5e-3), (0.0, 0.0, 1.0)),
+        ),
+    )
+    run = solve(model)
+    assert run.sections["a"].stress[-1, 2] == pytest.approx(1e6, rel=0.01)
+    assert run.sections["b"].stress[-1, 2] == pytest.approx(1e6, rel=0.01)

@@ -1,0 +1,246 @@
+"""Closest points, nodal areas, search, and the gap of nodes that cross edges, against closed forms and brute force."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+
+from strikewave.errors import InputError
+from strikewave.fem import _contact_kernels as contact_kernels
+from strikewave.fem import _surface_kernels as kernels
+from strikewave.fem.contact import prepare, searched, two_surfaces
+from strikewave.fem.mesh import Mesh, joined
+from strikewave.fem.model import Contact
+from strikewave.fem.surfaces import extents, neighbours, surface_of, thickness
+
+from .blocks import block
+
+pytestmark = pytest.mark.fem
+
+SQUARE = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+coordinate = st.floats(-3.0, 3.0)
+
+
+def closest(x, face):
+    return kernels.closest_point(tuple(map(float, x)), *(tuple(map(float, corner)) for corner in face))
+
+
+def on_face(face, xi, eta):
+    return np.array(kernels.shape_functions(xi, eta)) @ face
+
+
+@given(coordinate, coordinate, coordinate)
+def test_closest_point_of_a_square_is_the_clipped_one(x, y, z):
+    xi, eta, square, rim = closest((x, y, z), SQUARE)
+    assert (xi, eta) == pytest.approx((np.clip(x, -1, 1), np.clip(y, -1, 1)), abs=1e-9)
+    assert square == pytest.approx((x - np.clip(x, -1, 1)) ** 2 + (y - np.clip(y, -1, 1)) ** 2 + z**2, abs=1e-12)
+    assert rim == (max(abs(x), abs(y)) > 1.0 + 1e-9)
+
+
+@given(st.lists(st.floats(-0.25, 0.25), min_size=12, max_size=12), coordinate, coordinate, st.floats(-0.5, 0.5))
+def test_closest_point_of_a_warped_face_is_that_of_a_bounded_minimum(shift, x, y, z):
+    face = SQUARE + np.array(shift).reshape(4, 3)
+    point = np.array([x, y, z])
+    xi, eta, square, _ = closest(point, face)
+    starts = [(a, b) for a in (-0.7, 0.0, 0.7) for b in (-0.7, 0.0, 0.7)]
+    best = min(
+        minimize(lambda s: np.sum((on_face(face, *s) - point) ** 2), s, bounds=[(-1, 1)] * 2, tol=1e-12).fun
+        for s in starts
+    )
+    # the bounded search finds the value within about 1e-9; a local minimum would be off by far more
+    assert square <= best + 1e-7
+    assert np.sum((on_face(face, xi, eta) - point) ** 2) == pytest.approx(square, abs=1e-12)
+
+
+@given(st.floats(-0.9, 0.9), st.floats(-0.9, 0.9), st.floats(-0.3, 0.3), st.floats(-0.4, 0.4))
+def test_a_point_lifted_along_the_normal_of_a_warped_face_comes_back(xi, eta, lift, warp):
+    face = SQUARE + warp * np.array([[0, 0, 1], [0, 0, -1], [0, 0, 1], [0, 0, -1.0]])
+    along = [on_face(face, 1, eta) - on_face(face, -1, eta), on_face(face, xi, 1) - on_face(face, xi, -1)]
+    normal = np.cross(*along)
+    point = on_face(face, xi, eta) + lift * normal / np.linalg.norm(normal)
+    found_xi, found_eta, square, rim = closest(point, face)
+    # the radius of curvature is above 1/(2 warp) > lift, so that the foot is unique
+    assert (found_xi, found_eta, not rim) == (pytest.approx(xi, abs=1e-8), pytest.approx(eta, abs=1e-8), True)
+    assert np.sqrt(square) == pytest.approx(abs(lift), abs=1e-9)
+
+
+@given(st.floats(-1, 1), st.floats(-1, 1))
+def test_shape_functions_are_a_partition_of_unity_and_reproduce_the_corners(xi, eta):
+    shape = np.array(kernels.shape_functions(xi, eta))
+    assert shape.sum() == pytest.approx(1.0, abs=1e-15)
+    assert shape.min() >= 0.0
+    assert shape @ SQUARE == pytest.approx([xi, eta, 0.0], abs=1e-15)
+
+
+def test_nodal_areas_add_up_to_the_area():
+    mesh = block("a", (4, 3, 2), (2.0, 1.5, 1.0))
+    surface = surface_of(mesh.side("a.all"))
+    found = extents(mesh.points[surface.nodes], surface.faces)
+    assert found.area.sum() == pytest.approx(2 * (2 * 1.5 + 2 * 1 + 1.5 * 1), rel=1e-14)
+    assert found.size == pytest.approx(0.5, rel=1e-14)
+    assert found.radius == pytest.approx(0.5 / np.sqrt(2), rel=1e-14)
+
+
+def test_every_edge_of_a_closed_surface_has_a_neighbour_and_each_is_mutual():
+    faces = block("a", (3, 2, 4)).side("a.all")
+    across = neighbours(faces)
+    assert across.min() >= 0
+    for face, edges in enumerate(across):
+        for edge, other in enumerate(edges):
+            ends = {faces[face, edge], faces[face, (edge + 1) % 4]}
+            assert ends <= set(faces[other])
+            assert face in across[other]
+
+
+def test_thickness_is_the_height_of_the_element_behind():
+    mesh = block("a", (3, 3, 4), (3.0, 3.0, 1.0))
+    assert thickness(mesh, mesh.side("a.top")) == pytest.approx(0.25, rel=1e-14)
+    far = joined([mesh, block("b", (3, 3, 1), (3.0, 3.0, 2.0), (0, 0, 9.0))])
+    assert thickness(far, far.side("b.bottom")) == pytest.approx(2.0, rel=1e-14)
+
+
+@given(st.integers(0, 10**6), st.integers(1, 60), st.integers(1, 40), st.floats(0.01, 2.0), st.sampled_from([1e-3, 1]))
+def test_search_finds_what_every_box_and_every_node_give(seed, count, number, size, flat):
+    rng = np.random.default_rng(seed)
+    place = rng.uniform(-1, 1, (2 * count, 3)) * [1.0, 1.0, flat]
+    half = rng.integers(0, count, (number, 4))
+    faces = np.concatenate([half, count + rng.integers(0, count, (number, 4))]).astype(np.int32)
+    reach = rng.uniform(0, size, 2 * number)
+    checked = rng.random(2 * count) < 0.9
+    start, candidates = kernels.search(place, checked, faces, reach, count, number)
+    low = place[faces].min(1) - reach[:, None]
+    high = place[faces].max(1) + reach[:, None]
+    for n in range(2 * count):
+        others = range(number, 2 * number) if n < count else range(number)
+        wanted = [m for m in others if np.all(low[m] <= place[n]) and np.all(place[n] <= high[m])] if checked[n] else []
+        assert candidates[start[n] : start[n + 1]].tolist() == wanted
+
+
+@given(st.integers(0, 10**6), st.floats(-0.04, 0.04))
+def test_the_face_of_a_node_is_the_closest_of_all(seed, lift):
+    rng = np.random.default_rng(seed)
+    a, b = block("a", (5, 4, 1)), block("b", (3, 6, 1), origin=(0.05, 0.03, 1.0))
+    mesh = joined([a, b])
+    mesh.points[:, 2] += 0.02 * np.sin(7 * mesh.points[:, 0] + 3 * mesh.points[:, 1])
+    mesh.points[len(a.points) :, 2] += lift
+    mesh.points[:] += rng.uniform(-0.01, 0.01, mesh.points.shape)
+    state = searched(two_surfaces(Contact("a.top", "b.bottom"), mesh), mesh.points)
+    count = len(state.touch.nodes)
+    state.place[:] = mesh.points[state.touch.nodes]
+    face, shape, distance = np.zeros(count, np.int32), np.zeros((count, 4)), np.full(count, np.inf)
+    contact_kernels.nearest_faces(state, face, shape, distance)
+    for i in np.flatnonzero(np.isfinite(distance)):
+        others = range(state.first_faces, len(state.faces)) if i < state.touch.first else range(state.first_faces)
+        all_squares = [closest(state.place[i], state.place[state.faces[m]])[2] for m in others]
+        assert distance[i] == pytest.approx(np.sqrt(min(all_squares)), rel=1e-8, abs=1e-12)
+        assert shape[i] @ state.place[state.faces[face[i]]] == pytest.approx(
+            state.place[i], abs=distance[i] * (1 + 1e-9) + 1e-12
+        )
+
+
+def ridge(slope, faces=((0, 1, 3, 2), (2, 3, 5, 4))):
+    """Two faces, wide 1 across, that meet along the y axis, rising by ``slope`` from it; a lone element far above."""
+    x, y = np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 1.0], indexing="ij")
+    top = np.stack([x.ravel(), y.ravel(), slope * np.abs(x.ravel())], 1)
+    points = np.concatenate([top, top - [0, 0, 2.0]])
+    hexahedra = np.array([[0, 2, 3, 1], [2, 4, 5, 3]])
+    hexahedra = np.concatenate([hexahedra + 6, hexahedra], 1).astype(np.int32)
+    part = np.zeros(2, np.int32)
+    roof = Mesh(points, hexahedra, part, ("roof",), {"roof.top": hexahedra[:, 4:]})
+    tip = block("tip", (1, 1, 1), (0.02, 0.02, 0.02), (0.0, 0.0, 5.0))
+    return joined([tip, roof])
+
+
+def forces_along(mesh, places, stiffness=0.8):
+    """The force on the first node of the tip at places (n, 3), the rest of the tip far above."""
+    state = prepare(Contact("tip.bottom", "roof.top", stiffness=stiffness), mesh)
+    state.found.known[:] = 1  # as if the node had been pressed in
+    area = state.touch.area.copy()
+    v, light = np.zeros_like(mesh.points), np.ones(len(mesh.points))
+    forces = []
+    for place in places:
+        x = mesh.points.copy()
+        x[0] = place
+        state = searched(state, x)
+        state.touch.area[:] = area  # the one node has stretched the tip
+        f = np.zeros_like(x)
+        contact_kernels.add_contact(state, x, v, f, light, 1.0)
+        assert f.sum(axis=0) == pytest.approx(0.0, abs=1e-12)
+        forces.append(f[0])
+    return np.array(forces)
+
+
+@pytest.mark.parametrize("slope", [-0.5, -0.05, 0.0, 0.05, 0.5, 1.0])
+def test_force_changes_steadily_as_a_node_slides_over_an_edge(slope):
+    """Along a path parallel to the roof at a depth of 0.02 the force jumps neither for ridges nor for valleys.
+
+    The lightness of the face changes continuously, and so does the depth: the steps along the path are 1/1000 wide,
+    and the size of the force 0.5 s m* depth changes by far less than a tenth; only over a ridge the direction turns
+    within one step, by twice the angle of the slope.
+    """
+    x = np.linspace(-0.5, 0.5, 1001)
+    path = np.stack([x, np.zeros_like(x), slope * np.abs(x) - 0.02], 1)
+    forces = forces_along(ridge(slope), path)
+    size = np.linalg.norm(forces, axis=1)
+    assert size.min() > 0.0
+    assert np.abs(np.diff(size)).max() < 0.05 * size.max()
+    if slope >= 0.0:
+        assert np.linalg.norm(np.diff(forces, axis=0), axis=1).max() < 0.1 * size.max()
+
+
+@pytest.mark.parametrize("slope", [-0.5, 0.0, 0.5, 1.0])
+def test_gap_is_the_distance_from_the_roof(slope):
+    x = np.linspace(-0.5, 0.5, 41)
+    mesh = ridge(slope)
+    state = prepare(Contact("tip.bottom", "roof.top"), mesh)
+    v, light = np.zeros_like(mesh.points), np.ones(len(mesh.points))
+    for place in x:
+        points = mesh.points.copy()
+        points[0] = [place, 0.1, slope * abs(place) - 0.02]
+        state = searched(state, points)
+        contact_kernels.add_contact(state, points, v, np.zeros_like(points), light, 1.0)
+        off = np.array([abs(place), 0.02])
+        normal = np.array([-slope, 1.0]) / np.hypot(1.0, slope)
+        foot = abs(place) - 0.02 * slope / (1 + slope**2)  # where the perpendicular to the nearer face meets it
+        plane = 0.02 * normal[1]
+        wanted = plane if foot >= 0.0 else np.hypot(off[0], slope * off[0] - 0.02)
+        assert state.found.gap[0] == pytest.approx(-wanted, rel=1e-12)
+
+
+def test_nodes_above_and_beside_a_ridge_feel_nothing_and_beyond_the_rim_the_force_fades():
+    mesh = ridge(0.0)
+    above = forces_along(mesh, [[0.0, 0.0, 1e-9], [0.5, 0.0, 0.1], [0.0, 0.0, -1.5]])
+    assert np.all(above == 0.0)  # the last lies deeper than half the element
+    share = np.array([0.0, 1 / 80, 1 / 40, 1 / 20, 1 / 5])  # of the size sqrt(2) of the faces, 1 by 2
+    beyond = forces_along(mesh, [[1.0 + d, 0.0, -0.01] for d in share * 2**0.5])
+    assert beyond[:, 2] / beyond[0, 2] == pytest.approx([1.0, 1.0, 1.0, 0.0, 0.0], abs=1e-12)
+
+
+def test_nodes_that_both_sides_share_are_refused():
+    mesh = block("a", (2, 2, 2))
+    with pytest.raises(InputError, match="common nodes"):
+        prepare(Contact("a.top", "a.all"), mesh)
+    with pytest.raises(InputError, match="two different sides"):
+        prepare(Contact("a.top", "a.top"), mesh)
+
+
+@pytest.mark.parametrize(("change", "field"), [({"stiffness": 1.5}, "stiffness"), ({"friction": -0.1}, "friction")])
+def test_numbers_out_of_range_are_refused(change, field):
+    mesh = joined([block("a", (1, 1, 1)), block("b", (1, 1, 1), origin=(0, 0, 1))])
+    with pytest.raises(InputError, match=field):
+        prepare(Contact("a.top", "b.bottom", **change), mesh)
+
+
+def test_search_of_300_000_faces_is_quick():
+    """It takes about 0.08 s on one core; the limit leaves room for a busy machine, a search of all pairs takes minutes."""
+    import time
+
+    counts = (387, 387, 1)
+    mesh = joined([block("a", counts), block("b", counts, origin=(1e-4, 1e-4, 1.0))])
+    state = two_surfaces(Contact("a.top", "b.bottom"), mesh)
+    searched(state, mesh.points)
+    begin = time.perf_counter()
+    state = searched(state, mesh.points)
+    assert len(state.faces) == 2 * 387**2
+    assert time.perf_counter() - begin < 1.0

@@ -1,0 +1,412 @@
+"""Pictures and the report of an explicit run: what they show is what the numbers say, and they cope with nothing."""
+
+import dataclasses
+import importlib
+import re
+import time
+from types import SimpleNamespace
+
+import matplotlib
+import numpy as np
+import pytest
+
+from strikewave.errors import InputError
+from strikewave.fem.measures import blow_axis, contact_measure, ledger_measure
+from strikewave.fem.mesh import exterior_faces, joined
+from strikewave.fem.model import Contact, Symmetry
+from strikewave.figures import fem, fem_pictures
+from strikewave.figures.fem_pictures import View
+from strikewave.report.fem_page import fem_report
+from strikewave.solution import Notice
+
+from . import synthetic
+
+pytestmark = pytest.mark.fem
+
+CUT = View(toward=(-0.35, -1.0, 0.45), cut=((0.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return synthetic.mesh()
+
+
+@pytest.fixture(scope="module")
+def run(mesh):
+    return synthetic.run(mesh)
+
+
+def texts(figure):
+    from matplotlib.text import Text
+
+    return [text.get_text() for text in figure.findobj(Text)]
+
+
+def pixels(figure):
+    """Return the picture as numbers from 0 to 1, rows from the top, and where its data stand in it."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[:, :, :3] / 255.0
+
+
+# measures
+
+
+def test_contact_of_a_half_sine_has_its_closed_impulse_and_width(run):
+    found = contact_measure(run, "ball.all-block.top")
+    duration = synthetic.DURATION
+    assert found.impulse == pytest.approx(2 * found.peak * duration / np.pi, rel=1e-6)  # the parabola at the peak
+    width = duration * (1 - 2 * np.arcsin(0.1) / np.pi)
+    assert found.duration == pytest.approx(width, rel=1e-4)  # chords of the half-sine at 120 samples
+    assert found.at == pytest.approx(0.5 * duration, abs=1e-12)
+
+
+def test_contact_that_chatters_lasts_from_first_to_last_and_one_that_goes_on_ends_with_the_run():
+    t = np.linspace(0.0, 1.0, 1001)
+    size = np.where((t % 0.2) < 0.1, 1.0, 0.0) * (t < 0.75)
+    force = np.outer(size, [0.6, 0.0, 0.8])
+    found = contact_measure(SimpleNamespace(time=t, force={"a": force}, impulse={"a": 0.001 * force.cumsum(0)}), "a")
+    assert found.begin == 0.0
+    assert found.end == pytest.approx(0.7, abs=0.001)
+    force = np.outer(t, [1.0, 0.0, 0.0])
+    found = contact_measure(SimpleNamespace(time=t, force={"a": force}, impulse={"a": 0.001 * force.cumsum(0)}), "a")
+    assert found.end == 1.0
+    assert found.begin == pytest.approx(0.1, abs=1e-12)
+
+
+def test_nothing_that_touches_measures_none(run):
+    still = dataclasses.replace(run, force={"a": np.zeros((run.time.size, 3))}, impulse={"a": np.zeros((1, 3))})
+    assert contact_measure(still, "a") is None
+
+
+def test_ledger_measure_finds_the_leak_and_the_hourglass_share(mesh):
+    ledger = ledger_measure(synthetic.run(mesh, leak=-0.03, hourglass=0.02))
+    assert ledger.energy == pytest.approx(-0.03, rel=1e-12)
+    assert ledger.hourglass == pytest.approx(
+        0.02 / (1 - 0.02 - 0.02), rel=0.05
+    )  # contact energy and leak take a little
+    assert ledger.momentum < 1e-12
+
+
+def test_blow_axis_follows_the_momentum(run):
+    turn = np.array([0.6, 0.0, -0.8])
+    turned = {
+        name: dataclasses.replace(part, velocity=np.outer(part.velocity[:, 2], turn))
+        for name, part in run.parts.items()
+    }
+    nearly = np.array([0.05, 0.0, -0.99])
+    leaning = {
+        name: dataclasses.replace(part, velocity=np.outer(part.velocity[:, 2], nearly))
+        for name, part in run.parts.items()
+    }
+    assert blow_axis(run).tolist() == [0.0, 0.0, 1.0]
+    assert blow_axis(dataclasses.replace(run, parts=leaning)).tolist() == [0.0, 0.0, 1.0]
+    assert blow_axis(dataclasses.replace(run, parts=turned)) == pytest.approx([-0.6, 0.0, 0.8], rel=1e-12)
+    assert blow_axis(dataclasses.replace(run, parts={})).tolist() == [0.0, 0.0, 1.0]
+
+
+# histories
+
+
+def test_force_picture_marks_peak_and_impulse(run):
+    figure = fem.force_figure(run)
+    found = contact_measure(run, "ball.all-block.top")
+    assert f"{found.peak / 1e3:.4g} kN" in texts(figure)
+    assert any(f"{found.impulse:.3g} N s" in words for words in texts(figure))
+    curve = max((line for line in figure.axes[0].lines), key=lambda line: len(line.get_xdata()))
+    assert curve.get_ydata().max() * 1e3 == pytest.approx(found.peak, rel=1e-9)
+    assert {axes.get_ylabel() for axes in figure.axes} == {"force (kN)", "impulse, dotted (N s)"}
+
+
+def test_acceleration_picture_shows_g_along_the_blow(run):
+    axes = fem.acceleration_figure(run).axes[0]
+    assert axes.get_ylabel() == "acceleration along z (g)"
+    drawn = {line.get_label(): line.get_ydata() for line in axes.lines}
+    assert drawn["ball"].max() == pytest.approx(run.parts["ball"].acceleration[:, 2].max() / 9.80665, rel=1e-12)
+    assert drawn["block"].min() < 0.0
+
+
+def test_energy_picture_leaves_out_what_is_nothing_and_shows_the_limit_where_it_is_near(mesh, run):
+    figure = fem.energy_figure(run)
+    labels = {line.get_label() for line in figure.axes[0].lines}
+    assert "external" not in labels
+    assert {"kinetic", "internal", "plastic (in internal)"} <= labels
+    assert len(figure.axes[1].lines) == 1
+    assert len(fem.energy_figure(synthetic.run(mesh, leak=0.02)).axes[1].lines) == 3
+
+
+def test_histories_cope_with_nothing_with_much_and_with_odd_names(run):
+    empty = dataclasses.replace(run, force={}, impulse={}, points={}, sections={})
+    for draw in (fem.force_figure, fem.section_figure, fem.point_figure):
+        figure = draw(empty)
+        pixels(figure)
+        assert any(words in texts(figure) for words in ("no contact is watched", "none is watched"))
+    still = dataclasses.replace(run, force={"a-b": np.zeros((run.time.size, 3))})
+    assert "nothing touched" in texts(fem.force_figure(still))
+    part = run.parts["ball"]
+    many = {f"part $\\frac{{{k}$ " + "long " * 12: part for k in range(30)}
+    figure = fem.acceleration_figure(dataclasses.replace(run, parts=many))
+    pixels(figure)
+    assert "8 of 30: those that reach farthest" in texts(figure)
+    pixels(fem.summary_sheet(run, "a $title & <b>"))
+
+
+def test_a_long_noisy_history_keeps_its_peak_and_few_points(run, rng):
+    n = 200_000
+    spiky = dataclasses.replace(run.parts["ball"], acceleration=rng.normal(size=(n, 3)))
+    spiky.acceleration[123_457, 2] = 99.0
+    long = dataclasses.replace(run, time=np.linspace(0, 1e-3, n), parts={"ball": spiky})
+    line = fem.acceleration_figure(long).axes[0].lines[0]
+    assert line.get_ydata().size < 3000
+    axis = blow_axis(long)
+    assert line.get_ydata().max() == pytest.approx(float((spiky.acceleration @ axis).max()) / 9.80665, rel=1e-12)
+
+
+# pictures in space
+
+
+def nearest_faces(mesh, view, places):
+    """Return which exterior face of the kept elements a ray at each place (n, 2; mm) meets first: by brute force."""
+    kept = fem_pictures.kept_elements(mesh, view)
+    faces, element = fem_pictures.faces_of(mesh.hexahedra[kept])
+    corners = (mesh.points[faces] @ view.axes().T) * [1e3, 1e3, 1.0]
+    found, depth = np.full(len(places), -1), np.full(len(places), -np.inf)
+    for k, quad in enumerate(corners):
+        for a, b, c in (quad[[0, 1, 2]], quad[[0, 2, 3]]):
+            sides = np.column_stack([b[:2] - a[:2], c[:2] - a[:2]])
+            if abs(np.linalg.det(sides)) < 1e-12:
+                continue
+            s, t = np.linalg.solve(sides, (places - a[:2]).T)
+            z = a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2])
+            nearer = (s >= 0) & (t >= 0) & (s + t <= 1) & (z > depth)
+            found[nearer], depth[nearer] = k, z[nearer]
+    return found, faces, np.flatnonzero(kept)[element]
+
+
+@pytest.mark.parametrize("turned", [(-0.35, -1.0, 0.45), (1.0, 0.3, 0.2), (0.2, 0.5, 1.5)])
+def test_each_pixel_shows_the_face_that_a_ray_meets_first(monkeypatch, rng, turned):
+    monkeypatch.setattr(fem_pictures, "SMALLEST_LINED", np.inf)  # no mesh lines
+    post = synthetic.grid("post", (-0.014, -0.013, 0.001), (-0.012, 0.013, 0.02), (1, 1, 1))  # long faces beside small
+    plate = synthetic.grid("plate", (-0.02, -0.02, -0.003), (0.02, 0.02, 0.0), (2, 2, 1))
+    mesh = joined([synthetic.ball("ball", (0.0, 0.0, 0.0075), 0.006, 6), post, plate])
+    frame = synthetic.frame(synthetic.mesh(), 0.0)
+    values = rng.permutation(len(mesh.hexahedra)).astype(float)
+    still = np.zeros_like(mesh.points)
+    frame = dataclasses.replace(
+        frame, displacement=still, velocity=still, stress=np.zeros((len(values), 6)), plastic_strain=values
+    )
+    view = View(toward=turned)
+    figure = fem_pictures.body_picture(mesh, frame, view, "plastic_strain")
+    image, axes = pixels(figure), figure.axes[0]
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    centres = np.column_stack([rng.uniform(left, right, 700), rng.uniform(low, high, 700)])
+    pixel = (right - left) / axes.get_window_extent().width
+    around = [nearest_faces(mesh, view, centres + 2.0 * pixel * (np.array(d) - 1.0)) for d in np.ndindex(3, 3)]
+    found, faces, element = nearest_faces(mesh, view, centres)
+    inner = np.all([other == found for other, _, _ in around], axis=0) & (found >= 0)
+    assert inner.sum() > 150
+    mappable = axes.collections[0]
+    corners = mesh.points[faces] @ view.axes().T
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    shade = 0.78 + 0.22 * normal[:, 2] / np.linalg.norm(normal, axis=1)
+    assert mappable.get_rasterized()
+    share = values / values.max()
+    colours = matplotlib.colormaps["viridis"](share)[element, :3] * shade[:, None]
+    x, y = axes.transData.transform(centres[inner]).T
+    drawn = image[image.shape[0] - 1 - y.astype(int), x.astype(int)]
+    off = np.abs(drawn - colours[found[inner]]).max(axis=1)
+    assert (off < 2.5 / 255).all()  # rounding of colours to a byte, twice
+
+
+def test_faces_are_those_of_the_mesh_with_their_elements(mesh):
+    faces, element = fem_pictures.faces_of(mesh.hexahedra)
+    assert np.array_equal(np.sort(faces.ravel()), np.sort(exterior_faces(mesh.hexahedra).ravel()))
+    assert all(set(face) <= set(mesh.hexahedra[k]) for face, k in zip(faces, element, strict=True))
+
+
+def test_a_cut_leaves_the_elements_behind_its_plane_and_a_zone_those_near(mesh):
+    middle = mesh.points[mesh.hexahedra].mean(axis=1)
+    assert np.array_equal(fem_pictures.kept_elements(mesh, CUT), middle[:, 1] >= 0.0)
+    near = fem_pictures.kept_elements(mesh, View(near=((0.0, 0.0, 0.0), 0.004)))
+    assert np.array_equal(near, np.linalg.norm(middle, axis=1) <= 0.004)
+    one = fem_pictures.kept_elements(mesh, View(parts=("ball",)))
+    assert one.sum() == 216
+    with pytest.raises(InputError, match="leave elements"):
+        fem_pictures.kept_elements(mesh, View(near=((1.0, 0.0, 0.0), 0.001)))
+    with pytest.raises(InputError, match='did you mean "ball"'):
+        fem_pictures.kept_elements(mesh, View(parts=("bal",)))
+
+
+def test_a_sequence_has_one_scale_and_says_its_unit(mesh):
+    frames = synthetic.frames(mesh, 4)
+    figure = fem_pictures.frames_picture(mesh, frames, CUT)
+    bar = figure.axes[-1]
+    assert bar.get_ylabel() == "von Mises stress (MPa)"
+    kept = fem_pictures.kept_elements(mesh, CUT)
+    from strikewave.fem.invariants import von_mises
+
+    highest = max(von_mises(frame.stress)[kept].max() for frame in frames) / 1e6
+    assert bar.get_ylim() == pytest.approx((0.0, highest), rel=1e-12)
+    windows = {(axes.get_xlim(), axes.get_ylim()) for axes in figure.axes if axes.collections and axes is not bar}
+    assert len(windows) == 1
+    assert "20 µs" in texts(figure)
+    warped = fem_pictures.body_picture(mesh, frames[1], dataclasses.replace(CUT, warp=20.0))
+    assert "20 µs, displacements × 20" in texts(warped)
+
+
+def test_given_limits_hold_and_the_bar_says_that_values_lie_beyond(mesh):
+    frame = synthetic.frames(mesh, 3)[1]
+    figure = fem_pictures.body_picture(mesh, frame, dataclasses.replace(CUT, limits=(0.0, 100e6)))
+    assert figure.axes[-1].get_ylim() == (0.0, 100.0)
+    assert fem_pictures._extended([np.array([50.0, 150.0])], _scale_of(0.0, 100.0)) == "max"
+    assert fem_pictures._extended([np.array([-1.0, 150.0])], _scale_of(0.0, 100.0)) == "both"
+    assert fem_pictures._extended([np.array([0.0, 100.0])], _scale_of(0.0, 100.0)) == "neither"
+
+
+def _scale_of(low, high):
+    return SimpleNamespace(norm=SimpleNamespace(vmin=low, vmax=high))
+
+
+@pytest.mark.parametrize("quantity", sorted(fem_pictures.QUANTITIES))
+def test_every_field_can_be_shown_even_where_it_is_nothing(mesh, quantity):
+    for frame in synthetic.frames(mesh, 2):
+        image = pixels(fem_pictures.body_picture(mesh, frame, CUT, quantity))
+        assert np.isfinite(image).all()
+        assert (image.min(axis=2) < 0.9).mean() > 0.05
+
+
+def test_wrong_wishes_are_told(mesh):
+    frame = synthetic.frame(mesh, 1e-5)
+    with pytest.raises(InputError, match='did you mean "von_mises"'):
+        fem_pictures.body_picture(mesh, frame, CUT, "von_mise")
+    with pytest.raises(InputError, match="a direction other than up"):
+        fem_pictures.body_picture(mesh, frame, View(toward=(0.0, 0.0, 1.0)))
+    with pytest.raises(InputError, match="at least one"):
+        fem_pictures.frames_picture(mesh, [], CUT)
+
+
+def test_fifty_thousand_faces_take_less_than_three_seconds():
+    mesh = synthetic.grid("plate", (0, 0, 0), (0.1, 0.1, 0.002), (156, 156, 1))
+    assert len(exterior_faces(mesh.hexahedra)) > 49_000
+    cells, nodes = len(mesh.hexahedra), len(mesh.points)
+    frame = fem_pictures.Frame(0.0, np.zeros((nodes, 3)), np.zeros((nodes, 3)), np.ones((cells, 6)), np.arange(cells))
+    begun = time.process_time()
+    pixels(fem_pictures.body_picture(mesh, frame, View(), "plastic_strain"))
+    assert time.process_time() - begun < 3.0
+
+
+def test_the_view_of_a_model_looks_onto_its_symmetry_or_cuts_along_its_blow(mesh):
+    whole = fem_pictures.view_of(synthetic.model(mesh))
+    assert whole.cut is not None
+    assert whole.cut[1][2] == 0.0  # the plane holds the axis of the blow
+    assert np.dot(whole.cut[1], whole.toward) > 0.0
+    half = dataclasses.replace(synthetic.model(mesh), boundaries=(Symmetry("block.bottom"),))
+    seen = fem_pictures.view_of(half)
+    assert seen.cut is None
+    assert np.dot(seen.toward, (0.0, 0.0, -1.0)) > 0.0
+    seen.axes()
+
+
+def test_the_zone_of_a_contact_is_where_its_sides_are_nearest(mesh):
+    place, radius = fem_pictures.contact_zone(synthetic.model(mesh))
+    assert place == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
+    assert radius == pytest.approx(0.006, rel=1e-9)  # the ball's: its faces are large
+    plates = [
+        synthetic.grid(name, (0, 0, z), (0.05, 0.05, z + 0.001), (50, 50, 1)) for name, z in (("a", 0), ("b", 1e-3))
+    ]
+    touching = SimpleNamespace(mesh=joined(plates), contacts=(Contact("a.top", "b.bottom"),))
+    place, radius = fem_pictures.contact_zone(touching)
+    assert place == pytest.approx((0.025, 0.025, 0.001), rel=1e-9)
+    assert radius == pytest.approx(fem_pictures.ZONE_FACES * 0.001, rel=1e-9)
+    assert fem_pictures.contact_zone(dataclasses.replace(synthetic.model(mesh), contacts=())) is None
+
+
+def test_pyvista_shows_the_same_and_its_absence_is_told(mesh, monkeypatch):
+    frame = synthetic.frame(mesh, 3e-5)
+
+    def absent(name):
+        raise ImportError(name)
+
+    with monkeypatch.context() as without:
+        without.setattr(importlib, "import_module", absent)
+        with pytest.raises(InputError, match=r"pip install 'strikewave\[mesh\]'"):
+            fem_pictures.scene(mesh, frame, CUT)
+    pytest.importorskip("pyvista", reason="pyvista is not installed")
+    try:
+        image = fem_pictures.scene(mesh, frame, CUT)
+    except InputError as error:
+        pytest.skip(str(error))
+    assert image.ndim == 3
+    assert (image.min(axis=2) < 230).mean() > 0.1  # the parts are there
+    assert (image.min(axis=2) > 250).mean() > 0.3  # and so is the white around them
+
+
+# the report
+
+
+def solution(mesh, run, **more):
+    held = {
+        "run": run,
+        "model": synthetic.model(mesh),
+        "title": "A ball on <b>brass</b> & steel",
+        "warnings": (),
+        "case_text": "schema = 1\n# <script>alert(1)</script>\n",
+        "frames": synthetic.frames(mesh, 5),
+        "citations": ("johnson-1985",),
+    }
+    return SimpleNamespace(**{**held, **more})
+
+
+def test_the_report_stands_alone_and_says_the_numbers(mesh, run):
+    page = fem_report(solution(mesh, run))
+    assert len(page.encode()) < 3e6
+    assert "<script" not in page
+    assert "http-equiv" in page
+    assert not any(f'{word}="http' in page for word in ("src", "xlink:href"))
+    assert "A ball on &lt;b&gt;brass&lt;/b&gt; &amp; steel" in page
+    found = contact_measure(run, "ball.all-block.top")
+    for words in (
+        f"{found.peak / 1e3:.4g}",
+        f"{found.impulse:.4g}",
+        "no stated limit broken",
+        "within its limit of 1 %",
+    ):
+        assert words in page
+    assert f"{run.parts['ball'].mass * 1e3:.4g}" in page
+    assert "bilinear" in page
+    assert "K. L. Johnson" in page
+    assert page == fem_report(solution(mesh, run))
+
+
+def test_the_report_says_what_is_broken(mesh):
+    page = fem_report(
+        solution(
+            mesh,
+            dataclasses.replace(synthetic.run(mesh, leak=-0.04, hourglass=0.2), stopped="an element turned inside out"),
+            warnings=(Notice("energy-ledger", "energy is <missing>", 0.04, 0.01, broken=True),),
+        )
+    )
+    for words in (
+        "stopped early; stated limit broken: energy-ledger",
+        "The run ended early: an element turned inside out.",
+        "The energy ledger is off by -4 %, beyond its limit of 1 %",
+        "of the internal energy, beyond 5 %",
+        "energy is &lt;missing&gt;",
+        "broken",
+    ):
+        assert words in page
+
+
+def test_the_report_copes_with_no_contact_no_frames_and_no_motion(mesh, run):
+    zero = np.zeros((run.time.size, 3))
+    parts = {name: dataclasses.replace(p, velocity=zero, acceleration=zero) for name, p in run.parts.items()}
+    energy = {name: np.zeros(run.time.size) for name in run.energy}
+    still = dataclasses.replace(
+        run, force={}, impulse={}, parts=parts, points={}, sections={}, energy=energy, initial_energy=0.0, momentum=zero
+    )
+    page = fem_report(solution(mesh, still, frames=()))
+    for words in ("No contact is in the model.", "No frame of the fields was kept", "does not move", "nothing moves"):
+        assert words in page
+    assert not re.search(r"\bnan\b", re.sub(r'"data:[^"]*"', "", page))

@@ -1,0 +1,322 @@
+"""The hexahedron: gradient (Flanagan & Belytschko 1981), patch test (MacNeal & Harder 1985), rotation, hourglass, step."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import eigh
+from scipy.spatial.transform import Rotation
+
+from strikewave.fem.full import critical_steps as full_critical_steps
+from strikewave.fem.full import mode_slopes
+from strikewave.fem.hexahedron import MODES, critical_steps, element_masses, shapes
+from strikewave.fem.mesh import volumes
+from strikewave.fem.solids import Bilinear, Elastic
+
+from .blocks import block
+from .driven import CUBE, SORTS, elements, mesh_of, moved, nodal_mass, random_hexahedra, stiffness
+
+pytestmark = pytest.mark.fem
+SOLID = Elastic(7800.0, 200e9, 0.3)
+INNER = np.array(
+    [
+        [0.249, 0.342, 0.192], [0.826, 0.288, 0.288], [0.850, 0.649, 0.263], [0.273, 0.750, 0.230],
+        [0.320, 0.186, 0.643], [0.677, 0.305, 0.683], [0.788, 0.693, 0.644], [0.165, 0.745, 0.702],
+    ]
+)  # fmt: skip
+"""Inner nodes of the solid patch test of MacNeal & Harder 1985, figure 1; the outer ones are a unit cube's."""
+FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+
+
+def macneal_harder():
+    """Seven elements: one within, one on each of its faces."""
+    around = [[*face, *(8 + n for n in face)] for face in FACES]
+    return mesh_of(np.concatenate([INNER, CUBE]), np.array([list(range(8)), *around]))
+
+
+def distorted(rng, counts=(3, 3, 3), share=0.25):
+    """A block whose inner nodes are moved by up to a share of the side."""
+    mesh = block("body", counts, tuple(map(float, counts)))
+    inner = np.all((mesh.points > 0.01) & (mesh.points < np.array(counts) - 0.01), axis=1)
+    points = mesh.points + share * inner[:, None] * rng.uniform(-1.0, 1.0, mesh.points.shape)
+    return mesh_of(points, mesh.hexahedra)
+
+
+def inner_nodes(mesh):
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    return np.all((mesh.points > low + 1e-9) & (mesh.points < high - 1e-9), axis=1)
+
+
+# Gradient
+
+
+def nodal_gradients(mesh):
+    """Gradient of the volume with respect to the positions of the nodes, (elements, 8, 3)."""
+    return np.einsum("mk,emd->ekd", MODES[:6], shapes(mesh.points, mesh.hexahedra).gradients) / 8.0
+
+
+def test_mean_gradient_of_the_position_is_the_volume(rng):
+    """Sum over the modes of g x^T = V I (Euler), at the rounding error."""
+    mesh = random_hexahedra(rng, 200)
+    found = shapes(mesh.points, mesh.hexahedra)
+    product = np.einsum("emi,emj->eij", found.amplitudes[:, :6], found.gradients)
+    expected = volumes(mesh.points, mesh.hexahedra)[:, None, None] * np.eye(3)
+    np.testing.assert_allclose(product, expected, atol=1e-14)
+
+
+def test_gradient_is_the_derivative_of_the_exact_volume(rng):
+    """The volume is linear in each coordinate of one node, so that a difference is exact; volumes come from the faces."""
+    mesh = random_hexahedra(rng, 50)
+    found = nodal_gradients(mesh)
+    for k, d in itertools.product(range(8), range(3)):
+        shifted = mesh.points.reshape(-1, 8, 3).copy()
+        shifted[:, k, d] += 1.0
+        change = volumes(shifted.reshape(-1, 3), mesh.hexahedra) - volumes(mesh.points, mesh.hexahedra)
+        np.testing.assert_allclose(found[:, k, d], change, atol=1e-14)
+
+
+def test_gradient_is_that_of_flanagan_and_belytschko(rng):
+    """Their equation for B_x1, and by the proper rotations of the cube that of the seven other nodes."""
+
+    def first(x, y, z):
+        return (
+            y[1] * ((z[5] - z[2]) - (z[3] - z[4])) + y[2] * (z[1] - z[3])
+            + y[3] * ((z[2] - z[7]) - (z[4] - z[1])) + y[4] * ((z[7] - z[5]) - (z[1] - z[3]))
+            + y[5] * (z[4] - z[1]) + y[7] * (z[3] - z[4])
+        ) / 12.0  # fmt: skip
+
+    mesh = random_hexahedra(rng, 20)
+    found = nodal_gradients(mesh)
+    corner = mesh.points.reshape(-1, 8, 3).transpose(2, 1, 0)
+    for turn in Rotation.create_group("O"):
+        order = [int(np.argmin(np.abs(CUBE - 0.5 - turn.apply(c - 0.5)).sum(axis=1))) for c in CUBE]
+        np.testing.assert_allclose(found[:, order[0], 0], first(*corner[:, order]), atol=1e-14)
+
+
+# Patch test
+
+
+def strain_and_stress(slope, solid):
+    """Strain increment at the middle of the step of x -> (I + slope) x, and its stress, xx yy zz xy yz zx."""
+    middle = slope @ np.linalg.inv(np.eye(3) + 0.5 * slope)
+    strain = 0.5 * (middle + middle.T)
+    stress = 2.0 * solid.shear_modulus * strain
+    stress += (solid.wave_modulus - 2.0 * solid.shear_modulus) * np.trace(strain) * np.eye(3)
+    return stress[[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]]
+
+
+@pytest.mark.parametrize("sort", SORTS)
+def test_patch_of_macneal_and_harder_gives_2000_and_400(sort):
+    """Outer nodes follow the published displacement; the inner ones, found by Newton's method, do too.
+
+    E = 1e6, nu = 0.25: normal stresses 2000, shear stresses 400; the finite step of 1e-3 changes them by 1e-3.
+    """
+    solid, mesh = Elastic(1.0, 1e6, 0.25), macneal_harder()
+    slope = 5e-4 * (np.ones((3, 3)) + np.eye(3))
+    inner, wanted = inner_nodes(mesh), mesh.points @ slope.T
+    free = np.repeat(inner, 3)
+    stiff = stiffness(mesh, solid, sort)[free][:, free].toarray()
+    assert np.linalg.eigvalsh(stiff)[0] > 1e-3 * np.linalg.eigvalsh(stiff)[-1]
+    shift = np.where(inner[:, None], 0.0, wanted)
+    for _ in range(30):
+        found = elements(mesh, solid, sort)
+        force = moved(found, mesh.points, mesh.points + shift)
+        shift[inner] += np.linalg.solve(stiff, force[inner].ravel()).reshape(-1, 3)
+    np.testing.assert_allclose(shift, wanted, atol=1e-14)
+    stress = found.cell_values(7)[0]
+    np.testing.assert_allclose(stress, np.tile(strain_and_stress(slope, solid), (7, 1)), rtol=1e-11)
+    np.testing.assert_allclose(stress, np.tile([2e3, 2e3, 2e3, 400.0, 400.0, 400.0], (7, 1)), rtol=1.5e-3)
+
+
+@pytest.mark.parametrize("sort", SORTS)
+@pytest.mark.parametrize("size", [1e-2, 0.2])
+def test_linear_displacement_of_a_distorted_mesh_gives_constant_stress_and_no_inner_force(rng, sort, size):
+    """1e-12: positions of 3 are known to 4e-16, their differences of 1e-2 and more to 1e-13."""
+    mesh = distorted(rng)
+    slope = size * rng.uniform(-1.0, 1.0, (3, 3))
+    found = elements(mesh, SOLID, sort)
+    force = moved(found, mesh.points, mesh.points @ (np.eye(3) + slope).T)
+    expected = strain_and_stress(slope, SOLID)
+    np.testing.assert_allclose(
+        found.cell_values(27)[0], np.tile(expected, (27, 1)), atol=1e-12 * np.abs(expected).max()
+    )
+    assert np.abs(force[inner_nodes(mesh)]).max() < 1e-12 * np.abs(force).max()
+    assert found.work()[3] <= 1e-24 * found.work()[0]
+
+
+def test_the_gradient_at_the_centre_fails_the_patch_test(rng):
+    """Why the mean gradient is needed: with that of the centre constant stress leaves forces at the inner nodes."""
+    mesh = distorted(rng)
+    stress = np.array([[2.0, 0.4, 0.4], [0.4, 2.0, 0.4], [0.4, 0.4, 2.0]])
+    found = shapes(mesh.points, mesh.hexahedra)
+    jacobian = np.einsum("km,emd->ekd", mode_slopes(np.zeros(3)), found.amplitudes)
+    nodal = np.einsum("edk,kn->end", np.linalg.inv(jacobian), mode_slopes(np.zeros(3)) @ MODES / 8.0)
+    inner = inner_nodes(mesh)
+    for weight in (8.0 * np.linalg.det(jacobian), found.volume):
+        force = np.zeros_like(mesh.points)
+        np.add.at(force, mesh.hexahedra, np.einsum("ij,enj->eni", stress, nodal) * weight[:, None, None])
+        assert np.abs(force[inner]).max() > 1e-3 * np.abs(force).max()
+
+
+# Rotation
+
+
+@pytest.mark.parametrize("sort", SORTS)
+@pytest.mark.parametrize("steps", [3, 12, 400])
+def test_a_whole_turn_brings_stress_and_forces_back(rng, sort, steps):
+    """Steps of 120, 30 and 0.9 degrees: Hughes & Winget's rotation is exact for any; no work, hourglass energy kept."""
+    mesh, solid = distorted(rng), Bilinear(7800.0, 200e9, 0.3, 400e6, 10e9, 0.5)
+    found = elements(mesh, solid, sort)
+    x = mesh.points + 5e-3 * rng.uniform(-1.0, 1.0, mesh.points.shape)
+    force, first = moved(found, mesh.points, x), found.cell_values(27)
+    work = found.work()
+    assert first[1].max() > 0.0
+    turn = Rotation.from_rotvec(2.0 * np.pi / steps * np.array([2.0, 3.0, 6.0]) / 7.0)
+    for k in range(steps):
+        before, x = x, turn.apply(x)
+        now = moved(found, before, x)
+        if k == steps // 3:
+            turned = Rotation.from_rotvec((k + 1) * turn.as_rotvec())
+            np.testing.assert_allclose(turned.inv().apply(now), force, atol=1e-10 * np.abs(force).max())
+    stress, strain = found.cell_values(27)
+    np.testing.assert_allclose(stress, first[0], atol=1e-10 * np.abs(first[0]).max())
+    np.testing.assert_allclose(strain, first[1], rtol=1e-9)
+    np.testing.assert_allclose(found.work(), work, atol=1e-10 * work[0])
+    assert found.work()[3] == pytest.approx(work[3], rel=1e-12)
+
+
+@pytest.mark.parametrize("sort", SORTS)
+def test_forces_have_no_sum_and_no_moment(rng, sort):
+    mesh = random_hexahedra(rng, 40)
+    x = mesh.points + 0.1 * rng.uniform(-1.0, 1.0, mesh.points.shape)
+    force = moved(elements(mesh, SOLID, sort, viscous=(0.06, 1.5)), mesh.points, x, 1e-4).reshape(-1, 8, 3)
+    moment = np.cross(x.reshape(-1, 8, 3), force)
+    scale = np.abs(force).max()
+    assert np.abs(force.sum(axis=1)).max() < 1e-13 * scale
+    assert np.abs(moment.sum(axis=1)).max() < 1e-13 * scale
+
+
+# Hourglass
+
+
+def test_hourglass_force_is_the_derivative_of_its_energy(rng):
+    """Forces with less those without; the energy is that of 4 k q^2. Central differences of a quadratic form are exact."""
+    mesh = random_hexahedra(rng, 6)
+    x = mesh.points + 0.05 * rng.uniform(-1.0, 1.0, mesh.points.shape)
+
+    def energy(points):
+        found = elements(mesh, SOLID, hourglass=0.1)
+        moved(found, mesh.points, points)
+        return found.work()[3]
+
+    force = moved(elements(mesh, SOLID, hourglass=0.1), mesh.points, x)
+    force -= moved(elements(mesh, SOLID, hourglass=0.0), mesh.points, x)
+    scale = np.abs(force).max()
+    assert energy(x) > 0.0
+    for node, d in itertools.product(range(48), range(3)):
+        shift = np.zeros_like(x)
+        shift[node, d] = 0.01
+        slope = (energy(x + shift) - energy(x - shift)) / 0.02
+        assert force[node, d] == pytest.approx(-slope, abs=1e-9 * scale)
+
+
+def test_one_element_across_bends_as_a_beam_with_hourglass_2_9():
+    """k = E h / 6, for a cube and nu = 0 kappa = 2/9, gives the moment E I / curvature of each element its exact value.
+
+    Tip deflection of a cantilever of cubes: sum of P (L - x)^2 h / (E I) over the middles x, and P L / (G A).
+    """
+    solid, n = Elastic(1.0, 1e6, 0.0), 12
+    mesh = block("body", (n, 1, 1), (float(n), 1.0, 1.0))
+    free = np.repeat(mesh.points[:, 0] > 0.5, 3)
+    tip = mesh.points[:, 0] > n - 0.5
+    load = np.zeros_like(mesh.points)
+    load[tip, 2] = 0.25
+    stiff = stiffness(mesh, solid, hourglass=2.0 / 9.0)[free][:, free].toarray()
+    shift = np.zeros(3 * len(mesh.points))
+    shift[free] = np.linalg.solve(stiff, load.ravel()[free])
+    middle = np.arange(n) + 0.5
+    expected = np.sum((n - middle) ** 2) / (1e6 / 12.0) + n / 0.5e6
+    np.testing.assert_allclose(shift.reshape(-1, 3)[tip, 2], expected, rtol=1e-6)
+
+
+# Viscosity and time step
+
+
+@pytest.mark.parametrize("sort", SORTS)
+@pytest.mark.parametrize("rate", [-2e3, 2e3])
+def test_bulk_viscosity_of_a_cube_is_its_closed_form(sort, rate):
+    """A cube of 2 mm at a rate of strain: pressure -rho l (q1 c - q2 l min(r, 0)) r and its work, at 1e-11."""
+    side, step = 2e-3, 1e-8
+    mesh = mesh_of(side * CUBE, np.arange(8)[None])
+    after = (1.0 + rate * step) * mesh.points
+    forces = [
+        moved(elements(mesh, SOLID, sort, viscous=v), mesh.points, after, step) for v in ((0.06, 1.5), (0.0, 0.0))
+    ]
+    found = elements(mesh, SOLID, sort, viscous=(0.06, 1.5))
+    moved(found, mesh.points, after, step)
+    now = side * (1.0 + rate * step)
+    r = 3.0 * rate / (1.0 + 0.5 * rate * step)
+    density = 7800.0 * (side / now) ** 3
+    pressure = -density * now * (0.06 * SOLID.wave_speed - 1.5 * now * min(r, 0.0)) * r
+    np.testing.assert_allclose(forces[0] - forces[1], 0.25 * now**2 * pressure * (2.0 * CUBE - 1.0), rtol=1e-9)
+    assert found.work()[2] == pytest.approx(-pressure * r * step * now**3, rel=1e-9)
+    assert found.work()[2] > 0.0
+
+
+def fastest(mesh, solid, sort, hourglass=0.0):
+    mass = np.repeat(nodal_mass(mesh, solid), 3)
+    stiff = stiffness(mesh, solid, sort, hourglass).toarray()
+    return float(np.sqrt(eigh(0.5 * (stiff + stiff.T), np.diag(mass), eigvals_only=True)[-1]))
+
+
+def bound(mesh, solid, sort, viscosity=0.0):
+    mass = element_masses(mesh, {"body": solid})
+    if sort == "full":
+        return full_critical_steps(mesh.points, mesh.hexahedra, mass, solid, viscosity).min()
+    return critical_steps(shapes(mesh.points, mesh.hexahedra), mass, solid, viscosity).min()
+
+
+@pytest.mark.parametrize("sort", SORTS)
+def test_critical_step_of_a_cube_is_side_over_wave_speed(sort):
+    """nu = 0: the bound 2/omega is met by the lone cube, whose fastest vibration is 2 c / h."""
+    solid, mesh = Elastic(7800.0, 200e9, 0.0), mesh_of(2e-3 * CUBE, np.arange(8)[None])
+    assert bound(mesh, solid, sort) == pytest.approx(2e-3 / solid.wave_speed, rel=1e-12)
+    assert fastest(mesh, solid, sort) == pytest.approx(2.0 * solid.wave_speed / 2e-3, rel=1e-8)
+
+
+@pytest.mark.parametrize("sort", SORTS)
+@given(seed=st.integers(0, 10**6), share=st.floats(0.0, 0.3), ratio=st.floats(0.0, 0.49), flat=st.floats(0.1, 1.0))
+def test_no_mesh_vibrates_faster_than_the_bound(sort, seed, share, ratio, flat):
+    """Meshes of eight distorted, flattened elements; the default hourglass stiffness stays below it too."""
+    rng = np.random.default_rng(seed)
+    mesh = distorted(rng, (2, 2, 2), share)
+    mesh = mesh_of(
+        mesh.points * [1.0, 1.0, flat] + 0.3 * share * rng.uniform(-flat, flat, mesh.points.shape), mesh.hexahedra
+    )
+    solid = Elastic(1.0, 1.0, ratio)
+    found = fastest(mesh, solid, sort, 0.05) * bound(mesh, solid, sort) / 2.0
+    assert 0.3 < found <= 1.0 + 1e-7
+
+
+@pytest.mark.parametrize("sort", SORTS)
+@pytest.mark.parametrize("ratio", [0.0, 0.3])
+@pytest.mark.parametrize("linear", [0.0, 0.06, 0.5])
+def test_step_with_viscosity_is_stable_and_for_a_cube_without_lateral_strain_the_largest(sort, ratio, linear):
+    """A breathing cube by central differences with lagged viscosity: it dies at 0.999 of the step and grows at 1.001."""
+    solid, mesh = Elastic(1.0, 1.0, ratio), mesh_of(CUBE, np.arange(8)[None])
+    step, mass = bound(mesh, solid, sort, linear), 1.0 / 8.0
+
+    def size_after(share, count=4000):
+        found = elements(mesh, solid, sort, viscous=(linear, 0.0))
+        x, v = mesh.points.copy(), 1e-9 * (CUBE - 0.5)
+        for _ in range(count):
+            after = x + share * step * v
+            v = v + share * step * moved(found, x, after, share * step) / mass
+            x = after
+        return float(np.abs(v).max())
+
+    assert size_after(0.999) < 3e-8
+    if ratio == 0.0:
+        assert size_after(1.001) > 1e-7

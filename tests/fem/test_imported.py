@@ -1,0 +1,335 @@
+"""Meshes from files: what is written comes back, and files that cannot be used say why."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from strikewave.errors import InputError, InputErrors
+from strikewave.fem.imported import read_mesh
+from strikewave.fem.mesh import Mesh, exterior_faces, joined, volumes
+from strikewave.fem.round_shapes import cylinder
+from strikewave.fem.sections import FLIPPED
+from strikewave.fem.shapes import block, moved
+
+pytestmark = pytest.mark.fem
+
+
+@pytest.fixture(scope="module")
+def meshio():
+    return pytest.importorskip("meshio", reason="meshio is not installed: pip install 'strikewave[mesh]'")
+
+
+@pytest.fixture(scope="module")
+def bodies():
+    """A cylinder on a block, in mm."""
+    base = block("base", (30.0, 20.0, 10.0), 3.0, 3.0, 3.0)
+    return joined([base, moved(cylinder("bar", 8.0, 20.0, 2.0, 4.0), (0.0, 0.0, 10.0))])
+
+
+def same(ours: Mesh, theirs: Mesh, scale: float = 1e-3) -> None:
+    """Theirs has the parts, elements and faces of ours, in SI, its volumes positive and its sides outward."""
+    assert sorted(ours.names) == sorted(theirs.names)
+    assert np.all(volumes(theirs.points, theirs.hexahedra) > 0.0)
+    for name in ours.names:
+        alike(ours, ours.hexahedra[ours.elements_of(name)], theirs, theirs.hexahedra[theirs.elements_of(name)], scale)
+    exterior = {tuple(face) for face in exterior_faces(theirs.hexahedra).tolist()}
+    for side, faces in theirs.sides.items():
+        alike(ours, ours.sides[side], theirs, faces, scale)
+        assert {tuple(face) for face in faces.tolist()} <= exterior
+
+
+def alike(ours, our_elements, theirs, their_elements, scale):
+    assert len(our_elements) == len(their_elements)
+    middle = ours.points[our_elements].mean(axis=1) * scale
+    away, which = cKDTree(middle).query(theirs.points[their_elements].mean(axis=1))
+    assert len(np.unique(which)) == len(which)
+    assert away.max() < 1e-14
+
+
+def as_gmsh(meshio, mesh, turn=False):
+    """The mesh as gmsh would hold it: physical volumes 1.. and physical surfaces 11.., and a loose corner node."""
+    top, foot = mesh.sides["bar.top"], mesh.sides["base.z-"]
+    hexahedra = mesh.hexahedra[:, FLIPPED] if turn else mesh.hexahedra
+    cells = [("quad", top[:, ::-1]), ("hexahedron", hexahedra), ("quad", foot), ("line", foot[:, :2])]
+    tags = [
+        np.full(len(top), 11),
+        mesh.part.astype(int) + 1,
+        np.full(len(foot), 12),
+        np.zeros(len(foot), int),
+    ]
+    points = np.concatenate([mesh.points, [[99.0, 99.0, 99.0]]])
+    named = {"base": [1, 3], "bar": [2, 3], "top": [11, 2], "z-": [12, 2]}
+    return meshio.Mesh(
+        points,
+        cells,
+        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
+        field_data={name: np.array(value) for name, value in named.items()},
+    )
+
+
+@pytest.mark.parametrize("turn", [False, True])
+@pytest.mark.parametrize("binary", [False, True])
+def test_a_gmsh_file_gives_its_physical_volumes_and_surfaces(meshio, bodies, tmp_path, binary, turn):
+    path = tmp_path / "bodies.msh"
+    as_gmsh(meshio, bodies, turn).write(path, file_format="gmsh22", binary=binary)
+    found = read_mesh(path, 1e-3)
+    same(bodies, found)
+    assert found.names == ("base", "bar")
+    assert sorted(found.sides) == ["bar.top", "base.z-"]
+
+
+def test_a_vtu_file_gives_the_numbers_of_its_parts(meshio, bodies, tmp_path):
+    path = tmp_path / "bodies.vtu"
+    data = {"part": [bodies.part + 1]}
+    meshio.Mesh(bodies.points, [("hexahedron", bodies.hexahedra)], cell_data=data).write(path)
+    found = read_mesh(path)
+    assert found.names == ("part-1", "part-2")
+    np.testing.assert_allclose(np.bincount(found.part), np.bincount(bodies.part))
+
+
+def test_a_legacy_vtk_file_without_parts_is_one_part(meshio, bodies, tmp_path):
+    path = tmp_path / "bodies.vtk"
+    meshio.Mesh(bodies.points, [("hexahedron", bodies.hexahedra)]).write(path)
+    found = read_mesh(path)
+    assert found.names == ("unnamed",)
+    assert volumes(found.points, found.hexahedra).sum() == pytest.approx(
+        volumes(bodies.points, bodies.hexahedra).sum(), rel=1e-12
+    )
+
+
+def test_what_meshio_writes_as_abaqus_is_read(meshio, bodies, tmp_path):
+    path = tmp_path / "bodies.inp"
+    sets = {name: [np.arange(len(bodies.hexahedra))[bodies.elements_of(name)]] for name in bodies.names}
+    meshio.Mesh(bodies.points, [("hexahedron", bodies.hexahedra)], cell_sets=sets).write(path)
+    same(bodies, read_mesh(path, 1e-3))
+
+
+TWO_CUBES = """*HEADING
+ two cubes, one upon the other
+** a comment
+*NODE, NSET=EVERY
+ 1, 0., 0., 0.
+ 2, 1., 0., 0.
+ 3, 1., 1., 0.
+ 4, 0., 1., 0.
+ 11, 0., 0., 1.
+ 12, 1., 0., 1.
+ 13, 1., 1., 1.
+ 14, 0., 1., 1.
+ 21, 0., 0., 2.D0
+ 22, 1., 0., 2.
+ 23, 1., 1., 2.
+ 24, 0., 1., 2.
+*Element, type=C3D8R, elset=Lower
+ 100, 1, 2, 3, 4, 11, 12,
+ 13, 14
+*ELEMENT, TYPE=C3D8
+ 200, 11, 12, 13, 14, 21, 22, 23, 24
+*ELSET, ELSET=Upper, GENERATE
+ 200, 2000000000, 100
+*ELSET, ELSET=Everything
+ LOWER, Upper
+*NSET, NSET=Foot
+ 1, 2, 3, 4,
+*SURFACE, TYPE=ELEMENT, NAME=Head
+ Upper, S2
+*SURFACE, NAME=Flank
+ 100, S3
+ 200, S3
+*SURFACE, NAME=Skin
+ Lower,
+*STEP
+*DLOAD
+ Head, P, 1.0
+"""
+
+
+def written(tmp_path, text, name="case.inp"):
+    path = tmp_path / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode("latin-1"))
+    return path
+
+
+def test_an_abaqus_file_gives_sets_and_surfaces_by_hand(tmp_path):
+    mesh = read_mesh(written(tmp_path, TWO_CUBES))
+    assert mesh.names == ("Lower", "Upper")
+    middle = {name: mesh.points[faces].mean(axis=(0, 1)).round(12).tolist() for name, faces in mesh.sides.items()}
+    assert middle["Upper.Head"] == [0.5, 0.5, 2.0]
+    assert middle["Lower.Foot"] == [0.5, 0.5, 0.0]
+    assert middle["Lower.Flank"] == [0.5, 0.0, 0.5]
+    assert middle["Upper.Flank"] == [0.5, 0.0, 1.5]
+    assert len(mesh.sides["Lower.Skin"]) == len(mesh.sides["Upper.EVERY"]) == 6
+    assert len(mesh.points) == 12
+
+
+def test_solid_sections_say_which_of_overlapping_sets_are_parts(tmp_path):
+    overlapping = TWO_CUBES.replace("*STEP", "*ELSET, ELSET=Again\n 100\n*STEP")
+    with pytest.raises(InputError, match="overlap"):
+        read_mesh(written(tmp_path, overlapping))
+    sections = "*SOLID SECTION, ELSET=lower, MATERIAL=steel\n1.\n*SOLID SECTION, ELSET=UPPER, MATERIAL=steel\n*STEP"
+    assert read_mesh(written(tmp_path, overlapping.replace("*STEP", sections))).names == ("Lower", "Upper")
+
+
+REFUSED = {
+    "an element that is missing its node": ("200, 11", "200, 99", "number 99"),
+    "an element that is cut off": ("23, 24\n*ELSET", "23\n*ELSET", "9 for each element"),
+    "a node that comes twice": (" 2, 1., 0.", " 1, 1., 0.", "number 1 twice"),
+    "a number that is none": (" 2, 1., 0.", " 2, one, 0.", "numbers as Abaqus"),
+    "a number that is too large": (
+        "*ELEMENT, TYPE=C3D8\n 200",
+        "*ELEMENT, TYPE=C3D8\n 99999999999999999999",
+        "numbers",
+    ),
+    "tetrahedra": ("*STEP", "*ELEMENT, TYPE=C3D4\n 300, 1, 2, 3, 11\n*STEP", "1 C3D4"),
+    "another file": ("*STEP", "*INCLUDE, INPUT=/dev/zero\n*STEP", "INCLUDE"),
+    "two parts": ("*STEP", "*PART, NAME=a\n*END PART\n*PART, NAME=b\n*STEP", "flat"),
+    "a moved instance": ("*STEP", "*INSTANCE, NAME=a, PART=b\n 1., 0., 0.\n*STEP", "flat"),
+    "a face inside": ("Upper, S2", "Upper, S1\nLower, S2", ""),
+    "an unknown face": ("Upper, S2", "Upper, S7", "S1 to S6"),
+    "an unknown set": ("Upper, S2", "Uper, S2", "did you mean"),
+    "a set within itself": (" LOWER, Upper", " Everything", "before it"),
+    "a step of nothing": ("2000000000, 100", "2000000000, 0", "at least 1"),
+    "an endless keyword": ("*STEP", "*STEP,\n" + "a,\n" * 6000, "characters"),
+}
+
+
+@pytest.mark.parametrize("fault", [name for name in REFUSED if name != "a face inside"])
+def test_an_abaqus_file_that_cannot_be_used_says_why(tmp_path, fault):
+    before, after, word = REFUSED[fault]
+    assert before in TWO_CUBES
+    with pytest.raises(InputError) as error:
+        read_mesh(written(tmp_path, TWO_CUBES.replace(before, after)))
+    assert word in str(error.value)
+
+
+def test_a_named_face_inside_a_part_is_refused(tmp_path):
+    one = TWO_CUBES.replace("elset=Lower", "elset=Whole").replace(
+        "*ELEMENT, TYPE=C3D8\n", "*ELEMENT, TYPE=C3D8, ELSET=whole\n"
+    )
+    one = one.replace("LOWER, Upper", "Whole").replace("Lower", "Whole").replace("Upper, S2", "Upper, S1")
+    with pytest.raises(InputError, match="1 of 1 faces of Head"):
+        read_mesh(written(tmp_path, one.replace("*STEP", "*SOLID SECTION, ELSET=Whole\n*STEP")))
+
+
+def test_a_flat_element_is_named_with_its_place(tmp_path):
+    flat = TWO_CUBES.replace("2.D0", "1.").replace("1., 0., 2.", "1., 0., 1.")
+    with pytest.raises(InputErrors, match=r"Upper element 0 at \(0.5, 0.5, 1.25\) m"):
+        read_mesh(written(tmp_path, flat))
+
+
+def test_sets_of_sets_do_not_fill_the_memory(tmp_path, monkeypatch):
+    from strikewave.fem import abaqus
+
+    monkeypatch.setattr(abaqus, "LARGEST_SETS", 100)
+    many = "".join(f"*ELSET, ELSET=E{k}\n Everything\n" for k in range(100))
+    with pytest.raises(InputError, match="members of all sets"):
+        read_mesh(written(tmp_path, TWO_CUBES.replace("*STEP", many + "*STEP")))
+
+
+def test_names_of_a_file_are_made_plain(tmp_path):
+    odd = TWO_CUBES.replace("Lower", "<b>Lo.wer</b>").replace("LOWER", "<b>Lo.wer</b>")
+    assert read_mesh(written(tmp_path, odd)).names == ("-b-Lo-wer-b-", "Upper")
+
+
+def test_tetrahedra_are_refused_with_their_count(meshio, tmp_path):
+    path = tmp_path / "tetra.msh"
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    meshio.Mesh(points, [("tetra", np.array([[0, 1, 2, 3]] * 7))]).write(path, file_format="gmsh22")
+    with pytest.raises(InputError, match="7 tetra"):
+        read_mesh(path)
+
+
+def test_a_packed_file_that_unpacks_to_more_than_the_bound_is_refused(meshio, tmp_path, monkeypatch):
+    from strikewave.fem import imported
+
+    monkeypatch.setattr(imported, "LEAST_MEMORY", 1 << 29)
+    cube = block("a", (1.0, 1.0, 1.0), 0.5, 0.5, 0.5)
+    path = tmp_path / "bomb.vtu"
+    meshio.Mesh(cube.points, [("hexahedron", cube.hexahedra)]).write(path)
+    assert len(read_mesh(path).hexahedra) == 8
+    zeros = np.zeros((27, 1_000_000))
+    meshio.Mesh(cube.points, [("hexahedron", cube.hexahedra)], point_data={"bomb": zeros}).write(
+        path, compression="zlib"
+    )
+    assert path.stat().st_size < 5e6
+    with pytest.raises(InputError, match="MemoryError"):
+        read_mesh(path)
+
+
+def test_a_gmsh_file_with_a_node_number_beyond_memory_is_refused(tmp_path):
+    text = """$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$Nodes
+1 1 1 900000000000
+3 1 0 1
+900000000000
+0 0 0
+$EndNodes
+$Elements
+1 1 1 1
+3 1 5 1
+1 900000000000 1 1 1 1 1 1 1
+$EndElements
+"""
+    pytest.importorskip("meshio", reason="meshio is not installed: pip install 'strikewave[mesh]'")
+    with pytest.raises(InputError, match="could not be read"):
+        read_mesh(written(tmp_path, text, "far.msh"))
+
+
+@pytest.mark.parametrize("kind", ["msh", "vtk", "vtu", "inp"])
+def test_a_file_that_is_cut_off_or_garbled_ends_in_an_input_error(meshio, tmp_path, rng, kind):
+    cube = block("a", (1.0, 1.0, 1.0), 0.5, 0.5, 0.5)
+    path = tmp_path / f"whole.{kind}"
+    options = {"file_format": "gmsh22"} if kind == "msh" else {}
+    tags = {} if kind == "inp" else {"gmsh:physical": [np.ones(8, int)], "gmsh:geometrical": [np.ones(8, int)]}
+    meshio.Mesh(cube.points, [("hexahedron", cube.hexahedra)], cell_data=tags).write(path, **options)
+    whole = path.read_bytes()
+    assert len(read_mesh(path).hexahedra) == 8
+    refused = 0
+    for trial in range(60 if kind == "inp" else 5):
+        damaged = bytearray(whole[: rng.integers(1, len(whole))] if trial % 2 else whole)
+        if not trial % 2:
+            for place in rng.integers(0, len(whole), 5):
+                damaged[place] = rng.integers(0, 256)
+        try:
+            read_mesh(written(tmp_path, bytes(damaged), f"damaged.{kind}"))
+        except (InputError, InputErrors):
+            refused += 1
+    assert refused > (20 if kind == "inp" else 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "word"),
+    [
+        ("nothing.msh", None, "exists"),
+        ("mesh.stl", b"solid", "ends in"),
+        ("empty.inp", b"", "0 hexahedra"),
+    ],
+)
+def test_files_that_are_no_meshes_are_refused(tmp_path, name, content, word):
+    path = tmp_path / name
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(InputError, match=word):
+        read_mesh(path)
+
+
+def test_a_file_that_is_too_large_is_refused_unread(tmp_path):
+    path = tmp_path / "large.inp"
+    with path.open("wb") as file:
+        file.truncate((1 << 30) + 1)
+    with pytest.raises(InputError, match="bytes"):
+        read_mesh(path)
+
+
+def test_without_meshio_the_word_says_how_to_get_it(tmp_path, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"strikewave\[mesh\]"):
+        read_mesh(written(tmp_path, "$MeshFormat", "a.msh"))
+
+
+@pytest.mark.parametrize("scale", [0.0, -1.0, float("nan")])
+def test_a_scale_must_be_above_zero(tmp_path, scale):
+    with pytest.raises(InputError, match="scale"):
+        read_mesh(written(tmp_path, TWO_CUBES), scale)

@@ -1,0 +1,236 @@
+"""Runs: threads, restart, time step, mass scaling, what stops them, what is refused before they begin."""
+
+import dataclasses
+import math
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from strikewave.errors import InputError, InputErrors
+from strikewave.fem.engine import Engine
+from strikewave.fem.mesh import joined
+from strikewave.fem.model import Contact, Controls, Curve, Fixed, Model, Pressure, Rigid, Section, Wall
+from strikewave.fem.shapes import block, moved
+from strikewave.fem.solids import Bilinear, Elastic
+from strikewave.fem.solve import Asked, Keep, solve
+
+from .bodies import STEEL, Ball, ball_on_base, two_bars
+
+pytestmark = pytest.mark.fem
+YIELDING = Bilinear(7820.0, 211e9, 0.288, yield_strength=430e6, tangent_modulus=21e9)
+
+
+def yielding_ball(**controls):
+    model = ball_on_base(Ball(speed=5.0, size=4e-4), reach=15.0)
+    return dataclasses.replace(
+        model,
+        solids={"ball": YIELDING, "base": STEEL},
+        controls=dataclasses.replace(model.controls, duration=20e-6, **controls),
+    )
+
+
+def same(first, second):
+    """All histories are equal to the last bit."""
+    for name in ("time", "momentum", "impulse_given"):
+        assert np.array_equal(getattr(first, name), getattr(second, name))
+    for name in ("force", "impulse", "energy"):
+        for key, values in getattr(first, name).items():
+            assert np.array_equal(values, getattr(second, name)[key]), key
+    for kind in ("parts", "points", "sections"):
+        for key, history in getattr(first, kind).items():
+            other = getattr(second, kind)[key]
+            for field in dataclasses.fields(history):
+                assert np.array_equal(getattr(history, field.name), getattr(other, field.name))
+    return True
+
+
+def test_threads_change_no_bit():
+    runs = [solve(yielding_ball(threads=threads)) for threads in (1, 2, 3)]
+    assert same(runs[0], runs[1])
+    assert same(runs[0], runs[2])
+
+
+def killed_in_the_middle(path):
+    """Run until killed; keeps its state every second instant."""
+    solve(yielding_ball(), Asked(keep=Keep(path, 2), report=lambda progress: time.sleep(0.02)))
+
+
+def test_a_run_killed_in_the_middle_goes_on_to_the_same_bits(tmp_path):
+    path = tmp_path / "restart.h5"
+    words = f"import sys, pathlib; sys.path.insert(0, {str(Path(__file__).parents[1])!r}); "
+    words += f"from fem.test_runs import killed_in_the_middle; killed_in_the_middle(pathlib.Path({str(path)!r}))"
+    child = subprocess.Popen([sys.executable, "-c", words])
+    end = time.monotonic() + 120.0
+    while not path.exists() and child.poll() is None and time.monotonic() < end:
+        time.sleep(0.002)
+    assert child.poll() is None
+    child.kill()
+    child.wait()
+    assert path.exists()
+    model = yielding_ball()
+    told = []
+    resumed = solve(model, Asked(resume=path, report=told.append))
+    assert told[0].steps > 0
+    assert same(solve(model), resumed)
+
+
+def test_restart_of_another_model_is_refused(tmp_path):
+    path = tmp_path / "restart.h5"
+    solve(yielding_ball(), Asked(keep=Keep(path, 10)))
+    with pytest.raises(InputError, match="the case has changed"):
+        solve(yielding_ball(hourglass=0.1), Asked(resume=path))
+    path.write_bytes(path.read_bytes()[:5000])
+    with pytest.raises(InputError, match="damaged"):
+        solve(yielding_ball(), Asked(resume=path))
+    with pytest.raises(InputError, match="run without it"):
+        solve(yielding_ball(), Asked(resume=tmp_path / "none.h5"))
+
+
+def test_rigid_body_and_wall_go_on_to_the_same_bits(tmp_path):
+    """What rigid parts and walls remember is kept too."""
+    rigid = moved(block("rigid", (4e-3, 4e-3, 4e-3), 1e-3, 1e-3, 1e-3), (1e-3, 0.0, 2.001e-3))
+    soft = block("soft", (4e-3, 4e-3, 2e-3), 1e-3, 1e-3, 1e-3)
+    rigid = moved(rigid, (0.0, 0.0, soft.points[:, 2].max() + 1e-6 - rigid.points[:, 2].min()))
+    foot = soft.points[:, 2].min()
+    model = Model(
+        joined([rigid, soft]),
+        {"rigid": STEEL, "soft": YIELDING},
+        Controls(20e-6),
+        velocity={"rigid": (0.0, 0.0, -10.0)},
+        rigid=(Rigid("rigid"),),
+        contacts=(Contact("rigid.all", "soft.all", friction=0.2),),
+        walls=(Wall("soft.z-", (0.0, 0.0, foot), (0.0, 0.0, 1.0), 0.1),),
+    )
+    path = tmp_path / "restart.h5"
+    whole = solve(model, Asked(keep=Keep(path, 15)))
+    assert same(whole, solve(model, Asked(resume=path)))
+    assert abs(whole.energy_error).max() < 0.01
+
+
+def test_histories_stand_at_equal_instants():
+    run = solve(two_bars(duration=10e-6))
+    assert run.time == pytest.approx(np.arange(51) * 0.2e-6, abs=1e-18)
+
+
+def test_impulse_is_the_momentum_that_changes_hands():
+    """The impulse of the contact on the struck bar is its momentum at any instant, to the rounding error."""
+    run = solve(two_bars(duration=60e-6))
+    struck = run.parts["struck"]
+    impulse = run.impulse["striking.z--struck.z+"]
+    assert -impulse == pytest.approx(struck.mass * struck.velocity, rel=1e-9, abs=1e-12 * struck.mass * 5.0)
+
+
+def test_acceleration_of_a_part_is_the_contact_force_over_its_mass():
+    run = solve(two_bars(duration=30e-6))
+    struck = run.parts["struck"]
+    force = run.force["striking.z--struck.z+"]
+    assert struck.mass * struck.acceleration == pytest.approx(-force, rel=1e-9, abs=1e-6)
+
+
+def test_mass_is_added_only_on_request_and_told():
+    """One thin layer would need a step of 0.1 mm/c; with a least step it gets the mass that it lacks, and says so."""
+    thin = block("bar", (4e-3, 4e-3, 4.1e-3), 1e-3, 1e-3, 1e-3)
+    points = thin.points.copy()
+    low = points[:, 2].min()
+    levels = np.unique(points[:, 2].round(9))
+    points[np.isclose(points[:, 2], levels[1]), 2] = low + 1e-4
+    thin = dataclasses.replace(thin, points=points)
+    model = Model(thin, {"bar": STEEL}, Controls(5e-6), velocity={"bar": (0.0, 0.0, 1.0)})
+    plain = solve(model)
+    scaled = solve(dataclasses.replace(model, controls=dataclasses.replace(model.controls, least_step=6e-8)))
+    assert plain.added_mass == 0.0
+    assert scaled.step > 5.5e-8 > 3.0 * plain.step
+    assert scaled.added_mass == pytest.approx(scaled.parts["bar"].mass - plain.parts["bar"].mass)
+    assert scaled.added_mass > 0.1 * plain.parts["bar"].mass
+
+
+def test_a_step_beyond_the_critical_one_breaks_the_energy_and_stops_the_run(monkeypatch):
+    """At 1.3 times the critical step central differences grow without bound: the run stops and says where to look."""
+    model = with_controls(two_bars(duration=200e-6), safety=1.0, linear_viscosity=0.0, quadratic_viscosity=0.0)
+    monkeypatch.setattr(Engine, "_fitting", lambda engine, span: 1.3 * engine.critical)
+    run = solve(model)
+    assert "look at element" in run.stopped
+    assert len(run.time) < 1001
+    assert all(len(values) == len(run.time) for values in run.energy.values())
+
+
+def test_a_crushed_element_stops_the_run_with_its_name():
+    """A pressure far beyond the modulus crushes the cube: the run ends with the element, what was noted is there."""
+    cube = block("cube", (2e-3, 2e-3, 2e-3), 1e-3, 1e-3, 1e-3)
+    load = Pressure("cube.all", Curve((0.0, 2e-6), (0.0, 2e13)))
+    run = solve(Model(cube, {"cube": STEEL}, Controls(20e-6), boundaries=(load,)))
+    assert "of cube" in run.stopped
+    assert len(run.time) >= 1
+
+
+WRONG = [
+    (lambda m: dataclasses.replace(m, solids={"striking": STEEL}), "part struck"),
+    (lambda m: dataclasses.replace(m, velocity={"strikin": (0, 0, 1)}), "strikin"),
+    (lambda m: with_controls(m, duration=0.0), "duration"),
+    (lambda m: with_controls(m, duration=math.nan), "duration"),
+    (lambda m: with_controls(m, interval=1.0), "interval"),
+    (lambda m: with_controls(m, safety=1.5), "safety"),
+    (lambda m: with_controls(m, threads=0), "threads"),
+    (lambda m: with_controls(m, hourglass=-1.0), "hourglass"),
+    (lambda m: with_controls(m, full=("all",)), "full"),
+    (lambda m: dataclasses.replace(m, contacts=(Contact("striking.z", "struck.z+"),)), "striking.z"),
+    (lambda m: dataclasses.replace(m, rigid=(Rigid("nobody"),)), "nobody"),
+    (lambda m: broken(m, "inverted"), "struck element 399.*volume -1e-09"),
+    (lambda m: broken(m, "loose"), "loose|belong"),
+    (lambda m: broken(m, "nan"), "point 3"),
+]
+
+
+def with_controls(model, **changes):
+    return dataclasses.replace(model, controls=dataclasses.replace(model.controls, **changes))
+
+
+def broken(model, how):
+    mesh, points, hexahedra = model.mesh, model.mesh.points.copy(), model.mesh.hexahedra.copy()
+    if how == "inverted":
+        last = mesh.elements_of("struck").stop - 1
+        hexahedra[last] = hexahedra[last][[4, 5, 6, 7, 0, 1, 2, 3]]
+    elif how == "loose":
+        points = np.vstack([points, [[9.0, 9.0, 9.0]]])
+    else:
+        points[3] = np.nan
+    return dataclasses.replace(model, mesh=dataclasses.replace(mesh, points=points, hexahedra=hexahedra))
+
+
+@pytest.mark.parametrize(("change", "words"), WRONG)
+def test_what_cannot_be_run_is_named_before_the_run(change, words):
+    with pytest.raises((InputError, InputErrors), match=words):
+        solve(change(two_bars(duration=1e-6)))
+
+
+def test_progress_tells_rate_and_time_left():
+    told = []
+    solve(two_bars(duration=40e-6), Asked(report=told.append))
+    assert told[-1].time == pytest.approx(40e-6)
+    assert told[-1].left == pytest.approx(0.0, abs=1e-6)
+    assert told[-1].speed > 0.0
+
+
+def test_frames_are_equally_spaced_and_end_with_the_run():
+    run = solve(two_bars(duration=10e-6), Asked(frames=6))
+    assert [frame.time for frame in run.frames] == pytest.approx(np.linspace(0.0, 10e-6, 6))
+
+
+def test_mean_stress_of_a_softer_solid_is_that_of_its_elements():
+    """A section's stress is the mean by volume: of a graded bar under a slow pull it is the pull."""
+    bar = block("bar", (2e-3, 2e-3, 0.01), 1e-3, 1e-3, 1e-3)
+    low = bar.points[:, 2].min()
+    model = Model(
+        bar,
+        {"bar": Elastic(7820.0, 211e9, 0.0)},
+        Controls(100e-6, interval=2e-6),
+        boundaries=(Fixed("bar.z-"), Pressure("bar.z+", Curve((0.0, 100e-6), (0.0, -1e6)))),
+        sections=(Section("s", "bar", (0.0, 0.0, low + 5e-3), (0.0, 0.0, 1.0)),),
+    )
+    run = solve(model)
+    assert run.sections["s"].elements == 4
+    assert run.sections["s"].stress[-1, 2] == pytest.approx(1e6, rel=0.02)

@@ -1,0 +1,257 @@
+"""Points of a solid: J2 plasticity (Simo & Hughes 1998, ch. 2 and 3) and Johnson & Cook 1983, against closed forms."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from strikewave.fem._layout import LANES
+from strikewave.fem.invariants import von_mises
+from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
+
+from .driven import XX, XY, YY, Points
+
+pytestmark = pytest.mark.fem
+E, NU, YIELD, TANGENT = 200e9, 0.3, 400e6, 10e9
+ELASTIC = (7800.0, E, NU)
+OFHC = {"A": 90e6, "B": 292e6, "n": 0.31, "C": 0.025, "m": 1.09, "melting_temperature": 1356.0}
+"""OFHC copper, Johnson & Cook 1983, table 1."""
+COPPER = (8960.0, 124e9, 0.34)
+
+
+def bilinear(kinematic=0.0, tangent=TANGENT):
+    return Bilinear(*ELASTIC, YIELD, tangent, kinematic)
+
+
+def pulled(points, axial):
+    """Add axial strain with free sides: the sideways strain at which the sideways stress vanishes, by the secant rule."""
+
+    def at(sideways):
+        tried = points.copy()
+        tried.move(np.stack([axial, sideways, sideways, *(3 * [np.zeros(LANES)])], axis=1))
+        return tried
+
+    first, second = -NU * axial, -0.5 * axial
+    before, after = at(first).stress[:, YY], at(second).stress[:, YY]
+    for _ in range(20):
+        slope = (after - before) / (second - first)
+        first, before, second = second, after, second - after / slope
+        after = at(second).stress[:, YY]
+        if np.abs(after).max() < 1e-9 * YIELD:
+            break
+    return at(second)
+
+
+def path(points, strains):
+    """Pull to each of some strains in turn; return the axial stresses."""
+    stresses, now = [], 0.0
+    for strain in strains:
+        points = pulled(points, np.full(LANES, strain - now))
+        stresses.append(points.stress[0, XX])
+        now = strain
+    return np.array(stresses)
+
+
+@pytest.mark.parametrize("kinematic", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_uniaxial_stress_follows_the_bilinear_curve(kinematic, sign):
+    """Radial return is exact on a straight path with linear hardening: the tolerance is that of the secant rule."""
+    first = YIELD / E
+    strains = sign * first * np.array([0.5, 0.9, 1.3, 2.0, 7.0, 20.0])
+    size = np.abs(strains)
+    expected = sign * np.where(size < first, E * size, YIELD + TANGENT * (size - first))
+    np.testing.assert_allclose(path(Points(bilinear(kinematic)), strains), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("kinematic", [0.0, 0.4, 1.0])
+def test_bauschinger_reverse_yield_lies_twice_the_radius_below(kinematic):
+    """Yield comes back at sigma_1 - 2 (sigma_y + (1 - k) H p): for k = 1 at sigma_1 - 2 sigma_y, for k = 0 at -sigma_1."""
+    solid = bilinear(kinematic)
+    top = 10.0 * YIELD / E
+    peak = YIELD + TANGENT * (top - YIELD / E)
+    p = top - peak / E
+    width = 2.0 * (YIELD + (1.0 - kinematic) * solid.plastic_modulus * p) / E
+    back = np.array([0.3, 0.99, 1.2, 3.0]) * width
+    expected = np.where(back < width, peak - E * back, peak - E * width - TANGENT * (back - width))
+    np.testing.assert_allclose(path(Points(solid), [top, *(top - back)])[1:], expected, rtol=1e-8, atol=1e-9 * YIELD)
+
+
+def test_shear_yields_at_sigma_y_over_root_3_and_hardens_by_g_h_over_3g_h():
+    solid, points = bilinear(), Points(bilinear())
+    shear, hardening = solid.shear_modulus, solid.plastic_modulus
+    first = YIELD / np.sqrt(3.0) / shear
+    points.move([0, 0, 0, 0.5 * 4.0 * first, 0, 0])
+    expected = YIELD / np.sqrt(3.0) + shear * hardening / (3.0 * shear + hardening) * 3.0 * first
+    assert points.stress[0, XY] == pytest.approx(expected, rel=1e-13)
+
+
+@pytest.mark.parametrize("kinematic", [0.0, 0.4, 1.0])
+def test_consistency_flow_and_works_on_any_path(rng, kinematic):
+    """|sigma - alpha| = sigma_y + (1 - k) H p where it yields, the volume stays elastic, internal = elastic + plastic."""
+    solid, points = bilinear(kinematic), Points(bilinear(kinematic))
+    widening = (1.0 - kinematic) * solid.plastic_modulus
+    bulk, shear = solid.bulk_modulus, solid.shear_modulus
+    swollen, internal, plastic, flowed = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
+    for _ in range(60):
+        strain = rng.standard_normal((LANES, 6)) * 1.0 * YIELD / E
+        old, p = points.stress.copy(), points.plastic_strain.copy()
+        points.move(strain)
+        stress, limit = points.stress, YIELD + widening * points.plastic_strain
+        shifted = stress - points.back_stress
+        yielded = points.plastic_strain > p
+        np.testing.assert_allclose(von_mises(shifted)[yielded], limit[yielded], rtol=1e-12)
+        assert (von_mises(shifted) <= limit * (1.0 + 1e-12)).all()
+        swollen += strain[:, :3].sum(axis=1)
+        np.testing.assert_allclose(stress[:, :3].sum(axis=1), 3.0 * bulk * swollen, rtol=1e-10, atol=1e-6)
+        internal += points.work
+        plastic += points.plastic_work
+        change = stress - old
+        mean = change[:, :3].sum(axis=1, keepdims=True) / 3.0
+        elastic = change / (2.0 * shear)
+        elastic[:, :3] += mean * (1.0 / (3.0 * bulk) - 1.0 / (2.0 * shear))
+        twice = np.array([1, 1, 1, 2, 2, 2])
+        flowed += np.sum(twice * 0.5 * (stress + old) * (strain - elastic), axis=1)
+    assert yielded.any()
+    stored = von_mises(stress) ** 2 / (6.0 * shear) + (stress[:, :3].sum(axis=1) / 3.0) ** 2 / (2.0 * bulk)
+    np.testing.assert_allclose(internal, stored + plastic, rtol=1e-12)
+    np.testing.assert_allclose(plastic, flowed, rtol=1e-9)
+
+
+def test_plastic_work_of_a_bar_is_sigma_y_p_and_half_h_p_squared():
+    """A step ends just at yield, so that the rule of the mean stress is exact."""
+    points, plastic, now = Points(bilinear()), 0.0, 0.0
+    for strain in YIELD / E * np.array([1.0, 3.0, 10.0]):
+        points = pulled(points, np.full(LANES, strain - now))
+        plastic, now = plastic + points.plastic_work[0], strain
+    p = points.plastic_strain[0]
+    assert p == pytest.approx(now - points.stress[0, XX] / E, rel=1e-9)
+    assert plastic == pytest.approx(YIELD * p + 0.5 * bilinear().plastic_modulus * p**2, rel=1e-8)
+
+
+def test_bent_path_converges_to_the_rate_equations_by_the_first_order():
+    """From pure tension at yield the strain rate turns to shear; the rate equations are integrated by DOP853.
+
+    Radial return is the backward Euler rule: the error halves with the step.
+    """
+    solid = bilinear(kinematic=0.3)
+    shear, hardening, moving = solid.shear_modulus, solid.plastic_modulus, 0.3 * solid.plastic_modulus
+    twice = np.array([1, 1, 1, 2, 2, 2])
+    begin = YIELD / (2.0 * shear) * np.array([2, -1, -1, 0, 0, 0]) / 3.0
+    length = 4.0 * YIELD / E
+
+    def rate_of_strain(t):
+        return length * (
+            np.cos(1.4 * t) * np.array([1, -0.5, -0.5, 0, 0, 0]) + np.sin(1.4 * t) * np.array([0, 0, 0, 1, 0, 0])
+        )
+
+    def rates(t, y):
+        n = y[:6] - y[6:]
+        n = n / np.sqrt(np.sum(twice * n * n))
+        flow = np.sum(twice * n * rate_of_strain(t)) / (1.0 + hardening / (3.0 * shear))
+        return np.concatenate([2.0 * shear * (rate_of_strain(t) - flow * n), 2.0 / 3.0 * moving * flow * n])
+
+    exact = solve_ivp(rates, (0.0, 1.0), [*(2.0 * shear * begin), *np.zeros(6)], "DOP853", rtol=1e-12, atol=1e-3).y[
+        :, -1
+    ]
+    errors = []
+    for steps in (20, 40, 80, 160):
+        points = Points(solid)
+        points.move(begin)
+        for k in range(steps):
+            a, b = 1.4 * k / steps, 1.4 * (k + 1) / steps
+            straight, across = (np.sin(b) - np.sin(a)) / 1.4, (np.cos(a) - np.cos(b)) / 1.4
+            points.move(length * np.array([straight, -0.5 * straight, -0.5 * straight, across, 0, 0]))
+        errors.append(np.abs(points.stress[0] - exact[:6]).max() / YIELD)
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert errors[-1] < 3e-3
+    np.testing.assert_allclose(orders, 1.0, atol=0.1)
+
+
+# Johnson & Cook
+
+
+def flow_stress(solid, p, rate, warm):
+    """The formula, written from the paper."""
+    softening = 1.0 - (warm / (solid.melting_temperature - solid.room_temperature)) ** solid.m
+    fast = 1.0 + solid.C * np.log(np.maximum(rate / solid.reference_rate, 1.0))
+    return (solid.A + solid.B * p**solid.n) * fast * softening
+
+
+@pytest.mark.parametrize("step", [1e3, 1.0, 1e-3, 1e-6, 1e-9])
+def test_flow_stress_is_the_published_formula_over_strain_rate_and_temperature(step):
+    """Strains from 1e-3 to 3 in steps of five lengths, which gives rates from 1e-6 to 1e9 /s, 0 to 1058 K above room.
+
+    1e-9: the increment is found to 1e-12 of itself at least, and the stress is the trial stress less 3 G dp.
+    """
+    solid, points = JohnsonCook(*COPPER, **OFHC), Points(JohnsonCook(*COPPER, **OFHC))
+    points.heat[:] = warm = np.tile([0.0, 10.0, 500.0, 1058.0], LANES // 4)
+    points.plastic_strain[:] = np.repeat([0.0, 1e-6, 1e-3, 0.01, 0.05, 0.3, 1.0, 3.0], LANES // 8)
+    for length in (0.1, 5e-3, 0.01, 2e-4, 1.0):
+        before = points.plastic_strain.copy()
+        points.move([0, 0, 0, length, 0, 0], step)
+        dp = points.plastic_strain - before
+        flowing = dp > 0.0
+        expected = flow_stress(solid, points.plastic_strain, dp / step, warm)
+        np.testing.assert_allclose(von_mises(points.stress)[flowing], expected[flowing], rtol=1e-9)
+        assert (von_mises(points.stress) <= expected * (1.0 + 1e-9)).all()
+        assert flowing.sum() > LANES // 2
+
+
+def test_copper_at_a_strain_of_a_tenth_flows_at_233_mpa():
+    """90 + 292 0.1^0.31 = 233.0 MPa at the reference rate and room temperature."""
+    solid, points = JohnsonCook(*COPPER, **OFHC), Points(JohnsonCook(*COPPER, **OFHC))
+    points.plastic_strain[:] = 0.1
+    points.move([0, 0, 0, 1.001 * 233.02e6 / (2.0 * np.sqrt(3.0) * solid.shear_modulus), 0, 0], 1e6)
+    assert points.plastic_strain[0] > 0.1
+    assert von_mises(points.stress[0]) / 1e6 == pytest.approx(90.0 + 292.0 * 0.1**0.31, rel=1e-5)
+    assert von_mises(points.stress[0]) / 1e6 == pytest.approx(233.0, abs=0.05)
+
+
+def test_molten_solid_bears_no_shear():
+    points = Points(JohnsonCook(*COPPER, **OFHC))
+    points.move([1e-3, -1e-3, 0, 2e-3, 0, 0], 1e-6)
+    points.heat[:] = 1356.0 - 293.0
+    points.move([1e-3, 2e-3, 0, 2e-3, 0, 0], 1e-6)
+    assert np.abs(von_mises(points.stress)).max() < 1e-6
+    assert points.stress[0, :3].sum() == pytest.approx(3.0 * Elastic(*COPPER).bulk_modulus * 3e-3, rel=1e-12)
+
+
+def test_plastic_work_heats_the_solid_as_its_rate_equations_say():
+    """Copper sheared at 1e4 /s (equivalent) to a strain of 0.5: stress and temperature by LSODA."""
+    solid = JohnsonCook(*COPPER, **OFHC, specific_heat=383.0)
+    heating = solid.heat_fraction / (solid.density * solid.specific_heat)
+    rate, end = 1e4, 0.5
+    span = solid.melting_temperature - solid.room_temperature
+
+    def rates(t, y):
+        q, p, warm = y
+        still = (solid.A + solid.B * max(p, 0.0) ** solid.n) * (1.0 - (max(warm, 0.0) / span) ** solid.m)
+        speed = np.exp(min((q / still - 1.0) / solid.C, 40.0)) if q > still else 0.0
+        return [3.0 * solid.shear_modulus * (rate - speed), speed, heating * q * speed]
+
+    begin = [90e6, 1e-9, 0.0]
+    exact = solve_ivp(rates, (0.0, end / rate), begin, "LSODA", rtol=1e-9, atol=[1.0, 1e-12, 1e-7]).y[:, -1]
+    errors = []
+    for steps in (400, 800, 1600):
+        points = Points(solid)
+        points.move([0, 0, 0, 90e6 / (2.0 * np.sqrt(3.0) * solid.shear_modulus), 0, 0], 1.0)
+        plastic = 0.0
+        for _ in range(steps):
+            points.move([0, 0, 0, 0.5 * np.sqrt(3.0) * end / steps, 0, 0], end / rate / steps)
+            plastic += points.plastic_work[0]
+        assert points.heat[0] == pytest.approx(heating * plastic, rel=1e-12)
+        errors.append([abs(von_mises(points.stress[0]) / exact[0] - 1.0), abs(points.heat[0] / exact[2] - 1.0)])
+    stress, warmth = np.transpose(errors)
+    assert stress[-1] < 2e-4
+    np.testing.assert_allclose(np.log2(stress[:-1] / stress[1:]), 1.0, atol=0.1)
+    assert warmth.max() < 1e-4
+
+
+def test_johnson_cook_without_rate_and_heat_is_the_bilinear_solid(rng):
+    """n = 1, C = 0: the same steps give the same stress."""
+    plastic = bilinear().plastic_modulus
+    first, second = Points(bilinear()), Points(JohnsonCook(*ELASTIC, A=YIELD, B=plastic, n=1.0))
+    for _ in range(30):
+        strain = rng.standard_normal((LANES, 6)) * YIELD / E
+        first.move(strain, 1e-6)
+        second.move(strain, 1e-6)
+        np.testing.assert_allclose(second.stress, first.stress, rtol=1e-9, atol=1e-9 * YIELD)
