@@ -58,7 +58,7 @@ class Deck:
         return np.arange(len(self.model.mesh.hexahedra)) if self.stressed is None else np.unique(self.stressed)
 
     def text(self):
-        """The deck."""
+        """Return the deck."""
         lines = [*_nodes_and_elements(self.model.mesh, self.element), *_solids(self.model)]
         lines += [*_contacts(self.model, self.penalty), *_velocities(self.model)]
         amplitudes, pressures = _held_and_pressed(self.model)
@@ -82,6 +82,8 @@ class Answer:
         m, m/s.
     stress : array (instants, elements, 6)
         Mean over the points of an element, Pa, xx yy zz xy yz zx.
+    step : float
+        Its time step before anything touches, s.
     seconds : float
         Wall time.
     """
@@ -90,10 +92,11 @@ class Answer:
     displacement: np.ndarray
     velocity: np.ndarray
     stress: np.ndarray
+    step: float
     seconds: float
 
     def at(self, field, instant):
-        """A field between two of its instants, as a straight line."""
+        """Return a field between two of its instants, as a straight line."""
         k = int(np.clip(np.searchsorted(self.time, instant), 1, len(self.time) - 1))
         share = (instant - self.time[k - 1]) / (self.time[k] - self.time[k - 1])
         return (1.0 - share) * field[k - 1] + share * field[k]
@@ -115,11 +118,12 @@ def run(deck, folder, threads=1):
     seconds = time.perf_counter() - begun
     if done.returncode or b"Job finished" not in done.stdout:
         raise RuntimeError(f"ccx ended with {done.returncode}:\n{done.stdout[-2000:].decode(errors='replace')}")
-    return _read(Path(folder, "deck.dat").read_bytes(), deck, seconds)
+    step = float(re.search(rb"SELECTED time increment: *(\S+)", done.stdout)[1])
+    return _read(Path(folder, "deck.dat").read_bytes(), deck, (step, seconds))
 
 
-def _read(printed, deck, seconds):
-    """Return what a .dat file holds; a line of stress begins with element and point, one of motion with a node."""
+def _read(printed, deck, cost):
+    """Return what a .dat file holds, with time step and seconds; a line of stress begins with element and point, one of motion with a node."""
     found = {"displacements": [], "velocities": [], "stresses": []}
     times = {name: [] for name in found}
     heads = list(BLOCK.finditer(printed))
@@ -134,7 +138,7 @@ def _read(printed, deck, seconds):
         raise RuntimeError("ccx printed displacements and velocities of other instants")
     stress = [_element_means(rows, deck.printed) for rows in found["stresses"]]
     motion = [np.array([rows[:, 1:] for rows in found[name]]) for name in ("displacements", "velocities")]
-    return Answer(np.array(times["velocities"]), *motion, np.array(stress), seconds)
+    return Answer(np.array(times["velocities"]), *motion, np.array(stress), *cost)
 
 
 def _element_means(rows, elements):

@@ -245,3 +245,8 @@ def test_stress_of_two_solids_in_one_bar_is_continuous():
     run = solve(model)
     assert run.sections["a"].stress[-1, 2] == pytest.approx(1e6, rel=0.01)
     assert run.sections["b"].stress[-1, 2] == pytest.approx(1e6, rel=0.01)
+
+
+def test_a_rigid_part_that_is_held_is_refused():
+    with pytest.raises(InputError, match=r"rigid cube.*held or driven.*freedoms"):
+        solve(one(cube(), boundaries=(Fixed("cube.z-"),), rigid=(Rigid("cube"),)))

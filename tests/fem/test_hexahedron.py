@@ -201,25 +201,42 @@ def test_forces_have_no_sum_and_no_moment(rng, sort):
 # Hourglass
 
 
-def test_hourglass_force_is_the_derivative_of_its_energy(rng):
-    """Forces with less those without; the energy is that of 4 k q^2. Central differences of a quadratic form are exact."""
+@pytest.mark.parametrize("solid", [SOLID, Bilinear(7800.0, 200e9, 0.3, 5e9)], ids=["elastic", "yielding"])
+def test_hourglass_force_is_the_derivative_of_its_energy(rng, solid):
+    """Forces with less those without; 1e-7 is the error of the central difference where the force is bounded."""
     mesh = random_hexahedra(rng, 6)
     x = mesh.points + 0.05 * rng.uniform(-1.0, 1.0, mesh.points.shape)
 
     def energy(points):
-        found = elements(mesh, SOLID, hourglass=0.1)
+        found = elements(mesh, solid, hourglass=0.1)
         moved(found, mesh.points, points)
         return found.work()[3]
 
-    force = moved(elements(mesh, SOLID, hourglass=0.1), mesh.points, x)
-    force -= moved(elements(mesh, SOLID, hourglass=0.0), mesh.points, x)
+    force = moved(elements(mesh, solid, hourglass=0.1), mesh.points, x)
+    force -= moved(elements(mesh, solid, hourglass=0.0), mesh.points, x)
     scale = np.abs(force).max()
     assert energy(x) > 0.0
     for node, d in itertools.product(range(48), range(3)):
         shift = np.zeros_like(x)
-        shift[node, d] = 0.01
-        slope = (energy(x + shift) - energy(x - shift)) / 0.02
-        assert force[node, d] == pytest.approx(-slope, abs=1e-9 * scale)
+        shift[node, d] = 1e-5
+        slope = (energy(x + shift) - energy(x - shift)) / 2e-5
+        assert force[node, d] == pytest.approx(-slope, abs=1e-7 * scale)
+
+
+def test_hourglass_force_of_a_yielding_cube_is_that_of_a_plastic_hinge():
+    """Full plastic moment sigma_y h^3 / 4 by the rate of curvature of the mode, 2 / h^2 each side: sigma_y h^2 at most.
+
+    Far beyond yield the mode's force is that; far below it is 8 k q with k = E h / 6.
+    """
+    solid, side = Bilinear(7800.0, 200e9, 0.0, 400e6), 2e-3
+    mesh = mesh_of(side * CUBE, np.arange(8)[None])
+    mode = (2.0 * CUBE[:, 0] - 1.0) * (2.0 * CUBE[:, 2] - 1.0)
+    reach = 0.75 * solid.yield_strength / solid.youngs_modulus * side
+    for share, expected in ((1e-3, 8.0 * 200e9 * side / 6.0 * 1e-3 * reach), (30.0, 400e6 * side**2)):
+        shift = np.zeros((8, 3))
+        shift[:, 0] = share * reach * mode
+        force = moved(elements(mesh, solid, hourglass=2.0 / 9.0), mesh.points, mesh.points + shift)
+        assert -(force[:, 0] @ mode) == pytest.approx(expected, rel=1e-3)
 
 
 def test_one_element_across_bends_as_a_beam_with_hourglass_2_9():

@@ -83,10 +83,11 @@ def take_rows(nodes, field, rows):
 
 
 @called_kernel
-def work_of(nodes, force, before, v):
-    """Return the sum of force times the mean of the velocities before and after a step."""
-    total = 0.0
+def booked(nodes, force, before, v, kick):
+    """Return the work of forces, by the mean of the velocities before and after a step, and their impulse."""
+    work, x, y, z = 0.0, 0.0, 0.0, 0.0
     for i in range(nodes.size):
         for c in range(3):
-            total += 0.5 * force[i, c] * (before[i, c] + v[nodes[i], c])
-    return total
+            work += 0.5 * force[i, c] * (before[i, c] + v[nodes[i], c])
+        x, y, z = x + force[i, 0], y + force[i, 1], z + force[i, 2]
+    return kick * work, kick * x, kick * y, kick * z

@@ -74,9 +74,10 @@ class Acting:
         """Write ``force`` and add it to ``now.f``."""
         raise NotImplementedError
 
-    def work(self, v: Array, kick: float) -> float:
-        """Return the work of the step that led to the velocity v, J."""
-        return float(kick * kernels.work_of(self.nodes, self.force, self.before, v))
+    def done(self, v: Array, kick: float) -> tuple[float, float, float, float]:
+        """Return work (J) and impulse (N s) of the step that led to the velocity v."""
+        found: tuple[float, float, float, float] = kernels.booked(self.nodes, self.force, self.before, v, kick)
+        return found
 
     def work_before(self, behind: float) -> float:
         """Return the part of it that lies before the instant itself, J; ``behind`` is the step before."""

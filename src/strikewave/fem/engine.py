@@ -31,7 +31,7 @@ from strikewave.fem.model import Model
 from strikewave.fem.recorder import Motion, Recorder
 from strikewave.fem.rigid import RigidBody
 from strikewave.fem.run import FemRun, Frame
-from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties
+from strikewave.fem.tie import TieState, gather_mass, gather_tied_forces, move_tied, prepare_ties
 
 NODES = 20_000
 """Nodes that a thread moves at least."""
@@ -58,6 +58,8 @@ class Engine:
         Steps before and after t_n, s.
     critical : float
         Critical step of the elements at t_n, s.
+    acting : list of Acting
+        Everything but elements, contacts and walls that puts forces on nodes.
     """
 
     def __init__(self, model: Model, pool: ThreadPoolExecutor | None = None) -> None:
@@ -77,8 +79,10 @@ class Engine:
         self.x, self.v, self.f = mesh.points.copy(), np.zeros_like(mesh.points), np.zeros_like(mesh.points)
         for name, velocity in model.velocity.items():
             self.v[mesh.nodes_of(name)] = velocity
+        move_tied(self.ties, self.v)
         self.loads, self.holds = build_boundaries(model, free)
-        self.bodies = rigid_bodies(model, self.mass, [self.ties.nodes, self.ties.corners.ravel()])
+        self.bodies = rigid_bodies(model, self.mass, self.ties, self.holds)
+        self.acting: list[Acting] = [*self.loads, *self.holds, *self.bodies]
         self.contacts = {c.name: prepare(c, mesh, self.ties.nodes) for c in model.contacts}
         self.walls = {w.name: prepare_wall(w, mesh) for w in model.walls}
         self.yielding = movable(self.inverse_mass, self.holds)
@@ -92,12 +96,9 @@ class Engine:
         self.given = np.zeros(3)
         self.impulse = {name: np.zeros(3) for name in [*self.contacts, *self.walls]}
         self.initial_energy = 0.5 * float(self.mass @ np.einsum("ni,ni->n", self.v, self.v))
+        spans = max(1, min(controls.threads, len(self.x) // NODES))
+        self.spans = list(itertools.pairwise(np.linspace(0, len(self.x), spans + 1).astype(int).tolist()))
         self.kick, self.ahead = 0.0, self._fitting(self.interval)
-
-    @property
-    def acting(self) -> Iterable[Acting]:
-        """Everything but elements, contacts and walls that puts forces on nodes."""
-        return [*self.loads, *self.holds, *self.bodies]
 
     @property
     def fingerprint(self) -> str:
@@ -123,6 +124,7 @@ class Engine:
         now = Now(self.time, self.kick, self.ahead, self.x, self.v, self.f, self.mass)
         if self.gravity.any():
             self.f += self.own_mass[:, None] * self.gravity
+        gather_tied_forces(self.ties, self.f)
         for load in self.loads:
             load.add(now)
         for name, state in self.contacts.items():
@@ -136,13 +138,11 @@ class Engine:
 
     def step(self) -> None:
         """Move the nodes to t_(n+1), book what the forces did, and find the forces of the elements there."""
-        shares = np.linspace(0, len(self.x), max(1, min(self._threads, len(self.x) // NODES)) + 1).astype(int)
-        spans = list(itertools.pairwise(shares.tolist()))
 
         def move(span: tuple[int, int]) -> None:
             node_kernels.advance(self.x, self.v, self.f, self.inverse_mass, self.kick, self.ahead, *span)
 
-        list(map(move, spans) if self.pool is None else self.pool.map(move, spans))
+        list(self.pool.map(move, self.spans) if self.pool and len(self.spans) > 1 else map(move, self.spans))
         if len(self.ties.nodes):
             move_tied(self.ties, self.v)
             self.x[self.ties.nodes] += self.ahead * self.v[self.ties.nodes]
@@ -152,15 +152,12 @@ class Engine:
         self.f.fill(0.0)
         self.critical = self.solid.add_forces(self.x, self.v, self.f, self.ahead)
 
-    @property
-    def _threads(self) -> int:
-        return 1 if self.pool is None else self.model.controls.threads
-
     def _book(self) -> None:
         """Add the works and impulses of the step that led to the velocity now."""
         for each in self.acting:
-            self.done["external"] += each.work(self.v, self.kick)
-            self.given += self.kick * each.force.sum(axis=0)
+            work, *given = each.done(self.v, self.kick)
+            self.done["external"] += work
+            self.given += given
         for name, touch in self.touching.items():
             self.done["contact"] += sum(contact_work(touch, self.v, self.kick))
             impulse = self.kick * np.array(contact_force(touch))
@@ -322,21 +319,22 @@ def movable(inverse_mass: Array, holds: Iterable[Held]) -> Array:
     return found
 
 
-def rigid_bodies(model: Model, mass: Array, tied: Iterable[Index]) -> list[RigidBody]:
+def rigid_bodies(model: Model, mass: Array, ties: TieState, holds: Iterable[Held]) -> list[RigidBody]:
     """Return the rigid parts.
 
     Raises
     ------
     InputError
-        If a node of one is tied.
+        If a node of one is tied, held or driven.
     """
-    taken = np.concatenate([np.zeros(0, np.int32), *tied])
     bodies = []
     for rigid in model.rigid:
-        velocity = np.array(model.velocity.get(rigid.part, (0.0, 0.0, 0.0)))
-        body = RigidBody(model.mesh, rigid, mass, velocity)
-        if np.isin(body.nodes, taken).any():
+        body = RigidBody(model.mesh, rigid, mass, np.array(model.velocity.get(rigid.part, (0.0, 0.0, 0.0))))
+        if np.isin(body.nodes, [*ties.nodes, *ties.corners.ravel()]).any():
             raise InputError(f"rigid {rigid.part}", "tied nodes", "no tie on a rigid part", "make both parts one")
+        if any(np.isin(body.nodes, hold.nodes).any() for hold in holds):
+            hint = "say how it may move by its freedoms instead (rigid), or drive a part that deforms"
+            raise InputError(f"rigid {rigid.part}", "held or driven nodes", "no boundary that holds a rigid part", hint)
         bodies.append(body)
     return bodies
 
