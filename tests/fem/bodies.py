@@ -120,21 +120,51 @@ def ball_on_base(case, reach=30.0, interval=0.5e-6, threads=1):
     )
 
 
-def half_cylinder_on_block(size=1e-4, radius=0.01, speed=2.0, solid=STEEL, base=STEEL, duration=12e-6):
-    """Half of a half-cylinder that meets a block, plane strain, one element thick (0.4 mm)."""
-    grading = Grading(1.5e-3, fine=size, extent=6e-4, growth=1.2)
-    thick, wide, deep = 4e-4, 0.02, 0.02
-    roller = moved(half_cylinder("roller", radius, thick, grading, thick, only_half=True), (0.0, 0.0, radius))
-    upright = Grading(1.5e-3, fine=size, at=(deep,), extent=6e-4, growth=1.2)
-    ground = block("ground", (wide, thick, deep), grading, thick, upright)
+@dataclass(frozen=True)
+class Roller:
+    """A half-cylinder on a block, in plane strain: radius (m), speed (m/s), solids, size of the elements, angle."""
+
+    size: float = 1e-4
+    radius: float = 0.01
+    speed: float = 2.0
+    solid: Elastic = STEEL
+    base: Elastic = STEEL
+    angle: float = 0.0
+
+    def half_width(self, force):
+        """Half-width of the contact under a force per length (N/m), and largest pressure (Johnson 1985, 4.43, 4.45)."""
+        modulus = 1.0 / sum((1.0 - s.poissons_ratio**2) / s.youngs_modulus for s in (self.solid, self.base))
+        half = math.sqrt(4.0 * force * self.radius / (math.pi * modulus))
+        return half, 2.0 * force / (math.pi * half)
+
+    @property
+    def turn(self):
+        """Rotation from the upright model into this one, (3, 3)."""
+        c, s = math.cos(self.angle), math.sin(self.angle)
+        return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+
+THICK = 4e-4
+"""Thickness of the roller and its block, one element, m."""
+
+
+def roller_on_block(case, duration=12e-6):
+    """Half of a half-cylinder that meets a block, plane strain."""
+    scale = case.radius / 0.01
+    grading = Grading(1.5e-3 * scale, fine=case.size, extent=6e-4 * scale, growth=1.2)
+    wide = deep = 0.02 * scale
+    roller = moved(half_cylinder("roller", case.radius, THICK, grading, THICK, only_half=True), (0.0, 0.0, case.radius))
+    upright = Grading(1.5e-3 * scale, fine=case.size, at=(deep,), extent=6e-4 * scale, growth=1.2)
+    ground = block("ground", (wide, THICK, deep), grading, THICK, upright)
     low, high = ground.points.min(axis=0), ground.points.max(axis=0)
     ground = moved(ground, (-low[0], -0.5 * (low[1] + high[1]), -high[2]))
     held = ("roller.x-", "ground.x-", "roller.front", "roller.back", "ground.y-", "ground.y+")
+    mesh = turned(joined([roller, ground]), (0.0, 1.0, 0.0), case.angle)
     return Model(
-        joined([roller, ground]),
-        {"roller": solid, "ground": base},
-        Controls(duration, interval=0.5e-6),
-        velocity={"roller": (0.0, 0.0, -speed)},
+        mesh,
+        {"roller": case.solid, "ground": case.base},
+        Controls(duration * scale, interval=0.5e-6 * scale),
+        velocity={"roller": tuple(case.turn @ (0.0, 0.0, -case.speed))},
         boundaries=(*map(Symmetry, held), NonReflecting("ground.x+"), NonReflecting("ground.z-")),
         contacts=(Contact("roller.round", "ground.z+"),),
-    ), thick
+    )
