@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import elements_bench
 import machine_bench
 import numba
 import numpy as np
@@ -191,6 +192,7 @@ def main():
             table(("work", "time", "target"), processes()),
             machine_bench.section(),
             waves_bench.section(),
+            elements_bench.section(),
             records_bench.section(),
             reading_bench.section(),
             "## Planted blows",

@@ -7,7 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from strikewave.build.elements import build_model
+from strikewave.build.engine_fields import fields_of_case
 from strikewave.case import Case
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ledger_measure
@@ -23,22 +26,21 @@ from strikewave.solution import Notice
 if TYPE_CHECKING:
     from strikewave.fem.solve import Asked, Writer
 
+ROUNDING = 1e-9
+"""Overlaps of less than this share of the whole are rounding."""
+
 
 @dataclass
 class Watch:
-    """Hands frames on to a writer; keeps that of the largest stress and the last, and the largest stress of each part.
+    """Hands frames on to a writer; keeps that of the largest stress and the last.
 
     Parameters
     ----------
-    model : Model
-        What the frames belong to.
     writer : Writer, optional
         Such as `strikewave.fem.vtkhdf.FieldWriter`.
     """
 
-    model: Model
     writer: Writer | None = None
-    stress: dict[str, float] = field(default_factory=dict)
     worst: Frame | None = None
     last: Frame | None = None
     _largest: float = field(default=0.0, init=False)
@@ -47,12 +49,9 @@ class Watch:
         """Take a frame."""
         if self.writer is not None:
             self.writer.add(frame)
-        equivalent, mesh = von_mises(frame.stress), self.model.mesh
-        for name in mesh.names:
-            largest = float(equivalent[mesh.elements_of(name)].max())
-            self.stress[name] = max(self.stress.get(name, 0.0), largest)
-        if float(equivalent.max()) > self._largest:
-            self._largest, self.worst = float(equivalent.max()), frame
+        largest = float(von_mises(frame.stress).max())
+        if largest > self._largest:
+            self._largest, self.worst = largest, frame
         self.last = frame
 
     @property
@@ -95,14 +94,15 @@ def run_model(case: Case, model: Model, asked: Asked | None = None) -> FemSoluti
     from strikewave.fem.solve import Asked, solve
 
     asked = asked or Asked()
-    watch = Watch(model, asked.writer)
-    run = solve(model, asked._replace(writer=watch, frames=int(case.fem.frames.si) if case.fem else 0))
+    watch = Watch(asked.writer)
+    with fields_of_case(model):
+        run = solve(model, asked._replace(writer=watch, frames=int(case.fem.frames.si) if case.fem else 0))
     return FemSolution(
         case=case,
         model=model,
         run=run,
         frames=watch.shown,
-        warnings=tuple(notices(case, model, run, watch)),
+        warnings=tuple(notices(case, model, run)),
         citations=sources(model),
     )
 
@@ -118,8 +118,9 @@ def check_model(model: Model) -> None:
     from strikewave.fem.engine import Engine
     from strikewave.fem.solve import check_controls
 
-    check_controls(model)
-    Engine(model)
+    with fields_of_case(model):
+        check_controls(model)
+        Engine(model)
 
 
 def first_step(model: Model) -> float:
@@ -127,7 +128,8 @@ def first_step(model: Model) -> float:
     from strikewave.fem.engine import scaled_masses
 
     controls, rigid = model.controls, {one.part for one in model.rigid}
-    _, _, critical = scaled_masses(model, [name for name in model.mesh.names if name not in rigid])
+    with fields_of_case(model):
+        _, _, critical = scaled_masses(model, [name for name in model.mesh.names if name not in rigid])
     return controls.interval / max(1, math.ceil(controls.interval / (controls.safety * critical) - 1e-9))
 
 
@@ -146,7 +148,7 @@ def sources(model: Model) -> tuple[str, ...]:
     return tuple(listed)
 
 
-def notices(case: Case, model: Model, run: FemRun, watch: Watch) -> Iterator[Notice]:
+def notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     """Yield what a user should know about a run."""
     if run.stopped:
         message = f"the run ended early: {run.stopped}"
@@ -156,8 +158,9 @@ def notices(case: Case, model: Model, run: FemRun, watch: Watch) -> Iterator[Not
         share = run.added_mass / sum(part.mass for part in run.parts.values())
         message = f"fem.least_step added {run.added_mass:.3g} kg to small elements, {share:.2%} of all mass"
         yield Notice("added-mass", message, share, 0.0)
-    yield from _contacts(case, run)
-    yield from _strength(case, model, watch)
+    yield from _overlaps(model, run)
+    yield from _contacts(run)
+    yield from _strength(case, model, run)
 
 
 def _ledgers(run: FemRun) -> Iterator[Notice]:
@@ -177,7 +180,21 @@ def _ledgers(run: FemRun) -> Iterator[Notice]:
         yield Notice("momentum-ledger", message, ledger.momentum, LEDGER_LIMIT, broken=True)
 
 
-def _contacts(case: Case, run: FemRun) -> Iterator[Notice]:
+def _overlaps(model: Model, run: FemRun) -> Iterator[Notice]:
+    """Say which surfaces stood in each other before the blow, beyond rounding."""
+    least = ROUNDING * float(np.ptp(model.mesh.points, axis=0).max())
+    for overlap in run.overlaps:
+        if overlap.deepest > least:
+            place = ", ".join(f"{x * 1e3:.4g}" for x in overlap.place)
+            message = (
+                f"{overlap.nodes} nodes of the contact {overlap.contact} stand inside the other side before the blow, "
+                f"the deepest by {overlap.deepest * 1e6:.3g} um at ({place}) mm: they are let out without a force; "
+                "move the parts apart, or match their meshes, where that matters"
+            )
+            yield Notice("initial-overlap", message, overlap.deepest, least)
+
+
+def _contacts(run: FemRun) -> Iterator[Notice]:
     """Say which contacts nothing touched, and which pulses the interval of the histories is too long for."""
     from strikewave.fem.measures import contact_measure
 
@@ -195,13 +212,13 @@ def _contacts(case: Case, run: FemRun) -> Iterator[Notice]:
             yield Notice("fem-interval", message, found.duration / interval, FEWEST_INTERVALS)
 
 
-def _strength(case: Case, model: Model, watch: Watch) -> Iterator[Notice]:
-    """Say which elastic parts go beyond the yield strength of their material in the frames that were seen."""
+def _strength(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
+    """Say which elastic parts go beyond the yield strength of their material."""
     for part in case.mesh.part if case.mesh else ():
         strength = material(part.material).yield_strength
-        stress = watch.stress.get(part.name, 0.0)
-        rigid = part.rigid or isinstance(model.solids[part.name], Bilinear | JohnsonCook)
-        if strength is not None and stress > strength and not rigid:
+        stress = float(run.von_mises[part.name].max()) if part.name in run.von_mises else 0.0
+        yields = isinstance(model.solids[part.name], Bilinear | JohnsonCook)
+        if strength is not None and stress > strength and not yields:
             message = (
                 f"the elastic part {part.name} is loaded with {stress / 1e6:.4g} MPa (von Mises), beyond the "
                 f"{strength / 1e6:.4g} MPa at which {part.material} yields: give it a solid with a yield strength"

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,18 @@ from strikewave._version import __version__
 from strikewave.case import Case, dump_case
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
-from strikewave.fem.measures import ContactMeasure, contact_measure, ledger_measure
+from strikewave.fem.measures import (
+    ContactMeasure,
+    PartMeasure,
+    contact_measure,
+    ledger_measure,
+    mean_acceleration,
+    mean_force,
+    middles,
+    part_measure,
+)
 from strikewave.fem.model import Model
 from strikewave.fem.run import ENERGIES, FemRun, Frame
-from strikewave.signal.pulse import measure_pulse
 from strikewave.solution import Notice
 
 if TYPE_CHECKING:
@@ -33,50 +41,6 @@ SCHEMA = 1
 """Of the file of histories."""
 STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 """Components of a stress."""
-STILL = 1e-12
-"""A part whose velocity changes by less than this share of the largest in play does not move."""
-
-
-class PartPulse(NamedTuple):
-    """The blow that a part took, as one rigid body.
-
-    Attributes
-    ----------
-    mass : float
-        kg.
-    direction : tuple of float
-        Unit vector along its largest change of velocity; the rest is measured along it.
-    rigid_peak : float
-        Largest rate of momentum over mass, m/s^2.
-    width : float
-        Of that pulse at 10 % of its peak, s; NaN where the run begins or ends above it.
-    velocity_change : float
-        Largest change of momentum over mass, m/s.
-    """
-
-    mass: float
-    direction: tuple[float, float, float]
-    rigid_peak: float
-    width: float
-    velocity_change: float
-
-
-def part_pulse(run: FemRun, name: str) -> PartPulse:
-    """Measure the blow that a part took; zeros where its velocity does not change."""
-    part = run.parts[name]
-    change = part.velocity - part.velocity[0]
-    size = np.linalg.norm(change, axis=1)
-    largest = float(size.max())
-    scale = max((float(np.abs(other.velocity).max()) for other in run.parts.values()), default=0.0)
-    if not largest > STILL * scale:
-        return PartPulse(part.mass, (0.0, 0.0, 0.0), 0.0, math.nan, 0.0)
-    way = change[int(np.argmax(size))] / largest
-    x, y, z = (float(component) for component in way)
-    along = part.acceleration @ way
-    if not along.max() > 0.0:
-        return PartPulse(part.mass, (x, y, z), 0.0, math.nan, largest)
-    pulse = measure_pulse(along, float(run.time[1] - run.time[0]))
-    return PartPulse(part.mass, (x, y, z), pulse.peak, pulse.width, largest)
 
 
 @dataclass(frozen=True)
@@ -122,9 +86,9 @@ class FemSolution:
         return any(notice.broken for notice in self.warnings)
 
     @property
-    def parts(self) -> dict[str, PartPulse]:
+    def parts(self) -> dict[str, PartMeasure]:
         """The blow that each part took."""
-        return {name: part_pulse(self.run, name) for name in self.run.parts}
+        return {name: part_measure(self.run, name) for name in self.run.parts}
 
     @property
     def contacts(self) -> dict[str, ContactMeasure | None]:
@@ -133,7 +97,7 @@ class FemSolution:
 
     @property
     def contact_force_peak(self) -> float:
-        """Largest force of any contact, N."""
+        """Largest mean force of any contact over an interval of the histories, N."""
         return max((found.peak for found in self.contacts.values() if found is not None), default=0.0)
 
     def document(self) -> dict[str, Any]:
@@ -154,7 +118,7 @@ class FemSolution:
                 "element_steps_per_second": run.speed,
                 "contact_force_peak": self.contact_force_peak,
                 "contacts": contacts,
-                "parts": {name: part._asdict() for name, part in self.parts.items()},
+                "parts": {name: dataclasses.asdict(part) for name, part in self.parts.items()},
                 "energy": {"initial": run.initial_energy, **energy, "error": ledger.energy},
                 "hourglass_share": ledger.hourglass,
                 "momentum_error": ledger.momentum,
@@ -163,14 +127,19 @@ class FemSolution:
         )
 
     def _columns(self) -> Iterator[tuple[str, str, Array]]:
-        """Yield name, unit and values of every history but the time."""
+        """Yield name, unit and values of every history but the time; means are those of the interval before."""
         run = self.run
         for name, force in run.force.items():
             yield from _components(f"{name} force", "N", force)
+            yield from _components(f"{name} mean force", "N", _after(mean_force(run, name)))
         for name, part in run.parts.items():
             yield from _components(f"{name} displacement", "m", part.displacement)
             yield from _components(f"{name} velocity", "m/s", part.velocity)
             yield from _components(f"{name} rigid acceleration", "m/s^2", part.acceleration)
+            yield from _components(f"{name} mean rigid acceleration", "m/s^2", _after(mean_acceleration(run, name)))
+        for name, values in run.von_mises.items():
+            yield f"{name} largest von Mises stress", "Pa", values
+            yield f"{name} largest plastic strain", "1", run.plastic_strain[name]
         for name, point in run.points.items():
             yield from _components(f"{name} displacement", "m", point.displacement)
             yield from _components(f"{name} velocity", "m/s", point.velocity)
@@ -197,7 +166,7 @@ class FemSolution:
         """Return all histories with units: vectors by ``axis``, stresses by ``component``, by the names of the case."""
         import xarray
 
-        run, vector = self.run, ("time", "axis")
+        run, vector, means = self.run, ("time", "axis"), ("interval", "axis")
         variables = {}
 
         def add(kind: str, name: str, what: str, values: Array, unit: str, where: tuple[str, ...] = vector) -> None:
@@ -207,6 +176,12 @@ class FemSolution:
         for name, force in run.force.items():
             add("contact", name, "force", force, "N")
             add("contact", name, "impulse", run.impulse[name], "N s")
+            add("contact", name, "mean_force", mean_force(run, name), "N", means)
+        for name in run.parts:
+            add("part", name, "mean_acceleration", mean_acceleration(run, name), "m/s^2", means)
+        for what, unit, most in (("von_mises", "Pa", run.von_mises), ("plastic_strain", "1", run.plastic_strain)):
+            for name, values in most.items():
+                add("part", name, what, values, unit, ("time",))
         for kind, histories in (("part", run.parts), ("point", run.points), ("section", run.sections)):
             for name, history in histories.items():
                 for what, unit in MOTION.items():
@@ -221,6 +196,7 @@ class FemSolution:
         variables["impulse_given"] = quantity(vector, run.impulse_given, "N s", "impulse from outside")
         coordinates = {
             "time": quantity("time", run.time, "s", "time after the start"),
+            "interval": quantity("interval", middles(run.time), "s", "middle of the interval between two times"),
             "axis": ("axis", np.array(["x", "y", "z"], dtype=object)),
             "component": ("component", np.array(STRESS, dtype=object)),
         }
@@ -251,6 +227,8 @@ UNITS = {
     "rigid_peak": "m/s^2",
     "width": "s",
     "velocity_change": "m/s",
+    "von_mises": "Pa",
+    "plastic_strain": "1",
     "initial": "J",
     **dict.fromkeys(ENERGIES, "J"),
     "error": "1",
@@ -270,3 +248,8 @@ def _components(name: str, unit: str, values: Array, axes: tuple[str, ...] = ("x
     """Yield a column for each component of a history."""
     for axis, column in zip(axes, values.T, strict=True):
         yield f"{name} {axis}", unit, column
+
+
+def _after(means: Array) -> Array:
+    """Return means of intervals as a column beside the instants that end them; nothing is known at the first."""
+    return np.concatenate([np.full((1, means.shape[1]), np.nan), means])

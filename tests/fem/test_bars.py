@@ -190,3 +190,20 @@ def test_tied_bar_of_two_meshes_carries_the_wave_on(across):
     assert below.max() == pytest.approx(peak, rel=0.02)
     assert above[run.time > 8e-6 + 0.03 / BAR_SPEED].max() < 0.02 * peak
     assert run.momentum_error < 1e-9
+
+
+def test_tied_bodies_of_different_speeds_begin_with_their_common_momentum():
+    """What is tied moves as one from the start: the momentum is that of both, whichever carries the faces."""
+    upper = moved(block("upper", (2e-3, 2e-3, 0.01), 1e-3, 1e-3, 1e-3), (0.0, 0.0, 0.01))
+    lower = block("lower", (2e-3, 2e-3, 0.01), 1e-3, 1e-3, 1e-3)
+    for tie in (Tie("upper.z-", "lower.z+"), Tie("lower.z+", "upper.z-")):
+        model = Model(
+            joined([upper, lower]),
+            {"upper": STEEL, "lower": STEEL},
+            Controls(20e-6),
+            velocity={"upper": (0.0, 0.0, -1.0)},
+            ties=(tie,),
+        )
+        run = solve(model)
+        assert run.momentum[:, 2] == pytest.approx(-STEEL.density * 40e-9, rel=1e-12)
+        assert abs(run.energy_error).max() < 0.01

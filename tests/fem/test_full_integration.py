@@ -10,11 +10,11 @@ from strikewave.fem.full import POINTS, mode_slopes
 from strikewave.fem.hexahedron import MODES, shapes
 from strikewave.fem.invariants import pressure
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Controls, Curve, Model, Pressure, Section, Tie
+from strikewave.fem.model import Controls, Curve, Model, Pressure, Section, Tie, Wall
 from strikewave.fem.shapes import block as box
 from strikewave.fem.shapes import moved as shifted
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
-from strikewave.fem.solve import solve
+from strikewave.fem.solve import Asked, Keep, solve
 
 from .blocks import block
 from .driven import SORTS, elements, mesh_of, moved, nodal_mass, random_hexahedra, stiffness
@@ -197,9 +197,8 @@ def test_uniform_motion_gives_the_same_in_both_elements(rng, solid):
 def test_both_kinds_in_one_run_carry_a_wave_across_a_tie():
     """Two tied bars, one of each kind, nu = 0, pushed by 10 MPa: the same wave, 1e-9 apart.
 
-    Behind the tie its momentum is p A (t - L / c).
-
-    Without bulk viscosity, which would push the sides too: the motion is that of a chain of planes.
+    Behind the tie its momentum is p A (t - L / c). Bulk viscosity, which would push the sides too, is left out: the
+    motion is that of a chain of planes.
     """
     solid, width = Elastic(7800.0, 200e9, 0.0), 2e-3
     bars = [box(name, (width, width, 0.03), 1e-3, 1e-3, 1e-3) for name in ("low", "high")]
@@ -227,3 +226,33 @@ def test_both_kinds_in_one_run_carry_a_wave_across_a_tie():
         )
         np.testing.assert_allclose(stress, expected, atol=1e-2)
         np.testing.assert_allclose(run.parts["high"].velocity, runs[0].parts["high"].velocity, atol=1e-9)
+
+
+def flying_bars(duration, **controls):
+    """A fully integrated Johnson-Cook bar tied upon a one-point bilinear one, on a wall at 100 m/s."""
+    bars = [box(name, (2e-3, 2e-3, 4e-3), 5e-4, 5e-4, 5e-4) for name in ("low", "high")]
+    return Model(
+        joined([shifted(bar, (0.0, 0.0, z)) for bar, z in zip(bars, (0.0, 4e-3), strict=True)]),
+        {"low": SOLIDS[1], "high": SOLIDS[2]},
+        Controls(duration, interval=0.5e-6, full=("high",), **controls),
+        velocity={"low": (0.0, 0.0, -100.0), "high": (0.0, 0.0, -100.0)},
+        ties=(Tie("low.z+", "high.z-"),),
+        walls=(Wall("low.z-", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),),
+    )
+
+
+def test_threads_and_a_restart_change_no_bit_of_a_run_with_both_kinds(tmp_path):
+    path = tmp_path / "restart.h5"
+    whole = solve(flying_bars(8e-6), Asked(frames=2))
+    solve(flying_bars(4e-6), Asked(keep=Keep(path, 4)))
+    others = [
+        solve(flying_bars(8e-6), Asked(frames=2, resume=path)),
+        solve(flying_bars(8e-6, threads=2), Asked(frames=2)),
+    ]
+    assert whole.energy["plastic"][-1] > 0.5 * whole.initial_energy
+    assert abs(whole.energy_error).max() < 0.01
+    for other in others:
+        for name, values in whole.energy.items():
+            np.testing.assert_array_equal(other.energy[name], values)
+        np.testing.assert_array_equal(other.frames[-1].stress, whole.frames[-1].stress)
+        np.testing.assert_array_equal(other.frames[-1].plastic_strain, whole.frames[-1].plastic_strain)

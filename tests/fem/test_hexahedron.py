@@ -306,14 +306,14 @@ def test_critical_step_of_a_cube_is_side_over_wave_speed(sort):
 @pytest.mark.parametrize("sort", SORTS)
 @given(seed=st.integers(0, 10**6), share=st.floats(0.0, 0.3), ratio=st.floats(0.0, 0.49), flat=st.floats(0.1, 1.0))
 def test_no_mesh_vibrates_faster_than_the_bound(sort, seed, share, ratio, flat):
-    """Meshes of eight distorted, flattened elements; the default hourglass stiffness stays below it too."""
+    """Meshes of eight distorted, flattened elements; the largest hourglass stiffness that is allowed stays below it."""
     rng = np.random.default_rng(seed)
     mesh = distorted(rng, (2, 2, 2), share)
     mesh = mesh_of(
         mesh.points * [1.0, 1.0, flat] + 0.3 * share * rng.uniform(-flat, flat, mesh.points.shape), mesh.hexahedra
     )
     solid = Elastic(1.0, 1.0, ratio)
-    found = fastest(mesh, solid, sort, 0.05) * bound(mesh, solid, sort) / 2.0
+    found = fastest(mesh, solid, sort, 0.5) * bound(mesh, solid, sort) / 2.0
     assert 0.3 < found <= 1.0 + 1e-7
 
 

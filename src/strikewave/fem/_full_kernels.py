@@ -178,7 +178,7 @@ def point_forces(s, state, place, dt, solid, kind):
 @fused_called_kernel
 def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
     """Bring one chunk of elements to the end of a step and add its forces; returns its critical time step."""
-    part, count, point = blocks.part[chunk], np.uint64(blocks.count[chunk]), np.uint64(STATES) * W
+    part, count, point = blocks.part[chunk], np.uint64(blocks.filled[chunk]), np.uint64(STATES) * W
     solid, kind = blocks.solids[part], blocks.kinds[part]
     linear, quadratic = viscous
     gather(blocks, chunk, x, v, s)

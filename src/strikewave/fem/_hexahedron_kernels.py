@@ -234,7 +234,7 @@ def gather(blocks, chunk, x, v, s):
 def scatter(blocks, chunk, s, f):
     """Add the forces of a chunk to those of its nodes."""
     first = np.uint64(chunk) * EIGHT * W
-    count = np.uint64(blocks.count[chunk])
+    count = np.uint64(blocks.filled[chunk])
     for k in range(EIGHT):
         row = k * W
         for j in range(count):
@@ -286,7 +286,7 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
     at, fixed = np.uint64(chunk) * np.uint64(STATES) * W, np.uint64(chunk) * np.uint64(CONSTANTS) * W
     part = blocks.part[chunk]
     solid, kind = blocks.solids[part], blocks.kinds[part]
-    kept, count = kept_rows(solid), np.uint64(blocks.count[chunk])
+    kept, count = kept_rows(solid), np.uint64(blocks.filled[chunk])
     linear, quadratic = viscous
     gather(blocks, chunk, x, v, s)
     for k in range(np.uint64(CONSTANTS) * W):

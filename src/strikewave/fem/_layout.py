@@ -67,7 +67,7 @@ class Blocks(NamedTuple):
     Attributes
     ----------
     nodes : array (chunks * 8 * LANES,) of int32
-    count : array (chunks,) of int32
+    filled : array (chunks,) of int32
         Elements in each chunk; the lanes beyond repeat the last one.
     part : array (chunks,) of int32
     constants, state : array (chunks * CONSTANTS * LANES,), (chunks * STATES * LANES,)
@@ -76,7 +76,7 @@ class Blocks(NamedTuple):
     """
 
     nodes: np.ndarray
-    count: np.ndarray
+    filled: np.ndarray
     part: np.ndarray
     constants: np.ndarray
     state: np.ndarray

@@ -169,7 +169,7 @@ def von_mises(s, back, solid, j):
 
 
 @fused_called_kernel
-def johnson_cook_increment(q, p, softening, solid, dt):
+def johnson_cook_increment(q, p, softening, solid, dt, guess):
     """Return dp where q - 3 G dp = (A + B (p + dp)^n) (1 + C ln(max(dp / dt, rate) / rate)) softening, q beyond yield.
 
     The left falls and the right grows: Newton's method; where it leaves the bracket, a place near its lower end, from
@@ -178,7 +178,7 @@ def johnson_cook_increment(q, p, softening, solid, dt):
     A, B, n, C, slowest = solid[JC_A], solid[JC_B], solid[JC_N], solid[JC_C], solid[JC_RATE] * dt
     stiff = 3.0 * solid[SHEAR]
     low, high = 0.0, q / stiff
-    dp = (q - softening * (A + B * p**n)) / stiff
+    dp = guess
     for _ in range(ITERATIONS):
         hard = B * (p + dp) ** n
         fast = 1.0 + C * np.log(max(dp / slowest, 1.0))
@@ -201,11 +201,17 @@ def johnson_cook(s, solid, dt, j):
     q, n = direction(s, STILL, j)
     if q <= 0.0:
         return
-    p, warm = s[HELD + STRAIN_P + j], s[HELD + HEAT + j] / solid[JC_RANGE]
+    p, warm, stiff = s[HELD + STRAIN_P + j], s[HELD + HEAT + j] / solid[JC_RANGE], 3.0 * solid[SHEAR]
     softening = 1.0 - min(warm, 1.0) ** solid[JC_M] if warm > 0.0 else 1.0
-    if q <= softening * (solid[JC_A] + solid[JC_B] * p ** solid[JC_N]):
+    excess = q - softening * (solid[JC_A] + solid[JC_B] * p ** solid[JC_N])
+    if excess <= 0.0:
         return
-    dp = johnson_cook_increment(q, p, softening, solid, dt) if softening > 0.0 else q / (3.0 * solid[SHEAR])
+    dp = q / stiff
+    if softening > 0.0:
+        along = n[0] * s[STRAIN[0] + j] + n[1] * s[STRAIN[1] + j] + n[2] * s[STRAIN[2] + j]
+        along += 2.0 * (n[3] * s[STRAIN[3] + j] + n[4] * s[STRAIN[4] + j] + n[5] * s[STRAIN[5] + j])
+        guess = min(excess / stiff, along / q) if along > 0.0 else excess / stiff
+        dp = johnson_cook_increment(q, p, softening, solid, dt, guess)
     flow(s, solid[SHEAR], n, dp / q, j)
     s[HELD + STRAIN_P + j] += dp
     s[HELD + HEAT + j] += solid[JC_HEATING] * s[PLASTIC + j]

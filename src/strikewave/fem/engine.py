@@ -14,7 +14,16 @@ from strikewave.errors import InputError
 from strikewave.fem import _node_kernels as node_kernels
 from strikewave.fem._contact_kernels import Touch
 from strikewave.fem.boundary import Acting, Held, Now, build_boundaries
-from strikewave.fem.contact import add_contact, add_wall, contact_force, contact_work, prepare, prepare_wall, searched
+from strikewave.fem.contact import (
+    add_contact,
+    add_wall,
+    contact_force,
+    contact_work,
+    initial_overlaps,
+    prepare,
+    prepare_wall,
+    searched,
+)
 from strikewave.fem.full import FullyIntegrated, Mixed
 from strikewave.fem.full import critical_steps as full_critical_steps
 from strikewave.fem.hexahedron import (
@@ -79,12 +88,16 @@ class Engine:
         self.x, self.v, self.f = mesh.points.copy(), np.zeros_like(mesh.points), np.zeros_like(mesh.points)
         for name, velocity in model.velocity.items():
             self.v[mesh.nodes_of(name)] = velocity
+        momentum = self.own_mass[:, None] * self.v
+        gather_tied_forces(self.ties, momentum)
+        self.v = momentum * self.inverse_mass[:, None]
         move_tied(self.ties, self.v)
         self.loads, self.holds = build_boundaries(model, free)
         self.bodies = rigid_bodies(model, self.mass, self.ties, self.holds)
         self.acting: list[Acting] = [*self.loads, *self.holds, *self.bodies]
         self.contacts = {c.name: prepare(c, mesh, self.ties.nodes) for c in model.contacts}
         self.walls = {w.name: prepare_wall(w, mesh) for w in model.walls}
+        self.overlaps = initial_overlaps([*self.contacts.items(), *self.walls.items()], mesh.points)
         self.yielding = movable(self.inverse_mass, self.holds)
         shares = {name: part_masses(model.mesh, element_mass, name) for name in mesh.names}
         self.recorder = Recorder(model, self.own_mass, shares)
@@ -216,7 +229,7 @@ class Engine:
         for name in force:
             sums[f"force/{name}"] = force[name]
             sums[f"impulse/{name}"] = self.impulse[name] + 0.5 * behind * force[name]
-        self.recorder.note(self.time, motion, self.solid.cell_values(self.elements)[0], sums)
+        self.recorder.note(self.time, motion, self.solid.cell_values(self.elements), sums)
         return self._broken(energies)
 
     def _broken(self, energies: Mapping[str, float]) -> str:
@@ -274,6 +287,9 @@ class Engine:
             elements=self.elements,
             stopped=stopped,
             frames=frames,
+            von_mises=noted.largest("von_mises"),
+            plastic_strain=noted.largest("plastic_strain"),
+            overlaps=tuple(self.overlaps),
         )
 
 

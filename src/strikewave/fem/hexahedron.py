@@ -177,7 +177,7 @@ def build_blocks(
     nodes = mesh.hexahedra[number].transpose(0, 2, 1)
     blocks = Blocks(
         nodes=np.ascontiguousarray(nodes, np.int32).ravel(),
-        count=np.concatenate(counts).astype(np.int32),
+        filled=np.concatenate(counts).astype(np.int32),
         part=np.concatenate(owners).astype(np.int32),
         constants=np.concatenate(kept).ravel(),
         state=np.zeros(number.shape[0] * points * layout.STATES * lanes),

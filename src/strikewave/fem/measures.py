@@ -1,4 +1,9 @@
-"""The few numbers that a run is judged by: of its contacts and its ledgers, and the axis of its blow; SI."""
+"""The few numbers that a run is judged by: of its contacts, its parts and its ledgers, and the axis of its blow; SI.
+
+Where flat faces meet, contact is a velocity taken within one time step: the force of that step is the impulse over dt,
+and grows without bound as dt gets shorter. Forces and rigid-body accelerations are therefore judged by their means over
+the intervals of the histories, `mean_force` and `mean_acceleration`, which hang on the interval alone.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.fem.run import FemRun
-from strikewave.signal.pulse import crossing, refine_peak
+from strikewave.signal.pulse import crossing
 
 Array = NDArray[np.float64]
 
@@ -20,7 +25,9 @@ HOURGLASS_LIMIT = 0.05
 WIDTH_SHARE = 0.1
 """Share of the peak at which a duration begins and ends."""
 ALIGNED = math.cos(math.radians(5.0))
-"""Cosine of the angle to x, y or z below which the axis of a blow is taken as that one."""
+"""Cosine of the angle to x, y or z below which a direction is taken as that one."""
+STILL = 1e-12
+"""A part whose velocity changes by less than this share of the largest in play does not move."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +37,7 @@ class ContactMeasure:
     Attributes
     ----------
     peak, at : float
-        Largest force, N, between samples by a parabola, and its time, s.
+        Largest mean force of an interval, N, and the middle of that interval, s.
     impulse : float
         Size of the impulse over the run, N s.
     begin, end : float
@@ -68,30 +75,124 @@ class LedgerMeasure:
     momentum: float
 
 
+@dataclass(frozen=True)
+class PartMeasure:
+    """The blow that a part took, as one rigid body, and the most that its elements bore.
+
+    Attributes
+    ----------
+    mass : float
+        kg.
+    direction : tuple of float
+        Unit vector along its largest change of velocity, or the axis within 5 degrees of it; the rest is measured
+        along it.
+    rigid_peak : float
+        Largest mean over an interval of the rate of momentum over mass, m/s^2.
+    width : float
+        Of that pulse at 10 % of its peak, s; NaN where the run begins or ends above it.
+    velocity_change : float
+        Largest change of momentum over mass, m/s.
+    von_mises, plastic_strain : float
+        Largest of its elements at the instants of the histories, Pa and 1; NaN for a rigid part.
+    """
+
+    mass: float
+    direction: tuple[float, float, float]
+    rigid_peak: float
+    width: float
+    velocity_change: float
+    von_mises: float = math.nan
+    plastic_strain: float = math.nan
+
+
+def interval_means(gathered: Array, time: Array) -> Array:
+    """Return the mean rate of a quantity over each interval: its change over the time that it took.
+
+    Parameters
+    ----------
+    gathered : array (instants, ...)
+        Such as impulse, N s, or velocity, m/s.
+    time : array (instants,)
+        s.
+
+    Returns
+    -------
+    array (instants - 1, ...)
+        At the middles of the intervals, `middles`.
+
+    Examples
+    --------
+    >>> interval_means(np.array([[0.0], [1.0], [1.0]]), np.array([0.0, 0.5, 1.0])).tolist()
+    [[2.0], [0.0]]
+    """
+    spans = np.diff(time)
+    return np.asarray(np.diff(gathered, axis=0) / spans.reshape(-1, *[1] * (gathered.ndim - 1)))
+
+
+def middles(time: Array) -> Array:
+    """Return the middles of the intervals, s, (instants - 1,)."""
+    return np.asarray(0.5 * (time[1:] + time[:-1]))
+
+
+def mean_force(run: FemRun, name: str) -> Array:
+    """Return the mean force of a contact or wall over each interval, N, (instants - 1, 3)."""
+    return interval_means(run.impulse[name], run.time)
+
+
+def mean_acceleration(run: FemRun, name: str) -> Array:
+    """Return the mean rigid-body acceleration of a part over each interval, m/s^2, (instants - 1, 3)."""
+    return interval_means(run.parts[name].velocity, run.time)
+
+
 def contact_measure(run: FemRun, name: str) -> ContactMeasure | None:
-    """Measure a contact or wall by the size of its force; None where nothing touched.
+    """Measure a contact or wall by the size of its mean force; None where nothing touched.
 
     Examples
     --------
     >>> from types import SimpleNamespace
     >>> t = np.linspace(0.0, 1e-3, 1001)
-    >>> force = np.outer(1e3 * np.sin(np.pi * np.clip(t, 2e-4, 8e-4) / 6e-4 - np.pi / 3), [0, 0, 1])
-    >>> run = SimpleNamespace(time=t, force={"a-b": force}, impulse={"a-b": force.cumsum(axis=0) * t[1]})
-    >>> found = contact_measure(run, "a-b")
+    >>> given = 1e3 * 6e-4 / np.pi * (1.0 - np.cos(np.pi * np.clip((t - 2e-4) / 6e-4, 0.0, 1.0)))
+    >>> found = contact_measure(SimpleNamespace(time=t, impulse={"a-b": np.outer(given, [0, 0, 1])}), "a-b")
     >>> round(found.peak, 2), round(found.at * 1e6), round(found.duration * 1e6), round(found.impulse, 4)
     (1000.0, 500, 562, 0.382)
     """
-    size = np.linalg.norm(run.force[name], axis=1)
-    index = int(np.argmax(size))
-    if not size[index] > 0.0:
+    size = np.linalg.norm(mean_force(run, name), axis=1)
+    peak = float(size.max(initial=0.0))
+    if not peak > 0.0:
         return None
-    place, peak = refine_peak(size, index)
     above = np.flatnonzero(size > WIDTH_SHARE * peak)
-    begin = crossing(size, int(above[0]), WIDTH_SHARE * peak, -1)
-    end = crossing(size, int(above[-1]), WIDTH_SHARE * peak, 1)
-    places = [place, 0.0 if np.isnan(begin) else begin, size.size - 1.0 if np.isnan(end) else end]
-    at, first, last = (float(t) for t in np.interp(places, np.arange(size.size), run.time))
-    return ContactMeasure(float(peak), at, float(np.linalg.norm(run.impulse[name][-1])), first, last)
+    begin, end = _ends(size, run.time, int(above[0]), int(above[-1]))
+    return ContactMeasure(
+        peak=peak,
+        at=float(middles(run.time)[int(np.argmax(size))]),
+        impulse=float(np.linalg.norm(run.impulse[name][-1])),
+        begin=float(run.time[0]) if math.isnan(begin) else begin,
+        end=float(run.time[-1]) if math.isnan(end) else end,
+    )
+
+
+def _ends(values: Array, time: Array, first: int, last: int) -> tuple[float, float]:
+    """Return when means of intervals reach a tenth of their largest, before one and after one of them, s; NaN: never."""
+    level, middle, count = WIDTH_SHARE * float(values.max()), middles(time), np.arange(values.size)
+    begin, end = crossing(values, first, level, -1), crossing(values, last, level, 1)
+    return float(np.interp(begin, count, middle)), float(np.interp(end, count, middle))
+
+
+def part_measure(run: FemRun, name: str) -> PartMeasure:
+    """Measure the blow that a part took, zeros where its velocity does not change, and what its elements bore."""
+    part = run.parts[name]
+    bore = [float(most[name].max()) if name in most else math.nan for most in (run.von_mises, run.plastic_strain)]
+    change = part.velocity - part.velocity[0]
+    size = np.linalg.norm(change, axis=1)
+    scale = max((float(np.abs(other.velocity).max()) for other in run.parts.values()), default=0.0)
+    if not float(size.max()) > STILL * scale:
+        return PartMeasure(part.mass, (0.0, 0.0, 0.0), 0.0, math.nan, 0.0, *bore)
+    way = near_axis(change[int(np.argmax(size))])
+    x, y, z = (float(component) for component in way)
+    along = mean_acceleration(run, name) @ way
+    at = int(np.argmax(along))
+    begin, end = _ends(along, run.time, at, at)
+    return PartMeasure(part.mass, (x, y, z), float(along[at]), end - begin, float((change @ way).max()), *bore)
 
 
 def ledger_measure(run: FemRun) -> LedgerMeasure:
@@ -103,20 +204,30 @@ def ledger_measure(run: FemRun) -> LedgerMeasure:
     return LedgerMeasure(float(error[int(np.argmax(np.abs(error)))]), share, run.momentum_error)
 
 
-def blow_axis(run: FemRun) -> Array:
-    """Return the axis along which a run is told: a unit vector along the greatest change of momentum of a part.
+def near_axis(vector: Array) -> Array:
+    """Return the unit vector along a vector that is not 0; within 5 degrees of x, y or z, that one, with its sign.
 
-    Its largest component is positive; an axis within 5 degrees of x, y or z is taken as that one. Where nothing
-    changes, it is z.
+    Examples
+    --------
+    >>> near_axis(np.array([0.1, 0.0, -2.0])).tolist(), near_axis(np.array([3.0, 0.0, -4.0])).tolist()
+    ([0.0, 0.0, -1.0], [0.6, 0.0, -0.8])
+    """
+    way = vector / np.linalg.norm(vector)
+    largest = int(np.argmax(np.abs(way)))
+    if abs(way[largest]) > ALIGNED:
+        way = np.eye(3)[largest] * np.sign(way[largest])
+    return np.asarray(way + 0.0)
+
+
+def blow_axis(run: FemRun) -> Array:
+    """Return the axis along which a run is told: that of the greatest change of momentum of a part, by `near_axis`.
+
+    Its largest component is positive. Where nothing changes, it is z.
     """
     changes = [part.mass * (part.velocity - part.velocity[0]) for part in run.parts.values()]
     peaks = [change[int(np.argmax(np.linalg.norm(change, axis=1)))] for change in changes]
     best = max(peaks, key=lambda change: float(np.linalg.norm(change)), default=np.zeros(3))
-    size = float(np.linalg.norm(best))
-    if not size > 0.0:
+    if not float(np.linalg.norm(best)) > 0.0:
         return np.array([0.0, 0.0, 1.0])
-    axis = best / size
-    largest = int(np.argmax(np.abs(axis)))
-    if abs(axis[largest]) > ALIGNED:
-        axis = np.eye(3)[largest]
-    return np.asarray(axis * np.sign(axis[largest]))
+    axis = near_axis(best)
+    return np.asarray(axis * np.sign(axis[int(np.argmax(np.abs(axis)))]) + 0.0)

@@ -9,6 +9,7 @@ import numpy as np
 
 from strikewave.errors import InputError
 from strikewave.fem.boundary import unit
+from strikewave.fem.invariants import von_mises
 from strikewave.fem.mesh import Array, Index, Mesh, volumes
 from strikewave.fem.model import Model, Section
 from strikewave.fem.run import ENERGIES, PartHistory, PointHistory, SectionHistory
@@ -37,16 +38,25 @@ class Recorder:
     def __init__(self, model: Model, mass: Array, shares: Mapping[str, Array]) -> None:
         self.mesh, self.mass, self.shares = model.mesh, mass, shares
         self.nodes = {name: model.mesh.nodes_of(name) for name in model.mesh.names}
+        self.bearing = {n: self.mesh.elements_of(n) for n in model.mesh.names if n not in {r.part for r in model.rigid}}
         self.points = {p.name: _nearest(model.mesh, p.part, np.array(p.place)) for p in model.points}
         self.sections = {s.name: section_elements(model.mesh, s) for s in model.sections}
         self.rows: dict[str, list[Array]] = {}
 
-    def note(self, time: float, motion: Motion, stress: Array, sums: Mapping[str, object]) -> None:
-        """Add a row: the sums (energies, forces, impulses) as they are, and the motion of what is watched."""
+    def note(self, time: float, motion: Motion, cells: tuple[Array, Array], sums: Mapping[str, object]) -> None:
+        """Add a row: the sums (energies, forces, impulses) as they are, the motion of what is watched, the largest.
+
+        ``cells`` are stress (elements, 6) and plastic strain (elements,).
+        """
+        stress, strain = cells
+        equivalent = von_mises(stress)
         row: dict[str, object] = {"time": time, **sums, "momentum": self.mass @ motion.velocity}
         for name, nodes in self.nodes.items():
             share = self.shares[name] / self.shares[name].sum()
             row[f"part/{name}"] = np.array([share @ field[nodes] for field in motion])
+        for name, elements in self.bearing.items():
+            row[f"von_mises/{name}"] = equivalent[elements].max()
+            row[f"plastic_strain/{name}"] = strain[elements].max()
         for name, node in self.points.items():
             row[f"point/{name}"] = np.array([field[node] for field in motion])
         for name, (elements, volume) in self.sections.items():
@@ -63,6 +73,10 @@ class Recorder:
     def energy(self) -> dict[str, Array]:
         """Return the columns of the energy ledger."""
         return {name: self.column(name) for name in ENERGIES}
+
+    def largest(self, what: str) -> dict[str, Array]:
+        """Return the largest ``von_mises`` stress or ``plastic_strain`` of the elements of each part that deforms."""
+        return {name: self.column(f"{what}/{name}") for name in self.bearing}
 
     def part_histories(self) -> dict[str, PartHistory]:
         """Return the motion of the parts."""

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.fem.contact import Overlap
+
 Array = NDArray[np.float64]
 
 ENERGIES = ("kinetic", "internal", "plastic", "hourglass", "contact", "viscous", "external")
@@ -108,6 +110,11 @@ class FemRun:
         Why the run ended early; empty when it did not.
     frames : tuple of Frame
         Only those asked for; a writer takes them as they come instead where one is given.
+    von_mises, plastic_strain : mapping of str to array (instants,)
+        Largest von Mises stress, Pa, and largest equivalent plastic strain of the elements of each part
+        that deforms.
+    overlaps : tuple of Overlap
+        Where contacts and walls overlapped before the blow.
     """
 
     time: Array
@@ -127,6 +134,9 @@ class FemRun:
     elements: int
     stopped: str = ""
     frames: tuple[Frame, ...] = field(default=())
+    von_mises: Mapping[str, Array] = field(default_factory=dict)
+    plastic_strain: Mapping[str, Array] = field(default_factory=dict)
+    overlaps: tuple[Overlap, ...] = ()
 
     @property
     def energy_error(self) -> Array:

@@ -153,7 +153,7 @@ def check_controls(model: Model) -> int:
     need("duration", controls.duration, 0.0 < controls.duration < np.inf, "above 0")
     need("interval", controls.interval, 0.0 < controls.interval <= controls.duration, "above 0, at most the duration")
     need("safety", controls.safety, 0.0 < controls.safety <= 1.0, "above 0 to 1")
-    need("hourglass", controls.hourglass, 0.0 <= controls.hourglass <= 1.0, "from 0 to 1")
+    need("hourglass", controls.hourglass, 0.0 <= controls.hourglass <= 0.5, "from 0 to 0.5")
     for name in ("linear_viscosity", "quadratic_viscosity", "least_step"):
         need(name, getattr(controls, name), 0.0 <= getattr(controls, name) < np.inf, "at least 0")
     need("threads", controls.threads, controls.threads >= 1, "at least 1")
