@@ -106,10 +106,11 @@ def closest_point(x, a, b, c, d):
     """Return xi, eta of the point of a bilinear face closest to x, their distance^2, and whether it lies on the rim.
 
     Newton's method for r . p_xi = r . p_eta = 0, r = p - x; where its root lies outside the face, or it finds none,
-    the closest point of the four straight edges.
+    the closest point of the four straight edges. The error after a step is about its square times the warp h / e.
     """
     m, e, g, h = patch(a, b, c, d)
     xi, eta = 0.0, 0.0
+    warp = math.sqrt(dot(h, h) / max(min(dot(e, e), dot(g, g)), 1e-300))
     for _ in range(_NEWTON):
         r = plus(plus(plus(plus(m, -1.0, x), xi, e), eta, g), xi * eta, h)
         t, s = plus(e, eta, h), plus(g, xi, h)
@@ -121,7 +122,8 @@ def closest_point(x, a, b, c, d):
         step, step2 = (rs * mixed - rt * ss) / det, (rt * mixed - rs * tt) / det
         xi = min(max(xi + step, -2.0), 2.0)
         eta = min(max(eta + step2, -2.0), 2.0)
-        if abs(step) + abs(step2) < 1e-11:
+        moved = abs(step) + abs(step2)
+        if moved * moved * warp < 1e-11:
             break
     if abs(xi) > 1.0 + _INSIDE or abs(eta) > 1.0 + _INSIDE:
         xi, eta, distance = on_rim(x, a, b, c, d)
