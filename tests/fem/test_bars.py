@@ -7,7 +7,19 @@ import numpy as np
 import pytest
 
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Controls, Curve, Driven, Guided, Model, NonReflecting, Point, Pressure, Symmetry, Tie
+from strikewave.fem.model import (
+    Controls,
+    Curve,
+    Driven,
+    Fixed,
+    Guided,
+    Model,
+    NonReflecting,
+    Point,
+    Pressure,
+    Symmetry,
+    Tie,
+)
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Elastic
 from strikewave.fem.solve import solve
@@ -207,3 +219,36 @@ def test_tied_bodies_of_different_speeds_begin_with_their_common_momentum():
         run = solve(model)
         assert run.momentum[:, 2] == pytest.approx(-STEEL.density * 40e-9, rel=1e-12)
         assert abs(run.energy_error).max() < 0.01
+
+
+@pytest.mark.parametrize("across", [2, 3])
+def test_tied_nodes_stay_where_they_are_on_their_faces(across):
+    """Tied bodies in flight move by v t without strain, and those that are struck keep no gap and no energy error."""
+    upper = moved(block("upper", (4e-3, 2e-3, 0.01), 2e-3 / across, 2e-3 / across, 1e-3), (0.0, 0.0, 0.01))
+    lower = block("lower", (4e-3, 2e-3, 0.01), 1e-3, 1e-3, 1e-3)
+    solids = {"upper": STEEL, "lower": STEEL}
+    flying = dict.fromkeys(solids, (3.0, 2.0, 1.0))
+    ties = (Tie("upper.z-", "lower.z+"),)
+    whole = joined([upper, lower])
+    free = solve(Model(whole, solids, Controls(40e-6), velocity=flying, ties=ties))
+    for part in free.parts.values():
+        assert part.displacement[-1] == pytest.approx(np.array([3.0, 2.0, 1.0]) * 40e-6, rel=1e-12)
+    assert free.energy["hourglass"].max() < 1e-12 * free.initial_energy
+    corner = tuple(lower.points[np.argmax(lower.points @ (1.0, 1.0, 1.0))])
+    points = (Point("upper", "upper", corner), Point("lower", "lower", corner))
+    push = Curve((0.0, 10e-6, 20e-6), (0.0, 2e8, 0.0))
+    struck = solve(
+        Model(
+            whole,
+            solids,
+            Controls(100e-6, linear_viscosity=0.0, quadratic_viscosity=0.0, hourglass=0.15),
+            boundaries=(Pressure("upper.x+", push), Fixed("lower.z-")),
+            ties=ties,
+            points=points,
+        )
+    )
+    first, second = (struck.points[name].displacement for name in ("upper", "lower"))
+    assert abs(first).max() > 1e-6
+    assert first == pytest.approx(second, abs=1e-12 * abs(first).max())
+    assert abs(struck.energy_error).max() < 1e-3
+    assert struck.energy["hourglass"].max() > 1e-3 * struck.energy["internal"].max()

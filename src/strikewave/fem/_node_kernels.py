@@ -5,9 +5,14 @@ from strikewave.compiled import fused_called_kernel
 
 @fused_called_kernel
 def advance(x, v, f, inverse_mass, kick, step, first, last):
-    """Move the nodes first to last - 1: v += kick f / m, x += step v; f is left as it is."""
+    """Move the nodes first to last - 1: v += kick f / m, x += step v; f is left as it is, and so are tied nodes.
+
+    Tied nodes have no inverse mass: they follow others.
+    """
     for n in range(first, last):
         share = kick * inverse_mass[n]
+        if share == 0.0:
+            continue
         for c in range(3):
             v[n, c] += share * f[n, c]
             x[n, c] += step * v[n, c]
