@@ -137,7 +137,8 @@ def test_the_document_has_its_keys_and_every_number_its_unit(bars):
     document = bars.document()
     keys = {"schema", "version", "units", "warnings", "case", "elements", "nodes", "steps", "element_steps_per_second"}
     assert keys | {"contact_force_peak", "contacts", "parts", "energy", "momentum_error"} <= set(document)
-    assert set(document["parts"]["bar"]) == {"mass", "direction", "rigid_peak", "width", "velocity_change"}
+    measured = {"mass", "direction", "rigid_peak", "width", "velocity_change", "von_mises", "plastic_strain"}
+    assert set(document["parts"]["bar"]) == measured
     words = {"initial", "kinetic", "internal", "plastic", "hourglass", "contact", "viscous", "external", "error"}
     assert set(document["energy"]) == words
     assert document["contact_force_peak"] == max(x["peak"] for x in document["contacts"].values())
@@ -149,27 +150,26 @@ def test_the_document_has_its_keys_and_every_number_its_unit(bars):
 
 
 def test_a_part_is_measured_along_its_change_of_velocity(bars):
-    """A half-sine of acceleration, aslant: peak, width at a tenth of it, and its integral, to the sampling."""
+    """A half-sine of acceleration, aslant: peak (sin(u)/u of it, the mean of an interval), width, and its integral."""
+    from strikewave.fem.measures import part_measure
     from strikewave.fem.run import PartHistory
-    from strikewave.fem_solution import part_pulse
 
     step, lasts, peak = 0.1e-6, 40e-6, 5e4
     time = step * np.arange(801)
     way = np.array([2.0, -1.0, 2.0]) / 3.0
     inside = np.clip((time - 20e-6) / lasts, 0.0, 1.0)
-    size = peak * np.sin(np.pi * inside)
     speed = peak * lasts / np.pi * (1.0 - np.cos(np.pi * inside))
     start = np.array([0.0, 7.0, 0.0])
-    history = PartHistory(0.5, start + np.outer(speed, way), np.outer(size, way), np.zeros((801, 3)))
+    history = PartHistory(0.5, start + np.outer(speed, way), np.full((801, 3), np.nan), np.zeros((801, 3)))
     run = dataclasses.replace(bars.run, time=time, parts={"p": history})
-    found = part_pulse(run, "p")
+    found, u = part_measure(run, "p"), 0.5 * np.pi * step / lasts
     assert found.direction == pytest.approx(tuple(way), abs=1e-12)
-    assert found.rigid_peak == pytest.approx(peak, rel=1e-9)
+    assert found.rigid_peak == pytest.approx(peak * math.cos(u) * math.sin(u) / u, rel=1e-9)  # beside the top
     assert found.velocity_change == pytest.approx(2.0 * peak * lasts / np.pi, rel=1e-12)
     # linear between samples 0.1 us apart
     assert found.width == pytest.approx(lasts * (1.0 - 2.0 * math.asin(0.1) / np.pi), rel=1e-4)
-    still = dataclasses.replace(history, velocity=np.tile(start, (801, 1)), acceleration=np.zeros((801, 3)))
-    rest = part_pulse(dataclasses.replace(run, parts={"p": still}), "p")
+    still = dataclasses.replace(history, velocity=np.tile(start, (801, 1)))
+    rest = part_measure(dataclasses.replace(run, parts={"p": still}), "p")
     assert (rest.rigid_peak, rest.velocity_change) == (0.0, 0.0)
     assert math.isnan(rest.width)
 
@@ -274,7 +274,7 @@ def test_an_interrupted_run_goes_on_to_the_same_numbers(strikewave, small, monke
         patch.setattr(fem.FieldFile, "add", interrupted)
         code, _, err = strikewave("fem", small, "--out", "broken", "--no-report")
     assert code == 130
-    assert "add --restart to go on" in err
+    assert "to go on from there: strikewave fem small.toml --out broken --no-report --restart" in err
     assert not Path("broken").exists()
     other = strikewave("fem", small, "--out", "broken", "--restart", "--set", "fem.contact.0.friction=0.1")
     assert other[0] == 2
@@ -312,7 +312,8 @@ def test_hourglass_energy_beyond_its_limit_exits_with_3(strikewave, tmp_path):
         (["mesh.part.striker.velocity.z=-1 m/s"], "no-contact"),
         (["fem.interval=1 us"], "fem-interval"),
         (["fem.least_step=400 ns"], "added-mass"),
-        (["mesh.part.striker.velocity.z=40 m/s", "fem.duration=4 us"], "fem-yield"),
+        (["mesh.part.striker.velocity.z=40 m/s", "fem.duration=4 us", "fem.frames=0"], "fem-yield"),
+        (["mesh.part.anvil.at.z=7.9 mm"], "initial-overlap"),
     ],
 )
 def test_what_a_user_should_know_is_said(strikewave, small, changes, code):
@@ -331,8 +332,10 @@ def test_what_a_user_should_know_is_said(strikewave, small, changes, code):
         (["--set", "mesh.part.anvil.material=65Nm"], 'did you mean "65Mn"'),
         (["--set", "mesh.part.anvl.size=1 mm"], "mesh.part.anvl"),
         (["--set", "mesh.part.anvil.at.z=5 mm"], "fem.contact.0"),  # they overlap by one and a half elements
-        (["--set", "mesh.part.anvil.at.z=7.5 mm"], "contact striker.z+-anvil.z-"),  # and by a quarter of one
-        (["--set", "fem.section.gauge.point.z=50 mm"], "gauge"),
+        (["--set", "mesh.part.anvil.at.z=7.5 mm"], "fem.contact.0: got"),  # and by a quarter of one
+        (["--set", "fem.section.gauge.point.z=50 mm"], "fem.section.gauge.point: got"),
+        (["--set", "fem.least_step=1 us"], "fem.least_step: got"),
+        (["--set", "fem.hourglass=2"], "fem.hourglass: got"),
         (["--threads", "0"], "--threads"),
         (["--frames", "-1"], "fem.frames"),
     ],
@@ -345,6 +348,26 @@ def test_wrong_input_is_refused_in_one_line_and_nothing_is_written(strikewave, s
     assert os.listdir(tmp_path) == ["small.toml"] or os.listdir("out") == []
 
 
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ('boundary]]\nkind = "symmetry"\nside = "anvil"', "fem.boundary.0.side: got"),
+        ('tie]]\nside = "striker.z-"\nonto = "anvil.z+"', "fem.tie.0.side: got"),
+        ('wall]]\nside = "anvil.z+"\nnormal = "z"\npoint = { z = "25 mm" }', "fem.wall.0: got"),
+        (
+            'boundary]]\nkind = "fixed"\nside = "anvil.z+"\n[[fem.boundary]]\nkind = "driven"\nside = "anvil.z+"\n'
+            'direction = "z"\ntime = ["0 us"]\nvelocity = ["1 m/s"]',
+            "fem.boundary.1.side: got",
+        ),
+    ],
+)
+def test_what_the_engine_refuses_is_named_as_in_the_case(strikewave, tmp_path, table, said):
+    (tmp_path / "bad.toml").write_text(f"{SMALL}[[fem.{table}\n")
+    code, _, err = strikewave("fem", "bad.toml", "--check")
+    assert code == 2
+    assert said in err
+
+
 def test_other_commands_send_a_mesh_to_its_own(strikewave, small):
     code, _, err = strikewave("run", small)
     assert code == 2
@@ -352,6 +375,9 @@ def test_other_commands_send_a_mesh_to_its_own(strikewave, small):
     code, _, err = strikewave("fem", "li-ma-2019")
     assert code == 2
     assert "strikewave run" in err
+    code, _, err = strikewave("wave", small)
+    assert code == 2
+    assert "strikewave fem" in err
     code, out, _ = strikewave("cases")
     assert "strikewave fem two-bars-fem" in out
     assert strikewave("validate", small)[0] == 0

@@ -131,4 +131,6 @@ def run(of: Mesh | None = None, leak: float = 2e-4, hourglass: float = 0.01) -> 
         added_mass=0.0,
         seconds=12.3,
         elements=len(of.hexahedra),
+        von_mises={"ball": 2.0 * size / 9e-4, "block": size / 9e-4},
+        plastic_strain={"ball": zero, "block": np.maximum.accumulate(size) / peak * 0.02},
     )

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from strikewave.errors import InputError
-from strikewave.fem.measures import blow_axis, contact_measure, ledger_measure
+from strikewave.fem.measures import blow_axis, contact_measure, ledger_measure, near_axis
 from strikewave.fem.mesh import exterior_faces, joined
 from strikewave.fem.model import Contact, Symmetry
 from strikewave.figures import fem, fem_pictures
@@ -54,30 +54,54 @@ def pixels(figure):
 # measures
 
 
-def test_contact_of_a_half_sine_has_its_closed_impulse_and_width(run):
+def test_contact_of_a_half_sine_has_its_closed_impulse_peak_and_width(run):
+    """The mean of a half-sine over an interval h is its value in the middle times sin(u)/u, u = pi h / (2 duration)."""
     found = contact_measure(run, "ball.all-block.top")
-    duration = synthetic.DURATION
-    assert found.impulse == pytest.approx(2 * found.peak * duration / np.pi, rel=1e-6)  # the parabola at the peak
+    duration, u = synthetic.DURATION, 0.5 * np.pi * synthetic.INTERVAL / synthetic.DURATION
+    middle = np.cos(u)  # that of the intervals beside the top
+    assert found.peak == pytest.approx(0.5 * np.pi * found.impulse / duration * middle * np.sin(u) / u, rel=1e-9)
     width = duration * (1 - 2 * np.arcsin(0.1) / np.pi)
     assert found.duration == pytest.approx(width, rel=1e-4)  # chords of the half-sine at 120 samples
-    assert found.at == pytest.approx(0.5 * duration, abs=1e-12)
+    assert abs(found.at - 0.5 * duration) == pytest.approx(0.5 * synthetic.INTERVAL, rel=1e-9)
+
+
+def chattering(gathered, time, way):
+    return contact_measure(SimpleNamespace(time=time, impulse={"a": np.outer(gathered, way)}), "a")
 
 
 def test_contact_that_chatters_lasts_from_first_to_last_and_one_that_goes_on_ends_with_the_run():
     t = np.linspace(0.0, 1.0, 1001)
     size = np.where((t % 0.2) < 0.1, 1.0, 0.0) * (t < 0.75)
-    force = np.outer(size, [0.6, 0.0, 0.8])
-    found = contact_measure(SimpleNamespace(time=t, force={"a": force}, impulse={"a": 0.001 * force.cumsum(0)}), "a")
+    found = chattering(0.001 * size.cumsum(), t, [0.6, 0.0, 0.8])
+    assert found.peak == pytest.approx(1.0, rel=1e-9)
     assert found.begin == 0.0
     assert found.end == pytest.approx(0.7, abs=0.001)
-    force = np.outer(t, [1.0, 0.0, 0.0])
-    found = contact_measure(SimpleNamespace(time=t, force={"a": force}, impulse={"a": 0.001 * force.cumsum(0)}), "a")
+    found = chattering(0.5 * t**2, t, [1.0, 0.0, 0.0])  # a force that grows with time: peak 0.9995, in the last one
     assert found.end == 1.0
-    assert found.begin == pytest.approx(0.1, abs=1e-12)
+    assert found.begin == pytest.approx(0.09995, abs=1e-12)
+
+
+@pytest.mark.parametrize("dt", [1e-8, 1e-7])
+def test_the_mean_force_does_not_hang_on_the_step_in_which_surfaces_meet(dt):
+    """A velocity taken within one step is a force of p/dt in it, and a mean of p/h over the interval h, whatever dt."""
+    t, p, h = 1e-6 * np.arange(11), 2.5, 1e-6
+    given = p * np.clip((t - 3e-6 - 0.5e-6) / dt + 1.0, 0.0, 1.0)
+    found = chattering(given, t, [0.0, 0.0, 1.0])
+    assert found.peak == pytest.approx(p / h, rel=1e-12)
+    assert found.at == pytest.approx(3.5e-6, rel=1e-9)
+
+
+def test_a_direction_near_an_axis_is_that_axis_and_keeps_its_sign():
+    for sign in (1.0, -1.0):
+        for angle, snapped in ((4.9, True), (5.1, False)):
+            way = sign * np.array([np.sin(np.radians(angle)), 0.0, np.cos(np.radians(angle))])
+            found = near_axis(7.0 * way)
+            assert found == pytest.approx([0.0, 0.0, sign] if snapped else way, abs=1e-15)
 
 
 def test_nothing_that_touches_measures_none(run):
-    still = dataclasses.replace(run, force={"a": np.zeros((run.time.size, 3))}, impulse={"a": np.zeros((1, 3))})
+    zero = {"a": np.zeros((run.time.size, 3))}
+    still = dataclasses.replace(run, force=zero, impulse=zero)
     assert contact_measure(still, "a") is None
 
 
@@ -117,14 +141,15 @@ def test_force_picture_marks_peak_and_impulse(run):
     assert any(f"{found.impulse:.3g} N s" in words for words in texts(figure))
     curve = max((line for line in figure.axes[0].lines), key=lambda line: len(line.get_xdata()))
     assert curve.get_ydata().max() * 1e3 == pytest.approx(found.peak, rel=1e-9)
-    assert {axes.get_ylabel() for axes in figure.axes} == {"force (kN)", "impulse, dotted (N s)"}
+    assert {axes.get_ylabel() for axes in figure.axes} == {"force, mean of 0.5 µs (kN)", "impulse, dotted (N s)"}
 
 
 def test_acceleration_picture_shows_g_along_the_blow(run):
     axes = fem.acceleration_figure(run).axes[0]
-    assert axes.get_ylabel() == "acceleration along z (g)"
+    assert axes.get_ylabel() == "along z, mean of 0.5 µs (g)"
     drawn = {line.get_label(): line.get_ydata() for line in axes.lines}
-    assert drawn["ball"].max() == pytest.approx(run.parts["ball"].acceleration[:, 2].max() / 9.80665, rel=1e-12)
+    means = np.diff(run.parts["ball"].velocity[:, 2]) / synthetic.INTERVAL
+    assert drawn["ball"].max() == pytest.approx(means.max() / 9.80665, rel=1e-9)
     assert drawn["block"].min() < 0.0
 
 
@@ -143,7 +168,8 @@ def test_histories_cope_with_nothing_with_much_and_with_odd_names(run):
         figure = draw(empty)
         pixels(figure)
         assert any(words in texts(figure) for words in ("no contact is watched", "none is watched"))
-    still = dataclasses.replace(run, force={"a-b": np.zeros((run.time.size, 3))})
+    zero = {"a-b": np.zeros((run.time.size, 3))}
+    still = dataclasses.replace(run, force=zero, impulse=zero)
     assert "nothing touched" in texts(fem.force_figure(still))
     part = run.parts["ball"]
     many = {f"part $\\frac{{{k}$ " + "long " * 12: part for k in range(30)}
@@ -154,14 +180,16 @@ def test_histories_cope_with_nothing_with_much_and_with_odd_names(run):
 
 
 def test_a_long_noisy_history_keeps_its_peak_and_few_points(run, rng):
-    n = 200_000
-    spiky = dataclasses.replace(run.parts["ball"], acceleration=rng.normal(size=(n, 3)))
-    spiky.acceleration[123_457, 2] = 99.0
-    long = dataclasses.replace(run, time=np.linspace(0, 1e-3, n), parts={"ball": spiky})
+    n, step = 200_000, 5e-9
+    rates = rng.normal(size=(n, 3))
+    rates[123_457, 2] = 99.0
+    velocity = np.concatenate([np.zeros((1, 3)), step * rates.cumsum(axis=0)])
+    part = dataclasses.replace(run.parts["ball"], velocity=velocity)
+    long = dataclasses.replace(run, time=step * np.arange(n + 1), parts={"ball": part})
     line = fem.acceleration_figure(long).axes[0].lines[0]
     assert line.get_ydata().size < 3000
     axis = blow_axis(long)
-    assert line.get_ydata().max() == pytest.approx(float((spiky.acceleration @ axis).max()) / 9.80665, rel=1e-12)
+    assert line.get_ydata().max() == pytest.approx(float((rates @ axis).max()) / 9.80665, rel=1e-9)
 
 
 # pictures in space

@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Iterator
 
 from strikewave.errors import InputError, InputErrors
-from strikewave.fem.model import Model
+from strikewave.fem.model import Driven, Model, Symmetry
 
 CONTROLS = ("duration", "interval", "safety", "hourglass", "linear_viscosity", "quadratic_viscosity", "least_step")
 """Fields of [fem] that the engine calls as the case does."""
@@ -42,8 +42,8 @@ def _field(name: str, got: object, model: Model) -> str:
     if name.startswith("rigid "):
         return f"mesh.part.{name.removeprefix('rigid ')}.rigid"
     if name in ("boundary.side", "boundary.direction"):
-        sides = [boundary.side for boundary in model.boundaries]
-        return f"fem.boundary.{sides.index(got)}.side" if got in sides else f"fem.{name}"
+        refusing = [k for k, b in enumerate(model.boundaries) if isinstance(b, Symmetry | Driven) and b.side == got]
+        return f"fem.boundary.{refusing[-1]}.side" if refusing else f"fem.{name}"
     for engine_name, path in _tables(model):
         if name == engine_name or name.startswith(f"{engine_name}."):
             return path + name.removeprefix(engine_name)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import os
+import shlex
 import shutil
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -41,6 +43,8 @@ if TYPE_CHECKING:
 
 USUAL_RATE = 5e6
 """Element-steps a second of one thread, for the estimate before a run."""
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
 STATE, STATES = "state.h5", 20
 """Where a run keeps its state to go on from, and how often in the run."""
 
@@ -161,13 +165,21 @@ def unfinished(folder: Path, text: str, restart: bool) -> Iterator[Path]:
         yield home
     except OSError as error:
         raise InputError("--out", str(home), "a place that can be written", error.strerror or str(error)) from error
-    except BaseException:
-        if (home / STATE).is_file():
-            say(f"kept: {home}/; add --restart to go on from there")
-        else:
+    except BaseException as stop:
+        if not (home / STATE).is_file():
             _clear(home)
+            raise
+        say(f"stopped; kept: {home}/; to go on from there: {_again()}")
+        if isinstance(stop, KeyboardInterrupt):
+            raise SystemExit(INTERRUPTED) from None
         raise
     _clear(home)
+
+
+def _again() -> str:
+    """Return the command that goes on with a run that this one began."""
+    words = [word for word in sys.argv[1:] if word != "--restart"]
+    return shlex.join(["strikewave", *words, "--restart"])
 
 
 def _clear(home: Path) -> None:
@@ -231,7 +243,7 @@ def progress() -> Iterator[Callable[[Progress], None] | None]:
         task = bar.add_task("")
 
         def report(seen: Progress) -> None:
-            words = f"{seen.speed / 1e6:.2f} M element-steps/s, {seen.left:.0f} s left"
+            words = f"{seen.speed / 1e6:.2f} M element-steps/s, {seen.left:.0f} s left" if seen.time > 0.0 else ""
             bar.update(task, total=seen.duration, completed=seen.time, description=words)
 
         yield report
@@ -287,6 +299,11 @@ def show(solution: FemSolution) -> None:
     ]
     heads = ["part", "mass (kg)", "rigid peak (g)", "width (us)", "velocity change (m/s)", "along"]
     table(f"{solution.title}: parts as rigid bodies", heads, rows)
+    rows = [
+        [name, number(part.von_mises, "Pa", "MPa"), number(part.plastic_strain, "1", "1", 3)]
+        for name, part in solution.parts.items()
+    ]
+    table("Largest in the elements", ["part", "von Mises stress (MPa)", "plastic strain"], rows)
     rows = [
         [name, *([*"-----"] if found is None else _contact_cells(found))] for name, found in solution.contacts.items()
     ]

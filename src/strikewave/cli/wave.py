@@ -58,7 +58,11 @@ def command(
 
 def _solve(case: Case) -> BarSolution:
     from strikewave.bar import run_wave
+    from strikewave.errors import MISSING, InputError
 
+    if not case.stack.layer:
+        hint = f"this case has none: `strikewave {case.command}` runs it"
+        raise InputError("stack.layer", MISSING, "at least one [[stack.layer]]", hint)
     say_compiling()
     return run_wave(case)
 

@@ -89,7 +89,7 @@ class PartMeasure:
     rigid_peak : float
         Largest mean over an interval of the rate of momentum over mass, m/s^2.
     width : float
-        Of that pulse at 10 % of its peak, s; NaN where the run begins or ends above it.
+        Of that pulse at 10 % of its peak, s; NaN where the run ends above it.
     velocity_change : float
         Largest change of momentum over mass, m/s.
     von_mises, plastic_strain : float
@@ -153,8 +153,8 @@ def contact_measure(run: FemRun, name: str) -> ContactMeasure | None:
     >>> t = np.linspace(0.0, 1e-3, 1001)
     >>> given = 1e3 * 6e-4 / np.pi * (1.0 - np.cos(np.pi * np.clip((t - 2e-4) / 6e-4, 0.0, 1.0)))
     >>> found = contact_measure(SimpleNamespace(time=t, impulse={"a-b": np.outer(given, [0, 0, 1])}), "a-b")
-    >>> round(found.peak, 2), round(found.at * 1e6), round(found.duration * 1e6), round(found.impulse, 4)
-    (1000.0, 500, 562, 0.382)
+    >>> round(found.peak, 2), round(found.at * 1e6, 1), round(found.duration * 1e6), round(found.impulse, 4)
+    (1000.0, 499.5, 562, 0.382)
     """
     size = np.linalg.norm(mean_force(run, name), axis=1)
     peak = float(size.max(initial=0.0))
@@ -166,16 +166,20 @@ def contact_measure(run: FemRun, name: str) -> ContactMeasure | None:
         peak=peak,
         at=float(middles(run.time)[int(np.argmax(size))]),
         impulse=float(np.linalg.norm(run.impulse[name][-1])),
-        begin=float(run.time[0]) if math.isnan(begin) else begin,
+        begin=begin,
         end=float(run.time[-1]) if math.isnan(end) else end,
     )
 
 
 def _ends(values: Array, time: Array, first: int, last: int) -> tuple[float, float]:
-    """Return when means of intervals reach a tenth of their largest, before one and after one of them, s; NaN: never."""
-    level, middle, count = WIDTH_SHARE * float(values.max()), middles(time), np.arange(values.size)
+    """Return when means reach a tenth of their largest before one interval and after another, s.
+
+    What is above from the start begins with it; NaN where the end is not reached.
+    """
+    level, count = WIDTH_SHARE * float(values.max()), np.arange(values.size)
     begin, end = crossing(values, first, level, -1), crossing(values, last, level, 1)
-    return float(np.interp(begin, count, middle)), float(np.interp(end, count, middle))
+    start, over = (float(t) for t in np.interp([begin, end], count, middles(time)))
+    return float(time[0]) if math.isnan(begin) else start, over
 
 
 def part_measure(run: FemRun, name: str) -> PartMeasure:

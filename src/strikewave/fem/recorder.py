@@ -54,9 +54,9 @@ class Recorder:
         for name, nodes in self.nodes.items():
             share = self.shares[name] / self.shares[name].sum()
             row[f"part/{name}"] = np.array([share @ field[nodes] for field in motion])
-        for name, elements in self.bearing.items():
-            row[f"von_mises/{name}"] = equivalent[elements].max()
-            row[f"plastic_strain/{name}"] = strain[elements].max()
+        for name, own in self.bearing.items():
+            row[f"von_mises/{name}"] = equivalent[own].max()
+            row[f"plastic_strain/{name}"] = strain[own].max()
         for name, node in self.points.items():
             row[f"point/{name}"] = np.array([field[node] for field in motion])
         for name, (elements, volume) in self.sections.items():

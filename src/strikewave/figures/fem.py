@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.fem.measures import ENERGY_LIMIT, blow_axis, contact_measure
+from strikewave.fem.measures import ENERGY_LIMIT, blow_axis, contact_measure, mean_acceleration, mean_force, middles
 from strikewave.fem.run import ENERGIES, FemRun
 from strikewave.figures.field import shortened
 from strikewave.figures.pulses import HALF, WHOLE, thin
@@ -101,9 +101,9 @@ def _alone(draw: Callable[[Any, FemRun], None], run: FemRun, size: tuple[float, 
 
 
 def draw_forces(axes: Any, run: FemRun) -> None:
-    """Draw the size of each contact force, its peak marked, and the size of its impulse on an axis of its own."""
+    """Draw the size of each contact force, the mean of each interval, its peak marked, and that of its impulse."""
     scale, unit = _clock(run)
-    sizes = {name: np.linalg.norm(rows, axis=1) for name, rows in run.force.items()}
+    sizes = {name: np.linalg.norm(mean_force(run, name), axis=1) for name in run.force}
     chosen = _largest(sizes)
     if not any(values.max(initial=0.0) > 0.0 for values in sizes.values()):
         _nothing(axes, "Contact force", "nothing touched" if sizes else "no contact is watched")
@@ -123,10 +123,10 @@ def draw_forces(axes: Any, run: FemRun) -> None:
                 textcoords="offset points",
                 fontsize=8,
             )
-        _line(axes, run.time / scale, sizes[name] / 1e3, DASHES[k % 4], label=label, linewidth=1.4, **look)
+        _line(axes, middles(run.time) / scale, sizes[name] / 1e3, DASHES[k % 4], label=label, linewidth=1.4, **look)
         gathered = np.linalg.norm(run.impulse[name], axis=1)
         _line(impulses, run.time / scale, gathered, ":", color=look["color"], linewidth=1.0)
-    quiet(axes, "Contact force", f"time ({unit})", "force (kN)")
+    quiet(axes, "Contact force", f"time ({unit})", f"force, mean of {_interval_words(run)} (kN)")
     axes.set_ylim(0.0, 1.12 * axes.get_ylim()[1])
     impulses.set_ylabel("impulse, dotted (N s)")
     impulses.set_ylim(bottom=0.0)
@@ -176,10 +176,11 @@ def _draw_ledger(figure: Figure, grid: Any, run: FemRun) -> None:
 
 
 def draw_accelerations(axes: Any, run: FemRun) -> None:
-    """Draw the rigid-body acceleration of each part along the axis of the blow, g."""
+    """Draw the rigid-body acceleration of each part along the axis of the blow, the mean of each interval, g."""
     axis = blow_axis(run)
-    curves = {name: part.acceleration @ axis / STANDARD_GRAVITY for name, part in run.parts.items()}
-    _draw_curves(axes, run, curves, ("Rigid-body acceleration", f"acceleration along {_axis_words(axis)} (g)"))
+    curves = {name: mean_acceleration(run, name) @ axis / STANDARD_GRAVITY for name in run.parts}
+    label = f"along {_axis_words(axis)}, mean of {_interval_words(run)} (g)"
+    _draw_curves(axes, run, curves, ("Rigid-body acceleration", label), middles(run.time))
 
 
 def draw_sections(axes: Any, run: FemRun) -> None:
@@ -198,18 +199,22 @@ def draw_points(axes: Any, run: FemRun) -> None:
     _draw_curves(axes, run, curves, ("Velocity of points", f"velocity along {_axis_words(axis)} (m/s)"))
 
 
-def _draw_curves(axes: Any, run: FemRun, curves: Mapping[str, Array], words: tuple[str, str]) -> None:
-    """Draw named curves, those that reach farthest; say so where there is none."""
+def _draw_curves(
+    axes: Any, run: FemRun, curves: Mapping[str, Array], words: tuple[str, str], time: Array | None = None
+) -> None:
+    """Draw named curves over the time of the run or another, those that reach farthest; say so where there is none."""
     title, label = words
     if not curves:
         _nothing(axes, title, "none is watched")
         return
     scale, unit = _clock(run)
+    time = run.time if time is None else time
     chosen = _largest(curves)
     for k, name in enumerate(chosen):
         look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.3, "label": shortened(name, 28)}
-        _line(axes, run.time / scale, curves[name], DASHES[k % 4], zorder=3 + len(chosen) - k, **look)
+        _line(axes, time / scale, curves[name], DASHES[k % 4], zorder=3 + len(chosen) - k, **look)
     quiet(axes, title, f"time ({unit})", label)
+    axes.set_xlim(run.time[0] / scale, run.time[-1] / scale)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     _legend(axes, len(chosen), len(curves))
 
@@ -265,6 +270,11 @@ def _nothing(axes: Any, title: str, words: str) -> None:
 def _clock(run: FemRun) -> tuple[float, str]:
     """Return the scale and the unit in which times of a run are shown."""
     return (1e-6, "µs") if run.time[-1] < 5e-3 else (1e-3, "ms")
+
+
+def _interval_words(run: FemRun) -> str:
+    """Return the interval of the histories with its unit."""
+    return f"{(run.time[-1] - run.time[0]) / max(run.time.size - 1, 1) * 1e6:.3g} µs"
 
 
 def _energy_unit(most: float) -> tuple[float, str]:

@@ -11,9 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave._version import __version__
-from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, LedgerMeasure, contact_measure, ledger_measure
+from strikewave.fem.measures import (
+    ENERGY_LIMIT,
+    HOURGLASS_LIMIT,
+    LedgerMeasure,
+    contact_measure,
+    ledger_measure,
+    part_measure,
+)
 from strikewave.fem.quality import quality_report
-from strikewave.fem_solution import part_pulse
 from strikewave.notices import LEDGER_LIMIT
 from strikewave.report import chapters
 from strikewave.report.numbers import listed, with_unit
@@ -37,12 +43,15 @@ _METHOD = (
     "gravity, 9.80665 m/s²."
 )
 _CONTACT = (
-    "Peaks are the largest size of the force, between samples by a parabola; the impulse is that of the whole run; the "
-    "duration counts from when the force first passes a tenth of its peak to when it last does, gaps included."
+    "Forces and rigid-body accelerations are means over the intervals of the histories: where flat faces meet, the "
+    "force of a single time step grows as the step gets shorter; that of an interval does not. The impulse is that of "
+    "the whole run; the duration counts from when the force first passes a tenth of its peak to when it last does, "
+    "gaps included."
 )
 _PARTS = (
     "Peak, width (at 10 % of the peak) and change of velocity are those along the direction in which the velocity of "
-    "the part changes most."
+    "the part changes most, or the axis within 5 degrees of it. Stress and plastic strain are the largest of any "
+    "element at the instants of the histories."
 )
 _FIELDS = (
     "Each element is shown in the colour of its one value, in one scale for all instants; faces that look aside are a "
@@ -111,7 +120,7 @@ def _summary(run: FemRun) -> str:
         )
     else:
         words.append("Nothing touched." if run.force else "No contact is in the model.")
-    pulses = {name: part_pulse(run, name) for name in run.parts}
+    pulses = {name: part_measure(run, name) for name in run.parts}
     moved = [
         f"{name} {with_unit(pulse.rigid_peak, 'm/s^2', 'g')} and {with_unit(pulse.velocity_change, 'm/s', 'm/s', 3)}"
         for name, pulse in pulses.items()
@@ -126,7 +135,7 @@ def _summary(run: FemRun) -> str:
 
 def _key_numbers(run: FemRun) -> list[tuple[str, str]]:
     touched = [m for m in (contact_measure(run, name) for name in run.force) if m is not None]
-    pulses = [part_pulse(run, name) for name in run.parts]
+    pulses = [part_measure(run, name) for name in run.parts]
     numbers: list[tuple[str, str]] = []
     if touched:
         most = max(touched, key=lambda measure: measure.peak)
@@ -161,7 +170,7 @@ def _result(run: FemRun) -> Section:
 
     parts: list[Part] = [_contact_table(run), _part_table(run)]
     if run.force:
-        caption = "Size of the contact force, with its peak; dotted the size of its impulse."
+        caption = "Size of the contact force, mean of each interval, with its peak; dotted the size of its impulse."
         parts.append(Picture(fem.force_figure(run), caption))
     parts.append(Picture(fem.acceleration_figure(run), "Rigid-body acceleration of the parts along the blow."))
     parts.append(Picture(fem.energy_figure(run), "Where the energy is, and by how much its ledger is off."))
@@ -191,14 +200,18 @@ def _contact_table(run: FemRun) -> Table:
 def _part_table(run: FemRun) -> Table:
     rows: list[list[Cell]] = []
     for name in run.parts:
-        pulse = part_pulse(run, name)
+        pulse = part_measure(run, name)
         direction = ", ".join(f"{v:.3g}" for v in np.round(pulse.direction, 4) + 0.0)
         width = NONE if math.isnan(pulse.width) else written(pulse.width * 1e6)
         moved = pulse.velocity_change > 0.0
         peak = written(pulse.rigid_peak / STANDARD_GRAVITY) if moved else NONE
         change = written(pulse.velocity_change) if moved else NONE
-        rows.append([name, written(pulse.mass * 1e3), peak, width, change, direction if moved else "does not move"])
+        row = [name, written(pulse.mass * 1e3), peak, width, change, direction if moved else "does not move"]
+        rigid = math.isnan(pulse.von_mises)
+        bore = [NONE, NONE] if rigid else [written(pulse.von_mises / 1e6), written(pulse.plastic_strain)]
+        rows.append([*row, *bore])
     heads = ["part", "mass (gram)", "rigid peak (g)", "width (µs)", "velocity change (m/s)", "along"]
+    heads += ["von Mises, largest (MPa)", "plastic strain, largest"]
     return Table("Parts, each as one rigid body", heads, rows)
 
 
