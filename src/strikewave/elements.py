@@ -11,6 +11,7 @@ import numpy as np
 
 from strikewave.build.elements import build_model
 from strikewave.build.engine_fields import fields_of_case
+from strikewave.build.sectors import open_cuts, sectors
 from strikewave.case import Case
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ledger_measure
@@ -26,6 +27,10 @@ from strikewave.solution import Notice
 if TYPE_CHECKING:
     from strikewave.fem.solve import Asked, Writer
 
+FEWEST_FACES = 16.0
+"""Pressed faces of a whole contact below which its force hangs on the mesh: 9 are 5 % off Hertz's peak, 21 are 1 %."""
+ALL_PRESSED = 0.9
+"""Share of a surface that is pressed, above which its ends, not its faces, bound the contact."""
 ROUNDING = 1e-9
 """Overlaps of less than this share of the whole are rounding."""
 
@@ -154,13 +159,26 @@ def notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
         message = f"the run ended early: {run.stopped}"
         yield Notice("stopped", message, float(run.time[-1]), model.controls.duration, broken=True)
     yield from _ledgers(run)
+    yield from model_notices(case, model)
     if run.added_mass > 0.0:
         share = run.added_mass / sum(part.mass for part in run.parts.values())
         message = f"fem.least_step added {run.added_mass:.3g} kg to small elements, {share:.2%} of all mass"
         yield Notice("added-mass", message, share, 0.0)
     yield from _overlaps(model, run)
     yield from _contacts(run)
+    yield from _coarse_contacts(case, model, run)
     yield from _strength(case, model, run)
+
+
+def model_notices(case: Case, model: Model) -> Iterator[Notice]:
+    """Yield what a user should know about a model before it is run."""
+    cuts = list(open_cuts(model, sectors(case, model)))
+    if cuts:
+        message = (
+            f"nothing holds the cut {' and '.join(cuts)} in its plane, so the other sectors of that body are as good "
+            f'as gone: add [[fem.boundary]] kind = "symmetry", side = "{cuts[0]}"'
+        )
+        yield Notice("cut-without-symmetry", message, float(len(cuts)), 0.0)
 
 
 def _ledgers(run: FemRun) -> Iterator[Notice]:
@@ -212,10 +230,26 @@ def _contacts(run: FemRun) -> Iterator[Notice]:
             yield Notice("fem-interval", message, found.duration / interval, FEWEST_INTERVALS)
 
 
+def _coarse_contacts(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
+    """Say which contacts press so few faces of a larger surface that their force hangs on the mesh."""
+    found = sectors(case, model)
+    sides = {c.name: (c.first, c.second) for c in model.contacts} | {w.name: (w.side,) for w in model.walls}
+    for name, pressed in run.pressed.items():
+        for side, (share, faces) in zip(sides[name], pressed.max(axis=0), strict=False):
+            pieces = found[side.partition(".")[0]].pieces
+            if 0.0 < share < ALL_PRESSED and pieces * faces < FEWEST_FACES:
+                message = (
+                    f"only {pieces * faces:.2g} faces of {side} are ever pressed at once: their number decides the "
+                    f"force; take a smaller finest size there, so that {FEWEST_FACES:.0f} or more are"
+                    + (f" (a {'half' if pieces == 2 else 'quarter'} of them in the sector)" if pieces > 1 else "")
+                )
+                yield Notice("contact-coarse", message, pieces * float(faces), FEWEST_FACES)
+
+
 def _strength(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     """Say which elastic parts go beyond the yield strength of their material."""
     for part in case.mesh.part if case.mesh else ():
-        strength = material(part.material).yield_strength
+        strength = material(part.material).yield_strength if part.material else None
         stress = float(run.von_mises[part.name].max()) if part.name in run.von_mises else 0.0
         yields = isinstance(model.solids[part.name], Bilinear | JohnsonCook)
         if strength is not None and stress > strength and not yields:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
+from strikewave.build.sectors import Sector, WholeForce, sectors, whole_forces
 from strikewave.case import Case, dump_case
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
@@ -88,7 +89,24 @@ class FemSolution:
     @property
     def parts(self) -> dict[str, PartMeasure]:
         """The blow that each part took."""
-        return {name: part_measure(self.run, name) for name in self.run.parts}
+        found = self.sectors
+        return {name: part_measure(self.run, name, found[name].free) for name in self.run.parts}
+
+    @property
+    def groups(self) -> dict[str, PartMeasure]:
+        """The blow that each group of parts took as one body."""
+        found = self.sectors
+        return {name: part_measure(self.run, name, found[name].free) for name in self.run.groups}
+
+    @property
+    def sectors(self) -> dict[str, Sector]:
+        """How much of its body each part and group is."""
+        return sectors(self.case, self.model)
+
+    @property
+    def wholes(self) -> dict[str, WholeForce | None]:
+        """Contacts and walls of the whole bodies, where their parts are sectors that match; else None."""
+        return whole_forces(self.model, self.run, self.sectors)
 
     @property
     def contacts(self) -> dict[str, ContactMeasure | None]:
@@ -104,7 +122,8 @@ class FemSolution:
         """Return the JSON document."""
         run, ledger = self.run, ledger_measure(self.run)
         energy = {name: float(run.energy[name][-1]) for name in ENERGIES}
-        contacts = {name: None if x is None else _contact(x) for name, x in self.contacts.items()}
+        wholes, found = self.wholes, self.sectors
+        contacts = {name: None if x is None else _contact(x, wholes[name]) for name, x in self.contacts.items()}
         return plain(
             {
                 **head(UNITS, [without(dataclasses.asdict(notice), "broken") for notice in self.warnings]),
@@ -118,7 +137,8 @@ class FemSolution:
                 "element_steps_per_second": run.speed,
                 "contact_force_peak": self.contact_force_peak,
                 "contacts": contacts,
-                "parts": {name: dataclasses.asdict(part) for name, part in self.parts.items()},
+                "parts": {name: _part(part, found[name]) for name, part in self.parts.items()},
+                "groups": {name: _part(part, found[name]) for name, part in self.groups.items()},
                 "energy": {"initial": run.initial_energy, **energy, "error": ledger.energy},
                 "hourglass_share": ledger.hourglass,
                 "momentum_error": ledger.momentum,
@@ -132,7 +152,7 @@ class FemSolution:
         for name, force in run.force.items():
             yield from _components(f"{name} force", "N", force)
             yield from _components(f"{name} mean force", "N", _after(mean_force(run, name)))
-        for name, part in run.parts.items():
+        for name, part in {**run.parts, **run.groups}.items():
             yield from _components(f"{name} displacement", "m", part.displacement)
             yield from _components(f"{name} velocity", "m/s", part.velocity)
             yield from _components(f"{name} rigid acceleration", "m/s^2", part.acceleration)
@@ -177,12 +197,14 @@ class FemSolution:
             add("contact", name, "force", force, "N")
             add("contact", name, "impulse", run.impulse[name], "N s")
             add("contact", name, "mean_force", mean_force(run, name), "N", means)
-        for name in run.parts:
-            add("part", name, "mean_acceleration", mean_acceleration(run, name), "m/s^2", means)
+        for kind, named in (("part", run.parts), ("group", run.groups)):
+            for name in named:
+                add(kind, name, "mean_acceleration", mean_acceleration(run, name), "m/s^2", means)
         for what, unit, most in (("von_mises", "Pa", run.von_mises), ("plastic_strain", "1", run.plastic_strain)):
             for name, values in most.items():
                 add("part", name, what, values, unit, ("time",))
-        for kind, histories in (("part", run.parts), ("point", run.points), ("section", run.sections)):
+        bodies = (("part", run.parts), ("group", run.groups))
+        for kind, histories in (*bodies, ("point", run.points), ("section", run.sections)):
             for name, history in histories.items():
                 for what, unit in MOTION.items():
                     if hasattr(history, what):
@@ -222,7 +244,11 @@ UNITS = {
     "begin": "s",
     "end": "s",
     "duration": "s",
+    "whole_peak": "N",
+    "whole_impulse": "N s",
     "mass": "kg",
+    "whole_mass": "kg",
+    "sectors": "1",
     "direction": "1",
     "rigid_peak": "m/s^2",
     "width": "s",
@@ -238,10 +264,17 @@ UNITS = {
 """Of the JSON document."""
 
 
-def _contact(found: ContactMeasure) -> dict[str, float]:
-    """Return what a contact came to, for the JSON document."""
+def _part(found: PartMeasure, sector: Sector) -> dict[str, Any]:
+    """Return the blow that a part took, and how many such sectors make its body, for the JSON document."""
+    whole = {"sectors": sector.pieces, "whole_mass": sector.pieces * found.mass}
+    return {**dataclasses.asdict(found), **whole}
+
+
+def _contact(found: ContactMeasure, whole: WholeForce | None) -> dict[str, float | None]:
+    """Return what a contact came to, and its force on whole bodies where parts are sectors, for the JSON document."""
     times = {"time": found.at, "begin": found.begin, "end": found.end, "duration": found.duration}
-    return {"peak": found.peak, "impulse": found.impulse, **times}
+    beyond = {"whole_peak": whole.peak, "whole_impulse": whole.impulse} if whole else {}
+    return {"peak": found.peak, "impulse": found.impulse, **times, **beyond}
 
 
 def _components(name: str, unit: str, values: Array, axes: tuple[str, ...] = ("x", "y", "z")) -> Iterator[Any]:

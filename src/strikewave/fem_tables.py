@@ -9,7 +9,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
-from strikewave.mesh_tables import Direction, PlaceTable, by_kind, of_known_kind
+from strikewave.mesh_tables import Direction, PlaceTable, VectorTable, by_kind, of_known_kind
 from strikewave.quantities import (
     Coefficient,
     FrameCount,
@@ -118,9 +118,17 @@ class PointTable(Table):
     place: PlaceTable
 
 
-class GravityTable(Table):
+class GroupTable(Table):
+    """[[fem.group]]: parts whose motion is told as that of one body too, such as a tied assembly."""
+
+    name: Name
+    parts: tuple[str, ...] = Field(min_length=1)
+
+
+class GravityTable(VectorTable):
     """gravity of [fem]; a component that is left out is 0."""
 
+    EXAMPLE = '{ z = "-9.81 m/s^2" }'
     x: MaybeGravity = None
     y: MaybeGravity = None
     z: MaybeGravity = None
@@ -151,3 +159,4 @@ class FemTable(Table):
     ] = ()
     section: tuple[SectionTable, ...] = ()
     point: tuple[PointTable, ...] = ()
+    group: tuple[GroupTable, ...] = ()

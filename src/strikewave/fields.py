@@ -98,7 +98,9 @@ class Form:
             elif isinstance(place, list):
                 inner = next((row for k, row in enumerate(place) if table in (row_name(row, k), str(k))), None)
             if not isinstance(inner, dict | list) or (isinstance(inner, list) and depth == len(tables) - 1):
-                raise InputError("--set " + ".".join(tables[: depth + 1]), change, f"a table of the {self.name}")
+                path = ".".join(tables[: depth + 1])
+                allowed, hint = f"a table of the {self.name}", _row_hint(place, inner, path, change)
+                raise InputError(f"--set {path}", change, allowed, hint)
             place = inner
         return place
 
@@ -120,6 +122,8 @@ class Form:
                 lines.append(f"{path}: missing; {self._example(places)}")
             elif fault["type"] == "tuple_type" and self.tables_at(places) == [Value]:
                 lines.append(f"{path}: got {show(fault['input'])}; allowed: a list of quantities with their units")
+            elif fault["type"] == "tuple_type" and not isinstance(fault["input"], dict):
+                lines.append(f"{path}: got {show(fault['input'])}; allowed: a list, such as [\"a\", \"b\"]")
             elif fault["type"] == "tuple_type":
                 lines.append(f"{path}: got one table; write [[{path}]], once for each")
             elif fault["type"] == "literal_error":
@@ -197,6 +201,17 @@ class Form:
             return f"add {places[-1]}, {allowed.allowed()}"
         is_table = self.tables_at(places) not in ([], [Value])
         return f"add [{'.'.join(places)}]" if is_table or len(places) == 1 else f"add {places[-1]}"
+
+
+def _row_hint(place: Any, inner: Any, path: str, change: str) -> str:
+    """Say which rows there are, where a change names none of an array of tables, or one that there is not."""
+    rows = inner if isinstance(inner, list) else place
+    names = [row_name(row, k) for k, row in enumerate(rows)] if isinstance(rows, list) else []
+    if not names:
+        return ""
+    if rows is inner:
+        return f"name its row: {path}.{names[0]}{change.strip().removeprefix(path)}"
+    return nearest(path.rpartition(".")[2], names)
 
 
 def _number(text: str) -> int | float | str:

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from strikewave.errors import MISSING, InputError, nearest
 from strikewave.quantities import (
     Angle,
+    Coefficient,
     ElementSize,
+    Hardening,
     Length,
-    MaybeCoefficient,
+    MaybeDensity,
     MaybeElementSize,
     MaybeGrowth,
     MaybeHardening,
     MaybeHeatCapacity,
     MaybeLength,
+    MaybeModulus,
     MaybeNumber,
     MaybePlace,
+    MaybePoisson,
     MaybeShare,
     MaybeStrainRate,
     MaybeStrength,
@@ -29,6 +33,27 @@ from strikewave.quantities import (
 )
 from strikewave.tables import Name, Table
 
+OTHER_WORDS = {
+    "plastic": "bilinear",
+    "elastic-plastic": "bilinear",
+    "elastoplastic": "bilinear",
+    "box": "block",
+    "plate": "block",
+    "sphere": "ball",
+    "rod": "cylinder",
+    "bar": "cylinder",
+    "pipe": "tube",
+    "cup": "tube",
+    "shell": "tube",
+    "roller": "half-cylinder",
+    "import": "file",
+    "clamped": "fixed",
+    "prescribed": "driven",
+    "absorbing": "non-reflecting",
+    "infinite": "non-reflecting",
+}
+"""What others call the kinds of tables here."""
+
 
 def of_known_kind(key: str, kinds: Mapping[str, type[Table]]) -> BeforeValidator:
     """Return the pydantic validator that refuses a table whose ``key`` names none of the kinds."""
@@ -37,7 +62,7 @@ def of_known_kind(key: str, kinds: Mapping[str, type[Table]]) -> BeforeValidator
         if not isinstance(raw, dict) or raw.get(key) in list(kinds):
             return raw
         kind = raw.get(key, MISSING)
-        hint = "" if kind is MISSING else nearest(str(kind), kinds)
+        hint = "" if kind is MISSING else nearest(OTHER_WORDS.get(str(kind).lower(), str(kind)), kinds)
         raise InputError(key, kind, "one of " + ", ".join(f"'{known}'" for known in kinds), hint)
 
     return BeforeValidator(check)
@@ -54,25 +79,42 @@ def by_kind(key: str, *tables: type[Table]) -> dict[str, type[Table]]:
     return {str(table.model_fields[key].annotation.__args__[0]): table for table in tables}  # type: ignore[union-attr]
 
 
-class PlaceTable(Table):
+class VectorTable(Table):
+    """Components along x, y and z; one that is left out is 0."""
+
+    EXAMPLE: ClassVar[str]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _is_table(cls, raw: Any) -> Any:
+        """Refuse what is no table of components, in our own words."""
+        if not isinstance(raw, dict | VectorTable):
+            raise InputError("", raw, f"a table of components, such as {cls.EXAMPLE}")
+        return raw
+
+
+class PlaceTable(VectorTable):
     """A place or a way; a component that is left out is 0."""
 
+    EXAMPLE = '{ z = "15 mm" }'
     x: MaybePlace = None
     y: MaybePlace = None
     z: MaybePlace = None
 
 
-class VelocityTable(Table):
+class VelocityTable(VectorTable):
     """A velocity; a component that is left out is 0."""
 
+    EXAMPLE = '{ z = "-1 m/s" }'
     x: MaybeVelocity = None
     y: MaybeVelocity = None
     z: MaybeVelocity = None
 
 
-class DirectionTable(Table):
+class DirectionTable(VectorTable):
     """A direction, of any length; a component that is left out is 0."""
 
+    EXAMPLE = '{ x = 1, z = 1 }, or "z", "-z"'
     x: MaybeNumber = None
     y: MaybeNumber = None
     z: MaybeNumber = None
@@ -95,13 +137,21 @@ Direction = Annotated[DirectionTable, BeforeValidator(_direction)]
 """A direction: x, y, z, -x, -y, -z, or a table of numbers."""
 
 
-class ElasticTable(Table):
-    """solid of a part: linear elastic, with the constants of its material."""
+class SolidTable(Table):
+    """solid of a part; elastic constants that are left out are those of its material."""
+
+    density: MaybeDensity = None
+    youngs_modulus: MaybeModulus = None
+    poissons_ratio: MaybePoisson = None
+
+
+class ElasticTable(SolidTable):
+    """solid of a part: linear elastic."""
 
     law: Literal["elastic"]
 
 
-class BilinearTable(Table):
+class BilinearTable(SolidTable):
     """solid of a part: von Mises yield with linear hardening.
 
     ``yield_strength`` is that of the material where it is left out; ``tangent_modulus`` is the slope of the uniaxial
@@ -114,19 +164,20 @@ class BilinearTable(Table):
     kinematic: MaybeShare = None
 
 
-class JohnsonCookTable(Table):
+class JohnsonCookTable(SolidTable):
     """solid of a part: flow stress (A + B p^n)(1 + C ln(rate / reference_rate))(1 - T*^m).
 
-    B, C are 0 where left out, n, m are 1, ``reference_rate`` 1/s, ``room_temperature`` 293 K. Heat counts where
-    ``specific_heat`` and ``melting_temperature`` are given; ``heat_fraction`` of the plastic work becomes heat (0.9).
+    All five constants are needed. ``reference_rate`` is 1/s, ``room_temperature`` 293 K where left out. Heat counts
+    where ``specific_heat`` and ``melting_temperature`` are given, both; ``heat_fraction`` of the plastic work becomes
+    heat (0.9).
     """
 
     law: Literal["johnson-cook"]
     A: Strength
-    B: MaybeHardening = None
-    n: MaybeCoefficient = None
-    C: MaybeCoefficient = None
-    m: MaybeCoefficient = None
+    B: Hardening
+    n: Coefficient
+    C: Coefficient
+    m: Coefficient
     reference_rate: MaybeStrainRate = None
     room_temperature: MaybeTemperature = None
     melting_temperature: MaybeTemperature = None
@@ -148,13 +199,14 @@ class TurnTable(Table):
 class PartTable(Table):
     """What every [[mesh.part]] has.
 
-    ``rigid`` makes it a rigid body: "free", "translation" (it does not turn), or "x", "y", "z": it moves only along
-    that axis. ``elements`` are hexahedra with one point, or "full": selectively reduced integration.
+    ``material`` is one of the table; without it ``solid`` has density, Young's modulus and Poisson's ratio. ``rigid``
+    makes it a rigid body: "free", "translation" (it does not turn), or "x", "y", "z": it moves only along that axis.
+    ``elements`` are hexahedra with one point, or "full": selectively reduced integration.
     """
 
     name: Name
     shape: str
-    material: str
+    material: str = ""
     velocity: VelocityTable | None = None
     rigid: Literal["", "free", "translation", "x", "y", "z"] = ""
     solid: Annotated[AnySolidTable, Field(discriminator="law"), of_known_kind("law", SOLIDS)] | None = None
@@ -227,20 +279,21 @@ class Tube(ShapedPart):
 class HalfCylinder(ShapedPart):
     """[[mesh.part]], half a cylinder, its axis along y, its flat side at z = 0 and its round side down.
 
-    Sides round, top, front, back. It is fine at its lowest line; the half has x >= 0.
+    Sides round, top, front, back; ``y-`` takes the place of front in a sector. It is fine at its lowest line.
     """
 
     shape: Literal["half-cylinder"]
     radius: Length
     length: Length
-    sector: Literal["whole", "half"] = "whole"
+    sector: Sector = "whole"
 
 
 class Frame(ShapedPart):
     """[[mesh.part]], a frame around an opening along y, that stands on z = 0, the z axis through its middle.
 
     ``left``, ``right``, ``bottom``, ``top`` are the thicknesses of its walls. Sides left, right, bottom, top, front,
-    back, and inner_left to inner_top. It is fine about the middle of the side ``fine_at``.
+    back, and inner_left to inner_top; in a sector ``y-`` takes the place of front, and ``x-`` that of left, where the
+    walls left and right must be alike. It is fine about the middle of the side ``fine_at``.
     """
 
     shape: Literal["frame"]
@@ -251,6 +304,7 @@ class Frame(ShapedPart):
     right: Length
     bottom: Length
     top: Length
+    sector: Sector = "whole"
     fine_at: Literal["bottom", "top"] = "top"
 
 
@@ -274,16 +328,22 @@ class Ball(ShapedPart):
     part_of: Literal["whole", "lower half"] = "whole"
 
 
+def _one_of_it(raw: Any) -> Any:
+    """Read a unit alone as one of it: "mm" is "1 mm"."""
+    return f"1 {raw}" if isinstance(raw, str) and raw.strip()[:1].isalpha() else raw
+
+
 class FilePart(PartTable):
     """[[mesh.part]], a part of a mesh in a file (gmsh, Abaqus, VTK): ``part`` names it there (its own name).
 
-    Every part of a file needs its row. ``unit`` is the length that 1 stands for in the file (1 m).
+    Every part of a file needs its row; the only part of a file needs no name. ``unit`` is the length that 1 stands for
+    in the file (1 m).
     """
 
     shape: Literal["file"]
     file: str
     part: str = ""
-    unit: MaybeLength = None
+    unit: Annotated[MaybeLength, BeforeValidator(_one_of_it)] = None
 
 
 SHAPES = by_kind("shape", Block, Cylinder, Tube, HalfCylinder, Frame, HalfSpace, Ball, FilePart)
@@ -294,6 +354,12 @@ AnyPart: TypeAlias = AnyShaped | FilePart
 class MeshTable(Table):
     """[mesh]: the parts of a model of hexahedra."""
 
-    part: tuple[Annotated[AnyPart, Field(discriminator="shape"), of_known_kind("shape", SHAPES)], ...] = Field(
-        min_length=1
-    )
+    part: tuple[Annotated[AnyPart, Field(discriminator="shape"), of_known_kind("shape", SHAPES)], ...]
+
+    @field_validator("part", mode="before")
+    @classmethod
+    def _some(cls, raw: Any) -> Any:
+        """Refuse a mesh of nothing; a least length would be complained of beside every fault of a single part."""
+        if raw in ([], ()):
+            raise InputError("", MISSING, "[[mesh.part]], once for each part")
+        return raw

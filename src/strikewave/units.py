@@ -1,6 +1,7 @@
 """Units at the edge: "730 rpm", "4000 g", "0.5 mm" become SI floats, and SI floats become text.
 
-In strikewave ``g`` is standard gravity (9.80665 m/s^2), never gram; ``r/min`` is a speed of rotation.
+In strikewave ``g`` is standard gravity (9.80665 m/s^2), never gram; ``r/min`` is a speed of rotation. A power is
+``m/s^2``, ``m/s**2``, ``m/s2`` or ``m/s²``.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+import unicodedata
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -49,7 +51,7 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
 """The SI unit of every kind of quantity used here, its name, and an example that can be typed."""
 
 _NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
-_WORD = r"[A-Za-zµμΩ°%_]{1,30}(?:(?:\^|\*\*)-?\d)?"
+_WORD = r"[A-Za-zµμΩ°%_]{1,30}(?:(?:\^|\*\*)-?\d|[23²³])?"
 _UNIT = rf"(?:1|{_WORD})(?:\s*[*/·]\s*{_WORD}|\s+{_WORD})*"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*({_UNIT})?\s*")
 _ANGLE = re.compile(r"(?<![A-Za-z])(?:rad|radian|deg|degree|°|r|rpm|turn|revolution)(?![A-Za-z])")
@@ -69,6 +71,7 @@ def _factor(unit: str, si: str) -> float:
     words = {"g": "standard_gravity", "r": "revolution", "us": "microsecond", "µs": "microsecond"}
 
     def tidy(text: str) -> str:
+        text = re.sub(r"(?<=[A-Za-zµμΩ°%_])([23²³])", lambda m: "^" + str(unicodedata.digit(m[0])), text)
         text = re.sub(r"[A-Za-zµμΩ°%_]+", lambda m: words.get(m[0], m[0]), text.replace("·", "*"))
         return re.sub(r"(?<=[\w°%])\s+(?=[A-Za-zµμΩ°%_])", "*", text)
 

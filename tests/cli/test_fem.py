@@ -138,6 +138,7 @@ def test_the_document_has_its_keys_and_every_number_its_unit(bars):
     keys = {"schema", "version", "units", "warnings", "case", "elements", "nodes", "steps", "element_steps_per_second"}
     assert keys | {"contact_force_peak", "contacts", "parts", "energy", "momentum_error"} <= set(document)
     measured = {"mass", "direction", "rigid_peak", "width", "velocity_change", "von_mises", "plastic_strain"}
+    measured |= {"sectors", "whole_mass"}
     assert set(document["parts"]["bar"]) == measured
     words = {"initial", "kinetic", "internal", "plastic", "hourglass", "contact", "viscous", "external", "error"}
     assert set(document["energy"]) == words
@@ -278,7 +279,12 @@ def test_an_interrupted_run_goes_on_to_the_same_numbers(strikewave, small, monke
     assert not Path("broken").exists()
     other = strikewave("fem", small, "--out", "broken", "--restart", "--set", "fem.contact.0.friction=0.1")
     assert other[0] == 2
-    assert "another case" in other[2]
+    assert "other values" in other[2]
+    code, _, err = strikewave("fem", small, "--out", "broken", "--no-report")
+    assert code == 2  # work that is not finished is not thrown away unasked
+    assert "to go on: strikewave fem small.toml --out broken --no-report --restart; to begin anew: strikewave" in err
+    assert Path("broken.unfinished/state.h5").is_file()
+    assert "to go on" not in strikewave("fem", small, "--out", "broken", "--set", "fem.duration=7 us")[2]
     assert strikewave("fem", small, "--out", "broken", "--restart", "--no-report")[0] == 0
     assert not Path("broken.unfinished").exists()
     assert Path("broken/histories.csv").read_bytes() == Path("whole/histories.csv").read_bytes()
@@ -405,3 +411,58 @@ def test_a_run_names_the_sources_that_it_rests_on(bars):
     assert [citation(key)[:8] for key in bars.citations] == ["D. P. Fl", "T. J. R."]
     assert {"johnson-cook-1983", "lysmer-kuhlemeyer-1969"} <= set(sources(model))
     assert all(citation(key) for key in sources(model))
+
+
+def test_the_bundled_taylor_bar_ends_as_published():
+    """Kamoulakos 1990: codes find a length of 21.4 to 21.6 mm and a foot of 7.0 to 7.5 mm in radius after 80 us."""
+    from strikewave import load_case
+    from strikewave.elements import run_fem
+
+    solution = run_fem(load_case("taylor-bar-fem"))
+    moved = {name: 1e3 * point.displacement[-1] for name, point in solution.run.points.items()}
+    assert 21.4 < 32.4 + moved["top"][2] < 21.6
+    assert 7.0 < 3.2 + moved["foot"][0] < 7.5
+    assert solution.run.energy["plastic"][-1] > 0.95 * solution.run.initial_energy
+    assert solution.warnings == ()
+
+
+def test_the_line_of_each_boundary_in_the_docs_is_read():
+    import tomllib
+
+    from strikewave.fem_tables import BOUNDARIES, FemTable
+
+    text = (Path(__file__).parents[2] / "docs" / "elements.md").read_text("utf-8")
+    blocks = [block.partition("```")[0] for block in text.split("```toml\n")[1:]]
+    (lines,) = [block for block in blocks if block.startswith("[fem]")]
+    table = FemTable.model_validate(tomllib.loads(lines)["fem"])
+    assert {row.kind for row in table.boundary} == set(BOUNDARIES)
+    listed = ("contact", "tie", "wall", "section", "point", "group")
+    assert all(len(getattr(table, name)) == 1 for name in listed)
+
+
+def test_parts_that_cannot_be_are_refused_before_a_run(strikewave, small, tmp_path):
+    code, _, err = strikewave("fem", small, "--check", "--set", "fem.point.far end.place.z=120 mm")
+    assert code == 2
+    assert (
+        "fem.point.far end.place: got a place 100 mm from anvil; allowed: in anvil, from (-2, -2, 8) to (2, 2, 20) mm"
+        in err
+    )
+    assert strikewave("fem", small, "--check", "--set", "fem.point.far end.place.z=21 mm")[0] == 0
+    code, _, err = strikewave("validate", small, "--set", "mesh.part.anvil.at.z=5 mm")
+    assert code == 2
+    assert "striker inside anvil" in err or "anvil inside striker" in err
+    driven = SMALL.replace('name = "striker"', 'name = "striker"\nrigid = "z"') + (
+        '[[fem.boundary]]\nkind = "driven"\nside = "striker.z-"\ndirection = "z"\ntime = ["0 us"]\nvelocity = ["1 m/s"]\n'
+    )
+    (tmp_path / "driven.toml").write_text(driven)
+    code, _, err = strikewave("fem", "driven.toml", "--check")
+    assert code == 2
+    assert "fem.boundary.0.side: got" in err
+    assert "striker is rigid" in err
+    assert "elements" not in err  # said before a mesh is made
+
+
+def test_rounding_where_nothing_touches_is_no_hourglass_energy(strikewave, small):
+    code, out, _ = strikewave("fem", small, "--json", "--set", "mesh.part.striker.velocity={ x = '0.7 m/s' }")
+    assert code == 0
+    assert json.loads(out)["hourglass_share"] < 1e-3

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from strikewave.build import build_model, check
-from strikewave.build.parts import LARGEST, built_parts, estimated_elements
+from strikewave.build.parts import LARGEST, built_parts, estimated_elements, exact_volume
 from strikewave.case import bundled_cases, dump_case, load_case, parse_case
+from strikewave.cli.fem import say_faceted
+from strikewave.elements import quality_of
 from strikewave.errors import InputError, InputErrors
 from strikewave.fem.mesh import volumes
 from strikewave.fem.model import Driven, Fixed, Guided, NonReflecting, Pressure, Symmetry
@@ -208,6 +210,71 @@ def test_a_johnson_cook_solid_takes_what_it_is_given_in_units():
     assert (found.melting_temperature, found.specific_heat, found.room_temperature) == (1793.0, 477.0, 293.0)
 
 
+JOHNSON_COOK = 'solid = { law = "johnson-cook", A = "90 MPa", B = "292 MPa", n = 0.31, C = 0.025, m = 1.09 }'
+BILINEAR = 'solid = { law = "bilinear", tangent_modulus = "21 GPa" }'
+
+
+@pytest.mark.parametrize("lacking", ['B = "292 MPa", ', "n = 0.31, ", "C = 0.025, ", ", m = 1.09"])
+def test_johnson_cook_asks_for_all_five_constants(lacking):
+    key = lacking.strip(", ")[0]
+    with pytest.raises(InputErrors, match=rf"^mesh\.part\.0\.solid\.{key}: missing; add {key}[^\n]*$"):
+        parse_case(edited((BILINEAR, JOHNSON_COOK.replace(lacking, ""))))
+
+
+@pytest.mark.parametrize(
+    ("given", "lacking"),
+    [
+        ('melting_temperature = "1356 K"', "specific_heat"),
+        ('specific_heat = "383 J/kg/K"', "melting_temperature"),
+    ],
+)
+def test_heat_needs_both_of_its_constants(given, lacking):
+    with pytest.raises(InputError, match=f"solid.{lacking}: missing"):
+        build_model(parse_case(edited((BILINEAR, JOHNSON_COOK.replace(" }", f", {given} }}")))))
+
+
+OWN = (
+    'solid = { law = "elastic", density = { value = "8500 kg/m^3", provenance = "measured", note = "weighed" }, '
+    'youngs_modulus = "100 GPa", poissons_ratio = 0.35 }'
+)
+
+
+def test_a_material_of_ones_own_needs_no_row_of_the_table_and_keeps_its_provenance():
+    case = parse_case(edited((BILINEAR, OWN), ('material = "65Mn"\n', "")))
+    assert build_model(case).solids["ball"] == Elastic(8500.0, 100e9, 0.35)
+    assert case.values()["mesh.part.ball.solid.density"].provenance == "measured"
+    assert parse_case(dump_case(case)) == case
+
+
+def test_a_solid_may_replace_some_constants_of_its_material():
+    solid = 'solid = { law = "bilinear", youngs_modulus = "200 GPa" }'
+    model = build_model(parse_case(edited((BILINEAR, solid))))
+    assert model.solids["ball"] == Bilinear(7820.0, 200e9, 0.288, 430e6)
+
+
+def test_a_part_alone_is_told_of_its_fault_in_one_line():
+    alone = CASE[: CASE.index("[[mesh.part]]", CASE.index("[[mesh.part]]") + 1)] + '[fem]\nduration = "80 us"\n'
+    with pytest.raises(InputErrors) as caught:
+        parse_case(alone.replace('radius = "10 mm"', 'radius = "0 mm"'))
+    assert len(caught.value.lines) == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("fem.contact.friction=0.2", "name its row: fem.contact.0.friction"),
+        ("mesh.part.size=1 mm", "name its row: mesh.part.ball.size"),
+        ("mesh.part.bal.size=1 mm", 'did you mean "ball"'),
+        ("mesh.part.bal.at.z=1 mm", 'did you mean "ball"'),
+        ("fem.contact.3.friction=0.2", "choose from: 0"),
+    ],
+)
+def test_a_change_that_names_no_row_is_told_which_there_are(change, words):
+    with pytest.raises(InputError) as caught:
+        parse_case(CASE, "case", [change])
+    assert words in str(caught.value)
+
+
 SHAPES = [
     ('shape = "block"\nwidth = "9 mm"\ndepth = "8 mm"\nheight = "20 mm"', 9e-3 * 8e-3 * 20e-3, 1e-12),
     ('shape = "block"\nsector = "quarter"\nwidth = "9 mm"\ndepth = "8 mm"\nheight = "20 mm"', 360e-9, 1e-12),
@@ -218,10 +285,18 @@ SHAPES = [
         0.02,
     ),
     ('shape = "half-cylinder"\nradius = "10 mm"\nlength = "20 mm"', 0.5 * math.pi * 1e-4 * 20e-3, 0.02),
+    ('shape = "half-cylinder"\nsector = "half"\nradius = "10 mm"\nlength = "20 mm"', math.pi * 5e-7, 0.02),
+    ('shape = "half-cylinder"\nsector = "quarter"\nradius = "10 mm"\nlength = "20 mm"', math.pi * 2.5e-7, 0.02),
     (
         'shape = "frame"\nwidth = "60 mm"\ndepth = "20 mm"\nheight = "80 mm"\nleft = "10 mm"\nright = "11 mm"\n'
         'bottom = "12 mm"\ntop = "8 mm"',
         (60 * 80 - 39 * 60) * 20 * 1e-9,
+        1e-12,
+    ),
+    (
+        'shape = "frame"\nsector = "quarter"\nwidth = "60 mm"\ndepth = "20 mm"\nheight = "80 mm"\nleft = "10 mm"\n'
+        'right = "10 mm"\nbottom = "12 mm"\ntop = "8 mm"',
+        (60 * 80 - 40 * 60) * 5 * 1e-9,
         1e-12,
     ),
     ('shape = "half-space"\nradius = "20 mm"\nsector = "quarter"', math.pi / 6 * 8e-6, 0.02),
@@ -240,9 +315,21 @@ def test_every_shape_has_its_volume_and_the_estimate_of_its_elements_holds(shape
     made = volumes(mesh.points, mesh.hexahedra)
     assert made.sum() == pytest.approx(volume, rel=error)
     assert made.min() > 0.0
+    assert exact_volume(table.part[0]) == pytest.approx(volume, rel=1e-12)
     assert 1 / 3 < estimated_elements(table) / len(mesh.hexahedra) < 3
     if finer:
         assert len(mesh.hexahedra) > len(built_parts(parse_case(head + shape).mesh)[0].hexahedra)
+
+
+def test_it_is_said_how_much_flat_faces_take_from_round_parts(capsys):
+    """The quarter ball of 10 mm radius: that of its mesh over pi / 3 * 1e-6 m^3; the block loses nothing."""
+    case = parse_case(CASE)
+    quality = quality_of(build_model(case))
+    say_faceted(case, quality)
+    (line,) = capsys.readouterr().err.splitlines()
+    share = next(row.volume for row in quality if row.part == "ball") / (math.pi / 3.0 * 1e-6) - 1.0
+    assert -0.05 < share < -0.01
+    assert line.endswith(f": ball {share:+.2%}")
 
 
 def test_a_quarter_of_a_block_has_its_planes_of_symmetry_and_is_fine_at_the_axis():
@@ -278,7 +365,21 @@ WRONG = [
     ([('size = "2.5 mm"', "size = 2.5")], "mesh.part.0.size", "bare number"),
     ([('sector = "quarter"', 'sector = "third"')], "mesh.part.0.sector", "'whole', 'half' or 'quarter'"),
     ([('z = "-1 m/s"', 'z = "-1 mm"')], "mesh.part.0.velocity.z", "is not a speed"),
-    ([('velocity = { z = "-1 m/s" }', 'velocity = "-1 m/s"')], "mesh.part.0.velocity", "dictionary"),
+    ([('velocity = { z = "-1 m/s" }', 'velocity = "-1 m/s"')], "mesh.part.0.velocity", 'such as { z = "-1 m/s" }'),
+    ([("at = { z = {", 'at = "z" #')], "mesh.part.0.at", 'such as { z = "15 mm" }'),
+    ([('gravity = { z = "-1 g" }', 'gravity = "-z"')], "fem.gravity", 'such as { z = "-9.81 m/s^2" }'),
+    ([('law = "bilinear"', 'law = "plastic"')], "mesh.part.0.solid.law", 'did you mean "bilinear"'),
+    ([('shape = "ball"', 'shape = "sphere"')], "mesh.part.0.shape", 'did you mean "ball"'),
+    ([('size = "2 mm"', 'size = "11 mm"')], "mesh.part.block.size", "largest length, 10 mm"),
+    ([('size = "2.5 mm"', 'size = "1 m"')], "mesh.part.ball.size", "largest length, 20 mm"),
+    ([('material = "65Mn"\n', "")], "mesh.part.ball.solid.density", "the part names no material"),
+    ([('material = "2A12"\n', "")], "mesh.part.block.material", "or one of your own"),
+    (
+        [('law = "bilinear"', 'law = "bilinear", poissons_ratio = 0.5')],
+        "mesh.part.ball.solid.poissons_ratio",
+        "below 0.5",
+    ),
+    ([('law = "bilinear"', 'law = "bilinear", density = "0 kg/m^3"')], "mesh.part.0.solid.density", "above 0"),
     ([('law = "bilinear"', 'law = "bilinar"')], "mesh.part.0.solid.law", 'did you mean "bilinear"'),
     ([('elements = "full"', 'elements = "two"')], "mesh.part.1.elements", "'one-point' or 'full'"),
     ([('elements = "full"', 'rigid = "w"')], "mesh.part.1.rigid", "'free'"),
@@ -467,7 +568,7 @@ def test_a_mesh_in_a_file_beside_the_case_keeps_its_shared_nodes(filed):
     ("old", "new", "field", "words"),
     [
         ('part = "LOWER"', 'part = "LOWR"', "mesh.part.anvil.part", 'did you mean "LOWER"'),
-        ('part = "LOWER"', 'part = "UPPER"', "mesh.part.UPPER.part", "each in one row"),
+        ('part = "LOWER"', 'part = "UPPER"', "mesh.part.UPPER.part", "in one row: LOWER, UPPER"),
         ('unit = "1 mm"', 'unit = "1 m"', "mesh.part.UPPER.unit", "one unit"),
         ('file = "two.inp"', 'file = "tow.inp"', "mesh.part.anvil.file", "a file that exists"),
         (
@@ -483,6 +584,20 @@ def test_a_mesh_in_a_file_that_is_not_as_said_is_refused(filed, old, new, field,
         filed(old, new)
     assert str(caught.value).startswith(field)
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("unit", ['"mm"', '"1 mm"', '{ value = "1 mm", provenance = "measured" }'])
+def test_the_only_part_of_a_file_needs_no_name_and_a_unit_alone_is_one_of_it(tmp_path, unit):
+    one = TWO_CUBES[: TWO_CUBES.index("*ELEMENT, TYPE=C3D8R, ELSET=UPPER")]
+    (tmp_path / "one.inp").write_text(one + TWO_CUBES[TWO_CUBES.index("*ELSET, ELSET=FOOT_E") :].partition("*SOLID")[0])
+    row = '[[mesh.part]]\nname = "rod"\nshape = "file"\nfile = "one.inp"\nmaterial = "65Mn"\n'
+    (tmp_path / "one.toml").write_text(
+        f"schema = 1\n{row}unit = {unit}\n[fem]\nduration = '1 us'\ninterval = '0.1 us'\n"
+    )
+    mesh = build_model(load_case(str(tmp_path / "one.toml"))).mesh
+    assert mesh.names == ("rod",)
+    assert volumes(mesh.points, mesh.hexahedra) == pytest.approx([1e-6], rel=1e-12)
+    assert "rod.FOOT" in mesh.sides
 
 
 def test_a_part_of_a_file_without_a_row_is_named(filed):

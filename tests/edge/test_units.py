@@ -25,6 +25,11 @@ from strikewave.units import DIMENSIONS, in_unit, parse_quantity, parse_typed
         ("7.82 gram/cm^3", "kg/m^3", 7820),
         ("90 deg", "rad", math.pi / 2),
         ("-9.8 m/s^2", "m/s^2", -9.8),
+        ("-9.8 m/s2", "m/s^2", -9.8),
+        ("-9.8 m/s²", "m/s^2", -9.8),
+        ("8500 kg/m3", "kg/m^3", 8500),
+        ("2 cm³", "m^3", 2e-6),
+        ("2 g2 s2/m", "m/s^2", 2 * 9.80665**2),
         ("4 kg·m^2", "kg m^2", 4),
         ("1e3 N", "N", 1000),
         (".5 kN", "N", 500),
@@ -47,7 +52,7 @@ def test_every_example_reads(si):
 
 
 BAD = [
-    "", " ", "fast", "5", "5 kg", "5 m/s m", "m", "5 5 m", "5 mm mm", "1e99999 m", "nan m", "inf m", "5 m**99999", "9**9 m",
+    "", " ", "fast", "5", "5 kg", "5 m/s m", "5 m/s5", "5 m/s1", "5 m 2", "5 m/s22", "m", "5 5 m", "5 mm mm", "1e99999 m", "nan m", "inf m", "5 m**99999", "9**9 m",
     "__import__('os') m", "5 (m)", "5 m; rm", "5 m\n6", "5 " + "m" * 50, "5 m" + " " * 100, "5 lightyear", "5 mmm", "5 %",
 ]  # fmt: skip
 

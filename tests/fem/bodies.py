@@ -153,12 +153,13 @@ def roller_on_block(case, duration=12e-6):
     scale = case.radius / 0.01
     grading = Grading(1.5e-3 * scale, fine=case.size, extent=6e-4 * scale, growth=1.2)
     wide = deep = 0.02 * scale
-    roller = moved(half_cylinder("roller", case.radius, THICK, grading, THICK, only_half=True), (0.0, 0.0, case.radius))
+    roller = half_cylinder("roller", case.radius, 2.0 * THICK, grading, THICK, "quarter")
+    roller = moved(roller, (0.0, -0.5 * THICK, case.radius))
     upright = Grading(1.5e-3 * scale, fine=case.size, at=(deep,), extent=6e-4 * scale, growth=1.2)
     ground = block("ground", (wide, THICK, deep), grading, THICK, upright)
     low, high = ground.points.min(axis=0), ground.points.max(axis=0)
     ground = moved(ground, (-low[0], -0.5 * (low[1] + high[1]), -high[2]))
-    held = ("roller.x-", "ground.x-", "roller.front", "roller.back", "ground.y-", "ground.y+")
+    held = ("roller.x-", "ground.x-", "roller.y-", "roller.back", "ground.y-", "ground.y+")
     mesh = turned(joined([roller, ground]), (0.0, 1.0, 0.0), case.angle)
     return Model(
         mesh,

@@ -158,7 +158,8 @@ def test_an_abaqus_file_gives_sets_and_surfaces_by_hand(tmp_path):
     assert middle["Lower.Foot"] == [0.5, 0.5, 0.0]
     assert middle["Lower.Flank"] == [0.5, 0.0, 0.5]
     assert middle["Upper.Flank"] == [0.5, 0.0, 1.5]
-    assert len(mesh.sides["Lower.Skin"]) == len(mesh.sides["Upper.EVERY"]) == 6
+    assert len(mesh.sides["Upper.EVERY"]) == 6
+    assert len(mesh.sides["Lower.Skin"]) == 5  # a set without faces: those on the outside of the model
     assert len(mesh.points) == 12
 
 
@@ -168,6 +169,45 @@ def test_solid_sections_say_which_of_overlapping_sets_are_parts(tmp_path):
         read_mesh(written(tmp_path, overlapping))
     sections = "*SOLID SECTION, ELSET=lower, MATERIAL=steel\n1.\n*SOLID SECTION, ELSET=UPPER, MATERIAL=steel\n*STEP"
     assert read_mesh(written(tmp_path, overlapping.replace("*STEP", sections))).names == ("Lower", "Upper")
+
+
+def cubes(*changes):
+    """The two cubes, some of their lines replaced."""
+    text = TWO_CUBES
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+ONE_NAME = (("*ELEMENT, TYPE=C3D8\n", "*ELEMENT, TYPE=C3D8, ELSET=lower\n"), ("LOWER, Upper", "Lower"))
+
+
+@pytest.mark.parametrize(
+    ("changes", "names"),
+    [
+        # all elements named Lower, and a set of some of them that is there for a surface
+        (ONE_NAME, ("Lower",)),
+        # as above, the set of some of them there for nothing: no part either, since the rest would have no name
+        ((*ONE_NAME, ("Upper, S2", "200, S2")), ("Lower",)),
+        # all elements named Lower, and two sets on their own that hold each once
+        ((*ONE_NAME, ("Upper, S2", "200, S2"), ("*NSET", "*ELSET, ELSET=First\n 100\n*NSET")), ("First", "Upper")),
+        # each element named, and another set across both
+        (
+            (("*ELEMENT, TYPE=C3D8\n", "*ELEMENT, TYPE=C3D8, ELSET=second\n"), ("*NSET", "*ELSET, ELSET=A\n 100\n*NSET")),
+            ("Lower", "second"),
+        ),
+        # no element named, and a set for a surface
+        ((("*Element, type=C3D8R, elset=Lower", "*ELEMENT, TYPE=C3D8R"), (" LOWER, Upper", " Upper"), (" Lower,", " Upper,")), ("unnamed",)),
+    ],
+)  # fmt: skip
+def test_parts_are_the_sets_that_hold_each_element_once(tmp_path, changes, names):
+    text = cubes(*changes)
+    if "elset=Lower" not in text:
+        text = text.replace("*ELSET, ELSET=Everything\n Upper\n", "")
+    found = read_mesh(written(tmp_path, text))
+    assert sorted(found.names) == sorted(names)
+    assert len(found.hexahedra) == 2
 
 
 REFUSED = {

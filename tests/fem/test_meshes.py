@@ -22,6 +22,7 @@ TUBE = TubeSize(0.02, 0.024, 0.03)
 CUP = TubeSize(0.02, 0.026, 0.03, bottom=0.004)
 SHELL = TubeSize(0.02, 0.026, 0.03, bottom=0.004, top=0.003)
 FRAME = FrameSize(0.06, 0.02, 0.08, left=0.01, right=0.012, bottom=0.01, top=0.008)
+EVEN_FRAME = FrameSize(0.06, 0.02, 0.08, left=0.01, right=0.01, bottom=0.01, top=0.008)
 FINE = Grading(1e-3, fine=1e-4, extent=5e-4)
 
 ROUND = {
@@ -46,9 +47,10 @@ ROUND = {
 ALL = {
     **{name: make for name, (make, _) in ROUND.items()},
     "half cylinder": lambda h: half_cylinder("a", 0.01, 0.02, Grading(h, h / 4), h),
-    "quarter cylinder": lambda h: half_cylinder("a", 0.01, 0.02, h, h, only_half=True),
+    "quarter cylinder": lambda h: half_cylinder("a", 0.01, 0.02, h, h, "quarter"),
     "block": lambda h: block("a", (0.01, 0.02, 0.03), Grading(h, h / 3, at=(0.005,)), h, Grading(h, h / 2)),
     "frame": lambda h: frame("a", FRAME, h, h, h),
+    "quarter frame": lambda h: frame("a", EVEN_FRAME, h, h, h, "quarter"),
 }
 
 
@@ -199,7 +201,7 @@ PLANE_BEST, SPACE_BEST = math.sin(math.radians(120.0)), 4.0 / math.sqrt(27.0)
 @pytest.mark.parametrize("name", ALL)
 @pytest.mark.parametrize(("h", "share"), [(2e-3, 0.93), (1e-3, 0.96)])
 def test_the_worst_corner_nears_the_best_that_is_possible(name, h, share):
-    best = {"tube": 1.0, "block": 1.0, "frame": 1.0}.get(
+    best = {"tube": 1.0, "block": 1.0, "frame": 1.0, "quarter frame": 1.0}.get(
         name, SPACE_BEST if "ball" in name or "space" in name else PLANE_BEST
     )
     worst = min(row.scaled_jacobian for row in quality_report(ALL[name](h)))
@@ -228,6 +230,36 @@ def test_sectors_add_up_to_the_whole(name):
         assert np.all(part.points[:, 1] >= 0.0) == (sector != "whole")
         assert np.all(part.points[:, 0] >= 0.0) == (sector == "quarter")
         assert [f"a.{cut}" in part.sides for cut in ("x-", "y-")] == [sector == "quarter", sector != "whole"]
+
+
+CUT = {
+    "frame": (lambda sector: frame("a", EVEN_FRAME, 2e-3, 2e-3, 2e-3, sector), {"left", "inner_left"}),
+    "half cylinder": (lambda sector: half_cylinder("a", 0.01, 0.02, 2e-3, 1e-3, sector), set()),
+}
+
+
+@pytest.mark.parametrize("name", CUT)
+def test_sectors_of_a_frame_and_a_half_cylinder_are_the_whole_where_y_and_x_are_above_0(name):
+    make, left = CUT[name]
+    whole = make("whole")
+    inside = whole.points[whole.hexahedra].mean(axis=1)
+    for sector, kept in {"half": inside[:, 1] > 0.0, "quarter": np.all(inside[:, :2] > 0.0, axis=1)}.items():
+        part = make(sector)
+        middle = part.points[part.hexahedra].mean(axis=1)
+        ours, theirs = (np.array(sorted(x.round(9).tolist())) for x in (middle, inside[kept]))
+        np.testing.assert_allclose(ours, theirs, atol=1e-12)
+        gone = {"front", *(left if sector == "quarter" else ())}
+        cuts = {"y-", *(("x-",) if sector == "quarter" else ())}
+        assert {side[2:] for side in part.sides} == {side[2:] for side in whole.sides} - gone | cuts
+        for axis, side in enumerate(("x-", "y-")):
+            faces = part.sides.get(f"a.{side}")
+            assert faces is None or np.all(part.points[faces, axis] == 0.0)
+        assert all(len(faces) for faces in part.sides.values())
+
+
+def test_a_quarter_of_a_frame_with_unlike_walls_is_refused():
+    with pytest.raises(InputError, match="walls left and right differ"):
+        frame("a", FRAME, 2e-3, 2e-3, 2e-3, "quarter")
 
 
 def test_the_faces_of_a_sector_that_are_cut_are_flat():

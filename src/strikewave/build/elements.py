@@ -44,7 +44,7 @@ from strikewave.fem_tables import (
     SymmetrySide,
 )
 from strikewave.materials import Material, material
-from strikewave.mesh_tables import AnyPart, BilinearTable, JohnsonCookTable, MeshTable
+from strikewave.mesh_tables import AnyPart, BilinearTable, ElasticTable, JohnsonCookTable, MeshTable
 from strikewave.quantities import Value
 
 ROUGH = 2.0
@@ -97,6 +97,7 @@ def build_model(case: Case, threads: int = 1) -> Model:
             for x in fem.section
         ),
         points=tuple(Point(x.name, x.part, vector(x.place)) for x in fem.point),
+        groups={row.name: row.parts for row in fem.group},
     )
 
 
@@ -123,6 +124,8 @@ def check_elements(case: Case) -> tuple[MeshTable, FemTable]:
     fem = case.fem
     once("fem.section", [row.name for row in fem.section])
     once("fem.point", [row.name for row in fem.point])
+    once("fem.group", [row.name for row in fem.group])
+    _check_groups(fem, names)
     for path, name in _part_names(fem):
         if name not in names:
             raise InputError(path, name, "a part of [mesh]", nearest(name, names))
@@ -152,32 +155,41 @@ def part_of(side: str) -> str:
 
 
 def solid_of(part: AnyPart) -> AnySolid:
-    """Return the solid of a part; its yield strength is that of the material where it is left out.
+    """Return the solid of a part; constants that it does not give are those of its material.
 
     Raises
     ------
     InputError
-        If the material is unknown or lacks a yield strength.
+        If the material is unknown, or neither it nor the solid has a constant that is needed.
     """
-    path = f"mesh.part.{part.name}"
-    row, table = material(part.material, f"{path}.material"), part.solid
-    elastic = (row.density, row.youngs_modulus, row.poissons_ratio)
-    if isinstance(table, BilinearTable):
-        given = _given(table, "tangent_modulus", "kinematic")
-        return _of_solid(f"{path}.solid", lambda: Bilinear(*elastic, _yield_strength(table, row, path), **given))
-    if isinstance(table, JohnsonCookTable):
-        given = _given(table, *(key for key in JohnsonCookTable.model_fields if key != "law"))
-        return _of_solid(f"{path}.solid", lambda: JohnsonCook(*elastic, **given))
-    return _of_solid(f"{path}.material", lambda: Elastic(*elastic))
-
-
-def _of_solid(path: str, make: Any) -> AnySolid:
-    """Make a solid; what it refuses is named by its whole path."""
+    path, table = f"mesh.part.{part.name}", part.solid
+    row = material(part.material, f"{path}.material") if part.material else None
+    if row is None and table is None:
+        hint = 'or one of your own: solid = { law = "elastic", density, youngs_modulus, poissons_ratio }'
+        raise InputError(f"{path}.material", MISSING, "a material of the table (`strikewave materials`)", hint)
+    kind, keys = _KINDS[type(table)]
+    given = _given(table, *(key for key in type(table).model_fields if key != "law")) if table else {}
+    for key in (*ELASTIC, *keys):
+        if key not in given:
+            given[key] = _of_material(row, key, f"{path}.solid.{key}")
+    if ("specific_heat" in given) != ("melting_temperature" in given):
+        lacking = "melting_temperature" if "specific_heat" in given else "specific_heat"
+        raise InputError(f"{path}.solid.{lacking}", MISSING, "both specific_heat and melting_temperature, or neither")
     try:
-        made: AnySolid = make()
+        return kind(**given)
     except InputError as error:
-        raise InputError(f"{path}.{error.field}", error.got, error.allowed, error.hint) from None
-    return made
+        raise InputError(f"{path}.solid.{error.field}", error.got, error.allowed, error.hint) from None
+
+
+ELASTIC = {"density": "a density", "youngs_modulus": "Young's modulus", "poissons_ratio": "Poisson's ratio"}
+"""Constants that every solid has, in words."""
+_KINDS: dict[type, tuple[type[Elastic], tuple[str, ...]]] = {
+    type(None): (Elastic, ()),
+    ElasticTable: (Elastic, ()),
+    BilinearTable: (Bilinear, ("yield_strength",)),
+    JohnsonCookTable: (JohnsonCook, ()),
+}
+"""The solid of each table, and what it takes of the material besides."""
 
 
 def _given(table: Any, *keys: str) -> dict[str, float]:
@@ -185,12 +197,13 @@ def _given(table: Any, *keys: str) -> dict[str, float]:
     return {key: value.si for key in keys if (value := getattr(table, key)) is not None}
 
 
-def _yield_strength(table: BilinearTable, row: Material, path: str) -> float:
-    if table.yield_strength is not None:
-        return table.yield_strength.si
-    if row.yield_strength is None:
-        raise InputError("yield_strength", MISSING, f"a yield strength: the table of materials has none for {row.name}")
-    return row.yield_strength
+def _of_material(row: Material | None, key: str, path: str) -> float:
+    """Return a constant of a material."""
+    value: float | None = getattr(row, key, None)
+    if value is None:
+        reason = f"the table of materials has none for {row.name}" if row else "the part names no material"
+        raise InputError(path, MISSING, f"{ELASTIC.get(key, 'a yield strength')}: {reason}")
+    return value
 
 
 def _controls(fem: FemTable, parts: Sequence[AnyPart], threads: int) -> Controls:
@@ -250,6 +263,17 @@ def _part_names(fem: FemTable) -> Iterator[tuple[str, str]]:
     for kind, rows in (("section", fem.section), ("point", fem.point)):
         for row in rows:
             yield f"fem.{kind}.{row.name}.part", row.part
+    for group in fem.group:
+        yield from ((f"fem.group.{group.name}.parts", part) for part in group.parts)
+
+
+def _check_groups(fem: FemTable, names: Sequence[str]) -> None:
+    """Refuse a group that is called as a part, or has a part twice."""
+    for row in fem.group:
+        if row.name in names:
+            raise InputError(f"fem.group.{row.name}.name", row.name, "a name that no part has")
+        if len(set(row.parts)) < len(row.parts):
+            raise InputError(f"fem.group.{row.name}.parts", ", ".join(row.parts), "each part once")
 
 
 def _sides(fem: FemTable) -> Iterator[tuple[str, str]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 from strikewave.build.vectors import direction, vector
@@ -31,7 +32,9 @@ from strikewave.mesh_tables import (
 LARGEST = 3_000_000
 """Elements of a model: about 3 GB."""
 SHARE = {"whole": 1.0, "half": 0.5, "quarter": 0.25}
-"""Of a round body that a sector holds."""
+"""Of a body that a sector holds."""
+LENGTHS = ("width", "depth", "height", "length", "diameter", "outer_diameter", "radius")
+"""That say how large a shape is."""
 
 
 def built_parts(table: MeshTable) -> list[Mesh]:
@@ -70,12 +73,14 @@ def _from_file(rows: Sequence[FilePart]) -> Mesh:
         mesh = read_mesh(first.file, units.pop())
     except InputError as error:
         raise InputError(f"mesh.part.{first.name}.file", error.got, error.allowed, error.hint) from None
+    only = mesh.names[0] if len(mesh.names) == len(rows) == 1 else ""
     names: dict[str, str] = {}
     for row in rows:
-        called = row.part or row.name
+        called = row.part or only or row.name
         if called not in mesh.names or called in names:
+            allowed = f"each part of {Path(first.file).name} in one row: {', '.join(mesh.names)}"
             hint = nearest(called, [name for name in mesh.names if name not in names])
-            raise InputError(f"mesh.part.{row.name}.part", called, "a part of the file, each in one row", hint)
+            raise InputError(f"mesh.part.{row.name}.part", called, allowed, hint if hint.startswith("did") else "")
         names[called] = row.name
     left = [name for name in mesh.names if name not in names]
     if left:
@@ -90,10 +95,41 @@ def estimated_elements(table: MeshTable) -> float:
     Raises
     ------
     InputError
-        If a line of elements would be too long.
+        If elements are larger than their part, or a line of them would be too long.
     """
     shaped = [part for part in table.part if not isinstance(part, FilePart)]
+    for part in shaped:
+        longest = max((getattr(part, key) for key in LENGTHS if hasattr(part, key)), key=lambda length: length.si)
+        most = longest.si * (2.0 if hasattr(part, "radius") else 1.0)
+        if part.size.si > most * (1.0 + 1e-9):
+            allowed = f"at most the part's largest length, {most * 1e3:.4g} mm"
+            raise InputError(f"mesh.part.{part.name}.size", part.size.typed, allowed)
     return sum(_named(part, functools.partial(_estimate, part)) for part in shaped)
+
+
+def exact_volume(part: AnyPart) -> float | None:
+    """Return the volume of a shape, or its sector, before flat faces are put in place of round ones, m^3.
+
+    A part of a file has none to compare with.
+    """
+    if isinstance(part, FilePart):
+        return None
+    if isinstance(part, Block):
+        whole = part.width.si * part.depth.si * part.height.si
+    elif isinstance(part, Frame):
+        opening = (part.width.si - part.left.si - part.right.si) * (part.height.si - part.bottom.si - part.top.si)
+        whole = part.depth.si * (part.width.si * part.height.si - opening)
+    elif isinstance(part, Cylinder):
+        whole = 0.25 * math.pi * part.diameter.si**2 * part.length.si
+    elif isinstance(part, Tube):
+        open_length = part.length.si - sum(end.si for end in (part.bottom, part.top) if end)
+        whole = 0.25 * math.pi * (part.outer_diameter.si**2 * part.length.si - part.inner_diameter.si**2 * open_length)
+    elif isinstance(part, HalfCylinder):
+        whole = 0.5 * math.pi * part.radius.si**2 * part.length.si
+    else:
+        half = isinstance(part, HalfSpace) or part.part_of == "lower half"
+        whole = (2.0 if half else 4.0) / 3.0 * math.pi * part.radius.si**3
+    return SHARE[part.sector] * whole
 
 
 def _named(part: AnyPart, make: Callable[[], Any]) -> Any:
@@ -134,8 +170,7 @@ def _lines(part: Block | Frame) -> list[tuple[float, Grading]]:
 
 def _cuts(part: Block | Frame) -> tuple[bool, bool]:
     """Return whether a part is cut where x is 0, and where y is 0."""
-    sector = part.sector if isinstance(part, Block) else "whole"
-    return sector == "quarter", sector != "whole"
+    return part.sector == "quarter", part.sector != "whole"
 
 
 def _along(part: Cylinder | Tube) -> Grading:
@@ -149,9 +184,9 @@ def _block(part: Block) -> Mesh:
 
 
 def _frame(part: Frame) -> Mesh:
-    walls = (part.left.si, part.right.si, part.bottom.si, part.top.si)
-    (width, x), (depth, y), (height, z) = _lines(part)
-    return frame(part.name, FrameSize(width, depth, height, *walls), x, y, z)
+    sizes = (part.width, part.depth, part.height, part.left, part.right, part.bottom, part.top)
+    x, y, z = (grading for _, grading in _lines(part))
+    return frame(part.name, FrameSize(*(size.si for size in sizes)), x, y, z, part.sector)
 
 
 def _cylinder(part: Cylinder) -> Mesh:
@@ -166,7 +201,7 @@ def _tube(part: Tube) -> Mesh:
 
 def _half_cylinder(part: HalfCylinder) -> Mesh:
     along = Grading(part.size.si)
-    return half_cylinder(part.name, part.radius.si, part.length.si, _grading(part), along, part.sector == "half")
+    return half_cylinder(part.name, part.radius.si, part.length.si, _grading(part), along, part.sector)
 
 
 def _half_space(part: HalfSpace) -> Mesh:

@@ -32,6 +32,7 @@ from strikewave.cli.common import (
 from strikewave.documents import head, plain, without
 
 if TYPE_CHECKING:
+    from strikewave.build.sectors import WholeForce
     from strikewave.case import Case
     from strikewave.fem.mesh import Mesh
     from strikewave.fem.model import Model
@@ -41,6 +42,10 @@ if TYPE_CHECKING:
     from strikewave.fem.vtkhdf import FieldWriter
     from strikewave.fem_solution import FemSolution
 
+SHARES = {1: "", 2: " (half of it)", 4: " (quarter of it)"}
+"""Said of a part that is a sector, by how many make the whole."""
+LEAST_OFF = 1e-4
+"""Share of a part's volume that its flat faces take, and is worth a word."""
 USUAL_RATE = 5e6
 """Element-steps a second of one thread, for the estimate before a run."""
 INTERRUPTED = 130
@@ -54,6 +59,7 @@ class Choice(NamedTuple):
 
     report: bool
     restart: bool
+    anew: bool
 
 
 def command(
@@ -80,14 +86,17 @@ def command(
     """
     from strikewave.build.elements import build_model
     from strikewave.case import dump_case, load_case
-    from strikewave.elements import check_model, quality_of
+    from strikewave.elements import check_model, model_notices, quality_of
     from strikewave.errors import InputError
 
     begun = time.perf_counter()
     if threads < 1:
         raise InputError("--threads", threads, "at least 1")
-    changes = [*(changes or ()), *([] if frames is None else [f"fem.frames={frames}"])]
-    read = load_case(case, changes)
+    anew = force
+    read = load_case(case, changes or ())
+    if frames is not None and (read.fem is None or frames != read.fem.frames.si):
+        changes = [*(changes or ()), f"fem.frames={frames}"]
+        read = load_case(case, changes)
     text, folder = dump_case(read), out
     if out is None and not json and not check:
         folder, force = Path("out") / f"{read.name or 'case'}{own_mark(text, changes)}", True
@@ -96,11 +105,14 @@ def command(
     model = build_model(read, min(threads, os.cpu_count() or 1))
     quality = quality_of(model)
     say_model(model, quality)
+    say_faceted(read, quality)
     if check:
         check_model(model)
+        for notice in model_notices(read, model):
+            say(f"warning [{notice.code}]: {notice.message}")
         print_json(_check_document(read, model, quality)) if json else _show_quality(model, quality)
         return 0
-    solution = _carried_out(read, model, folder, force, Choice(not no_report, restart))
+    solution = _carried_out(read, model, folder, force, Choice(not no_report, restart, anew))
     if json:
         print_json(solution.document())
     else:
@@ -122,7 +134,7 @@ def _carried_out(case: Case, model: Model, folder: Path | None, force: bool, cho
             return run_model(case, model, Asked(report=report))
     text = dump_case(case)
     check_place(folder, text, force)
-    with unfinished(folder, text, choice.restart) as home, FieldFile(home, model.mesh, choice.restart) as field:
+    with unfinished(folder, text, choice) as home, FieldFile(home, model.mesh, choice.restart) as field:
         asked = Asked(writer=field, keep=_keep(home, model), resume=home / STATE if choice.restart else None)
         with progress() as report:
             solution = run_model(case, model, asked._replace(report=report))
@@ -141,24 +153,30 @@ def _keep(home: Path, model: Model) -> Keep:
 
 
 @contextlib.contextmanager
-def unfinished(folder: Path, text: str, restart: bool) -> Iterator[Path]:
+def unfinished(folder: Path, text: str, choice: Choice) -> Iterator[Path]:
     """Give a folder for a run that is under way, ``FOLDER.unfinished``; it stays where there is a state to go on from.
 
     Raises
     ------
     InputError
-        If there is nothing to go on from, or it belongs to another case.
+        If there is nothing to go on from, it belongs to another case, or unfinished work would be lost unasked.
     """
     from strikewave.errors import InputError
 
     home = folder.with_name(f"{folder.name}.unfinished")
     case = home / "case.toml"
-    if restart and not ((home / STATE).is_file() and case.is_file()):
+    begun = (home / STATE).is_file() and case.is_file()
+    same = begun and case.read_text("utf-8", errors="replace") == text
+    if choice.restart and not begun:
         raise InputError("--restart", str(home), "a run that was interrupted", "leave it out to begin anew")
-    if restart and case.read_text("utf-8", errors="replace") != text:
-        raise InputError("--restart", str(home), "the same case", "it holds a run of another case")
+    if choice.restart and not same:
+        hint = f"it holds a run with other values, {case}; to begin anew: {_command('--force')}"
+        raise InputError("--restart", str(home), "the same case, its frames and other changes included", hint)
+    if begun and not choice.restart and not choice.anew:
+        hint = (f"to go on: {_command('--restart')}; " if same else "") + f"to begin anew: {_command('--force')}"
+        raise InputError("--out", str(home), "no unfinished run" + ("" if same else " of another case"), hint)
     try:
-        if not restart:
+        if not choice.restart:
             _clear(home)
             home.mkdir(parents=True)
             case.write_text(text, "utf-8")
@@ -169,17 +187,17 @@ def unfinished(folder: Path, text: str, restart: bool) -> Iterator[Path]:
         if not (home / STATE).is_file():
             _clear(home)
             raise
-        say(f"stopped; kept: {home}/; to go on from there: {_again()}")
+        say(f"stopped; kept: {home}/; to go on from there: {_command('--restart')}")
         if isinstance(stop, KeyboardInterrupt):
             raise SystemExit(INTERRUPTED) from None
         raise
     _clear(home)
 
 
-def _again() -> str:
-    """Return the command that goes on with a run that this one began."""
-    words = [word for word in sys.argv[1:] if word != "--restart"]
-    return shlex.join(["strikewave", *words, "--restart"])
+def _command(option: str) -> str:
+    """Return the command that runs now, with --restart or --force."""
+    words = [word for word in sys.argv[1:] if word not in ("--restart", "--force")]
+    return shlex.join(["strikewave", *words, option])
 
 
 def _clear(home: Path) -> None:
@@ -268,6 +286,17 @@ def say_model(model: Model, quality: Sequence[PartQuality]) -> None:
     )
 
 
+def say_faceted(case: Case, quality: Sequence[PartQuality]) -> None:
+    """Say how much the flat faces of the elements take from round parts."""
+    from strikewave.build.parts import exact_volume
+
+    exact = {part.name: exact_volume(part) for part in (case.mesh.part if case.mesh else ())}
+    off = {row.part: row.volume / whole - 1.0 for row in quality if (whole := exact.get(row.part))}
+    words = [f"{part} {share:+.2%}" for part, share in off.items() if abs(share) >= LEAST_OFF]
+    if words:
+        say(f"mass against that of the shape, whose round sides have flat faces here: {', '.join(words)}")
+
+
 def write_result(solution: FemSolution, place: Path, text: str, report: bool = True) -> list[str]:
     """Write the files of a result into a folder, and return their names."""
     from strikewave.figures import save
@@ -286,16 +315,17 @@ def write_result(solution: FemSolution, place: Path, text: str, report: bool = T
 
 def show(solution: FemSolution) -> None:
     """Print parts, contacts, ledger and warnings."""
+    found = solution.sectors
     rows = [
         [
-            name,
+            name + SHARES[found[name].pieces],
             number(part.mass, "kg", "kg"),
             number(part.rigid_peak, "m/s^2", "g", 5),
             number(part.width, "s", "us"),
             number(part.velocity_change, "m/s", "m/s"),
             " ".join(f"{x:+.2f}" for x in part.direction),
         ]
-        for name, part in solution.parts.items()
+        for name, part in {**solution.parts, **solution.groups}.items()
     ]
     heads = ["part", "mass (kg)", "rigid peak (g)", "width (us)", "velocity change (m/s)", "along"]
     table(f"{solution.title}: parts as rigid bodies", heads, rows)
@@ -304,12 +334,16 @@ def show(solution: FemSolution) -> None:
         for name, part in solution.parts.items()
     ]
     table("Largest in the elements", ["part", "von Mises stress (MPa)", "plastic strain"], rows)
+    wholes = solution.wholes
     rows = [
-        [name, *([*"-----"] if found is None else _contact_cells(found))] for name, found in solution.contacts.items()
+        [name, *([*"-----"] if one is None else _contact_cells(one)), *_whole_cells(wholes[name] if one else None)]
+        for name, one in solution.contacts.items()
     ]
     if rows:
         heads = ["contact", "peak (kN)", "at (us)", "impulse (N s)", "begins (us)", "lasts (us)"]
-        table("Contacts", heads, rows)
+        heads += ["peak, whole bodies (kN)", "impulse (N s)"]
+        many = len(heads) if any(wholes.values()) else len(heads) - 2
+        table("Contacts", heads[:many], [row[:many] for row in rows])
     _show_ledger(solution)
     for notice in solution.warnings:
         say(f"warning [{notice.code}]: {notice.message}")
@@ -318,6 +352,10 @@ def show(solution: FemSolution) -> None:
 def _contact_cells(found: Any) -> list[str]:
     times = [number(x, "s", "us") for x in (found.at, found.begin, found.duration)]
     return [number(found.peak, "N", "kN", 5), times[0], number(found.impulse, "N s", "N s"), *times[1:]]
+
+
+def _whole_cells(whole: WholeForce | None) -> list[str]:
+    return ["-", "-"] if whole is None else [number(whole.peak, "N", "kN", 5), number(whole.impulse, "N s", "N s")]
 
 
 def _show_ledger(solution: FemSolution) -> None:
@@ -357,9 +395,10 @@ def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
 
 def _check_document(case: Case, model: Model, quality: Sequence[PartQuality]) -> dict[str, Any]:
     """Return the JSON document of a model that was checked."""
-    from strikewave.elements import first_step
+    from strikewave.elements import first_step, model_notices
 
     units = {"volume": "m^3", "shortest_edge": "m", "longest_edge": "m", "warpage": "rad", "worst_at": "m", "step": "s"}
     counted = {"elements": len(model.mesh.hexahedra), "nodes": len(model.mesh.points), "step": first_step(model)}
     rows = {row.part: without(dataclasses.asdict(row), "part", "step") for row in quality}
-    return plain({**head(units), "case": case.name, **counted, "parts": rows})
+    found = [without(dataclasses.asdict(notice), "broken") for notice in model_notices(case, model)]
+    return plain({**head(units, found), "case": case.name, **counted, "parts": rows})

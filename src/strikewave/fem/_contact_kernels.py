@@ -26,6 +26,8 @@ from strikewave.fem._surface_kernels import (
 
 EDGE = 0.05
 """Share of a face's size beyond the rim of a surface where a node is felt no more; within half of it, it is fully."""
+JUMP = 0.1
+"""Share of the largest depth by which a node may be deeper behind a new face than behind its last one."""
 SAME = 1e-9
 """Share by which another face must be closer than the present one to take its place."""
 
@@ -33,12 +35,14 @@ SAME = 1e-9
 class Touch(NamedTuple):
     """Nodes that may touch: their numbers, areas (m^2), velocity before the step, normal force and friction on them.
 
-    The ``first`` so many belong to the first surface; ``step[0]`` is the time step before, s.
+    The ``first`` so many belong to the first surface; ``step[0]`` is the time step before, s. ``held`` (nodes, 3, 3) is
+    the sum of d d^T over the orthonormal directions d that boundaries hold.
     """
 
     nodes: np.ndarray
     first: int
     area: np.ndarray
+    held: np.ndarray
     velocity: np.ndarray
     normal: np.ndarray
     friction: np.ndarray
@@ -203,15 +207,22 @@ def gap_at(state, i, face, xi, eta, rim):
 
 
 @leaf_kernel
-def relative_lightness(state, i, face, shape):
-    """Return 1/m* of node i against a face; see `strikewave.fem.contact`."""
+def free_share(touch, i, n):
+    """Return the share of a motion along n, |n| = 1, that boundaries leave to node i."""
+    held = touch.held[i]
+    return max(1.0 - n[0] * dot(row(held, 0), n) - n[1] * dot(row(held, 1), n) - n[2] * dot(row(held, 2), n), 0.0)
+
+
+@called_kernel
+def relative_lightness(state, i, face, shape, n):
+    """Return 1/m* of node i against a face, along n; see `strikewave.fem.contact`."""
     k = state.faces[face]
     spread_out, alone = 0.0, 0.0
     for c in range(4):
-        light = state.lightness[k[c]]
+        light = state.lightness[k[c]] * free_share(state.touch, k[c], n)
         spread_out += shape[c] * light * state.touch.area[k[c]]
         alone += shape[c] * shape[c] * light
-    return state.lightness[i] + max(spread_out / state.touch.area[i], alone)
+    return state.lightness[i] * free_share(state.touch, i, n) + max(spread_out / state.touch.area[i], alone)
 
 
 @leaf_kernel
@@ -229,6 +240,12 @@ def rubbing(slide, hold, most):
     """Return Coulomb's force: what would stop the sliding, ``hold`` times its velocity; at most ``most``."""
     speed = math.sqrt(dot(slide, slide))
     return scaled(slide, -min(hold, most / speed)) if speed > 0.0 else (0.0, 0.0, 0.0)
+
+
+@leaf_kernel
+def along(slide):
+    """Return a vector's direction, of a vector of zeros zeros."""
+    return scaled(slide, 1.0 / max(math.sqrt(dot(slide, slide)), 1e-300))
 
 
 @leaf_kernel
@@ -268,23 +285,27 @@ def depth_of(found, i, gap, before, share, kept):
 def press(state, i, step):
     """Find the face that node i meets and the force on the node."""
     found = state.found
+    last, last_gap = found.face[i], found.gap[i]
     face, xi, eta, distance, rim = nearest_face(state, i)
     found.face[i] = face
     gap, normal, share = gap_at(state, i, face, xi, eta, rim)
     found.gap[i] = gap
     shape = shape_functions(xi, eta)
     speed = approach_of(state, i, face, shape)
+    before = gap - step.dt * dot(speed, normal)
+    if face != last and before < min(last_gap, 0.0) - JUMP * state.limit[face]:
+        found.known[i] = 0
     felt = share > 0.0 and gap > -state.limit[face]
-    depth = depth_of(found, i, gap, gap - step.dt * dot(speed, normal), share, step.kept) if felt else 0.0
+    depth = depth_of(found, i, gap, before, share, step.kept) if felt else 0.0
     found.known[i] = felt and share == 1.0
     if depth <= 0.0:
         found.clear[i] = state.travel[0] + distance - step.travel if gap >= 0.0 else 0.0
         return
-    light = relative_lightness(state, i, face, shape)
+    light = relative_lightness(state, i, face, shape, normal)
     if light <= 0.0:
         return
-    hold = 0.5 * state.stiffness * share / (light * step.kick)
-    force = hold * depth / step.dt
+    stop = 0.5 * state.stiffness * share / step.kick
+    force = stop / light * depth / step.dt
     found.touches[i] = 1
     found.clear[i] = 0.0
     put(found.pressed, i, scaled(normal, force))
@@ -292,7 +313,8 @@ def press(state, i, step):
         found.shape[i, c] = shape[c]
     if state.coefficient > 0.0:
         slide = plus(speed, -dot(speed, normal), normal)
-        put(found.rubbed, i, rubbing(slide, hold, state.coefficient * force))
+        light = max(light, relative_lightness(state, i, face, shape, along(slide)))
+        put(found.rubbed, i, rubbing(slide, stop / light, state.coefficient * force))
 
 
 @called_kernel
@@ -346,8 +368,9 @@ def spread(state, f):
 def add_contact(state, x, v, f, inverse_mass, dt, kick=0.0):
     """Add the contact's forces to the nodal forces f; return whether the faces must be searched before the next step.
 
-    x is at t_n, v at t_(n-1/2), f holds every other force at t_n, inverse_mass (nodes,) is 0 where nodes are held. The
-    forces act on v for the time ``kick``, which is dt (0: the same) but where the step changes; then x moves for dt.
+    x is at t_n, v at t_(n-1/2), f holds every other force at t_n, inverse_mass (nodes,) is 0 where nodes move as if
+    nothing touched them. The forces act on v for the time ``kick``, which is dt (0: the same) but where the step
+    changes; then x moves for dt.
     """
     kick = kick if kick > 0.0 else dt
     travel = foresee(state, x, v, f, inverse_mass, dt, kick)
@@ -381,11 +404,13 @@ def add_wall(state, x, v, f, inverse_mass, dt, kick=0.0):
         state.offset[i] = moved_offset(state.offset[i], gap, gap - dt * dot(moving, direction), kept)
         depth = state.offset[i] - gap
         pressed, rubbed = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        if depth > 0.0 and inverse_mass[n] > 0.0:
-            hold = state.stiffness / (inverse_mass[n] * kick)
-            pressed = scaled(direction, hold * depth / dt)
+        light = inverse_mass[n] * free_share(touch, i, direction)
+        if depth > 0.0 and light > 0.0:
+            force = state.stiffness / (light * kick) * depth / dt
+            pressed = scaled(direction, force)
             slide = plus(moving, -dot(moving, direction), direction)
-            rubbed = rubbing(slide, hold, state.coefficient * hold * depth / dt)
+            light = max(light, inverse_mass[n] * free_share(touch, i, along(slide)))
+            rubbed = rubbing(slide, state.stiffness / (light * kick), state.coefficient * force)
         put(touch.normal, i, pressed)
         put(touch.friction, i, rubbed)
         for c in range(3):

@@ -1,12 +1,14 @@
 """Nodes, hexahedra, sets and surfaces of an Abaqus input file (.inp).
 
 Read are ``*NODE``, ``*ELEMENT``, ``*NSET``, ``*ELSET`` (also ``GENERATE``), ``*SURFACE, TYPE=ELEMENT`` and the set of
-each ``*SOLID SECTION``; all else is passed over. A file of several parts or instances is refused, as its numbers have
-no meaning without their part; so is one that includes other files.
+each ``*SOLID SECTION``; all else is passed over. Parts are the sets of the solid sections; without those, the sets that
+hold each element once, be they named with the elements or on their own. A file of several parts or instances is
+refused, as its numbers have no meaning without their part; so is one that includes other files.
 """
 
 from __future__ import annotations
 
+import functools
 import re
 from array import array
 from collections.abc import Callable, Iterable, Iterator
@@ -43,6 +45,7 @@ class _Contents:
     quads: dict[str, array[int]] = field(default_factory=dict)
     node_sets: dict[str, list[str]] = field(default_factory=dict)
     element_sets: dict[str, list[str]] = field(default_factory=dict)
+    with_elements: dict[str, None] = field(default_factory=dict)
     surfaces: dict[str, list[str]] = field(default_factory=dict)
     sections: list[str] = field(default_factory=list)
     others: dict[str, int] = field(default_factory=dict)
@@ -142,6 +145,7 @@ def _elements(found: _Contents, options: Options, rows: Rows) -> None:
     if len(found.hexahedra) > 9 * LARGEST_COUNT:
         raise InputError("mesh.file", f"{len(found.hexahedra) // 9} hexahedra", f"at most {LARGEST_COUNT}")
     if name:
+        found.with_elements[name] = None
         found.element_sets.setdefault(name, []).extend(str(number) for number in numbers[::9])
 
 
@@ -222,18 +226,38 @@ class _Resolver:
         found = self.found
         sets = self._sets(found.element_sets, self.elements)
         nodes = self._sets(found.node_sets, self.nodes)
-        named = dict.fromkeys(found.sections) or [name for name in sets if not name.startswith("_")]
         spell = found.spelled
         return RawMesh(
             points=np.array(found.places).reshape(-1, 3),
             hexahedra=self.hexahedra.astype(np.int32),
-            parts={spell[name]: sets[name] for name in named if name in sets and len(sets[name])},
+            parts={spell[name]: sets[name] for name in self.parts(sets) if name in sets and len(sets[name])},
             quads={
                 **{spell[name]: self._shells(quads) for name, quads in found.quads.items() if name},
                 **{spell[name]: self._surface(name, sets) for name in found.surfaces},
             },
             node_sets={spell[name]: members for name, members in nodes.items() if not name.startswith("_")},
         )
+
+    def parts(self, sets: dict[str, Whole]) -> list[str]:
+        """Return the sets that are parts: those of solid sections, or the first choice that holds each element once.
+
+        Chosen from are the sets named with the elements, if several; those on their own of which no surface is made;
+        the one named with all elements; and all. Where none fits, sets that are only there for a surface are left out.
+        """
+        if self.found.sections:
+            return list(dict.fromkeys(self.found.sections))
+        of_surfaces = {row[0].upper() for rows in self.found.surfaces.values() for row in _words(rows) if row}
+        own = list(self.found.with_elements)
+        some = [name for name in sets if not name.startswith("_") and len(sets[name]) < len(self.hexahedra)]
+        alone = [name for name in some if name not in own and name not in of_surfaces]
+        choices = (own if len(own) > 1 else [], alone, own, some)
+        return next((names for names in choices if self._each_once(names, sets)), [*own, *alone])
+
+    def _each_once(self, names: list[str], sets: dict[str, Whole]) -> bool:
+        """Return whether each element is in one of the sets, and in one only."""
+        count = len(self.hexahedra)
+        members = [sets[name] for name in names]
+        return sum(map(len, members)) == count and len(np.unique(np.concatenate([[], *members]))) == count
 
     def _shells(self, quads: array[int]) -> Whole:
         return self.nodes.places(np.frombuffer(quads, np.int64).reshape(-1, 5)[:, 1:])
@@ -257,8 +281,9 @@ class _Resolver:
         return sets
 
     def _surface(self, name: str, sets: dict[str, Whole]) -> Whole:
-        """Return the faces of a surface: rows of a set or an element, and S1 to S6, or all that lie outside."""
+        """Return the faces of a surface: rows of a set or an element, and S1 to S6, or all that are exposed."""
         faces: list[Whole] = [np.empty((0, 4), np.int64)]
+        whole: list[Whole] = []
         for who, label in dict.fromkeys((row[0], (*row, "")[1]) for row in _words(self.found.surfaces[name]) if row):
             if who.isdecimal():
                 elements = self.elements.known(np.array([int(who)], np.int64))
@@ -268,13 +293,29 @@ class _Resolver:
                 raise InputError(f"mesh.file surface {name}", who, "an element or an element set", nearest(who, sets))
             hexahedra = self.hexahedra[elements]
             if not label:
-                faces.append(exterior_faces(hexahedra.astype(np.int32)).astype(np.int64))
+                whole.append(elements)
             elif re.fullmatch("S[1-6]", label.upper()):
                 faces.append(hexahedra[:, FACES[int(label[1]) - 1]])
             else:
                 raise InputError(f"mesh.file surface {name}", label, "a face from S1 to S6")
             self._spend(len(elements))
+        if whole:
+            faces.append(self._free_faces(np.unique(np.concatenate(whole))))
         return np.concatenate(faces)
+
+    def _free_faces(self, elements: Whole) -> Whole:
+        """Return the faces of elements that no other element of the model shares."""
+        faces = self.hexahedra[elements][:, FACES].reshape(-1, 4)
+        self._spend(len(self.outside))
+        keys = np.sort(np.concatenate([self.outside, faces]), axis=1)
+        _, number = np.unique(keys, axis=0, return_inverse=True)
+        ours, theirs = np.split(number.ravel(), [len(self.outside)])
+        return faces[np.isin(theirs, ours)]
+
+    @functools.cached_property
+    def outside(self) -> Whole:
+        """The exterior faces of the model."""
+        return exterior_faces(self.hexahedra.astype(np.int32)).astype(np.int64)
 
     def _spend(self, members: int) -> None:
         """Refuse a file whose sets would fill the memory."""

@@ -7,6 +7,7 @@ reactions are known to the rounding error.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -25,8 +26,10 @@ from strikewave.fem.model import (
     NonReflecting,
     Pressure,
     Symmetry,
+    Vector,
 )
 from strikewave.fem.solids import AnySolid
+from strikewave.fem.tie import TieState
 
 Flags = NDArray[np.bool_]
 FLAT = 1e-6
@@ -74,6 +77,12 @@ class Acting:
         """Write ``force`` and add it to ``now.f``."""
         raise NotImplementedError
 
+    def add_rest(self, now: Now) -> None:
+        """Add what it takes once more forces, of contact, have come."""
+        first = self.force.copy()
+        self.act(now)
+        self.force += first
+
     def done(self, v: Array, kick: float) -> tuple[float, float, float, float]:
         """Return work (J) and impulse (N s) of the step that led to the velocity v."""
         found: tuple[float, float, float, float] = kernels.booked(self.nodes, self.force, self.before, v, kick)
@@ -82,6 +91,18 @@ class Acting:
     def work_before(self, behind: float) -> float:
         """Return the part of it that lies before the instant itself, J; ``behind`` is the step before."""
         return float(0.5 * behind * np.einsum("ni,ni->", self.force, self.before))
+
+
+class Weight(Acting):
+    """Gravity on all nodes, of which each has its own mass (nodes,) here, that of tied ones too."""
+
+    def __init__(self, mass: Array, gravity: Vector) -> None:
+        super().__init__(np.arange(len(mass), dtype=np.int32))
+        self.force[:] = mass[:, None] * np.array(gravity)
+
+    def act(self, now: Now) -> None:
+        """Weigh."""
+        kernels.add_rows(self.nodes, self.force, now.f)
 
 
 class Held(Acting):
@@ -204,8 +225,14 @@ def _orthonormal(held: Array, new: Array) -> Array:
     return held
 
 
-def held_nodes(mesh: Mesh, boundaries: Sequence[Fixed | Symmetry | Guided], free: Flags) -> Held | None:
-    """Return all held nodes with their directions; ``free`` (nodes,) tells which nodes have a mass."""
+def held_nodes(mesh: Mesh, boundaries: Sequence[Fixed | Symmetry | Guided], ties: TieState) -> Held | None:
+    """Return all held nodes but tied ones with their directions.
+
+    Raises
+    ------
+    InputError
+        If a symmetry side is not flat, or a tied node is held where the face that it is tied to is not.
+    """
     found: dict[bytes, Array] = {b"": np.zeros((0, 3))}
     kind = np.zeros(len(mesh.points), np.int64)
     keys = [b""]
@@ -220,11 +247,23 @@ def held_nodes(mesh: Mesh, boundaries: Sequence[Fixed | Symmetry | Guided], free
                 found[key] = basis
                 keys.append(key)
             kind[nodes[before == old]] = keys.index(key)
-    nodes = np.flatnonzero((kind > 0) & free).astype(np.int32)
-    if not len(nodes):
-        return None
     table = np.array([np.vstack([found[key], np.zeros((3 - len(found[key]), 3))]) for key in keys])
-    return Held(nodes, table[kind[nodes]])
+    bases, corners = table[kind[ties.nodes]][:, None], table[kind[ties.corners]]
+    loose = np.abs(bases - bases @ (np.swapaxes(corners, 2, 3) @ corners)).max(axis=(2, 3), initial=0.0)
+    for boundary in boundaries:
+        _check_tied(boundary, nodes_named(mesh, boundary.side), ties, loose > PARALLEL)
+    kind[ties.nodes] = 0
+    nodes = np.flatnonzero(kind).astype(np.int32)
+    return Held(nodes, table[kind[nodes]]) if len(nodes) else None
+
+
+def _check_tied(boundary: Fixed | Symmetry | Guided | Driven, nodes: Index, ties: TieState, loose: Flags) -> None:
+    """Refuse tied nodes of a side that follow corners (tied nodes, 4) which are not held or driven as they are."""
+    wrong = np.isin(ties.nodes, nodes) & np.any(loose & (ties.shape > PARALLEL), axis=1)
+    if wrong.any():
+        got = f"{int(wrong.sum())} nodes of {boundary.side}, which are tied and follow another side"
+        hint = "hold or drive what they are tied to, or tie the other side onto this one"
+        raise InputError("boundary.side", got, "a side that is not tied", hint)
 
 
 def dashpots(
@@ -247,22 +286,38 @@ def dashpots(
     return Dashpots(nodes, matrix[nodes]) if len(nodes) else None
 
 
-def build_boundaries(model: Model, free: Flags) -> tuple[list[Acting], list[Held]]:
+def build_boundaries(model: Model, ties: TieState) -> tuple[list[Acting], list[Held]]:
     """Return the loads of a model (pressures, dashpots), which contact feels, and what holds it (driven, held nodes).
-
-    ``free`` (nodes,) tells which nodes have a mass of their own.
 
     Raises
     ------
     InputError
-        If a side is not there, a symmetry side is not flat, or a node is driven where it is held.
+        If a side is not there or tied, a symmetry side is not flat, or a node is driven twice or where it is held.
     """
     mesh = model.mesh
+    free = np.ones(len(mesh.points), bool)
+    free[ties.nodes] = False
     loads: list[Acting] = [Pressed(mesh.side(b.side), b.pressure) for b in model.boundaries if isinstance(b, Pressure)]
     quiet = dashpots(mesh, [b for b in model.boundaries if isinstance(b, NonReflecting)], model.solids, free)
-    held = held_nodes(mesh, [b for b in model.boundaries if isinstance(b, Fixed | Symmetry | Guided)], free)
-    driven = [_driven(mesh, b, held, free) for b in model.boundaries if isinstance(b, Driven)]
+    held = held_nodes(mesh, [b for b in model.boundaries if isinstance(b, Fixed | Symmetry | Guided)], ties)
+    moving = [b for b in model.boundaries if isinstance(b, Driven)]
+    _check_driven(mesh, moving, ties)
+    driven = [_driven(mesh, b, held, free) for b in moving]
     return [*loads, *([quiet] if quiet else [])], [*driven, *([held] if held else [])]
+
+
+def _check_driven(mesh: Mesh, boundaries: Sequence[Driven], ties: TieState) -> None:
+    """Refuse nodes that are driven twice, unless alike or across each other, and tied ones that follow other nodes."""
+    nodes = [nodes_named(mesh, each.side) for each in boundaries]
+    ways = [unit(each.direction, "boundary.direction") for each in boundaries]
+    kinds = [(each.direction, each.velocity) for each in boundaries]
+    alike = [[i for i, other in enumerate(kinds) if other == kind] for kind in kinds]
+    for i, j in itertools.combinations(range(len(boundaries)), 2):
+        if j not in alike[i] and abs(ways[i] @ ways[j]) > PARALLEL and np.isin(nodes[i], nodes[j]).any():
+            got = f"{boundaries[i].side} and {boundaries[j].side}, with common nodes"
+            raise InputError("boundary.side", got, "nodes driven once, or along directions at right angles")
+    for each, own, same in zip(boundaries, nodes, alike, strict=True):
+        _check_tied(each, own, ties, ~np.isin(ties.corners, np.concatenate([nodes[i] for i in same])))
 
 
 def _driven(mesh: Mesh, boundary: Driven, held: Held | None, free: Flags) -> Held:

@@ -11,6 +11,11 @@ checked against each other, p* the closest point of the face, n its normal there
     1/m* = 1/m_node + max(1/(mu A), sum N_i^2/m_i),
 
 A the node's share of the area of its surface, mu the mass of the face's nodes per area, N_i the shape functions at p*.
+The mass of a node is m/(1 - |H n|^2) where boundaries hold it along directions H: what counts is how easily it moves
+along n (for friction: along the sliding, where that is easier). They hold it before contact is found, so that f holds
+their forces, and take afterwards what contact presses onto them. The nodes of a rigid part share the mass of the body:
+`strikewave.fem.rigid.lightness`. Tied nodes count by their own mass.
+
 The node pushes the corners of the face back by N_i F: the sum of the forces is zero, and as F runs along x* - p* their
 moment is too, within F dt times the velocity that they have beside each other.
 
@@ -26,7 +31,8 @@ a steady force T.
 A node meets one face only, the closest. Behind a valley between two faces it is pressed towards the edge; beyond the
 rim of a surface its force fades away between 1/40 and 1/20 of the size of the face. Nodes deeper than half the element
 behind a face are not inside it. A node that came to be inside by another way than through the face, beside the rim say,
-is only kept from going deeper: pressed out of a depth that it never was pressed into it would gain energy.
+is only kept from going deeper: pressed out of a depth that it never was pressed into it would gain energy. So is one
+whose closest face is another at once, and much deeper: the far side of a squashed element.
 
 Where the step gets shorter the stiffness grows, and depths are made to shrink with dt so that they hold no more energy.
 
@@ -47,6 +53,7 @@ there would be without it).
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -58,7 +65,7 @@ from strikewave.fem import _surface_kernels as surface_kernels
 from strikewave.fem._contact_kernels import ContactState, Found, Touch, WallState
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Contact, Wall
-from strikewave.fem.surfaces import extents, neighbours, surface_of, thickness
+from strikewave.fem.surfaces import extents, have_common, neighbours, surface_of, thickness
 
 SHALLOW = 0.1
 """Share of a face's size by which surfaces may overlap before the blow: what a circle of 8 edges cuts off."""
@@ -127,6 +134,34 @@ def prepare(contact: Contact, mesh: Mesh, unchecked: Sequence[int] | Index = ())
     state.found.offset[:] = gaps
     state.touch.step[0] = 0.0
     return state
+
+
+def prepare_all(
+    contacts: Sequence[Contact], mesh: Mesh, unchecked: Sequence[int] | Index = ()
+) -> dict[str, ContactState]:
+    """Return all contacts of a run by name, as `prepare` does.
+
+    Raises
+    ------
+    InputError
+        If two contacts press the same faces on each other, or one cannot be prepared.
+    """
+    for one, other in itertools.combinations(contacts, 2):
+        for pair in ((other.first, other.second), (other.second, other.first)):
+            if all(have_common(mesh.side(a), mesh.side(b)) for a, b in zip((one.first, one.second), pair, strict=True)):
+                raise InputError(
+                    f"contact {other.name}",
+                    f"faces that meet already in {one.name}",
+                    "each two faces in one contact",
+                    "together they would be twice as stiff: leave one of them out",
+                )
+    return {contact.name: prepare(contact, mesh, unchecked) for contact in contacts}
+
+
+def note_held(touch: Touch, nodes: Index, directions: Array) -> None:
+    """Note that boundaries hold nodes along directions, up to three orthonormal ones (nodes, 3, 3), others zeros."""
+    _, here, there = np.intersect1d(touch.nodes, nodes, assume_unique=True, return_indices=True)
+    touch.held[here] += np.einsum("nki,nkj->nij", directions[there], directions[there])
 
 
 def two_surfaces(contact: Contact, mesh: Mesh) -> ContactState:
@@ -206,8 +241,10 @@ def searched(state: ContactState, points: Array, reach: float = _REACH) -> Conta
     return state._replace(start=start, candidates=candidates)
 
 
-def prepare_wall(wall: Wall, mesh: Mesh) -> WallState:
+def prepare_wall(wall: Wall, mesh: Mesh, unchecked: Sequence[int] | Index = ()) -> WallState:
     """Return a wall ready for the first step of a run that starts from the points of the mesh.
+
+    It is not there for nodes that are ``unchecked`` (tied ones).
 
     Raises
     ------
@@ -220,14 +257,15 @@ def prepare_wall(wall: Wall, mesh: Mesh) -> WallState:
     if not 0.0 <= wall.friction < np.inf:
         raise InputError(f"wall {wall.name}.friction", wall.friction, "at least 0")
     surface = surface_of(mesh.side(wall.side))
+    nodes = np.setdiff1d(surface.nodes, unchecked)
     direction = np.array(wall.normal) / length
-    gaps = (mesh.points[surface.nodes] - np.array(wall.point)) @ direction
-    size = extents(mesh.points[surface.nodes], surface.faces).size
-    overlap = _overlap(wall.name, surface.nodes, gaps, mesh.points, np.full(len(gaps), float(np.median(size))))
+    gaps = (mesh.points[nodes] - np.array(wall.point)) @ direction
+    now = extents(mesh.points[surface.nodes], surface.faces)
+    overlap = _overlap(wall.name, nodes, gaps, mesh.points, np.full(len(gaps), float(np.median(now.size))))
     if overlap is not None and overlap.deepest > SHALLOW * overlap.size:
         raise _too_deep(overlap, mesh)
     return WallState(
-        _touch(surface.nodes, len(surface.nodes), np.zeros(len(surface.nodes))),
+        _touch(nodes.astype(np.int32), len(nodes), now.area[np.isin(surface.nodes, nodes)]),
         np.minimum(gaps, 0.0),
         np.array(wall.point, float),
         direction,
@@ -261,7 +299,7 @@ def _check(contact: Contact) -> None:
 
 def _touch(nodes: Index, first: int, area: Array) -> Touch:
     velocity, normal, friction = np.zeros((3, len(nodes), 3))
-    return Touch(nodes, first, area, velocity, normal, friction, np.zeros(1))
+    return Touch(nodes, first, area, np.zeros((len(nodes), 3, 3)), velocity, normal, friction, np.zeros(1))
 
 
 def _gaps_now(state: ContactState, points: Array) -> Array:

@@ -10,17 +10,19 @@ from typing import Any
 
 import numpy as np
 
+from strikewave._version import __version__
 from strikewave.errors import InputError
 from strikewave.fem import _node_kernels as node_kernels
 from strikewave.fem._contact_kernels import Touch
-from strikewave.fem.boundary import Acting, Held, Now, build_boundaries
+from strikewave.fem.boundary import Acting, Now, Weight, build_boundaries
 from strikewave.fem.contact import (
     add_contact,
     add_wall,
     contact_force,
     contact_work,
     initial_overlaps,
-    prepare,
+    note_held,
+    prepare_all,
     prepare_wall,
     searched,
 )
@@ -37,10 +39,10 @@ from strikewave.fem.hexahedron import (
 )
 from strikewave.fem.mesh import Array, Index, Mesh, volumes
 from strikewave.fem.model import Model
-from strikewave.fem.recorder import Motion, Recorder
-from strikewave.fem.rigid import RigidBody
+from strikewave.fem.recorder import Motion, Recorder, assembly, pressed
+from strikewave.fem.rigid import lightness, rigid_bodies
 from strikewave.fem.run import FemRun, Frame
-from strikewave.fem.tie import TieState, gather_mass, gather_tied_forces, move_tied, prepare_ties
+from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties
 
 NODES = 20_000
 """Nodes that a thread moves at least."""
@@ -92,16 +94,18 @@ class Engine:
         gather_tied_forces(self.ties, momentum)
         self.v = momentum * self.inverse_mass[:, None]
         move_tied(self.ties, self.v)
-        self.loads, self.holds = build_boundaries(model, free)
-        self.bodies = rigid_bodies(model, self.mass, self.ties, self.holds)
-        self.acting: list[Acting] = [*self.loads, *self.holds, *self.bodies]
-        self.contacts = {c.name: prepare(c, mesh, self.ties.nodes) for c in model.contacts}
-        self.walls = {w.name: prepare_wall(w, mesh) for w in model.walls}
+        self.weight = [Weight(self.own_mass, model.gravity)] if any(model.gravity) else []
+        self.loads, self.holds = build_boundaries(model, self.ties)
+        self.bodies = rigid_bodies(model, self.mass, self.ties, [hold.nodes for hold in self.holds])
+        self.acting: list[Acting] = [*self.weight, *self.loads, *self.holds, *self.bodies]
+        self.contacts = prepare_all(model.contacts, mesh, self.ties.nodes)
+        self.walls = {w.name: prepare_wall(w, mesh, self.ties.nodes) for w in model.walls}
+        for touch, hold in itertools.product(self.touching.values(), self.holds):
+            note_held(touch, hold.nodes, hold.directions)
         self.overlaps = initial_overlaps([*self.contacts.items(), *self.walls.items()], mesh.points)
-        self.yielding = movable(self.inverse_mass, self.holds)
+        self.yielding = self._movable()
         shares = {name: part_masses(model.mesh, element_mass, name) for name in mesh.names}
         self.recorder = Recorder(model, self.own_mass, shares)
-        self.gravity = np.array(model.gravity, float)
         self.time, self.instant, self.steps, self.behind = 0.0, 0, 0, 0.0
         self.collapse = COLLAPSED * self.critical
         self.smallest = np.inf
@@ -122,7 +126,7 @@ class Engine:
         rest = (model.mesh.names, sorted(model.solids.items()), sorted(model.velocity.items()), model.gravity)
         parts = (model.boundaries, model.contacts, model.ties, model.walls, model.rigid, model.sections, model.points)
         controls = {key: value for key, value in vars(model.controls).items() if key not in ("threads", "duration")}
-        digest.update(repr((rest, parts, controls)).encode())
+        digest.update(repr((__version__, rest, parts, controls)).encode())
         return digest.hexdigest()
 
     @property
@@ -131,23 +135,35 @@ class Engine:
         found = {name: state.touch for name, state in self.contacts.items()}
         return found | {name: wall.touch for name, wall in self.walls.items()}
 
+    def _movable(self) -> Array:
+        """Return inverse masses as contact meets the nodes: tied ones alone, rigid ones as parts of a body."""
+        found = self.inverse_mass.copy()
+        found[self.ties.nodes] = 1.0 / self.own_mass[self.ties.nodes]
+        for rigid, body in zip(self.model.rigid, self.bodies, strict=True):
+            found[body.nodes] = lightness(body, self.model.mesh, rigid.part)
+        return found
+
     def act(self) -> None:
         """Add to the forces of the elements at t_n all others."""
         self.kick = 0.5 * (self.behind + self.ahead)
         now = Now(self.time, self.kick, self.ahead, self.x, self.v, self.f, self.mass)
-        if self.gravity.any():
-            self.f += self.own_mass[:, None] * self.gravity
+        for weight in self.weight:
+            weight.add(now)
         gather_tied_forces(self.ties, self.f)
         for load in self.loads:
             load.add(now)
+        for hold in self.holds:
+            hold.add(now)
         for name, state in self.contacts.items():
             if add_contact(state, self.x, self.v, self.f, self.yielding, self.ahead, self.kick):
                 self.contacts[name] = searched(state, self.x)
         for wall in self.walls.values():
             add_wall(wall, self.x, self.v, self.f, self.yielding, self.ahead, self.kick)
         gather_tied_forces(self.ties, self.f)
-        for each in (*self.holds, *self.bodies):
-            each.add(now)
+        for hold in self.holds:
+            hold.add_rest(now)
+        for body in self.bodies:
+            body.add(now)
 
     def step(self) -> None:
         """Move the nodes to t_(n+1), book what the forces did, and find the forces of the elements there."""
@@ -178,19 +194,33 @@ class Engine:
             if name in self.walls:
                 self.given += impulse
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether the elements allow another step."""
+        return self.critical >= self.collapse
+
     def to_next_instant(self) -> None:
-        """Take steps up to the next instant of the histories; the forces there are those of `act` once it is called."""
-        end = (self.instant + 1) * self.interval
+        """Take steps up to the next instant of the histories; the forces there are those of `act` once it is called.
+
+        Where no further step is possible, what came so far is the next instant.
+        """
+        self.instant += 1
         while True:
             self.step()
-            left = end - self.time
-            if left < 0.5 * self.ahead or np.isnan(self.critical) or self.critical < self.collapse:
-                break
+            left = self.instant * self.interval - self.time
+            if left < 0.5 * self.ahead:
+                self.begin_interval()
+                return
+            if not self.goes_on:
+                return
             if self.ahead > self.model.controls.safety * self.critical:
                 self.ahead = self._fitting(left)
             self.act()
-        self.time, self.instant = end, self.instant + 1
-        if self.critical > self.collapse:
+
+    def begin_interval(self) -> None:
+        """Stand exactly at the instant, and choose the step from there on."""
+        self.time = self.instant * self.interval
+        if self.goes_on:
             self.ahead = self._fitting(self.interval)
 
     def _fitting(self, span: float) -> float:
@@ -211,7 +241,6 @@ class Engine:
         behind = self.behind
         kinetic = 0.5 * node_kernels.doubled_kinetic(self.v, self.f, self.mass, self.inverse_mass, behind, self.ahead)
         external = self.done["external"] + sum(each.work_before(behind) for each in self.acting)
-        fallen = float(self.gravity @ (self.own_mass @ motion.displacement))
         contact = self.done["contact"] + sum(_work_before(touch, behind) for touch in self.touching.values())
         force = {name: np.array(contact_force(touch)) for name, touch in self.touching.items()}
         given = self.given + 0.5 * behind * sum((each.force.sum(axis=0) for each in self.acting), np.zeros(3))
@@ -223,12 +252,13 @@ class Engine:
             "hourglass": hourglass,
             "contact": contact,
             "viscous": viscous,
-            "external": external + fallen,
+            "external": external,
         }
-        sums: dict[str, Any] = {**energies, "given": given + self.time * self.own_mass.sum() * self.gravity}
+        sums: dict[str, Any] = {**energies, "given": given}
         for name in force:
             sums[f"force/{name}"] = force[name]
             sums[f"impulse/{name}"] = self.impulse[name] + 0.5 * behind * force[name]
+            sums[f"pressed/{name}"] = pressed(self.touching[name])
         self.recorder.note(self.time, motion, self.solid.cell_values(self.elements), sums)
         return self._broken(energies)
 
@@ -276,6 +306,7 @@ class Engine:
             energy=noted.energy(),
             initial_energy=self.initial_energy,
             parts=noted.part_histories(),
+            groups={name: assembly(noted.part_histories(), parts) for name, parts in self.model.groups.items()},
             points=noted.point_histories(),
             sections=noted.section_histories(),
             momentum=noted.column("momentum"),
@@ -290,6 +321,7 @@ class Engine:
             von_mises=noted.largest("von_mises"),
             plastic_strain=noted.largest("plastic_strain"),
             overlaps=tuple(self.overlaps),
+            pressed={name: noted.column(f"pressed/{name}") for name in names},
         )
 
 
@@ -324,35 +356,6 @@ def build_elements(model: Model, parts: Iterable[str], mass: Array, pool: Thread
 def nodal_sums(hexahedra: Index, values: Array, nodes: int) -> Array:
     """Return the sum of a value of elements over those of each node, (nodes,)."""
     return np.asarray(np.bincount(hexahedra.ravel(), np.repeat(values, 8), nodes), float)
-
-
-def movable(inverse_mass: Array, holds: Iterable[Held]) -> Array:
-    """Return inverse masses for contact: 0 for nodes that are driven, or held in all directions."""
-    found = inverse_mass.copy()
-    for hold in holds:
-        still = np.all(np.any(hold.directions, axis=2), axis=1) | (hold.speed is not None)
-        found[hold.nodes[still]] = 0.0
-    return found
-
-
-def rigid_bodies(model: Model, mass: Array, ties: TieState, holds: Iterable[Held]) -> list[RigidBody]:
-    """Return the rigid parts.
-
-    Raises
-    ------
-    InputError
-        If a node of one is tied, held or driven.
-    """
-    bodies = []
-    for rigid in model.rigid:
-        body = RigidBody(model.mesh, rigid, mass, np.array(model.velocity.get(rigid.part, (0.0, 0.0, 0.0))))
-        if np.isin(body.nodes, [*ties.nodes, *ties.corners.ravel()]).any():
-            raise InputError(f"rigid {rigid.part}", "tied nodes", "no tie on a rigid part", "make both parts one")
-        if any(np.isin(body.nodes, hold.nodes).any() for hold in holds):
-            hint = "say how it may move by its freedoms instead (rigid), or drive a part that deforms"
-            raise InputError(f"rigid {rigid.part}", "held or driven nodes", "no boundary that holds a rigid part", hint)
-        bodies.append(body)
-    return bodies
 
 
 def scaled_masses(model: Model, parts: Iterable[str]) -> tuple[Array, float, float]:

@@ -1,7 +1,7 @@
 """Meshes from files: gmsh (.msh) and VTK (.vtk, .vtu) through meshio, Abaqus (.inp) by `strikewave.fem.abaqus`.
 
-Parts are gmsh's physical volumes, Abaqus' element sets (those of its solid sections, where it has any) or the numbers
-of VTK cell data; sides are physical surfaces, element surfaces, groups of quadrilaterals and node sets.
+Parts are gmsh's physical volumes, Abaqus' element sets (see `strikewave.fem.abaqus`) or the numbers of VTK cell data;
+sides are physical surfaces, element surfaces, groups of quadrilaterals and node sets.
 """
 
 from __future__ import annotations

@@ -93,7 +93,7 @@ class PartMeasure:
     velocity_change : float
         Largest change of momentum over mass, m/s.
     von_mises, plastic_strain : float
-        Largest of its elements at the instants of the histories, Pa and 1; NaN for a rigid part.
+        Largest of its elements at the instants of the histories, Pa and 1; NaN for a rigid part or a group.
     """
 
     mass: float
@@ -140,8 +140,9 @@ def mean_force(run: FemRun, name: str) -> Array:
 
 
 def mean_acceleration(run: FemRun, name: str) -> Array:
-    """Return the mean rigid-body acceleration of a part over each interval, m/s^2, (instants - 1, 3)."""
-    return interval_means(run.parts[name].velocity, run.time)
+    """Return the mean rigid-body acceleration of a part or group over each interval, m/s^2, (instants - 1, 3)."""
+    part = run.parts[name] if name in run.parts else run.groups[name]
+    return interval_means(part.velocity, run.time)
 
 
 def contact_measure(run: FemRun, name: str) -> ContactMeasure | None:
@@ -182,18 +183,22 @@ def _ends(values: Array, time: Array, first: int, last: int) -> tuple[float, flo
     return float(time[0]) if math.isnan(begin) else start, over
 
 
-def part_measure(run: FemRun, name: str) -> PartMeasure:
-    """Measure the blow that a part took, zeros where its velocity does not change, and what its elements bore."""
-    part = run.parts[name]
+def part_measure(run: FemRun, name: str, free: Array | None = None) -> PartMeasure:
+    """Measure the blow that a part or group took, zeros where its velocity does not change, and what a part bore.
+
+    Of a sector, ``free`` (3, 3) projects onto its planes of symmetry: its momentum across them is none of the body's.
+    """
+    part = run.parts[name] if name in run.parts else run.groups[name]
     bore = [float(most[name].max()) if name in most else math.nan for most in (run.von_mises, run.plastic_strain)]
-    change = part.velocity - part.velocity[0]
+    free = np.eye(3) if free is None else free
+    change = (part.velocity - part.velocity[0]) @ free
     size = np.linalg.norm(change, axis=1)
     scale = max((float(np.abs(other.velocity).max()) for other in run.parts.values()), default=0.0)
     if not float(size.max()) > STILL * scale:
         return PartMeasure(part.mass, (0.0, 0.0, 0.0), 0.0, math.nan, 0.0, *bore)
     way = near_axis(change[int(np.argmax(size))])
     x, y, z = (float(component) for component in way)
-    along = mean_acceleration(run, name) @ way
+    along = mean_acceleration(run, name) @ free @ way
     at = int(np.argmax(along))
     begin, end = _ends(along, run.time, at, at)
     return PartMeasure(part.mass, (x, y, z), float(along[at]), end - begin, float((change @ way).max()), *bore)

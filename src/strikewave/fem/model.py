@@ -5,6 +5,7 @@ A side is named ``part.side``, as in `Mesh.side`; ``part.all`` are all exterior 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -164,7 +165,8 @@ class Controls:
     Parameters
     ----------
     duration, interval : float
-        s: length of the run, and of the step of its histories.
+        s: length of the run, and of the step of its histories; the run ends with the first step that is not before
+        the duration.
     safety : float
         Share of the critical time step.
     hourglass : float
@@ -189,6 +191,11 @@ class Controls:
     least_step: float = 0.0
     threads: int = 1
 
+    @property
+    def intervals(self) -> int:
+        """Steps of the histories."""
+        return max(1, math.ceil(self.duration / self.interval - 1e-9))
+
 
 @dataclass(frozen=True)
 class Model:
@@ -205,6 +212,8 @@ class Model:
     gravity : vector
         m/s^2.
     boundaries, contacts, ties, walls, rigid, sections, points : tuple
+    groups : mapping of str to tuple of str
+        Parts whose motion is told as that of one body too.
     """
 
     mesh: Mesh
@@ -219,3 +228,4 @@ class Model:
     rigid: tuple[Rigid, ...] = ()
     sections: tuple[Section, ...] = ()
     points: tuple[Point, ...] = ()
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

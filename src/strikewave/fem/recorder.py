@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from strikewave.errors import InputError
+from strikewave.fem._contact_kernels import Touch
 from strikewave.fem.boundary import unit
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.mesh import Array, Index, Mesh, volumes
@@ -100,6 +101,30 @@ class Recorder:
             _, speed, rate = np.moveaxis(self.column(f"section/{name}"), 1, 0)
             found[name] = SectionHistory(len(elements), self.column(f"stress/{name}"), speed, rate)
         return found
+
+
+def assembly(parts: Mapping[str, PartHistory], names: Sequence[str]) -> PartHistory:
+    """Return the motion of some parts as one body: sums of momentum over the sum of their masses."""
+    mass = np.array([parts[name].mass for name in names])
+    velocity, rate, moved = (
+        np.tensordot(mass / mass.sum(), np.array([getattr(parts[name], what) for name in names]), axes=1)
+        for what in ("velocity", "acceleration", "displacement")
+    )
+    return PartHistory(float(mass.sum()), velocity, rate, moved)
+
+
+def pressed(touch: Touch) -> Array:
+    """Return how much of each surface is pressed: its share by area, and the area over that of a face, (surfaces, 2).
+
+    A wall has one surface, a contact two.
+    """
+    rows, under = [], np.any(touch.normal != 0.0, axis=1)
+    for side in (slice(None, touch.first), slice(touch.first, None)):
+        area, own = touch.area[side], under[side]
+        if len(area):
+            found = float(area[own].sum())
+            rows.append([found / float(area.sum()), found / float(area[own].max(initial=1e-300))])
+    return np.array(rows)
 
 
 def section_elements(mesh: Mesh, section: Section) -> tuple[Index, Array]:

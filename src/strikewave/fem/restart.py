@@ -1,4 +1,8 @@
-"""The state of a run on disk, to go on from: HDF5, written beside the old one and renamed."""
+"""The state of a run on disk, to go on from: HDF5, written beside the old one and renamed.
+
+What the model itself fixes is never kept. A file is read as one by a stranger: names, shapes and types are compared
+with those of the model before anything is read, and what numbers point to has to be there.
+"""
 
 from __future__ import annotations
 
@@ -10,72 +14,61 @@ from typing import Any
 import numpy as np
 
 from strikewave.errors import InputError
+from strikewave.fem._contact_kernels import ContactState, Found
 from strikewave.fem.engine import Engine
 
 LARGEST = 40_000_000_000
 """Bytes of a restart file at most."""
-NUMBERS = ("time", "instant", "steps", "behind", "ahead", "critical", "smallest")
+NUMBERS = ("instant", "steps", "behind", "critical", "smallest")
 ARRAYS = ("x", "v", "f", "given")
 BODY = ("centre", "velocity", "spin", "turned")
+TOUCH = ("area", "velocity", "normal", "friction", "step")
+SEARCHED = ("start", "candidates")
+SURFACE = (*SEARCHED, "size", "radius", "place", "moving", "lightness", "travel", "offset")
 
 
 def state_of(engine: Engine) -> dict[str, np.ndarray]:
     """Return everything that changes in a run, by name, as it is before the forces of an instant are found."""
-    found: dict[str, Any] = {name: getattr(engine, name) for name in (*NUMBERS, *ARRAYS)}
-    for k, elements in enumerate(engine.solid.kinds):
-        found |= {f"elements/{k}/state": elements.blocks.state, f"elements/{k}/sums": elements.sums}
+    found: dict[str, Any] = {name: getattr(engine, name) for name in NUMBERS} | dict(_arrays(engine))
     found |= {f"done/{name}": value for name, value in engine.done.items()}
-    found |= {f"impulse/{name}": value for name, value in engine.impulse.items()}
-    for kind, touching in (("contact", engine.contacts), ("wall", engine.walls)):
-        for name, state in touching.items():
-            found |= {f"{kind}/{name}/{path}": value for path, value in _leaves(state)}
-    for k, body in enumerate(engine.bodies):
-        found |= {f"body/{k}/{name}": getattr(body, name) for name in BODY}
+    for name, state in engine.contacts.items():
+        found |= {f"contact/{name}/{field}": getattr(state, field) for field in SEARCHED}
     found |= {f"row/{name}": np.array(column) for name, column in engine.recorder.rows.items()}
     return {name: np.asarray(value) for name, value in found.items()}
+
+
+def _arrays(engine: Engine) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the arrays that keep their shape in a run, each with its name."""
+    yield from ((name, getattr(engine, name)) for name in ARRAYS)
+    yield from ((f"impulse/{name}", value) for name, value in engine.impulse.items())
+    for k, elements in enumerate(engine.solid.kinds):
+        yield from ((f"elements/{k}/state", elements.blocks.state), (f"elements/{k}/sums", elements.sums))
+    for k, body in enumerate(engine.bodies):
+        yield from ((f"body/{k}/{name}", getattr(body, name)) for name in BODY)
+    for kind, touching in (("contact", engine.contacts), ("wall", engine.walls)):
+        for name, state in touching.items():
+            yield from ((f"{kind}/{name}/{path}", value) for path, value in _surface(state))
+
+
+def _surface(state: Any) -> Iterator[tuple[str, np.ndarray]]:
+    yield from ((f"touch/{name}", getattr(state.touch, name)) for name in TOUCH)
+    yield from ((name, getattr(state, name)) for name in SURFACE if name in state._fields and name not in SEARCHED)
+    if isinstance(state, ContactState):
+        yield from ((f"found/{name}", getattr(state.found, name)) for name in Found._fields)
 
 
 def put_back(engine: Engine, found: Mapping[str, np.ndarray]) -> None:
     """Bring an engine of the same model to a state."""
     for name in NUMBERS:
         setattr(engine, name, type(getattr(engine, name))(found[name]))
-    for name in ARRAYS:
-        getattr(engine, name)[:] = found[name]
-    for k, elements in enumerate(engine.solid.kinds):
-        elements.blocks.state[:], elements.sums[:] = found[f"elements/{k}/state"], found[f"elements/{k}/sums"]
+    for name, value in _arrays(engine):
+        value[...] = found[name]
     engine.done = {name: float(found[f"done/{name}"]) for name in engine.done}
-    engine.impulse = {name: found[f"impulse/{name}"] for name in engine.impulse}
-    for kind, touching in (("contact", engine.contacts), ("wall", engine.walls)):
-        for name, state in touching.items():
-            touching[name] = _rebuilt(state, found, f"{kind}/{name}")
-    for k, body in enumerate(engine.bodies):
-        for name in BODY:
-            setattr(body, name, found[f"body/{k}/{name}"])
-    rows = {name.removeprefix("row/"): value for name, value in found.items() if name.startswith("row/")}
-    engine.recorder.rows = {name: list(value) for name, value in rows.items()}
-
-
-def _leaves(state: Any) -> Iterator[tuple[str, Any]]:
-    for name in state._fields:
-        value = getattr(state, name)
-        if hasattr(value, "_fields"):
-            yield from ((f"{name}/{path}", leaf) for path, leaf in _leaves(value))
-        else:
-            yield name, value
-
-
-def _rebuilt(state: Any, found: Mapping[str, np.ndarray], path: str) -> Any:
-    """Return a named tuple of arrays and numbers as it was kept."""
-    new = {}
-    for name in state._fields:
-        value = getattr(state, name)
-        if hasattr(value, "_fields"):
-            new[name] = _rebuilt(value, found, f"{path}/{name}")
-        elif isinstance(value, np.ndarray):
-            new[name] = found[f"{path}/{name}"].astype(value.dtype, copy=False)
-        else:
-            new[name] = type(value)(found[f"{path}/{name}"])
-    return state._replace(**new)
+    for name, state in engine.contacts.items():
+        start, candidates = (found[f"contact/{name}/{field}"] for field in SEARCHED)
+        engine.contacts[name] = state._replace(start=start, candidates=candidates)
+    engine.recorder.rows = {name: list(found[f"row/{name}"]) for name in engine.recorder.rows}
+    engine.begin_interval()
 
 
 def write_restart(path: Path, engine: Engine) -> None:
@@ -91,7 +84,7 @@ def write_restart(path: Path, engine: Engine) -> None:
 
 
 def read_restart(path: Path, engine: Engine) -> None:
-    """Bring an engine to the state that a file keeps.
+    """Bring an engine that has not begun to the state that a file keeps.
 
     Raises
     ------
@@ -106,16 +99,55 @@ def read_restart(path: Path, engine: Engine) -> None:
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("fingerprint") != engine.fingerprint:
-                raise InputError("restart", str(path), allowed, "the case has changed since: run without it")
-            found: dict[str, np.ndarray] = {}
-            file.visititems(lambda name, item: _take(found, name, item))
-        put_back(engine, found)
-    except (OSError, KeyError, TypeError, ValueError) as error:
+                raise InputError("restart", str(path), allowed, "the case or strikewave has changed: run without it")
+            found = _read(file, engine, path.stat().st_size)
+        _check(engine, found)
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError, MemoryError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError("restart", str(path), allowed, f"it is damaged ({error}): run without it") from None
+    put_back(engine, found)
 
 
-def _take(found: dict[str, np.ndarray], name: str, item: Any) -> None:
-    if hasattr(item, "shape"):
-        found[name] = np.asarray(item[()])
+def _read(file: Any, engine: Engine, most: int) -> dict[str, np.ndarray]:
+    """Return the numbers of a file, if it holds those of the engine, which notes a row, and no others."""
+    engine.act()
+    engine.record()
+    items: dict[str, Any] = {}
+    file.visititems(lambda name, item: items.update({name: item}) if hasattr(item, "shape") else None)
+    wanted = state_of(engine)
+    if items.keys() != wanted.keys():
+        raise ValueError(f"{min(items.keys() ^ wanted.keys())} is missing or unknown")
+    rows = 0
+    for name in sorted(wanted, key=lambda name: name != "instant"):
+        item, like = items[name], wanted[name]
+        shape = (rows, *like.shape[1:]) if name.startswith("row/") else like.shape
+        if name.startswith("contact/") and name.endswith("/candidates"):
+            shape = item.shape[:1]
+        plain = item.chunks is None and item.external is None and item.id.get_storage_size() == item.nbytes <= most
+        if not (plain and item.dtype == like.dtype and item.shape == shape):
+            raise ValueError(f"{name} has another shape or type")
+        if name == "instant":
+            rows = int(item[()])
+            _need("instant", 0 <= rows <= engine.model.controls.intervals)
+    return {name: np.asarray(item[()]) for name, item in items.items()}
+
+
+def _check(engine: Engine, found: Mapping[str, np.ndarray]) -> None:
+    """Check what a run would not survive: numbers that end, steps without end, faces that are not there."""
+    for name in (*ARRAYS, *(name for name in found if name.startswith("body/"))):
+        _need(name, bool(np.all(np.isfinite(found[name]))))
+    for name in ("behind", "smallest"):
+        _need(name, 0.0 < float(found[name]) <= engine.interval)
+    _need("steps", int(found["steps"]) >= int(found["instant"]))
+    _need("critical", float(found["critical"]) >= engine.collapse)
+    for name, state in engine.contacts.items():
+        start, candidates, face = (found[f"contact/{name}/{each}"] for each in (*SEARCHED, "found/face"))
+        _need(f"{name}: start", start[0] == 0 and start[-1] == len(candidates) and bool(np.all(np.diff(start) >= 0)))
+        for faces, least in ((candidates, 0), (face, -1)):
+            _need(f"{name}: faces", bool(np.all((faces >= least) & (faces < len(state.faces)))))
+
+
+def _need(name: str, good: bool) -> None:
+    if not good:
+        raise ValueError(f"{name} is out of range")

@@ -7,12 +7,19 @@ J^-1 L with the inertia J at its middle.
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
+
 import numpy as np
+from scipy.linalg import block_diag, eigvalsh
 from scipy.spatial.transform import Rotation
 
+from strikewave.errors import InputError
 from strikewave.fem.boundary import Acting, Now
-from strikewave.fem.mesh import Array, Mesh
-from strikewave.fem.model import Rigid
+from strikewave.fem.mesh import Array, Index, Mesh
+from strikewave.fem.model import Model, Rigid
+from strikewave.fem.surfaces import extents, surface_of
+from strikewave.fem.tie import TieState
 
 
 class RigidBody(Acting):
@@ -59,3 +66,64 @@ class RigidBody(Acting):
             inertia = turned @ self.inertia @ turned.T
             rate[free] = np.linalg.solve(inertia[np.ix_(free, free)], self.spin[free])
         return rate
+
+
+def lightness(body: RigidBody, mesh: Mesh, part: str) -> Array:
+    """Return inverse masses of a rigid part's nodes that move under any contact at least as easily as the body, 1/kg.
+
+    Forces f at nodes i with arms r_i move the body by K^-1 sum R_i^T f_i, R_i = (1, -r_i x), K = diag(M, J), and node j
+    by R_j of that. Free masses A_i/a in place of the nodes, A_i their shares of the surface, move more under any forces
+    where a is at least the largest eigenvalue of K^-1 sum A_i R_i^T R_i. With an even pressure on a body that cannot
+    turn they move alike: together they weigh M. A body without freedoms has a = 0.
+    """
+    surface = surface_of(mesh.side(f"{part}.all"))
+    place = np.searchsorted(body.nodes, surface.nodes)
+    area = extents(mesh.points[surface.nodes], surface.faces).area
+    modes = np.zeros((len(place), 3, 6))
+    modes[:, :, :3] = np.eye(3)
+    modes[:, :, 3:] = np.cross(body.arms[place, None, :], np.eye(3))
+    spread = np.einsum("n,nci,ncj->ij", area, modes, modes)
+    masses = block_diag(body.mass * np.eye(3), body.inertia)
+    free = np.flatnonzero([*body.moves, *body.turns])
+    pick = np.ix_(free, free)
+    most = eigvalsh(spread[pick], masses[pick])[-1] if len(free) else 0.0
+    found = np.zeros(len(body.nodes))
+    found[place] = most / area
+    return found
+
+
+def rigid_bodies(model: Model, mass: Array, ties: TieState, held: Sequence[Index]) -> list[RigidBody]:
+    """Return the rigid parts; ``mass`` (nodes,) is that of the nodes, ``held`` the nodes that are held or driven.
+
+    Raises
+    ------
+    InputError
+        If a node of one is tied, held, driven or that of another, or two rigid surfaces may touch.
+    """
+    speeds = [np.array(model.velocity.get(rigid.part, (0.0, 0.0, 0.0))) for rigid in model.rigid]
+    bodies = [RigidBody(model.mesh, rigid, mass, speed) for rigid, speed in zip(model.rigid, speeds, strict=True)]
+    tied = np.concatenate([ties.nodes, ties.corners.ravel()])
+    for rigid, body in zip(model.rigid, bodies, strict=True):
+        if np.isin(body.nodes, tied).any():
+            raise InputError(f"rigid {rigid.part}", "tied nodes", "no tie on a rigid part", "make both parts one")
+        if any(np.isin(body.nodes, nodes).any() for nodes in held):
+            hint = "say how it may move by its freedoms instead (rigid), or drive a part that deforms"
+            raise InputError(f"rigid {rigid.part}", "held or driven nodes", "no boundary that holds a rigid part", hint)
+    for (one, first), (other, second) in itertools.combinations(zip(model.rigid, bodies, strict=True), 2):
+        if np.isin(first.nodes, second.nodes).any():
+            got = f"common nodes with rigid {other.part}"
+            raise InputError(f"rigid {one.part}", got, "nodes of its own for each rigid part", "make both one part")
+    _check_surfaces(model, bodies)
+    return bodies
+
+
+def _check_surfaces(model: Model, bodies: Sequence[RigidBody]) -> None:
+    """Refuse contact of rigid surfaces with each other and with walls: no elasticity bounds its force."""
+    rigid = np.zeros(len(model.mesh.points), bool)
+    for body in bodies:
+        rigid[body.nodes] = True
+    pairs = [(f"contact {each.name}", (each.first, each.second)) for each in model.contacts]
+    for field, sides in (*pairs, *((f"wall {each.name}", (each.side,)) for each in model.walls)):
+        if all(rigid[model.mesh.side(side)].all() for side in sides):
+            hint = "let a part deform, or lock the freedoms of the rigid part in place of a wall"
+            raise InputError(field, "rigid on rigid", "at least one surface that deforms", hint)

@@ -171,7 +171,9 @@ def tube(name: str, size: TubeSize, across: Sizes, along: Sizes, sector: Sector 
     return part_mesh(name, points, hexahedra, sides)
 
 
-def half_cylinder(name: str, radius: float, length: float, sizes: Sizes, along: Sizes, only_half: bool = False) -> Mesh:
+def half_cylinder(
+    name: str, radius: float, length: float, sizes: Sizes, along: Sizes, sector: Sector = "whole"
+) -> Mesh:
     """Return a half cylinder with its axis along y, its round side down and its flat side at z = 0.
 
     Parameters
@@ -183,25 +185,26 @@ def half_cylinder(name: str, radius: float, length: float, sizes: Sizes, along: 
     sizes : float or Grading
         Sizes over the distance along the round side from its lowest line, m; only the fine zone there is used.
     along : float or Grading
-        Sizes along the axis, m; positions count from the front.
-    only_half : bool
-        Only the half x >= 0, with the cut face ``x-``.
+        Sizes along the axis, m; positions count from the front, or from the middle where it is cut there.
+    sector : str
+        "whole"; "half", y >= 0; or "quarter", x >= 0 too.
 
     Returns
     -------
     Mesh
-        With the sides ``round``, ``top``, ``front`` (y-), ``back`` (y+), and ``x-`` of a half.
+        With the sides ``round``, ``top``, ``front`` (y-), ``back`` (y+); where it is cut, ``y-`` instead of ``front``,
+        and ``x-``.
 
     Raises
     ------
     InputError
-        If a length is not above 0.
+        If a length is not above 0 or the sector is not known.
 
     Examples
     --------
-    >>> roller = half_cylinder("roller", 0.01, 0.02, Grading(1e-3, fine=2e-4), 1e-3, only_half=True)
+    >>> roller = half_cylinder("roller", 0.01, 0.02, Grading(1e-3, fine=2e-4), 1e-3, "quarter")
     >>> sorted(roller.sides)
-    ['roller.back', 'roller.front', 'roller.round', 'roller.top', 'roller.x-']
+    ['roller.back', 'roller.round', 'roller.top', 'roller.x-', 'roller.y-']
     """
     grading = as_grading(sizes)
     positive(f"{name}.length", length)
@@ -210,17 +213,17 @@ def half_cylinder(name: str, radius: float, length: float, sizes: Sizes, along: 
     straight = disc_section(_straightened(arcs, radius), count, "quarter")
     x, z = _bent(straight.points, radius).T
     section = Section(np.column_stack([z, x]), straight.quads[:, ::-1])
-    if not only_half:
+    if mirror_axes(sector):
         section = merged_sections([section, mirrored(section, 1)])
-    points, hexahedra = extruded(section, nodes_between(0.0, length, along) - 0.5 * length)
+    low = -0.5 * length if sector == "whole" else 0.0
+    points, hexahedra = extruded(section, nodes_between(0.0, 0.5 * length - low, along) + low)
     points = np.roll(points, -1, axis=1)
     scale = max(radius, length)
     sides = {
         "round": lambda at: np.abs(np.hypot(at[:, 0], at[:, 2]) - radius) <= 1e-9 * radius,
         "top": plane(2, 0.0, scale),
-        "front": plane(1, -0.5 * length, scale),
         "back": plane(1, 0.5 * length, scale),
-        **({"x-": plane(0, 0.0, scale)} if only_half else {}),
+        **({"front": plane(1, low, scale)} if sector == "whole" else _cuts(sector, scale)),
     }
     return part_mesh(name, points, hexahedra, sides)
 

@@ -88,7 +88,7 @@ class FemRun:
     Attributes
     ----------
     time : array (instants,)
-        s, equal steps from 0.
+        s, equal steps from 0; where a run stopped early the last may be shorter.
     force, impulse : mapping of str to array (instants, 3)
         Contact force on the first surface and its integral over time, N and N s, by name of the contact or wall.
     energy : mapping of str to array (instants,)
@@ -115,6 +115,10 @@ class FemRun:
         that deforms.
     overlaps : tuple of Overlap
         Where contacts and walls overlapped before the blow.
+    groups : mapping of str to PartHistory
+        Motion of groups of parts, each as one body.
+    pressed : mapping of str to array (instants, surfaces, 2)
+        Of both surfaces of a contact, of the one of a wall: the share that is pressed, and how many faces that is.
     """
 
     time: Array
@@ -137,14 +141,27 @@ class FemRun:
     von_mises: Mapping[str, Array] = field(default_factory=dict)
     plastic_strain: Mapping[str, Array] = field(default_factory=dict)
     overlaps: tuple[Overlap, ...] = ()
+    groups: Mapping[str, PartHistory] = field(default_factory=dict)
+    pressed: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def energy_error(self) -> Array:
         """Energy that is missing (negative) or too much, as a share of the largest energy in play, (instants,)."""
         kept = sum(self.energy[name] for name in ("kinetic", "internal", "hourglass", "contact", "viscous"))
-        given = self.initial_energy + self.energy["external"]
-        scale = np.maximum(np.maximum.accumulate(np.abs(given)), 1e-300)
-        return np.asarray((kept - given) / scale)
+        return np.asarray((kept - self._given) / self._in_play)
+
+    @property
+    def contact_gain(self) -> float:
+        """Most energy that contacts and walls made in place of taking it, as a share of the largest energy in play."""
+        return max(0.0, float((-self.energy["contact"] / self._in_play).max()))
+
+    @property
+    def _given(self) -> Array:
+        return np.asarray(self.initial_energy + self.energy["external"])
+
+    @property
+    def _in_play(self) -> Array:
+        return np.asarray(np.maximum(np.maximum.accumulate(np.abs(self._given)), 1e-300))
 
     @property
     def momentum_error(self) -> float:

@@ -14,7 +14,17 @@ import numpy as np
 from strikewave.errors import InputError
 from strikewave.fem.grading import Sizes, nodes_between, nodes_through
 from strikewave.fem.mesh import Mesh
-from strikewave.fem.sections import FLIPPED, Section, extruded, grid_section, part_mesh, plane, positive
+from strikewave.fem.sections import (
+    FLIPPED,
+    Section,
+    Sector,
+    extruded,
+    grid_section,
+    mirror_axes,
+    part_mesh,
+    plane,
+    positive,
+)
 
 Vector = tuple[float, float, float]
 
@@ -87,7 +97,7 @@ class FrameSize:
                 raise InputError(name, getattr(self, name), f"above the thickness of its two walls, {walls:g} m")
 
 
-def frame(name: str, size: FrameSize, x: Sizes, y: Sizes, z: Sizes) -> Mesh:
+def frame(name: str, size: FrameSize, x: Sizes, y: Sizes, z: Sizes, sector: Sector = "whole") -> Mesh:
     """Return a rectangular frame around an opening along y, centred on the z axis, that stands on z = 0.
 
     Parameters
@@ -98,12 +108,20 @@ def frame(name: str, size: FrameSize, x: Sizes, y: Sizes, z: Sizes) -> Mesh:
         m.
     x, y, z : float or Grading
         Sizes of elements, m; a position of a grading counts from the lower end. Nodes lie on the opening's edges.
+    sector : str
+        "whole"; "half", y >= 0; or "quarter", x >= 0 too.
 
     Returns
     -------
     Mesh
         With the sides ``left``, ``right``, ``bottom``, ``top``, ``front`` (y-), ``back`` (y+), and around the opening
-        ``inner_left``, ``inner_right``, ``inner_bottom``, ``inner_top``.
+        ``inner_left``, ``inner_right``, ``inner_bottom``, ``inner_top``; where it is cut, ``y-`` instead of ``front``
+        and ``x-`` instead of ``left`` and ``inner_left``.
+
+    Raises
+    ------
+    InputError
+        If the sector is not known, or a quarter is asked for of a frame whose walls left and right differ.
 
     Examples
     --------
@@ -111,25 +129,30 @@ def frame(name: str, size: FrameSize, x: Sizes, y: Sizes, z: Sizes) -> Mesh:
     >>> len(part.hexahedra), len(part.side("frame.inner_top"))
     (384, 32)
     """
-    across = nodes_through([0.0, size.left, size.width - size.right, size.width], x) - 0.5 * size.width
+    mirror_axes(sector)
+    if sector == "quarter" and size.left != size.right:
+        raise InputError("sector", sector, "whole or half: the walls left and right differ")
+    low_x = 0.0 if sector == "quarter" else -0.5 * size.width
+    low_y = -0.5 * size.depth if sector == "whole" else 0.0
     up = nodes_through([0.0, size.bottom, size.height - size.top, size.height], z)
     inner_x = (size.left - 0.5 * size.width, 0.5 * size.width - size.right)
     inner_z = (size.bottom, size.height - size.top)
-    full = grid_section(up, across)
+    walls = [0.0, *(wall - low_x for wall in inner_x if wall > low_x), 0.5 * size.width - low_x]
+    full = grid_section(up, nodes_through(walls, x) + low_x)
     middle = full.points[full.quads].mean(axis=1)
     low, high = np.array([inner_z, inner_x]).T
     opening = np.all((middle > low) & (middle < high), axis=1)
-    deep = nodes_between(0.0, size.depth, y) - 0.5 * size.depth
+    deep = nodes_between(0.0, 0.5 * size.depth - low_y, y) + low_y
     points, hexahedra = extruded(Section(full.points, full.quads[~opening]), deep)
     scale = max(size.width, size.depth, size.height)
+    left = {"x-": (0, 0.0)} if sector == "quarter" else {"left": (0, low_x), "inner_left": (0, inner_x[0])}
     places = {
-        "left": (0, -0.5 * size.width),
+        **left,
         "right": (0, 0.5 * size.width),
         "bottom": (2, 0.0),
         "top": (2, size.height),
-        "front": (1, -0.5 * size.depth),
+        "front" if sector == "whole" else "y-": (1, low_y),
         "back": (1, 0.5 * size.depth),
-        "inner_left": (0, inner_x[0]),
         "inner_right": (0, inner_x[1]),
         "inner_bottom": (2, inner_z[0]),
         "inner_top": (2, inner_z[1]),

@@ -1,7 +1,8 @@
 """Run a model with central differences: forces at t_n, velocity at t_(n+1/2), position at t_(n+1); SI.
 
 Each interval of the histories is cut into equal steps below the critical one, so that its end is met exactly. Order
-within a step: elements, gravity, ties, loads, contact, walls, ties again, boundaries, rigid parts; then nodes move.
+within a step: elements, gravity, ties, loads, boundaries, contact, walls, ties and boundaries again, rigid parts; then
+nodes move.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from strikewave.errors import InputError, InputErrors
+from strikewave.errors import InputErrors
+from strikewave.fem.checks import faults
 from strikewave.fem.engine import Engine
 from strikewave.fem.model import Model
 from strikewave.fem.quality import check_mesh
@@ -81,7 +83,8 @@ class Asked(NamedTuple):
 def solve(model: Model, asked: Asked | None = None) -> FemRun:
     """Run a model to its end.
 
-    A run whose energy breaks, whose step collapses or whose numbers end stops early and says so in ``stopped``.
+    A run whose energy breaks, whose step collapses or whose numbers end stops early and says so in ``stopped``. Where
+    all parts are rigid a step is as long as the interval of the histories.
 
     Raises
     ------
@@ -132,7 +135,7 @@ def _follow(engine: Engine, instants: int, asked: Asked, wanted: set[int], frame
         if stopped or instant == instants:
             return stopped
         engine.to_next_instant()
-        if asked.keep is not None and engine.instant % asked.keep.every == 0:
+        if asked.keep is not None and engine.goes_on and engine.instant % asked.keep.every == 0:
             write_restart(asked.keep.path, engine)
 
 
@@ -144,24 +147,7 @@ def check_controls(model: Model) -> int:
     InputErrors
         With one line for each thing that is wrong.
     """
-    controls, mesh, lines = model.controls, model.mesh, []
-
-    def need(field: str, value: object, good: bool, allowed: str) -> None:
-        if not good:
-            lines.append(str(InputError(field, value, allowed)))
-
-    need("duration", controls.duration, 0.0 < controls.duration < np.inf, "above 0")
-    need("interval", controls.interval, 0.0 < controls.interval <= controls.duration, "above 0, at most the duration")
-    need("safety", controls.safety, 0.0 < controls.safety <= 1.0, "above 0 to 1")
-    need("hourglass", controls.hourglass, 0.0 <= controls.hourglass <= 0.5, "from 0 to 0.5")
-    for name in ("linear_viscosity", "quadratic_viscosity", "least_step"):
-        need(name, getattr(controls, name), 0.0 <= getattr(controls, name) < np.inf, "at least 0")
-    need("threads", controls.threads, controls.threads >= 1, "at least 1")
-    for name in mesh.names:
-        need(f"part {name}", "no solid", name in model.solids, "a solid for each part")
-    for field, named in (("velocity", model.velocity), ("full", controls.full)):
-        for name in named:
-            need(f"{field}", name, name in mesh.names, "a part of the mesh: " + ", ".join(mesh.names))
+    lines = [str(fault) for fault in faults(model)]
     if lines:
         raise InputErrors(lines)
-    return max(1, round(controls.duration / controls.interval))
+    return model.controls.intervals

@@ -74,6 +74,18 @@ def extents(points: Array, faces: Index) -> Extents:
     return Extents(area, size, radius)
 
 
+def have_common(some: Index, others: Index) -> bool:
+    """Tell whether two lists of faces have one in common.
+
+    Examples
+    --------
+    >>> have_common(np.array([[0, 1, 4, 3]]), np.array([[5, 8, 7, 4], [3, 4, 1, 0]]))
+    True
+    """
+    rows = np.concatenate([np.unique(np.sort(faces, axis=1), axis=0) for faces in (some, others)])
+    return len(np.unique(rows, axis=0)) < len(rows)
+
+
 def neighbours(faces: Index) -> Index:
     """Return the face across each edge (corners 0-1, 1-2, 2-3, 3-0) of each face, -1 at the rim, (faces, 4).
 

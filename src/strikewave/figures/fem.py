@@ -176,9 +176,9 @@ def _draw_ledger(figure: Figure, grid: Any, run: FemRun) -> None:
 
 
 def draw_accelerations(axes: Any, run: FemRun) -> None:
-    """Draw the rigid-body acceleration of each part along the axis of the blow, the mean of each interval, g."""
+    """Draw the rigid-body acceleration of each part and group along the axis of the blow, means of intervals, g."""
     axis = blow_axis(run)
-    curves = {name: mean_acceleration(run, name) @ axis / STANDARD_GRAVITY for name in run.parts}
+    curves = {name: mean_acceleration(run, name) @ axis / STANDARD_GRAVITY for name in (*run.parts, *run.groups)}
     label = f"along {_axis_words(axis)}, mean of {_interval_words(run)} (g)"
     _draw_curves(axes, run, curves, ("Rigid-body acceleration", label), middles(run.time))
 

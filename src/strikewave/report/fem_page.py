@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave._version import __version__
+from strikewave.build.sectors import Sector, WholeForce, sectors, whole_forces
 from strikewave.fem.measures import (
     ENERGY_LIMIT,
     HOURGLASS_LIMIT,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 
 _SOLIDS = {"Elastic": "elastic", "Bilinear": "bilinear plastic", "JohnsonCook": "Johnson-Cook"}
 _BOUNDARIES = {"NonReflecting": "non-reflecting", "Symmetry": "plane of symmetry"}
+_SHARES = {2: "half", 4: "quarter"}
 SHOWN_FRAMES = 3
 """Instants shown in pictures at most."""
 _METHOD = (
@@ -71,8 +73,9 @@ def fem_report(solution: FemSolution) -> str:
     text = solution.case_text
     digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
     as_solution: Any = solution
+    found = sectors(case, solution.model)
     sections = [
-        _result(solution.run),
+        _result(solution.run, found, whole_forces(solution.model, solution.run, found)),
         _what_ran(solution.model, solution.run),
         _fields(solution),
         _ledgers(solution.run),
@@ -89,8 +92,8 @@ def fem_report(solution: FemSolution) -> str:
         name=name,
         digest=digest,
         status=_status(solution),
-        summary=_summary(solution.run),
-        numbers=_key_numbers(solution.run),
+        summary=_summary(solution.run, found) + _sector_words(found),
+        numbers=_key_numbers(solution.run, found),
         foot=f"case {name or 'without name'} · SHA-256 of the case text {digest}",
     )
     return whole_page(head, sections)
@@ -107,7 +110,7 @@ def _status(solution: FemSolution) -> Tag:
     return Tag(f"no stated limit broken{warned}", "warned" if many else "good")
 
 
-def _summary(run: FemRun) -> str:
+def _summary(run: FemRun, sector: dict[str, Sector]) -> str:
     """Say in words what happened."""
     words = [f"The run ended early: {run.stopped}."] if run.stopped else []
     found = {name: contact_measure(run, name) for name in run.force}
@@ -120,7 +123,7 @@ def _summary(run: FemRun) -> str:
         )
     else:
         words.append("Nothing touched." if run.force else "No contact is in the model.")
-    pulses = {name: part_measure(run, name) for name in run.parts}
+    pulses = {name: part_measure(run, name, sector[name].free) for name in run.parts}
     moved = [
         f"{name} {with_unit(pulse.rigid_peak, 'm/s^2', 'g')} and {with_unit(pulse.velocity_change, 'm/s', 'm/s', 3)}"
         for name, pulse in pulses.items()
@@ -133,9 +136,15 @@ def _summary(run: FemRun) -> str:
     return " ".join(words)
 
 
-def _key_numbers(run: FemRun) -> list[tuple[str, str]]:
+def _sector_words(found: dict[str, Sector]) -> str:
+    """Say which parts are sectors: their masses and forces are not those of whole bodies."""
+    cut = [f"{name} is a {_SHARES[sector.pieces]} of its body" for name, sector in found.items() if sector.pieces > 1]
+    return f" {listed(cut)}: masses, forces and impulses are those of the sectors." if cut else ""
+
+
+def _key_numbers(run: FemRun, sector: dict[str, Sector]) -> list[tuple[str, str]]:
     touched = [m for m in (contact_measure(run, name) for name in run.force) if m is not None]
-    pulses = [part_measure(run, name) for name in run.parts]
+    pulses = [part_measure(run, name, sector[name].free) for name in run.parts]
     numbers: list[tuple[str, str]] = []
     if touched:
         most = max(touched, key=lambda measure: measure.peak)
@@ -165,10 +174,10 @@ def _share(value: float) -> str:
     return f"{100.0 * value:+.3g} %" if math.isfinite(value) else "no bound"
 
 
-def _result(run: FemRun) -> Section:
+def _result(run: FemRun, found: dict[str, Sector], wholes: dict[str, WholeForce | None]) -> Section:
     from strikewave.figures import fem
 
-    parts: list[Part] = [_contact_table(run), _part_table(run)]
+    parts: list[Part] = [_contact_table(run, wholes), _part_table(run, found)]
     if run.force:
         caption = "Size of the contact force, mean of each interval, with its peak; dotted the size of its impulse."
         parts.append(Picture(fem.force_figure(run), caption))
@@ -183,30 +192,36 @@ def _result(run: FemRun) -> Section:
     return Section("Result", f"{_CONTACT} {_PARTS}", parts)
 
 
-def _contact_table(run: FemRun) -> Table:
+def _contact_table(run: FemRun, wholes: dict[str, WholeForce | None]) -> Table:
     rows: list[list[Cell]] = []
     for name in run.force:
         found = contact_measure(run, name)
         if found is None:
-            rows.append([name, NONE, NONE, NONE, NONE, "never touched"])
+            rows.append([name, NONE, NONE, NONE, NONE, NONE, NONE, "never touched"])
             continue
         still = "touches at the end" if float(np.linalg.norm(run.force[name][-1])) > 0.01 * found.peak else NONE
         values = [found.peak / 1e3, found.at * 1e6, found.impulse, found.duration * 1e6]
-        rows.append([name, *(written(v) for v in values), still])
-    heads = ["contact", "peak force (kN)", "at (µs)", "impulse (N s)", "duration (µs)", "note"]
+        whole = wholes[name]
+        beyond = [NONE, NONE] if whole is None else [written(whole.peak / 1e3), written(whole.impulse)]
+        rows.append([name, *(written(v) for v in values), *beyond, still])
+    heads = ["contact", "peak force (kN)", "at (µs)", "impulse (N s)", "duration (µs)"]
+    heads += ["peak force, whole bodies (kN)", "impulse, whole bodies (N s)", "note"]
+    if not any(wholes.values()):
+        heads, rows = [*heads[:5], heads[7]], [[*row[:5], row[7]] for row in rows]
     return Table("Contacts and walls", heads, rows, empty="No contact is in the model.")
 
 
-def _part_table(run: FemRun) -> Table:
+def _part_table(run: FemRun, found: dict[str, Sector]) -> Table:
     rows: list[list[Cell]] = []
-    for name in run.parts:
-        pulse = part_measure(run, name)
+    for name in (*run.parts, *run.groups):
+        pulse = part_measure(run, name, found[name].free)
         direction = ", ".join(f"{v:.3g}" for v in np.round(pulse.direction, 4) + 0.0)
         width = NONE if math.isnan(pulse.width) else written(pulse.width * 1e6)
         moved = pulse.velocity_change > 0.0
         peak = written(pulse.rigid_peak / STANDARD_GRAVITY) if moved else NONE
         change = written(pulse.velocity_change) if moved else NONE
-        row = [name, written(pulse.mass * 1e3), peak, width, change, direction if moved else "does not move"]
+        share = f" ({_SHARES[found[name].pieces]})" if found[name].pieces > 1 else ""
+        row = [name + share, written(pulse.mass * 1e3), peak, width, change, direction if moved else "does not move"]
         rigid = math.isnan(pulse.von_mises)
         bore = [NONE, NONE] if rigid else [written(pulse.von_mises / 1e6), written(pulse.plastic_strain)]
         rows.append([*row, *bore])
