@@ -443,10 +443,7 @@ def test_the_line_of_each_boundary_in_the_docs_is_read():
 def test_parts_that_cannot_be_are_refused_before_a_run(strikewave, small, tmp_path):
     code, _, err = strikewave("fem", small, "--check", "--set", "fem.point.far end.place.z=120 mm")
     assert code == 2
-    assert (
-        "fem.point.far end.place: got a place 100 mm from anvil; allowed: in anvil, from (-2, -2, 8) to (2, 2, 20) mm"
-        in err
-    )
+    assert 'fem.point.far end.place: got "a place 100 mm from anvil"; allowed: in anvil, from (-2, -2, 8) to' in err
     assert strikewave("fem", small, "--check", "--set", "fem.point.far end.place.z=21 mm")[0] == 0
     code, _, err = strikewave("validate", small, "--set", "mesh.part.anvil.at.z=5 mm")
     assert code == 2
@@ -463,6 +460,7 @@ def test_parts_that_cannot_be_are_refused_before_a_run(strikewave, small, tmp_pa
 
 
 def test_rounding_where_nothing_touches_is_no_hourglass_energy(strikewave, small):
-    code, out, _ = strikewave("fem", small, "--json", "--set", "mesh.part.striker.velocity={ x = '0.7 m/s' }")
+    apart = ["mesh.part.striker.velocity.x=0.7 m/s", "mesh.part.striker.velocity.z=-0.31 m/s"]
+    code, out, _ = strikewave("fem", small, "--json", *(word for change in apart for word in ("--set", change)))
     assert code == 0
     assert json.loads(out)["hourglass_share"] < 1e-3

@@ -101,6 +101,25 @@ def test_a_contact_closes_the_gap_of_nodes_held_along_any_direction_at_one_rate(
     assert after[second, 2] - after[first, 2] == pytest.approx((1.0 - s) * v[second, 2], abs=1e-7)
 
 
+@given(st.floats(0.02, 1.5), st.floats(0.0, 6.28), st.floats(0.1, 1.0))
+def test_friction_stops_no_more_than_the_sliding_of_nodes_held_along_any_direction(angle, way, s):
+    """Held almost along the normal they are heavy there and light beside it: a held body below, mu = 10."""
+    below, above = blocks.block("a", (2, 2, 1)), blocks.block("b", (2, 2, 1), origin=(0, 0, 1.0))
+    mesh, held, dt = joined([below, above]), directions(angle), 1e-8
+    state = prepare(Contact("a.top", "b.bottom", 10.0, s), mesh)
+    nodes, light = state.touch.nodes[state.touch.first :], 1.0 / blocks.nodal_mass(mesh)
+    light[: len(below.points)] = 0.0
+    note_held(state.touch, nodes, np.tile(held, (len(nodes), 1, 1)))
+    v, f = np.zeros_like(mesh.points), np.zeros_like(mesh.points)
+    v[len(below.points) :] = np.cos(way), np.sin(way), -1.0
+    let_go(v, nodes, held)
+    add_contact(state, mesh.points, v, f, light, dt)
+    rubbed, slide = dt * state.touch.friction[state.touch.first :] * light[nodes, None], v[nodes] * [1.0, 1.0, 0.0]
+    let_go(rubbed, np.arange(len(nodes)), held)
+    taken = -np.einsum("ni,ni->n", rubbed, slide) / np.einsum("ni,ni->n", slide, slide)
+    assert taken.max() <= s * (1.0 + 1e-6)
+
+
 def test_where_nothing_touches_nodes_arrive_where_contact_foresees_them():
     """Driven, held and free nodes, under gravity and stress."""
     shove = Curve((0.0, 1e-6), (0.0, 3.0))
@@ -237,7 +256,9 @@ def side_blow():
 
 
 def test_tied_nodes_are_met_but_not_checked_and_count_by_their_own_mass():
-    engine = Engine(side_blow())
+    wall = Wall("plate.all", (0.0, 0.0, -MM), (0.0, 0.0, 1.0))
+    engine = Engine(replace(side_blow(), walls=(wall,)))
+    assert not np.isin(engine.walls[wall.name].touch.nodes, engine.ties.nodes).any()
     state = engine.contacts["plate.all-striker.x-"]
     tied = np.isin(state.touch.nodes, engine.ties.nodes)
     assert tied.sum() == 81

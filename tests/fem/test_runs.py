@@ -13,7 +13,7 @@ import pytest
 from strikewave.errors import InputError, InputErrors
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Contact, Controls, Curve, Fixed, Model, Pressure, Rigid, Section, Wall
+from strikewave.fem.model import Contact, Controls, Curve, Driven, Fixed, Model, Point, Pressure, Rigid, Section, Wall
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic
 from strikewave.fem.solve import Asked, Keep, solve
@@ -148,6 +148,49 @@ def test_mass_is_added_only_on_request_and_told():
     assert scaled.added_mass > 0.1 * plain.parts["bar"].mass
 
 
+def test_added_mass_is_that_which_makes_the_step_long_enough():
+    """Without bulk viscosity the step grows with the root of the mass: 1.5 times the step takes 2.25 times the mass."""
+    cube = block("cube", (4e-3, 4e-3, 4e-3), 1e-3, 1e-3, 1e-3)
+    controls = Controls(2e-6, linear_viscosity=0.0, quadratic_viscosity=0.0)
+    critical = Engine(Model(cube, {"cube": STEEL}, controls)).critical
+    wanted = dataclasses.replace(controls, least_step=1.5 * controls.safety * critical)
+    engine = Engine(Model(cube, {"cube": STEEL}, wanted))
+    assert engine.critical == pytest.approx(1.5 * critical, rel=1e-9)
+    assert engine.added_mass == pytest.approx(1.25 * STEEL.density * 64e-9, rel=1e-9)
+
+
+def test_no_step_is_longer_than_the_elements_allow_within_a_long_interval(monkeypatch):
+    """A cube that is squashed by 30 % within one interval: its steps get shorter on the way."""
+    cube = block("cube", (4e-3, 4e-3, 4e-3), 1e-3, 1e-3, 1e-3)
+    press = Driven("cube.z+", (0.0, 0.0, -1.0), Curve((0.0,), (300.0,)))
+    steps, plain = [], Engine.step
+
+    def step(engine):
+        steps.append((engine.ahead, 0.9 * engine.critical))
+        plain(engine)
+
+    monkeypatch.setattr(Engine, "step", step)
+    run = solve(Model(cube, {"cube": STEEL}, Controls(4e-6, interval=4e-6), boundaries=(Fixed("cube.z-"), press)))
+    assert not run.stopped
+    assert all(taken <= (1.0 + 1e-9) * allowed for taken, allowed in steps)
+    assert run.step < 0.9 * steps[0][0]
+
+
+def test_a_run_ends_with_the_first_instant_that_is_not_before_its_duration():
+    cube = block("cube", (2e-3, 2e-3, 2e-3), 1e-3, 1e-3, 1e-3)
+    run = solve(Model(cube, {"cube": STEEL}, Controls(10e-6, interval=4.9e-6)))
+    assert run.time == pytest.approx([0.0, 4.9e-6, 9.8e-6, 14.7e-6], rel=1e-12)
+    assert [Controls(n * 0.3e-6, 0.1e-6).intervals for n in range(1, 400)] == [3 * n for n in range(1, 400)]
+
+
+def test_contact_gain_is_the_energy_that_contacts_made():
+    run = solve(two_bars(duration=2e-6))
+    assert run.contact_gain < 1e-3
+    count = len(run.time)
+    made = {**run.energy, "contact": np.linspace(0.0, -0.1 * run.initial_energy, count)}
+    assert dataclasses.replace(run, energy=made).contact_gain == pytest.approx(0.1)
+
+
 def test_a_step_beyond_the_critical_one_breaks_the_energy_and_stops_the_run(monkeypatch):
     """At 1.3 times the critical step central differences grow without bound: the run stops and says where to look."""
     model = with_controls(two_bars(duration=200e-6), safety=1.0, linear_viscosity=0.0, quadratic_viscosity=0.0)
@@ -167,6 +210,18 @@ def test_a_crushed_element_stops_the_run_with_its_name():
     assert len(run.time) >= 1
 
 
+def test_a_step_that_collapses_ends_the_run_when_it_does(tmp_path):
+    """Within the first interval: the last instant is that of the collapse, and there is no state to go on from."""
+    cube = block("cube", (2e-3, 2e-3, 2e-3), 1e-3, 1e-3, 1e-3)
+    press = Driven("cube.z+", (0.0, 0.0, -1.0), Curve((0.0,), (4000.0,)))
+    model = Model(cube, {"cube": STEEL}, Controls(40e-6, interval=20e-6), boundaries=(Fixed("cube.z-"), press))
+    run = solve(model, Asked(keep=Keep(tmp_path / "restart.h5", 1)))
+    assert "of cube" in run.stopped
+    assert len(run.time) == 2
+    assert 0.5e-6 < run.time[-1] < 19e-6
+    assert not (tmp_path / "restart.h5").exists()
+
+
 WRONG = [
     (lambda m: dataclasses.replace(m, solids={"striking": STEEL}), "part struck"),
     (lambda m: dataclasses.replace(m, velocity={"strikin": (0, 0, 1)}), "strikin"),
@@ -179,6 +234,19 @@ WRONG = [
     (lambda m: with_controls(m, full=("all",)), "full"),
     (lambda m: dataclasses.replace(m, contacts=(Contact("striking.z", "struck.z+"),)), "striking.z"),
     (lambda m: dataclasses.replace(m, rigid=(Rigid("nobody"),)), "nobody"),
+    (lambda m: with_wall(m, (0.0, 0.0, math.nan)), "point of struck.z--wall"),
+    (lambda m: with_wall(m, (0.0, 0.0, -1.0), twice=True), "wall: .*struck.z--wall twice"),
+    (lambda m: dataclasses.replace(m, points=(Point("p", "struck", (0, 0, 0)),) * 2), "point: .*p twice"),
+    (lambda m: dataclasses.replace(m, sections=m.sections * 2), "section: .*middle twice"),
+    (lambda m: dataclasses.replace(m, rigid=(Rigid("struck"),) * 2), "rigid: .*struck twice"),
+    (lambda m: dataclasses.replace(m, points=(Point("p", "struck", (0, math.nan, 0)),)), "place of point p"),
+    (lambda m: dataclasses.replace(m, points=(Point("p", "nobody", (0, 0, 0)),)), "nobody"),
+    (lambda m: dataclasses.replace(m, gravity=(0.0, math.nan, 0.0)), "gravity"),
+    (lambda m: dataclasses.replace(m, velocity={"struck": (math.inf, 0, 0)}), "velocity of struck"),
+    (lambda m: pressed(m, Curve((), ())), "pressure on struck.z-.*at least one"),
+    (lambda m: pressed(m, Curve((0.0, 1e-6), (1.0,))), "2 times, 1 values"),
+    (lambda m: pressed(m, Curve((0.0, 2e-6, 1e-6), (0.0, 1.0, 2.0))), "1e-06 s after 2e-06 s.*ascend"),
+    (lambda m: pressed(m, Curve((0.0,), (math.nan,))), "not finite"),
     (lambda m: broken(m, "inverted"), "struck element 399.*volume -1e-09"),
     (lambda m: broken(m, "loose"), "loose|belong"),
     (lambda m: broken(m, "nan"), "point 3"),
@@ -187,6 +255,15 @@ WRONG = [
 
 def with_controls(model, **changes):
     return dataclasses.replace(model, controls=dataclasses.replace(model.controls, **changes))
+
+
+def with_wall(model, point, twice=False):
+    wall = Wall("struck.z-", point, (0.0, 0.0, 1.0))
+    return dataclasses.replace(model, walls=(wall, wall)[: 1 + twice])
+
+
+def pressed(model, curve):
+    return dataclasses.replace(model, boundaries=(Pressure("struck.z-", curve),))
 
 
 def broken(model, how):

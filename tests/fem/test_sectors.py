@@ -77,6 +77,19 @@ def test_sectors_come_to_the_numbers_of_the_whole_bodies(tmp_path, sector, piece
     assert "whole_peak" not in whole.document()["contacts"][name]
 
 
+def test_the_report_says_what_is_a_sector_and_names_no_other_solver(tmp_path):
+    from strikewave.report.fem_page import fem_report
+
+    solution = run_fem(case_of(tmp_path, "half"))
+    page = fem_report(solution)
+    assert "Sectors: striker is a half of its body" in page
+    assert "peak force, whole bodies (kN)" in page
+    assert "both (half)" in page
+    assert "[solver]" not in page
+    assert "Sectors:" not in (whole := fem_report(run_fem(case_of(tmp_path, "whole"))))
+    assert "whole bodies" not in whole
+
+
 def test_forces_across_a_plane_of_symmetry_cancel(tmp_path):
     """A force aslant on a quarter: twice nothing across, four times what lies in both planes."""
     case = case_of(tmp_path, "quarter")
@@ -110,6 +123,8 @@ def test_a_cut_that_nothing_holds_is_said_before_and_after_a_run(tmp_path, strik
     still = (False, False, False)
     rigid = dataclasses.replace(model, rigid=(Rigid("striker", (True, False, True), still), Rigid("bar")))
     assert list(open_cuts(rigid, found)) == ["bar.y-"]
+    tumbling = dataclasses.replace(model, rigid=(Rigid("striker", (True, False, True)), Rigid("bar", rotations=still)))
+    assert list(open_cuts(tumbling, found)) == ["striker.y-", "bar.y-"]
     assert not list(open_cuts(build_model(case_of(tmp_path, "quarter")), sectors(case, model)))
 
 
@@ -157,7 +172,10 @@ def test_a_contact_of_few_faces_is_said_and_one_of_enough_is_near_hertz(finest, 
 
 def test_flat_faces_that_meet_wholly_are_no_coarse_contact(tmp_path):
     """Four faces are pressed, all there are."""
-    solution = run_fem(case_of(tmp_path, "quarter"))
+    case_of(tmp_path, "whole")
+    text = (tmp_path / "whole.toml").read_text()
+    (tmp_path / "coarse.toml").write_text(text.replace('size = "1 mm"', 'size = "2 mm"'))
+    solution = run_fem(load_case(str(tmp_path / "coarse.toml")))
     (pressed,) = solution.run.pressed.values()
     assert pressed.shape[1:] == (2, 2)
     assert pressed.max(axis=0) == pytest.approx(np.array([[1.0, 4.0], [1.0, 4.0]]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -75,6 +75,7 @@ def build_model(case: Case, threads: int = 1) -> Model:
     if len(mesh.hexahedra) > LARGEST:
         raise InputError("mesh", f"{len(mesh.hexahedra)} elements", f"at most {LARGEST}", "take larger elements")
     _check_sides(mesh, fem)
+    _check_points(mesh, fem)
     pairs = [(f"fem.contact.{k}", part_of(row.first), part_of(row.second)) for k, row in enumerate(fem.contact)]
     check_apart(mesh, [pair for pair in pairs if pair[1] != pair[2]])
     parts = mesh_table.part
@@ -126,6 +127,7 @@ def check_elements(case: Case) -> tuple[MeshTable, FemTable]:
     once("fem.point", [row.name for row in fem.point])
     once("fem.group", [row.name for row in fem.group])
     _check_groups(fem, names)
+    _check_rigid(fem, {part.name for part in case.mesh.part if part.rigid})
     for path, name in _part_names(fem):
         if name not in names:
             raise InputError(path, name, "a part of [mesh]", nearest(name, names))
@@ -265,6 +267,32 @@ def _part_names(fem: FemTable) -> Iterator[tuple[str, str]]:
             yield f"fem.{kind}.{row.name}.part", row.part
     for group in fem.group:
         yield from ((f"fem.group.{group.name}.parts", part) for part in group.parts)
+
+
+def _check_rigid(fem: FemTable, rigid: Collection[str]) -> None:
+    """Refuse a boundary that holds or drives a rigid part, and ties of one."""
+    held = [(f"boundary.{k}.side", x.side) for k, x in enumerate(fem.boundary) if not isinstance(x, PressedSide)]
+    ties = [(f"tie.{k}.{key}", getattr(x, key)) for k, x in enumerate(fem.tie) for key in ("side", "onto")]
+    for field, side in (*held, *ties):
+        if part_of(side) in rigid:
+            hint = (
+                f'{part_of(side)} is rigid: say how it may move by rigid = "z" and the like, how it begins by velocity'
+            )
+            raise InputError(f"fem.{field}", side, "a side of a part that deforms", hint)
+
+
+def _check_points(mesh: Mesh, fem: FemTable) -> None:
+    """Refuse a point farther from its part than an element there."""
+    for row in fem.point:
+        nodes, place = mesh.nodes_of(row.part), np.array(vector(row.place))
+        far = np.linalg.norm(mesh.points[nodes] - place, axis=1)
+        own = mesh.hexahedra[mesh.elements_of(row.part)]
+        corners = mesh.points[own[np.any(own == nodes[np.argmin(far)], axis=1)]]
+        if far.min() > np.linalg.norm(np.ptp(corners, axis=1), axis=1).max():
+            ends = (mesh.points[nodes].min(axis=0), mesh.points[nodes].max(axis=0))
+            low, high = (", ".join(f"{x * 1e3 + 0.0:.4g}" for x in end) for end in ends)
+            got = f"a place {far.min() * 1e3:.4g} mm from {row.part}"
+            raise InputError(f"fem.point.{row.name}.place", got, f"in {row.part}, from ({low}) to ({high}) mm")
 
 
 def _check_groups(fem: FemTable, names: Sequence[str]) -> None:

@@ -282,7 +282,8 @@ def say_model(model: Model, quality: Sequence[PartQuality]) -> None:
     work = len(mesh.hexahedra) * count
     say(
         f"step about {step * 1e9:.3g} ns: {count:.0f} steps for {controls.duration * 1e6:.4g} us, "
-        f"{work / 1e6:.3g} M element-steps, about {work / (USUAL_RATE * controls.threads):.2g} s"
+        f"{work / 1e6:.3g} M element-steps, about {work / (USUAL_RATE * controls.threads):.1g} s "
+        "or more: compiling, files and elements that are squeezed come on top"
     )
 
 

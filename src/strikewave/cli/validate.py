@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def command(case: CaseName, changes: Changes = None, json: Json = False) -> int:
     """Check a case without running it; list every value and where it comes from."""
-    from strikewave.build import check
+    from strikewave.build import build_model, check
     from strikewave.case import load_case, read_case_text
     from strikewave.split_bar import check_setup, holds_setup, load_setup, values_of
 
@@ -28,7 +28,11 @@ def command(case: CaseName, changes: Changes = None, json: Json = False) -> int:
         return 0
     read = load_case(case, changes or ())
     check(read)
+    if read.fem is not None:
+        build_model(read)
     _show(read.name, read.title, read.values(), json)
+    if read.fem is not None:
+        say(f"the mesh fits together; not checked: what boundaries and ties hold (strikewave fem {case} --check)")
     return 0
 
 

@@ -20,6 +20,7 @@ from strikewave.fem._hexahedron_kernels import (
 from strikewave.fem._layout import (
     ALL_PLASTIC,
     ALL_WORK,
+    BEFORE,
     COFACTOR,
     EIGHT,
     FIXED,
@@ -73,7 +74,7 @@ def cross(a, b):
 
 @fused_leaf_kernel
 def cofactors(s, place, j):
-    """Write Jacobian and its cofactors at a place, and the steepest gradient so far."""
+    """Write Jacobian and its cofactors at a place, and the steepest gradient so far: infinite if turned inside out."""
     x, y, z = slopes(s, X, place, j), slopes(s, Y, place, j), slopes(s, Z, place, j)
     p, q, r = (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])
     a, b, c = cross(q, r), cross(r, p), cross(p, q)
@@ -83,7 +84,7 @@ def cofactors(s, place, j):
     s[COFACTOR[3] + j], s[COFACTOR[4] + j], s[COFACTOR[5] + j] = b
     s[COFACTOR[6] + j], s[COFACTOR[7] + j], s[COFACTOR[8] + j] = c
     largest, _, _ = steepest(a, b, c)
-    s[STEEPEST + j] = max(s[STEEPEST + j], 8.0 * largest / weight)
+    s[STEEPEST + j] = max(s[STEEPEST + j], 8.0 * largest / weight if weight > 0.0 else np.inf)
 
 
 @fused_leaf_kernel
@@ -146,6 +147,7 @@ def begin_sums(s, j):
     """Set all sums over the points to zero, and keep the mean volume change."""
     s[SWELLING + j] = s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]
     s[PRESSURE + j], s[ALL_WORK + j], s[ALL_PLASTIC + j], s[HOURGLASS + j] = 0.0, 0.0, 0.0, 0.0
+    s[STEEPEST + j] = 0.0
 
 
 @fused_leaf_kernel
@@ -181,6 +183,7 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
     part, count, point = blocks.part[chunk], np.uint64(blocks.filled[chunk]), np.uint64(STATES) * W
     solid, kind = blocks.solids[part], blocks.kinds[part]
     linear, quadratic = viscous
+    first = np.uint64(chunk) * EIGHT * point
     gather(blocks, chunk, x, v, s)
     for j in range(W):
         s[FIXED + MASS + j] = blocks.constants[np.uint64(chunk) * W + j]
@@ -189,12 +192,14 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
         gradients(s, j)
         kinematics(s, dt, j)
     for j in range(W):
+        s[HELD + BEFORE + j] = blocks.state[first + BEFORE + j]
         viscosity(s, solid, dt, linear, quadratic, j)
+        blocks.state[first + BEFORE + j] = s[HELD + BEFORE + j]
         begin_sums(s, j)
     for k in range(np.uint64(3) * EIGHT * W):
         s[FX[0] + k] = 0.0
     for p in range(8):
-        at = (np.uint64(chunk) * EIGHT + np.uint64(p)) * point
+        at = first + np.uint64(p) * point
         place = POINTS[p, 0], POINTS[p, 1], POINTS[p, 2]
         point_forces(s, blocks.state[at : at + point], place, dt, solid, kind)
     for j in range(W):

@@ -5,7 +5,9 @@ import numpy as np
 from strikewave.compiled import fused_called_kernel, fused_leaf_kernel
 from strikewave.fem._layout import (
     BACK,
+    BEFORE,
     CONSTANTS,
+    DAMPED,
     DAMPING,
     EIGHT,
     FIVE,
@@ -246,7 +248,10 @@ def scatter(blocks, chunk, s, f):
 
 @fused_leaf_kernel
 def viscosity(s, solid, dt, linear, quadratic, j):
-    """Write the pressure of the bulk viscosity, -rho l (q1 c - q2 l min(r, 0)) r, and what the critical step needs."""
+    """Write the pressure of the bulk viscosity, -rho l (q1 c - q2 l min(r, 0)) r, and what the critical step needs.
+
+    Its work is what the mean of the pressures before and after does.
+    """
     volume, mass = s[VOLUME + j], s[FIXED + MASS + j]
     p = s[GX[0] + j], s[GY[0] + j], s[GZ[0] + j]
     q = s[GX[1] + j], s[GY[1] + j], s[GZ[1] + j]
@@ -254,10 +259,13 @@ def viscosity(s, solid, dt, linear, quadratic, j):
     largest, longest, straight = steepest(p, q, r)
     trace = dot6(s, GX, GX, j) + dot6(s, GY, GY, j) + dot6(s, GZ, GZ, j)
     thickness = 2.0 * volume / np.sqrt(longest)
-    rate = (s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]) / dt
+    swelling = s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]
+    rate = swelling / dt
     squeezed = min(rate, 0.0)
     damping = thickness * (linear * solid[SPEED] - quadratic * thickness * squeezed)
-    s[VISCOUS + j] = -(mass / volume) * damping * rate
+    pressure = -(mass / volume) * damping * rate
+    s[DAMPED + j] = -0.5 * (s[HELD + BEFORE + j] + pressure) * swelling
+    s[VISCOUS + j], s[HELD + BEFORE + j] = pressure, pressure
     s[STEEPEST + j] = (largest + trace - straight) / volume
     s[TRACE + j] = trace / volume
     s[DAMPING + j] = damping * trace / (volume * volume)
@@ -267,11 +275,13 @@ def viscosity(s, solid, dt, linear, quadratic, j):
 def critical_step(s, solid, j):
     """Write the critical step 4 / (d + sqrt(d^2 + 4 w)), w = (2 G a + lambda b) / m, d that of the bulk viscosity.
 
-    a V bounds the largest eigenvalue of the sum of g g^T over the modes, b V is its trace.
+    a V bounds the largest eigenvalue of the sum of g g^T over the modes, b V is its trace. It is 0 where the element is
+    turned inside out, or a number is not finite.
     """
     square = (2.0 * solid[SHEAR] * s[STEEPEST + j] + solid[LAME] * s[TRACE + j]) / s[FIXED + MASS + j]
     damping = s[DAMPING + j]
-    s[STEP + j] = 4.0 / (damping + np.sqrt(damping * damping + 4.0 * square))
+    step = 4.0 / (damping + np.sqrt(damping * damping + 4.0 * square))
+    s[STEP + j] = step if s[VOLUME + j] > 0.0 and step > 0.0 else 0.0
 
 
 @fused_leaf_kernel
@@ -320,11 +330,10 @@ def add_sums(s, count, sums):
     """Add the work of a chunk to the sums of its slab; returns its critical time step."""
     least = np.inf
     for j in range(count):
-        swept = s[VOLUME + j] * (s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j])
-        middle = s[VOLUME + j] - 0.5 * swept
+        middle = s[VOLUME + j] * (1.0 - 0.5 * (s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]))
         sums[0] += middle * s[WORK + j]
         sums[1] += middle * s[PLASTIC + j]
-        sums[2] -= s[VISCOUS + j] * swept
+        sums[2] += middle * s[DAMPED + j]
         sums[3] += s[HOURGLASS + j]
         least = min(least, s[STEP + j])
     return least

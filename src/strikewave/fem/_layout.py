@@ -30,25 +30,27 @@ GX, GY, GZ = rows(48, 6), rows(54, 6), rows(60, 6)
 STRAIN, SPIN = rows(66, 6), rows(72, 3)
 """Strain increment (tensor, xx yy zz xy yz zx) and rotation increment of the step."""
 STRESS = rows(75, 6)
-VOLUME, VISCOUS, WORK, PLASTIC, STEP, HOURGLASS = rows(81, 6)
-"""Volume; pressure of the bulk viscosity; work and plastic work per volume; critical step; hourglass energy."""
+VOLUME, VISCOUS, WORK, PLASTIC, DAMPED, STEP, HOURGLASS = rows(81, 7)
+"""Volume; pressure of the bulk viscosity; work, plastic work and work of the bulk viscosity per volume; critical step;
+hourglass energy."""
 FIXED, HELD = rows(88, 1)[0], rows(115, 1)[0]
 """Copies of constants and state of the chunk."""
-DAMPING, STEEPEST, TRACE = rows(129, 3)
+DAMPING, STEEPEST, TRACE = rows(130, 3)
 """Of the critical step: damping rate of the bulk viscosity; largest eigenvalue and trace of sum g g^T over volume."""
-FX, FY, FZ, COFACTOR = rows(88, 8), rows(96, 8), rows(104, 8), rows(132, 9)
+FX, FY, FZ, COFACTOR = rows(88, 8), rows(96, 8), rows(104, 8), rows(133, 9)
 """Of full integration: forces on the modes (in place of constants), cofactors of the Jacobian of a point by columns."""
-WEIGHT, SWELLING, PRESSURE, ALL_WORK, ALL_PLASTIC = rows(141, 5)
+WEIGHT, SWELLING, PRESSURE, ALL_WORK, ALL_PLASTIC = rows(142, 5)
 """Of full integration: Jacobian of a point, mean volume change, and sums over the points, weighted by the Jacobian."""
-SCRATCH = 148 * LANES
+SCRATCH = 147 * LANES
 """Numbers of scratch that a thread needs."""
 
 COUPLING, STIFFNESS, MASS, YIELDING = rows(0, 24), *rows(24, 3)
 CONSTANTS = 27
 """Rows of constants: how hourglass modes see the six others, hourglass stiffness (N/m), mass (kg), 1/q_y^2 (1/m^2)."""
-SIGMA, STRAIN_P, HEAT, BACK = rows(0, 6), *rows(6, 2), rows(8, 6)
-STATES = 14
-"""Rows of state of a point: stress, equivalent plastic strain, temperature above room, back stress."""
+SIGMA, STRAIN_P, HEAT, BEFORE, BACK = rows(0, 6), *rows(6, 3), rows(9, 6)
+STATES = 15
+"""Rows of state of a point: stress, equivalent plastic strain, temperature above room, pressure of the bulk viscosity
+(the element's, kept with its first point), back stress."""
 
 ELASTIC, BILINEAR, JOHNSON_COOK = 0, 1, 2
 LAME, SHEAR, SPEED, DENSITY, YIELD, WIDENING, MOVING = np.arange(7, dtype=np.uint64)

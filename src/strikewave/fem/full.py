@@ -13,7 +13,7 @@ In bending within a plane the element is too stiff by shear (it has no curvature
 three elements across, or the one-point element.
 
 Time step. As for the one-point element, with a bound of the largest eigenvalue of the integral of gradient times
-gradient: 8 times the largest over the points of that of w J^-1 J^-T, w the Jacobian.
+gradient: 8 times the largest over the points of that of w J^-1 J^-T, w the Jacobian; 0 unless each w is positive.
 
 Sources: J. C. Nagtegaal, D. M. Parks, J. R. Rice, On numerically accurate finite element solutions in the fully plastic
 range, Computer Methods in Applied Mechanics and Engineering 4 (1974) 153; T. J. R. Hughes, Generalization of selective

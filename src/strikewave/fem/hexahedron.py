@@ -23,11 +23,13 @@ force of a mode must not go on to grow, or an elastic skeleton would hold the pl
 sigma_y h^2.
 
 Bulk viscosity. q = -rho l (q1 c - q2 l min(r, 0)) r, r the rate of volume, l the smallest thickness, c the speed of
-a pressure wave.
+a pressure wave. Its work in a step is, as that of the stress, what the mean of q before and after does: the work of
+the forces at both ends.
 
 Time step. 4 / (d + sqrt(d^2 + 4 w)), w = (2 G a + lambda b) / (m V) with a, b the largest eigenvalue (a bound of it)
 and the trace of sum g g^T, d = l (q1 c - q2 l min(r, 0)) b / V^2 the damping rate of the bulk viscosity, whose force
-lags half a step: no element is faster, nor is a mesh of such elements.
+lags half a step: no element is faster, nor is a mesh of such elements. It is 0 for an element that is turned inside
+out, or whose numbers are not finite.
 """
 
 from __future__ import annotations

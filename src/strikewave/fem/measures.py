@@ -26,6 +26,8 @@ WIDTH_SHARE = 0.1
 """Share of the peak at which a duration begins and ends."""
 ALIGNED = math.cos(math.radians(5.0))
 """Cosine of the angle to x, y or z below which a direction is taken as that one."""
+UNLOADED = 1e-9
+"""Internal energy of less than this share of the energy in play is rounding: nothing was touched."""
 STILL = 1e-12
 """A part whose velocity changes by less than this share of the largest in play does not move."""
 
@@ -198,7 +200,7 @@ def part_measure(run: FemRun, name: str, free: Array | None = None) -> PartMeasu
         return PartMeasure(part.mass, (0.0, 0.0, 0.0), 0.0, math.nan, 0.0, *bore)
     way = near_axis(change[int(np.argmax(size))])
     x, y, z = (float(component) for component in way)
-    along = mean_acceleration(run, name) @ free @ way
+    along = mean_acceleration(run, name) @ way
     at = int(np.argmax(along))
     begin, end = _ends(along, run.time, at, at)
     return PartMeasure(part.mass, (x, y, z), float(along[at]), end - begin, float((change @ way).max()), *bore)
@@ -207,7 +209,8 @@ def part_measure(run: FemRun, name: str, free: Array | None = None) -> PartMeasu
 def ledger_measure(run: FemRun) -> LedgerMeasure:
     """Measure the energy error, the hourglass energy and the momentum error of a run."""
     error = run.energy_error
-    internal = float(np.max(run.energy["internal"]))
+    given = float(np.max(np.abs(run.initial_energy + run.energy["external"])))
+    internal = max(float(np.max(run.energy["internal"])), UNLOADED * given)
     glass = float(np.max(np.abs(run.energy["hourglass"])))
     share = glass / internal if internal > 0.0 else (0.0 if glass == 0.0 else np.inf)
     return LedgerMeasure(float(error[int(np.argmax(np.abs(error)))]), share, run.momentum_error)

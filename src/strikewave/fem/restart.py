@@ -99,7 +99,9 @@ def read_restart(path: Path, engine: Engine) -> None:
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("fingerprint") != engine.fingerprint:
-                raise InputError("restart", str(path), allowed, "the case or strikewave has changed: run without it")
+                raise InputError(
+                    "restart", str(path), allowed, "the case has changed since, or strikewave: run without it"
+                )
             found = _read(file, engine, path.stat().st_size)
         _check(engine, found)
     except (OSError, KeyError, TypeError, ValueError, RuntimeError, MemoryError) as error:

@@ -74,7 +74,8 @@ def lightness(body: RigidBody, mesh: Mesh, part: str) -> Array:
     Forces f at nodes i with arms r_i move the body by K^-1 sum R_i^T f_i, R_i = (1, -r_i x), K = diag(M, J), and node j
     by R_j of that. Free masses A_i/a in place of the nodes, A_i their shares of the surface, move more under any forces
     where a is at least the largest eigenvalue of K^-1 sum A_i R_i^T R_i. With an even pressure on a body that cannot
-    turn they move alike: together they weigh M. A body without freedoms has a = 0.
+    turn they move alike: together they weigh M. A body without freedoms has a = 0. So contact is stable for any mass;
+    but a body far lighter than the layers of nodes that press it from two sides is pressed through.
     """
     surface = surface_of(mesh.side(f"{part}.all"))
     place = np.searchsorted(body.nodes, surface.nodes)

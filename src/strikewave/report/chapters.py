@@ -123,7 +123,8 @@ def inputs(case: Case) -> Section:
     """List every value of the case, as typed, with provenance and note."""
     from strikewave.quantities import PROVENANCES, Value
 
-    groups = list(_groups(case))
+    unused = "solver" if getattr(case, "command", "") == "fem" else ""
+    groups = [group for group in _groups(case) if group[0] != unused]
     found = [(f"{path}.{key}", entry) for path, _, rows in groups for key, entry in rows if isinstance(entry, Value)]
     counts: list[list[Cell]] = [
         [Tag(p, p), sum(value.provenance == p for _, value in found), _PROVENANCE_WORDS.get(p, NONE)]

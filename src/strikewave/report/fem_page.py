@@ -21,6 +21,7 @@ from strikewave.fem.measures import (
     part_measure,
 )
 from strikewave.fem.quality import quality_report
+from strikewave.fem.solids import Bilinear, JohnsonCook
 from strikewave.notices import LEDGER_LIMIT
 from strikewave.report import chapters
 from strikewave.report.numbers import listed, with_unit
@@ -31,6 +32,7 @@ from strikewave.units import STANDARD_GRAVITY
 if TYPE_CHECKING:
     from strikewave.fem.model import Model
     from strikewave.fem.run import FemRun, Frame
+    from strikewave.fem.solids import AnySolid
     from strikewave.fem_solution import FemSolution
 
 _SOLIDS = {"Elastic": "elastic", "Bilinear": "bilinear plastic", "JohnsonCook": "Johnson-Cook"}
@@ -57,8 +59,9 @@ _PARTS = (
 )
 _FIELDS = (
     "Each element is shown in the colour of its one value, in one scale for all instants; faces that look aside are a "
-    "little darker. Elements before the plane of the cut are left out whole."
+    "little darker."
 )
+_CUT = " Elements before the plane of the cut are left out whole."
 
 
 def fem_report(solution: FemSolution) -> str:
@@ -139,7 +142,7 @@ def _summary(run: FemRun, sector: dict[str, Sector]) -> str:
 def _sector_words(found: dict[str, Sector]) -> str:
     """Say which parts are sectors: their masses and forces are not those of whole bodies."""
     cut = [f"{name} is a {_SHARES[sector.pieces]} of its body" for name, sector in found.items() if sector.pieces > 1]
-    return f" {listed(cut)}: masses, forces and impulses are those of the sectors." if cut else ""
+    return f" Sectors: {listed(cut)}; masses, forces and impulses here are those of the sectors." if cut else ""
 
 
 def _key_numbers(run: FemRun, sector: dict[str, Sector]) -> list[tuple[str, str]]:
@@ -261,7 +264,8 @@ def _solid_table(model: Model) -> Table:
         rows.append(
             [
                 name,
-                "rigid" if rigid else kind + (", full integration" if name in model.controls.full else ""),
+                "rigid" if rigid else kind + _yield_words(solid),
+                NONE if rigid else "full" if name in model.controls.full else "one point",
                 f"{solid.density:g}",
                 f"{solid.youngs_modulus / 1e9:g}",
                 f"{solid.poissons_ratio:g}",
@@ -269,8 +273,27 @@ def _solid_table(model: Model) -> Table:
                 velocity,
             ]
         )
-    heads = ["part", "solid", "density (kg/m³)", "E (GPa)", "Poisson's ratio", "elements", "starts at (m/s)"]
+    heads = [
+        "part",
+        "solid",
+        "integration",
+        "density (kg/m³)",
+        "E (GPa)",
+        "Poisson's ratio",
+        "elements",
+        "starts at (m/s)",
+    ]
     return Table("Parts and their solids", heads, rows)
+
+
+def _yield_words(solid: AnySolid) -> str:
+    """Say how a solid yields."""
+    if isinstance(solid, Bilinear):
+        words = f", yields at {solid.yield_strength / 1e6:g} MPa, then {solid.tangent_modulus / 1e6:g} MPa"
+        return words + (f", {solid.kinematic:.0%} kinematic" if solid.kinematic else "")
+    if isinstance(solid, JohnsonCook):
+        return f", A {solid.A / 1e6:g} MPa, B {solid.B / 1e6:g} MPa, n {solid.n:g}, C {solid.C:g}, m {solid.m:g}"
+    return ""
 
 
 def _condition_table(model: Model) -> Table:
@@ -279,7 +302,7 @@ def _condition_table(model: Model) -> Table:
         name = type(boundary).__name__
         kind = _BOUNDARIES.get(name, name.lower())
         rows.append([kind, boundary.side, _boundary_words(boundary)])
-    rows += [["contact", c.name, f"friction {c.friction:g}, stiffness {c.stiffness:g}"] for c in model.contacts]
+    rows += [["contact", c.name, f"friction {c.friction:g}"] for c in model.contacts]
     rows += [["rigid wall", w.side, f"through {_metres(w.point)}, normal {_plain(w.normal)}"] for w in model.walls]
     rows += [["tie", t.side, f"onto {t.onto}"] for t in model.ties]
     rows += [["rigid part", r.part, "does not deform"] for r in model.rigid]
@@ -339,7 +362,7 @@ def _quality_table(model: Model) -> Table:
 
 
 def _fields(solution: FemSolution) -> Section:
-    from strikewave.figures.fem_pictures import frames_picture, view_of
+    from strikewave.figures.fem_pictures import contact_zone, frames_picture, view_of
 
     frames = _chosen(solution.frames or solution.run.frames)
     if not frames:
@@ -353,7 +376,12 @@ def _fields(solution: FemSolution) -> Section:
         last = [frames[-1]]
         picture = frames_picture(mesh, last, view, "plastic_strain")
         parts.append(Picture(picture, "Equivalent plastic strain at the last of these instants."))
-    return Section("Fields", _FIELDS, parts)
+    zone = contact_zone(solution.model)
+    if zone is not None:
+        near = dataclasses.replace(view, near=zone)
+        words = f"Von Mises stress within {zone[1] * 1e3:.3g} mm of where the contact begins, at {instants}."
+        parts.insert(1, Picture(frames_picture(mesh, frames, near), words))
+    return Section("Fields", _FIELDS + (_CUT if view.cut is not None else ""), parts)
 
 
 def _chosen(frames: Sequence[Frame]) -> list[Frame]:

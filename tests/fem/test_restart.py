@@ -1,0 +1,152 @@
+"""Files that a run goes on from, read as those of a stranger: damaged or forged ones are refused, none is trusted."""
+
+import shutil
+
+import h5py
+import numpy as np
+import pytest
+
+from strikewave.errors import InputError
+from strikewave.fem import engine as engine_module
+from strikewave.fem.engine import Engine
+from strikewave.fem.mesh import joined
+from strikewave.fem.model import Contact, Controls, Model, Wall
+from strikewave.fem.restart import read_restart
+from strikewave.fem.shapes import block, moved
+from strikewave.fem.solve import Asked, Keep, solve
+
+from .bodies import STEEL
+
+pytestmark = pytest.mark.fem
+CONTACT = "contact/low.z+-up.z-"
+
+
+def model(duration=4e-6):
+    low = block("low", (4e-3, 4e-3, 2e-3), 1e-3, 1e-3, 1e-3)
+    up = block("up", (3e-3, 3e-3, 3e-3), 1e-3, 1e-3, 1e-3)
+    up = moved(up, (0.3e-3, 0.2e-3, low.points[:, 2].max() - up.points[:, 2].min() + 1e-5))
+    return Model(
+        joined([low, up]),
+        {"low": STEEL, "up": STEEL},
+        Controls(duration, 0.5e-6),
+        velocity={"up": (3.0, 0.0, -8.0)},
+        contacts=(Contact("low.z+", "up.z-", 0.3),),
+        walls=(Wall("low.z-", (0.0, 0.0, float(low.points[:, 2].min())), (0.0, 0.0, 1.0)),),
+    )
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    path = tmp_path_factory.mktemp("kept") / "restart.h5"
+    solve(model(2.5e-6), Asked(keep=Keep(path, 2)))
+    return path
+
+
+def put(name, value):
+    def change(file):
+        new = value(file[name][()]) if callable(value) else value
+        if name in file:
+            del file[name]
+        file[name] = new
+
+    return change
+
+
+def sparse(name, shape, kind="f8"):
+    def change(file):
+        if name in file:
+            del file[name]
+        file.create_dataset(name, shape=shape, dtype=kind, chunks=(10**6, *shape[1:]))
+
+    return change
+
+
+def outside(file):
+    shape = file["x"].shape
+    del file["x"]
+    file.create_dataset("x", shape=shape, dtype="f8", external=[("/dev/zero", 0, 8 * shape[0] * shape[1])])
+
+
+def without(name):
+    return lambda file: file.__delitem__(name)
+
+
+FORGED = {
+    "faces that are not there": put(f"{CONTACT}/candidates", lambda a: np.full_like(a, 10**9)),
+    "a negative face": put(f"{CONTACT}/candidates", lambda a: np.full_like(a, -1)),
+    "no face by -2": put(f"{CONTACT}/found/face", lambda a: np.full_like(a, -2)),
+    "a found face that is not there": put(f"{CONTACT}/found/face", lambda a: np.full_like(a, 10**6)),
+    "starts beyond the end": put(f"{CONTACT}/start", lambda a: np.arange(len(a)) * 10**9),
+    "starts that fall": put(f"{CONTACT}/start", lambda a: np.concatenate([a[:1], a[:0:-1]])),
+    "x of three numbers": put("x", np.zeros(3)),
+    "x not finite": put("x", lambda a: a * np.nan),
+    "x of words": put("x", "abc"),
+    "x of half the digits": put("x", lambda a: a.astype("f4")),
+    "a negative instant": put("instant", -5),
+    "an instant after the end": put("instant", 10**9),
+    "no step": put("critical", 1e-30),
+    "a step that is no number": put("critical", np.nan),
+    "a negative step before": put("behind", -1e-8),
+    "an array for a number": put("steps", np.zeros(3, int)),
+    "a ragged row": put("row/time", np.zeros(1)),
+    "a missing row": without("row/time"),
+    "a missing contact": without(CONTACT),
+    "2.4 TB": sparse("x", (10**11, 3)),
+    "400 GB of candidates": sparse(f"{CONTACT}/candidates", (10**11,), "i4"),
+    "80 GB that nobody asked for": sparse("extra", (10**10,)),
+    "another file's numbers": outside,
+    "other faces": put(f"{CONTACT}/faces", np.zeros((18, 4), np.int32)),
+}
+
+
+@pytest.mark.parametrize("change", FORGED.values(), ids=FORGED)
+def test_a_forged_file_is_refused(kept, tmp_path, change):
+    path = tmp_path / "forged.h5"
+    shutil.copy(kept, path)
+    with h5py.File(path, "r+") as file:
+        change(file)
+    with pytest.raises(InputError, match="damaged"):
+        read_restart(path, Engine(model()))
+
+
+def test_the_whole_file_is_read(kept):
+    engine = Engine(model())
+    read_restart(kept, engine)
+    assert (engine.instant, engine.time) == (4, 2e-6)
+    assert engine.steps > 0
+
+
+def test_nothing_that_the_model_fixes_is_kept(kept):
+    with h5py.File(kept) as file:
+        names = []
+        file.visit(names.append)
+    ends = {name.rpartition("/")[2] for name in names}
+    assert not ends & {"nodes", "faces", "neighbours", "first", "first_faces", "checked", "held", "point", "direction"}
+
+
+def test_bytes_that_changed_end_in_one_word(kept, tmp_path):
+    """100 files with up to 20 other bytes each, some cut short, are read or refused."""
+    rng, raw, refused = np.random.default_rng(0), kept.read_bytes(), 0
+    engine, path = Engine(model()), tmp_path / "changed.h5"
+    for k in range(100):
+        data = bytearray(raw)
+        for place in rng.integers(0, min(len(data), 30_000), rng.integers(1, 20)):
+            data[place] = rng.integers(0, 256)
+        path.write_bytes(data[: rng.integers(0, len(data))] if k % 4 == 0 else data)
+        try:
+            read_restart(path, engine)
+        except InputError:
+            refused += 1
+    assert refused > 25
+
+
+def test_another_version_does_not_go_on(kept, monkeypatch):
+    """The same state may mean something else to another version."""
+    monkeypatch.setattr(engine_module, "__version__", "0.0.0")
+    with pytest.raises(InputError, match="strikewave: run without it"):
+        read_restart(kept, Engine(model()))
+
+
+def test_a_longer_run_of_the_same_model_goes_on(kept):
+    longer = solve(model(6e-6), Asked(resume=kept))
+    assert np.array_equal(longer.momentum, solve(model(6e-6)).momentum)
