@@ -217,7 +217,7 @@ def test_both_kinds_in_one_run_carry_a_wave_across_a_tie():
     ]
     for run in runs:
         assert not run.stopped
-        assert abs(run.energy_error[20:]).max() < 1e-2
+        assert abs(run.energy_error).max() < 1e-9
         assert run.momentum_error < 1e-9
         stress, expected = run.sections["middle"].stress[:, 2], runs[0].sections["middle"].stress[:, 2]
         high = run.parts["high"]
@@ -250,7 +250,7 @@ def test_threads_and_a_restart_change_no_bit_of_a_run_with_both_kinds(tmp_path):
         solve(flying_bars(8e-6, threads=2), Asked(frames=2)),
     ]
     assert whole.energy["plastic"][-1] > 0.5 * whole.initial_energy
-    assert abs(whole.energy_error).max() < 0.01
+    assert abs(whole.energy_error).max() < 1e-4
     for other in others:
         for name, values in whole.energy.items():
             np.testing.assert_array_equal(other.energy[name], values)

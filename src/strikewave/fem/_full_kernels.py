@@ -147,7 +147,6 @@ def begin_sums(s, j):
     """Set all sums over the points to zero, and keep the mean volume change."""
     s[SWELLING + j] = s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]
     s[PRESSURE + j], s[ALL_WORK + j], s[ALL_PLASTIC + j], s[HOURGLASS + j] = 0.0, 0.0, 0.0, 0.0
-    s[STEEPEST + j] = 0.0
 
 
 @fused_leaf_kernel

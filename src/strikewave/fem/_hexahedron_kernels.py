@@ -275,8 +275,8 @@ def viscosity(s, solid, dt, linear, quadratic, j):
 def critical_step(s, solid, j):
     """Write the critical step 4 / (d + sqrt(d^2 + 4 w)), w = (2 G a + lambda b) / m, d that of the bulk viscosity.
 
-    a V bounds the largest eigenvalue of the sum of g g^T over the modes, b V is its trace. It is 0 where the element is
-    turned inside out, or a number is not finite.
+    a V bounds the largest eigenvalue of the sum of g g^T over the modes, b V is its trace. The step is 0 where
+    the element is turned inside out, or a number is not finite.
     """
     square = (2.0 * solid[SHEAR] * s[STEEPEST + j] + solid[LAME] * s[TRACE + j]) / s[FIXED + MASS + j]
     damping = s[DAMPING + j]
