@@ -123,7 +123,7 @@ class Form:
             elif fault["type"] == "tuple_type" and self.tables_at(places) == [Value]:
                 lines.append(f"{path}: got {show(fault['input'])}; allowed: a list of quantities with their units")
             elif fault["type"] == "tuple_type" and not isinstance(fault["input"], dict):
-                lines.append(f"{path}: got {show(fault['input'])}; allowed: a list, such as [\"a\", \"b\"]")
+                lines.append(f'{path}: got {show(fault["input"])}; allowed: a list, such as ["a", "b"]')
             elif fault["type"] == "tuple_type":
                 lines.append(f"{path}: got one table; write [[{path}]], once for each")
             elif fault["type"] == "literal_error":

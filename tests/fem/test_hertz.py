@@ -35,7 +35,7 @@ def struck(case, **options):
 
 def assert_balanced(run):
     assert not run.stopped
-    assert abs(run.energy_error).max() < 0.01
+    assert abs(run.energy_error).max() < 1e-5
     assert run.energy["contact"].min() > -0.01 * run.initial_energy
     assert run.energy["hourglass"].max() < 0.05 * run.energy["internal"].max()
     assert run.momentum_error < 1e-9
