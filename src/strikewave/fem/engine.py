@@ -37,8 +37,9 @@ from strikewave.fem.hexahedron import (
     one_point_constants,
     shapes,
 )
-from strikewave.fem.mesh import Array, Index, Mesh, volumes
+from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Model
+from strikewave.fem.quality import scaled_jacobians
 from strikewave.fem.recorder import Motion, Recorder, assembly, pressed
 from strikewave.fem.rigid import lightness, rigid_bodies
 from strikewave.fem.run import FemRun, Frame
@@ -267,7 +268,7 @@ class Engine:
         given = self.initial_energy + energies["external"]
         largest = max(abs(given), self.initial_energy, *(abs(e) for e in self.recorder.column("external")))
         where = f"at {self.time:.4g} s"
-        if not np.isfinite(kept) or np.isnan(self.critical):
+        if not np.isfinite(kept):
             return f"the numbers end {where}: {self._worst_element()}"
         if abs(kept - given) > BROKEN * largest and self.steps:
             off = (kept - given) / largest
@@ -278,16 +279,16 @@ class Engine:
         return ""
 
     def _worst_element(self) -> str:
-        """Name the element with the smallest volume for its first."""
+        """Name the element whose corners are bent most."""
         mesh = self.model.mesh
         with np.errstate(all="ignore"):
-            ratio = volumes(self.x, mesh.hexahedra) / volumes(mesh.points, mesh.hexahedra)
-        worst = int(np.argmin(np.where(np.isfinite(ratio), ratio, -np.inf)))
+            bent = scaled_jacobians(self.x, mesh.hexahedra).min(axis=1)
+        worst = int(np.argmin(np.where(np.isfinite(bent), bent, -np.inf)))
         place = mesh.points[mesh.hexahedra[worst]].mean(axis=0)
         part = mesh.names[mesh.part[worst]]
         return (
             f"look at element {worst - mesh.elements_of(part).start} of {part}, at first around "
-            f"({', '.join(f'{c:.4g}' for c in place)}) m, with {ratio[worst]:.3g} of its first volume"
+            f"({', '.join(f'{c:.4g}' for c in place)}) m, whose scaled Jacobian is {bent[worst]:.3g} now"
         )
 
     def frame(self) -> Frame:
