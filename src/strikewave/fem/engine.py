@@ -42,7 +42,7 @@ from strikewave.fem.model import Model
 from strikewave.fem.quality import scaled_jacobians
 from strikewave.fem.recorder import Motion, Recorder, assembly, pressed
 from strikewave.fem.rigid import lightness, rigid_bodies
-from strikewave.fem.run import FemRun, Frame
+from strikewave.fem.run import KEPT, FemRun, Frame
 from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties
 
 NODES = 20_000
@@ -53,8 +53,8 @@ COLLAPSED = 1e-3
 """Share of the first critical step below which a run stops."""
 SCALINGS = 60
 """Rounds in which mass is added."""
-WORKS = ("internal", "plastic", "viscous", "contact", "external")
-"""What is summed over the steps."""
+WORKS = ("contact", "external")
+"""What is summed over the steps here; the elements sum theirs."""
 
 
 class Engine:
@@ -72,6 +72,8 @@ class Engine:
         Critical step of the elements at t_n, s.
     acting : list of Acting
         Everything but elements, contacts and walls that puts forces on nodes.
+    touching : dict of str to Touch
+        Nodes of contacts and walls, by name.
     """
 
     def __init__(self, model: Model, pool: ThreadPoolExecutor | None = None) -> None:
@@ -101,6 +103,8 @@ class Engine:
         self.acting: list[Acting] = [*self.weight, *self.loads, *self.holds, *self.bodies]
         self.contacts = prepare_all(model.contacts, mesh, self.ties.nodes)
         self.walls = {w.name: prepare_wall(w, mesh, self.ties.nodes) for w in model.walls}
+        self.touching = {name: contact.touch for name, contact in self.contacts.items()}
+        self.touching |= {name: wall.touch for name, wall in self.walls.items()}
         for touch, hold in itertools.product(self.touching.values(), self.holds):
             note_held(touch, hold.nodes, hold.directions)
         self.overlaps = initial_overlaps([*self.contacts.items(), *self.walls.items()], mesh.points)
@@ -112,7 +116,7 @@ class Engine:
         self.smallest = np.inf
         self.done = dict.fromkeys(WORKS, 0.0)
         self.given = np.zeros(3)
-        self.impulse = {name: np.zeros(3) for name in [*self.contacts, *self.walls]}
+        self.impulse = {name: np.zeros(3) for name in self.touching}
         self.initial_energy = 0.5 * float(self.mass @ np.einsum("ni,ni->n", self.v, self.v))
         spans = max(1, min(controls.threads, len(self.x) // NODES))
         self.spans = list(itertools.pairwise(np.linspace(0, len(self.x), spans + 1).astype(int).tolist()))
@@ -129,12 +133,6 @@ class Engine:
         controls = {key: value for key, value in vars(model.controls).items() if key not in ("threads", "duration")}
         digest.update(repr((__version__, rest, parts, controls)).encode())
         return digest.hexdigest()
-
-    @property
-    def touching(self) -> dict[str, Touch]:
-        """Nodes of contacts and walls, by name."""
-        found = {name: state.touch for name, state in self.contacts.items()}
-        return found | {name: wall.touch for name, wall in self.walls.items()}
 
     def _movable(self) -> Array:
         """Return inverse masses as contact meets the nodes: tied ones alone, rigid ones as parts of a body."""
@@ -264,7 +262,7 @@ class Engine:
         return self._broken(energies)
 
     def _broken(self, energies: Mapping[str, float]) -> str:
-        kept = sum(energies[name] for name in ("kinetic", "internal", "hourglass", "contact", "viscous"))
+        kept = sum(energies[name] for name in KEPT)
         given = self.initial_energy + energies["external"]
         largest = max(abs(given), self.initial_energy, *(abs(e) for e in self.recorder.column("external")))
         where = f"at {self.time:.4g} s"
@@ -299,7 +297,7 @@ class Engine:
 
     def result(self, seconds: float, stopped: str, frames: tuple[Frame, ...]) -> FemRun:
         """Return what was noted."""
-        noted, names = self.recorder, [*self.contacts, *self.walls]
+        noted, names = self.recorder, self.touching
         return FemRun(
             time=noted.column("time"),
             force={name: noted.column(f"force/{name}") for name in names},

@@ -247,9 +247,10 @@ class Hexahedra:
         pool: ThreadPoolExecutor | None = None,
         threads: int = 1,
     ) -> None:
-        self.blocks, self.number, self.viscous, self.pool, self.threads = blocks, number, viscous, pool, threads
-        self.slabs, self.groups = cut_slabs(blocks.nodes.reshape(-1, 8 * layout.LANES), blocks.part)
+        self.blocks, self.number, self.viscous, self.pool = blocks, number, viscous, pool
+        self.slabs, groups = cut_slabs(blocks.nodes.reshape(-1, 8 * layout.LANES), blocks.part)
         self.sums = np.zeros((len(self.slabs), layout.SUMS))
+        self.shares = [np.array_split(group, min(threads, len(group))) for group in groups]
         self.scratch = [np.zeros(layout.SCRATCH) for _ in range(threads)]
 
     def add_forces(self, x: Array, v: Array, f: Array, step: float) -> float:
@@ -258,8 +259,7 @@ class Hexahedra:
         x is at the end of the step, v the velocity within it.
         """
         least = np.inf
-        for group in self.groups:
-            shares = np.array_split(group, min(self.threads, len(group)))
+        for shares in self.shares:
             work = [
                 (self.blocks, self.slabs, share, x, v, f, step, self.viscous, scratch, self.sums)
                 for share, scratch in zip(shares, self.scratch, strict=False)

@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 
 ENERGIES = ("kinetic", "internal", "plastic", "hourglass", "contact", "viscous", "external")
 """Columns of the energy ledger; ``internal`` is elastic energy and plastic work, ``plastic`` the plastic work in it."""
+KEPT = ("kinetic", "internal", "hourglass", "contact", "viscous")
+"""Those that together are what was there at the start and what came from outside."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +149,7 @@ class FemRun:
     @property
     def energy_error(self) -> Array:
         """Energy that is missing (negative) or too much, as a share of the largest energy in play, (instants,)."""
-        kept = sum(self.energy[name] for name in ("kinetic", "internal", "hourglass", "contact", "viscous"))
+        kept = sum(self.energy[name] for name in KEPT)
         return np.asarray((kept - self._given) / self._in_play)
 
     @property
