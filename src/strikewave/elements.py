@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -16,7 +15,6 @@ from strikewave.case import Case
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ledger_measure
 from strikewave.fem.model import Model, NonReflecting
-from strikewave.fem.quality import PartQuality, quality_report
 from strikewave.fem.run import FemRun, Frame
 from strikewave.fem.solids import Bilinear, JohnsonCook
 from strikewave.fem_solution import FemSolution
@@ -130,17 +128,12 @@ def check_model(model: Model) -> None:
 
 def first_step(model: Model) -> float:
     """Return the time step that a run begins with, s."""
-    from strikewave.fem.engine import scaled_masses
+    from strikewave.fem.engine import fitting, scaled_masses
 
     controls, rigid = model.controls, {one.part for one in model.rigid}
     with fields_of_case(model):
         _, _, critical = scaled_masses(model, [name for name in model.mesh.names if name not in rigid])
-    return controls.interval / max(1, math.ceil(controls.interval / (controls.safety * critical) - 1e-9))
-
-
-def quality_of(model: Model) -> tuple[PartQuality, ...]:
-    """Return how good the mesh of each part is."""
-    return quality_report(model.mesh)
+    return fitting(controls.interval, controls.safety * critical)
 
 
 def sources(model: Model) -> tuple[str, ...]:
@@ -233,7 +226,7 @@ def _contacts(run: FemRun) -> Iterator[Notice]:
 def _coarse_contacts(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     """Say which contacts press so few faces of a larger surface that their force hangs on the mesh."""
     found = sectors(case, model)
-    sides = {c.name: (c.first, c.second) for c in model.contacts} | {w.name: (w.side,) for w in model.walls}
+    sides = model.touching
     for name, pressed in run.pressed.items():
         for side, (share, faces) in zip(sides[name], pressed.max(axis=0), strict=False):
             pieces = found[side.partition(".")[0]].pieces

@@ -9,10 +9,10 @@ from strikewave.build import build_model, check
 from strikewave.build.parts import LARGEST, built_parts, estimated_elements, exact_volume
 from strikewave.case import bundled_cases, dump_case, load_case, parse_case
 from strikewave.cli.fem import say_faceted
-from strikewave.elements import quality_of
 from strikewave.errors import InputError, InputErrors
 from strikewave.fem.mesh import volumes
 from strikewave.fem.model import Driven, Fixed, Guided, NonReflecting, Pressure, Symmetry
+from strikewave.fem.quality import quality_report
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
 
 CASE = """
@@ -324,7 +324,7 @@ def test_every_shape_has_its_volume_and_the_estimate_of_its_elements_holds(shape
 def test_it_is_said_how_much_flat_faces_take_from_round_parts(capsys):
     """The quarter ball of 10 mm radius: that of its mesh over pi / 3 * 1e-6 m^3; the block loses nothing."""
     case = parse_case(CASE)
-    quality = quality_of(build_model(case))
+    quality = quality_report(build_model(case).mesh)
     say_faceted(case, quality)
     (line,) = capsys.readouterr().err.splitlines()
     share = next(row.volume for row in quality if row.part == "ball") / (math.pi / 3.0 * 1e-6) - 1.0

@@ -12,7 +12,7 @@ import pytest
 
 from strikewave.errors import InputError
 from strikewave.fem.measures import blow_axis, contact_measure, ledger_measure, near_axis
-from strikewave.fem.mesh import exterior_faces, joined
+from strikewave.fem.mesh import exterior, exterior_faces, joined
 from strikewave.fem.model import Contact, Symmetry
 from strikewave.figures import fem, fem_pictures
 from strikewave.figures.fem_pictures import View
@@ -198,7 +198,7 @@ def test_a_long_noisy_history_keeps_its_peak_and_few_points(run, rng):
 def nearest_faces(mesh, view, places):
     """Return which exterior face of the kept elements a ray at each place (n, 2; mm) meets first: by brute force."""
     kept = fem_pictures.kept_elements(mesh, view)
-    faces, element = fem_pictures.faces_of(mesh.hexahedra[kept])
+    faces, element = exterior(mesh.hexahedra[kept])
     corners = (mesh.points[faces] @ view.axes().T) * [1e3, 1e3, 1.0]
     found, depth = np.full(len(places), -1), np.full(len(places), -np.inf)
     for k, quad in enumerate(corners):
@@ -249,7 +249,7 @@ def test_each_pixel_shows_the_face_that_a_ray_meets_first(monkeypatch, rng, turn
 
 
 def test_faces_are_those_of_the_mesh_with_their_elements(mesh):
-    faces, element = fem_pictures.faces_of(mesh.hexahedra)
+    faces, element = exterior(mesh.hexahedra)
     assert np.array_equal(np.sort(faces.ravel()), np.sort(exterior_faces(mesh.hexahedra).ravel()))
     assert all(set(face) <= set(mesh.hexahedra[k]) for face, k in zip(faces, element, strict=True))
 

@@ -101,9 +101,7 @@ def open_cuts(model: Model, found: dict[str, Sector]) -> Iterator[str]:
 
 def whole_forces(model: Model, run: FemRun, found: dict[str, Sector]) -> dict[str, WholeForce | None]:
     """Return `whole_force` of each contact and wall."""
-    sides: dict[str, tuple[str, ...]] = {c.name: (c.first, c.second) for c in model.contacts}
-    sides |= {w.name: (w.side,) for w in model.walls}
-    return {name: whole_force(run, found, name, sides[name]) for name in run.force}
+    return {name: whole_force(run, found, name, sides) for name, sides in model.touching.items()}
 
 
 def whole_force(run: FemRun, found: dict[str, Sector], name: str, sides: tuple[str, ...]) -> WholeForce | None:

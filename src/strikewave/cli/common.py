@@ -65,10 +65,8 @@ def say_compiling() -> None:
 
 
 @contextlib.contextmanager
-def progress_bar(
-    what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed",)
-) -> Iterator[Callable[[float], None]]:
-    """Show a bar on stderr where that is a terminal; gives a function that takes the share done.
+def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed",)) -> Iterator[Callable[..., None]]:
+    """Show a bar on stderr where that is a terminal; gives a function that takes the share done, and words beside it.
 
     It begins with ``done``; ``clocks`` are "elapsed", and "left" for the time that is left.
     """
@@ -77,14 +75,14 @@ def progress_bar(
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield lambda share: None
+        yield lambda share, words="": None
         return
     times = [TimeElapsedColumn() if clock == "elapsed" else TimeRemainingColumn() for clock in clocks]
-    columns = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %"), *times)
+    columns = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}"), *times)
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task(what, total=1.0)
+        task = progress.add_task("", total=1.0)
         progress.update(task, completed=done)
-        yield lambda share: progress.update(task, completed=share)
+        yield lambda share, words="": progress.update(task, completed=share, description=words)
 
 
 def number(value: float | None, si: str, unit: str, digits: int = 4) -> str:

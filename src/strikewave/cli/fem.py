@@ -25,6 +25,7 @@ from strikewave.cli.common import (
     number,
     own_mark,
     print_json,
+    progress_bar,
     say,
     say_compiling,
     table,
@@ -86,8 +87,9 @@ def command(
     """
     from strikewave.build.elements import build_model
     from strikewave.case import dump_case, load_case
-    from strikewave.elements import check_model, model_notices, quality_of
+    from strikewave.elements import check_model, model_notices
     from strikewave.errors import InputError
+    from strikewave.fem.quality import quality_report
 
     begun = time.perf_counter()
     if threads < 1:
@@ -103,7 +105,7 @@ def command(
     if restart and folder is None:
         raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
     model = build_model(read, min(threads, os.cpu_count() or 1))
-    quality = quality_of(model)
+    quality = quality_report(model.mesh)
     say_model(model, quality)
     say_faceted(read, quality)
     if check:
@@ -148,8 +150,7 @@ def _keep(home: Path, model: Model) -> Keep:
     """Return where a run keeps its state, and how often."""
     from strikewave.fem.solve import Keep
 
-    instants = model.controls.duration / model.controls.interval
-    return Keep(home / STATE, max(1, round(instants / STATES)))
+    return Keep(home / STATE, max(1, round(model.controls.intervals / STATES)))
 
 
 @contextlib.contextmanager
@@ -246,25 +247,15 @@ class FieldFile:
 
 
 @contextlib.contextmanager
-def progress() -> Iterator[Callable[[Progress], None] | None]:
+def progress() -> Iterator[Callable[[Progress], None]]:
     """Show a bar with rate and time left on stderr where that is a terminal."""
-    from rich.console import Console
-    from rich.progress import BarColumn, TextColumn
-    from rich.progress import Progress as Bar
+    with progress_bar("", clocks=()) as report:
 
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield None
-        return
-    columns = BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}")
-    with Bar(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("")
-
-        def report(seen: Progress) -> None:
+        def show(seen: Progress) -> None:
             words = f"{seen.speed / 1e6:.2f} M element-steps/s, {seen.left:.0f} s left" if seen.time > 0.0 else ""
-            bar.update(task, total=seen.duration, completed=seen.time, description=words)
+            report(seen.time / seen.duration, words)
 
-        yield report
+        yield show
 
 
 def say_model(model: Model, quality: Sequence[PartQuality]) -> None:

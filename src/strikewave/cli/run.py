@@ -19,6 +19,7 @@ from strikewave.cli.common import (
     number,
     print_fits,
     print_losses,
+    progress_bar,
     say,
     table,
 )
@@ -67,9 +68,6 @@ def write_result(solution: Solution, place: Path, text: str, animate: bool = Fal
 
 def _animate(solution: Solution, place: Path) -> str:
     """Write the machine in motion as a page and as a GIF, which takes some seconds; return the name of the page."""
-    from rich.console import Console
-    from rich.progress import Progress
-
     from strikewave.figures.machine_animation import machine_page, write_machine_gif
 
     page = machine_page(solution)
@@ -77,9 +75,8 @@ def _animate(solution: Solution, place: Path) -> str:
         say("no animation: only the rotary machine can be shown in motion")
         return ""
     (place / "machine.html").write_text(page, "utf-8", newline="\n")
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("machine.gif", total=1.0)
-        write_machine_gif(solution, place / "machine.gif", lambda share: progress.update(task, completed=share))
+    with progress_bar("machine.gif", clocks=("left",)) as report:
+        write_machine_gif(solution, place / "machine.gif", report)
     return "machine.html"
 
 

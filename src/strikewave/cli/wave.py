@@ -18,6 +18,7 @@ from strikewave.cli.common import (
     number,
     print_fits,
     print_losses,
+    progress_bar,
     say,
     say_compiling,
     table,
@@ -88,18 +89,14 @@ def write_result(
 
 def _animate(solution: BarSolution, place: Path) -> None:
     """Write the animation as a page and as a GIF, which takes a few seconds."""
-    from rich.console import Console
-    from rich.progress import Progress
-
     from strikewave.figures.animation import animation_page, write_gif
     from strikewave.figures.field import bar_field
 
     field = bar_field(solution)
     page = animation_page(field, solution.title, solution.case.name)
     (place / "animation.html").write_text(page, "utf-8", newline="\n")
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("animation.gif", total=1.0)
-        write_gif(field, solution.title, place / "animation.gif", lambda share: progress.update(task, completed=share))
+    with progress_bar("animation.gif", clocks=("left",)) as report:
+        write_gif(field, solution.title, place / "animation.gif", report)
 
 
 def _print(solution: BarSolution) -> None:

@@ -7,6 +7,7 @@ reactions are known to the rounding error.
 
 from __future__ import annotations
 
+import abc
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -54,7 +55,7 @@ class Now:
     mass: Array
 
 
-class Acting:
+class Acting(abc.ABC):
     """Forces on some nodes (each once), and what they do.
 
     Attributes
@@ -73,9 +74,9 @@ class Acting:
         kernels.take_rows(self.nodes, now.v, self.before)
         self.act(now)
 
+    @abc.abstractmethod
     def act(self, now: Now) -> None:
         """Write ``force`` and add it to ``now.f``."""
-        raise NotImplementedError
 
     def add_rest(self, now: Now) -> None:
         """Add what it takes once more forces, of contact, have come."""

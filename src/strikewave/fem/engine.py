@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import math
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -224,7 +225,7 @@ class Engine:
 
     def _fitting(self, span: float) -> float:
         """Return the largest step that is safe and goes into a span a whole number of times, s."""
-        return span / max(1, int(np.ceil(span / (self.model.controls.safety * self.critical) - 1e-9)))
+        return fitting(span, self.model.controls.safety * self.critical)
 
     def motion(self) -> Motion:
         """Return displacement, velocity and acceleration of the nodes at t_n, once `act` was called."""
@@ -322,6 +323,11 @@ class Engine:
             overlaps=tuple(self.overlaps),
             pressed={name: noted.column(f"pressed/{name}") for name in names},
         )
+
+
+def fitting(span: float, longest: float) -> float:
+    """Return the largest step up to a longest one that goes into a span a whole number of times, s."""
+    return span / max(1, math.ceil(span / longest - 1e-9))
 
 
 def part_masses(mesh: Mesh, element_mass: Array, name: str) -> Array:

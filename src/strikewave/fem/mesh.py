@@ -117,6 +117,18 @@ def exterior_faces(hexahedra: Index) -> Index:
     >>> len(exterior_faces(np.arange(8, dtype=np.int32)[None]))
     6
     """
+    return exterior(hexahedra)[0]
+
+
+def exterior(hexahedra: Index) -> tuple[Index, Index]:
+    """Return the faces that belong to one element alone, as `exterior_faces`, and that element, (faces,).
+
+    Examples
+    --------
+    >>> faces, elements = exterior(np.arange(16, dtype=np.int32).reshape(2, 8))
+    >>> len(faces), elements.tolist()
+    (12, [0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1])
+    """
     faces = hexahedra[:, FACES].reshape(-1, 4)
     key = np.sort(faces, axis=1)
     order = np.lexsort(key.T[::-1])
@@ -124,7 +136,7 @@ def exterior_faces(hexahedra: Index) -> Index:
     alone = np.ones(len(faces), bool)
     alone[order[1:][same]] = False
     alone[order[:-1][same]] = False
-    return faces[alone]
+    return faces[alone], (np.flatnonzero(alone) // len(FACES)).astype(np.int32)
 
 
 def volumes(points: Array, hexahedra: Index) -> Array:

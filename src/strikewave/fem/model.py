@@ -229,3 +229,9 @@ class Model:
     sections: tuple[Section, ...] = ()
     points: tuple[Point, ...] = ()
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def touching(self) -> dict[str, tuple[str, ...]]:
+        """Sides of each contact and wall, by its name."""
+        pairs: dict[str, tuple[str, ...]] = {each.name: (each.first, each.second) for each in self.contacts}
+        return pairs | {each.name: (each.side,) for each in self.walls}

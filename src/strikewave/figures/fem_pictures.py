@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from strikewave.errors import InputError, nearest
 from strikewave.fem.invariants import pressure, von_mises
-from strikewave.fem.mesh import FACES, Index, Mesh, volumes
+from strikewave.fem.mesh import Index, Mesh, exterior, volumes
 from strikewave.fem.model import Driven, Model, Symmetry
 from strikewave.fem.run import Frame
 from strikewave.figures.field import shortened
@@ -204,21 +204,6 @@ def kept_elements(mesh: Mesh, view: View) -> NDArray[np.bool_]:
     return kept
 
 
-def faces_of(hexahedra: Index) -> tuple[Index, Index]:
-    """Return the faces that belong to one element alone, (faces, 4), and that element, (faces,).
-
-    Examples
-    --------
-    >>> faces, elements = faces_of(np.arange(16, dtype=np.int32).reshape(2, 8))
-    >>> len(faces), elements.tolist()
-    (12, [0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1])
-    """
-    faces = hexahedra[:, FACES].reshape(-1, 4)
-    _, place, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    alone = np.sort(place[count == 1])
-    return faces[alone], (alone // len(FACES)).astype(np.int32)
-
-
 def quantity_of(name: str) -> Shown:
     """Return a field that can be shown, by its name.
 
@@ -338,7 +323,7 @@ def _paint(
 
     view, kept = seen
     frame = view.axes()
-    faces, element = faces_of(mesh.hexahedra[kept])
+    faces, element = exterior(mesh.hexahedra[kept])
     corners = moved[faces] @ frame.T
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     size = np.linalg.norm(normal, axis=1)
