@@ -247,6 +247,15 @@ SOURCES: dict[str, str] = {
         "arising in large-deformation analysis, International Journal for Numerical Methods in Engineering 15 (1980) "
         "1862-1867 (pages from memory)"
     ),
+    "cundall-1976": (
+        "P. A. Cundall, Explicit finite-difference methods in geomechanics, Numerical Methods in Engineering, "
+        "Proceedings of the EF Conference on Numerical Methods in Geomechanics, Blacksburg 1976, volume 1, 132-150 "
+        "(from memory)"
+    ),
+    "barnes-1999": (
+        "M. R. Barnes, Form finding and analysis of tension structures by dynamic relaxation, International Journal of "
+        "Space Structures 14 (1999) 89-104"
+    ),
     "lysmer-kuhlemeyer-1969": (
         "J. Lysmer, R. L. Kuhlemeyer, Finite dynamic model for infinite media, Journal of the Engineering Mechanics "
         "Division ASCE 95 (1969) 859-877"

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from strikewave import citations
 from strikewave.build.elements import build_model
 from strikewave.build.engine_fields import fields_of_case
 from strikewave.build.sectors import open_cuts, sectors
 from strikewave.case import Case
+from strikewave.fem.blow_measures import still_presses
+from strikewave.fem.film import STILLS, film_of
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ledger_measure
-from strikewave.fem.model import Model, NonReflecting
+from strikewave.fem.model import Model, NonReflecting, stays
 from strikewave.fem.run import FemRun, Frame
 from strikewave.fem.solids import Bilinear, JohnsonCook
 from strikewave.fem_solution import FemSolution
@@ -29,6 +32,8 @@ FEWEST_FACES = 16.0
 """Pressed faces of a whole contact below which its force hangs on the mesh: 9 are 5 % off Hertz's peak, 21 are 1 %."""
 ALL_PRESSED = 0.9
 """Share of a surface that is pressed, above which its ends, not its faces, bound the contact."""
+RESTLESS, REST_YIELD = 1e-9, 1e-4
+"""Shares of the energy of a blow that may be left as vibration before it, and taken by yield on the way to rest."""
 ROUNDING = 1e-9
 """Overlaps of less than this share of the whole are rounding."""
 
@@ -82,7 +87,7 @@ def run_fem(case: Case, threads: int = 1) -> FemSolution:
     return run_model(case, build_model(case, threads))
 
 
-def run_model(case: Case, model: Model, asked: Asked | None = None) -> FemSolution:
+def run_model(case: Case, model: Model, asked: Asked | None = None, stills: int = STILLS) -> FemSolution:
     """Run the model of a case; see `run_fem`.
 
     Parameters
@@ -93,20 +98,29 @@ def run_model(case: Case, model: Model, asked: Asked | None = None) -> FemSoluti
         Of the case.
     asked : Asked, optional
         What is asked of the run besides its histories; the case says how many frames.
+    stills : int
+        Instants over the run that its film keeps, and as many again while anything touches.
     """
-    from strikewave.fem.solve import Asked, solve
+    from strikewave.fem.solve import Asked, check_controls, solve_blows
 
     asked = asked or Asked()
-    watch = Watch(asked.writer)
+    watch, later = Watch(asked.writer), asked.later
+    frames = int(case.fem.frames.si) if case.fem else 0
     with fields_of_case(model):
-        run = solve(model, asked._replace(writer=watch, frames=int(case.fem.frames.si) if case.fem else 0))
+        check_controls(model)
+        film = film_of(model, stills)
+        asked = asked._replace(writer=watch, later=later or (lambda _: Watch()), film=film, frames=frames)
+        run, *others = solve_blows(model, asked)
+    origin = [key for key in citations.SOURCES if case.source.startswith(key)][:1]
     return FemSolution(
         case=case,
         model=model,
         run=run,
         frames=watch.shown,
-        warnings=tuple(notices(case, model, run)),
-        citations=sources(model),
+        film=film,
+        warnings=tuple(_all_notices(case, model, (run, *others))),
+        citations=(*origin, *sources(model)),
+        later=tuple(others),
     )
 
 
@@ -143,7 +157,20 @@ def sources(model: Model) -> tuple[str, ...]:
         listed.append("johnson-cook-1983")
     if any(isinstance(boundary, NonReflecting) for boundary in model.boundaries):
         listed.append("lysmer-kuhlemeyer-1969")
+    if model.controls.blows > 1:
+        listed += ["cundall-1976", "barnes-1999"]
     return tuple(listed)
+
+
+def _all_notices(case: Case, model: Model, runs: Sequence[FemRun]) -> Iterator[Notice]:
+    """Yield what a user should know about all blows; of later ones what the first has not said, or breaks a limit."""
+    first = list(notices(case, model, runs[0]))
+    yield from first
+    said = {notice.code for notice in first}
+    for run in runs:
+        found = blow_notices(case, model, run) if run.blow > 1 else ()
+        yield from (notice for notice in found if notice.broken or notice.code not in said)
+        yield from _unfinished(model, run)
 
 
 def notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
@@ -172,6 +199,41 @@ def model_notices(case: Case, model: Model) -> Iterator[Notice]:
             f'as gone: add [[fem.boundary]] kind = "symmetry", side = "{cuts[0]}"'
         )
         yield Notice("cut-without-symmetry", message, float(len(cuts)), 0.0)
+
+
+def blow_notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
+    """Yield what a user should know about a blow after the first, and how the bodies came to it."""
+    rest = run.rest
+    if rest is not None and not rest.kinetic_share <= RESTLESS:
+        message = f"before it, bodies still vibrate with {rest.kinetic_share:.1e} of the energy of the blow before"
+        yield _named(run, Notice("blow-rest", message, rest.kinetic_share, RESTLESS))
+    yielded = rest.plastic_energy / max(run.initial_energy, 1e-300) if rest is not None else 0.0
+    if rest is not None and yielded > REST_YIELD:
+        message = (
+            f"on the way to rest before it the bodies yield with {rest.plastic_energy:.3g} J, {yielded:.1e} of its"
+        )
+        yield _named(run, Notice("blow-yield", f"{message} energy", yielded, REST_YIELD))
+    if run.stopped:
+        message = f"the run ended early: {run.stopped}"
+        yield _named(run, Notice("stopped", message, float(run.time[-1]), model.controls.duration, broken=True))
+    for found in (_ledgers(run), _contacts(run), _strength(case, model, run)):
+        yield from (_named(run, notice) for notice in found)
+
+
+def _named(run: FemRun, notice: Notice) -> Notice:
+    """Return a notice that names its blow."""
+    return replace(notice, message=f"blow {run.blow}: {notice.message}")
+
+
+def _unfinished(model: Model, run: FemRun) -> Iterator[Notice]:
+    """Say which contacts still press when a blow ends that another one follows."""
+    for name in run.force if run.blow < model.controls.blows else ():
+        if still_presses(run, name) and not stays(model, model.touching[name]):
+            message = (
+                f"the contact {name} still presses when blow {run.blow} ends, and the next begins without it: "
+                "a longer fem.duration"
+            )
+            yield Notice("blow-unfinished", message, float(run.time[-1]), model.controls.duration)
 
 
 def _ledgers(run: FemRun) -> Iterator[Notice]:

@@ -19,6 +19,8 @@ from strikewave.build.sectors import Sector, WholeForce, sectors, whole_forces
 from strikewave.case import Case, dump_case
 from strikewave.dataset import quantity
 from strikewave.documents import head, plain, without
+from strikewave.fem.blow_measures import blow_measure
+from strikewave.fem.film import Film
 from strikewave.fem.measures import (
     ContactMeasure,
     PartMeasure,
@@ -31,10 +33,12 @@ from strikewave.fem.measures import (
 )
 from strikewave.fem.model import Model
 from strikewave.fem.run import ENERGIES, FemRun, Frame
-from strikewave.solution import Notice
+from strikewave.solution import Comparison, Notice, comparisons
 
 if TYPE_CHECKING:
     import xarray
+
+    from strikewave.tables import Published
 
 Array = NDArray[np.float64]
 
@@ -62,6 +66,10 @@ class FemSolution:
         What to know.
     citations : tuple of str
         Keys of the sources of the models used.
+    film : Film, optional
+        Instants that pictures are made of.
+    later : tuple of FemRun
+        The blows after the first, which is ``run``.
     """
 
     case: Case
@@ -70,6 +78,13 @@ class FemSolution:
     frames: tuple[Frame, ...] = field(repr=False)
     warnings: tuple[Notice, ...]
     citations: tuple[str, ...]
+    film: Film | None = field(default=None, repr=False)
+    later: tuple[FemRun, ...] = field(default=(), repr=False)
+
+    @property
+    def blows(self) -> tuple[FemSolution, ...]:
+        """Each blow by itself, the first one first."""
+        return tuple(dataclasses.replace(self, run=run, later=()) for run in (self.run, *self.later))
 
     @property
     def title(self) -> str:
@@ -114,6 +129,35 @@ class FemSolution:
         return {name: contact_measure(self.run, name) for name in self.run.force}
 
     @property
+    def published(self) -> tuple[Comparison, ...]:
+        """The published numbers of the case beside what the first blow came to."""
+        return comparisons(self.case, self._computed)
+
+    def _computed(self, entry: Published) -> float | None:
+        """Return what a published number is set beside; None where the model has no such thing.
+
+        Forces are those of the first contact of the case, of the whole bodies where sectors match.
+        """
+        which, _, quantity = entry.quantity.partition(".")
+        name = next(iter(self.contacts), None)
+        touched = None if name is None else self.contacts[name]
+        part = {**self.parts, **self.groups}.get(entry.sensor)
+        whole = None if name is None else self.wholes[name]
+        peak = whole.peak if whole is not None else touched.peak if touched is not None else None
+        value: float | None = None
+        if which != "first" or peak is None or touched is None:
+            return None
+        if quantity == "peak_force":
+            value = peak
+        elif quantity == "force_width":
+            value = touched.duration
+        elif part is not None and quantity == "force_over_mass":
+            value = peak / (part.mass * (1 if whole is None else self.sectors[entry.sensor].pieces))
+        elif part is not None and quantity in ("rigid_peak", "width"):
+            value = getattr(part, quantity)
+        return None if value is None or math.isnan(value) else value
+
+    @property
     def contact_force_peak(self) -> float:
         """Largest mean force of any contact over an interval of the histories, N."""
         return max((found.peak for found in self.contacts.values() if found is not None), default=0.0)
@@ -142,7 +186,10 @@ class FemSolution:
                 "energy": {"initial": run.initial_energy, **energy, "error": ledger.energy},
                 "hourglass_share": ledger.hourglass,
                 "momentum_error": ledger.momentum,
+                "published": [without(dataclasses.asdict(row), "note") for row in self.published],
+                "fitted_fields": self.case.fitted_fields(),
                 "stopped": run.stopped or None,
+                "blows": [_blow(each) for each in self.blows],
             }
         )
 
@@ -258,10 +305,35 @@ UNITS = {
     "initial": "J",
     **dict.fromkeys(ENERGIES, "J"),
     "error": "1",
+    "energy_error": "1",
     "hourglass_share": "1",
     "momentum_error": "1",
+    "restitution": "1",
+    "plastic_energy": "J",
+    "kinetic_share": "1",
+    "retreat": "m",
+    "overlap": "m",
+    "plastic_before": "J",
 }
 """Of the JSON document."""
+
+
+def _blow(solution: FemSolution) -> dict[str, Any]:
+    """Return what one of several blows came to, for the JSON document."""
+    found, wholes, sector = blow_measure(solution.run, solution.model.touching), solution.wholes, solution.sectors
+    contacts = {name: None if x is None else _contact(x, wholes[name]) for name, x in solution.contacts.items()}
+    return {
+        "blow": found.blow,
+        "contacts": contacts,
+        "parts": {name: _part(part, sector[name]) for name, part in solution.parts.items()},
+        "groups": {name: _part(part, sector[name]) for name, part in solution.groups.items()},
+        "restitution": dict(found.restitution),
+        "plastic_strain": dict(found.plastic_strain),
+        "plastic_energy": dict(found.plastic_energy),
+        "energy_error": ledger_measure(solution.run).energy,
+        "rest": found.rest._asdict() if found.rest else None,
+        "stopped": solution.run.stopped or None,
+    }
 
 
 def _part(found: PartMeasure, sector: Sector) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from strikewave.quantities import (
     LeastStep,
     MaybeGravity,
     Pressures,
+    RepeatedBlows,
     RunTime,
     SafetyFactor,
     Value,
@@ -137,14 +138,16 @@ class GravityTable(VectorTable):
 class FemTable(Table):
     """[fem]: how a model of hexahedra is run.
 
-    ``interval`` is the step of the histories, ``frames`` the number of pictures in the field file. ``safety`` is the
-    share of the critical time step, ``hourglass`` the coefficient of the stiffness against hourglass modes; the
-    viscosities are those of shocks. ``least_step`` adds mass to elements that would need a smaller step.
+    ``interval`` is the step of the histories, ``frames`` the number of pictures in the field file, ``blows`` how often
+    the bodies meet, each time as the blow before left them. ``safety`` is the share of the critical time step,
+    ``hourglass`` the coefficient of the stiffness against hourglass modes; the viscosities are those of shocks.
+    ``least_step`` adds mass to elements that would need a smaller step.
     """
 
     duration: RunTime
     interval: RunTime = Value(si=1e-6, typed="1 us")
     frames: FrameCount = Value(si=20.0, typed=20)
+    blows: RepeatedBlows = Value(si=1.0, typed=1)
     gravity: GravityTable | None = None
     safety: SafetyFactor = Value(si=0.9, typed=0.9)
     hourglass: Coefficient = Value(si=0.05, typed=0.05)

@@ -6,7 +6,7 @@ import contextlib
 import os
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from strikewave.errors import InputError, show
@@ -61,16 +61,19 @@ RESULT_FILES = (
     "histories.nc",
     "histories.csv",
     "field.vtkhdf",
+    "beside.json",
+    "beside.svg",
     "report.html",
 )
 """What a result consists of; a folder that holds anything else is never replaced."""
 
 
-def check_place(folder: Path, identity: str, force: bool = False) -> None:
+def check_place(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> None:
     """Refuse a result folder that holds something else.
 
     A folder that is absent, empty, or holds the very same result (its ``case.toml`` or ``record.toml`` equals
-    ``identity``) may be written; any other result only by ``force``; one that holds other files never.
+    ``identity``) may be written; any other result only by ``force``; one that holds other files never. ``own`` are
+    files of this result beside `RESULT_FILES`, such as those named after the case.
 
     Raises
     ------
@@ -78,12 +81,12 @@ def check_place(folder: Path, identity: str, force: bool = False) -> None:
         If the place is taken, is a file, or its parent cannot be written.
     """
     try:
-        _check(folder, identity, force)
+        _check(folder, identity, force, own)
     except OSError as error:
         raise InputError("--out", str(folder), "a folder that can be written", error.strerror or str(error)) from None
 
 
-def _check(folder: Path, identity: str, force: bool) -> None:
+def _check(folder: Path, identity: str, force: bool, own: Sequence[str]) -> None:
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
         raise InputError("--out", str(folder), "a folder", "this is a file or a link; choose another name")
     parent = next((p for p in folder.absolute().parents if p.exists()), None)
@@ -94,7 +97,7 @@ def _check(folder: Path, identity: str, force: bool) -> None:
     if not folder.exists() or not any(folder.iterdir()):
         return
     mark = next((folder / name for name in MARKS if (folder / name).is_file()), None)
-    foreign = sorted(entry.name for entry in folder.iterdir() if entry.name not in RESULT_FILES)
+    foreign = sorted(entry.name for entry in folder.iterdir() if entry.name not in (*RESULT_FILES, *own))
     if foreign or mark is None:
         hint = (
             f"it holds files that are not of a result ({show(', '.join(foreign))}); move them, or choose another folder"
@@ -107,7 +110,7 @@ def _check(folder: Path, identity: str, force: bool) -> None:
 
 
 @contextlib.contextmanager
-def whole_folder(folder: Path, identity: str, force: bool = False) -> Iterator[Path]:
+def whole_folder(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> Iterator[Path]:
     """Give a temporary folder to write into; it takes the place of ``folder`` once all is written.
 
     On any error, Ctrl-C or a full disk included, the temporary folder goes and the old result stays.
@@ -126,7 +129,7 @@ def whole_folder(folder: Path, identity: str, force: bool = False) -> Iterator[P
     ...     [p.name for p in (Path(home) / "out").iterdir()]
     ['case.toml']
     """
-    check_place(folder, identity, force)
+    check_place(folder, identity, force, own)
     folder = folder.absolute()
     place = None
     try:
@@ -134,7 +137,7 @@ def whole_folder(folder: Path, identity: str, force: bool = False) -> Iterator[P
         place = _beside(folder)
         place.mkdir()
         yield place
-        check_place(folder, identity, force)
+        check_place(folder, identity, force, own)
         _swap(place, folder)
     except OSError as error:
         raise InputError("--out", str(folder), "a place that can be written", error.strerror or str(error)) from error

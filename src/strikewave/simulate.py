@@ -29,7 +29,7 @@ from strikewave.readings import (
     sensor_sources,
     without_peaks,
 )
-from strikewave.solution import Comparison, Notice, RigidReference, Solution, wave_setup
+from strikewave.solution import Comparison, Notice, RigidReference, Solution, comparisons, wave_setup
 from strikewave.validity import channel_notices, honest_bandwidth, wave_notices
 from strikewave.waves import Stack
 from strikewave.waves.routes import EXACT
@@ -251,24 +251,7 @@ def _measured(blow: Blow, reading: BlowReading, quantity: str, sensor: str) -> f
 
 def compare(case: Case, found: Sequence[Blow], readings: Sequence[BlowReading | None]) -> tuple[Comparison, ...]:
     """Set the published numbers of a case beside the computed ones; the difference is relative."""
-    changed = case.changed_fields()
-    rows = []
-    for entry in case.published:
-        computed = published_value(entry.quantity, found, readings, entry.sensor)
-        difference = None if computed is None else computed / entry.value.si - 1.0
-        rows.append(
-            Comparison(
-                quantity=entry.quantity,
-                published=entry.value.si,
-                measured_or_simulated=entry.origin,
-                computed=computed,
-                difference=difference,
-                role="shown" if changed else entry.role,
-                note=f"the case differs in {', '.join(changed)}" if changed else entry.note,
-                sensor=entry.sensor,
-            )
-        )
-    return tuple(rows)
+    return comparisons(case, lambda entry: published_value(entry.quantity, found, readings, entry.sensor))
 
 
 def _citations(case: Case, seen: Observed) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ import dataclasses
 import io
 import json
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,8 @@ from strikewave.waves import Grid, Stack
 
 if TYPE_CHECKING:
     import xarray
+
+    from strikewave.tables import Published
 
 SCHEMA = 3
 """Of the files of a solution; 2 adds readings and waves, 3 the contact of each blow."""
@@ -112,6 +115,28 @@ class Comparison:
     role: str
     note: str = ""
     sensor: str = ""
+
+
+def comparisons(case: Case, computed: Callable[[Published], float | None]) -> tuple[Comparison, ...]:
+    """Set the published numbers of a case beside the computed ones; of a changed case they are only shown."""
+    changed = case.changed_fields()
+    aside = f"the case differs in {', '.join(changed)}" if changed else ""
+    rows = []
+    for entry in case.published:
+        value = computed(entry)
+        rows.append(
+            Comparison(
+                quantity=entry.quantity,
+                published=entry.value.si,
+                measured_or_simulated=entry.origin,
+                computed=value,
+                difference=None if value is None else value / entry.value.si - 1.0,
+                role="shown" if changed else entry.role,
+                note=aside or entry.note,
+                sensor=entry.sensor,
+            )
+        )
+    return tuple(rows)
 
 
 @dataclass(frozen=True)

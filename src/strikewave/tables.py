@@ -433,18 +433,24 @@ PUBLISHED_QUANTITIES = {
     "first.sensor_width": "s",
     "first.width": "s",
     "first.peak_force": "N",
+    "first.force_width": "s",
+    "first.force_over_mass": "m/s^2",
     "typical.rigid_peak": "m/s^2",
     "typical.width": "s",
     "count": "",
     "window": "s",
 }
-"""What a published number can be set beside: its name and SI unit."""
+"""What a published number can be set beside: its name and SI unit.
+
+``force_width`` and ``force_over_mass`` are those of models of hexahedra.
+"""
 
 
 class Published(Table):
     """[[published]]: a number to set beside the result; ``sensor`` names the one it was read from.
 
-    Its ``origin`` is a measurement, a simulation, or what a standard specifies.
+    In a model of hexahedra ``sensor`` is the part or group that moves. Its ``origin`` is a measurement, a simulation,
+    or what a standard specifies.
     """
 
     quantity: str

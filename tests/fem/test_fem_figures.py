@@ -344,7 +344,7 @@ def test_the_zone_of_a_contact_is_where_its_sides_are_nearest(mesh):
     plates = [
         synthetic.grid(name, (0, 0, z), (0.05, 0.05, z + 0.001), (50, 50, 1)) for name, z in (("a", 0), ("b", 1e-3))
     ]
-    touching = SimpleNamespace(mesh=joined(plates), contacts=(Contact("a.top", "b.bottom"),))
+    touching = dataclasses.replace(synthetic.model(joined(plates)), contacts=(Contact("a.top", "b.bottom"),))
     place, radius = fem_pictures.contact_zone(touching)
     assert place == pytest.approx((0.025, 0.025, 0.001), rel=1e-9)
     assert radius == pytest.approx(fem_pictures.ZONE_FACES * 0.001, rel=1e-9)

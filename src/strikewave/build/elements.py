@@ -219,6 +219,7 @@ def _controls(fem: FemTable, parts: Sequence[AnyPart], threads: int) -> Controls
         full=tuple(part.name for part in parts if part.elements == "full"),
         least_step=fem.least_step.si,
         threads=threads,
+        blows=round(fem.blows.si),
     )
 
 

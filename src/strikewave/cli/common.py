@@ -18,6 +18,7 @@ from strikewave.units import in_unit
 if TYPE_CHECKING:
     from strikewave.build.losses import Loss
     from strikewave.readings import Channel
+    from strikewave.solution import Comparison
 
 CaseName = Annotated[
     str, typer.Argument(metavar="CASE", help="A case file, or the name of a published case.", show_default=False)
@@ -157,3 +158,33 @@ def print_losses(channels: Sequence[Channel]) -> None:
     losses = loss_table(channels)
     if losses.rows:
         table(losses.caption, losses.columns, [[str(cell) for cell in row] for row in losses.rows])
+
+
+def print_published(published: Sequence[Comparison]) -> None:
+    """Print published numbers beside computed ones; nothing where there are none."""
+    from strikewave.case import PUBLISHED_QUANTITIES
+    from strikewave.report.numbers import SHOWN_UNITS
+
+    if not published:
+        return
+    rows = []
+    for entry in published:
+        unit = PUBLISHED_QUANTITIES[entry.quantity]
+        shown = SHOWN_UNITS[unit]
+        pair = [
+            number(v, unit, shown, 6) if unit else ("-" if v is None else f"{v:g}")
+            for v in (entry.published, entry.computed)
+        ]
+        difference = "-" if entry.difference is None else f"{entry.difference:+.1%}"
+        rows.append(
+            [
+                entry.quantity + (f" of {entry.sensor}" if entry.sensor else "") + (f" ({shown})" if shown else ""),
+                entry.measured_or_simulated,
+                entry.role,
+                *pair,
+                difference,
+            ]
+        )
+    table(
+        "Published beside computed", ["quantity", "origin", "role", "published", "computed", "difference"], rows, left=3
+    )

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import math
 import os
+import re
 import shlex
 import shutil
 import sys
@@ -25,6 +27,7 @@ from strikewave.cli.common import (
     number,
     own_mark,
     print_json,
+    print_published,
     progress_bar,
     say,
     say_compiling,
@@ -35,6 +38,7 @@ from strikewave.documents import head, plain, without
 if TYPE_CHECKING:
     from strikewave.build.sectors import WholeForce
     from strikewave.case import Case
+    from strikewave.fem.measures import ContactMeasure
     from strikewave.fem.mesh import Mesh
     from strikewave.fem.model import Model
     from strikewave.fem.quality import PartQuality
@@ -51,6 +55,8 @@ USUAL_RATE = 5e6
 """Element-steps a second of one thread, for the estimate before a run."""
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
+OWN = re.compile(r"(case|state|field)(-\d+)?(\.|$)")
+"""Names of what a run under way writes."""
 STATE, STATES = "state.h5", 20
 """Where a run keeps its state to go on from, and how often in the run."""
 
@@ -61,6 +67,7 @@ class Choice(NamedTuple):
     report: bool
     restart: bool
     anew: bool
+    animate: bool = False
 
 
 def command(
@@ -70,11 +77,16 @@ def command(
         int | None,
         typer.Option("--frames", help="Pictures in field.vtkhdf, instead of fem.frames.", show_default=False),
     ] = None,
+    blows: Annotated[
+        int | None,
+        typer.Option("--blows", help="Blows one after another, instead of fem.blows.", show_default=False),
+    ] = None,
     check: Annotated[
         bool, typer.Option("--check", help="Build the model, say what it would take; run nothing.")
     ] = False,
     restart: Annotated[bool, typer.Option("--restart", help="Go on where an interrupted run stopped.")] = False,
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.html.")] = False,
+    animate: Annotated[bool, typer.Option("--animate", help="Write animation.html and animation.gif too.")] = False,
     changes: Changes = None,
     out: Out = None,
     force: Force = False,
@@ -99,9 +111,14 @@ def command(
     if frames is not None and (read.fem is None or frames != read.fem.frames.si):
         changes = [*(changes or ()), f"fem.frames={frames}"]
         read = load_case(case, changes)
+    if blows is not None and (read.fem is None or blows != read.fem.blows.si):
+        changes = [*(changes or ()), f"fem.blows={blows}"]
+        read = load_case(case, changes)
     text, folder = dump_case(read), out
     if out is None and not json and not check:
         folder, force = Path("out") / f"{read.name or 'case'}{own_mark(text, changes)}", True
+    if animate and folder is None and not check:
+        raise InputError("--animate", "--json without --out", "a folder for the animation", "add --out DIR")
     if restart and folder is None:
         raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
     model = build_model(read, min(threads, os.cpu_count() or 1))
@@ -114,7 +131,7 @@ def command(
             say(f"warning [{notice.code}]: {notice.message}")
         print_json(_check_document(read, model, quality)) if json else _show_quality(model, quality)
         return 0
-    solution = _carried_out(read, model, folder, force, Choice(not no_report, restart, anew))
+    solution = _carried_out(read, model, folder, force, Choice(not no_report, restart, anew, animate))
     if json:
         print_json(solution.document())
     else:
@@ -136,14 +153,38 @@ def _carried_out(case: Case, model: Model, folder: Path | None, force: bool, cho
             return run_model(case, model, Asked(report=report))
     text = dump_case(case)
     check_place(folder, text, force)
-    with unfinished(folder, text, choice) as home, FieldFile(home, model.mesh, choice.restart) as field:
-        asked = Asked(writer=field, keep=_keep(home, model), resume=home / STATE if choice.restart else None)
+    with unfinished(folder, text, choice) as home, FieldFiles(home, model.mesh, choice.restart) as fields:
+        asked = Asked(keep=_keep(home, model), resume=home / STATE if choice.restart else None)
+        asked = asked._replace(writer=fields.of_blow(1), later=fields.of_blow)
         with progress() as report:
-            solution = run_model(case, model, asked._replace(report=report))
+            solution = run_model(case, model, asked._replace(report=report), _stills(choice))
         with whole_folder(folder, text, force) as place:
-            written = [*write_result(solution, place, text, choice.report), *field.hand_over(place)]
+            written = [*write_result(solution, place, text, choice.report), *fields.hand_over(place)]
+            written += animate_run(solution, place) if choice.animate else []
     say(f"written: {folder}/ ({', '.join(written)})")
     return solution
+
+
+def _stills(choice: Choice) -> int:
+    """Return how many instants a run keeps for its pictures."""
+    from strikewave.fem.film import STILLS
+    from strikewave.figures import fem_animation
+
+    return fem_animation.STILLS if choice.animate else STILLS
+
+
+def animate_run(solution: FemSolution, place: Path) -> list[str]:
+    """Write the animation as a page and as a GIF, which takes some seconds, and return their names."""
+    from strikewave.figures.fem_animation import fem_page, movie_of, write_fem_gif
+
+    with progress_bar("animation", clocks=("left",)) as report:
+        movie = movie_of(solution, progress=lambda share: report(0.5 * share))
+        if movie is None:
+            return []
+        page = fem_page(movie, solution.title, solution.case.name)
+        (place / "animation.html").write_text(page, "utf-8", newline="\n")
+        write_fem_gif(movie, solution.title, place / "animation.gif", lambda share: report(0.5 + 0.5 * share))
+    return ["animation.html", "animation.gif"]
 
 
 def _keep(home: Path, model: Model) -> Keep:
@@ -207,17 +248,17 @@ def _clear(home: Path) -> None:
 
     if not home.exists():
         return
-    foreign = [entry.name for entry in home.iterdir() if entry.name.split(".")[0] not in ("case", "state", "field")]
+    foreign = [entry.name for entry in home.iterdir() if not OWN.match(entry.name)]
     if home.is_symlink() or foreign:
         raise InputError("--out", str(home), "a name that is free", "it holds other files; move them")
     shutil.rmtree(home)
 
 
 class FieldFile:
-    """field.vtkhdf: begun with the first frame, or taken up with it where a run goes on."""
+    """The fields of a blow: begun with the first frame, or taken up with it where a run goes on."""
 
-    def __init__(self, home: Path, mesh: Mesh, resumed: bool) -> None:
-        self.path, self.mesh, self.resumed = home / "field.vtkhdf", mesh, resumed
+    def __init__(self, path: Path, mesh: Mesh, resumed: bool) -> None:
+        self.path, self.mesh, self.resumed = path, mesh, resumed
         self.writer: FieldWriter | None = None
 
     def add(self, frame: Frame) -> None:
@@ -238,12 +279,47 @@ class FieldFile:
         shutil.move(self.path, place)
         return [self.path.name]
 
-    def __enter__(self) -> FieldFile:
+    def abandon(self) -> None:
+        """Leave the file as it is, to be taken up again."""
+        if self.writer is not None:
+            self.writer.abandon()
+
+
+class FieldFiles:
+    """field.vtkhdf of the first blow, field-2.vtkhdf of the second, and so on."""
+
+    def __init__(self, home: Path, mesh: Mesh, resumed: bool) -> None:
+        self.home, self.mesh, self.resumed = home, mesh, resumed
+        self.files: list[FieldFile] = []
+
+    def of_blow(self, blow: int) -> FieldFile:
+        """Return the file of a blow, which is not there before."""
+        path = self.home / of_blow("field.vtkhdf", blow)
+        self.files.append(FieldFile(path, self.mesh, self.resumed))
+        return self.files[-1]
+
+    def hand_over(self, place: Path) -> list[str]:
+        """Close all files, move them into a folder and return their names."""
+        return [name for file in self.files for name in file.hand_over(place)]
+
+    def __enter__(self) -> FieldFiles:
         return self
 
     def __exit__(self, *error: object) -> None:
-        if self.writer is not None:
-            self.writer.abandon()
+        for file in self.files:
+            file.abandon()
+
+
+def of_blow(name: str, blow: int) -> str:
+    """Return the name of a file of a blow: the first blow's has no number.
+
+    Examples
+    --------
+    >>> of_blow("histories.csv", 1), of_blow("histories.csv", 3)
+    ('histories.csv', 'histories-3.csv')
+    """
+    stem, _, ending = name.partition(".")
+    return name if blow == 1 else f"{stem}-{blow}.{ending}"
 
 
 @contextlib.contextmanager
@@ -294,15 +370,19 @@ def write_result(solution: FemSolution, place: Path, text: str, report: bool = T
     from strikewave.figures import save
     from strikewave.figures.fem import summary_sheet
 
-    solution.save(place / "histories.nc")
-    (place / "histories.csv").write_text(solution.table(), "utf-8")
+    histories = []
+    for blow in solution.blows:
+        csv, nc = (of_blow(f"histories.{ending}", blow.run.blow) for ending in ("csv", "nc"))
+        blow.save(place / nc)
+        (place / csv).write_text(blow.table(), "utf-8")
+        histories += [csv, nc]
     (place / "case.toml").write_text(text, "utf-8")
     save(summary_sheet(solution.run, solution.title), place / "summary.svg")
     if report:
         from strikewave.report.fem_page import fem_report
 
         (place / "report.html").write_text(fem_report(solution), "utf-8", newline="\n")
-    return [*(["report.html"] if report else []), "summary.svg", "histories.csv", "histories.nc", "case.toml"]
+    return [*(["report.html"] if report else []), "summary.svg", *histories, "case.toml"]
 
 
 def show(solution: FemSolution) -> None:
@@ -336,7 +416,10 @@ def show(solution: FemSolution) -> None:
         heads += ["peak, whole bodies (kN)", "impulse (N s)"]
         many = len(heads) if any(wholes.values()) else len(heads) - 2
         table("Contacts", heads[:many], [row[:many] for row in rows])
+    print_published(solution.published)
     _show_ledger(solution)
+    if solution.later:
+        _show_blows(solution)
     for notice in solution.warnings:
         say(f"warning [{notice.code}]: {notice.message}")
 
@@ -363,6 +446,43 @@ def _show_ledger(solution: FemSolution) -> None:
         f"(limit {HOURGLASS_LIMIT:g}), momentum {ledger.momentum:.1e}"
     )
     say(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
+
+
+def _show_blows(solution: FemSolution) -> None:
+    """Print what each blow came to, and how the bodies came to rest before it."""
+    from strikewave.fem.blow_measures import blow_measure
+    from strikewave.fem.measures import ledger_measure
+
+    rows = []
+    for each in solution.blows:
+        found, touched = blow_measure(each.run, each.model.touching), [x for x in each.contacts.values() if x]
+        most = max(touched, key=lambda x: x.peak, default=None)
+        pulse = max(each.parts.values(), key=lambda part: part.rigid_peak)
+        back = [x for x in found.restitution.values() if x is not None]
+        rows.append(
+            [
+                str(found.blow),
+                *(["-"] * 3 if most is None else _pulse_cells(most)),
+                f"{back[0]:.4f}" if len(back) == 1 else "-",
+                number(pulse.rigid_peak, "m/s^2", "g", 5),
+                number(max(found.plastic_strain.values(), default=math.nan), "1", "1", 3),
+                number(sum(found.plastic_energy.values()), "J", "J", 3),
+                f"{ledger_measure(each.run).energy:+.1e}",
+            ]
+        )
+    heads = ["blow", "peak (kN)", "impulse (N s)", "lasts (us)", "restitution", "largest rigid peak (g)"]
+    table("Blow after blow", [*heads, "plastic strain", "yields with (J)", "energy error"], rows, left=0)
+    for run in solution.later:
+        if run.rest is not None:
+            away = f"; begins {run.rest.retreat * 1e6:.3g} um farther away" if run.rest.retreat else ""
+            say(
+                f"at rest before blow {run.blow}: {run.rest.maxima} maxima, {run.rest.steps} steps, "
+                f"{run.rest.kinetic_share:.1e} of the energy left, {run.rest.plastic_energy:.3g} J of yield{away}"
+            )
+
+
+def _pulse_cells(found: ContactMeasure) -> list[str]:
+    return [number(found.peak, "N", "kN", 5), number(found.impulse, "N s", "N s"), number(found.duration, "s", "us")]
 
 
 def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:

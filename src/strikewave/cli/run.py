@@ -19,6 +19,7 @@ from strikewave.cli.common import (
     number,
     print_fits,
     print_losses,
+    print_published,
     progress_bar,
     say,
     table,
@@ -119,7 +120,7 @@ def _print(solution: Solution) -> None:
     rows = [[str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in CONTACT_COLUMNS)] for b in struck]
     table("Contact, blow by blow", ["#", *heads(CONTACT_COLUMNS)], rows)
     _print_waves(solution)
-    _print_published(solution)
+    print_published(solution.published)
     _print_collisions(solution)
     r = solution.reference
     pulse = (
@@ -186,32 +187,3 @@ def _print_collisions(solution: Solution) -> None:
 
     if solution.collisions:
         table("Collisions in the line, by restitution alone", COLLISION_HEADS, collision_rows(solution), left=3)
-
-
-def _print_published(solution: Solution) -> None:
-    from strikewave.case import PUBLISHED_QUANTITIES
-    from strikewave.report.numbers import SHOWN_UNITS
-
-    if not solution.published:
-        return
-    rows = []
-    for entry in solution.published:
-        unit = PUBLISHED_QUANTITIES[entry.quantity]
-        shown = SHOWN_UNITS[unit]
-        pair = [
-            number(v, unit, shown, 6) if unit else ("-" if v is None else f"{v:g}")
-            for v in (entry.published, entry.computed)
-        ]
-        difference = "-" if entry.difference is None else f"{entry.difference:+.1%}"
-        rows.append(
-            [
-                entry.quantity + (f" of {entry.sensor}" if entry.sensor else "") + (f" ({shown})" if shown else ""),
-                entry.measured_or_simulated,
-                entry.role,
-                *pair,
-                difference,
-            ]
-        )
-    table(
-        "Published beside computed", ["quantity", "origin", "role", "published", "computed", "difference"], rows, left=3
-    )

@@ -10,6 +10,9 @@ import numpy as np
 from strikewave.errors import InputError
 from strikewave.fem.model import Controls, Curve, Driven, Guided, Model, Pressure
 
+MOST_BLOWS = 20
+"""Blows of a run."""
+
 
 def faults(model: Model) -> Iterator[InputError]:
     """Yield what cannot be run.
@@ -42,6 +45,7 @@ def _controls(c: Controls) -> Iterator[InputError]:
         ("quadratic_viscosity", 0.0 <= c.quadratic_viscosity < np.inf, "at least 0"),
         ("least_step", 0.0 <= c.least_step < np.inf, "at least 0"),
         ("threads", c.threads >= 1, "at least 1"),
+        ("blows", 1 <= c.blows <= MOST_BLOWS, f"a whole number from 1 to {MOST_BLOWS}"),
     ]
     yield from (InputError(name, getattr(c, name), allowed) for name, good, allowed in rows if not good)
 

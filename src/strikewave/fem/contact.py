@@ -103,10 +103,13 @@ class Overlap:
     size: float
 
 
-def prepare(contact: Contact, mesh: Mesh, unchecked: Sequence[int] | Index = ()) -> ContactState:
+def prepare(
+    contact: Contact, mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
+) -> ContactState:
     """Return a contact ready for the first step of a run that starts from the points of the mesh.
 
-    Nodes that are ``unchecked`` (tied ones) are met by the other surface but not checked against it.
+    Nodes that are ``unchecked`` (tied ones) are met by the other surface but not checked against it. Where a blow has
+    moved the nodes to other ``points`` (nodes, 3), overlaps of any depth are let out.
 
     Raises
     ------
@@ -126,10 +129,11 @@ def prepare(contact: Contact, mesh: Mesh, unchecked: Sequence[int] | Index = ())
     _check(contact)
     state = two_surfaces(contact, mesh)
     state.checked[:] = ~np.isin(state.touch.nodes, np.asarray(unchecked, np.int32))
-    state = searched(state, mesh.points, 1.1 * _DEEPEST)
-    gaps = _gaps_now(state, mesh.points)
-    overlap = _overlap(contact.name, state.touch.nodes, gaps, mesh.points, state.size[state.found.face])
-    if overlap is not None and overlap.deepest > SHALLOW * overlap.size:
+    places = mesh.points if points is None else points
+    state = searched(state, places, 1.1 * _DEEPEST)
+    gaps = _gaps_now(state, places)
+    overlap = _overlap(contact.name, state.touch.nodes, gaps, places, state.size[state.found.face])
+    if points is None and overlap is not None and overlap.deepest > SHALLOW * overlap.size:
         raise _too_deep(overlap, mesh)
     state.found.offset[:] = gaps
     state.touch.step[0] = 0.0
@@ -137,7 +141,7 @@ def prepare(contact: Contact, mesh: Mesh, unchecked: Sequence[int] | Index = ())
 
 
 def prepare_all(
-    contacts: Sequence[Contact], mesh: Mesh, unchecked: Sequence[int] | Index = ()
+    contacts: Sequence[Contact], mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
 ) -> dict[str, ContactState]:
     """Return all contacts of a run by name, as `prepare` does.
 
@@ -155,7 +159,7 @@ def prepare_all(
                     "each two faces in one contact",
                     "together they would be twice as stiff: leave one of them out",
                 )
-    return {contact.name: prepare(contact, mesh, unchecked) for contact in contacts}
+    return {contact.name: prepare(contact, mesh, unchecked, points) for contact in contacts}
 
 
 def note_held(touch: Touch, nodes: Index, directions: Array) -> None:
@@ -241,10 +245,12 @@ def searched(state: ContactState, points: Array, reach: float = _REACH) -> Conta
     return state._replace(start=start, candidates=candidates)
 
 
-def prepare_wall(wall: Wall, mesh: Mesh, unchecked: Sequence[int] | Index = ()) -> WallState:
+def prepare_wall(
+    wall: Wall, mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
+) -> WallState:
     """Return a wall ready for the first step of a run that starts from the points of the mesh.
 
-    It is not there for nodes that are ``unchecked`` (tied ones).
+    It is not there for nodes that are ``unchecked`` (tied ones). Other ``points`` (nodes, 3) are as for `prepare`.
 
     Raises
     ------
@@ -259,10 +265,11 @@ def prepare_wall(wall: Wall, mesh: Mesh, unchecked: Sequence[int] | Index = ()) 
     surface = surface_of(mesh.side(wall.side))
     nodes = np.setdiff1d(surface.nodes, unchecked)
     direction = np.array(wall.normal) / length
-    gaps = (mesh.points[nodes] - np.array(wall.point)) @ direction
-    now = extents(mesh.points[surface.nodes], surface.faces)
-    overlap = _overlap(wall.name, nodes, gaps, mesh.points, np.full(len(gaps), float(np.median(now.size))))
-    if overlap is not None and overlap.deepest > SHALLOW * overlap.size:
+    places = mesh.points if points is None else points
+    gaps = (places[nodes] - np.array(wall.point)) @ direction
+    now = extents(places[surface.nodes], surface.faces)
+    overlap = _overlap(wall.name, nodes, gaps, places, np.full(len(gaps), float(np.median(now.size))))
+    if points is None and overlap is not None and overlap.deepest > SHALLOW * overlap.size:
         raise _too_deep(overlap, mesh)
     return WallState(
         _touch(nodes.astype(np.int32), len(nodes), now.area[np.isin(surface.nodes, nodes)]),

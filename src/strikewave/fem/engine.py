@@ -43,7 +43,7 @@ from strikewave.fem.model import Model
 from strikewave.fem.quality import scaled_jacobians
 from strikewave.fem.recorder import Motion, Recorder, assembly, pressed
 from strikewave.fem.rigid import lightness, rigid_bodies
-from strikewave.fem.run import KEPT, FemRun, Frame
+from strikewave.fem.run import KEPT, FemRun, Frame, Rest
 from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties
 
 NODES = 20_000
@@ -75,6 +75,10 @@ class Engine:
         Everything but elements, contacts and walls that puts forces on nodes.
     touching : dict of str to Touch
         Nodes of contacts and walls, by name.
+    blow : int
+        Which one of the bodies this is, from 1.
+    rest : Rest or None
+        How they came to rest before it.
     """
 
     def __init__(self, model: Model, pool: ThreadPoolExecutor | None = None) -> None:
@@ -102,13 +106,7 @@ class Engine:
         self.loads, self.holds = build_boundaries(model, self.ties)
         self.bodies = rigid_bodies(model, self.mass, self.ties, [hold.nodes for hold in self.holds])
         self.acting: list[Acting] = [*self.weight, *self.loads, *self.holds, *self.bodies]
-        self.contacts = prepare_all(model.contacts, mesh, self.ties.nodes)
-        self.walls = {w.name: prepare_wall(w, mesh, self.ties.nodes) for w in model.walls}
-        self.touching = {name: contact.touch for name, contact in self.contacts.items()}
-        self.touching |= {name: wall.touch for name, wall in self.walls.items()}
-        for touch, hold in itertools.product(self.touching.values(), self.holds):
-            note_held(touch, hold.nodes, hold.directions)
-        self.overlaps = initial_overlaps([*self.contacts.items(), *self.walls.items()], mesh.points)
+        self.meet()
         self.yielding = self._movable()
         shares = {name: part_masses(model.mesh, element_mass, name) for name in mesh.names}
         self.recorder = Recorder(model, self.own_mass, shares)
@@ -122,6 +120,29 @@ class Engine:
         spans = max(1, min(controls.threads, len(self.x) // NODES))
         self.spans = list(itertools.pairwise(np.linspace(0, len(self.x), spans + 1).astype(int).tolist()))
         self.kick, self.ahead = 0.0, self._fitting(self.interval)
+        self.blow = 1
+        self.rest: Rest | None = None
+
+    def meet(self, points: Array | None = None) -> None:
+        """Prepare contacts and walls for bodies whose nodes are at the points of the mesh, or at others."""
+        model, tied = self.model, self.ties.nodes
+        self.contacts = prepare_all(model.contacts, model.mesh, tied, points)
+        self.walls = {w.name: prepare_wall(w, model.mesh, tied, points) for w in model.walls}
+        self.touching = {name: contact.touch for name, contact in self.contacts.items()}
+        self.touching |= {name: wall.touch for name, wall in self.walls.items()}
+        for touch, hold in itertools.product(self.touching.values(), self.holds):
+            note_held(touch, hold.nodes, hold.directions)
+        places = model.mesh.points if points is None else points
+        self.overlaps = initial_overlaps([*self.contacts.items(), *self.walls.items()], places)
+
+    def stand(self) -> None:
+        """Find the forces and the step of the elements as they are, and begin the ledger with what they hold."""
+        self.f.fill(0.0)
+        self.critical = self.solid.add_forces(self.x, np.zeros_like(self.v), self.f, self.ahead)
+        internal, _, _, hourglass = self.solid.work()
+        moving = 0.5 * float(self.mass @ np.einsum("ni,ni->n", self.v, self.v))
+        self.initial_energy = moving + float(internal) + float(hourglass)
+        self.begin_interval()
 
     @property
     def fingerprint(self) -> str:
@@ -131,7 +152,8 @@ class Engine:
             digest.update(np.ascontiguousarray(array).tobytes())
         rest = (model.mesh.names, sorted(model.solids.items()), sorted(model.velocity.items()), model.gravity)
         parts = (model.boundaries, model.contacts, model.ties, model.walls, model.rigid, model.sections, model.points)
-        controls = {key: value for key, value in vars(model.controls).items() if key not in ("threads", "duration")}
+        free = ("threads", "duration", "blows")
+        controls = {key: value for key, value in vars(model.controls).items() if key not in free}
         digest.update(repr((__version__, rest, parts, controls)).encode())
         return digest.hexdigest()
 
@@ -322,6 +344,9 @@ class Engine:
             plastic_strain=noted.largest("plastic_strain"),
             overlaps=tuple(self.overlaps),
             pressed={name: noted.column(f"pressed/{name}") for name in names},
+            blow=self.blow,
+            rest=self.rest,
+            plastic_work=self.solid.plastic_work(self.model.mesh.names),
         )
 
 

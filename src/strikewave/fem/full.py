@@ -60,6 +60,10 @@ class Mixed:
         """Return internal work, plastic work, work of the bulk viscosity and hourglass energy, J."""
         return sum((each.work() for each in self.kinds), np.zeros(4))
 
+    def plastic_work(self, names: Sequence[str]) -> dict[str, float]:
+        """Return the plastic work of each part that deforms, J; ``names`` are all parts of the mesh."""
+        return {name: work for each in self.kinds for name, work in each.plastic_work(names).items()}
+
     def cell_values(self, elements: int) -> tuple[Array, Array]:
         """Return stress (elements, 6) and equivalent plastic strain (elements,); zero for rigid elements."""
         stress, strain = np.zeros((elements, 6)), np.zeros(elements)

@@ -34,7 +34,7 @@ out, or whose numbers are not finite.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import ClassVar
@@ -59,6 +59,11 @@ MODES = np.stack(
     [*SIGNS.T, SIGNS[:, 1] * SIGNS[:, 2], SIGNS[:, 0] * SIGNS[:, 2], SIGNS[:, 0] * SIGNS[:, 1], SIGNS.prod(axis=1)]
 )
 """Values of the modes e1, e2, e3, h1, h2, h3, h4 at the nodes, (7, 8)."""
+
+TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+"""Place in a row xx yy zz xy yz zx of each component of a symmetric tensor."""
+COMPONENTS = ((0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 0))
+"""And the other way."""
 
 
 @dataclass(frozen=True)
@@ -274,6 +279,26 @@ class Hexahedra:
     def work(self) -> Array:
         """Return internal work, plastic work, work of the bulk viscosity and hourglass energy, J."""
         return np.asarray(self.sums.sum(axis=0))
+
+    def plastic_work(self, names: Sequence[str]) -> dict[str, float]:
+        """Return the plastic work of each part of these elements, J; ``names`` are all parts of the mesh."""
+        owner = self.blocks.part[self.slabs[:, 0]]
+        return {names[part]: float(self.sums[owner == part, 1].sum()) for part in np.unique(owner)}
+
+    def begin_ledger(self) -> None:
+        """Let the sums begin with the energy that is stored: no plastic work, nothing that viscosity took."""
+        self.sums[:, 0] -= self.sums[:, 1]
+        self.sums[:, 1:3] = 0.0
+
+    def turn(self, rotation: Array) -> None:
+        """Turn stress and back stress with the elements, (elements of the mesh, 3, 3)."""
+        shape = (-1, self.points, layout.STATES, layout.LANES)
+        state, turns = self.blocks.state.reshape(shape), rotation[self.number]
+        for rows in (layout.SIGMA, layout.BACK):
+            first = int(rows[0]) // layout.LANES
+            tensors = state[:, :, first : first + 6].transpose(0, 3, 1, 2)[..., TENSOR]
+            found = np.einsum("clij,clpjk,clmk->clpim", turns, tensors, turns)
+            state[:, :, first : first + 6] = found[..., *COMPONENTS].transpose(0, 2, 3, 1)
 
     def cell_values(self, elements: int) -> tuple[Array, Array]:
         """Return stress (elements, 6) and equivalent plastic strain (elements,), means over the points.

@@ -67,7 +67,7 @@ class LedgerMeasure:
     energy : float
         Largest energy error in size, with its sign: below 0 energy is missing; a share of the energy in play.
     hourglass : float
-        Largest hourglass energy over the largest internal energy.
+        Largest hourglass energy over the largest internal energy, with the plastic work of blows before.
     momentum : float
         As `FemRun.momentum_error`.
     """
@@ -210,7 +210,8 @@ def ledger_measure(run: FemRun) -> LedgerMeasure:
     """Measure the energy error, the hourglass energy and the momentum error of a run."""
     error = run.energy_error
     given = float(np.max(np.abs(run.initial_energy + run.energy["external"])))
-    internal = max(float(np.max(run.energy["internal"])), UNLOADED * given)
+    before = run.rest.plastic_before if run.rest else 0.0
+    internal = max(float(np.max(run.energy["internal"])) + before, UNLOADED * given)
     glass = float(np.max(np.abs(run.energy["hourglass"])))
     share = glass / internal if internal > 0.0 else (0.0 if glass == 0.0 else np.inf)
     return LedgerMeasure(float(error[int(np.argmax(np.abs(error)))]), share, run.momentum_error)

@@ -6,7 +6,7 @@ A side is named ``part.side``, as in `Mesh.side`; ``part.all`` are all exterior 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -179,6 +179,8 @@ class Controls:
         s: mass is added to elements that would need a smaller step; 0 adds none.
     threads : int
         Threads; the numbers do not depend on it.
+    blows : int
+        Blows one after another, each of the duration, on what the one before left; see `strikewave.fem.again`.
     """
 
     duration: float
@@ -190,6 +192,7 @@ class Controls:
     full: tuple[str, ...] = ()
     least_step: float = 0.0
     threads: int = 1
+    blows: int = 1
 
     @property
     def intervals(self) -> int:
@@ -235,3 +238,19 @@ class Model:
         """Sides of each contact and wall, by its name."""
         pairs: dict[str, tuple[str, ...]] = {each.name: (each.first, each.second) for each in self.contacts}
         return pairs | {each.name: (each.side,) for each in self.walls}
+
+
+def stays(model: Model, sides: Sequence[str]) -> bool:
+    """Tell whether two sides begin with the same velocity, or one, before a wall, with none.
+
+    Examples
+    --------
+    >>> from strikewave.fem.mesh import Mesh
+    >>> nothing = Mesh(np.zeros((0, 3)), np.zeros((0, 8), np.int32), np.zeros(0, np.int32), ())
+    >>> model = Model(nothing, {}, Controls(1e-3), velocity={"ball": (0.0, 0.0, -1.0)})
+    >>> stays(model, ("ball.round", "base.top")), stays(model, ("base.bottom",))
+    (False, True)
+    """
+    still = (0.0, 0.0, 0.0)
+    speeds = {tuple(model.velocity.get(side.rpartition(".")[0] or side, still)) for side in sides}
+    return len(speeds | ({still} if len(sides) == 1 else set())) == 1

@@ -16,10 +16,12 @@ import numpy as np
 from strikewave.errors import InputError
 from strikewave.fem._contact_kernels import ContactState, Found
 from strikewave.fem.engine import Engine
+from strikewave.fem.run import Rest
 
 LARGEST = 40_000_000_000
 """Bytes of a restart file at most."""
-NUMBERS = ("instant", "steps", "behind", "critical", "smallest")
+ALLOWED = "a restart file of this model"
+NUMBERS = ("instant", "steps", "behind", "critical", "smallest", "initial_energy", "blow")
 ARRAYS = ("x", "v", "f", "given")
 BODY = ("centre", "velocity", "spin", "turned")
 TOUCH = ("area", "velocity", "normal", "friction", "step")
@@ -30,6 +32,7 @@ SURFACE = (*SEARCHED, "size", "radius", "place", "moving", "lightness", "travel"
 def state_of(engine: Engine) -> dict[str, np.ndarray]:
     """Return everything that changes in a run, by name, as it is before the forces of an instant are found."""
     found: dict[str, Any] = {name: getattr(engine, name) for name in NUMBERS} | dict(_arrays(engine))
+    found["rest"] = np.array(engine.rest or np.zeros(len(Rest._fields)), float)
     found |= {f"done/{name}": value for name, value in engine.done.items()}
     for name, state in engine.contacts.items():
         found |= {f"contact/{name}/{field}": getattr(state, field) for field in SEARCHED}
@@ -63,6 +66,8 @@ def put_back(engine: Engine, found: Mapping[str, np.ndarray]) -> None:
         setattr(engine, name, type(getattr(engine, name))(found[name]))
     for name, value in _arrays(engine):
         value[...] = found[name]
+    if engine.blow > 1:
+        engine.rest, engine.overlaps = _rest(found["rest"]), []
     engine.done = {name: float(found[f"done/{name}"]) for name in engine.done}
     for name, state in engine.contacts.items():
         start, candidates = (found[f"contact/{name}/{field}"] for field in SEARCHED)
@@ -71,20 +76,76 @@ def put_back(engine: Engine, found: Mapping[str, np.ndarray]) -> None:
     engine.begin_interval()
 
 
+def _rest(row: np.ndarray) -> Rest:
+    """Return how bodies came to rest, as `state_of` keeps it."""
+    return Rest(int(row[0]), int(row[1]), *(float(value) for value in row[2:]))
+
+
 def write_restart(path: Path, engine: Engine) -> None:
     """Write the state of a run; the file of before stays whole until this one is."""
     import h5py
 
     beside = path.with_name(path.name + ".new")
     with h5py.File(beside, "w") as file:
-        file.attrs["fingerprint"] = engine.fingerprint
+        file.attrs["fingerprint"], file.attrs["blow"] = engine.fingerprint, engine.blow
         for name, value in state_of(engine).items():
             file[name] = value
     os.replace(beside, path)
 
 
-def read_restart(path: Path, engine: Engine) -> None:
-    """Bring an engine that has not begun to the state that a file keeps.
+def path_of_blow(path: Path, blow: int) -> Path:
+    """Return where the end of a blow is kept beside the state of a run.
+
+    Examples
+    --------
+    >>> path_of_blow(Path("state.h5"), 2).name
+    'state-2.h5'
+    """
+    return path.with_name(f"{path.stem}-{blow}{path.suffix}")
+
+
+def kept_blows(path: Path) -> dict[int, Path]:
+    """Return the file of each blow that a run goes on from: the ends of those before, and the one that was under way.
+
+    Raises
+    ------
+    InputError
+        If the state of the run cannot be read.
+    """
+    found: dict[int, Path] = {}
+    while (end := path_of_blow(path, len(found) + 1)).is_file():
+        found[len(found) + 1] = end
+    if path.is_file() or not found:
+        blow = _blow_in(path)
+        if not 1 <= blow <= len(found) + 1:
+            raise _damaged(path, ValueError(f"the end of blow {len(found) + 1} is missing"))
+        found.setdefault(blow, path)
+    return found
+
+
+def _blow_in(path: Path) -> int:
+    """Return the blow whose state a file keeps."""
+    import h5py
+
+    _check_file(path)
+    try:
+        with h5py.File(path, "r") as file:
+            return int(file.attrs.get("blow", 1))
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
+        raise _damaged(path, error) from None
+
+
+def _check_file(path: Path) -> None:
+    if not path.is_file() or path.stat().st_size > LARGEST:
+        raise InputError("restart", str(path), ALLOWED, "run without it")
+
+
+def _damaged(path: Path, error: Exception) -> InputError:
+    return InputError("restart", str(path), ALLOWED, f"it is damaged ({error}): run without it")
+
+
+def read_restart(path: Path, engine: Engine, blow: int = 1) -> None:
+    """Bring an engine that has not begun to the state that a file keeps of a blow.
 
     Raises
     ------
@@ -93,21 +154,19 @@ def read_restart(path: Path, engine: Engine) -> None:
     """
     import h5py
 
-    allowed = "a restart file of this model"
-    if not path.is_file() or path.stat().st_size > LARGEST:
-        raise InputError("restart", str(path), allowed, "run without it")
+    _check_file(path)
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("fingerprint") != engine.fingerprint:
                 raise InputError(
-                    "restart", str(path), allowed, "the case has changed since, or strikewave: run without it"
+                    "restart", str(path), ALLOWED, "the case has changed since, or strikewave: run without it"
                 )
             found = _read(file, engine, path.stat().st_size)
-        _check(engine, found)
+        _check(engine, found, blow)
     except (OSError, KeyError, TypeError, ValueError, RuntimeError, MemoryError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError("restart", str(path), allowed, f"it is damaged ({error}): run without it") from None
+        raise _damaged(path, error) from None
     put_back(engine, found)
 
 
@@ -135,13 +194,16 @@ def _read(file: Any, engine: Engine, most: int) -> dict[str, np.ndarray]:
     return {name: np.asarray(item[()]) for name, item in items.items()}
 
 
-def _check(engine: Engine, found: Mapping[str, np.ndarray]) -> None:
+def _check(engine: Engine, found: Mapping[str, np.ndarray], blow: int) -> None:
     """Check what a run would not survive: numbers that end, steps without end, faces that are not there."""
     for name in (*ARRAYS, *(name for name in found if name.startswith("body/"))):
         _need(name, bool(np.all(np.isfinite(found[name]))))
     for name in ("behind", "smallest"):
         _need(name, 0.0 < float(found[name]) <= engine.interval)
     _need("steps", int(found["steps"]) >= int(found["instant"]))
+    _need("blow", int(found["blow"]) == blow)
+    _need("rest", bool(np.all(np.isfinite(found["rest"]) & (np.abs(found["rest"]) < 1e15))))
+    _need("initial_energy", bool(np.isfinite(found["initial_energy"])))
     _need("critical", float(found["critical"]) >= engine.collapse)
     for name, state in engine.contacts.items():
         start, candidates, face = (found[f"contact/{name}/{each}"] for each in (*SEARCHED, "found/face"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +84,35 @@ class Frame:
     plastic_strain: Array
 
 
+class Rest(NamedTuple):
+    """How bodies came to rest between the blow before and this one.
+
+    Attributes
+    ----------
+    maxima : int
+        Maxima of the kinetic energy at which velocities were set to zero, of all bodies.
+    steps : int
+    kinetic_share : float
+        Kinetic energy that was left, over the energy in play of the blow before.
+    plastic_energy : float
+        Plastic work that the way to rest itself did, J.
+    retreat : float
+        m by which what strikes begins farther away than at first, as it would have stood inside what it strikes.
+    overlap : float
+        Deepest overlap that is let out without a force, m.
+    plastic_before : float
+        Plastic work of everything before this blow, J.
+    """
+
+    maxima: int
+    steps: int
+    kinetic_share: float
+    plastic_energy: float
+    retreat: float
+    overlap: float
+    plastic_before: float
+
+
 @dataclass(frozen=True)
 class FemRun:
     """Histories of a run; row i of each is at ``time[i]``.
@@ -121,6 +151,12 @@ class FemRun:
         Motion of groups of parts, each as one body.
     pressed : mapping of str to array (instants, surfaces, 2)
         Of both surfaces of a contact, of the one of a wall: the share that is pressed, and how many faces that is.
+    blow : int
+        Which blow of the bodies this is, from 1.
+    rest : Rest or None
+        How they came to rest before it; None before the first.
+    plastic_work : mapping of str to float
+        Of each part that deforms, in this run, J.
     """
 
     time: Array
@@ -145,6 +181,9 @@ class FemRun:
     overlaps: tuple[Overlap, ...] = ()
     groups: Mapping[str, PartHistory] = field(default_factory=dict)
     pressed: Mapping[str, Array] = field(default_factory=dict)
+    blow: int = 1
+    rest: Rest | None = None
+    plastic_work: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def energy_error(self) -> Array:
@@ -164,6 +203,11 @@ class FemRun:
     @property
     def _in_play(self) -> Array:
         return np.asarray(np.maximum(np.maximum.accumulate(np.abs(self._given)), 1e-300))
+
+    @property
+    def energy_in_play(self) -> float:
+        """Energy that was there at the start and came from outside, the largest, J."""
+        return float(self._in_play[-1])
 
     @property
     def momentum_error(self) -> float:

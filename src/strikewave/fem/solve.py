@@ -10,17 +10,19 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from strikewave.errors import InputErrors
+from strikewave.fem.again import next_blow
 from strikewave.fem.checks import faults
 from strikewave.fem.engine import Engine
-from strikewave.fem.model import Model
+from strikewave.fem.model import Controls, Model
 from strikewave.fem.quality import check_mesh
-from strikewave.fem.restart import read_restart, write_restart
+from strikewave.fem.restart import kept_blows, path_of_blow, read_restart, write_restart
 from strikewave.fem.run import FemRun, Frame
 
 REPORT = 0.2
@@ -50,6 +52,13 @@ class Writer(Protocol):
         """Take a frame."""
 
 
+class Onlooker(Protocol):
+    """Looks at a run at each instant of its histories."""
+
+    def see(self, engine: Engine, last: bool) -> None:
+        """Look; ``last`` where the run ends here."""
+
+
 class Keep(NamedTuple):
     """Where a run keeps its state to go on from, and every how many instants of its histories."""
 
@@ -66,22 +75,28 @@ class Asked(NamedTuple):
         Whole fields, equally spaced over the run, its end included; 0: none.
     writer : Writer or None
         Takes the frames; they stay in memory where there is none.
+    later : callable or None
+        Gives what takes the frames of a later blow, by its number.
     keep : Keep or None
     resume : Path or None
         File of a run that was interrupted.
     report : callable or None
         Called with a `Progress` now and then.
+    film : Onlooker or None
+        Such as `strikewave.fem.film.Film`.
     """
 
     frames: int = 0
     writer: Writer | None = None
+    later: Callable[[int], Writer | None] | None = None
     keep: Keep | None = None
     resume: Path | None = None
     report: Callable[[Progress], None] | None = None
+    film: Onlooker | None = None
 
 
 def solve(model: Model, asked: Asked | None = None) -> FemRun:
-    """Run a model to its end.
+    """Run a model to the end of its first blow; `solve_blows` goes on from there.
 
     A run whose energy breaks, whose step collapses or whose numbers end stops early and says so in ``stopped``. Where
     all parts are rigid a step is as long as the interval of the histories.
@@ -103,19 +118,56 @@ def solve(model: Model, asked: Asked | None = None) -> FemRun:
     >>> len(run.time), round(float(run.parts["cube"].displacement[-1, 0] * 1e6), 9)
     (3, 2.0)
     """
+    return solve_blows(replace(model, controls=replace(model.controls, blows=1)), asked)[0]
+
+
+def solve_blows(model: Model, asked: Asked | None = None) -> tuple[FemRun, ...]:
+    """Run all blows of a model, each on what the one before left (`strikewave.fem.again`); none after one that stopped.
+
+    Raises
+    ------
+    InputError, InputErrors
+        As `solve`.
+    """
     asked = asked or Asked()
-    instants = check_controls(model)
+    check_controls(model)
     check_mesh(model.mesh)
-    begun = clock.perf_counter()
-    threads = model.controls.threads
+    threads, runs = model.controls.threads, list[FemRun]()
+    resumed = kept_blows(asked.resume) if asked.resume is not None else {}
     with ThreadPoolExecutor(threads) as pool:
         engine = Engine(model, pool if threads > 1 else None)
-        if asked.resume is not None:
-            read_restart(asked.resume, engine)
-        wanted = set(np.linspace(0, instants, asked.frames).round().astype(int).tolist()) if asked.frames else set()
-        frames: list[Frame] = []
-        stopped = _follow(engine, instants, asked, wanted, frames, begun)
+        for blow in range(1, model.controls.blows + 1):
+            if blow in resumed:
+                engine = Engine(model, engine.pool)
+                read_restart(resumed[blow], engine, blow)
+            elif blow > 1:
+                engine = next_blow(engine, runs[-1].energy_in_play)
+            runs.append(_one_blow(engine, _of_blow(asked, blow, model.controls)))
+            if runs[-1].stopped:
+                break
+    return tuple(runs)
+
+
+def _one_blow(engine: Engine, asked: Asked) -> FemRun:
+    """Run an engine to the end of its blow."""
+    begun, instants = clock.perf_counter(), engine.model.controls.intervals
+    wanted = set(np.linspace(0, instants, asked.frames).round().astype(int).tolist()) if asked.frames else set()
+    frames: list[Frame] = []
+    stopped = _follow(engine, instants, asked, wanted, frames, begun)
     return engine.result(clock.perf_counter() - begun, stopped, tuple(frames))
+
+
+def _of_blow(asked: Asked, blow: int, controls: Controls) -> Asked:
+    """Return what is asked of one of the blows: its own writer, its share of progress; only the first is filmed."""
+    writer = asked.writer if blow == 1 else asked.later(blow) if asked.later else None
+    report, span = asked.report, controls.intervals * controls.interval
+
+    def told(seen: Progress) -> None:
+        if report is not None:
+            report(seen._replace(time=seen.time + (blow - 1) * span, duration=controls.blows * span))
+
+    film = asked.film if blow == 1 else None
+    return asked._replace(writer=writer, film=film, report=told if report and controls.blows > 1 else report)
 
 
 def _follow(engine: Engine, instants: int, asked: Asked, wanted: set[int], frames: list[Frame], begun: float) -> str:
@@ -127,6 +179,8 @@ def _follow(engine: Engine, instants: int, asked: Asked, wanted: set[int], frame
         stopped = engine.record()
         if instant in wanted:
             (asked.writer.add if asked.writer else frames.append)(engine.frame())
+        if asked.film is not None:
+            asked.film.see(engine, last=bool(stopped) or instant == instants)
         now = clock.perf_counter() - begun
         if asked.report is not None and (now - shown > REPORT or instant == instants or stopped):
             shown = now
@@ -135,8 +189,11 @@ def _follow(engine: Engine, instants: int, asked: Asked, wanted: set[int], frame
         if stopped or instant == instants:
             return stopped
         engine.to_next_instant()
-        if asked.keep is not None and engine.goes_on and engine.instant % asked.keep.every == 0:
-            write_restart(asked.keep.path, engine)
+        if asked.keep is not None and engine.goes_on:
+            if engine.instant % asked.keep.every == 0:
+                write_restart(asked.keep.path, engine)
+            if engine.instant == instants and engine.blow < engine.model.controls.blows:
+                write_restart(path_of_blow(asked.keep.path, engine.blow), engine)
 
 
 def check_controls(model: Model) -> int:

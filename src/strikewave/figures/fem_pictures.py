@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from strikewave.errors import InputError, nearest
 from strikewave.fem.invariants import pressure, von_mises
-from strikewave.fem.mesh import Index, Mesh, exterior, volumes
-from strikewave.fem.model import Driven, Model, Symmetry
+from strikewave.fem.mesh import Index, Mesh, exterior
+from strikewave.fem.model import Contact, Model, Symmetry
 from strikewave.fem.run import Frame
+from strikewave.fem.skin import blow_axis, blow_contact, meeting_place, outward
 from strikewave.figures.field import shortened
 from strikewave.figures.style import BLUE, GREEN, GREY, ORANGE, RED
 
@@ -118,9 +119,9 @@ def view_of(model: Model) -> View:
     """
     mesh = model.mesh
     flat: list[Array] = []
-    for normal in (_outward(mesh, b.side) for b in model.boundaries if isinstance(b, Symmetry)):
+    for normal in (outward(mesh, b.side) for b in model.boundaries if isinstance(b, Symmetry)):
         flat += [normal] if all(abs(normal @ other) < 0.9 for other in flat) else []
-    axis = _blow_axis(model)
+    axis = blow_axis(model)
     up = next(e for e in np.eye(3)[[2, 1, 0]] if all(abs(n @ e) < 0.5 for n in flat) or e[0] == 1.0)
     if flat:
         toward = flat[0] + 0.5 * sum(flat[1:], np.zeros(3)) + 0.4 * up
@@ -134,44 +135,20 @@ def view_of(model: Model) -> View:
 
 
 def contact_zone(model: Model) -> tuple[Vector, float] | None:
-    """Return the middle and a radius of where the first contact of a model is nearest; None without a contact.
+    """Return the middle and a radius of where the bodies of the blow are nearest before it; None without a contact.
 
     The radius is half the extent of the smaller side, or `ZONE_FACES` times the size of the faces there.
     """
-    from scipy.spatial import cKDTree
-
-    if not model.contacts:
+    contact, place = blow_contact(model), meeting_place(model)
+    if place is None or not isinstance(contact, Contact):
         return None
-    mesh, contact = model.mesh, model.contacts[0]
+    mesh = model.mesh
     one, other = (mesh.points[np.unique(mesh.side(side))] for side in (contact.first, contact.second))
-    distance, partner = cKDTree(other).query(one)
-    nearest_ones = distance <= distance.min() + 1e-6 * float(np.ptp(one, axis=0).max())
-    place = 0.5 * (one[nearest_ones] + other[partner[nearest_ones]]).mean(axis=0)
     reach = min(float(np.ptp(points, axis=0).max()) for points in (one, other))
     corners = mesh.points[mesh.side(contact.first)]
     close = np.argsort(np.linalg.norm(corners.mean(axis=1) - place, axis=1))[:4]
     size = float(np.linalg.norm(np.roll(corners[close], -1, axis=1) - corners[close], axis=2).mean())
     return _vector(place), min(0.5 * reach, ZONE_FACES * size)
-
-
-def _blow_axis(model: Model) -> Array:
-    """Return a unit vector along the greatest initial momentum, or what is driven, or z."""
-    volume = volumes(model.mesh.points, model.mesh.hexahedra)
-    pushes = [
-        float(volume[model.mesh.elements_of(name)].sum()) * model.solids[name].density * np.asarray(velocity)
-        for name, velocity in model.velocity.items()
-    ]
-    pushes = [p for p in pushes if np.linalg.norm(p) > 0.0]
-    pushes = pushes or [np.asarray(b.direction, float) for b in model.boundaries if isinstance(b, Driven)]
-    axis = max(pushes, key=lambda p: float(np.linalg.norm(p)), default=np.array([0.0, 0.0, 1.0]))
-    return np.asarray(axis / np.linalg.norm(axis))
-
-
-def _outward(mesh: Mesh, side: str) -> Array:
-    """Return the mean outward normal of a side."""
-    a, b, c, d = (mesh.points[mesh.side(side)[:, k]] for k in range(4))
-    normal = np.cross(c - a, d - b).sum(axis=0)
-    return np.asarray(normal / np.linalg.norm(normal))
 
 
 def _vector(values: Array) -> Vector:
@@ -267,9 +244,9 @@ def frames_picture(
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, frame, moved, cells in zip(panels, frames, places, values, strict=False):
         _paint(axes, mesh, moved, (view, kept), scale.to_rgba(cells)[:, :3], SMALLEST_LINED)
-        _frame_window(axes, window)
+        frame_window(axes, window)
         larger = "" if view.warp == 1.0 else f", displacements × {view.warp:g}"
-        axes.set_title(_instant(frame.time) + larger, loc="left", fontsize=9)
+        axes.set_title(instant_words(frame.time) + larger, loc="left", fontsize=9)
     for axes in panels[len(frames) :]:
         axes.set_axis_off()
     extend = _extended([cells[kept] for cells in values], scale)
@@ -299,7 +276,7 @@ def mesh_picture(mesh: Mesh, view: View | None = None) -> Figure:
     figure = Figure(figsize=(4.9, height), dpi=200, layout="constrained")
     axes = figure.add_subplot()
     _paint(axes, mesh, mesh.points, (view, kept), palette[mesh.part], SMALLEST_MESHED)
-    _frame_window(axes, window)
+    frame_window(axes, window)
     present = np.unique(mesh.part[kept])
     patches = [Patch(color=tuple(palette[k]), label=shortened(mesh.names[k], 28)) for k in present[:12]]
     legend = figure.legend(
@@ -319,32 +296,73 @@ def _paint(
     smallest_lined: float,
 ) -> None:
     """Paint the exterior faces of the elements that are kept, from the farthest to the nearest."""
-    from matplotlib.collections import PolyCollection
-
     view, kept = seen
     frame = view.axes()
     faces, element = exterior(mesh.hexahedra[kept])
     corners = moved[faces] @ frame.T
+    across = float(np.ptp(corners.reshape(-1, 3)[:, :2], axis=0).max()) or 1.0
+    paint_faces(axes, corners, colours[np.flatnonzero(kept)[element]], across, smallest_lined)
+
+
+def paint_faces(
+    axes: Any, corners: Array, colours: Array, across: float, smallest_lined: float, lines: Array | None = None
+) -> None:
+    """Paint the faces that look toward the eye, from the farthest to the nearest, those that look aside darker.
+
+    Parameters
+    ----------
+    axes : matplotlib axes
+    corners : array (faces, 4, 3)
+        To the right, up and toward the eye, m.
+    colours : array (faces, 3)
+    across : float
+        Width of the picture, m.
+    smallest_lined : float
+        Share of it from which on a face has mesh lines.
+    lines : array (lines, 2, 3), optional
+        Ends of dark lines on the faces, such as outlines.
+    """
+    from matplotlib.collections import PolyCollection
+
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     size = np.linalg.norm(normal, axis=1)
     facing = normal[:, 2] > 1e-9 * np.maximum(size, 1e-300)
     corners, size, normal = corners[facing], size[facing], normal[facing]
-    colour = colours[np.flatnonzero(kept)[element[facing]]] * (0.78 + 0.22 * normal[:, 2] / size)[:, None]
-    across = float(np.ptp(moved[faces.ravel()] @ frame.T[:, :2], axis=0).max()) or 1.0
+    colour = colours[facing] * (0.78 + 0.22 * normal[:, 2] / size)[:, None]
     lined = np.sqrt(0.5 * normal[:, 2]) > smallest_lined * across
-    pieces, of, lines = _divided(corners, across / PIECES_ACROSS, lined)
-    order = np.argsort(pieces[:, :, 2].mean(axis=1), kind="stable")
+    pieces, of, meshed = _divided(corners, across / PIECES_ACROSS, lined)
     fill = colour[of]
-    edge = np.where(lines[:, None], 0.45 * fill, fill)
+    edge, width = np.where(meshed[:, None], 0.45 * fill, fill), np.where(meshed, 0.35, 0.5)
+    if lines is not None and len(lines):
+        strokes = _outlines(lines, across / PIECES_ACROSS)
+        dark = np.full((len(strokes), 3), 0.13)
+        pieces, fill, edge = (np.concatenate(p) for p in ((pieces, strokes), (fill, dark), (edge, dark)))
+        width = np.concatenate([width, np.full(len(strokes), 0.7)])
+    order = np.argsort(pieces[:, :, 2].mean(axis=1), kind="stable")
+    flat: Any = pieces[order][:, :, :2] * 1e3
     collection = PolyCollection(
-        list(pieces[order][:, :, :2] * 1e3),
+        flat,
         facecolors=fill[order],
         edgecolors=edge[order],
-        linewidths=np.where(lines, 0.35, 0.5)[order],
+        linewidths=width[order],
         rasterized=True,
     )
     collection.set_joinstyle("round")
+    collection.set_snap(False)
     axes.add_collection(collection, autolim=False)
+
+
+def _outlines(lines: Array, largest: float) -> Array:
+    """Return lines (lines, 2, 3) as flat pieces (pieces, 4, 3) of about a size, a hair nearer to the eye."""
+    count = np.clip(np.ceil(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) / largest), 1, MOST_PARTS).astype(int)
+    of = np.repeat(np.arange(len(lines)), count)
+    begin = (np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count)) / count[of]
+    way = lines[of, 1] - lines[of, 0]
+    one = lines[of, 0] + begin[:, None] * way
+    two = one + way / count[of, None]
+    pieces = np.stack([one, two, two, one], axis=1)
+    pieces[..., 2] += 0.75 * largest
+    return pieces
 
 
 def _divided(
@@ -422,22 +440,28 @@ def _window(hexahedra: Index, places: Sequence[Array], view: View) -> tuple[floa
     return float(left - air), float(right + air), float(low - air - below), float(high + air)
 
 
-def _instant(time: float) -> str:
+def instant_words(time: float) -> str:
     """Write a time as the histories do."""
     return f"{time * 1e6:.4g} µs" if time < 5e-3 else f"{time * 1e3:.4g} ms"
 
 
-def _frame_window(axes: Any, window: tuple[float, float, float, float]) -> None:
-    """Show a window without axes, and a bar of a round length below the parts, mm."""
+def frame_window(axes: Any, window: tuple[float, float, float, float], bar: bool = True) -> None:
+    """Show a window without axes, and, where asked for, a bar of a round length below the parts, mm."""
+    from matplotlib.patheffects import withStroke
+
     left, right, low, high = window
     axes.set(xlim=(left, right), ylim=(low, high), xticks=[], yticks=[], aspect="equal")
     axes.spines[:].set_visible(False)
+    if not bar:
+        return
     wanted = 0.25 * (right - left)
     power = 10.0 ** np.floor(np.log10(wanted))
     length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted)
     begin, below = left + 0.03 * (right - left), low + 0.06 * max(right - left, high - low)
-    axes.plot([begin, begin + length], [below, below], color="#1a1f24", linewidth=2.0, solid_capstyle="butt")
-    axes.annotate(
+    halo = [withStroke(linewidth=3.5, foreground="white")]
+    (line,) = axes.plot([begin, begin + length], [below, below], color="#1a1f24", linewidth=2.0, solid_capstyle="butt")
+    line.set_path_effects(halo)
+    words = axes.annotate(
         f"{length:g} mm",
         (begin + 0.5 * length, below),
         (0, -3),
@@ -446,6 +470,7 @@ def _frame_window(axes: Any, window: tuple[float, float, float, float]) -> None:
         va="top",
         fontsize=8,
     )
+    words.set_path_effects(halo)
 
 
 def scene(mesh: Mesh, frame: Frame, view: View | None = None, quantity: str = "von_mises") -> NDArray[np.uint8]:

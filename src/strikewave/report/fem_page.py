@@ -21,9 +21,12 @@ from strikewave.fem.measures import (
     part_measure,
 )
 from strikewave.fem.quality import quality_report
+from strikewave.fem.skin import blow_contact
 from strikewave.fem.solids import Bilinear, JohnsonCook
 from strikewave.notices import LEDGER_LIMIT
 from strikewave.report import chapters
+from strikewave.report.fem_blows import blows_section
+from strikewave.report.fem_fields import fields_section
 from strikewave.report.numbers import listed, with_unit
 from strikewave.report.page import Head, whole_page
 from strikewave.report.parts import NONE, Cell, Code, Part, Picture, Section, Table, Tag, written
@@ -31,15 +34,13 @@ from strikewave.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from strikewave.fem.model import Model
-    from strikewave.fem.run import FemRun, Frame
+    from strikewave.fem.run import FemRun
     from strikewave.fem.solids import AnySolid
     from strikewave.fem_solution import FemSolution
 
 _SOLIDS = {"Elastic": "elastic", "Bilinear": "bilinear plastic", "JohnsonCook": "Johnson-Cook"}
 _BOUNDARIES = {"NonReflecting": "non-reflecting", "Symmetry": "plane of symmetry"}
 _SHARES = {2: "half", 4: "quarter"}
-SHOWN_FRAMES = 3
-"""Instants shown in pictures at most."""
 _METHOD = (
     "Hexahedra of eight nodes, one point of integration each (parts named under full integration have more) with "
     "stiffness against hourglass modes, followed by central differences in time. Rigid-body acceleration is the rate "
@@ -57,11 +58,6 @@ _PARTS = (
     "the part changes most, or the axis within 5 degrees of it. Stress and plastic strain are the largest of any "
     "element at the instants of the histories."
 )
-_FIELDS = (
-    "Each element is shown in the colour of its one value, in one scale for all instants; faces that look aside are a "
-    "little darker."
-)
-_CUT = " Elements before the plane of the cut are left out whole."
 
 
 def fem_report(solution: FemSolution) -> str:
@@ -80,8 +76,10 @@ def fem_report(solution: FemSolution) -> str:
     sections = [
         _result(solution.run, found, whole_forces(solution.model, solution.run, found)),
         _what_ran(solution.model, solution.run),
-        _fields(solution),
+        fields_section(solution),
         _ledgers(solution.run),
+        *([blows_section(solution)] if getattr(solution, "later", ()) else []),
+        *([chapters.published(as_solution)] if case is not None and case.published else []),
         *([chapters.inputs(case)] if case is not None else []),
         chapters.warnings(as_solution),
         chapters.sources(as_solution),
@@ -241,7 +239,8 @@ def _what_ran(model: Model, run: FemRun) -> Section:
     zone = contact_zone(model)
     if zone is not None:
         near = dataclasses.replace(view, near=zone)
-        caption = f"The mesh within {zone[1] * 1e3:.3g} mm of where {model.contacts[0].name} is nearest."
+        name = getattr(blow_contact(model), "name", "")
+        caption = f"The mesh within {zone[1] * 1e3:.3g} mm of where {name} is nearest."
         pictures.append(Picture(mesh_picture(model.mesh, near), caption))
     pace = f"{run.steps} steps, the smallest {run.step * 1e9:.4g} ns, took {run.seconds:.3g} s."
     added = f" Mass scaling added {run.added_mass * 1e3:.3g} gram." if run.added_mass > 0.0 else ""
@@ -359,41 +358,6 @@ def _quality_table(model: Model) -> Table:
     heads.append("worst warpage (°)")
     caption = "Quality of the mesh; the scaled Jacobian is 1 for right angles and 0 for a flat corner"
     return Table(caption, heads, rows)
-
-
-def _fields(solution: FemSolution) -> Section:
-    from strikewave.figures.fem_pictures import contact_zone, frames_picture, view_of
-
-    frames = _chosen(solution.frames or solution.run.frames)
-    if not frames:
-        return Section("Fields", "No frame of the fields was kept for pictures.")
-    view = view_of(solution.model)
-    instants = listed([with_unit(frame.time, "s", "us") if frame.time > 0.0 else "the start" for frame in frames])
-    said = f" at {instants}{_cut_words(view.cut is not None)}"
-    mesh = solution.model.mesh
-    parts: list[Part] = [Picture(frames_picture(mesh, frames, view), f"Von Mises stress{said}")]
-    if any(float(frame.plastic_strain.max(initial=0.0)) > 0.0 for frame in frames):
-        last = [frames[-1]]
-        picture = frames_picture(mesh, last, view, "plastic_strain")
-        parts.append(Picture(picture, "Equivalent plastic strain at the last of these instants."))
-    zone = contact_zone(solution.model)
-    if zone is not None:
-        near = dataclasses.replace(view, near=zone)
-        words = f"Von Mises stress within {zone[1] * 1e3:.3g} mm of where the contact begins, at {instants}."
-        parts.insert(1, Picture(frames_picture(mesh, frames, near), words))
-    return Section("Fields", _FIELDS + (_CUT if view.cut is not None else ""), parts)
-
-
-def _chosen(frames: Sequence[Frame]) -> list[Frame]:
-    """Choose the frame of the largest stress, the last one and one between or before, in the order of time."""
-    from strikewave.fem.invariants import von_mises
-
-    if len(frames) <= SHOWN_FRAMES:
-        return list(frames)
-    largest = [float(von_mises(frame.stress).max(initial=0.0)) for frame in frames]
-    peak, last = int(np.argmax(largest)), len(frames) - 1
-    between = (peak + last) // 2 if last - peak > peak else max(peak // 2, 1)
-    return [frames[k] for k in sorted({between, peak, last})]
 
 
 def _energy_words(ledger: LedgerMeasure) -> str:

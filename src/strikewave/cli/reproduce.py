@@ -1,0 +1,140 @@
+"""``strikewave reproduce``: every equation, figure and published number of a paper that can be computed."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import typer
+
+from strikewave.cli.carry_out import BROKEN
+from strikewave.cli.common import Force, Json, Out, print_json, progress_bar, say, say_compiling, table
+
+if TYPE_CHECKING:
+    from strikewave.studies.reproduction.result import Reproduction
+    from strikewave.studies.reproduction.runs import Effort
+
+Report = Callable[[float, str], None]
+
+LI_MA_FIGURES = ("5", "7", "7-b", "7-c", "9", "11", "11-b", "11-c", "13", "13-b", "15", "15-b", "15-c")
+LI_MA_FILES = ("report.html", "reproduction.json", "published.csv", *(f"figure-{k}.svg" for k in LI_MA_FIGURES))
+
+
+class Paper(NamedTuple):
+    """A paper that can be reproduced: what runs it, what writes its files, and what prints it.
+
+    ``run`` takes the effort and a report of progress; ``write`` the result, the folder and the command; ``files`` are
+    all that it may write.
+    """
+
+    run: Callable[[Effort, Report], Reproduction]
+    write: Callable[[Reproduction, Path, str], list[str]]
+    show: Callable[[Reproduction], None]
+    files: tuple[str, ...]
+
+
+def _run_li_ma(effort: Effort, report: Report) -> Reproduction:
+    from strikewave.studies.reproduction.reproduce import reproduce
+
+    return reproduce(effort, report)
+
+
+def _write_li_ma(result: Reproduction, place: Path, command: str) -> list[str]:
+    """Write page, document, table and pictures, and return their names."""
+    import json
+
+    from strikewave.figures import save
+    from strikewave.report.reproduction_figures import pictures
+    from strikewave.report.reproduction_page import reproduction_report
+
+    names = list(LI_MA_FILES[:3])
+    (place / names[0]).write_text(reproduction_report(result, command), "utf-8", newline="\n")
+    document = json.dumps(result.document(), indent=2, allow_nan=False, ensure_ascii=False)
+    (place / names[1]).write_text(document + "\n", "utf-8")
+    (place / names[2]).write_text(result.table(), "utf-8")
+    for name, figure in pictures(result):
+        save(figure, place / f"{name}.svg")
+        names.append(f"{name}.svg")
+    return names
+
+
+def _show_li_ma(result: Reproduction) -> None:
+    """Print the published numbers with what was computed, and what was found."""
+    from strikewave.report.reproduction_tables import findings_table, numbers_table, plain_rows
+
+    columns = ("published number", "published", "origin", "computed", "difference", "role", "by")
+    heads, rows = plain_rows(numbers_table([row for row in result.numbers if row.computed]), columns)
+    table("Published numbers and what was computed", heads, rows, left=len(heads))
+    heads, rows = plain_rows(findings_table(result.findings), ("topic", "found", "verdict"))
+    table("What the paper gets right, and what not", heads, rows, left=len(heads))
+    for name, notice in result.notices:
+        if notice.broken:
+            say(f"warning [{notice.code}] {name}: {notice.message}")
+    say(f"{len(result.notices)} warnings of the runs; the report lists them")
+
+
+PAPERS = {"li-ma-2019": Paper(_run_li_ma, _write_li_ma, _show_li_ma, LI_MA_FILES)}
+"""Papers that can be reproduced, by the key of their source."""
+
+
+def command(
+    paper: Annotated[str, typer.Argument(metavar="PAPER", help="li-ma-2019.", show_default=False)],
+    quick: Annotated[bool, typer.Option("--quick", help="Coarse meshes for the element models.")] = False,
+    without: Annotated[
+        list[str] | None,
+        typer.Option("--without", metavar="elements", help="Leave the element models out.", show_default=False),
+    ] = None,
+    threads: Annotated[
+        int, typer.Option("--threads", help="Threads of the element models; they change no number.")
+    ] = 1,
+    out: Out = None,
+    force: Force = False,
+    json: Json = False,
+) -> int:
+    """Reproduce a paper: its equations, figures and published numbers beside what is computed.
+
+    With --json, files are written only where --out says. The exit code is 3 where a run broke a stated limit.
+    """
+    from strikewave.errors import InputError, nearest
+    from strikewave.files import check_place, whole_folder
+    from strikewave.studies.reproduction.runs import Effort
+
+    begun = time.perf_counter()
+    if paper not in PAPERS:
+        raise InputError("PAPER", paper, "one of " + ", ".join(PAPERS), nearest(paper, PAPERS))
+    for word in without or ():
+        if word != "elements":
+            raise InputError("--without", word, "elements", nearest(word, ["elements"]))
+    if threads < 1:
+        raise InputError("--threads", threads, "at least 1")
+    known = PAPERS[paper]
+    effort = Effort(quick, not without, min(threads, os.cpu_count() or 1))
+    folder = Path("out") / f"{paper}-reproduced" if out is None and not json else out
+    force = force or out is None
+    identity = f'paper = "{paper}"\nquick = {str(quick).lower()}\nelements = {str(effort.elements).lower()}\n'
+    if folder is not None:
+        check_place(folder, identity, force, known.files)
+    say_compiling()
+    with progress_bar("") as report:
+        result = known.run(effort, report)
+    if folder is not None:
+        with whole_folder(folder, identity, force, known.files) as place:
+            (place / "record.toml").write_text(identity, "utf-8")
+            written = known.write(result, place, _command(paper, effort))
+    if json:
+        print_json(result.document())
+    else:
+        known.show(result)
+    if folder is not None:
+        say(f"written: {folder}/ ({', '.join(written)})")
+    say(f"done in {time.perf_counter() - begun:.2f} s")
+    return BROKEN if result.broken else 0
+
+
+def _command(paper: str, effort: Effort) -> str:
+    """Return the command that gives the same result again."""
+    chosen = " --quick" * effort.quick + " --without elements" * (not effort.elements)
+    return f"strikewave reproduce {paper}{chosen}"

@@ -1,0 +1,284 @@
+"""What decks of all codes have in common: what holds nodes, curves that reach far enough, numbers in columns."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.errors import InputError
+from strikewave.fem.boundary import held_nodes, nodes_named
+from strikewave.fem.mesh import Array, Index, Mesh
+from strikewave.fem.model import Curve, Driven, Fixed, Guided, Model, Symmetry, Tie
+from strikewave.fem.solve import check_controls
+from strikewave.fem.surfaces import extents
+from strikewave.fem.tie import NEAR, TieState, prepare_ties
+
+LARGEST_ID = 99_999_999
+"""Largest number of a node or element in eight columns."""
+ROWS = 4096
+"""Rows that are written at once."""
+ALIGNED = 1e-9
+"""How far held directions may lie off the axes."""
+NEVER = 1e20
+"""Stands for infinity."""
+
+
+@dataclass(frozen=True)
+class Deck:
+    """Input of another code.
+
+    Attributes
+    ----------
+    files : mapping of str to iterator of str
+        Text in pieces, to be written one after another, by the end of the file's name, such as ``.k``.
+    left_out : tuple of str
+        What the model has and the deck has not, one line each.
+    differs : tuple of str
+        What the other code does in its own way.
+    """
+
+    files: Mapping[str, Iterator[str]]
+    left_out: tuple[str, ...]
+    differs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What a deck is called.
+
+    Attributes
+    ----------
+    title : str
+    case : str
+        Name of the case.
+    version : str
+        Of strikewave.
+    frames : int
+        Whole fields that the other code should write.
+    """
+
+    title: str
+    case: str = "model"
+    version: str = ""
+    frames: int = 20
+
+    @property
+    def stem(self) -> str:
+        r"""What the names of the files begin with: that of the case in letters that every code takes.
+
+        Examples
+        --------
+        >>> Heading("A blow", "my case \u00e9").stem
+        'my-case--'
+        """
+        return re.sub(r"[^A-Za-z0-9_.+-]", "-", self.case) or "model"
+
+
+@dataclass(frozen=True)
+class Restraint:
+    """Nodes that are held along the same directions.
+
+    Attributes
+    ----------
+    nodes : array (n,) of int32
+    axes : array (3, 3)
+        A right-handed local system by its rows; the global one where that does.
+    held : tuple of bool
+        Whether they are held along each of the axes.
+    sides : tuple of str
+        What holds them.
+    """
+
+    nodes: Index
+    axes: Array
+    held: tuple[bool, bool, bool]
+    sides: tuple[str, ...]
+
+    @property
+    def is_local(self) -> bool:
+        """Whether the axes are other than the global ones."""
+        return not np.array_equal(self.axes, np.eye(3))
+
+
+def checked(model: Model) -> None:
+    """Refuse a model that could not be run, or whose numbers do not go into eight columns.
+
+    Raises
+    ------
+    InputError, InputErrors
+        With what is wrong.
+    """
+    check_controls(model)
+    check_ids(max(len(model.mesh.points), len(model.mesh.hexahedra)) + len(model.rigid))
+
+
+def check_ids(largest: int) -> None:
+    """Refuse more nodes or elements than eight columns can number.
+
+    Raises
+    ------
+    InputError
+        If there are more.
+    """
+    if largest > LARGEST_ID:
+        raise InputError("mesh", f"{largest} nodes or elements", f"at most {LARGEST_ID}, eight columns of a deck")
+
+
+def has_one_point(model: Model) -> bool:
+    """Tell whether a part that deforms has elements with one integration point."""
+    rigid = {one.part for one in model.rigid}
+    return any(name not in model.controls.full and name not in rigid for name in model.mesh.names)
+
+
+def tied_nodes(model: Model) -> TieState:
+    """Return the tied nodes of a model."""
+    return prepare_ties(model.ties, model.mesh)
+
+
+def tie_distance(tie: Tie, mesh: Mesh) -> float:
+    """Return the distance within which all nodes of a tie lie on the other side, m, with a margin of 1 %."""
+    faces = mesh.side(tie.onto)
+    return 1.01 * NEAR * float(extents(mesh.points, faces).size.max())
+
+
+def restraints(model: Model, ties: TieState) -> list[Restraint]:
+    """Return all held nodes, each once, by what they are held along.
+
+    Raises
+    ------
+    InputError
+        As `strikewave.fem.boundary.held_nodes` does.
+    """
+    holding = [b for b in model.boundaries if isinstance(b, Fixed | Symmetry | Guided)]
+    held = held_nodes(model.mesh, holding, ties)
+    if held is None:
+        return []
+    planes = np.einsum("nki,nkj->nij", held.directions, held.directions)
+    kinds, which = np.unique(planes.round(9).reshape(-1, 9) + 0.0, axis=0, return_inverse=True)
+    named = {side: nodes_named(model.mesh, side) for side in dict.fromkeys(b.side for b in holding)}
+    found = []
+    for k in range(len(kinds)):
+        rows = np.flatnonzero(which.ravel() == k)
+        nodes = held.nodes[rows]
+        sides = tuple(side for side, members in named.items() if np.isin(nodes, members).any())
+        found.append(Restraint(nodes, *_axes(planes[rows[0]]), sides))
+    return found
+
+
+def _axes(plane: Array) -> tuple[Array, tuple[bool, bool, bool]]:
+    """Return axes by rows, and along which of them a projection onto the held directions holds."""
+    diagonal = plane.diagonal()
+    if np.abs(plane - np.diag(diagonal.round())).max() < ALIGNED:
+        x, y, z = (bool(share > 0.5) for share in diagonal)
+        return np.eye(3), (x, y, z)
+    shares, rows = np.linalg.eigh(plane)
+    axes = rows.T * np.array([[1.0], [1.0], [np.sign(np.linalg.det(rows))]])
+    x, y, z = (bool(share > 0.5) for share in shares)
+    return np.asarray(axes), (x, y, z)
+
+
+def driven_nodes(model: Model, boundary: Driven, ties: TieState) -> Index:
+    """Return the nodes of a driven side that do not follow another side."""
+    return np.setdiff1d(nodes_named(model.mesh, boundary.side), ties.nodes).astype(np.int32)
+
+
+def lasting(curve: Curve, until: float) -> Curve:
+    """Return a curve with points at 0 and beyond the end of a run, as codes take a curve for 0 outside of its points.
+
+    Examples
+    --------
+    >>> lasting(Curve((1.0, 2.0), (3.0, 4.0)), 5.0)
+    Curve(time=(0.0, 1.0, 2.0, 10.0), value=(3.0, 3.0, 4.0, 4.0))
+    """
+    time, value = list(curve.time), list(curve.value)
+    if time[0] > 0.0:
+        time, value = [0.0, *time], [value[0], *value]
+    last = max(2.0 * until, 2.0 * time[-1])
+    return Curve((*time, last), (*value, value[-1]))
+
+
+def axis_of(direction: Sequence[float]) -> tuple[int, float] | None:
+    """Return the axis (0, 1, 2) that a direction runs along, and its sense; nothing for a tilted one.
+
+    Examples
+    --------
+    >>> axis_of((0.0, 0.0, -2.0)), axis_of((1.0, 1.0, 0.0))
+    ((2, -1.0), None)
+    """
+    way = np.asarray(direction, float) / np.linalg.norm(direction)
+    k = int(np.abs(way).argmax())
+    return (k, float(np.sign(way[k]))) if abs(abs(way[k]) - 1.0) < ALIGNED else None
+
+
+def axes_from(direction: Sequence[float]) -> Array:
+    """Return right-handed axes by rows, of which the first runs along a direction."""
+    first = np.asarray(direction, float) / np.linalg.norm(direction)
+    second = np.cross(np.eye(3)[int(np.abs(first).argmin())], first)
+    second /= np.linalg.norm(second)
+    return np.stack([first, second, np.cross(first, second)])
+
+
+def nearest_node(model: Model, part: str, place: Sequence[float]) -> int:
+    """Return the node of a part that lies nearest to a place."""
+    nodes = model.mesh.nodes_of(part)
+    return int(nodes[np.argmin(np.linalg.norm(model.mesh.points[nodes] - np.array(place), axis=1))])
+
+
+def real(value: float, width: int) -> str:
+    """Write a number with as many digits as go into some columns.
+
+    Examples
+    --------
+    >>> real(7.82e-9, 10), real(-0.123456789012, 10), real(211e9, 20), real(0.0, 10)
+    ('7.82e-9', '-.12345679', '211000000000.0', '0.0')
+    """
+    for digits in range(15, 0, -1):
+        text = f"{value:.{digits}g}"
+        if "e" in text:
+            mantissa, power = text.split("e")
+            text = f"{mantissa}e{int(power)}"
+        elif "." not in text:
+            text += ".0"
+        short = text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) and len(text) > width else text
+        if len(short) <= width:
+            return short
+    raise InputError("number", value, f"one that goes into {width} columns")
+
+
+def plain(text: str, width: int) -> str:
+    r"""Return a title in printable ASCII that no code takes for a keyword.
+
+    Examples
+    --------
+    >>> plain("*a ball\nat 1 \u00b5s", 72)
+    'a ball at 1 ?s'
+    """
+    ascii_only = text.encode("ascii", "replace").decode("ascii")
+    words = " ".join("".join(c if c.isprintable() else " " for c in ascii_only).split())
+    return words.lstrip("*$/#&@ ")[:width].rstrip()
+
+
+def rows(pattern: str, columns: Sequence[NDArray[np.generic]]) -> Iterator[str]:
+    r"""Yield lines of a table in pieces of `ROWS`; ``pattern`` formats a row, ended by a new line.
+
+    Examples
+    --------
+    >>> "".join(rows("%3d%6.2f\n", [np.array([1, 2]), np.array([0.5, 1.5])]))
+    '  1  0.50\n  2  1.50\n'
+    """
+    for start in range(0, len(columns[0]), ROWS):
+        pieces = [column[start : start + ROWS].tolist() for column in columns]
+        yield pattern * len(pieces[0]) % tuple(value for row in zip(*pieces, strict=True) for value in row)
+
+
+def mesh_columns(mesh: Mesh, scale: float) -> tuple[list[NDArray[np.generic]], list[NDArray[np.generic]]]:
+    """Return columns of nodes (number, x, y, z) and of elements (number, part, eight nodes), counted from 1."""
+    points = scale * mesh.points
+    nodes: list[NDArray[np.generic]] = [np.arange(1, len(points) + 1), *points.T]
+    hexahedra = mesh.hexahedra.astype(np.int64) + 1
+    elements: list[NDArray[np.generic]] = [np.arange(1, len(hexahedra) + 1), mesh.part.astype(np.int64) + 1]
+    return nodes, [*elements, *hexahedra.T]

@@ -1,0 +1,118 @@
+"""Systems of units of other codes, which have none of their own: numbers that belong together.
+
+A system is three units, of length, mass and time; all others follow from them. Temperatures stay in K.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from strikewave.errors import InputError, nearest
+
+
+@dataclass(frozen=True)
+class UnitSystem:
+    """A consistent system of units; each factor turns a number in SI into one in the system.
+
+    Parameters
+    ----------
+    name : str
+    length, mass, time : float
+        The units in SI: m, kg, s.
+    words : tuple of str
+        Names of the units of length, mass and time.
+
+    Examples
+    --------
+    >>> system = SYSTEMS["mm-t-s"]
+    >>> system.stress * 211e9, system.density * 7820.0  # MPa, t/mm^3
+    (211000.0, 7.82e-09)
+    >>> SYSTEMS["mm-g-us"].stress * 211e9, SYSTEMS["mm-g-us"].force * 1e6  # TPa, MN
+    (0.211, 1.0)
+    """
+
+    name: str
+    length: float
+    mass: float
+    time: float
+    words: tuple[str, str, str]
+
+    def factor(self, length: int = 0, mass: int = 0, time: int = 0) -> float:
+        """Return the factor of a quantity length^a mass^b time^c."""
+        return float(f"{self.length**-length * self.mass**-mass * self.time**-time:.14g}")
+
+    @property
+    def distance(self) -> float:
+        """Of a length."""
+        return self.factor(1)
+
+    @property
+    def duration(self) -> float:
+        """Of a time."""
+        return self.factor(time=1)
+
+    @property
+    def density(self) -> float:
+        """Of a density."""
+        return self.factor(-3, 1)
+
+    @property
+    def stress(self) -> float:
+        """Of a stress, a pressure or a modulus."""
+        return self.factor(-1, 1, -2)
+
+    @property
+    def force(self) -> float:
+        """Of a force."""
+        return self.factor(1, 1, -2)
+
+    @property
+    def energy(self) -> float:
+        """Of an energy."""
+        return self.factor(2, 1, -2)
+
+    @property
+    def velocity(self) -> float:
+        """Of a velocity."""
+        return self.factor(1, 0, -1)
+
+    @property
+    def acceleration(self) -> float:
+        """Of an acceleration."""
+        return self.factor(1, 0, -2)
+
+    @property
+    def rate(self) -> float:
+        """Of a rate of strain."""
+        return self.factor(time=-1)
+
+    @property
+    def specific_heat(self) -> float:
+        """Of a specific heat, energy per mass and kelvin."""
+        return self.factor(2, 0, -2)
+
+    @property
+    def heat_capacity(self) -> float:
+        """Of a heat capacity per volume and kelvin."""
+        return self.factor(-1, 1, -2)
+
+
+SYSTEMS = {
+    "SI": UnitSystem("SI", 1.0, 1.0, 1.0, ("m", "kg", "s")),
+    "mm-t-s": UnitSystem("mm-t-s", 1e-3, 1e3, 1.0, ("mm", "Mg", "s")),
+    "mm-g-us": UnitSystem("mm-g-us", 1e-3, 1e-3, 1e-6, ("mm", "g", "mus")),
+}
+"""By name; words as OpenRadioss writes them: Mg is a tonne, mus a microsecond."""
+
+
+def unit_system(name: str) -> UnitSystem:
+    """Return a system of units by its name.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name.
+    """
+    if name not in SYSTEMS:
+        raise InputError("units", name, ", ".join(SYSTEMS), nearest(name, SYSTEMS))
+    return SYSTEMS[name]

@@ -1,0 +1,182 @@
+"""One blow after another: what the material remembers at the end of one is where the next begins; SI.
+
+Between two blows of a machine lie many milliseconds. In that time
+
+1. what drives and presses the bodies is gone, what strikes is away, and vibration dies out
+   (`strikewave.fem.rest`); what touches without having been thrown at each other (parts of equal velocity in the case)
+   goes on to touch;
+2. each body goes back to where it began, as one rigid body and only along what boundaries leave it
+   (`strikewave.fem.bodies`); a rigid part stands exactly there;
+3. where bodies touch that were moved, they come to rest once more.
+
+Then all get the velocities of the model, time and curves begin at 0, and the ledger with the energy that residual
+stresses hold. Plastic strain, back stress, temperature, shape and residual stress are kept. What would stand deeper in
+what it strikes than before the first blow begins so much farther away, against its velocity; any other overlap is let
+out without a force, as before a first blow (`strikewave.fem.contact`).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from strikewave.fem.bodies import Body, bodies_of, way_back
+from strikewave.fem.engine import Engine
+from strikewave.fem.model import Driven, Model, NonReflecting, Pressure, stays
+from strikewave.fem.rest import settle
+from strikewave.fem.restart import put_back, state_of
+from strikewave.fem.run import Rest
+
+REST = 1e-10
+"""Share of the energy in play of a blow that may be left as kinetic energy before the next."""
+LONGEST = 20
+"""Times the steps of a blow that its bodies may take to rest."""
+RETREATS = 30
+"""Steps back of what strikes at most."""
+CLEAR = 1.01
+"""Times the overlap by which it steps back."""
+ROUNDING = 1e-9
+"""Share of the size of a mesh below which an overlap is rounding."""
+LOADS = Driven | Pressure | NonReflecting
+"""Boundaries that hold nothing at rest; dashpots would push a vibrating body away."""
+State = Mapping[str, np.ndarray]
+
+
+def next_blow(engine: Engine, energy: float, share: float = REST) -> Engine:
+    """Return an engine that begins the next blow on what one that has ended left.
+
+    Parameters
+    ----------
+    engine : Engine
+        At the end of its run.
+    energy : float
+        In play in that run, J.
+    share : float
+        Of it that may be left as kinetic energy.
+    """
+    model, bodies = engine.model, bodies_of_engine(engine)
+    calm, wanted, ended = quiet(model), share * energy, state_of(engine)
+    resting = Engine(calm, engine.pool)
+    put_back(resting, {**state_of(resting), **_left_of(ended, resting)})
+    resting.stand()
+    begun = _plastic(resting)
+    most = LONGEST * engine.steps
+    found = [settle(resting, bodies, wanted, most)]
+    _bring_back(resting, bodies)
+    if calm.contacts or calm.walls:
+        moved = Engine(calm, engine.pool)
+        _take_over(moved, resting, meet=True)
+        found.append(settle(moved, bodies, wanted, most))
+        resting = moved
+    again = Engine(model, engine.pool)
+    first = _depths(again)
+    _take_over(again, resting, meet=False)
+    again.blow = engine.blow + 1
+    retreat = _step_back(again, bodies, first)
+    again.rest = Rest(
+        maxima=sum(each.maxima for each in found),
+        steps=sum(each.steps for each in found),
+        kinetic_share=max(each.kinetic for each in found) / max(energy, 1e-300),
+        plastic_energy=_plastic(resting) - begun,
+        retreat=retreat,
+        overlap=max(_depths(again).values(), default=0.0),
+        plastic_before=_plastic(resting) + (engine.rest.plastic_before if engine.rest else 0.0),
+    )
+    again.overlaps = []
+    for elements in again.solid.kinds:
+        elements.begin_ledger()
+    again.stand()
+    return again
+
+
+def bodies_of_engine(engine: Engine) -> list[Body]:
+    """Return the bodies of a run, with the motions that all but driven sides leave them."""
+    still = [hold for hold in engine.holds if hold.speed is None]
+    return bodies_of(engine.model.mesh, engine.own_mass, engine.ties, still)
+
+
+def quiet(model: Model) -> Model:
+    """Return a model between two blows: no velocity, load or dashpot, no contact of what was thrown at each other."""
+    return dataclasses.replace(
+        model,
+        velocity={},
+        gravity=(0.0, 0.0, 0.0),
+        boundaries=tuple(each for each in model.boundaries if not isinstance(each, LOADS)),
+        contacts=tuple(each for each in model.contacts if stays(model, (each.first, each.second))),
+        walls=tuple(each for each in model.walls if stays(model, (each.side,))),
+        sections=(),
+        points=(),
+    )
+
+
+def _left_of(ended: State, engine: Engine) -> dict[str, np.ndarray]:
+    """Return what the state at the end of a run leaves to bodies that come to rest in place."""
+    places = {name for name in ended if name.startswith(("elements/", "contact/", "wall/"))}
+    turned = {name for name in ended if name.startswith("body/") and name.endswith(("/centre", "/turned"))}
+    known = state_of(engine)
+    kept = {name: ended[name] for name in (places | turned | {"x"}) if name in known}
+    return kept | {"v": np.zeros_like(ended["v"])}
+
+
+def _take_over(engine: Engine, other: Engine, meet: bool) -> None:
+    """Give an engine that has not begun the shape and the elements of another; rigid parts stand where they begin."""
+    left = {name: value for name, value in state_of(other).items() if name.startswith("elements/")}
+    places = other.x.copy()
+    for body in engine.bodies:
+        places[body.nodes] = engine.x[body.nodes]
+    put_back(engine, {**state_of(engine), **left, "x": places})
+    engine.meet(engine.x)
+    if meet:
+        engine.stand()
+
+
+def _bring_back(engine: Engine, bodies: Sequence[Body]) -> None:
+    """Move each body back to where it began, its stress with it."""
+    mesh = engine.model.mesh
+    turns = np.broadcast_to(np.eye(3), (engine.elements, 3, 3)).copy()
+    for body in bodies:
+        turn, shift = way_back(body, mesh.points, engine.x)
+        engine.x[body.nodes] = engine.x[body.nodes] @ turn.T + shift
+        for part in body.parts:
+            turns[mesh.elements_of(part)] = turn
+    for elements in engine.solid.kinds:
+        elements.turn(turns)
+
+
+def _step_back(engine: Engine, bodies: Sequence[Body], first: Mapping[str, float]) -> float:
+    """Move what strikes back, against its velocity, until it is nowhere deeper in another than at first; return m."""
+    model, moved = engine.model, 0.0
+    small = ROUNDING * float(np.ptp(model.mesh.points, axis=0).max())
+    for _, (name, sides) in itertools.product(range(RETREATS), model.touching.items()):
+        deep = _depths(engine).get(name, 0.0) - first.get(name, 0.0)
+        if deep > small and not stays(model, sides):
+            body = max((b for b in bodies if _in(b, sides)), key=lambda b: _speed(model, b))
+            velocity = max((np.array(model.velocity.get(part, np.zeros(3))) for part in body.parts), key=np.linalg.norm)
+            back = -CLEAR * deep / np.linalg.norm(velocity) * velocity
+            engine.x[body.nodes] += back
+            for rigid in engine.bodies:
+                if rigid.nodes[0] in body.nodes:
+                    rigid.centre = rigid.centre + back
+            moved += float(np.linalg.norm(back))
+            engine.meet(engine.x)
+    return moved
+
+
+def _in(body: Body, sides: Sequence[str]) -> bool:
+    return any((side.rpartition(".")[0] or side) in body.parts for side in sides)
+
+
+def _speed(model: Model, body: Body) -> float:
+    return max(float(np.linalg.norm(model.velocity.get(part, (0.0, 0.0, 0.0)))) for part in body.parts)
+
+
+def _depths(engine: Engine) -> dict[str, float]:
+    """Return the deepest overlap of each contact and wall that has one, m."""
+    return {each.contact: each.deepest for each in engine.overlaps}
+
+
+def _plastic(engine: Engine) -> float:
+    return float(engine.solid.work()[1])

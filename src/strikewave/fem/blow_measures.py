@@ -1,0 +1,87 @@
+"""What one blow of several came to: rebound, yield, and whether it was over when it ended; SI."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.fem.measures import contact_measure
+from strikewave.fem.run import FemRun, Rest
+
+Array = NDArray[np.float64]
+PRESSES = 0.01
+"""Share of the peak above which a contact still presses at the end of a run."""
+
+
+@dataclass(frozen=True)
+class BlowMeasure:
+    """A blow among several.
+
+    Attributes
+    ----------
+    blow : int
+        From 1.
+    restitution : mapping of str to float or None
+        By contact or wall; see `restitution`.
+    plastic_strain : mapping of str to float
+        Largest at the end, of each part that deforms: of all blows so far.
+    plastic_energy : mapping of str to float
+        Plastic work of this blow in each part that deforms, J.
+    rest : Rest or None
+        How the bodies came to rest before it.
+    """
+
+    blow: int
+    restitution: Mapping[str, float | None]
+    plastic_strain: Mapping[str, float]
+    plastic_energy: Mapping[str, float]
+    rest: Rest | None
+
+
+def blow_measure(run: FemRun, touching: Mapping[str, Sequence[str]]) -> BlowMeasure:
+    """Measure a blow; ``touching`` are the sides of each contact and wall, `Model.touching`."""
+    return BlowMeasure(
+        blow=run.blow,
+        restitution={name: restitution(run, name, sides) for name, sides in touching.items()},
+        plastic_strain={name: float(values[-1]) for name, values in run.plastic_strain.items()},
+        plastic_energy=dict(run.plastic_work),
+        rest=run.rest,
+    )
+
+
+def restitution(run: FemRun, name: str, sides: Sequence[str]) -> float | None:
+    """Return the speed of separation over that of approach of the two parts of a contact, as rigid bodies.
+
+    Both are along the impulse of the contact, the first at the start and the second at the end of the run; a wall
+    rests. None where nothing touched, the parts did not approach each other at the start, or still press at the end.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> down, up = np.array([0.0, 0.0, -2.0]), np.array([0.0, 0.0, 1.5])
+    >>> ball = SimpleNamespace(velocity=np.array([down, 0.0 * down, up, up]))
+    >>> impulse = np.array([[0.0, 0.0, x] for x in (0.0, 2.0, 3.5, 3.5)])
+    >>> run = SimpleNamespace(time=np.arange(4.0), impulse={"a": impulse}, parts={"ball": ball})
+    >>> restitution(run, "a", ("ball.round",))
+    0.75
+    """
+    if contact_measure(run, name) is None or still_presses(run, name):
+        return None
+    given = run.impulse[name][-1]
+    normal = given / max(float(np.linalg.norm(given)), 1e-300)
+    speeds = [run.parts[side.rpartition(".")[0] or side].velocity for side in sides]
+    relative = speeds[0] - (speeds[1] if len(speeds) > 1 else 0.0)
+    approach, separation = -float(relative[0] @ normal), float(relative[-1] @ normal)
+    return separation / approach if approach > 0.0 else None
+
+
+def still_presses(run: FemRun, name: str) -> bool:
+    """Tell whether a contact presses at the end of a run, by the mean force of the last interval."""
+    found = contact_measure(run, name)
+    if found is None:
+        return False
+    last = (run.impulse[name][-1] - run.impulse[name][-2]) / (run.time[-1] - run.time[-2])
+    return float(np.linalg.norm(last)) > PRESSES * found.peak

@@ -1,0 +1,138 @@
+"""Which parts make one body, which ways it may move, and how it goes back to where it began; SI."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial.transform import Rotation
+
+from strikewave.fem.boundary import Held
+from strikewave.fem.mesh import Array, Index, Mesh
+from strikewave.fem.tie import TieState
+
+HELD = 1e-12
+"""Share of the largest eigenvalue below which boundaries hold a motion not at all."""
+ROUNDS, CLOSE = 20, 1e-13
+"""Of the fit of a rigid motion at most, and the share of a body's length below which a round is the last."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """Parts that ties or common nodes join.
+
+    Attributes
+    ----------
+    parts : tuple of str
+    nodes : array (k,)
+    mass : array (k,)
+        Of the nodes, kg.
+    motions : array (6, n)
+        Columns span the rigid motions that boundaries leave: velocity of the centre and rotation times `length`.
+    centre : array (3,)
+        Of mass, before the first blow, m.
+    length : float
+        Root of the mean square distance from it, m.
+    """
+
+    parts: tuple[str, ...]
+    nodes: Index
+    mass: Array
+    motions: Array
+    centre: Array
+    length: float
+
+    def modes(self, points: Array, centre: Array) -> Array:
+        """Return the velocities (k, 3, 6) of points in unit translations and rotations about a centre."""
+        arms = (points - centre) / self.length
+        found = np.zeros((len(points), 3, 6))
+        found[:, :, :3] = np.eye(3)
+        found[:, :, 3:] = np.cross(np.eye(3), arms[:, None, :]).swapaxes(1, 2)
+        return found
+
+
+def bodies_of(mesh: Mesh, mass: Array, ties: TieState, holds: Sequence[Held]) -> list[Body]:
+    """Return the bodies of a mesh; ``mass`` (nodes,) is the nodes' own, ``holds`` what is held and does not move.
+
+    Contacts do not join bodies: what touches may part.
+
+    Examples
+    --------
+    >>> from strikewave.fem.mesh import joined
+    >>> from strikewave.fem.tie import prepare_ties
+    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
+    >>> one = Mesh(cube, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("one",))
+    >>> two = Mesh(cube + 2.0, one.hexahedra, one.part, ("two",))
+    >>> mesh = joined([one, two])
+    >>> [(body.parts, body.motions.shape[1]) for body in bodies_of(mesh, np.ones(16), prepare_ties((), mesh), ())]
+    [(('one',), 6), (('two',), 6)]
+    """
+    label = _labels(mesh, ties)
+    found = []
+    for number in np.unique(label[mesh.hexahedra[:, 0]]):
+        nodes = np.flatnonzero(label == number).astype(np.int32)
+        parts = tuple(name for name in mesh.names if label[mesh.nodes_of(name)[0]] == number)
+        places, weights = mesh.points[nodes], mass[nodes]
+        centre = weights @ places / weights.sum()
+        length = float(np.sqrt(weights @ np.sum((places - centre) ** 2, axis=1) / weights.sum()))
+        body = Body(parts, nodes, weights, np.eye(6), centre, length)
+        found.append(Body(parts, nodes, weights, _left_free(body, mesh.points, holds), centre, length))
+    return found
+
+
+def _labels(mesh: Mesh, ties: TieState) -> Index:
+    """Return a number for each node, the same for all of a body."""
+    corners = [np.stack([mesh.hexahedra[:, 0], mesh.hexahedra[:, k]]) for k in range(1, 8)]
+    tied = [np.stack([ties.nodes, ties.corners[:, k]]) for k in range(4)] if len(ties.nodes) else []
+    rows, columns = np.concatenate([*corners, *tied], axis=1)
+    count = len(mesh.points)
+    graph = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1])
+
+
+def _left_free(body: Body, points: Array, holds: Sequence[Held]) -> Array:
+    """Return the rigid motions (6, n) that move no node along a direction in which it is held."""
+    gram = np.zeros((6, 6))
+    for hold in holds:
+        own = np.isin(hold.nodes, body.nodes)
+        rows = hold.directions[own] @ body.modes(points[hold.nodes[own]], body.centre)
+        gram += np.einsum("kij,kil->jl", rows, rows)
+    values, vectors = np.linalg.eigh(gram)
+    return np.asarray(vectors[:, values <= HELD * max(float(values[-1]), 1e-300)])
+
+
+def way_back(body: Body, before: Array, now: Array) -> tuple[Array, Array]:
+    """Return the rigid motion, R x + t, that brings a body back to where it began.
+
+    Among the motions that boundaries leave, it is the one after which sum m |x - x_0|^2 is least: where a body is free
+    its centre of mass is then where it was, and it has not turned.
+
+    Parameters
+    ----------
+    body : Body
+    before, now : array (nodes of the mesh, 3)
+        Places of the nodes, m.
+
+    Returns
+    -------
+    rotation : array (3, 3)
+    shift : array (3,)
+        m.
+    """
+    start, places = before[body.nodes], now[body.nodes]
+    turned, moved = np.eye(3), np.zeros(3)
+    for _ in range(ROUNDS):
+        found = places @ turned.T + moved
+        modes = body.modes(found, body.centre) @ body.motions
+        gram = np.einsum("n,nci,ncj->ij", body.mass, modes, modes)
+        pull = np.einsum("n,nci,nc->i", body.mass, modes, start - found)
+        step = body.motions @ np.linalg.solve(gram, pull) if len(pull) else np.zeros(6)
+        turn = Rotation.from_rotvec(step[3:] / body.length).as_matrix()
+        shift = body.centre + step[:3] - turn @ body.centre
+        turned, moved = turn @ turned, turn @ moved + shift
+        if np.abs(step).max() <= CLOSE * body.length:
+            break
+    return turned, moved

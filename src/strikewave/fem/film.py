@@ -1,0 +1,183 @@
+"""Instants of a run that pictures are made of, chosen while it goes on, of what can be seen alone; SI.
+
+Kept are instants evenly over the run and, more densely, while the bodies of the blow touch; some that follow the first
+wave; and that of the largest stress. Their number is bounded: where too many come, every other one goes.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.fem.invariants import von_mises
+from strikewave.fem.model import Model
+from strikewave.fem.run import Frame
+from strikewave.fem.skin import Skin, blow_axis, blow_contact, meeting_place, skin_of
+
+if TYPE_CHECKING:
+    from strikewave.fem.engine import Engine
+
+Single = NDArray[np.float32]
+
+LARGEST = 256_000_000
+"""Bytes that the instants of a film take at most, about."""
+STILLS = 24
+"""Instants over the run, and as many again while bodies touch, that pictures need."""
+WAVE_INSTANTS, PER_TRANSIT = 8, 6
+"""Instants after first touch that follow the wave, and how many of them a transit takes."""
+LARGER = 1.02
+"""An instant counts as that of the largest stress where this is so many times that of the one before."""
+
+
+class Still(NamedTuple):
+    """An instant: time, s; displacement of the nodes of a skin, m; stress and plastic strain of its elements."""
+
+    time: float
+    displacement: Single
+    stress: Single
+    plastic_strain: Single
+
+
+class Thinned:
+    """Evenly chosen items of a row of unknown length: when there are twice as many as wanted, every other one goes."""
+
+    def __init__(self, wanted: int) -> None:
+        self.wanted, self.every, self.offered = wanted, 1, 0
+        self.kept: list[Still] = []
+
+    def wants(self) -> bool:
+        """Count an item that is offered, and tell whether it is to be kept."""
+        self.offered += 1
+        return (self.offered - 1) % self.every == 0
+
+    def add(self, still: Still) -> None:
+        """Keep an item."""
+        self.kept.append(still)
+        if len(self.kept) >= 2 * self.wanted:
+            self.kept, self.every = self.kept[::2], 2 * self.every
+
+
+@dataclass
+class Film:
+    """Keeps instants of a run for its pictures.
+
+    Parameters
+    ----------
+    skin : Skin
+        What is seen.
+    transit : float
+        How long the first wave takes through the bodies, s; see `transit_time`.
+    contact_name : str
+        The contact or wall of the blow; empty without one.
+    wanted : int
+        Instants over the whole run, and as many again while the bodies of the blow touch.
+
+    Attributes
+    ----------
+    whole, contact : Thinned
+        What is kept over the run, and while the bodies touch.
+    wave : list of Still
+        What follows the first wave.
+    worst, last : Still or None
+        The instants of the largest stress and of the end.
+    touched : float or None
+        First touch, s.
+    missed : bool
+        Whether first touch was before the film began, as where an interrupted run goes on.
+    """
+
+    skin: Skin
+    transit: float
+    contact_name: str = ""
+    wanted: int = STILLS
+    worst: Still | None = field(default=None, init=False)
+    last: Still | None = field(default=None, init=False)
+    touched: float | None = field(default=None, init=False)
+    wave: list[Still] = field(default_factory=list, init=False)
+    missed: bool = field(default=False, init=False)
+    _largest: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        each = 4 * (3 * len(self.skin.nodes) + 7 * len(self.skin.elements))
+        self.wanted = max(8, min(self.wanted, LARGEST // (4 * each)))
+        self.whole, self.contact = Thinned(self.wanted), Thinned(self.wanted)
+
+    def see(self, engine: Engine, last: bool) -> None:
+        """Look at a run at an instant of its histories, the last one or not."""
+        rows = engine.recorder.rows
+        forces = rows[f"force/{self.contact_name}"] if self.contact_name else [np.zeros(3)]
+        if not self.whole.offered:  # of a run that went on later, what came before is not known
+            self.missed = bool(np.any(forces[:-1]))
+        stresses = [float(rows[f"von_mises/{name}"][-1]) for name in engine.recorder.bearing]
+        self.offer(engine.time, bool(np.any(forces[-1])), max(stresses, default=0.0), engine.frame)
+        if last:
+            self.last = self._still(engine.frame())
+
+    def offer(self, time: float, touching: bool, largest: float, frame: Callable[[], Frame]) -> None:
+        """Take an instant where it is wanted: whether bodies touch, the largest stress, and how to get the rest."""
+        keepers = [one for one in (self.whole, self.contact if touching else None) if one is not None and one.wants()]
+        if self.touched is None and touching:
+            self.touched = time
+        followed = self.touched is not None and not self.missed and len(self.wave) < WAVE_INSTANTS
+        due = followed and time >= self._next_wave()
+        worse = largest > LARGER * self._largest
+        if not (keepers or due or worse):
+            return
+        still = self._still(frame())
+        for keeper in keepers:
+            keeper.add(still)
+        if due:
+            self.wave.append(still)
+        if worse:
+            self._largest, self.worst = largest, still
+
+    def _next_wave(self) -> float:
+        """Return when the next instant that follows the wave is due, s."""
+        return (self.touched or 0.0) + (len(self.wave) + 1 - 1e-6) * self.transit / PER_TRANSIT
+
+    def _still(self, frame: Frame) -> Still:
+        skin = self.skin
+        cells = (frame.displacement[skin.nodes], frame.stress[skin.elements], frame.plastic_strain[skin.elements])
+        displacement, stress, strain = (np.asarray(values, np.float32) for values in cells)
+        return Still(frame.time, displacement, stress, strain)
+
+    @property
+    def stills(self) -> list[Still]:
+        """All instants, in the order of time."""
+        ends = [one for one in (self.worst, self.last) if one is not None]
+        found = {one.time: one for one in (*self.whole.kept, *self.contact.kept, *self.wave, *ends)}
+        return [found[time] for time in sorted(found)]
+
+
+def film_of(model: Model, wanted: int = STILLS) -> Film:
+    """Return a film for a model that is to be run."""
+    meeting = blow_contact(model)
+    return Film(skin_of(model), transit_time(model), "" if meeting is None else meeting.name, wanted)
+
+
+def film_from(model: Model, frames: Sequence[Frame]) -> Film:
+    """Return a film of whole fields that were kept, which knows nothing of contacts."""
+    film = film_of(model, max(len(frames), 1))
+    for frame in frames:
+        film.offer(frame.time, False, float(von_mises(frame.stress).max(initial=0.0)), itertools.repeat(frame).__next__)
+    return film
+
+
+def transit_time(model: Model) -> float:
+    """Return how long a wave takes from where bodies meet to the far end along the blow, s.
+
+    The way is the longest along the axis of the blow from where the bodies of the blow are nearest to any node, or
+    the length of everything where nothing meets; the speed sqrt(E/rho) is that of the part of the far node.
+    """
+    mesh, place = model.mesh, meeting_place(model)
+    along = mesh.points @ blow_axis(model)
+    start = float(along.min() if place is None else place @ blow_axis(model))
+    ways = {name: float(np.abs(along[mesh.nodes_of(name)] - start).max()) for name in mesh.names}
+    name = max(ways, key=lambda part: ways[part])
+    solid = model.solids[name]
+    return float(ways[name] / np.sqrt(solid.youngs_modulus / solid.density))

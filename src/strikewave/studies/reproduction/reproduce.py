@@ -1,0 +1,32 @@
+"""Effort in, reproduction out: run everything and set it beside what Li & Ma 2019 publish."""
+
+from __future__ import annotations
+
+from strikewave.studies.reproduction.answers import number_rows
+from strikewave.studies.reproduction.element_pulses import element_numbers
+from strikewave.studies.reproduction.equations import equation_rows
+from strikewave.studies.reproduction.findings import QUIET, REFLECTING, WAVE, findings
+from strikewave.studies.reproduction.published import consistency_checks, published_numbers
+from strikewave.studies.reproduction.result import Reproduction
+from strikewave.studies.reproduction.runs import QUIET_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS, Effort, Report, run_all
+
+
+def reproduce(effort: Effort, report: Report = lambda share, words: None) -> Reproduction:
+    """Reproduce Li & Ma 2019.
+
+    Parameters
+    ----------
+    effort : Effort
+        How much is run.
+    report : callable, optional
+        Called with the share done, 0 to 1, and what runs now.
+    """
+    report(0.0, "equations")
+    equations = equation_rows()
+    runs = run_all(effort, report)
+    checks = consistency_checks()
+    named = {QUIET: QUIET_ELEMENTS, REFLECTING: RIGID_ELEMENTS, WAVE: WAVE_ELEMENTS}
+    solutions = {name: runs.element_solution(case) for name, case in named.items()}
+    measured = {name: None if found is None else element_numbers(found) for name, found in solutions.items()}
+    numbers = number_rows(published_numbers(), runs)
+    return Reproduction(runs, equations, numbers, checks, findings(equations, checks, measured))

@@ -1,0 +1,179 @@
+"""The reproduction of Li & Ma 2019 as one result: runs, equations, published numbers, findings; document and table."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from strikewave.documents import head, plain, without
+from strikewave.fem.measures import ledger_measure
+from strikewave.fem_solution import FemSolution
+from strikewave.solution import Notice
+from strikewave.studies.reproduction.runs import Runs
+from strikewave.studies.reproduction.types import Consistency, EquationRow, Finding, PublishedNumber
+from strikewave.units import DIMENSIONS, convertible
+
+PAPER = "li-ma-2019"
+
+
+@dataclass(frozen=True)
+class Computed:
+    """What a model says of a published number.
+
+    Attributes
+    ----------
+    by : str
+        Case, and what was changed in it.
+    value : float or None
+        SI; None where it gives none.
+    role : str
+        fitted: the case was adjusted to the published number; predicted; shown: not comparable, `note` says why.
+    note : str
+    """
+
+    by: str
+    value: float | None
+    role: str
+    note: str = ""
+
+    def difference(self, published: float) -> float | None:
+        """Return how far it is from the published number, relative to that.
+
+        Examples
+        --------
+        >>> Computed("case", 3.0, "predicted").difference(4.0)
+        -0.25
+        """
+        return None if self.value is None or not published else self.value / published - 1.0
+
+
+@dataclass(frozen=True)
+class NumberRow:
+    """A published number, and what the models say of it."""
+
+    number: PublishedNumber
+    computed: tuple[Computed, ...]
+
+    @property
+    def best(self) -> Computed | None:
+        """The first answer with a value: that of the case made for it."""
+        return next((one for one in self.computed if one.value is not None), None)
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """Everything that a reproduction came to.
+
+    Attributes
+    ----------
+    runs : Runs
+    equations : tuple of EquationRow
+    numbers : tuple of NumberRow
+    checks : tuple of Consistency
+        Published numbers among each other.
+    findings : tuple of Finding
+    """
+
+    runs: Runs
+    equations: tuple[EquationRow, ...]
+    numbers: tuple[NumberRow, ...]
+    checks: tuple[Consistency, ...]
+    findings: tuple[Finding, ...]
+
+    def row(self, name: str) -> NumberRow:
+        """Return a published number by its name."""
+        return next(row for row in self.numbers if row.number.name == name)
+
+    @property
+    def broken(self) -> bool:
+        """Whether a run broke a stated limit."""
+        return any(notice.broken for _, notice in self.notices)
+
+    @property
+    def notices(self) -> list[tuple[str, Notice]]:
+        """What the runs warn of, each with the name of its case."""
+        runs = self.runs
+        named: list[tuple[str, Sequence[Notice]]] = [(one.case.name, one.warnings) for one in runs.impacts]
+        named.append((runs.bar.case.name, runs.bar.warnings))
+        named += [(one.case.name, one.warnings) for one in runs.elements]
+        return [(name, notice) for name, rows in named for notice in rows]
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document; numbers are SI."""
+        runs = self.runs
+        units = {"exact": "SI, see unit", "printed": "SI, see unit", "corrected_value": "SI, see unit"}
+        units |= {"value": "SI, see si", "difference": "1", "deviation": "1", "step": "s", "seconds": "s"}
+        units |= {"energy_error": "1", "hourglass_share": "1", "momentum_error": "1"}
+        return plain(
+            {
+                **head(units, [{"case": name, **without(asdict(notice), "broken")} for name, notice in self.notices]),
+                "paper": PAPER,
+                "quick": runs.quick,
+                "cases": [case.name for case in runs.cases],
+                "equations": [equation_document(row) for row in self.equations],
+                "published": [number_document(row) for row in self.numbers],
+                "consistency": [asdict(row) for row in self.checks],
+                "elements": [element_document(solution) for solution in runs.elements],
+                "findings": [asdict(row) for row in self.findings],
+            }
+        )
+
+    def table(self) -> str:
+        """Return published numbers and what was computed as CSV text, SI; a row an answer."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        heads = ["name", "where", "quantity", "origin", "SI unit", "published", "computed", "difference", "role", "by"]
+        writer.writerow([*heads, "note"])
+        for row in self.numbers:
+            number = row.number
+            begin = [number.name, number.where, number.quantity, number.origin, si_unit(number.unit), number.value]
+            for one in row.computed or (Computed("", None, "", number.note),):
+                cells = [one.value, one.difference(number.value), one.role, one.by, one.note or number.note]
+                writer.writerow([*begin, *("" if cell is None else cell for cell in cells)])
+        return text.getvalue()
+
+
+def si_unit(unit: str) -> str:
+    """Return the SI unit of a unit that the paper writes; the same where there is none.
+
+    Examples
+    --------
+    >>> si_unit("us"), si_unit("GPa"), si_unit("1"), si_unit("blows")
+    ('s', 'Pa', '1', 'blows')
+    """
+    found = convertible(unit, DIMENSIONS)
+    return unit if found is None else found[0]
+
+
+def equation_document(row: EquationRow) -> dict[str, Any]:
+    """Return an equation as a row of the JSON document."""
+    return {**asdict(row), "deviation": row.deviation, "corrected_deviation": row.corrected_deviation}
+
+
+def number_document(row: NumberRow) -> dict[str, Any]:
+    """Return a published number with its answers as a row of the JSON document."""
+    answers = [{**asdict(one), "difference": one.difference(row.number.value)} for one in row.computed]
+    return {**asdict(row.number), "si": si_unit(row.number.unit), "computed": answers}
+
+
+def element_document(solution: FemSolution) -> dict[str, Any]:
+    """Return what a model of hexahedra took and how well it keeps its books."""
+    run, ledger = solution.run, ledger_measure(solution.run)
+    return {
+        "case": solution.case.name,
+        "elements": run.elements,
+        "steps": run.steps,
+        "step": run.step,
+        "seconds": run.seconds,
+        "energy_error": ledger.energy,
+        "hourglass_share": ledger.hourglass,
+        "momentum_error": ledger.momentum,
+    }
+
+
+def by_role(rows: Sequence[NumberRow], role: str) -> list[tuple[PublishedNumber, Computed]]:
+    """Return the answers of a role, each with its published number."""
+    return [(row.number, one) for row in rows for one in row.computed if one.role == role and one.value is not None]

@@ -1,0 +1,16 @@
+"""The numbers of an equation, before they join its words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Values:
+    """What an equation gives as printed, corrected and exactly; ``words`` are what its text mentions by name."""
+
+    printed: float | None
+    corrected: float | None = None
+    exact: float | None = None
+    words: Mapping[str, float | str] = field(default_factory=dict)

@@ -1,0 +1,70 @@
+"""``strikewave reproduce``: document, files whole or not at all, and what bad input is told."""
+
+import csv
+import json
+
+import pytest
+
+ROW = {"name", "where", "quantity", "value", "unit", "origin", "note", "si", "computed"}
+ANSWER = {"by", "value", "role", "note", "difference"}
+QUICK = ("reproduce", "li-ma-2019", "--without", "elements")
+
+
+def test_the_document_has_its_keys_and_numbers_that_agree_with_themselves(strikewave, tmp_path):
+    code, out, err = strikewave(*QUICK, "--json")
+    assert code == 0
+    assert "done in" in err
+    document = json.loads(out)
+    assert {"schema", "version", "units", "warnings", "paper", "cases", "elements", "consistency"} <= set(document)
+    assert document["paper"] == "li-ma-2019"
+    assert document["elements"] == []
+    assert document["quick"] is False
+    assert len(document["equations"]) == 41
+    assert document["findings"]
+    for row in document["published"]:
+        assert set(row) == ROW
+        for answer in row["computed"]:
+            assert set(answer) == ANSWER
+            if answer["value"] is not None:
+                assert answer["difference"] == pytest.approx(answer["value"] / row["value"] - 1.0, abs=1e-12)
+    assert {row["verdict"] for row in document["findings"]} <= {"right", "partly", "not", "open"}
+    assert not list(tmp_path.iterdir())  # with --json nothing is written unasked
+
+
+def test_the_folder_is_whole_and_its_table_holds_the_document(strikewave, tmp_path):
+    code, out, _ = strikewave(*QUICK, "--out", "result")
+    assert code == 0
+    assert "Published numbers and what was computed" in out
+    place = tmp_path / "result"
+    names = {path.name for path in place.iterdir()}
+    figures = {f"figure-{name}.svg" for name in ("5", "7", "7-b", "7-c", "9", "11", "13", "13-b", "15")}
+    assert names == {"record.toml", "report.html", "reproduction.json", "published.csv", *figures}
+    document = json.loads((place / "reproduction.json").read_text())
+    rows = list(csv.DictReader((place / "published.csv").open()))
+    answers = [(row, answer) for row in document["published"] for answer in row["computed"] or (None,)]
+    assert len(rows) == len(answers)
+    for line, (row, answer) in zip(rows, answers, strict=True):
+        assert line["name"] == row["name"]
+        assert float(line["published"]) == row["value"]
+        assert line["computed"] == ("" if answer is None else repr(answer["value"]))
+    (place / "mine.txt").write_text("kept")
+    code, _, err = strikewave(*QUICK, "--out", "result", "--force")
+    assert code == 2
+    assert "mine.txt" in err
+    assert (place / "mine.txt").read_text() == "kept"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("reproduce", "li-ma-2018"), ('got "li-ma-2018"', "one of li-ma-2019")),
+        (("reproduce", "li-ma-2019", "--without", "element"), ('--without: got "element"', "elements")),
+        (("reproduce", "li-ma-2019", "--threads", "0"), ("--threads", "at least 1")),
+        (("reproduce",), ("PAPER",)),
+    ],
+)
+def test_bad_words_are_named_with_what_there_is(strikewave, words, said):
+    code, out, err = strikewave(*words)
+    assert code == 2
+    assert out == ""
+    assert all(word in err for word in said)

@@ -1,0 +1,154 @@
+"""d3plot is read as its manual has it: words of both sizes, several files, deletion; damage is refused."""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as some
+
+from strikewave.errors import InputError
+from strikewave.exchange.d3plot import CONTROL, read_d3plot
+from strikewave.exchange.units import SYSTEMS
+
+from .ls_dyna_files import d3plot
+
+MM = SYSTEMS["mm-t-s"]
+BY_LASSO = Path(__file__).parent / "data" / "d3plot"
+"""Written with lasso-python 2.0.4: two cubes, three states; see `test_a_file_by_lasso_gives_what_it_was_given`."""
+POINTS = np.array([[x, y, z] for z in range(3) for y in (0, 1) for x in (0, 1)], float)
+CELLS = np.array([[0, 1, 3, 2, 4, 5, 7, 6], [4, 5, 7, 6, 8, 9, 11, 10]])
+
+
+def states(rng, count=3):
+    return [
+        (
+            k * 2.0**-20,
+            POINTS + 0.01 * k * rng.normal(size=(12, 3)),
+            rng.normal(size=(12, 3)),
+            100.0 * rng.normal(size=(2, 6)),
+            rng.random(2),
+            np.array([1.0, k < 2]),
+        )
+        for k in range(count)
+    ]
+
+
+def write(path, rng, **how):
+    given_ = states(rng)
+    d3plot(path, POINTS, CELLS, np.array([1, 0]), [20, 30], ["upper", "lower"], given_, **how)
+    return given_
+
+
+def test_a_file_by_lasso_gives_what_it_was_given():
+    found = read_d3plot(BY_LASSO, MM)
+    mesh = found.mesh
+    assert (mesh.names, found.numbers) == (("upper", "lower"), (20, 30))
+    assert np.array_equal(mesh.hexahedra, CELLS[::-1])
+    assert np.array_equal(mesh.points, POINTS * 1e-3)
+    for k, state in enumerate(found.states()):
+        moved = k * 2.0**-6 * np.arange(36).reshape(12, 3)
+        numbers = np.arange(1, 13).reshape(2, 6)[::-1]
+        frame = state.frame
+        assert frame.time == k * 2.0**-20
+        # exact powers of two in the file; rounding of mm to m only
+        np.testing.assert_allclose(frame.displacement, moved * 1e-3, rtol=0, atol=1e-18)
+        np.testing.assert_allclose(frame.velocity, -8e-3 * moved, rtol=1e-15)
+        np.testing.assert_allclose(frame.stress, (1 + k) * numbers * 1e6, rtol=1e-15)
+        assert np.array_equal(frame.plastic_strain, k * np.array([0.5, 0.25]))
+        assert state.alive.tolist() == [True, k < 2]
+    assert k == 2
+
+
+@pytest.mark.parametrize("word", [4, 8])
+@pytest.mark.parametrize("order", ["<", ">"])
+@pytest.mark.parametrize("alone", [True, False])
+def test_words_of_both_sizes_and_orders_in_one_file_or_several(tmp_path, rng, word, order, alone):
+    given_ = write(tmp_path / "d3plot", rng, word=word, order=order, alone=alone, history=3)
+    found = read_d3plot(tmp_path / "d3plot", MM)
+    read = list(found.states())
+    near = {"rtol": 1e-6 if word == 4 else 1e-14, "atol": 1e-9 if word == 4 else 1e-18}
+    assert len(read) == 3
+    for (time, place, velocity, stress, strain, alive), state in zip(given_, read, strict=True):
+        assert state.frame.time == time
+        np.testing.assert_allclose(state.frame.displacement, (place - POINTS) * 1e-3, **near)
+        np.testing.assert_allclose(state.frame.velocity, velocity * 1e-3, **near)
+        np.testing.assert_allclose(state.frame.stress, stress[::-1] * 1e6, **near)
+        np.testing.assert_allclose(state.frame.plastic_strain, strain[::-1], **near)
+        assert np.array_equal(state.alive, alive[::-1] != 0.0)
+
+
+def test_a_run_that_was_killed_reads_as_far_as_it_came(tmp_path, rng):
+    path = tmp_path / "d3plot"
+    write(path, rng)
+    whole = path.read_bytes()
+    counts = []
+    for cut in range(len(whole), 0, -97):
+        path.write_bytes(whole[:cut])
+        try:
+            counts.append(sum(1 for _ in read_d3plot(path, MM).states()))
+        except InputError:
+            counts.append(-1)
+    assert counts[0] == 3
+    assert set(counts) == {3, 2, 1, 0, -1}
+    assert counts == sorted(counts, reverse=True)
+
+
+@pytest.mark.parametrize("name", [*CONTROL])
+def test_counts_that_the_file_has_no_room_for_are_refused(tmp_path, rng, name):
+    path = tmp_path / "d3plot"
+    write(path, rng)
+    whole = bytearray(path.read_bytes())
+    for value in (2**31 - 1, -7, 2**20):
+        struct.pack_into("<i", whole, 4 * CONTROL[name], value)
+        path.write_bytes(whole)
+        try:
+            assert sum(1 for _ in read_d3plot(path, MM).states()) <= 3
+        except InputError:
+            continue
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("particles", 5, "particles"), ("solids", -2, "solids of 10 nodes"), ("dimensions", 7, "NDIM = 7"),
+        ("stress", 0, "no stress"), ("coordinates", 0, "no coordinates"), ("shells_of_8", 1, "shells of 8"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_stepped_over_is_refused_by_name(tmp_path, rng, name, value, words):
+    path = tmp_path / "d3plot"
+    write(path, rng)
+    whole = bytearray(path.read_bytes())
+    struct.pack_into("<i", whole, 4 * CONTROL[name], value)
+    path.write_bytes(whole)
+    with pytest.raises(InputError, match=words):
+        read_d3plot(path, MM)
+
+
+def test_solids_that_name_nodes_beyond_the_file_are_refused(tmp_path):
+    d3plot(tmp_path / "d3plot", POINTS, CELLS + 5, np.array([1, 0]), [20, 30], ["upper", "lower"], [])
+    with pytest.raises(InputError, match="nodes and parts beyond"):
+        read_d3plot(tmp_path / "d3plot", MM)
+
+
+@given(some.integers(0, 3000), some.binary(min_size=1, max_size=8))
+def test_damaged_bytes_are_read_or_refused(tmp_path_factory, place, held):
+    path = tmp_path_factory.mktemp("any") / "d3plot"
+    write(path, np.random.default_rng(1))
+    whole = path.read_bytes()
+    path.write_bytes(whole[:place] + held + whole[place + len(held) :])
+    try:
+        assert sum(1 for _ in read_d3plot(path, MM).states()) <= 3
+    except InputError:
+        return
+
+
+def test_lasso_reads_what_these_tests_write(tmp_path, rng):
+    dyna = pytest.importorskip("lasso.dyna", reason="lasso-python is not installed: it wants older packages")
+    given_ = write(tmp_path / "d3plot", rng, alone=False)
+    read = dyna.D3plot(str(tmp_path / "d3plot"))
+    for k, state in enumerate(given_):
+        np.testing.assert_allclose(read.arrays["node_displacement"][k], state[1], rtol=1e-6)
+        np.testing.assert_allclose(read.arrays["element_solid_stress"][k, :, 0], state[3], rtol=1e-6)
+        np.testing.assert_array_equal(read.arrays["element_solid_is_alive"][k], state[5])

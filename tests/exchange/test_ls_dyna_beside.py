@@ -1,0 +1,311 @@
+"""A run of ours written as LS-DYNA would have, and read back beside itself: no difference, a known one, wrong units."""
+
+import dataclasses
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from strikewave.errors import InputError
+from strikewave.exchange.ls_dyna_agreement import agreement
+from strikewave.exchange.ls_dyna_beside import OurRun, lay_beside, read_ours, slip
+from strikewave.exchange.ls_dyna_folder import ENERGIES, Force, Ledger, pulse_of, read_folder
+from strikewave.exchange.units import SYSTEMS
+from strikewave.fem.measures import contact_measure
+
+from .ls_dyna_files import binout, d3plot, glstat, rcforc
+
+MM = SYSTEMS["mm-t-s"]
+CHANGES = [
+    "mesh.part.ball.finest=0.6 mm",
+    "mesh.part.ground.finest=0.6 mm",
+    "mesh.part.ground.size=12 mm",
+    "fem.duration=75 us",
+    "fem.frames=4",
+]
+NAME = "ball.round-ground.top"
+DIGITS = 1e-5
+"""Six digits of a text file, and those of the times between which it is summed."""
+
+
+@pytest.fixture(scope="module")
+def solution():
+    from strikewave import load_case
+    from strikewave.elements import run_fem
+
+    return run_fem(load_case("hertz-ball-fem", CHANGES))
+
+
+@pytest.fixture(scope="module")
+def folder(solution, tmp_path_factory):
+    from strikewave.fem.vtkhdf import FieldWriter
+
+    home = tmp_path_factory.mktemp("ours")
+    solution.save(home / "histories.nc")
+    with FieldWriter(home / "field.vtkhdf", solution.model.mesh) as writer:
+        for frame in solution.frames:
+            writer.add(frame)
+    return home
+
+
+@pytest.fixture(scope="module")
+def ours(folder):
+    return read_ours(folder)
+
+
+@pytest.fixture
+def written(tmp_path, ours, solution):
+    """Write our run as a folder of LS-DYNA, forces and energies by a factor, later by a shift."""
+
+    def write(units=MM, factor=1.0, shift=0.0, turn=1.0, title=NAME, fields=True):
+        home = tmp_path / "dyna"
+        home.mkdir(exist_ok=True)
+        force = ours.forces[NAME]
+        time = (force.time + shift) * units.factor(time=1)
+        held = {7: turn * factor * force.force * units.force, 9: None}
+        (home / "rcforc").write_text(rcforc(held, {7: title, 9: "self"}, time))
+        energy = {ENERGIES[word][0]: values * factor * units.energy for word, values in ours.ledger.energy.items()}
+        (home / "glstat").write_text(glstat(ours.ledger.time * units.factor(time=1), energy))
+        mesh = solution.model.mesh
+        states = [
+            (
+                frame.time * units.factor(time=1),
+                (mesh.points + frame.displacement) * units.distance,
+                frame.velocity * units.velocity,
+                frame.stress * units.stress,
+                frame.plastic_strain,
+                np.ones(len(mesh.hexahedra)),
+            )
+            for frame in solution.frames
+        ]
+        if fields:
+            points = mesh.points * units.distance
+            d3plot(home / "d3plot", points, mesh.hexahedra, mesh.part, [3, 5], mesh.names, states, word=8)
+        return home
+
+    return write
+
+
+def test_our_forces_measured_anew_are_those_of_our_own_report(solution, ours):
+    own = contact_measure(solution.run, NAME)
+    found = pulse_of(ours.forces[NAME])
+    for what in ("peak", "at", "impulse", "begin", "end"):
+        assert getattr(found, what) == pytest.approx(getattr(own, what), rel=1e-12, abs=1e-18), what
+    assert ours.extremes["ball"].displacement == pytest.approx(
+        max(
+            np.linalg.norm(f.displacement[solution.model.mesh.nodes_of("ball")], axis=1).max() for f in solution.frames
+        ),
+        rel=1e-6,  # single precision of field.vtkhdf
+    )
+
+
+def missing(ours):
+    """Share of the impulse before the first and after the last middle of an interval, which no trapezium holds."""
+    force = ours.forces[NAME]
+    step = force.time[1] - force.time[0]
+    return 0.5 * step * (force.size[0] + force.size[-1]) / np.linalg.norm(force.impulse)
+
+
+@pytest.mark.parametrize("units", [*SYSTEMS])
+def test_our_run_written_by_ls_dyna_in_any_units_is_no_different(written, ours, units):
+    system = SYSTEMS[units]
+    found = lay_beside(read_folder(written(system), system), ours)
+    (pair,) = found.forces
+    assert (pair.contact.number, pair.side, found.warnings) == (7, "A", ())
+    for what in ("peak", "width"):
+        assert abs(pair.difference(what)) < DIGITS, what
+    assert pair.difference("impulse") == pytest.approx(-missing(ours), abs=DIGITS)
+    assert abs(pair.shift) < DIGITS * pair.ours.width
+    assert abs(pair.plain.magnitude) < DIGITS
+    assert pair.plain.rms < DIGITS
+    assert pair.plain.phase < 1e-4  # arccos near 1: the root of the differences' squares
+    for word, values in ours.ledger.energy.items():
+        np.testing.assert_allclose(
+            found.theirs.ledger.energy[word], values, rtol=DIGITS, atol=DIGITS * 1e-3 * np.abs(values).max()
+        )
+    assert found.parts == {"ball": "ball", "ground": "ground"}
+    for name, one in ours.extremes.items():
+        for what, value in dataclasses.asdict(one).items():
+            assert getattr(found.theirs.extremes[name], what) == pytest.approx(value, rel=1e-6), (name, what)
+
+
+def test_a_known_factor_and_shift_are_found(written, ours):
+    found = lay_beside(read_folder(written(factor=1.07, shift=4e-6), MM), ours)
+    (pair,) = found.forces
+    assert pair.difference("peak") == pytest.approx(0.07, abs=DIGITS)
+    assert pair.difference("impulse") == pytest.approx(1.07 * (1.0 - missing(ours)) - 1.0, abs=DIGITS)
+    assert abs(pair.difference("width")) < DIGITS
+    assert pair.shift == pytest.approx(4e-6, rel=1e-4)
+    assert pair.moved.magnitude == pytest.approx(0.07, abs=DIGITS)
+    assert pair.moved.phase < 1e-4
+    assert pair.plain.phase > 0.01
+    assert [notice.code for notice in found.warnings] == ["time-shift"]
+    assert "4 us later" in found.warnings[0].message
+
+
+def test_the_side_whose_impulse_points_as_ours_is_taken(written, ours):
+    (pair,) = lay_beside(read_folder(written(turn=-1.0), MM), ours).forces
+    assert pair.side == "B"
+    assert abs(pair.difference("peak")) < DIGITS
+    assert pair.angle < 0.01
+
+
+def test_sectors_that_differ_are_named(written, ours):
+    found = lay_beside(read_folder(written(factor=4.0), MM), ours)
+    assert ("sector", 4.0) in [(notice.code, notice.limit) for notice in found.warnings]
+
+
+@pytest.mark.parametrize(
+    ("true", "said", "told"),
+    [
+        ("mm-t-s", "SI", {"total energy 1000", "displacement of ball 1000", "von mises of ball 1e-06"}),
+        ("SI", "mm-t-s", {"total energy 0.001", "displacement of ball 0.001", "von mises of ball 1e+06"}),
+        ("mm-g-us", "mm-t-s", {f"peak of {NAME} 1e-06", f"width of {NAME} 1e+06", "total energy 1e-06"}),
+    ],
+)
+def test_units_that_were_mistaken_are_named_and_nothing_else(written, ours, true, said, told):
+    found = lay_beside(read_folder(written(SYSTEMS[true]), SYSTEMS[said]), ours)
+    (notice,) = found.warnings
+    assert notice.code == "units"
+    assert "is --units right?" in notice.message
+    assert told <= set(notice.message.partition("(")[2].partition(")")[0].split(", "))
+
+
+def test_a_force_off_by_a_million_alone_is_a_slip_too(written, ours):
+    (notice,) = lay_beside(read_folder(written(factor=1e6, fields=False), MM), ours).warnings
+    assert f"peak of {NAME} 1e+06" in notice.message
+
+
+def test_contacts_go_together_by_title_by_being_alone_or_as_asked(written, ours):
+    two = OurRun(ours.folder, ours.title, {NAME: ours.forces[NAME], "other": ours.forces[NAME]}, ours.ledger, {})
+    theirs = read_folder(written(title=NAME.upper(), fields=False), MM)
+    assert [pair.name for pair in lay_beside(theirs, two).forces] == [NAME]
+    theirs = read_folder(written(title="nothing alike", fields=False), MM)
+    assert lay_beside(theirs, two).forces == ()
+    assert [notice.code for notice in lay_beside(theirs, two).warnings] == ["contact-unpaired"] * 2
+    assert [pair.name for pair in lay_beside(theirs, two, {"other": 7}).forces] == ["other"]
+    assert [pair.name for pair in lay_beside(theirs, ours).forces] == [NAME]
+    for asked in ({"nobody": 7}, {NAME: 8}):
+        with pytest.raises(InputError, match="--contact"):
+            lay_beside(theirs, ours, asked)
+
+
+def test_what_touches_in_one_run_alone_is_said(written, ours):
+    force = ours.forces[NAME]
+    still = dataclasses.replace(force, force=0.0 * force.force, impulse=np.zeros(3))
+    quiet = OurRun(ours.folder, ours.title, {NAME: still}, ours.ledger, {})
+    found = lay_beside(read_folder(written(fields=False), MM), quiet)
+    assert [notice.code for notice in found.warnings] == ["no-contact"]
+    assert math.isnan(found.forces[0].difference("peak"))
+
+
+def test_forces_and_energies_come_from_binout_where_there_is_no_text(written, ours):
+    home = written(fields=False)
+    text = read_folder(home, MM)
+    force, ledger = ours.forces[NAME], ours.ledger
+    rows = [("/rcforc/metadata", "ids", 3, [7, 7]), (".", "side", 3, [0, 1])]
+    for k, (time, vector) in enumerate(zip(force.time, force.force * MM.force, strict=True), 1):
+        rows.append((f"/rcforc/d{k:06d}", "time", 10, [time]))
+        rows += [(".", f"{axis}_force", 10, [x, -x]) for axis, x in zip("xyz", vector, strict=True)]
+    for k, time in enumerate(ledger.time):
+        rows += [(f"/glstat/d{k:06d}", "time", 10, [time])]
+        rows += [
+            (".", ENERGIES[word][0].replace(" ", "_"), 10, [v[k] * MM.energy]) for word, v in ledger.energy.items()
+        ]
+    (home / "binout0000").write_bytes(binout(rows))
+    for name in ("rcforc", "glstat"):
+        (home / name).unlink()
+    archive = read_folder(home, MM)
+    assert archive.contacts[0].first.force == pytest.approx(force.force, rel=1e-12, abs=1e-12)
+    assert text.contacts[0].first.force == pytest.approx(force.force, rel=DIGITS, abs=1e-12)
+    assert archive.ledger.energy["total"] == pytest.approx(ledger.energy["total"], rel=1e-12)
+
+
+def test_sprague_and_geers_measures_of_known_curves():
+    t = np.linspace(0.0, 1.0, 20_001)
+    sine, cosine = np.sin(2.0 * np.pi * t), np.cos(2.0 * np.pi * t)
+    found = agreement((t, sine), (t, 2.0 * cosine), (0.0, 1.0))
+    # orthogonal over a period: P = 1/2; twice the size: M = 1
+    assert (found.magnitude, found.phase) == pytest.approx((1.0, 0.5), abs=1e-9)
+    assert found.combined == pytest.approx(math.sqrt(1.25), abs=1e-9)
+    ahead = agreement((t, sine), (t, np.sin(2.0 * np.pi * (t - 0.1))), (0.0, 1.0))
+    assert ahead.phase == pytest.approx(0.2, abs=1e-6)  # 0.1 of a period is 36 degrees of 180
+    assert math.isnan(agreement((t, 0.0 * t), (t, sine), (0.0, 1.0)).magnitude)
+
+
+def test_a_slip_is_a_power_of_a_thousand():
+    assert [slip(x) for x in (1.0, 999.0, 3e-7, 0.0, math.inf, -1e3)] == [None, 1000.0, None, None, None, None]
+    assert slip(6e-7) == 1e-6
+
+
+@pytest.mark.parametrize("damage", ["none", "truncated", "another"])
+def test_a_result_of_ours_that_is_damaged_is_refused(tmp_path, folder, damage):
+    if damage != "none":
+        held = (folder / "histories.nc").read_bytes()
+        (tmp_path / "histories.nc").write_bytes(held[:5000] if damage == "truncated" else b"nothing" * 100)
+    with pytest.raises(InputError, match="--beside"):
+        read_ours(tmp_path)
+
+
+def test_the_command_writes_report_picture_and_numbers(strikewave, written, folder, solution):
+    home = written(factor=1.07)
+    code, said, told = strikewave("ls-dyna", home, "--units", "mm-t-s", "--beside", folder, "--out", "here")
+    assert code == 0
+    assert "+7 %" in said
+    assert "written: here/" in told
+    page = Path("here/report.html").read_text("utf-8")
+    assert "<script" not in page
+    assert f"Contact {NAME}" in page
+    document = json.loads(Path("here/beside.json").read_text("utf-8"))
+    pair = document["beside"]["contacts"][NAME]
+    assert pair["peak_difference"] == pytest.approx(0.07, abs=DIGITS)
+    assert document["states"] == len(solution.frames)
+    code, out, _ = strikewave("ls-dyna", home, "--units", "mm-t-s", "--beside", folder, "--json")
+    assert json.loads(out) == document
+    assert strikewave("ls-dyna", home, "--units", "SI", "--beside", folder, "--out", "here")[0] == 2  # another one
+    (home / "d3plot").unlink()
+    assert strikewave("ls-dyna", home, "--units", "mm-t-s", "--out", "alone", "--force")[0] == 0
+
+
+def test_titles_from_a_hostile_deck_are_escaped(strikewave, written):
+    home = written(title="<script>alert(1)</script> $\\frac{", fields=False)
+    assert strikewave("ls-dyna", home, "--units", "mm-t-s", "--out", "here")[0] == 0
+    assert "<script" not in Path("here/report.html").read_text("utf-8")
+    assert "<script" not in Path("here/beside.svg").read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ([], "--units: missing; needed: one of SI, mm-t-s"),
+        (["--units", "mm"], 'got "mm"'),
+        (["--units", "SI", "--contact", "ball"], "NAME=NUMBER"),
+        (["--units", "SI", "--contact", "ball=1"], "add --beside DIR"),
+    ],
+)
+def test_what_the_command_needs_is_said(strikewave, tmp_path, words, told):
+    code, _, said = strikewave("ls-dyna", tmp_path, *words)
+    assert code == 2
+    assert told in said
+
+
+def test_a_folder_without_results_is_refused(tmp_path):
+    with pytest.raises(InputError, match="rcforc, glstat, binout or d3plot"):
+        read_folder(tmp_path, MM)
+
+
+def test_pictures_of_nothing_say_so(tmp_path):
+    from strikewave.exchange.ls_dyna_beside import Beside
+    from strikewave.exchange.ls_dyna_folder import Contact, LsDynaRun
+    from strikewave.figures.ls_dyna import beside_sheet
+    from strikewave.report.ls_dyna_page import ls_dyna_report
+
+    empty = LsDynaRun(tmp_path, (), (), None, None, {}, 0, (math.nan, math.nan))
+    assert "no rcforc or binout is there" in [
+        t.get_text() for axes in beside_sheet(Beside(empty), "").axes for t in axes.texts
+    ]
+    still = Contact(1, "", {"A": Force(np.array([0.0]), np.zeros((1, 3)))})
+    one = dataclasses.replace(empty, contacts=(still,), ledger=Ledger(np.array([0.0]), {"kinetic": np.array([np.nan])}))
+    assert "Nothing touched." in ls_dyna_report(Beside(one), "")

@@ -1,0 +1,275 @@
+"""Pictures of bodies cut open: what is mirrored, cut, kept and coloured is what the geometry and the fields say."""
+
+import dataclasses
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from strikewave import load_case
+from strikewave.build.elements import build_model
+from strikewave.elements import run_fem
+from strikewave.fem.film import PER_TRANSIT, WAVE_INSTANTS, Film, Still, film_from, film_of, transit_time
+from strikewave.fem.mesh import volumes
+from strikewave.fem.model import Contact, Fixed, Symmetry, Wall
+from strikewave.fem.skin import blow_contact, cut_of, meeting_place, skin_of, symmetry_planes
+from strikewave.figures import fem_cut
+from strikewave.report.fem_fields import fields_section
+
+from . import synthetic
+
+pytestmark = pytest.mark.fem
+
+BAR = {"diameter": 12e-3, "length": 180e-3}
+
+
+@pytest.fixture(scope="module")
+def bars():
+    return build_model(load_case("two-bars-fem", ["mesh.part.striker.size=2 mm", "mesh.part.bar.size=2 mm"]))
+
+
+@pytest.fixture(scope="module")
+def ball():
+    return synthetic.model()
+
+
+def areas(skin, points=None):
+    corners = (skin.points if points is None else points)[skin.faces]
+    return 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+
+
+def enclosed(skin):
+    """Volume by the flux of x/3 through bilinear faces, each by its four triangles about the middle."""
+    corners = skin.points[skin.faces]
+    middle = corners.mean(axis=1)
+    sides = zip(range(4), (1, 2, 3, 0), strict=True)
+    return sum(np.einsum("ij,ij->", middle, np.cross(corners[:, a], corners[:, b])) / 6.0 for a, b in sides)
+
+
+def still(skin, stress, time=0.0, strain=0.0):
+    cells = np.broadcast_to(np.asarray(stress, np.float32), (len(skin.elements), 6))
+    return Still(
+        time,
+        np.zeros((len(skin.nodes), 3), np.float32),
+        np.array(cells),
+        np.full(len(skin.elements), strain, np.float32),
+    )
+
+
+# the skin
+
+
+def test_a_quarter_becomes_the_half_with_a_flat_cut(bars):
+    skin = skin_of(bars)
+    assert skin.cut.symmetric
+    quarter = float(volumes(bars.mesh.points, bars.mesh.hexahedra).sum())
+    assert enclosed(skin) == pytest.approx(2.0 * quarter, rel=1e-12)
+    assert np.linalg.norm(areas(skin).sum(axis=0)) < 1e-15  # closed
+    normal = skin.cut.plane.normal
+    on_cut = np.abs(skin.cut.plane.height(skin.points[skin.faces])).max(axis=1) < 1e-12
+    assert float((areas(skin)[on_cut] @ normal).sum()) == pytest.approx(BAR["diameter"] * BAR["length"], rel=1e-12)
+    inside = np.abs(skin.cut.mirror.height(skin.points[skin.faces])).max(axis=1) < 1e-12
+    assert not inside.any()  # no faces where the images meet
+
+
+def test_edges_have_two_faces_and_sharp_ones_are_the_outline(bars):
+    skin = skin_of(bars)
+    assert len(skin.edges.nodes) == 2 * len(skin.faces)  # of a closed surface of quadrilaterals
+    sharp = skin.points[skin.edges.nodes[skin.edges.sharp]]
+    ends = np.isclose(sharp[:, :, 2, None], [0.0, 0.06, 0.18]).any(axis=2).all(axis=1)  # rims of the two bars
+    along = np.abs(np.abs(sharp[:, :, 0]) - 6e-3).max(axis=1) < 1e-9  # where the cut meets the round
+    assert (ends | along).all()
+    length = np.linalg.norm(sharp[:, 1] - sharp[:, 0], axis=1)
+    assert length[along & ~ends].sum() == pytest.approx(2 * BAR["length"], rel=1e-9)
+
+
+def test_images_move_as_mirror_images(bars, rng):
+    skin = skin_of(bars)
+    moved = skin.moved(rng.normal(size=(len(skin.nodes), 3)).astype(np.float32)) - skin.points
+    twins = {int(node): row for row, node in enumerate(skin.node) if not skin.image[row]}
+    rows = np.flatnonzero(skin.image)
+    originals = np.array([twins[int(skin.node[row])] for row in rows])
+    assert np.allclose(moved[rows], moved[originals] * [-1.0, 1.0, 1.0], atol=1e-12)
+    assert np.allclose(skin.points[rows], skin.points[originals] * [-1.0, 1.0, 1.0], atol=1e-12)
+
+
+def test_whole_bodies_are_cut_through_where_they_meet(ball):
+    skin = skin_of(ball)
+    assert not skin.cut.symmetric
+    assert skin.cut.mirror is None
+    assert skin.cut.plane.point == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+    block = skin.part == ball.mesh.names.index("block")
+    corners = skin.points[skin.faces]
+    on_cut = block & (np.abs(corners[:, :, 1]).max(axis=1) < 1e-12)
+    assert float(np.linalg.norm(areas(skin)[on_cut], axis=1).sum()) == pytest.approx(0.03 * 0.012, rel=1e-12)
+    assert corners[:, :, 1].min() > -1e-12
+    half = 0.5 * float(volumes(ball.mesh.points, ball.mesh.hexahedra).sum())
+    assert enclosed(skin) == pytest.approx(half, rel=1e-9)
+
+
+def test_only_planes_of_symmetry_along_the_blow_that_all_is_behind_are_cuts(ball, bars):
+    floor = dataclasses.replace(ball, boundaries=(Symmetry("block.bottom"), Fixed("block.top")))
+    assert symmetry_planes(floor) == []  # across the blow: a floor, no cut
+    aside = dataclasses.replace(
+        bars.mesh, points=bars.mesh.points - [1e-3, 0.0, 0.0] * (bars.mesh.points[:, 2:] > 0.06)
+    )
+    assert len(symmetry_planes(dataclasses.replace(bars, mesh=aside))) == 1  # x- of one bar cuts through the other
+    half = dataclasses.replace(bars, boundaries=tuple(b for b in bars.boundaries if b.side.endswith("x-")))
+    found = cut_of(half)
+    assert found.mirror is None
+    assert found.plane.normal == pytest.approx([-1.0, 0.0, 0.0], abs=1e-12)
+
+
+def test_the_contact_of_the_blow_is_that_of_bodies_at_different_speeds(ball):
+    resting = Contact("block.bottom", "block.top")
+    both = dataclasses.replace(ball, contacts=(resting, *ball.contacts))
+    assert blow_contact(both) is ball.contacts[0]
+    assert blow_contact(dataclasses.replace(both, velocity={})) is resting
+    alone = dataclasses.replace(ball, contacts=(), walls=(Wall("ball.all", (0.0, 0.0, -0.001), (0.0, 0.0, 2.0)),))
+    assert meeting_place(alone) == pytest.approx([0.0, 0.0, -0.0005], abs=1e-12)
+    assert blow_contact(dataclasses.replace(ball, contacts=())) is None
+
+
+# the film
+
+
+def test_the_wave_takes_the_way_to_the_far_end_at_the_speed_in_bars(bars):
+    solid = bars.solids["bar"]
+    assert transit_time(bars) == pytest.approx(0.12 / np.sqrt(solid.youngs_modulus / solid.density), rel=1e-12)
+
+
+def test_a_film_keeps_few_even_instants_more_in_contact_and_those_of_the_wave(ball):
+    frame = synthetic.frame(ball.mesh, 1e-5)
+    film = film_of(ball, 10)
+    time = 1e-7 * np.arange(1001)
+    touching = (time > 2e-5) & (time < 4e-5)
+    largest = np.where(np.arange(1001) == 777, 9e8, 1e8)
+    for t, touch, most in zip(time, touching, largest, strict=True):
+        film.offer(float(t), bool(touch), float(most), lambda at=t: dataclasses.replace(frame, time=float(at)))
+    kept = np.array([one.time for one in film.whole.kept])
+    assert 10 <= len(kept) < 20
+    assert np.allclose(np.diff(kept), kept[1] - kept[0], rtol=1e-9)
+    close = np.array([one.time for one in film.contact.kept])
+    assert 10 <= len(close) < 20
+    assert close.min() > 2e-5
+    assert close.max() < 4e-5
+    due = film.touched + film.transit / PER_TRANSIT * np.arange(1, WAVE_INSTANTS + 1)
+    late = np.array([one.time for one in film.wave]) - due
+    assert (late > -1e-12).all()
+    assert (late < 1e-7 + 1e-12).all()  # the next instant of the histories
+    assert film.worst.time == pytest.approx(777e-7, rel=1e-12)
+    assert len(film.stills) <= 20 + 20 + WAVE_INSTANTS + 2
+
+
+@pytest.mark.parametrize("before", [0.0, 5.0])
+def test_a_run_that_went_on_after_first_touch_has_no_row_of_the_wave(ball, before):
+    frame, film = synthetic.frame(ball.mesh, 1e-5), film_of(ball)
+    rows = {f"force/{film.contact_name}": [np.array([0.0, 0.0, before])], "von_mises/ball": [np.array(1e6)]}
+    engine = SimpleNamespace(recorder=SimpleNamespace(rows=rows, bearing=["ball"]), frame=lambda: frame)
+    for k in range(30):
+        engine.time = 1e-6 * (50 + k)
+        rows[f"force/{film.contact_name}"].append(np.array([0.0, 0.0, 7.0]))
+        film.see(engine, last=k == 29)
+    assert film.missed == (before > 0.0)
+    assert len(film.wave) == (0 if before else WAVE_INSTANTS)
+    assert film.last is not None
+
+
+def test_a_film_of_a_large_model_keeps_fewer_instants(ball, monkeypatch):
+    skin = skin_of(ball)
+    each = 4 * (3 * len(skin.nodes) + 7 * len(skin.elements))
+    monkeypatch.setattr("strikewave.fem.film.LARGEST", 4 * each * 11)
+    assert Film(skin, 1e-5, "", 60).wanted == 11
+
+
+def test_a_run_is_filmed_from_first_touch_on(bars):
+    solution = run_fem(load_case("two-bars-fem", ["mesh.part.striker.size=3 mm", "mesh.part.bar.size=3 mm"]))
+    film = solution.film
+    assert film.touched == 0.0
+    assert len(film.wave) == WAVE_INSTANTS
+    assert film.stills[-1].time == pytest.approx(60e-6, rel=1e-9)
+    skin = film.skin
+    for one in film.wave[:6]:  # ahead of the fastest wave nothing is loaded: c_p = 1.16 c_0 at nu = 0.3
+        middle = solution.model.mesh.points[solution.model.mesh.hexahedra[skin.elements]].mean(axis=1)
+        ahead = middle[:, 2] > 0.06 + 1.16 * 0.12 * one.time / film.transit + 9e-3  # three elements
+        stress = np.abs(fem_cut.axial_stress(skin, one))
+        assert stress.max() > 20e6
+        assert not ahead.any() or stress[ahead].max() < 0.05 * stress.max()
+    words = " ".join(part.caption for part in fields_section(solution).parts)
+    assert "8 instants from first touch on" in words
+    assert "press each other most" in words
+
+
+# the pictures
+
+
+def test_stress_along_the_blow_and_pressure_on_faces_are_those_of_a_uniform_stress(ball):
+    skin = skin_of(ball)
+    stress = [0.0, 0.0, -250e6, 0.0, 0.0, 0.0]
+    assert fem_cut.axial_stress(skin, still(skin, stress)) == pytest.approx(-250e6, rel=1e-6)
+    turned = dataclasses.replace(skin, axis=np.array([0.6, 0.0, 0.8]))
+    assert fem_cut.axial_stress(turned, still(skin, stress)) == pytest.approx(-250e6 * 0.64, rel=1e-6)
+    found = fem_cut.pressures(skin, still(skin, stress))
+    top = skin.touching == 1  # block.top
+    assert found[top] == pytest.approx(250e6, rel=1e-6)
+    assert (found[skin.touching < 0] == 0.0).all()
+
+
+def test_all_instants_share_one_scale_whose_middle_is_zero(bars):
+    skin = skin_of(bars)
+    low, high = still(skin, [0, 0, -40e6, 0, 0, 0], 1e-6), still(skin, [0, 0, 80e6, 0, 0, 0], 2e-6)
+    figure = fem_cut.wave_figure(skin, [low, high])
+    *panels, bar = figure.axes
+    assert bar.get_ylim() == (-80.0, 80.0)
+    from matplotlib import colormaps
+
+    for axes, share in zip(panels, (0.25, 1.0), strict=True):
+        colours = axes.collections[0].get_facecolor()[:, :3]
+        flat = colours[np.abs(colours - 0.13).max(axis=1) > 1e-9]  # but the outlines
+        assert flat.max(axis=0) == pytest.approx(colormaps["RdBu_r"](share)[:3], abs=0.01)  # a byte of 256 levels
+    assert {axes.get_xlim() for axes in panels} == {panels[0].get_xlim()}
+    assert [axes.get_title(loc="left") for axes in panels] == ["1 µs", "2 µs"]
+
+
+def test_the_scale_covers_the_loaded_surface_not_a_single_element(bars):
+    skin = skin_of(bars)
+    values = np.full(len(skin.faces), 10.0)
+    values[0] = 5000.0
+    scale, extend = fem_cut.colour_scale(skin, [values], fem_cut.QUANTITIES["von_mises"])
+    assert (scale.norm.vmin, scale.norm.vmax) == (0.0, 10.0)
+    assert extend == "max"
+    nothing, extend = fem_cut.colour_scale(skin, [0.0 * values], fem_cut.QUANTITIES["axial_stress"])
+    assert (nothing.norm.vmin, nothing.norm.vmax, extend) == (-1.0, 1.0, "neither")
+
+
+def test_the_close_up_stands_where_the_pressure_is_and_on_the_mirror(bars):
+    skin = skin_of(bars)
+    pressed = still(skin, [0, 0, -40e6, 0, 0, 0])
+    found, zone = fem_cut.pressed_most(skin, [still(skin, [0, 0, 1e6, 0, 0, 0]), pressed])
+    assert found is pressed
+    x, _, z = zone.middle(skin, pressed)
+    assert x == pytest.approx(0.0, abs=1e-12)
+    assert z == pytest.approx(0.06, rel=1e-9)
+    figure = fem_cut.close_up_figure(skin, zone, [(pressed, "von_mises"), (pressed, "plastic_strain")])
+    axes = figure.axes[0]
+    assert np.ptp(axes.get_xlim()) == pytest.approx(2e3 * zone.reach, rel=1e-9)
+    assert axes.get_xlim()[0] <= -6.0 <= 6.0 <= axes.get_xlim()[1]  # all that is pressed
+    assert fem_cut.pressed_most(skin, [still(skin, [0, 0, 1e6, 0, 0, 0])]) is None
+
+
+def test_slender_bodies_lie_down_and_rows_fit_the_page(bars, ball):
+    skin = skin_of(bars)
+    lying = fem_cut.sight(skin, [still(skin, np.zeros(6))], fem_cut.TILT)
+    assert lying[0] == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
+    upright = fem_cut.sight(skin_of(ball), [still(skin_of(ball), np.zeros(6))], 0.0)
+    assert upright == pytest.approx(np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]), abs=1e-12)
+    row = fem_cut.wave_figure(skin, [still(skin, np.zeros(6), k * 1e-6) for k in range(8)])
+    assert row.get_size_inches()[0] < 10.0
+    assert row.get_size_inches()[1] < 8.0
+
+
+def test_frames_alone_make_pictures_too(ball):
+    film = film_from(ball, synthetic.frames(ball.mesh, 5))
+    assert [one.time for one in film.stills] == pytest.approx(np.linspace(0.0, synthetic.DURATION, 5).tolist())
+    assert film.worst.time == pytest.approx(0.5 * synthetic.DURATION)
+    assert film.wave == []
