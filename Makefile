@@ -14,7 +14,7 @@ CASES ?= li-ma-2019 li-ma-2019-fig13
 help:
 	@echo "make demo    set up, then run the published machine into out/ with a report each ($(CASES))"
 	@echo "make test    set up, then run all tests"
-	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX where it is installed)"
+	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the whole reproduction"
 	@echo "make lint    set up, then style, types and import contract"
 	@echo "make bench   set up, then time everything beside its peers (writes docs/benchmarks.md)"
 	@echo "make clean   remove the environment and caches"
@@ -27,7 +27,7 @@ test: $(VENV)/dev
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 
 verify: $(VENV)/dev
-	STRIKEWAVE_VERIFY=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal tests/records/test_fuzz.py tests/records/test_planted.py tests/studies/test_scatter.py tests/fem
+	STRIKEWAVE_VERIFY=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal tests/records/test_fuzz.py tests/records/test_planted.py tests/studies/test_scatter.py tests/fem tests/report/test_reproduction_page.py tests/studies/test_reproduction_bodies.py
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check .

@@ -23,6 +23,7 @@ def test_the_document_has_its_keys_and_numbers_that_agree_with_themselves(strike
     assert document["findings"]
     for row in document["published"]:
         assert set(row) == ROW
+        assert row["si"] in {"m/s^2", "s", "N", "rad/s", "m", "kg/m^3", "Pa", "1"}
         for answer in row["computed"]:
             assert set(answer) == ANSWER
             if answer["value"] is not None:

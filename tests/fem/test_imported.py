@@ -78,6 +78,94 @@ def test_a_gmsh_file_gives_its_physical_volumes_and_surfaces(meshio, bodies, tmp
     assert sorted(found.sides) == ["bar.top", "base.z-"]
 
 
+CUBE = {
+    "4.1": """$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+4
+2 1 "foot"
+2 2 "outside"
+3 3 "cube"
+3 4 "everything"
+$EndPhysicalNames
+$Entities
+0 0 2 1
+1 0 0 0 1 1 0 2 1 2 0
+2 0 0 1 1 1 1 1 2 0
+1 0 0 0 1 1 1 2 3 4 2 1 2
+$EndEntities
+$Nodes
+1 8 1 8
+3 1 0 8
+1
+2
+3
+4
+5
+6
+7
+8
+0 0 0
+1 0 0
+1 1 0
+0 1 0
+0 0 1
+1 0 1
+1 1 1
+0 1 1
+$EndNodes
+$Elements
+3 3 1 3
+2 1 3 1
+1 1 2 3 4
+2 2 3 1
+2 5 6 7 8
+3 1 5 1
+3 1 2 3 4 5 6 7 8
+$EndElements
+""",
+    "2.2": """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+4
+2 1 "foot"
+2 2 "outside"
+3 3 "cube"
+3 4 "everything"
+$EndPhysicalNames
+$Nodes
+8
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 0 0 1
+6 1 0 1
+7 1 1 1
+8 0 1 1
+$EndNodes
+$Elements
+5
+1 3 2 1 1 1 2 3 4
+2 3 2 2 1 1 2 3 4
+3 3 2 2 2 5 6 7 8
+4 5 2 3 1 1 2 3 4 5 6 7 8
+5 5 2 4 1 1 2 3 4 5 6 7 8
+$EndElements
+""",
+}
+
+
+@pytest.mark.parametrize("version", sorted(CUBE))
+def test_a_face_in_two_physical_groups_of_gmsh_is_in_both_and_a_solid_counts_once(meshio, tmp_path, version):
+    mesh = read_mesh(written(tmp_path, CUBE[version], "cube.msh"))
+    assert mesh.names == ("cube",)
+    assert len(mesh.hexahedra) == 1
+    assert {side: len(faces) for side, faces in mesh.sides.items()} == {"cube.foot": 1, "cube.outside": 2}
+
+
 def test_a_vtu_file_gives_the_numbers_of_its_parts(meshio, bodies, tmp_path):
     path = tmp_path / "bodies.vtu"
     data = {"part": [bodies.part + 1]}

@@ -73,17 +73,18 @@ def heads(page, columns):
 def test_every_equation_stands_once_among_the_formulas_and_once_among_the_numbers(result, page):
     printed = [str(n) for n in range(1, 41)]
     assert sorted(re.findall(r"\d+", row.number)[0] for row in result.equations) == sorted([*printed, "35"])
-    formulas, numbers = heads(page, 4), heads(page, 6)
+    formulas, numbers = heads(page, 5), heads(page, 5)
     for row in result.equations:
         assert formulas.count(f"{row.number} {row.what}") == 1
         assert sum(head.startswith(f"{row.number} {row.quantity}") for head in numbers) == 1
 
 
 def test_every_published_number_stands_once_in_its_table(result, page):
-    found = heads(page, 8) + heads(page, 4)
+    found = heads(page, 8) + heads(page, 3)
     for row in result.numbers:
-        number = row.number
-        assert found.count(f"{number.name} ({number.where}: {number.quantity})") == 1
+        mine = [head for head in found if head.startswith((f"{row.number.name}:", f"{row.number.name},"))]
+        assert len(mine) == 1
+        assert mine[0].endswith(row.number.where)
 
 
 def test_every_finding_and_every_check_of_the_numbers_is_on_the_page(result, page):

@@ -65,6 +65,16 @@ def say_compiling() -> None:
         say("compiling the kernels: once after install, about 20 s")
 
 
+def most_memory() -> str:
+    """Return in words how much memory the process has held at most; nothing where the system does not say."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return ""
+    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+    return f", {held / 1e9:.2f} GB of memory at most"
+
+
 @contextlib.contextmanager
 def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed",)) -> Iterator[Callable[..., None]]:
     """Show a bar on stderr where that is a terminal; gives a function that takes the share done, and words beside it.

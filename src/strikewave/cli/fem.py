@@ -24,6 +24,7 @@ from strikewave.cli.common import (
     Force,
     Json,
     Out,
+    most_memory,
     number,
     own_mark,
     print_json,
@@ -136,7 +137,7 @@ def command(
         print_json(solution.document())
     else:
         show(solution)
-    say(f"done in {time.perf_counter() - begun:.2f} s")
+    say(f"done in {time.perf_counter() - begun:.2f} s{most_memory()}")
     return BROKEN if solution.broken else 0
 
 

@@ -19,8 +19,12 @@ if TYPE_CHECKING:
 
 Report = Callable[[float, str], None]
 
-LI_MA_FIGURES = ("5", "7", "7-b", "7-c", "9", "11", "11-b", "11-c", "13", "13-b", "15", "15-b", "15-c")
+LI_MA_PICTURES = {"5": "", "7": "bc", "9": "", "11": "bcde", "13": "b", "15": "bcde"}
+"""Figures of the paper, and the letters of the further pictures of each."""
+LI_MA_FIGURES = [name for k, more in LI_MA_PICTURES.items() for name in (k, *(f"{k}-{letter}" for letter in more))]
 LI_MA_FILES = ("report.html", "reproduction.json", "published.csv", *(f"figure-{k}.svg" for k in LI_MA_FIGURES))
+LEFT_OUT = ("elements", "studies")
+"""What can be left out."""
 
 
 class Paper(NamedTuple):
@@ -82,10 +86,15 @@ PAPERS = {"li-ma-2019": Paper(_run_li_ma, _write_li_ma, _show_li_ma, LI_MA_FILES
 
 def command(
     paper: Annotated[str, typer.Argument(metavar="PAPER", help="li-ma-2019.", show_default=False)],
-    quick: Annotated[bool, typer.Option("--quick", help="Coarse meshes for the element models.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Coarser meshes for the element models, no studies.")] = False,
     without: Annotated[
         list[str] | None,
-        typer.Option("--without", metavar="elements", help="Leave the element models out.", show_default=False),
+        typer.Option(
+            "--without",
+            metavar="elements|studies",
+            help="Leave out the element models, or their meshes, assumed dimensions and second blow.",
+            show_default=False,
+        ),
     ] = None,
     threads: Annotated[
         int, typer.Option("--threads", help="Threads of the element models; they change no number.")
@@ -106,15 +115,17 @@ def command(
     if paper not in PAPERS:
         raise InputError("PAPER", paper, "one of " + ", ".join(PAPERS), nearest(paper, PAPERS))
     for word in without or ():
-        if word != "elements":
-            raise InputError("--without", word, "elements", nearest(word, ["elements"]))
+        if word not in LEFT_OUT:
+            raise InputError("--without", word, " or ".join(LEFT_OUT), nearest(word, LEFT_OUT))
     if threads < 1:
         raise InputError("--threads", threads, "at least 1")
     known = PAPERS[paper]
-    effort = Effort(quick, not without, min(threads, os.cpu_count() or 1))
+    gone = {word: word in (without or ()) for word in LEFT_OUT}
+    effort = Effort(quick, not gone["elements"], min(threads, os.cpu_count() or 1), not gone["studies"])
     folder = Path("out") / f"{paper}-reproduced" if out is None and not json else out
     force = force or out is None
     identity = f'paper = "{paper}"\nquick = {str(quick).lower()}\nelements = {str(effort.elements).lower()}\n'
+    identity += f"studies = {str(effort.studies).lower()}\n"
     if folder is not None:
         check_place(folder, identity, force, known.files)
     say_compiling()
@@ -136,5 +147,9 @@ def command(
 
 def _command(paper: str, effort: Effort) -> str:
     """Return the command that gives the same result again."""
-    chosen = " --quick" * effort.quick + " --without elements" * (not effort.elements)
+    chosen = (
+        " --quick" * effort.quick
+        + " --without elements" * (not effort.elements)
+        + " --without studies" * (not effort.studies)
+    )
     return f"strikewave reproduce {paper}{chosen}"

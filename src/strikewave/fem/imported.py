@@ -14,7 +14,7 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +34,9 @@ FORMATS = {".msh": "gmsh", ".vtk": "vtk", ".vtu": "vtu"}
 LEAST_MEMORY = 4 << 30
 """Bytes that the process which reads a file may take, besides twenty times the file."""
 
+GMSH_HINT = "; gmsh writes what is read here with Mesh.MshFileVersion 4.1 (or 2.2), SaveAll and SaveParametric 0"
+"""Said of a .msh file that meshio refuses."""
+
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Keeps the threads of linear algebra from taking that memory."""
 
@@ -48,7 +51,7 @@ def read_mesh(path: str | Path, scale: float = 1.0) -> Mesh:
     Parameters
     ----------
     path : str or Path
-        .msh (gmsh 2.2, 4.0, 4.1), .inp (Abaqus), .vtk (legacy) or .vtu.
+        .msh (gmsh 2.2, 4.1), .inp (Abaqus), .vtk (legacy) or .vtu.
     scale : float
         Length in m that 1 stands for in the file, such as 1e-3 for mm.
 
@@ -115,7 +118,7 @@ def _parts(raw: RawMesh) -> tuple[tuple[str, ...], Index]:
                 "mesh.file",
                 f"sets {other} and {name} overlap",
                 "one part for each element",
-                "name parts by solid sections",
+                "gmsh: a volume in one physical group; Abaqus: parts by solid sections",
             )
         part[members] = number
     if np.any(part < 0):
@@ -208,23 +211,24 @@ def _read_meshio(file: Path, kind: str) -> RawMesh:
         except subprocess.TimeoutExpired:
             word = "it takes too long"
         if not target.is_file():
-            raise InputError("mesh.file", file.name, f"a {kind} file", f"it could not be read: {word}")
+            hint = f"it could not be read: {word}" + (GMSH_HINT if kind == "gmsh" else "")
+            raise InputError("mesh.file", file.name, f"a {kind} file", hint)
         with np.load(target, allow_pickle=False) as held:
             arrays = dict(held)
     words = json.loads(str(arrays["words"]))
     refuse_other_solids(words["others"])
-    known = {(dim, tag): name for dim, tag, name in words["names"]}
     points, quads = arrays["points"], arrays["quads"]
     if points.ndim != 2 or points.shape[1] != 3 or (quads.size and not 0 <= quads.min() <= quads.max() < len(points)):
         raise InputError("mesh.file", f"points {points.shape}", "three coordinates for each node that is used")
     return RawMesh(
         points,
         arrays["hexahedra"],
-        {name: np.flatnonzero(at) for name, at in _groups(arrays["hexahedron_tags"], known, 3, "part").items()},
-        {name: quads[at] for name, at in _groups(arrays["quad_tags"], known, 2, "side").items()},
+        dict(_members(words["parts"], arrays["parts"])),
+        {name: quads[members] for name, members in _members(words["sides"], arrays["sides"])},
     )
 
 
-def _groups(tags: Whole, known: Mapping[tuple[int, int], str], dim: int, word: str) -> dict[str, Whole]:
-    """Return which cells have each tag, by the tag's name or as ``part-1``; 0 is no tag."""
-    return {known.get((dim, int(tag)), f"{word}-{tag}"): tags == tag for tag in np.unique(tags) if tag != 0}
+def _members(names: Sequence[str], rows: Whole) -> Iterator[tuple[str, Whole]]:
+    """Yield the name and the cells of each group; rows are number of the group, cell."""
+    for number, name in enumerate(names):
+        yield name, rows[rows[:, 0] == number, 1]

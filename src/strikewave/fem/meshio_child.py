@@ -36,36 +36,62 @@ def main(kind: str, source: str, target: str, largest_memory: str) -> int:
 
 
 def contents(mesh: Any, kind: str) -> dict[str, Any]:
-    """Return the arrays of a meshio mesh: points, cells with their tags, and as JSON the names and other solids."""
-    key = next((name for name in NUMBERING if name in mesh.cell_data), None)
-    tags = [np.zeros(len(block.data)) for block in mesh.cells] if key is None else mesh.cell_data[key]
+    """Return the arrays of a meshio mesh: points, cells, rows of group and cell; as JSON the names and other solids."""
     others: dict[str, int] = {}
     for block in mesh.cells:
         if block.type != "hexahedron" and not block.type.startswith(NOT_SOLID):
             others[block.type] = others.get(block.type, 0) + len(block.data)
-    groups = mesh.field_data.items() if kind == "gmsh" else ()
-    names = [[int(dim), int(tag), str(name)] for name, (tag, dim) in groups]
-    hexahedra, hexahedron_tags = _cells(mesh, tags, "hexahedron", 8)
-    quads, quad_tags = _cells(mesh, tags, "quad", 4)
+    hexahedra, parts = _cells(mesh, "hexahedron", 8), _groups(mesh, "hexahedron", 3 if kind == "gmsh" else None)
+    if kind == "gmsh" and not mesh.cell_sets:
+        hexahedra, parts = _once(hexahedra, parts)
+    sides = _groups(mesh, "quad", 2 if kind == "gmsh" else None)
     return {
         "points": np.asarray(mesh.points, float),
         "hexahedra": hexahedra,
-        "hexahedron_tags": hexahedron_tags,
-        "quads": quads,
-        "quad_tags": quad_tags,
-        "words": np.array(json.dumps({"names": names, "others": others})),
+        "parts": _rows(parts),
+        "quads": _cells(mesh, "quad", 4),
+        "sides": _rows(sides),
+        "words": np.array(json.dumps({"parts": list(parts), "sides": list(sides), "others": others})),
     }
 
 
-def _cells(mesh: Any, tags: Any, kind: str, size: int) -> tuple[Any, Any]:
-    """Return the cells of a type and their tags."""
-    pairs = [(block.data, tag) for block, tag in zip(mesh.cells, tags, strict=True) if block.type == kind]
-    cells = [np.asarray(data, np.int64).reshape(-1, size) for data, _ in pairs]
-    numbers = [np.asarray(tag).reshape(len(data)).astype(np.int64) for data, tag in pairs]
-    return (
-        np.concatenate([np.empty((0, size), np.int64), *cells]),
-        np.concatenate([np.empty(0, np.int64), *numbers]),
-    )
+def _cells(mesh: Any, kind: str, size: int) -> Any:
+    """Return the cells of a type."""
+    cells = [np.asarray(block.data, np.int64).reshape(-1, size) for block in mesh.cells if block.type == kind]
+    return np.concatenate([np.empty((0, size), np.int64), *cells])
+
+
+def _groups(mesh: Any, kind: str, dim: int | None) -> dict[str, Any]:
+    """Return the cells of a type by group: physical groups of a dimension in gmsh's files, else numbers of cell data.
+
+    meshio tells one tag of each cell, the first; of gmsh's 4.1 also the whole of every group with a name.
+    """
+    blocks = [number for number, block in enumerate(mesh.cells) if block.type == kind]
+    key = next((name for name in NUMBERING if name in mesh.cell_data), None)
+    tags = [np.asarray(mesh.cell_data[key][number]).ravel().astype(np.int64) for number in blocks] if key else []
+    tag = np.concatenate([np.empty(0, np.int64), *tags])
+    names = {int(number): str(name) for name, (number, of) in mesh.field_data.items() if of == dim} if dim else {}
+    word = "part" if kind == "hexahedron" else "side"
+    found = {names.get(int(t), f"{word}-{t}"): np.flatnonzero(tag == t) for t in np.unique(tag) if t != 0}
+    begin = np.cumsum([0, *(len(mesh.cells[number].data) for number in blocks)])
+    for name in (name for name in names.values() if name in mesh.cell_sets):
+        members = [start + mesh.cell_sets[name][number] for start, number in zip(begin, blocks, strict=False)]
+        found[name] = np.concatenate([np.empty(0, np.int64), *members]).astype(np.int64)
+    return {name: members for name, members in found.items() if len(members)}
+
+
+def _once(cells: Any, groups: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """Return each cell once: gmsh's 2.2 repeats a cell for every group that holds it."""
+    _, first, number = np.unique(np.sort(cells, axis=1), axis=0, return_index=True, return_inverse=True)
+    if len(first) == len(cells):
+        return cells, groups
+    return cells[first], {name: np.unique(number.ravel()[members]) for name, members in groups.items()}
+
+
+def _rows(groups: dict[str, Any]) -> Any:
+    """Return the cells of all groups, (members, 2): number of the group, cell."""
+    rows = [np.column_stack([np.full(len(members), k), members]) for k, members in enumerate(groups.values())]
+    return np.concatenate([np.empty((0, 2), np.int64), *rows])
 
 
 def _bound_memory(largest: int) -> None:

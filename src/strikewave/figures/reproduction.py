@@ -262,9 +262,9 @@ def pulse_figure(title: str, curves: Sequence[Trace], marks: Sequence[Mark], unt
     Examples
     --------
     >>> t = np.linspace(0.0, 3e-4, 301)
-    >>> figure = pulse_figure("a", [Trace("computed", t, 4e4 * np.sin(1e4 * t))], [Mark(4.1e4, "measured", 2e-4)])
+    >>> figure = pulse_figure("a", [Trace("computed", t, 4e4 * np.sin(1e4 * t))], [Mark(49033.25, "measured", 2e-4)])
     >>> [text.get_text() for text in figure.axes[0].texts]
-    ['measured 4 180.837 g, 200 µs']
+    ['measured 5 000 g, 200 µs']
     """
     figure, axes = _sheet(WHOLE)
     for (colour, stroke), curve in zip(CURVES, curves, strict=False):

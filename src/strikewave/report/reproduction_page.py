@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from strikewave._version import __version__
@@ -10,8 +9,9 @@ from strikewave.citations import SOURCES
 from strikewave.report import reproduction_tables as tables
 from strikewave.report.numbers import listed
 from strikewave.report.page import Head, whole_page
-from strikewave.report.parts import Cell, Code, Part, Section, Table, Tag
+from strikewave.report.parts import Cell, Code, Section, Table, Tag
 from strikewave.report.reproduction_figures import figure_sections, fitted_inputs, key_numbers, overview_picture
+from strikewave.report.reproduction_studies import study_tables
 from strikewave.studies.reproduction.result import PAPER
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 TITLE = "Li & Ma 2019, reproduced: equations, figures and published numbers"
 
 
-def reproduction_report(result: Reproduction, command: str, element_tables: Iterable[Part] = ()) -> str:
+def reproduction_report(result: Reproduction, command: str) -> str:
     """Return the report as one HTML page: no script, nothing fetched.
 
     Parameters
@@ -29,8 +29,6 @@ def reproduction_report(result: Reproduction, command: str, element_tables: Iter
         What was computed.
     command : str
         The command that gives it again.
-    element_tables : iterable of Table or Picture, optional
-        Shown behind what the element runs took.
     """
     sections = [
         _done(result),
@@ -39,7 +37,7 @@ def reproduction_report(result: Reproduction, command: str, element_tables: Iter
         tables.materials_section(result.numbers),
         *tables.equation_sections(result.equations),
         tables.numbers_section(result.numbers, result.checks),
-        tables.elements_section(result.runs.elements, element_tables),
+        tables.elements_section(result.runs.elements, study_tables(result.further)),
         tables.findings_section(result.findings),
         _warnings(result),
         _again(result, command),

@@ -150,14 +150,10 @@ def equation_sections(rows: Sequence[EquationRow]) -> list[Section]:
             "Misprint: the formula as printed cannot be meant. Wrong: it does not hold. Every number is computed here: "
             "by the formula as printed, by the corrected one, and by an independent exact solution, as the note says."
         )
-        formulas: list[list[Cell]] = [
-            [f"{row.number} {row.what}", Tag(row.verdict, VERDICTS[row.verdict]), row.formula, row.corrected or NONE]
-            for row in mine
-        ]
-        says = ["equation", "verdict", "as printed", "corrected"]
-        gives = ["number compared", "printed", "corrected", "exact", "printed is off by", "note"]
+        says = ["equation", "as printed", "corrected", "verdict", "printed is off by"]
+        gives = ["number compared", "printed", "corrected", "exact", "note"]
         parts = [
-            Table(f"Equations of section {place}", says, formulas),
+            Table(f"Equations of section {place}", says, [_said(row) for row in mine]),
             Table(f"What the equations of section {place} give", gives, [_given(row) for row in mine]),
         ]
         title = f"Equations {mine[0].number} to {mine[-1].number}: {about}" if mine else f"Equations: {about}"
@@ -165,11 +161,21 @@ def equation_sections(rows: Sequence[EquationRow]) -> list[Section]:
     return sections
 
 
+def _said(row: EquationRow) -> list[Cell]:
+    off = NONE if row.deviation is None else share(row.deviation)
+    return [
+        f"{row.number} {row.what}",
+        row.formula,
+        row.corrected or NONE,
+        Tag(row.verdict, VERDICTS[row.verdict]),
+        off,
+    ]
+
+
 def _given(row: EquationRow) -> list[Cell]:
     unit = f" ({spelled(row.unit)})" if row.unit not in ("", "1") else ""
-    off = NONE if row.deviation is None else share(row.deviation)
     numbers = [written(value, 5) for value in (row.printed, row.corrected_value, row.exact)]
-    return [f"{row.number} {row.quantity}{unit}", *numbers, off, row.note or NONE]
+    return [f"{row.number} {row.quantity}{unit}", *numbers, row.note or NONE]
 
 
 def share(value: float) -> str:
@@ -201,7 +207,7 @@ def numbers_section(rows: Sequence[NumberRow], checks: Sequence[Consistency]) ->
         "Measured numbers are those of the authors' accelerometers, LS-DYNA those of their elements, given ones what "
         "they chose or state. The paper publishes no curve in numbers, so none is compared. Where several models "
         "answer, each has its line. Fitted: a case was adjusted to the number. Predicted: it follows from "
-        "other inputs. Shown: the two cannot be compared, the note says why."
+        "other inputs. Shown: the two cannot be compared, the note says why. Names of cases are without li-ma-2019-."
     )
     among = Table("Published numbers among each other", within, checked)
     stated = [row for row in rows if not row.computed]
@@ -218,15 +224,22 @@ def numbers_table(rows: Sequence[NumberRow]) -> Table:
 def given_table(rows: Sequence[NumberRow]) -> Table:
     """List published numbers that no model answers: what the authors chose or state."""
     found: list[list[Cell]] = [
-        [_name(row), _with_unit(row.number.value, row.number.unit, 8), ORIGINS[row.number.origin], row.number.note]
-        for row in rows
+        [_name(row), _with_unit(row.number.value, row.number.unit, 8), row.number.note or NONE] for row in rows
     ]
     words = "Published numbers that are inputs, materials or statements"
-    return Table(words, ["published number", "published", "origin", "note"], found)
+    return Table(words, ["published number", "published", "note"], found)
 
 
 def _name(row: NumberRow) -> str:
-    return f"{row.number.name} ({row.number.where}: {row.number.quantity})"
+    """Return what tells a number from all others: its name, what it is, and where it stands."""
+    number = row.number
+    what = "" if number.quantity.replace(":", "") == number.name else f": {number.quantity}"
+    return f"{number.name}{what}, {number.where}"
+
+
+def _short(case: str) -> str:
+    """Return the name of a case without that of the paper."""
+    return case.removeprefix("li-ma-2019-")
 
 
 def _number(row: NumberRow) -> list[list[Cell]]:
@@ -237,7 +250,13 @@ def _number(row: NumberRow) -> list[list[Cell]]:
     for k, one in enumerate(row.computed):
         note = "; ".join(filter(None, ["" if k else number.note, one.note]))
         value = NONE if one.value is None else _with_unit(one.value, number.unit)
-        found: list[Cell] = [value, _difference(one, number.value), Tag(one.role, one.role), one.by, note or NONE]
+        found: list[Cell] = [
+            value,
+            _difference(one, number.value),
+            Tag(one.role, one.role),
+            _short(one.by),
+            note or NONE,
+        ]
         lines.append([*(begin if k == 0 else [""] * len(begin)), *found])
     return lines
 
@@ -251,7 +270,7 @@ def _with_unit(value: float, unit: str, digits: int = 5) -> str:
     """Write an SI value in a unit that the paper uses, with it."""
     found = convertible(unit, DIMENSIONS)
     text = written(value / found[1] if found else value, digits)
-    return text if unit in ("", "1") else f"{text} {spelled(unit)}"
+    return text if unit in ("", "1") else f"{text} {spelled(unit).replace('^3', '³')}"
 
 
 def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = ()) -> Section:

@@ -132,11 +132,19 @@ class Dimension:
         Of the case; the first one is that which is told.
     together : bool
         Whether the others change by the length of the first, instead of by its factor.
+    outside : str
+        Path of the outer diameter where the first is the inner one of a tube, whose wall is what changes.
     """
 
     name: str
     paths: tuple[str, ...]
     together: bool = False
+    outside: str = ""
+
+    def size(self, values: Mapping[str, float]) -> float:
+        """Return what is larger or smaller, SI."""
+        first = values[self.paths[0]]
+        return 0.5 * (values[self.outside] - first) if self.outside else first
 
 
 def _part(*paths: str) -> tuple[str, ...]:
@@ -156,7 +164,7 @@ FRAME = (
 )
 SHELL = (
     Dimension("diameter of the shell", _part("shell.outer_diameter", "shell.inner_diameter"), together=True),
-    Dimension("bore of the shell", _part("shell.inner_diameter")),
+    Dimension("wall of the shell", _part("shell.inner_diameter"), outside="mesh.part.shell.outer_diameter"),
     Dimension("slope beyond yield", _part("striker.solid.tangent_modulus", "frame.solid.tangent_modulus")),
 )
 SENSOR = (
@@ -189,8 +197,9 @@ def changed(case: Case, dimension: Dimension, share: float) -> list[str]:
     'mesh.part.frame.height=0.066'
     """
     values = {path: value.si for path, value in case.values().items()}
-    first = values[dimension.paths[0]] * share
-    moved = {path: values[path] + (first if dimension.together else values[path] * share) for path in dimension.paths}
+    first = dimension.size(values) * share * (-2.0 if dimension.outside else 1.0)
+    alike = dimension.together or bool(dimension.outside)
+    moved = {path: values[path] + (first if alike else values[path] * share) for path in dimension.paths}
     moved |= seats({**values, **moved})
     return [f"{path}={value:.12g}" for path, value in moved.items() if not math.isclose(value, values[path])]
 
@@ -263,5 +272,6 @@ def _rows(
             answer(run_fem(studied(case.name, [*mesh, *changed(case, dimension, share)]), threads))
             for share in (SHARE, -SHARE)
         ]
-        value = case.values()[dimension.paths[0]]
-        yield DimensionRow(dimension.name, dimension.paths[0], value.si, value.provenance, *both)
+        values = case.values()
+        size = dimension.size({path: value.si for path, value in values.items()})
+        yield DimensionRow(dimension.name, dimension.paths[0], size, values[dimension.paths[0]].provenance, *both)

@@ -5,10 +5,14 @@ from __future__ import annotations
 from strikewave.studies.reproduction.answers import number_rows
 from strikewave.studies.reproduction.element_pulses import element_numbers
 from strikewave.studies.reproduction.equations import equation_rows
-from strikewave.studies.reproduction.findings import QUIET, REFLECTING, WAVE, findings
+from strikewave.studies.reproduction.findings import ELASTIC, QUIET, REFLECTING, WAVE, findings
+from strikewave.studies.reproduction.further import Further, run_further, within
 from strikewave.studies.reproduction.published import consistency_checks, published_numbers
 from strikewave.studies.reproduction.result import Reproduction
 from strikewave.studies.reproduction.runs import QUIET_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS, Effort, Report, run_all
+
+RUNS = 0.5
+"""Share of the time that the runs of the figures take, the studies the rest."""
 
 
 def reproduce(effort: Effort, report: Report = lambda share, words: None) -> Reproduction:
@@ -23,10 +27,13 @@ def reproduce(effort: Effort, report: Report = lambda share, words: None) -> Rep
     """
     report(0.0, "equations")
     equations = equation_rows()
-    runs = run_all(effort, report)
+    studied = effort.studies and effort.elements and not effort.quick
+    runs = run_all(effort, within(report, 0.0, RUNS if studied else 1.0))
+    further = run_further(effort.threads, within(report, RUNS, 1.0)) if studied else Further()
     checks = consistency_checks()
     named = {QUIET: QUIET_ELEMENTS, REFLECTING: RIGID_ELEMENTS, WAVE: WAVE_ELEMENTS}
     solutions = {name: runs.element_solution(case) for name, case in named.items()}
+    solutions[ELASTIC] = further.elastic
     measured = {name: None if found is None else element_numbers(found) for name, found in solutions.items()}
     numbers = number_rows(published_numbers(), runs)
-    return Reproduction(runs, equations, numbers, checks, findings(equations, checks, measured))
+    return Reproduction(runs, equations, numbers, checks, findings(equations, checks, measured), further)

@@ -5,13 +5,15 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from strikewave.documents import head, plain, without
 from strikewave.fem.measures import ledger_measure
 from strikewave.fem_solution import FemSolution
 from strikewave.solution import Notice
+from strikewave.studies.reproduction.assumed import SHARE, DimensionStudy, MeshRow
+from strikewave.studies.reproduction.further import Further
 from strikewave.studies.reproduction.runs import Runs
 from strikewave.studies.reproduction.types import Consistency, EquationRow, Finding, PublishedNumber
 from strikewave.units import DIMENSIONS, convertible
@@ -75,6 +77,8 @@ class Reproduction:
     checks : tuple of Consistency
         Published numbers among each other.
     findings : tuple of Finding
+    further : Further
+        Studies of the models of hexahedra.
     """
 
     runs: Runs
@@ -82,6 +86,7 @@ class Reproduction:
     numbers: tuple[NumberRow, ...]
     checks: tuple[Consistency, ...]
     findings: tuple[Finding, ...]
+    further: Further = field(default_factory=Further)
 
     def row(self, name: str) -> NumberRow:
         """Return a published number by its name."""
@@ -117,6 +122,8 @@ class Reproduction:
                 "published": [number_document(row) for row in self.numbers],
                 "consistency": [asdict(row) for row in self.checks],
                 "elements": [element_document(solution) for solution in runs.elements],
+                "meshes": {name: [mesh_document(row) for row in rows] for name, rows in self.further.meshes.items()},
+                "dimensions": [dimension_document(study) for study in self.further.dimensions],
                 "findings": [asdict(row) for row in self.findings],
             }
         )
@@ -144,7 +151,7 @@ def si_unit(unit: str) -> str:
     >>> si_unit("us"), si_unit("GPa"), si_unit("1"), si_unit("blows")
     ('s', 'Pa', '1', 'blows')
     """
-    found = convertible(unit, DIMENSIONS)
+    found = None if unit == "1" else convertible(unit, DIMENSIONS)
     return unit if found is None else found[0]
 
 
@@ -172,6 +179,20 @@ def element_document(solution: FemSolution) -> dict[str, Any]:
         "hourglass_share": ledger.hourglass,
         "momentum_error": ledger.momentum,
     }
+
+
+def mesh_document(row: MeshRow) -> dict[str, Any]:
+    """Return a mesh of a model as a row of the JSON document."""
+    return {**asdict(row), "answer": row.answer._asdict()}
+
+
+def dimension_document(study: DimensionStudy) -> dict[str, Any]:
+    """Return what assumed dimensions do to the answer of a model."""
+    rows = [
+        {**asdict(row), "larger": row.larger._asdict(), "smaller": row.smaller._asdict(), "share": SHARE}
+        for row in study.rows
+    ]
+    return {"case": study.case, "base": study.base._asdict(), "rows": rows}
 
 
 def by_role(rows: Sequence[NumberRow], role: str) -> list[tuple[PublishedNumber, Computed]]:

@@ -28,7 +28,7 @@ RIGID_ELEMENTS, QUIET_ELEMENTS = "li-ma-2019-fem-rigid", "li-ma-2019-fem-rigid-q
 WAVE_ELEMENTS, QUIET_WAVE_ELEMENTS = "li-ma-2019-fem-wave", "li-ma-2019-fem-wave-quiet"
 """The object of Figure 11 and the sensor of Figure 15, each also with non-reflecting faces."""
 ELEMENT_CASES = (RIGID_ELEMENTS, QUIET_ELEMENTS, WAVE_ELEMENTS, QUIET_WAVE_ELEMENTS)
-COARSER, SHORTER = 2.0, "fem.duration=400 us"
+COARSER, SHORTER = 1.25, "fem.duration=400 us"
 """By how much elements are larger where a run is to be quick, and for how long it then goes."""
 PASSING = (
     "stack.layer.sensor.material=2A12",
@@ -53,6 +53,8 @@ class Effort:
         Whether elements are `COARSER`.
     elements : bool
         Whether the models of hexahedra are run at all.
+    studies : bool
+        Whether they are studied further: meshes, assumed dimensions, a second blow; never where quick.
     threads : int
         For those.
     """
@@ -60,6 +62,7 @@ class Effort:
     quick: bool = False
     elements: bool = True
     threads: int = 1
+    studies: bool = True
 
 
 @dataclass(frozen=True)
@@ -149,7 +152,7 @@ def coarser(case: Case, factor: float = COARSER) -> list[str]:
     Examples
     --------
     >>> coarser(load_case("two-bars-fem"))
-    ['mesh.part.striker.size=2 mm', 'mesh.part.bar.size=2 mm']
+    ['mesh.part.striker.size=1.25 mm', 'mesh.part.bar.size=1.25 mm']
     """
     return [
         f"mesh.part.{part.name}.{field}={1e3 * factor * value.si:g} mm"
