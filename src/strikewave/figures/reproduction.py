@@ -31,7 +31,7 @@ INKS = {"measured": RED, "LS-DYNA": "#4d5760"}
 STROKES = {"measured": (0, (5, 2)), "LS-DYNA": (0, (1, 1.5))}
 ROLES = {"fitted": (RED, "D"), "predicted": (BLUE, "o"), "shown": (GREY, "s")}
 """Colour and shape of a number by its role."""
-CURVES = ((BLUE, "-"), (ORANGE, "-"), (GREEN, "--"))
+CURVES = ((BLUE, "-"), (ORANGE, "-"), (GREEN, "--"), (GREEN, "-"))
 DIRECT, BUFFERED = BLUE, ORANGE
 TWO_ROWS = (9.8, 6.2)
 EQUAL = 5e-7

@@ -37,7 +37,7 @@ def reproduction_report(result: Reproduction, command: str) -> str:
         tables.materials_section(result.numbers),
         *tables.equation_sections(result.equations),
         tables.numbers_section(result.numbers, result.checks),
-        tables.elements_section(result.runs.elements, study_tables(result.further)),
+        tables.elements_section(result.runs.elements, study_tables(result)),
         tables.findings_section(result.findings),
         _warnings(result),
         _again(result, command),

@@ -14,18 +14,54 @@ from strikewave.units import STANDARD_GRAVITY
 if TYPE_CHECKING:
     from strikewave.fem_solution import FemSolution
     from strikewave.studies.reproduction.assumed import Answer, DimensionStudy, MeshRow
-    from strikewave.studies.reproduction.further import Further
+    from strikewave.studies.reproduction.body_reasons import Reason
+    from strikewave.studies.reproduction.body_rows import BodyRow
+    from strikewave.studies.reproduction.result import Reproduction
 
 ANSWERS = ["peak force (kN)", "width (µs)", "impulse (N s)", "body's peak (g)", "plastic strain"]
 """Heads of an `Answer`."""
 
 
-def study_tables(further: Further) -> Iterator[Part]:
-    """Yield the tables of all studies."""
+def study_tables(result: Reproduction) -> Iterator[Part]:
+    """Yield the tables of all studies that were made."""
+    further = result.further
+    if result.bodies:
+        yield body_table(result.bodies)
+    if further.reasons:
+        yield reason_table(further.reasons)
     yield from (mesh_table(name, rows) for name, rows in further.meshes.items())
     if further.blows is not None:
         yield blow_table(further.blows)
     yield from (dimension_table(study) for study in further.dimensions)
+
+
+def body_table(found: Sequence[BodyRow]) -> Table:
+    """Set masses on springs and layers of a bar beside the elements, for the same bodies; nothing in them is fitted."""
+    rows: list[list[Cell]] = []
+    for row in found:
+        one = row.answer
+        cells = [one.peak / 1e3, one.first_width * 1e6, one.width * 1e6, one.pulses, one.impulse]
+        cells.append(one.rigid_peak / STANDARD_GRAVITY)
+        watched = None if one.watched_peak is None else one.watched_peak / STANDARD_GRAVITY
+        rows.append([row.case, row.model, row.law or NONE, *(written(cell) for cell in cells), written(watched)])
+    heads = [
+        "case",
+        "model",
+        "contact law",
+        "peak force (kN)",
+        "first pulse (µs)",
+        "first to last tenth (µs)",
+        "pulses",
+    ]
+    words = "The same bodies as elements, as masses on springs, and as layers of a bar; nothing is fitted"
+    return Table(words, [*heads, "impulse (N s)", "force over mass (g)", "sensor's peak (g)"], rows)
+
+
+def reason_table(found: Sequence[Reason]) -> Table:
+    """Say why masses and layers part from the elements: each cause alone, measured."""
+    rows: list[list[Cell]] = [[row.case, row.cause, row.sentence, f"{100.0 * row.off:+.1f} %"] for row in found]
+    words = "Why they part: each cause alone, on elements twice as large"
+    return Table(words, ["case", "cause", "measured", "without it"], rows)
 
 
 def mesh_table(case: str, rows: Sequence[MeshRow]) -> Table:

@@ -248,10 +248,12 @@ def lumped(case: Case, law: LineLaw = LAW) -> SimpleAnswer:
     """Return the answer of a few masses: striker, middles of top and bottom wall, side walls, and a sensor.
 
     The middle of a wall has what of its mass moves with it, on its bending spring to the side walls, which have the
-    rest (`beams.Wall`). A column without a sensor is one spring E A/l with half its mass on either wall; with one the pieces
-    above and below it, and half its own length, are springs, and half of their mass is at either end: what the column
-    weighs moves with the object, so halves, not the thirds of a spring that is held at one end. A column that is
-    not tied pushes only.
+    rest (`beams.Wall`). A column without a sensor is one spring E A/l; with one, the pieces above and below it, each
+    with half its own length, are two. Half of the mass of a spring is at either end: what the column weighs moves with
+    the object, so halves, not the thirds of a spring that is held. A column that is not tied pushes only.
+
+    It holds while the blow lasts long beside the first periods that the masses leave out, those of waves in the column
+    and of bending in the walls beyond the static shape; `body_reasons` measures by how much it does not.
 
     Parameters
     ----------
@@ -318,8 +320,9 @@ def layered(case: Case, sides: Sides = "in the layers", law: LineLaw = LAW) -> S
     sides : str
         "in the layers": each slice across the blow is a layer of all its material: the top wall over its whole width,
         side walls beside the column with their joint mass and stiffness, the bottom wall. "hung": layers are the
-        column and the strips of both walls above and below it; a strip weighs what moves with the middle of its wall. All the rest hangs in halves, a mass on the bending spring of each wall in its mid-plane:
-        the wave down the side walls is left out. A column that is not tied may leave the strips.
+        column and the strips of both walls above and below it; a strip weighs what moves with the middle of its wall.
+        All the rest hangs in halves, each a mass on the bending spring of a wall in its mid-plane: the wave down the
+        side walls is left out. A column that is not tied may leave the strips.
     law : str
         Of the line contact.
 

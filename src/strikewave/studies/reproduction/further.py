@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from strikewave.case import load_case
 from strikewave.elements import run_fem
 from strikewave.fem_solution import FemSolution
 from strikewave.studies.reproduction.assumed import (
@@ -14,13 +15,20 @@ from strikewave.studies.reproduction.assumed import (
     mesh_rows,
     studied,
 )
+from strikewave.studies.reproduction.body_reasons import Reason, reasons
 from strikewave.studies.reproduction.runs import QUIET_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS, coarser
 
 Report = Callable[[float, str], None]
 
 NO_YIELD = tuple(f"mesh.part.{part}.solid.yield_strength=100 GPa" for part in ("striker", "frame"))
 """Changes after which nothing yields."""
-STAGES = (("rigid meshes", 0.12), ("wave meshes", 0.14), ("second blow", 0.2), ("without yield", 0.08))
+STAGES = (
+    ("rigid meshes", 0.12),
+    ("wave meshes", 0.14),
+    ("second blow", 0.2),
+    ("without yield", 0.08),
+    ("reasons", 0.12),
+)
 """Studies before those of the dimensions, and about what share of the time each takes."""
 
 
@@ -37,12 +45,15 @@ class Further:
         Two blows of the rigid model, on elements that are larger by `COARSER`.
     elastic : FemSolution or None
         The quiet model without yield.
+    reasons : tuple of Reason
+        Why masses and layers part from the elements.
     """
 
     meshes: Mapping[str, tuple[MeshRow, ...]] = field(default_factory=dict)
     dimensions: tuple[DimensionStudy, ...] = ()
     blows: FemSolution | None = None
     elastic: FemSolution | None = None
+    reasons: tuple[Reason, ...] = ()
 
 
 def run_further(threads: int = 1, report: Report = lambda share, words: None) -> Further:
@@ -66,12 +77,14 @@ def run_further(threads: int = 1, report: Report = lambda share, words: None) ->
     blows = run_fem(studied(RIGID_ELEMENTS, [*coarser(studied(RIGID_ELEMENTS)), "fem.blows=2"]), threads)
     within(report, *stages[3])(0.0, "the same bodies without yield")
     elastic = run_fem(studied(QUIET_ELEMENTS, NO_YIELD), threads)
+    within(report, *stages[4])(0.0, "why masses and layers part from the elements")
+    found = tuple(reason for name in (RIGID_ELEMENTS, WAVE_ELEMENTS) for reason in reasons(load_case(name), threads))
     middle = 0.5 * (begin + 1.0)
     dimensions = (
         dimension_study(RIGID_ELEMENTS, threads, report=within(report, begin, middle)),
         dimension_study(WAVE_ELEMENTS, threads, report=within(report, middle, 1.0)),
     )
-    return Further(meshes, dimensions, blows, elastic)
+    return Further(meshes, dimensions, blows, elastic, found)
 
 
 def within(report: Report, begin: float, end: float) -> Report:

@@ -13,6 +13,7 @@ from strikewave.fem.measures import ledger_measure
 from strikewave.fem_solution import FemSolution
 from strikewave.solution import Notice
 from strikewave.studies.reproduction.assumed import SHARE, DimensionStudy, MeshRow
+from strikewave.studies.reproduction.body_rows import BodyRow, body_rows
 from strikewave.studies.reproduction.further import Further
 from strikewave.studies.reproduction.runs import Runs
 from strikewave.studies.reproduction.types import Consistency, EquationRow, Finding, PublishedNumber
@@ -98,6 +99,11 @@ class Reproduction:
         return any(notice.broken for _, notice in self.notices)
 
     @property
+    def bodies(self) -> list[BodyRow]:
+        """Masses on springs and layers for the bodies of the models of hexahedra, beside these."""
+        return body_rows(self.runs.elements)
+
+    @property
     def notices(self) -> list[tuple[str, Notice]]:
         """What the runs warn of, each with the name of its case."""
         runs = self.runs
@@ -123,6 +129,8 @@ class Reproduction:
                 "consistency": [asdict(row) for row in self.checks],
                 "elements": [element_document(solution) for solution in runs.elements],
                 "meshes": {name: [mesh_document(row) for row in rows] for name, rows in self.further.meshes.items()},
+                "bodies": [body_document(row) for row in self.bodies],
+                "reasons": [{**asdict(row), "off": row.off} for row in self.further.reasons],
                 "dimensions": [dimension_document(study) for study in self.further.dimensions],
                 "findings": [asdict(row) for row in self.findings],
             }
@@ -184,6 +192,17 @@ def element_document(solution: FemSolution) -> dict[str, Any]:
 def mesh_document(row: MeshRow) -> dict[str, Any]:
     """Return a mesh of a model as a row of the JSON document."""
     return {**asdict(row), "answer": row.answer._asdict()}
+
+
+def body_document(row: BodyRow) -> dict[str, Any]:
+    """Return an answer beside the elements as a row of the JSON document."""
+    numbers = ("peak", "width", "first_width", "pulses", "impulse", "rigid_peak", "watched_peak")
+    return {
+        "case": row.case,
+        "model": row.model,
+        "law": row.law,
+        **{name: getattr(row.answer, name) for name in numbers},
+    }
 
 
 def dimension_document(study: DimensionStudy) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from strikewave.fem_solution import FemSolution
 from strikewave.mesh_tables import Frame, HalfCylinder
 from strikewave.studies.reproduction.bodies import SimpleAnswer, answer_of, edges_of, gathered, layer_of
 from strikewave.studies.reproduction.element_pulses import struck_body, whole_force
-from strikewave.waves import Impactor, Stack, Tap, run_bar
+from strikewave.waves import Impactor, Sampled, Stack, Tap, run_bar
 
 BAR, END = "bar", "far end"
 FINE = 2.0
@@ -72,6 +72,9 @@ def elastic(model: Model) -> Model:
 
 def solid_bar(case: Case, length: float | None = None, interval: float = 0.5e-6) -> BarBlow:
     """Return the blow of a frame's striker on a square bar of its solid, as thick as it is deep and as long as high.
+
+    The striker is cut to the depth of the frame: what stands out beside a bar bears a part of the load there, which no
+    line contact knows, and makes the force about 3 % higher.
 
     Parameters
     ----------
@@ -127,6 +130,20 @@ def bar_layered(blow: BarBlow) -> SimpleAnswer:
     run = run_bar(stack, striker, [Tap(0, 1.0)], float(edges[-1]))
     end = float(interval_means(np.interp(edges, run.time, run.velocity[:, 0]), edges).max())
     return answer_of("layered", edges, gathered(blow, run, run.face_force), blow.mass, end)
+
+
+def bar_dispersed(blow: BarBlow) -> float:
+    """Return the peak acceleration of the far end where short waves run slower, m/s^2.
+
+    The layer is that of a round bar of the same area by Love and Rayleigh, under the force of `bar_layered`, by the
+    spectral solver.
+    """
+    answer, edges = bar_layered(blow), edges_of(blow)
+    layer = layer_of(BAR, blow.bar, blow.side**2, blow.length)
+    slow = replace(layer, dispersion="love-rayleigh", poissons_ratio=blow.bar.poissons_ratio)
+    load = Sampled(np.append(0.0, answer.time), np.append(0.0, answer.force))
+    run = run_bar(Stack((slow,)), load, [Tap(0, 1.0)], float(edges[-1]))
+    return float(interval_means(np.interp(edges, run.time, run.velocity[:, 0]), edges).max())
 
 
 def bar_case(blow: BarBlow, case: Case) -> Case:
