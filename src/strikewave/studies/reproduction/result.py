@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import functools
 import io
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -98,7 +99,7 @@ class Reproduction:
         """Whether a run broke a stated limit."""
         return any(notice.broken for _, notice in self.notices)
 
-    @property
+    @functools.cached_property
     def bodies(self) -> list[BodyRow]:
         """Masses on springs and layers for the bodies of the models of hexahedra, beside these."""
         return body_rows(self.runs.elements)
