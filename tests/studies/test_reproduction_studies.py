@@ -1,0 +1,96 @@
+"""Studies of the reproduction: tables and documents that say what was run, from results as they come."""
+
+import dataclasses
+import json
+
+import pytest
+
+from strikewave.case import load_case
+from strikewave.report.reproduction_studies import blow_table, dimension_table, mesh_table
+from strikewave.studies.reproduction.assumed import (
+    SHARE,
+    Answer,
+    Dimension,
+    DimensionRow,
+    DimensionStudy,
+    MeshRow,
+    changed,
+    mesh_rows,
+)
+from strikewave.studies.reproduction.further import NO_YIELD, STAGES, within
+from strikewave.studies.reproduction.result import dimension_document, mesh_document
+
+pytestmark = pytest.mark.studies
+BASE = Answer(20e3, 2e-4, 2.0, 4e4, 0.01)
+ROW = DimensionRow("top wall", "mesh.part.frame.top", 0.005, "assumed", BASE._replace(width=2.2e-4), BASE)
+
+
+def test_changes_are_relative_and_of_the_right_quantity():
+    cells = dimension_table(DimensionStudy("a", BASE, (ROW,))).rows[1]
+    assert cells[:2] == ["top wall", "5 mm"]
+    assert cells[2].text == "assumed"
+    assert cells[3:] == ["+0.0 % / +0.0 %", "+10.0 % / +0.0 %", *["+0.0 % / +0.0 %"] * 3]
+
+
+def test_answers_are_written_in_the_units_of_their_heads():
+    table = mesh_table("a", [MeshRow(2.0, 10, 20, 1.5, -1e-6, 0.021, BASE)])
+    cells = dict(zip(table.columns, table.rows[0], strict=True))
+    assert cells["peak force (kN)"] == "20"
+    assert cells["width (µs)"] == "200"
+    assert cells["body's peak (g)"] == "4078.9", "4e4 m/s^2 over 9.80665"
+    assert cells["hourglass energy"] == "2.1 %"
+
+
+def test_documents_are_plain_json():
+    rows = [
+        mesh_document(MeshRow(1.0, 1, 2, 3.0, 0.0, 0.0, BASE)),
+        dimension_document(DimensionStudy("a", BASE, (ROW,))),
+    ]
+    found = json.loads(json.dumps(rows))
+    assert found[0]["answer"] == BASE._asdict()
+    assert found[1]["rows"][0]["larger"]["width"] == 2.2e-4
+    assert found[1]["rows"][0]["share"] == SHARE
+
+
+def test_meshes_report_their_progress_and_grow_finer():
+    seen = []
+    rows = mesh_rows("li-ma-2019-fem-rigid", 2, (4.0, 3.0), lambda share, words: seen.append((share, words)))
+    assert [share for share, _ in seen] == [0.0, 0.5]
+    assert rows[0].elements < rows[1].elements
+    assert rows[0].steps < rows[1].steps
+    assert dataclasses.astuple(rows[0])[0] == 4.0
+
+
+def test_blows_are_those_of_whole_bodies():
+    from strikewave.elements import run_fem
+    from strikewave.studies.reproduction.assumed import studied
+    from strikewave.studies.reproduction.runs import coarser
+
+    case = load_case("li-ma-2019-fem-rigid")
+    solution = run_fem(studied(case.name, [*coarser(case, 4.0), "fem.blows=2"]), 2)
+    table = blow_table(solution)
+    first = dict(zip(table.columns, table.rows[0], strict=True))
+    assert [row[0] for row in table.rows] == ["1", "2"]
+    whole = solution.wholes["frame.top-striker.round"]
+    assert float(first["peak force (kN)"]) == pytest.approx(whole.peak / 1e3, rel=1e-4)
+    assert float(first["impulse (N s)"]) == pytest.approx(whole.impulse, rel=1e-4)
+    # 4 quarters; the ledger of the run has the plastic energy of the quarter
+    assert float(first["taken by yield (J)"]) == pytest.approx(4.0 * solution.run.energy["plastic"][-1], rel=5e-3)
+
+
+def test_stages_leave_time_for_the_dimensions_and_shares_run_from_one_to_the_next():
+    assert 0.0 < sum(STAGES) < 0.9
+    seen = []
+    within(lambda share, words: seen.append(share), 0.25, 0.75)(0.5, "")
+    assert seen == [0.5]
+
+
+def test_the_model_without_yield_has_a_strength_beyond_any_stress():
+    case = load_case("li-ma-2019-fem-rigid-quiet", NO_YIELD)
+    assert {part.solid.yield_strength.si for part in case.mesh.part if part.solid} == {1e11}
+
+
+def test_a_wall_of_a_tube_grows_inward():
+    case = load_case("li-ma-2019-fem-rigid")
+    wall = Dimension("wall", ("mesh.part.shell.inner_diameter",), outside="mesh.part.shell.outer_diameter")
+    assert changed(case, wall, 0.5) == ["mesh.part.shell.inner_diameter=0.027"], "1 mm of wall becomes 1.5 mm"
