@@ -442,7 +442,9 @@ PUBLISHED_QUANTITIES = {
 }
 """What a published number can be set beside: its name and SI unit.
 
-``force_width`` and ``force_over_mass`` are those of models of hexahedra.
+``force_width`` and ``force_over_mass`` are those of models of hexahedra. There ``width`` of a part or group is that of
+the one pulse round its peak, where it first falls below a tenth of it on either side; ``force_width`` runs from the
+first to the last tenth of the peak of the force, with gaps between contacts.
 """
 
 

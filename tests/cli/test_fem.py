@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -249,6 +250,79 @@ def test_check_builds_and_runs_nothing(strikewave, small, monkeypatch):
     code, _, err = strikewave("fem", small, "--check", "--set", "mesh.part.anvil.at.z=7.5 mm")
     assert code == 2
     assert "overlap" in err
+
+
+def test_words_before_a_run_tell_sectors_from_whole_bodies_and_hold_no_exponents(strikewave, small):
+    """Of 65Mn, 7820 kg/m^3: a quarter of 8 mm x 8 mm x 8 mm."""
+    text = SMALL.replace('"4 mm"', '"8 mm"').replace('size = "2 mm"', 'size = "2 mm"\nsector = "quarter"')
+    Path("quarter.toml").write_text(text)
+    code, out, err = strikewave("fem", "quarter.toml", "--check")
+    assert code == 0
+    whole = 7820.0 * 8e-3**3
+    assert f"mass: striker {whole / 4:.4g} kg (quarter; {whole:.4g} kg whole), anvil" in err
+    (words,) = [line for line in err.splitlines() if line.startswith("step about")]
+    assert not re.search(r"\de[-+]", words)
+    rows = [line.split() for line in out.splitlines() if line.strip().startswith(("striker ", "anvil "))]
+    assert [row[-1] for row in rows] == ["0", "0"]  # warpage of blocks
+    assert "(quarter" not in strikewave("fem", small, "--check")[2]
+
+
+def test_a_check_counts_the_steps_of_all_blows_and_of_rest(strikewave, small):
+    """After each of four blows but the last, bodies rest for one to 3.5 times its steps: 7 to 14.5 blows in all."""
+    from strikewave.cli import fem
+
+    words = {}
+    for blows in (1, 4):
+        err = strikewave("fem", small, "--check", "--blows", str(blows))[2]
+        (words[blows],) = [line for line in err.splitlines() if line.startswith("step about")]
+    steps = int(re.search(r": (\d+) steps for", words[1])[1])
+    assert int(re.search(r", in 4 blows (\d+),", words[4])[1]) == pytest.approx(4 * steps, rel=1e-6)
+    once = 40 * steps / fem.USUAL_RATE
+    assert f"about {fem.brief(once)} s or more" in words[1]
+    assert f"about {fem.brief(7.0 * once)} to {fem.brief(14.5 * once)} s, the steps to rest" in words[4]
+
+
+def test_progress_is_told_in_plain_lines_where_there_is_no_terminal(capsys, monkeypatch):
+    """A line at each tenth, but none within ten seconds of the last; nothing on stdout."""
+    from strikewave.cli import common
+
+    clock = [0.0]
+    monkeypatch.setattr(common.time, "monotonic", lambda: clock[0])
+    with common.progress_bar("fields") as report:
+        for k in range(101):
+            clock[0] = 1.5 * k  # a tenth takes 15 s
+            report(0.01 * k, f"{k} words")
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.splitlines() == [f"fields {k} %, {k} words" for k in range(10, 101, 10)]
+    with common.progress_bar("") as report:
+        for k in range(101):
+            clock[0] += 0.4  # a tenth takes 4 s
+            report(0.01 * k)
+    assert capsys.readouterr().err.splitlines() == ["30 %", "60 %", "90 %"]
+    with common.progress_bar("") as report:
+        for k in range(101):
+            report(0.01 * k)
+    assert capsys.readouterr().err == ""
+
+
+def test_the_width_of_a_published_force_is_that_of_the_whole_contact(bars):
+    """2 l / c0 of two bars, from the first tenth of the peak to the last."""
+    from types import SimpleNamespace
+
+    found = bars._computed(SimpleNamespace(quantity="first.force_width", sensor=""))
+    assert found == pytest.approx(2 * 60e-3 / math.sqrt(211e9 / 7820.0), rel=0.1)
+    assert found == bars.contacts["striker.top-bar.bottom"].duration
+
+
+def test_the_terminal_says_where_the_largest_values_are_and_which_impulse_is_of_whole_bodies(bars, capsys):
+    from strikewave.cli.fem import show
+
+    show(bars)
+    out, err = capsys.readouterr()
+    assert out.count("impulse (N s)") == 1
+    assert "whole bodies" in out[out.index("Contacts") :]
+    assert re.search(r"von Mises stress \S+ MPa in (striker|bar) at \(.*\) mm at \S+ µs", err)
 
 
 def test_the_step_that_is_said_before_is_the_one_that_is_taken(bars):

@@ -2,18 +2,27 @@
 
 import csv
 import json
+import re
 
 import pytest
 
-ROW = {"name", "where", "quantity", "value", "unit", "origin", "note", "si", "computed"}
-ANSWER = {"by", "value", "role", "note", "difference"}
+from strikewave.cli.reproduce import PAPERS, progress
+
+ROW = {"name", "where", "quantity", "value_si", "si", "published_value", "published_unit", "origin", "note", "computed"}
+ANSWER = {"by", "value_si", "role", "note", "difference"}
 QUICK = ("reproduce", "li-ma-2019", "--without", "elements")
+
+
+def document_cases(out):
+    return json.loads(out)["cases"]
 
 
 def test_the_document_has_its_keys_and_numbers_that_agree_with_themselves(strikewave, tmp_path):
     code, out, err = strikewave(*QUICK, "--json")
     assert code == 0
     assert "done in" in err
+    runs = [line.split()[1] for line in err.splitlines() if re.match(r" *\d+%  ", line)]
+    assert runs == ["equations", *document_cases(out)], "a line for each run where stderr is no terminal"
     document = json.loads(out)
     assert {"schema", "version", "units", "warnings", "paper", "cases", "elements", "consistency"} <= set(document)
     assert document["paper"] == "li-ma-2019"
@@ -26,8 +35,11 @@ def test_the_document_has_its_keys_and_numbers_that_agree_with_themselves(strike
         assert row["si"] in {"m/s^2", "s", "N", "rad/s", "m", "kg/m^3", "Pa", "1"}
         for answer in row["computed"]:
             assert set(answer) == ANSWER
-            if answer["value"] is not None:
-                assert answer["difference"] == pytest.approx(answer["value"] / row["value"] - 1.0, abs=1e-12)
+            if answer["value_si"] is not None:
+                assert answer["difference"] == pytest.approx(answer["value_si"] / row["value_si"] - 1.0, abs=1e-12)
+    window = next(row for row in document["published"] if row["name"] == "comparison time")
+    values = [window[key] for key in ("value_si", "si", "published_value", "published_unit")]
+    assert values == [0.15, "s", 150.0, "ms"]
     assert {row["verdict"] for row in document["findings"]} <= {"right", "partly", "not", "open"}
     assert not list(tmp_path.iterdir())  # with --json nothing is written unasked
 
@@ -46,13 +58,31 @@ def test_the_folder_is_whole_and_its_table_holds_the_document(strikewave, tmp_pa
     assert len(rows) == len(answers)
     for line, (row, answer) in zip(rows, answers, strict=True):
         assert line["name"] == row["name"]
-        assert float(line["published"]) == row["value"]
-        assert line["computed"] == ("" if answer is None else repr(answer["value"]))
+        assert float(line["published"]) == row["value_si"]
+        assert line["computed"] == ("" if answer is None else repr(answer["value_si"]))
+    (place / "figure-15-f.svg").write_text("of a run with elements")
+    assert PAPERS["li-ma-2019"].own(place).count("figure-15-f.svg") == 1
     (place / "mine.txt").write_text("kept")
     code, _, err = strikewave(*QUICK, "--out", "result", "--force")
     assert code == 2
     assert "mine.txt" in err
     assert (place / "mine.txt").read_text() == "kept"
+
+
+def test_a_run_has_one_line_however_often_it_reports(capsys):
+    with progress() as report:
+        for share, words in ((0.0, "a"), (0.1, "b: 3 s left"), (0.2, "b: 2 s left"), (0.6, "c"), (1.0, "")):
+            report(share, words)
+    assert capsys.readouterr() == ("", "  0%  a\n 10%  b\n 60%  c\n")
+
+
+def test_pictures_of_the_paper_are_files_of_the_result_and_others_are_not(tmp_path):
+    kept = ("figure-5.svg", "figure-11-g.svg")
+    for name in (*kept, "figure-6.svg", "figure-5-ab.svg", "figure-5.png", "my-figure-5.svg"):
+        (tmp_path / name).touch()
+    paper = PAPERS["li-ma-2019"]
+    assert sorted(paper.own(tmp_path)) == sorted((*paper.files, *kept))
+    assert paper.own(tmp_path / "absent") == paper.files
 
 
 @pytest.mark.parametrize(

@@ -25,9 +25,9 @@ from strikewave.fem.model import (
 from strikewave.fem.shapes import block, moved, turned
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
 
-LENGTH = {"SI": 1.0, "mm-t-s": 1e-3, "mm-g-us": 1e-3}
-MASS = {"SI": 1.0, "mm-t-s": 1e3, "mm-g-us": 1e-3}
-TIME = {"SI": 1.0, "mm-t-s": 1.0, "mm-g-us": 1e-6}
+LENGTH = {"SI": 1.0, "mm-t-s": 1e-3, "mm-g-us": 1e-3, "mm-ms-kg": 1e-3}
+MASS = {"SI": 1.0, "mm-t-s": 1e3, "mm-g-us": 1e-3, "mm-ms-kg": 1.0}
+TIME = {"SI": 1.0, "mm-t-s": 1.0, "mm-g-us": 1e-6, "mm-ms-kg": 1e-3}
 """What 1 of a system is in SI, typed anew."""
 COPPER = JohnsonCook(
     8960.0, 124e9, 0.34, A=90e6, B=292e6, n=0.31, C=0.025, m=1.09, melting_temperature=1356.0, specific_heat=383.0
@@ -74,8 +74,9 @@ def everything():
             Symmetry("copper.y-"),
             Symmetry("tilted.z-"),
             Fixed("tilted.x-"),
-            Driven("tilted.z+", (0.0, -np.sin(TILT), np.cos(TILT)), Curve((5e-6, 10e-6), (0.0, 2.0))),
+            Driven("tilted.x+", (0.0, np.cos(TILT), np.sin(TILT)), Curve((5e-6, 10e-6), (0.0, 2.0))),
             Driven("plate.x+", (-1.0, 0.0, 0.0), Curve((0.0, 10e-6), (0.0, 2.0))),
+            Driven("copper.x+", (-1.0, 0.0, 0.0), Curve((0.0, 10e-6), (0.0, 2.0))),
             Pressure("striker.z+", Curve((0.0, 5e-6), (1e6, 4e6))),
             NonReflecting("copper.z-"),
         ),

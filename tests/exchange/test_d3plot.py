@@ -126,6 +126,108 @@ def test_what_cannot_be_stepped_over_is_refused_by_name(tmp_path, rng, name, val
         read_d3plot(path, MM)
 
 
+WARM = {0: 0, 1: 1, 2: 1 + 3, 3: 3 + 3, 10: 1, 11: 2, 12: 5}
+"""Numbers of a node by the word IT: temperature, one or three; flux of heat, three; added mass, one."""
+RATES = {0: 0, 1: 1, 10: 6, 11: 7}
+"""The same by IDTDT: rate of temperature; residual forces and moments."""
+
+
+def full(path, states, warm, rates, heat, rigid, deletion):
+    """Write solids, shells, beams and thick shells with all that may stand between them, by the source's State data.
+
+    ``heat`` is NT3D, ``rigid`` the number of shells without a state, ``deletion`` MDLOPT.
+    """
+    solids, shells, beams, thick = len(CELLS), 3, 2, 1
+    head = np.zeros(64, "<i4")
+    head[11], head[15], head[16], head[18] = 1, 5 if rigid else 4, len(POINTS), 6
+    head[19:24] = warm, 1, 1, 1, solids
+    head[[27, 28, 30, 31, 33, 40, 42]] = 7, beams, 6, shells, 13, thick, 21
+    head[36], head[43], head[44], head[51] = {0: 2, 1: -2, 2: -10002}[deletion], 1000, 1000, 4
+    head[56], head[57] = rates, 64
+    further = np.zeros(64, "<i4")
+    further[65 - 64] = heat
+    words = [head, further, *([np.array([rigid, 4, 1, 20, 1, 1], "<i4")] if rigid else []), POINTS.ravel()]
+    words += [np.column_stack([CELLS + 1, [2, 1]]), np.ones((thick, 9), int), np.ones((beams, 6), int)]
+    words += [np.ones((shells, 5), int)]
+    held = b"".join(np.asarray(w, "<f4" if w.dtype.kind == "f" else "<i4").tobytes() for w in words)
+    for time, place, velocity, stress, strain, alive in states:
+        between = [WARM[warm] * len(POINTS) + RATES[rates] * len(POINTS), heat * solids]
+        state = [np.array([time]), np.full(6, 7e7), place.ravel(), np.full(between[0], 8e8), velocity.ravel()]
+        state += [np.full(POINTS.size, 9e9), np.full(between[1], 1e10), np.column_stack([stress, strain]).ravel()]
+        state += [np.full(21 * thick + 6 * beams + 13 * (shells - rigid), 1e11)]
+        state += [[], [np.ones(len(POINTS))], [alive, np.ones(thick + shells + beams)]][deletion]
+        held += np.concatenate(state).astype("<f4").tobytes()
+    path.write_bytes(held + np.array([-999999.0], "<f4").tobytes())
+
+
+@pytest.mark.parametrize(
+    ("warm", "rates", "heat", "rigid", "deletion"),
+    [
+        *((warm, 0, 0, 0, 2) for warm in WARM), *((0, rates, 0, 0, 2) for rates in RATES), (0, 0, 1, 0, 2),
+        (0, 0, 0, 2, 2), (0, 0, 0, 0, 1), (0, 0, 0, 0, 0), (2, 11, 2, 2, 2), (3, 1, 1, 1, 1),
+    ],
+)  # fmt: skip
+def test_what_stands_between_is_stepped_over(tmp_path, rng, warm, rates, heat, rigid, deletion):
+    given_ = states(rng)
+    full(tmp_path / "d3plot", given_, warm, rates, heat, rigid, deletion)
+    read = list(read_d3plot(tmp_path / "d3plot", MM).states())
+    assert len(read) == 3
+    near = {"rtol": 1e-6, "atol": 1e-9}
+    for (time, place, velocity, stress, strain, alive), state in zip(given_, read, strict=True):
+        assert state.frame.time == time
+        np.testing.assert_allclose(state.frame.displacement, (place - POINTS) * 1e-3, **near)
+        np.testing.assert_allclose(state.frame.velocity, velocity * 1e-3, **near)
+        np.testing.assert_allclose(state.frame.stress, stress[::-1] * 1e6, **near)
+        np.testing.assert_allclose(state.frame.plastic_strain, strain[::-1], **near)
+        assert np.array_equal(state.alive, alive[::-1] != 0.0 if deletion == 2 else [True, True])
+
+
+def titled(path, rng, word, kind):
+    """Write a d3plot with one more list of titles behind that of the parts, and return its states."""
+    given_ = write(path, rng, word=word)
+    end, whole = np.array([-999999.0], f"<f{word}").tobytes(), path.read_bytes()
+    place = whole.index(end, whole.index(b"lower"))
+    more = np.array([kind, 1, 20], f"<i{word}").tobytes() + b"a contact or a fluid".ljust(72)
+    path.write_bytes(whole[:place] + more + whole[place:])
+    return given_
+
+
+@pytest.mark.parametrize("word", [4, 8])
+@pytest.mark.parametrize("kind", [90002, 90020])
+def test_titles_of_contacts_and_fluids_are_stepped_over(tmp_path, rng, word, kind):
+    given_ = titled(tmp_path / "d3plot", rng, word, kind)
+    found = read_d3plot(tmp_path / "d3plot", MM)
+    assert found.mesh.names == ("upper", "lower")
+    for state, (time, place, *_) in zip(found.states(), given_, strict=True):
+        assert state.frame.time == time
+        np.testing.assert_allclose(state.frame.displacement, (place - POINTS) * 1e-3, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("word", [4, 8])
+@pytest.mark.parametrize("kind", [90003, 90100, 900100])
+def test_titles_of_another_kind_are_refused(tmp_path, rng, word, kind):
+    titled(tmp_path / "d3plot", rng, word, kind)
+    with pytest.raises(InputError, match=f"titles of kind {kind}"):
+        read_d3plot(tmp_path / "d3plot", MM)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize(
+    ("which", "name"), [(0, "time"), (1, "displacement"), (2, "velocity"), (3, "stress"), (4, "plastic strain")]
+)
+@pytest.mark.parametrize("word", [4, 8])
+def test_states_of_a_run_that_blew_up_are_refused(tmp_path, rng, which, name, value, word):
+    given_ = states(rng)
+    broken = list(given_[1])
+    broken[which] = np.full_like(np.asarray(broken[which], float), value)
+    given_[1] = tuple(broken)
+    d3plot(tmp_path / "d3plot", POINTS, CELLS, np.array([1, 0]), [20, 30], ["upper", "lower"], given_, word=word)
+    read = read_d3plot(tmp_path / "d3plot", MM).states()
+    assert next(read).frame.time == 0.0
+    with pytest.raises(InputError, match=f"d3plot, {name} at .* s: .*finite numbers; the run blew up there"):
+        next(read)
+
+
 def test_solids_that_name_nodes_beyond_the_file_are_refused(tmp_path):
     d3plot(tmp_path / "d3plot", POINTS, CELLS + 5, np.array([1, 0]), [20, 30], ["upper", "lower"], [])
     with pytest.raises(InputError, match="nodes and parts beyond"):

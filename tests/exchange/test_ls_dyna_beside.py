@@ -280,9 +280,10 @@ def test_titles_from_a_hostile_deck_are_escaped(strikewave, written):
     ("words", "told"),
     [
         ([], "--units: missing; needed: one of SI, mm-t-s"),
-        (["--units", "mm"], 'got "mm"'),
+        (["--units", "si"], '--units: got "si"; allowed: SI, mm-t-s, mm-ms-kg, mm-g-us; did you mean "SI"?'),
         (["--units", "SI", "--contact", "ball"], "NAME=NUMBER"),
-        (["--units", "SI", "--contact", "ball=1"], "add --beside DIR"),
+        (["--units", "SI", "--contact", "ball=1"], '--contact: got "ball=1"; allowed: only with a result of ours'),
+        (["--units", "SI", "--part", "ball=1"], '--part: got "ball=1"; allowed: only with a result of ours'),
     ],
 )
 def test_what_the_command_needs_is_said(strikewave, tmp_path, words, told):
@@ -294,6 +295,83 @@ def test_what_the_command_needs_is_said(strikewave, tmp_path, words, told):
 def test_a_folder_without_results_is_refused(tmp_path):
     with pytest.raises(InputError, match="rcforc, glstat, binout or d3plot"):
         read_folder(tmp_path, MM)
+
+
+@pytest.mark.parametrize("name", ["rcforc", "glstat", "d3plot", "binout0000"])
+def test_a_run_with_a_name_of_its_job_is_read(tmp_path, written, name):
+    home = written()
+    (home / "binout0000").write_bytes(
+        binout([("/glstat/d000001", "time", 10, [1.0]), (".", "total_energy", 10, [2.0])])
+    )
+    for path in list(home.iterdir()):
+        path.rename(path.with_name(f"fall.2.{path.name}")) if path.name == name else path.unlink()
+    assert [path.name for path in read_folder(home, MM).files] == [f"fall.2.{name}"]
+    (home / "rise.rcforc").write_text("")
+    with pytest.raises(InputError, match=r"it holds those of several jobs: .fall\.2\., rise\."):
+        read_folder(home, MM)
+
+
+def test_one_without_a_job_comes_before_those_of_jobs(written):
+    home = written(fields=False)
+    (home / "old.rcforc").write_text("nothing")
+    assert [path.name for path in read_folder(home, MM).files] == ["rcforc", "glstat"]
+
+
+def test_work_on_walls_is_contact_energy_as_ours(tmp_path):
+    sliding, walls = np.array([1.0, 2.0]), np.array([0.25, 0.5])
+    text = glstat(np.arange(2.0), {"sliding interface energy": sliding})
+    block = " stonewall energy...............  {:.5E} wall#    1"
+    lines = iter(block.format(value) for value in walls)
+    text = "\n".join(line if "external work" not in line else f"{line}\n{next(lines)}" for line in text.splitlines())
+    (tmp_path / "glstat").write_text(text + "\n")
+    held = read_folder(tmp_path, SYSTEMS["SI"]).ledger.energy
+    assert held["contact"].tolist() == [1.25, 2.5]
+
+
+def test_our_internal_energy_is_with_the_work_of_bulk_viscosity(folder, ours):
+    import xarray
+
+    with xarray.open_dataset(folder / "histories.nc", engine="h5netcdf") as held:
+        internal, viscous = (held[f"energy.{name}"].values for name in ("internal", "viscous"))
+    assert viscous.max() > 1e-4 * internal.max()
+    assert np.array_equal(ours.ledger.energy["internal"], internal + viscous)
+    assert "viscous" not in ours.ledger.energy
+
+
+def test_stress_and_strain_of_deleted_elements_do_not_count(tmp_path):
+    cube = np.array([[x, y, z] for z in range(3) for y in (0, 1) for x in (0, 1)], float)
+    cells = np.array([[0, 1, 3, 2, 4, 5, 7, 6], [4, 5, 7, 6, 8, 9, 11, 10]])
+    stress = np.array([[10.0, 0, 0, 0, 0, 0], [900.0, 0, 0, 0, 0, 0]])
+    strain = np.array([0.5, 0.75])
+    states = [(0.0, cube, 0 * cube, 0.5 * stress, 0.5 * strain, np.ones(2))]
+    states += [(1.0, cube + 2.0, 0 * cube, stress, strain, np.array([1.0, 0.0]))]
+    d3plot(tmp_path / "d3plot", cube, cells, np.zeros(2, int), [1], ["cubes"], states, word=8)
+    found = read_folder(tmp_path, SYSTEMS["SI"]).extremes["cubes"]
+    assert (found.von_mises, found.plastic_strain) == (450.0, 0.5)  # of the second before, of the first after
+    assert found.displacement == pytest.approx(2.0 * math.sqrt(3.0), rel=1e-15)
+
+
+def test_of_several_blows_the_first_is_laid_beside_and_that_is_said(tmp_path, folder, written):
+    for name in ("histories.nc", "histories-2.nc", "histories-3.nc"):
+        (tmp_path / name).write_bytes((folder / "histories.nc").read_bytes())
+    found = lay_beside(read_folder(written(fields=False), MM), read_ours(tmp_path))
+    (notice,) = found.warnings
+    assert (notice.code, notice.value) == ("blows", 3.0)
+    assert "the first alone is laid beside" in notice.message
+
+
+def test_runs_of_the_same_name_do_not_overwrite_each_other(strikewave, written, tmp_path):
+    home = written(fields=False)
+    other = tmp_path / "further" / "dyna"
+    other.mkdir(parents=True)
+    for path in home.iterdir():
+        (other / path.name).write_bytes(path.read_bytes())
+    for words in ((home, "mm-t-s"), (other, "mm-t-s"), (home, "SI"), (home, "mm-t-s")):
+        assert strikewave("ls-dyna", words[0], "--units", words[1])[0] == 0
+    places = sorted(Path("out").iterdir())
+    assert len(places) == 3
+    assert all(path.name.startswith("ls-dyna-dyna-") for path in places)
+    assert sum(str(other) in (path / "beside.json").read_text("utf-8") for path in places) == 1
 
 
 def test_pictures_of_nothing_say_so(tmp_path):

@@ -9,7 +9,9 @@ from hypothesis import strategies as some
 
 from strikewave.errors import InputError
 from strikewave.exchange.ls_dyna_binout import read_binout
+from strikewave.exchange.ls_dyna_folder import read_folder
 from strikewave.exchange.lsda import archived
+from strikewave.exchange.units import SYSTEMS
 
 from .ls_dyna_files import binout
 
@@ -83,6 +85,89 @@ def test_outputs_that_do_not_fit_their_contacts_are_refused(tmp_path):
     path.write_bytes(binout(rows))
     with pytest.raises(InputError, match=r"y_force: got \"1 numbers\"; allowed: 2 in each"):
         read_binout([path])
+
+
+def read(tmp_path, rows):
+    (tmp_path / "binout").write_bytes(binout(rows))
+    return read_binout([tmp_path / "binout"])
+
+
+def changed(rows, folder, name, kind, values):
+    """Return the records with another array in place of one."""
+    at, found = "", []
+    for row in rows:
+        at = at if row[0] == "." else row[0]
+        mine = (at.rpartition("/")[2], row[1]) == (folder, name)
+        found.append((row[0], name, kind, values) if mine else row)
+    assert found != rows
+    return found
+
+
+def test_an_output_that_was_cut_off_does_not_count(tmp_path):
+    rows = records(3, moments=True)
+    last = next(k for k, row in enumerate(rows) if row[0] == "../d000003")
+    whole = read(tmp_path, rows)[0][0]
+    for cut in range(last, next(k for k, row in enumerate(rows) if row[0] == "/glstat/d000001")):
+        (one, _), _ = read(tmp_path, rows[:cut])
+        assert one.time.tolist() == whole.time[:2].tolist()
+        assert np.array_equal(one.force, whole.force[:2])
+    second = [("/glstat/d000002", "time", 9, [1.0]), (".", "kinetic_energy", 9, [4.5])]
+    assert read(tmp_path, rows + second)[1].time.tolist() == [0.5]  # without its energy of walls
+    assert read(tmp_path, [*rows, *second, (".", "stonewall_energy", 9, [0.0])])[1].time.tolist() == [0.5, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("folder", "name", "told"),
+    [
+        ("d000002", "time", "rcforc time"),
+        ("d000001", "y_force", "rcforc y_force"),
+        ("d000002", "z_moment", "rcforc z_moment"),
+        ("d000001", "kinetic_energy", "glstat kinetic_energy"),
+    ],
+)
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_numbers_of_a_run_that_blew_up_are_refused(tmp_path, folder, name, told, value):
+    rows = records(2, moments=True)
+    size = next(len(row[3]) for row in rows if row[1] == name)
+    with pytest.raises(InputError, match=f'{told}: got "NaN or infinity"; allowed: finite numbers; the run blew up'):
+        read(tmp_path, changed(rows, folder, name, 10, [value] * size))
+
+
+def test_outputs_without_a_time_are_none(tmp_path):
+    assert read(tmp_path, [("/glstat/d000001", "kinetic_energy", 10, [1.0])]) == ((), None)
+    rows = [row for row in records(1) if row[1] != "time"]
+    rows = [("/rcforc/d000001" if row[1] == "x_force" else row[0], *row[1:]) for row in rows]
+    assert read(tmp_path, rows) == ((), None)
+
+
+@pytest.mark.parametrize("kind", [1, 5])
+def test_a_time_may_be_a_whole_number(tmp_path, kind):
+    held = binout([("/glstat/d000001", "time", 1, [3]), (".", "kinetic_energy", 10, [1.5])])
+    place = held.index(b"time") - 2
+    assert held[place] == 1
+    (tmp_path / "binout").write_bytes(held[:place] + bytes([kind]) + held[place + 1 :])
+    _, found = read_binout([tmp_path / "binout"])
+    assert (found.time.tolist(), found.values["kinetic energy"].tolist()) == ([3.0], [1.5])
+
+
+@pytest.mark.parametrize("name", ["ids", "side", "legend_ids"])
+def test_numbers_of_contacts_are_whole(tmp_path, name):
+    size = 1 if name == "legend_ids" else 2
+    with pytest.raises(InputError, match=f"rcforc/metadata/{name}: got .*float64.*whole numbers"):
+        read(tmp_path, changed(records(1), "metadata", name, 10, [np.nan, 1e300][:size]))
+
+
+def test_two_forces_on_one_side_of_a_contact_are_refused(tmp_path):
+    read(tmp_path, changed(records(1), "metadata", "side", 3, [1, 1]))
+    with pytest.raises(InputError, match='contact 1, side B: got "two forces"; allowed: one force on each side'):
+        read_folder(tmp_path, SYSTEMS["SI"])
+
+
+def test_a_file_beside_a_binout_is_not_part_of_it(tmp_path):
+    (tmp_path / "binout0000").write_bytes(binout(records(2)))
+    (tmp_path / "binout.bak").write_bytes(b"notes of mine")
+    found = read_folder(tmp_path, SYSTEMS["SI"])
+    assert [path.name for path in found.files] == ["binout0000"]
 
 
 @given(some.binary(max_size=200), some.integers(0, 600), some.booleans())

@@ -216,11 +216,11 @@ def test_wall_stands_where_it_did_and_its_normal_points_to_the_side(read, model)
 
 
 def test_driven_sides_have_their_direction_and_curve(read, model):
-    tilted, along = read.all("BoundaryPrescribedMotionSet")
+    tilted, along, below = read.all("BoundaryPrescribedMotionSet")
     assert (tilted.dof, tilted.vad, along.dof, along.vad, along.sf) == (4, 0, 1, 0, -1.0)
     vector = read.one("DefineVector")
     assert tilted.vid == vector.vid
-    np.testing.assert_allclose([vector.xh, vector.yh, vector.zh], [0.0, -np.sin(TILT), np.cos(TILT)], atol=1e-7)
+    np.testing.assert_allclose([vector.xh, vector.yh, vector.zh], [0.0, np.cos(TILT), np.sin(TILT)], atol=1e-7)
     time, speed = read.curve(tilted.lcid)
     time, speed = time * unit_of(read.system, 0, 0, 1), speed * unit_of(read.system, 1, 0, -1)
     np.testing.assert_allclose(np.interp([2e-6, 7.5e-6, 20e-6], time, speed), [0.0, 1.0, 2.0], rtol=1e-12)
@@ -229,6 +229,7 @@ def test_driven_sides_have_their_direction_and_curve(read, model):
     # tied nodes follow the other side
     tied = np.unique(model.mesh.side("plate.z-"))
     assert np.array_equal(read.nodes_of(along.nsid), np.setdiff1d(np.unique(model.mesh.side("plate.x+")), tied))
+    assert np.array_equal(read.nodes_of(below.nsid), np.unique(model.mesh.side("copper.x+")))
 
 
 def test_pressure_is_positive_on_faces_that_look_outward(read, model):
@@ -251,10 +252,22 @@ def test_run_is_as_long_and_as_cautious_as_ours(read):
     time = unit_of(read.system, 0, 0, 1)
     assert read.one("ControlTermination").endtim * time == pytest.approx(20e-6)
     step = read.one("ControlTimestep")
-    assert step.tssfac == 0.8
+    assert (step.tssfac, step.ms1st) == (0.8, 1)  # mass is scaled before the first step alone
     assert step.tssfac * step.dt2ms * time == pytest.approx(
         -1e-8
     )  # LS-DYNA: TSSFAC |DT2MS|, negative: where it is short
+
+
+def test_no_mass_is_scaled_where_no_least_step_is_asked_for(model):
+    controls = dataclasses.replace(model.controls, least_step=0.0)
+    step = LsDyna(text_of(dataclasses.replace(model, controls=controls), "SI"), "SI").one("ControlTimestep")
+    assert step.dt2ms == 0.0
+
+
+def test_stress_is_updated_in_the_middle_of_the_step_and_all_energies_are_added_up(read):
+    assert read.one("ControlAccuracy").osu == 1
+    energies = read.one("ControlEnergy")  # 1 would leave one out of the sum
+    assert (energies.hgen, energies.rwen, energies.slnten, energies.rylen) == (2, 2, 2, 2)
 
 
 def test_histories_come_at_each_interval_and_fields_as_often_as_asked(model):

@@ -87,9 +87,16 @@ def test_every_solid_comes_back(read, model):
         assert_same(solid_of(read, number), model.solids[part], 1e-11)
 
 
+def test_rate_of_hardening_is_that_of_the_plastic_strain(read):
+    for number in (1, 2):  # copper and plate, the solids that yield
+        (found,) = [b for b in read.all("MAT", "PLAS_JOHNS") if int(b.words[2]) == number]
+        *_, iflag, plastic_rate = fields(found.lines[1], 20, 20, 10, 10)
+        assert (iflag, plastic_rate) == (0, 1)
+
+
 def test_units_are_said_twice_and_make_the_system(read):
     name, version, *units = read.one("BEGIN").lines
-    words = {"kg": 1.0, "Mg": 1e3, "g": 1e-3, "m": 1.0, "mm": 1e-3, "s": 1.0, "mus": 1e-6}
+    words = {"kg": 1.0, "Mg": 1e3, "g": 1e-3, "m": 1.0, "mm": 1e-3, "s": 1.0, "ms": 1e-3, "mus": 1e-6}
     assert name == "case"
     assert tens(version) == [2023, 0]
     assert units[0] == units[1]
@@ -174,7 +181,7 @@ def test_wall_stands_where_it_did_and_its_normal_points_to_the_side(read, model)
 
 
 def test_driven_sides_have_their_direction_and_curve(read):
-    for number, direction in ((1, [0.0, -np.sin(TILT), np.cos(TILT)]), (2, [-1.0, 0.0, 0.0])):
+    for number, direction in ((1, [0.0, np.cos(TILT), np.sin(TILT)]), (2, [-1.0, 0.0, 0.0]), (3, [-1.0, 0.0, 0.0])):
         found = read.one("IMPVEL", number)
         function, way, skew, *_ = fields(found.lines[0], *[10] * 7)
         axes = np.eye(3)
@@ -257,7 +264,9 @@ def test_engine_runs_as_long_and_as_cautiously_as_ours(model, system):
     assert float(safety) == 0.8
     assert float(least) * time == pytest.approx(1e-8)
     assert float(after("/TFILE/4")) * time == pytest.approx(0.5e-6)
-    assert float(after("/ANIM/DT").split()[1]) * time == pytest.approx(2e-6)
+    start, every = map(float, after("/ANIM/DT").split())
+    assert start == 0.0
+    assert every * time == pytest.approx(2e-6)
 
 
 def test_nothing_is_left_out_in_silence(model):

@@ -96,11 +96,33 @@ def test_the_page_holds_a_picture_for_each_time_of_one_size(page, movie):
 def test_the_histories_of_the_page_are_those_of_the_run(page, solution):
     force, acceleration = data_of(page)["traces"]
     (curve,) = force["curves"]
-    sizes = np.linalg.norm(mean_force(solution.run, "striker.top-bar.bottom"), axis=1) / 1e3
+    assert curve["name"] == "striker.top-bar.bottom"
+    assert force["label"] == "contact force, whole bodies"  # of which quarters are modelled
+    sizes = 4e-3 * np.abs(mean_force(solution.run, "striker.top-bar.bottom")[:, 2])  # along the blow
     assert unpacked(curve["values"], "<f4").max() == pytest.approx(sizes.max(), rel=1e-6)
+    assert unpacked(curve["values"], "<f4").max() == pytest.approx(
+        solution.wholes["striker.top-bar.bottom"].peak / 1e3, rel=1e-6
+    )
     assert unpacked(curve["time"], "<f4")[-1] == pytest.approx(39.8, rel=1e-6)  # the middle of the last interval
     assert [one["name"] for one in acceleration["curves"]] == ["striker", "bar"]
-    assert unpacked(acceleration["curves"][0]["values"], "<f4").min() < -5000.0  # slows down along the blow
+    rates = unpacked(acceleration["curves"][0]["values"], "<f4")  # slows down along the blow
+    assert rates.min() == pytest.approx(-solution.parts["striker"].rigid_peak / 9.80665, rel=1e-6)
+
+
+def test_forces_of_whole_bodies_are_told_from_others_where_sectors_do_not_match(solution, monkeypatch):
+    forces = {"a": (np.ones((4, 3)), True), "b": (np.full((4, 3), 2.0), False)}
+    monkeypatch.setattr(fem_animation, "_forces", lambda of: forces)
+    monkeypatch.setattr(fem_animation, "middles", lambda time: np.arange(len(time) - 1.0))
+    monkeypatch.setattr(fem_animation, "mean_acceleration", lambda run, name: np.zeros((4, 3)))
+    force, _ = fem_animation.traces_of(solution)
+    assert force.label == "contact force"
+    assert list(force.curves) == ["b", "a, whole bodies"]
+
+
+def test_names_of_curves_hold_no_letters_that_control_a_screen():
+    time = np.arange(3.0)
+    curves = fem_animation._curves(time, {"a\x1b[31m\u202eb": time})
+    assert list(curves) == ["a\ufffd[31m\ufffdb"]
 
 
 def test_most_instants_are_those_in_contact(solution):

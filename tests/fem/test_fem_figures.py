@@ -16,6 +16,7 @@ from strikewave.fem.mesh import exterior, exterior_faces, joined
 from strikewave.fem.model import Contact, Symmetry
 from strikewave.figures import fem, fem_pictures
 from strikewave.figures.fem_pictures import View
+from strikewave.report import fem_page
 from strikewave.report.fem_page import fem_report
 from strikewave.solution import Notice
 
@@ -151,6 +152,30 @@ def test_acceleration_picture_shows_g_along_the_blow(run):
     means = np.diff(run.parts["ball"].velocity[:, 2]) / synthetic.INTERVAL
     assert drawn["ball"].max() == pytest.approx(means.max() / 9.80665, rel=1e-9)
     assert drawn["block"].min() < 0.0
+
+
+def test_groups_set_the_scale_lie_on_top_and_what_is_cut_off_is_said(run):
+    """A shell that rings at ten times the peak of its group must not flatten it; a part within three times is whole."""
+    ball = run.parts["ball"]
+    rung = 10.0 * np.diff(ball.velocity, axis=0, prepend=0.0) * np.where(np.arange(run.time.size) % 2, 1, -1)[:, None]
+    parts = {
+        "shell": dataclasses.replace(ball, velocity=rung.cumsum(axis=0)),
+        "frame": dataclasses.replace(ball, velocity=2.0 * ball.velocity),
+    }
+    with_group = dataclasses.replace(run, parts=parts, groups={"object": ball})
+    axes = fem.acceleration_figure(with_group).axes[0]
+    lines = {line.get_label(): line for line in axes.lines}
+    (cut,) = [name for name in lines if name.startswith("shell")]
+    peak = np.abs(lines["object"].get_ydata()).max()
+    assert max(np.abs(axes.get_ylim())) < 2.5 * peak
+    assert max(np.abs(axes.get_ylim())) >= np.abs(lines["frame"].get_ydata()).max()
+    low, high = (float(word) for word in re.search(r"cut off: (\S+) to (\S+)\)", cut).groups())
+    assert low == pytest.approx(lines[cut].get_ydata().min(), rel=0.005)
+    assert high == pytest.approx(lines[cut].get_ydata().max(), rel=0.005)
+    assert lines["object"].get_linewidth() > 1.5 * lines["frame"].get_linewidth()
+    assert lines["object"].get_zorder() > max(lines[name].get_zorder() for name in ("frame", cut))
+    many = dataclasses.replace(with_group, parts={f"p{k}": parts["shell"] for k in range(12)})
+    assert "object" in {line.get_label() for line in fem.acceleration_figure(many).axes[0].lines}
 
 
 def test_energy_picture_leaves_out_what_is_nothing_and_shows_the_limit_where_it_is_near(mesh, run):
@@ -425,6 +450,17 @@ def test_the_report_says_what_is_broken(mesh):
         "broken",
     ):
         assert words in page
+
+
+def test_the_status_names_each_broken_limit_once_with_its_blows(mesh, run):
+    def broken(code, message):
+        return Notice(code, message, 1.0, 0.1, broken=True)
+
+    many = (broken("hourglass-energy", "h"), broken("hourglass-energy", "blow 2: h"), broken("stopped", "blow 2: s"))
+    held = solution(mesh, run, warnings=many)
+    assert fem_page._status(held).text == "stated limit broken: hourglass-energy and stopped"
+    held.later = (run,)
+    assert fem_page._status(held).text == "stated limit broken: hourglass-energy (blows 1 and 2) and stopped (blow 2)"
 
 
 def test_the_report_copes_with_no_contact_no_frames_and_no_motion(mesh, run):

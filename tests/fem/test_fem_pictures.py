@@ -10,10 +10,11 @@ from strikewave import load_case
 from strikewave.build.elements import build_model
 from strikewave.elements import run_fem
 from strikewave.fem.film import PER_TRANSIT, WAVE_INSTANTS, Film, Still, film_from, film_of, transit_time
-from strikewave.fem.mesh import volumes
+from strikewave.fem.mesh import joined, volumes
 from strikewave.fem.model import Contact, Fixed, Symmetry, Wall
-from strikewave.fem.skin import blow_contact, cut_of, meeting_place, skin_of, symmetry_planes
-from strikewave.figures import fem_cut
+from strikewave.fem.skin import blow_contact, cut_of, faces_on, meeting_place, skin_of, symmetry_planes
+from strikewave.figures import fem_cut, fem_pictures
+from strikewave.report import fem_fields
 from strikewave.report.fem_fields import fields_section
 
 from . import synthetic
@@ -153,7 +154,8 @@ def test_a_film_keeps_few_even_instants_more_in_contact_and_those_of_the_wave(ba
     assert 10 <= len(close) < 20
     assert close.min() > 2e-5
     assert close.max() < 4e-5
-    due = film.touched + film.transit / PER_TRANSIT * np.arange(1, WAVE_INSTANTS + 1)
+    assert (PER_TRANSIT, WAVE_INSTANTS) == (6, 8)  # as the docs and the caption say
+    due = film.touched + film.transit / 6.0 * np.arange(1, 9)
     late = np.array([one.time for one in film.wave]) - due
     assert (late > -1e-12).all()
     assert (late < 1e-7 + 1e-12).all()  # the next instant of the histories
@@ -197,7 +199,11 @@ def test_a_run_is_filmed_from_first_touch_on(bars):
         assert not ahead.any() or stress[ahead].max() < 0.05 * stress.max()
     words = " ".join(part.caption for part in fields_section(solution).parts)
     assert "8 instants from first touch on" in words
-    assert "press each other most" in words
+    (found,) = solution.contacts.values()
+    assert (
+        f"the kept instant nearest to the peak of the force of striker.top-bar.bottom, at {found.at * 1e6:.4g} µs"
+        in words
+    )
 
 
 # the pictures
@@ -213,6 +219,33 @@ def test_stress_along_the_blow_and_pressure_on_faces_are_those_of_a_uniform_stre
     top = skin.touching == 1  # block.top
     assert found[top] == pytest.approx(250e6, rel=1e-6)
     assert (found[skin.touching < 0] == 0.0).all()
+
+
+def test_shear_counts_in_stress_along_a_slanted_blow_and_in_pressure_on_slanted_faces(ball):
+    """a . sigma a and -n . sigma n with the whole tensor, on the round side of a ball."""
+    skin = skin_of(ball)
+    xx, yy, zz, xy, yz, zx = stress = np.array([10e6, -70e6, 30e6, 110e6, -50e6, 80e6])
+    tensor = np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
+    for axis in (np.array([0.6, 0.0, 0.8]), np.array([2.0, -1.0, 2.0]) / 3.0, np.array([0.0, 0.28, 0.96])):
+        turned = dataclasses.replace(skin, axis=axis)
+        assert fem_cut.axial_stress(turned, still(skin, stress)) == pytest.approx(axis @ tensor @ axis, rel=1e-6)
+    round_side = skin.touching == 0
+    normal = areas(skin)[round_side]
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    expected = np.maximum(-np.einsum("fi,ij,fj->f", normal, tensor, normal), 0.0)
+    assert (expected > 0.0).sum() > 20
+    assert fem_cut.pressures(skin, still(skin, stress))[round_side] == pytest.approx(expected, rel=1e-5, abs=1.0)
+
+
+@pytest.mark.parametrize(("across", "length"), [(40.0, 10.0), (90.0, 20.0), (2.2, 0.5)])
+def test_the_bar_of_scale_is_as_long_as_it_says(across, length):
+    from matplotlib.figure import Figure
+
+    axes = Figure().add_subplot()
+    fem_pictures.frame_window(axes, (-0.5 * across, 0.5 * across, 0.0, across))
+    (line,) = axes.lines
+    assert np.ptp(line.get_xdata()) == pytest.approx(length, rel=1e-12)
+    assert [text.get_text() for text in axes.texts] == [f"{length:g} mm"]
 
 
 def test_all_instants_share_one_scale_whose_middle_is_zero(bars):
@@ -244,9 +277,13 @@ def test_the_scale_covers_the_loaded_surface_not_a_single_element(bars):
 
 def test_the_close_up_stands_where_the_pressure_is_and_on_the_mirror(bars):
     skin = skin_of(bars)
-    pressed = still(skin, [0, 0, -40e6, 0, 0, 0])
-    found, zone = fem_cut.pressed_most(skin, [still(skin, [0, 0, 1e6, 0, 0, 0]), pressed])
-    assert found is pressed
+    pressed = still(skin, [0, 0, -40e6, 0, 0, 0], 5e-6)
+    (meeting,) = bars.touching.values()
+    own = faces_on(skin, bars.mesh, meeting)
+    assert np.array_equal(own, skin.touching >= 0)
+    others = [still(skin, [0, 0, 1e6, 0, 0, 0], 4e-6), still(skin, [0, 0, -900e6, 0, 0, 0], 9e-6)]
+    found, zone = fem_cut.pressed_most(skin, [*others, pressed], 4.4e-6, own)
+    assert found is pressed  # nearest to the peak of the force of those where anything presses
     x, _, z = zone.middle(skin, pressed)
     assert x == pytest.approx(0.0, abs=1e-12)
     assert z == pytest.approx(0.06, rel=1e-9)
@@ -254,7 +291,55 @@ def test_the_close_up_stands_where_the_pressure_is_and_on_the_mirror(bars):
     axes = figure.axes[0]
     assert np.ptp(axes.get_xlim()) == pytest.approx(2e3 * zone.reach, rel=1e-9)
     assert axes.get_xlim()[0] <= -6.0 <= 6.0 <= axes.get_xlim()[1]  # all that is pressed
-    assert fem_cut.pressed_most(skin, [still(skin, [0, 0, 1e6, 0, 0, 0])]) is None
+    assert fem_cut.pressed_most(skin, others[:1], 4e-6, own) is None
+    assert fem_cut.pressed_most(skin, [pressed], 5e-6, np.zeros(len(skin.faces), bool)) is None
+
+
+def test_the_instant_of_the_pictures_is_that_of_the_force_of_the_blow_not_of_the_largest_sum_of_pressures():
+    """A third body presses the block from below, most at first: neither its pressure nor that of the blow decides."""
+    mesh = joined([synthetic.mesh(), synthetic.grid("floor", (-0.02, -0.02, -0.02), (0.02, 0.02, -0.01), (20, 20, 2))])
+    model = dataclasses.replace(
+        synthetic.model(synthetic.mesh()),
+        mesh=mesh,
+        contacts=(Contact("ball.all", "block.top"), Contact("block.bottom", "floor.top")),
+        solids={**synthetic.model().solids, "floor": synthetic.model().solids["block"]},
+    )
+    skin = skin_of(model)
+    floor = mesh.part[skin.elements] == mesh.names.index("floor")
+    stills = []
+    for time, blow in ((10e-6, -50e6), (20e-6, -90e6), (30e-6, -10e6)):
+        one = still(skin, [0, 0, blow, 0, 0, 0], time)
+        one.stress[floor] = [0, 0, -1e15 * (40e-6 - time), 0, 0, 0]
+        stills.append(one)
+    run = synthetic.run(synthetic.mesh())  # whose half-sine of force on the ball peaks in the middle
+    film = Film(skin, 1e-5)
+    film.whole.kept = stills
+    found = fem_fields._pressed(SimpleNamespace(model=model, run=run), film)
+    assert found.still.time == 0.5 * synthetic.DURATION
+    on_floor = mesh.part[skin.elements[skin.element[found.zone.faces]]] == mesh.names.index("floor")
+    assert not on_floor.any()
+
+
+def test_the_largest_values_are_named_with_their_place_even_where_no_picture_shows_them(ball):
+    """The last element before the plane of the cut is left out of all pictures."""
+    frames, skin = synthetic.frames(ball.mesh, 5), skin_of(ball)
+    middle = ball.mesh.points[ball.mesh.hexahedra].mean(axis=1)
+    hidden = int(np.argmin(np.where(ball.mesh.part == ball.mesh.names.index("block"), middle[:, 1], np.inf)))
+    assert hidden not in skin.elements
+    frames[-1].plastic_strain[hidden] = 0.75
+    frames[2].stress[hidden] = [0, 0, -7e9, 0, 0, 0]
+    film = film_from(ball, frames)
+    assert film.largest["plastic_strain"] == (0.75, frames[-1].time, hidden)
+    assert film.largest["von_mises"] == (pytest.approx(7e9), frames[2].time, hidden)
+    place = ", ".join(f"{x * 1e3:.4g}" for x in middle[hidden])
+    assert fem_fields.place_words(ball.mesh, hidden) == f"block at ({place}) mm"
+    shown = SimpleNamespace(film=film, model=ball, run=synthetic.run(ball.mesh), frames=frames)
+    section = fields_section(shown)
+    assert f"von Mises stress 7000 MPa in block at ({place}) mm" in section.text
+    (close,) = [part for part in section.parts if part.caption.startswith("Where bodies touch")]
+    assert (
+        f"The largest plastic strain of all, 0.75, is not in this view: it is in block at ({place}) mm" in close.caption
+    )
 
 
 def test_slender_bodies_lie_down_and_rows_fit_the_page(bars, ball):

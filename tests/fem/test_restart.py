@@ -11,7 +11,7 @@ from strikewave.fem import engine as engine_module
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import Contact, Controls, Model, Wall
-from strikewave.fem.restart import read_restart
+from strikewave.fem.restart import kept_blows, read_restart
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solve import Asked, Keep, solve
 
@@ -71,6 +71,10 @@ def without(name):
     return lambda file: file.__delitem__(name)
 
 
+def both(one, other):
+    return lambda file: (one(file), other(file))
+
+
 FORGED = {
     "faces that are not there": put(f"{CONTACT}/candidates", lambda a: np.full_like(a, 10**9)),
     "a negative face": put(f"{CONTACT}/candidates", lambda a: np.full_like(a, -1)),
@@ -84,6 +88,13 @@ FORGED = {
     "x of half the digits": put("x", lambda a: a.astype("f4")),
     "a negative instant": put("instant", -5),
     "an instant after the end": put("instant", 10**9),
+    "a step without end": put("critical", np.inf),
+    "steps without end": put("steps", 2**62),
+    "steps without end, each of no length": both(put("steps", 2**62), put("smallest", 1e-300)),
+    "work that is no number": put("done/contact", np.nan),
+    "elements that are no numbers": put("elements/0/state", lambda a: a * np.nan),
+    "an impulse without end": put("impulse/low.z+-up.z-", np.full(3, np.inf)),
+    "a history that is no number": put("row/kinetic", lambda a: a * np.nan),
     "no step": put("critical", 1e-30),
     "a step that is no number": put("critical", np.nan),
     "a negative step before": put("behind", -1e-8),
@@ -107,6 +118,16 @@ def test_a_forged_file_is_refused(kept, tmp_path, change):
         change(file)
     with pytest.raises(InputError, match="damaged"):
         read_restart(path, Engine(model()))
+
+
+@pytest.mark.parametrize("blow", [np.inf, np.nan, 1.0, 1.9, -1, 2, "1", [1, 2]])
+def test_a_blow_that_is_none_is_refused(kept, tmp_path, blow):
+    path = tmp_path / "forged.h5"
+    shutil.copy(kept, path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["blow"] = blow
+    with pytest.raises(InputError, match="damaged"):
+        kept_blows(path)
 
 
 def test_the_whole_file_is_read(kept):

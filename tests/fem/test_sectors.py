@@ -3,16 +3,19 @@
 import dataclasses
 import json
 import math
+import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from strikewave import load_case
 from strikewave.build import build_model
-from strikewave.build.sectors import open_cuts, sectors, whole_forces
+from strikewave.build.sectors import Sector, blow_of_bodies, open_cuts, sectors, whole_forces
 from strikewave.elements import model_notices, run_fem
 from strikewave.fem.measures import part_measure
-from strikewave.fem.model import Guided, Rigid
+from strikewave.fem.model import Fixed, Guided, Rigid
+from strikewave.fem.run import PartHistory
 
 pytestmark = pytest.mark.fem
 
@@ -88,6 +91,69 @@ def test_the_report_says_what_is_a_sector_and_names_no_other_solver(tmp_path):
     assert "[solver]" not in page
     assert "Sectors:" not in (whole := fem_report(run_fem(case_of(tmp_path, "whole"))))
     assert "whole bodies" not in whole
+
+
+def test_the_report_begins_with_the_force_of_whole_bodies_and_a_named_body(tmp_path):
+    """Cards and summary: four times the force of a quarter."""
+    from strikewave.report.fem_page import fem_report
+    from strikewave.report.numbers import with_unit
+    from strikewave.report.parts import written
+
+    solution = run_fem(case_of(tmp_path, "quarter"))
+    page = re.sub(r"<[^>]*>", " ", fem_report(solution))
+    (whole,) = solution.wholes.values()
+    summary = page[page.index("Summary") : page.index("Contacts and walls")]
+    peak, impulse = with_unit(whole.peak, "N", "kN"), written(whole.impulse)
+    assert re.search(rf"contact force, peak, whole bodies\s+{re.escape(peak)}", summary)
+    assert f"reaches {peak}, lasts" in summary
+    assert f"carries {impulse} N s, of whole bodies" in summary
+    # the bars together do not change their velocity: the heavier of the two is the first that does
+    assert "rigid-body peak of bar" in summary
+
+
+def test_each_blow_names_the_body_of_its_rigid_peak_a_group_first(tmp_path, capsys):
+    from strikewave.cli.fem import show
+    from strikewave.report.fem_blows import blows_section
+    from strikewave.report.parts import written
+
+    case_of(tmp_path, "half")
+    text = (tmp_path / "half.toml").read_text()
+    text = text.replace("frames = 0", "frames = 0\nblows = 2").replace('"both"', '"object"')
+    (tmp_path / "two.toml").write_text(text.replace('parts = ["striker", "bar"]', 'parts = ["bar"]'))
+    solution = run_fem(load_case(str(tmp_path / "two.toml")))
+    peaks = [f"object: {written(each.groups['object'].rigid_peak / 9.80665)}" for each in solution.blows]
+    assert solution.parts["striker"].rigid_peak > solution.groups["object"].rigid_peak
+    forces, *_ = blows_section(solution).parts
+    place = forces.columns.index("rigid peak (g)")
+    assert [row[place] for row in forces.rows] == peaks
+    show(solution)
+    assert capsys.readouterr().out.count("object: ") == 2
+
+
+def test_groups_come_before_parts_free_ones_before_held_ones_and_the_heavy_before_the_light(bars_of_many):
+    model, run, found = bars_of_many
+    assert list(blow_of_bodies(model, run, found)) == ["crate", "light", "heavy", "ground", "still"]
+
+
+@pytest.fixture
+def bars_of_many():
+    """Histories of five bodies that move by the clock: the light one is a quarter of a body of 12 kg."""
+    time = np.linspace(0.0, 1.0, 11)
+
+    def moving(mass, speed):
+        velocity = np.outer(speed * time**2, [0.0, 0.0, 1.0])
+        return PartHistory(mass, velocity, np.zeros((11, 3)), np.zeros((11, 3)))
+
+    parts = {
+        "ground": moving(500.0, 1.0),
+        "heavy": moving(9.0, 1.0),
+        "light": moving(3.0, 90.0),
+        "still": moving(99, 0),
+    }
+    model = SimpleNamespace(boundaries=(Fixed("ground.bottom"), Guided("heavy", (0.0, 0.0, 1.0))))
+    run = SimpleNamespace(time=time, parts=parts, groups={"crate": moving(1.0, 0.1)}, von_mises={}, plastic_strain={})
+    found = {name: Sector(4 if name == "light" else 1) for name in (*parts, "crate")}
+    return model, run, found
 
 
 def test_forces_across_a_plane_of_symmetry_cancel(tmp_path):

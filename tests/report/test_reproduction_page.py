@@ -2,20 +2,31 @@
 
 import dataclasses
 import html
+import itertools
 import os
 import re
+import shlex
 from html.parser import HTMLParser
 
 import numpy as np
 import pytest
 
 from strikewave import load_case
+from strikewave.elements import run_fem
 from strikewave.figures import reproduction as draw
 from strikewave.figures.reproduction import Mark
-from strikewave.report.reproduction_figures import figure_sections, ratios
-from strikewave.report.reproduction_page import reproduction_report
-from strikewave.report.reproduction_tables import equation_sections, findings_section, materials_section
+from strikewave.figures.waves import Trace
+from strikewave.report.reproduction_figures import figure_sections, key_numbers, pictures, ratios
+from strikewave.report.reproduction_page import again, reproduction_report
+from strikewave.report.reproduction_tables import (
+    elements_section,
+    equation_sections,
+    findings_section,
+    materials_section,
+    provenance_section,
+)
 from strikewave.studies.reproduction import answers as known
+from strikewave.studies.reproduction import reproduce as whole_run
 from strikewave.studies.reproduction.element_pulses import (
     BodyPulse,
     element_numbers,
@@ -23,8 +34,18 @@ from strikewave.studies.reproduction.element_pulses import (
     struck_body,
     whole_force,
 )
+from strikewave.studies.reproduction.published import published_numbers
 from strikewave.studies.reproduction.reproduce import reproduce
-from strikewave.studies.reproduction.runs import ELEMENT_CASES, Effort
+from strikewave.studies.reproduction.runs import (
+    ELEMENT_CASES,
+    QUIET_ELEMENTS,
+    QUIET_WAVE_ELEMENTS,
+    RIGID_ELEMENTS,
+    WAVE_ELEMENTS,
+    Effort,
+    coarser,
+    element_cases,
+)
 from strikewave.units import STANDARD_GRAVITY
 
 COMMAND = "strikewave reproduce li-ma-2019 --without elements"
@@ -38,6 +59,21 @@ def result():
 @pytest.fixture(scope="module")
 def page(result):
     return reproduction_report(result, COMMAND)
+
+
+@pytest.fixture(scope="module")
+def struck(result):
+    """The same with models of hexahedra, on elements four times as large and for 60 us."""
+    changes = {name: [*coarser(load_case(name), 4.0), "fem.duration=60 us", "fem.frames=0"] for name in ELEMENT_CASES}
+    elements = tuple(run_fem(load_case(name, found)) for name, found in changes.items())
+    runs = dataclasses.replace(result.runs, elements=elements, quick=True)
+    return dataclasses.replace(result, runs=runs, numbers=known.number_rows(published_numbers(), runs))
+
+
+@pytest.fixture(scope="module")
+def chapters(struck):
+    """Its chapters on the figures of the paper, by their number."""
+    return {re.findall(r"\d+", section.title)[0]: section for section in figure_sections(struck)}
 
 
 class Tables(HTMLParser):
@@ -114,7 +150,149 @@ def test_levels_and_bars_stand_at_the_published_numbers():
     data = [(np.asarray(line.get_xdata()), np.asarray(line.get_ydata(), dtype=float)) for line in axes.lines]
     assert [y[0] for _, y in data[:2]] == pytest.approx([4151.25, 4374.52], rel=1e-12)
     assert [x.tolist() for x, _ in data[2:]] == [pytest.approx([0.0, 200.0]), pytest.approx([0.0, 220.0])]
-    assert [text.get_text() for text in axes.texts] == ["measured 4 151.25 g, 200 µs", "LS-DYNA 4 374.52 g, 220 µs"]
+    levels, widths = ["measured 4 151.25 g", "LS-DYNA 4 374.52 g"], ["measured 200 µs", "LS-DYNA 220 µs"]
+    assert [text.get_text() for text in axes.texts] == [*levels, *widths]
+    assert [text.xy for text in axes.texts[2:]] == [(x[-1], y[-1]) for x, y in data[2:]], "at the ends of their bars"
+
+
+def test_every_trace_is_a_line():
+    time = np.linspace(0.0, 1e-4, 11)
+    traces = [Trace(f"curve {k}", time, np.full(11, k * STANDARD_GRAVITY)) for k in range(len(draw.CURVES))]
+    lines = draw.pulse_figure("", traces, []).axes[0].lines
+    assert [line.get_label() for line in lines] == [trace.label for trace in traces]
+    assert [line.get_ydata()[0] for line in lines] == [0.0, 1.0, 2.0, 3.0]
+    with pytest.raises(ValueError, match="zip"):
+        draw.pulse_figure("", [*traces, traces[0]], [])
+
+
+def test_the_echo_comes_after_twice_the_way_and_is_printed_to_come_after_once(result):
+    """The place is passed at x, 2 - x, 2 + x, ...; the paper's equations take the way back for nothing."""
+    way = draw.passing_figure(result.runs.passing).axes[0]
+    at = {line.get_label(): np.asarray(line.get_ydata(), dtype=float) for line in way.lines}
+    x = float(way.lines[1].get_xdata()[0])
+    assert at["exact"] == pytest.approx([x, 2 - x, 2 + x, 4 - x, 4 + x, 6 - x])
+    assert at["as printed"] == pytest.approx([x, 1.0, 2.0, 3.0, 4.0, 5.0])
+
+
+def test_simulated_numbers_are_answered_by_the_papers_own_faces_first(struck):
+    """Like for like: LS-DYNA had non-reflecting faces, the machine that was measured had none."""
+    quiet, others = (QUIET_ELEMENTS, QUIET_WAVE_ELEMENTS), (RIGID_ELEMENTS, WAVE_ELEMENTS)
+    seen = set()
+    for row in struck.numbers:
+        by = [one.by for one in row.computed if one.by in ELEMENT_CASES]
+        groups = [name for name, _ in itertools.groupby(by, lambda name: name in quiet)]
+        if len(groups) > 1:
+            seen.add(row.number.origin)
+            assert groups == ([True, False] if row.number.origin == "simulated" else [False, True])
+        if by and row.number.origin == "simulated":
+            assert row.computed[0].by in quiet
+            assert row.best.by in (*quiet, *others)
+    assert seen == {"simulated", "measured"}
+    assert struck.row(known.DYNA_FORCE).best.by == QUIET_ELEMENTS
+    assert struck.row(known.DYNA_WAVE_PEAK).best.by == QUIET_WAVE_ELEMENTS
+
+
+def test_the_specimen_is_judged_by_the_model_with_the_papers_faces(struck, monkeypatch):
+    monkeypatch.setattr(whole_run, "run_all", lambda effort, report: struck.runs)
+    found = reproduce(Effort(quick=True)).findings
+    text = next(row.found for row in found if row.topic.startswith("mean acceleration of the specimen"))
+    peaks = {name: element_numbers(struck.runs.element_solution(name)).mean_peak for name in ELEMENT_CASES[2:]}
+    assert f"{peaks[QUIET_WAVE_ELEMENTS] / STANDARD_GRAVITY:.0f} g" in text
+    assert not text.startswith(f"{peaks[WAVE_ELEMENTS] / STANDARD_GRAVITY:.0f} g")
+
+
+def test_the_head_has_predictions_alone(result, struck):
+    for found in (result, struck):
+        words = [label for label, _ in key_numbers(found)]
+        assert len(words) == (3 if found is result else 4)
+        assert not [label for label in words if "later" in label or "specimen" in label]
+    verdicts = [row.verdict for row in result.equations]
+    counted = f"{verdicts.count('right')}, and {verdicts.count('definition')} definitions"
+    assert key_numbers(result)[0] == ("equations of 41 that hold as printed", counted)
+    fitted = dataclasses.replace(struck.row(known.WAVE_PEAK).computed[0], role="fitted")
+    rows = [
+        dataclasses.replace(row, computed=(fitted,)) if row.number.name == known.WAVE_PEAK else row
+        for row in struck.numbers
+    ]
+    assert len(key_numbers(dataclasses.replace(struck, numbers=tuple(rows)))) == 3
+
+
+def test_what_the_buffer_does_is_said_from_the_readings(result, chapters):
+    """Peaks by those of the solution, ringing by the raw reading: its step, its start, the first blow."""
+    solution = result.runs.comparison
+    rms = []
+    for number in (1, 2):
+        values = solution.data[f"reading_{number}"]
+        first = values.values[0][np.isfinite(values.values[0])]
+        time = solution.data[f"reading_{number}_start"].values[0] + values.attrs["step"] * np.arange(first.size)
+        rms.append(np.sqrt(np.mean(first[time > 200e-6] ** 2)) / STANDARD_GRAVITY)
+    direct, buffered = (
+        next(row.computed for row in solution.published if row.sensor == name) for name in ("direct", "buffered")
+    )
+    text = chapters["5"].text
+    assert f"takes {1.0 - buffered / direct:.1%} off the computed peak, where {1.0 - 6353.22 / 9707.12:.1%}" in text
+    assert f"reads {rms[1]:.0f} g (root mean square), the direct one {rms[0]:.0f} g" in text
+    assert ("does not calm" in text) == (rms[1] >= rms[0])
+
+
+def test_the_impulse_stands_beside_that_of_half_sines(struck, chapters):
+    """2 A T m/pi with 0.459 kg: 2.38 N s of the measured pulse, 2.76 N s of LS-DYNA's."""
+    text = chapters["11"].text
+    assert "2.38 N s (measured) and 2.76 N s (LS-DYNA)" in text
+    for name in (RIGID_ELEMENTS, QUIET_ELEMENTS):
+        solution = struck.runs.element_solution(name)
+        assert f"{whole_force(solution)[2]:.3g} N s" in text
+
+
+def test_force_over_mass_is_that_of_whole_bodies(struck, chapters):
+    """A quarter's force over a quarter's mass is the same."""
+    solution = struck.runs.element_solution(QUIET_ELEMENTS)
+    peak = next(iter(solution.contacts.values())).peak / solution.run.groups["object"].mass
+    lines = {line.get_label(): line for line in chapters["11"].parts[0].figure.axes[0].lines}
+    assert max(lines["the same, contact force over mass"].get_ydata()) == pytest.approx(
+        peak / STANDARD_GRAVITY, rel=1e-3
+    )
+    assert {"machine model", "elements", "elements, non-reflecting faces"} < set(lines)
+
+
+def test_pictures_are_named_after_the_figures_of_the_paper(struck):
+    names = [name for name, _ in pictures(struck)]
+    assert len(names) == len(set(names))
+    assert {name.split("-")[1] for name in names} == {"5", "7", "9", "11", "13", "15"}
+
+
+def test_quick_runs_are_run_again_as_they_were(result):
+    """Every option that is printed makes the same case; a quick run changes sizes by itself, no user does."""
+    cases = element_cases(Effort(quick=True))
+    for case in cases:
+        words = shlex.split(again(case, quick=True))
+        assert words[:3] == ["strikewave", "fem", case.name]
+        assert set(words[3::2]) == {"--set"}
+        assert load_case(case.name, words[4::2]) == case
+    assert again(result.runs.machine.case, quick=True) == "strikewave run li-ma-2019"
+    listing = provenance_section(cases).parts[2].text
+    assert "set by --quick" in listing
+    assert "set by the user" not in listing
+
+
+def test_equations_say_what_their_exact_number_is_and_its_unit(result):
+    row = dataclasses.replace(
+        result.equations[0], printed=2.0, exact=3.0, unit="Pa", basis="round trip", printed_unit="1/Pa"
+    )
+    own = dataclasses.replace(row, basis="independent", printed_unit="")
+    said, given = (part.rows for part in equation_sections((row, own))[0].parts)
+    assert [cells[-1] for cells in said] == ["in another unit", "-33.3 %"]
+    assert [cells[3] for cells in given] == ["3, round trip", "3"]
+    assert given[0][1].startswith("2 ")
+    assert "Pa" in given[0][1]
+    assert given[1][1] == "2"
+
+
+def test_the_page_puts_no_words_in_the_papers_mouth(struck, page):
+    text = elements_section(struck.runs.elements).text
+    assert "as in the paper's simulations" not in text
+    assert "statements of the paper" not in page
+    assert "more equal" not in page
 
 
 def test_roles_are_those_of_the_cases(result):
@@ -152,6 +330,15 @@ def test_materials_are_judged_against_the_printed_ones(result):
         for row in result.numbers
     ]
     assert [row[-1].text for row in materials_section(wrong).parts[0].rows] == ["the same", "differs", "the same"]
+    values = {row.number.name: row.number.value for row in result.numbers}
+    swap = {"65Mn density": "65Mn yield strength", "65Mn yield strength": "65Mn density"}
+    swapped = [
+        dataclasses.replace(
+            row, number=dataclasses.replace(row.number, value=values[swap.get(row.number.name, row.number.name)])
+        )
+        for row in result.numbers
+    ]
+    assert [row[-1].text for row in materials_section(swapped).parts[0].rows] == ["differs", "the same", "the same"]
 
 
 def test_the_page_stands_alone_and_nothing_escapes(result, page):
@@ -193,8 +380,6 @@ def test_the_struck_bar_of_two_bars_meets_the_closed_form():
     Over the middle of the blow, behind the front that radial inertia makes ring. All momentum goes over,
     and 1.3 % more, because the ringing striker leaves backwards.
     """
-    from strikewave.elements import run_fem
-
     solution = run_fem(load_case("two-bars-fem", ["fem.interval=1 us", "fem.duration=40 us"]))
     assert struck_body(solution) == "bar"
     numbers = element_numbers(solution)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from strikewave.case import Case
 from strikewave.fem.boundary import unit
-from strikewave.fem.measures import interval_means
+from strikewave.fem.measures import PartMeasure, interval_means, part_measure
 from strikewave.fem.mesh import Mesh
-from strikewave.fem.model import Fixed, Guided, Model, Symmetry
+from strikewave.fem.model import Fixed, Guided, Model, NonReflecting, Symmetry
 from strikewave.fem.run import FemRun
 
 Array = NDArray[np.float64]
@@ -109,12 +109,34 @@ def whole_force(run: FemRun, found: dict[str, Sector], name: str, sides: tuple[s
 
     Forces across a plane of symmetry cancel with those on its mirror image; the others add up.
     """
+    impulse = whole_impulse(run, found, name, sides)
+    if impulse is None:
+        return None
+    mean = np.linalg.norm(interval_means(impulse, run.time), axis=1)
+    return WholeForce(float(mean.max(initial=0.0)), float(np.linalg.norm(impulse[-1])))
+
+
+def whole_impulse(run: FemRun, found: dict[str, Sector], name: str, sides: tuple[str, ...]) -> Array | None:
+    """Return the impulse of a contact of the whole bodies, N s, (instants, 3); None as of `whole_force`."""
     both = [found[side.partition(".")[0]] for side in sides]
     if both[0].pieces == 1 or any(not _alike(both[0], other) for other in both):
         return None
-    impulse = both[0].pieces * (run.impulse[name] @ both[0].free)
-    mean = np.linalg.norm(interval_means(impulse, run.time), axis=1)
-    return WholeForce(float(mean.max(initial=0.0)), float(np.linalg.norm(impulse[-1])))
+    return np.asarray(both[0].pieces * (run.impulse[name] @ both[0].free))
+
+
+def blow_of_bodies(model: Model, run: FemRun, found: dict[str, Sector]) -> dict[str, PartMeasure]:
+    """Return the blow that each body took: groups, then parts that nothing holds, then the others, the heaviest first.
+
+    Held are parts with a fixed or non-reflecting side. What does not move comes last.
+    """
+    held = {b.side.partition(".")[0] for b in model.boundaries if isinstance(b, Fixed | NonReflecting)}
+    bodies = {name: part_measure(run, name, found[name].free) for name in (*run.groups, *run.parts)}
+
+    def place(name: str) -> tuple[bool, bool, bool, float]:
+        body, part = bodies[name], name not in run.groups
+        return body.velocity_change == 0.0, part, part and name in held, -body.mass * found[name].pieces
+
+    return {name: bodies[name] for name in sorted(bodies, key=place)}
 
 
 def _alike(one: Sector, other: Sector) -> bool:

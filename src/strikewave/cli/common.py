@@ -5,8 +5,10 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import math
 import os
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -34,6 +36,10 @@ Out = Annotated[
     Path | None, typer.Option("--out", metavar="DIR", help="Folder that will hold the result.", show_default=False)
 ]
 Force = Annotated[bool, typer.Option("--force", help="Replace what another run left there.")]
+
+
+SELDOM = 10.0
+"""Seconds between two lines of progress, at least, where stderr is no terminal."""
 
 
 def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
@@ -77,16 +83,17 @@ def most_memory() -> str:
 
 @contextlib.contextmanager
 def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed",)) -> Iterator[Callable[..., None]]:
-    """Show a bar on stderr where that is a terminal; gives a function that takes the share done, and words beside it.
+    """Show a bar on stderr where that is a terminal, else a plain line at each tenth, at most every `SELDOM` seconds.
 
-    It begins with ``done``; ``clocks`` are "elapsed", and "left" for the time that is left.
+    Gives a function that takes the share done, and words beside it. It begins with ``done``; ``clocks`` are "elapsed",
+    and "left" for the time that is left.
     """
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield lambda share, words="": None
+        yield _plain_progress(what, done)
         return
     times = [TimeElapsedColumn() if clock == "elapsed" else TimeRemainingColumn() for clock in clocks]
     columns = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}"), *times)
@@ -94,6 +101,21 @@ def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed
         task = progress.add_task("", total=1.0)
         progress.update(task, completed=done)
         yield lambda share, words="": progress.update(task, completed=share, description=words)
+
+
+def _plain_progress(what: str, done: float) -> Callable[..., None]:
+    """Return what says the share that is done in lines of their own, for logs; a short run says nothing."""
+    passed, last = math.floor(10.0 * done + 1e-9), time.monotonic()
+
+    def show(share: float, words: str = "") -> None:
+        nonlocal passed, last
+        tenth, now = math.floor(10.0 * share + 1e-9), time.monotonic()
+        if tenth > passed and now - last >= SELDOM:
+            last = now
+            say(", ".join(part for part in (f"{what} {100.0 * share:.0f} %".strip(), words) if part))
+        passed = max(tenth, passed)
+
+    return show
 
 
 def number(value: float | None, si: str, unit: str, digits: int = 4) -> str:

@@ -25,7 +25,7 @@ CODES = {"ls-dyna": (".k",), "openradioss": ("_0000.rad", "_0001.rad")}
 def command(
     case: CaseName,
     code: Annotated[str, typer.Option("--code", help="ls-dyna or openradioss.")] = "ls-dyna",
-    units: Annotated[str, typer.Option("--units", help="SI, mm-t-s or mm-g-us.")] = "mm-t-s",
+    units: Annotated[str, typer.Option("--units", help="SI, mm-t-s, mm-ms-kg or mm-g-us.")] = "mm-t-s",
     changes: Changes = None,
     out: Out = None,
     force: Force = False,
@@ -46,12 +46,10 @@ def command(
 
     if code not in CODES:
         raise InputError("--code", code, ", ".join(CODES), nearest(code, CODES))
-    try:
-        system = unit_system(units)
-    except InputError as error:
-        raise InputError("--units", error.got, error.allowed, error.hint) from None
+    system = unit_system(units, "--units")
     read = load_case(case, changes or ())
-    model, heading = build_model(read), _heading(read)
+    model = build_model(read)
+    heading = _heading(read, model)
     with fields_of_case(model):
         deck = (ls_dyna_deck if code == "ls-dyna" else radioss_deck)(model, system, heading)
     names = [f"{heading.stem}{ending}" for ending in deck.files]
@@ -71,13 +69,21 @@ def command(
     return 0
 
 
-def _heading(case: Case) -> Heading:
-    """Return what the deck of a case is called."""
+def _heading(case: Case, model: Model) -> Heading:
+    """Return what the deck of a case is called; parts that are sectors are told of."""
     from strikewave._version import __version__
+    from strikewave.build.sectors import sectors
     from strikewave.exchange.deck import Heading
 
     frames = int(case.fem.frames.si) if case.fem else 0
-    return Heading(case.title or case.name or "a case", case.name or "case", __version__, frames)
+    found = sectors(case, model)
+    pieces = {name: found[name].pieces for name in model.mesh.names if found[name].pieces > 1}
+    notes = [
+        f"{', '.join(name for name in pieces if pieces[name] == many)}: 1/{many} of the body is modelled; "
+        f"forces, energies and masses of the whole are {many} times these"
+        for many in sorted(set(pieces.values()))
+    ]
+    return Heading(case.title or case.name or "a case", case.name or "case", __version__, frames, tuple(notes))
 
 
 def _write(deck: Deck, names: list[str], folder: Path, text: str, force: bool) -> None:

@@ -48,10 +48,15 @@ if TYPE_CHECKING:
     from strikewave.fem.vtkhdf import FieldWriter
     from strikewave.fem_solution import FemSolution
 
+NAMES = {2: "half", 4: "quarter"}
 SHARES = {1: "", 2: " (half of it)", 4: " (quarter of it)"}
 """Said of a part that is a sector, by how many make the whole."""
 LEAST_OFF = 1e-4
 """Share of a part's volume that its flat faces take, and is worth a word."""
+MOST_REST, REST_WORDS = 3.5, "1 to 3.5 times"
+"""How many times the steps of a blow the bodies take to come to rest after it, at most as a rule."""
+FLAT = 1e-9
+"""Warpage below which faces are flat but for rounding, rad."""
 USUAL_RATE = 5e6
 """Element-steps a second of one thread, for the estimate before a run."""
 INTERRUPTED = 130
@@ -124,7 +129,7 @@ def command(
         raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
     model = build_model(read, min(threads, os.cpu_count() or 1))
     quality = quality_report(model.mesh)
-    say_model(model, quality)
+    say_model(read, model, quality)
     say_faceted(read, quality)
     if check:
         check_model(model)
@@ -335,24 +340,58 @@ def progress() -> Iterator[Callable[[Progress], None]]:
         yield show
 
 
-def say_model(model: Model, quality: Sequence[PartQuality]) -> None:
+def say_model(case: Case, model: Model, quality: Sequence[PartQuality]) -> None:
     """Say what will be run: elements, nodes, masses, the worst element, about how many steps."""
+    from strikewave.build.sectors import sectors
     from strikewave.elements import first_step
 
-    mesh, controls = model.mesh, model.controls
+    mesh, controls, found = model.mesh, model.controls, sectors(case, model)
     say(f"{len(mesh.hexahedra)} elements, {len(mesh.points)} nodes")
-    say("mass: " + ", ".join(f"{row.part} {row.volume * model.solids[row.part].density:.4g} kg" for row in quality))
+    masses = {row.part: row.volume * model.solids[row.part].density for row in quality}
+    say("mass: " + ", ".join(f"{name} {_mass_words(mass, found[name].pieces)}" for name, mass in masses.items()))
     worst = min(quality, key=lambda row: row.scaled_jacobian)
     place = ", ".join(f"{x * 1e3:.4g}" for x in worst.worst_at)
     say(f"worst element: scaled Jacobian {worst.scaled_jacobian:.2f} in {worst.part} at ({place}) mm")
     step = first_step(model)
     count = controls.duration / step
-    work = len(mesh.hexahedra) * count
+    work = len(mesh.hexahedra) * count * controls.blows
+    seconds = work / (USUAL_RATE * controls.threads)
+    least, most = 1.0 + (controls.blows - 1) / controls.blows, 1.0 + MOST_REST * (controls.blows - 1) / controls.blows
+    many = f", in {controls.blows} blows {controls.blows * count:.0f}" if controls.blows > 1 else ""
+    rest = (
+        f" to {brief(seconds * most)} s, the steps to rest between blows included ({REST_WORDS} those of a blow),"
+        if controls.blows > 1
+        else " s"
+    )
     say(
-        f"step about {step * 1e9:.3g} ns: {count:.0f} steps for {controls.duration * 1e6:.4g} us, "
-        f"{work / 1e6:.3g} M element-steps, about {work / (USUAL_RATE * controls.threads):.1g} s "
+        f"step about {step * 1e9:.3g} ns: {count:.0f} steps for {controls.duration * 1e6:.4g} us{many}, "
+        f"{work / 1e6:.3g} M element-steps, about {brief(seconds * least)}{rest} "
         "or more: compiling, files and elements that are squeezed come on top"
     )
+
+
+def _mass_words(mass: float, pieces: int) -> str:
+    """Write the mass of a part, and that of the whole body where it is a sector.
+
+    Examples
+    --------
+    >>> _mass_words(0.1655, 4), _mass_words(0.1655, 1)
+    ('0.1655 kg (quarter; 0.662 kg whole)', '0.1655 kg')
+    """
+    whole = f" ({NAMES[pieces]}; {pieces * mass:.4g} kg whole)" if pieces > 1 else ""
+    return f"{mass:.4g} kg{whole}"
+
+
+def brief(value: float) -> str:
+    """Write a number to one digit without an exponent.
+
+    Examples
+    --------
+    >>> brief(73.2), brief(0.042), brief(4.2e-6), brief(0.096), brief(0.0)
+    ('70', '0.04', '0.000004', '0.1', '0')
+    """
+    rounded = float(f"{value:.1g}")
+    return f"{rounded:.{max(0, -math.floor(math.log10(rounded))) if rounded > 0.0 else 0}f}"
 
 
 def say_faceted(case: Case, quality: Sequence[PartQuality]) -> None:
@@ -388,6 +427,8 @@ def write_result(solution: FemSolution, place: Path, text: str, report: bool = T
 
 def show(solution: FemSolution) -> None:
     """Print parts, contacts, ledger and warnings."""
+    from strikewave.report.fem_fields import largest_words
+
     found = solution.sectors
     rows = [
         [
@@ -407,6 +448,8 @@ def show(solution: FemSolution) -> None:
         for name, part in solution.parts.items()
     ]
     table("Largest in the elements", ["part", "von Mises stress (MPa)", "plastic strain"], rows)
+    if solution.film is not None and (words := largest_words(solution.film, solution.model.mesh)):
+        say(words)
     wholes = solution.wholes
     rows = [
         [name, *([*"-----"] if one is None else _contact_cells(one)), *_whole_cells(wholes[name] if one else None)]
@@ -414,7 +457,7 @@ def show(solution: FemSolution) -> None:
     ]
     if rows:
         heads = ["contact", "peak (kN)", "at (us)", "impulse (N s)", "begins (us)", "lasts (us)"]
-        heads += ["peak, whole bodies (kN)", "impulse (N s)"]
+        heads += ["peak, whole bodies (kN)", "impulse, whole bodies (N s)"]
         many = len(heads) if any(wholes.values()) else len(heads) - 2
         table("Contacts", heads[:many], [row[:many] for row in rows])
     print_published(solution.published)
@@ -451,6 +494,7 @@ def _show_ledger(solution: FemSolution) -> None:
 
 def _show_blows(solution: FemSolution) -> None:
     """Print what each blow came to, and how the bodies came to rest before it."""
+    from strikewave.build.sectors import blow_of_bodies
     from strikewave.fem.blow_measures import blow_measure
     from strikewave.fem.measures import ledger_measure
 
@@ -458,20 +502,20 @@ def _show_blows(solution: FemSolution) -> None:
     for each in solution.blows:
         found, touched = blow_measure(each.run, each.model.touching), [x for x in each.contacts.values() if x]
         most = max(touched, key=lambda x: x.peak, default=None)
-        pulse = max(each.parts.values(), key=lambda part: part.rigid_peak)
+        body, pulse = next(iter(blow_of_bodies(each.model, each.run, each.sectors).items()))
         back = [x for x in found.restitution.values() if x is not None]
         rows.append(
             [
                 str(found.blow),
                 *(["-"] * 3 if most is None else _pulse_cells(most)),
                 f"{back[0]:.4f}" if len(back) == 1 else "-",
-                number(pulse.rigid_peak, "m/s^2", "g", 5),
+                f"{body}: {number(pulse.rigid_peak, 'm/s^2', 'g', 5)}",
                 number(max(found.plastic_strain.values(), default=math.nan), "1", "1", 3),
                 number(sum(found.plastic_energy.values()), "J", "J", 3),
                 f"{ledger_measure(each.run).energy:+.1e}",
             ]
         )
-    heads = ["blow", "peak (kN)", "impulse (N s)", "lasts (us)", "restitution", "largest rigid peak (g)"]
+    heads = ["blow", "peak (kN)", "impulse (N s)", "lasts (us)", "restitution", "rigid peak (g)"]
     table("Blow after blow", [*heads, "plastic strain", "yields with (J)", "energy error"], rows, left=0)
     for run in solution.later:
         if run.rest is not None:
@@ -498,7 +542,7 @@ def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
             number(row.longest_edge, "m", "mm"),
             f"{row.aspect_ratio:.2f}",
             f"{row.scaled_jacobian:.3f}",
-            number(row.warpage, "rad", "deg", 3),
+            number(row.warpage if row.warpage >= FLAT else 0.0, "rad", "deg", 3),
         ]
         for row in quality
     ]

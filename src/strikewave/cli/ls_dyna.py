@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from strikewave.cli import measured
-from strikewave.cli.common import Force, Json, Out, number, print_json, say, table
+from strikewave.cli.common import Force, Json, Out, number, own_mark, print_json, say, table
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,7 +35,9 @@ def command(
     units: Annotated[
         str | None,
         typer.Option(
-            "--units", help="Units of its deck: SI, mm-t-s or mm-g-us; its files have none.", show_default=False
+            "--units",
+            help="Units of its deck: SI, mm-t-s, mm-ms-kg or mm-g-us; its files have none.",
+            show_default=False,
         ),
     ] = None,
     beside: Annotated[
@@ -71,14 +73,16 @@ def command(
         hint = "the files of LS-DYNA have no units: say those of the deck"
         raise InputError("--units", MISSING, "one of " + ", ".join(SYSTEMS), hint)
     numbers = [_numbers("--contact", contact), _numbers("--part", part)]
-    if beside is None and any(numbers):
-        raise InputError("--contact, --part", "no --beside", "a result of ours to lay beside", "add --beside DIR")
-    system = unit_system(units)
+    for option, given in (("--contact", contact), ("--part", part)):
+        if beside is None and given:
+            raise InputError(option, given[0], "only with a result of ours to lay beside", "add --beside DIR")
+    system = unit_system(units, "--units")
     ours = read_ours(beside) if beside is not None else None
     theirs = read_folder(folder, system)
     found = lay_beside(theirs, ours, *numbers) if ours else Beside(theirs)
     if out is not None or not json:
-        _write(found, out, force)
+        own = _own_place(folder, units, str(beside.resolve() if beside else ""), numbers)
+        _write(found, out or own, force or out is None)
     print_json(_document(found)) if json else _show(found)
     return 0
 
@@ -96,7 +100,17 @@ def _numbers(option: str, given: Sequence[str] | None) -> dict[str, int]:
     return found
 
 
-def _write(found: Beside, out: Path | None, force: bool) -> None:
+def _own_place(folder: Path, *options: Any) -> Path:
+    """Return the place of a result for which none was named: its own for each folder and options."""
+    asked = repr((str(folder.resolve()), *options))
+    return Path("out") / f"ls-dyna-{_named(folder)}{own_mark(asked, [asked])}"
+
+
+def _named(folder: Path) -> str:
+    return folder.absolute().name or "run"
+
+
+def _write(found: Beside, place: Path, force: bool) -> None:
     """Write report, picture and numbers into a folder."""
     import json
 
@@ -106,12 +120,10 @@ def _write(found: Beside, out: Path | None, force: bool) -> None:
     from strikewave.report.ls_dyna_page import ls_dyna_report
 
     theirs, ours = found.theirs, found.ours
-    name = theirs.folder.absolute().name or "run"
-    place, replace = (Path("out") / f"ls-dyna-{name}", True) if out is None else (out, force)
     read = [*theirs.files, *([ours.folder / "histories.nc", ours.folder / "field.vtkhdf"] if ours else [])]
     text = measured.identity(shlex.join(["strikewave", *sys.argv[1:]]), measured.digests_of(read))
-    title = f"LS-DYNA beside strikewave: {ours.title}" if ours else f"LS-DYNA: {name}"
-    with whole_folder(place, text, replace) as home:
+    title = f"LS-DYNA beside strikewave: {ours.title}" if ours else f"LS-DYNA: {_named(theirs.folder)}"
+    with whole_folder(place, text, force) as home:
         (home / "record.toml").write_text(text, "utf-8")
         (home / "beside.json").write_text(json.dumps(_document(found), indent=2, allow_nan=False) + "\n", "utf-8")
         save(beside_sheet(found, title), home / "beside.svg")

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import re
+import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -19,10 +22,9 @@ if TYPE_CHECKING:
 
 Report = Callable[[float, str], None]
 
-LI_MA_PICTURES = {"5": "", "7": "bc", "9": "", "11": "bcde", "13": "b", "15": "bcde"}
-"""Figures of the paper, and the letters of the further pictures of each."""
-LI_MA_FIGURES = [name for k, more in LI_MA_PICTURES.items() for name in (k, *(f"{k}-{letter}" for letter in more))]
-LI_MA_FILES = ("report.html", "reproduction.json", "published.csv", *(f"figure-{k}.svg" for k in LI_MA_FIGURES))
+LI_MA_FILES = ("report.html", "reproduction.json", "published.csv")
+LI_MA_PICTURES = re.compile(r"figure-(?:5|7|9|11|13|15)(?:-[a-z])?\.svg")
+"""Names of the pictures: the figure of the paper, and a letter from its second picture on."""
 LEFT_OUT = ("elements", "studies")
 """What can be left out."""
 
@@ -30,14 +32,20 @@ LEFT_OUT = ("elements", "studies")
 class Paper(NamedTuple):
     """A paper that can be reproduced: what runs it, what writes its files, and what prints it.
 
-    ``run`` takes the effort and a report of progress; ``write`` the result, the folder and the command; ``files`` are
-    all that it may write.
+    ``run`` takes the effort and a report of progress; ``write`` the result, the folder and the command; ``files``
+    and what matches ``pictures`` are all that it may write.
     """
 
     run: Callable[[Effort, Report], Reproduction]
     write: Callable[[Reproduction, Path, str], list[str]]
     show: Callable[[Reproduction], None]
     files: tuple[str, ...]
+    pictures: re.Pattern[str]
+
+    def own(self, folder: Path) -> tuple[str, ...]:
+        """Return the names of its files, with those of the pictures that a folder holds."""
+        held = [path.name for path in folder.iterdir()] if folder.is_dir() and os.access(folder, os.R_OK) else []
+        return (*self.files, *(name for name in held if self.pictures.fullmatch(name)))
 
 
 def _run_li_ma(effort: Effort, report: Report) -> Reproduction:
@@ -54,7 +62,7 @@ def _write_li_ma(result: Reproduction, place: Path, command: str) -> list[str]:
     from strikewave.report.reproduction_figures import pictures
     from strikewave.report.reproduction_page import reproduction_report
 
-    names = list(LI_MA_FILES[:3])
+    names = list(LI_MA_FILES)
     (place / names[0]).write_text(reproduction_report(result, command), "utf-8", newline="\n")
     document = json.dumps(result.document(), indent=2, allow_nan=False, ensure_ascii=False)
     (place / names[1]).write_text(document + "\n", "utf-8")
@@ -80,7 +88,7 @@ def _show_li_ma(result: Reproduction) -> None:
     say(f"{len(result.notices)} warnings of the runs; the report lists them")
 
 
-PAPERS = {"li-ma-2019": Paper(_run_li_ma, _write_li_ma, _show_li_ma, LI_MA_FILES)}
+PAPERS = {"li-ma-2019": Paper(_run_li_ma, _write_li_ma, _show_li_ma, LI_MA_FILES, LI_MA_PICTURES)}
 """Papers that can be reproduced, by the key of their source."""
 
 
@@ -127,12 +135,12 @@ def command(
     identity = f'paper = "{paper}"\nquick = {str(quick).lower()}\nelements = {str(effort.elements).lower()}\n'
     identity += f"studies = {str(effort.studies).lower()}\n"
     if folder is not None:
-        check_place(folder, identity, force, known.files)
+        check_place(folder, identity, force, known.own(folder))
     say_compiling()
-    with progress_bar("") as report:
+    with progress() as report:
         result = known.run(effort, report)
     if folder is not None:
-        with whole_folder(folder, identity, force, known.files) as place:
+        with whole_folder(folder, identity, force, known.own(folder)) as place:
             (place / "record.toml").write_text(identity, "utf-8")
             written = known.write(result, place, _command(paper, effort))
     if json:
@@ -143,6 +151,24 @@ def command(
         say(f"written: {folder}/ ({', '.join(written)})")
     say(f"done in {time.perf_counter() - begun:.2f} s")
     return BROKEN if result.broken else 0
+
+
+@contextlib.contextmanager
+def progress() -> Iterator[Report]:
+    """Show a bar on stderr where that is a terminal, or else a line for each run."""
+    if sys.stderr.isatty():
+        with progress_bar("") as report:
+            yield report
+        return
+    told = [""]
+
+    def line(share: float, words: str) -> None:
+        run = words.partition(":")[0]
+        if run not in ("", told[-1]):
+            say(f"{share:4.0%}  {run}")
+            told.append(run)
+
+    yield line
 
 
 def _command(paper: str, effort: Effort) -> str:

@@ -39,6 +39,10 @@ MOST_NODES = 20_000_000
 """Nodes or elements of one kind that a file may claim to hold."""
 TITLE = 72
 """Characters of a title; 4 to a word, in files of 8-byte words too."""
+HEADING, PART_TITLES, LISTS = 90000, 90001, (90001, 90002, 90020)
+"""Kinds of titles: of the run, of parts, and all that are lists of numbers and titles (parts, contacts, fluids)."""
+KINDS = range(90000, 1_000_000)
+"""Where kinds of titles lie; as a time, none of these words is above 1e-38."""
 CONTROL = {
     "dimensions": 15, "nodes": 16, "globals": 18, "temperatures": 19, "coordinates": 20, "velocities": 21,
     "accelerations": 22, "solids": 23, "solid_numbers": 27, "beams": 28, "beam_numbers": 30, "shells": 31,
@@ -97,15 +101,15 @@ class D3plot:
         Raises
         ------
         InputError
-            If a file cannot be read.
+            If a file cannot be read, or a state holds what is no finite number.
         """
         last = -np.inf
         for place, file in enumerate(self._files):
             for words in _stored(file, self._layout, self._layout.begin if place == 0 else 0):
-                if words[0] == END or not words[0] > last or self._is_padding(words):
+                if words[0] == END or words[0] <= last or self._is_padding(words):
                     break
                 last = float(words[0])
-                yield self._state(words)
+                yield _finite(file, self._state(words))
 
     def _is_padding(self, words: NDArray[Any]) -> bool:
         """Return whether these are zeros that fill a file up to a whole block: no node has a place."""
@@ -261,17 +265,19 @@ class _Reader:
         if self._next_real() != END:
             return found
         self.skip(1)
-        while (kind := self._next_whole()) in (90000, 90001, 90002):
+        while (kind := self._next_whole()) in KINDS:
             self.skip(1)
-            if kind == 90000:
+            if kind == HEADING:
                 self.take(TITLE)
+            elif kind not in LISTS:
+                raise _refused(self.path, f"titles of kind {kind}")
             else:
                 count = int(self.integers(1)[0])
                 row = np.dtype([("number", self.whole), ("title", f"S{TITLE}")])
                 if not 0 <= count <= MOST_NODES:
                     raise _damaged(self.path, f"{count} titles")
                 rows = np.frombuffer(self.take(count * row.itemsize), row)
-                if kind == 90001:
+                if kind == PART_TITLES:
                     found = {int(n): title_of(text) for n, text in rows}
             if self._next_real() == END:
                 self.skip(1)
@@ -341,6 +347,15 @@ def _stored(file: Path, layout: _Layout, begin: int) -> Iterator[NDArray[Any]]:
                 yield words.astype(float)
     except OSError as error:
         raise InputError("FILE", str(file), "a file that can be read", error.strerror or str(error)) from None
+
+
+def _finite(file: Path, state: State) -> State:
+    """Return a state in which all is finite."""
+    for what, values in vars(state.frame).items():
+        if not np.isfinite(values).all():
+            field = f"{file.name}, {what.replace('_', ' ')} at {state.frame.time:g} s"
+            raise InputError(field, "NaN or infinity", "finite numbers", "the run blew up there")
+    return state
 
 
 def _family(path: Path) -> tuple[Path, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,11 +12,12 @@ from numpy.typing import NDArray
 
 from strikewave.errors import InputError
 from strikewave.fem.boundary import held_nodes, nodes_named
+from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import Array, Index, Mesh
-from strikewave.fem.model import Curve, Driven, Fixed, Guided, Model, Symmetry, Tie
+from strikewave.fem.model import Curve, Driven, Fixed, Guided, Model, Symmetry, Tie, Wall
 from strikewave.fem.solve import check_controls
 from strikewave.fem.surfaces import extents
-from strikewave.fem.tie import NEAR, TieState, prepare_ties
+from strikewave.fem.tie import NEAR, TieState
 
 LARGEST_ID = 99_999_999
 """Largest number of a node or element in eight columns."""
@@ -25,6 +27,8 @@ ALIGNED = 1e-9
 """How far held directions may lie off the axes."""
 NEVER = 1e20
 """Stands for infinity."""
+SMALLEST = 1e-20
+"""Stands for 0 where another code takes 0 for its own default."""
 
 
 @dataclass(frozen=True)
@@ -59,12 +63,15 @@ class Heading:
         Of strikewave.
     frames : int
         Whole fields that the other code should write.
+    notes : tuple of str
+        What a reader of its results has to know, such as that a quarter is modelled.
     """
 
     title: str
     case: str = "model"
     version: str = ""
     frames: int = 20
+    notes: tuple[str, ...] = ()
 
     @property
     def stem(self) -> str:
@@ -104,16 +111,17 @@ class Restraint:
         return not np.array_equal(self.axes, np.eye(3))
 
 
-def checked(model: Model) -> None:
-    """Refuse a model that could not be run, or whose numbers do not go into eight columns.
+def checked(model: Model) -> TieState:
+    """Prepare a model as a run would, so that what strikewave would not run is no deck; return its tied nodes.
 
     Raises
     ------
     InputError, InputErrors
-        With what is wrong.
+        If the model could not be run, or its numbers do not go into eight columns.
     """
     check_controls(model)
     check_ids(max(len(model.mesh.points), len(model.mesh.hexahedra)) + len(model.rigid))
+    return Engine(model).ties
 
 
 def check_ids(largest: int) -> None:
@@ -134,9 +142,35 @@ def has_one_point(model: Model) -> bool:
     return any(name not in model.controls.full and name not in rigid for name in model.mesh.names)
 
 
-def tied_nodes(model: Model) -> TieState:
-    """Return the tied nodes of a model."""
-    return prepare_ties(model.ties, model.mesh)
+def or_smallest(value: float) -> float:
+    """Return a number that no code takes for its own default."""
+    return value or SMALLEST
+
+
+def left_out_of_all(model: Model, sums: str) -> Iterator[str]:
+    """Yield what decks of no code have; ``sums`` is where the code tells of each part alone."""
+    if model.controls.blows > 1:
+        yield f"blows 2 to {model.controls.blows}: the deck is that of the first one"
+    for name, parts in model.groups.items():
+        yield f"group {name}: add up {', '.join(parts)} in {sums}"
+
+
+def told(code: str, differs: Sequence[str], left_out: Sequence[str]) -> list[str]:
+    """Return what the head of a deck says about the other code.
+
+    Examples
+    --------
+    >>> told("LS-DYNA", ["friction"], [])
+    ['what LS-DYNA does in its own way: friction', 'left out: nothing']
+    """
+    ways = [f"what {code} does in its own way: {line}" for line in differs]
+    return [*ways, *(f"left out: {line}" for line in left_out or ("nothing",))]
+
+
+def walls_at_rigid_nodes(model: Model) -> list[Wall]:
+    """Return the walls whose side has nodes of a rigid part, such as those that a deforming part shares with one."""
+    rigid = [model.mesh.nodes_of(one.part) for one in model.rigid]
+    return [wall for wall in model.walls if any(np.isin(model.mesh.side(wall.side), nodes).any() for nodes in rigid)]
 
 
 def tie_distance(tie: Tie, mesh: Mesh) -> float:
@@ -231,12 +265,17 @@ def nearest_node(model: Model, part: str, place: Sequence[float]) -> int:
 def real(value: float, width: int) -> str:
     """Write a number with as many digits as go into some columns.
 
+    Raises
+    ------
+    InputError
+        If it is not finite, or does not go into the columns.
+
     Examples
     --------
     >>> real(7.82e-9, 10), real(-0.123456789012, 10), real(211e9, 20), real(0.0, 10)
     ('7.82e-9', '-.12345679', '211000000000.0', '0.0')
     """
-    for digits in range(15, 0, -1):
+    for digits in range(15 if math.isfinite(value) else 0, 0, -1):
         text = f"{value:.{digits}g}"
         if "e" in text:
             mantissa, power = text.split("e")
@@ -246,7 +285,7 @@ def real(value: float, width: int) -> str:
         short = text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) and len(text) > width else text
         if len(short) <= width:
             return short
-    raise InputError("number", value, f"one that goes into {width} columns")
+    raise InputError("number", value, f"a finite one that goes into {width} columns")
 
 
 def plain(text: str, width: int) -> str:

@@ -6,6 +6,7 @@ Of ours it reads what `strikewave fem` wrote: ``histories.nc`` and, where it is 
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -33,6 +34,8 @@ SHIFT = 0.02
 """Share of our width by which a pulse may begin earlier or later without a word."""
 ASIDE = 10.0
 """Angle between the impulses of both that is worth a word, degrees."""
+LATER = re.compile(r"histories-\d+\.nc")
+"""Histories of the second blow and on."""
 _SIZES = ("peak", "impulse")
 
 
@@ -51,6 +54,8 @@ class OurRun:
         ``internal`` is with the work of bulk viscosity, for which LS-DYNA has no line of its own.
     extremes : mapping of str to Extreme
         By part, over the frames of ``field.vtkhdf``; empty without it.
+    blows : int
+        That the folder holds; only the first is read.
     """
 
     folder: Path
@@ -58,6 +63,7 @@ class OurRun:
     forces: Mapping[str, Force]
     ledger: Ledger
     extremes: Mapping[str, Extreme]
+    blows: int = 1
 
 
 @dataclass(frozen=True)
@@ -142,9 +148,10 @@ def read_ours(folder: Path) -> OurRun:
         with xarray.open_dataset(path, engine="h5netcdf") as held:
             forces, ledger = _our_forces(held), _our_ledger(held)
             title = tomllib.loads(str(held.attrs["case"])).get("title", folder.name)
+        blows = 1 + sum(LATER.fullmatch(one.name) is not None for one in folder.iterdir())
     except (OSError, KeyError, ValueError, TypeError, RuntimeError, AttributeError, MemoryError) as error:
         raise InputError("--beside", str(path), "histories as strikewave fem writes them", str(error)[:200]) from None
-    return OurRun(folder, str(title), forces, ledger, _our_extremes(folder / "field.vtkhdf"))
+    return OurRun(folder, str(title), forces, ledger, _our_extremes(folder / "field.vtkhdf"), blows)
 
 
 def lay_beside(
@@ -299,6 +306,9 @@ def _notices(beside: Beside) -> Iterator[Notice]:
     """Yield what to know before the numbers are believed."""
     ours, theirs = beside.ours, beside.theirs
     assert ours is not None
+    if ours.blows > 1:
+        words = f"our run has {ours.blows} blows: the first alone is laid beside LS-DYNA's"
+        yield Notice("blows", words, float(ours.blows), 1.0)
     paired = {pair.name for pair in beside.forces}
     for name in (name for name in ours.forces if name not in paired):
         free = ", ".join(contact.name for contact in theirs.contacts) or "none"

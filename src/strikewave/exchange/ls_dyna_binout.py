@@ -46,18 +46,21 @@ def read_binout(paths: Sequence[Path]) -> tuple[tuple[ContactForce, ...], Global
                 if len(branches[words[0]]) > MOST_OUTPUTS:
                     raise InputError("FILE", str(path), f"at most {MOST_OUTPUTS} outputs")
     where = paths[0] if paths else Path("binout")
-    return _contacts(where, branches["rcforc"]), _energies(branches["glstat"])
+    return _contacts(where, branches["rcforc"]), _energies(where, branches["glstat"])
 
 
 def _contacts(path: Path, held: Held) -> tuple[ContactForce, ...]:
     about = held.pop("metadata", {})
-    if not held or "ids" not in about:
+    outputs = _in_order(path, "rcforc", held)
+    if not outputs or "ids" not in about:
         return ()
+    for name in ("ids", "side", "legend_ids"):
+        if name in about and about[name].dtype.kind not in "iu":
+            raise InputError(f"{path.name}, rcforc/metadata/{name}", str(about[name].dtype), "whole numbers")
     numbers = about["ids"].astype(int)
     sides = about.get("side", np.zeros(numbers.size)).astype(bool)
     if sides.size != numbers.size:
         raise InputError("FILE", str(path), "a side for each contact in rcforc/metadata")
-    outputs = _in_order(held)
     time = _table(path, outputs, ("time",), 1)[:, 0, 0]
     force = _table(path, outputs, FORCES, numbers.size)
     mass = _table(path, outputs, ("mass",), numbers.size) if "mass" in outputs[0] else np.zeros_like(force[:, :1])
@@ -77,27 +80,41 @@ def _contacts(path: Path, held: Held) -> tuple[ContactForce, ...]:
     )
 
 
-def _energies(held: Held) -> GlobalEnergies | None:
+def _energies(path: Path, held: Held) -> GlobalEnergies | None:
     held.pop("metadata", None)
-    if not held:
+    outputs = _in_order(path, "glstat", held)
+    if not outputs:
         return None
-    outputs = _in_order(held)
-    names = dict.fromkeys(name for one in outputs for name, values in one.items() if values.size)
-    table = {
-        name: np.array([float(one[name].sum()) if name in one else math.nan for one in outputs])
-        for name in names
-        if all(one[name].dtype.kind in "if" for one in outputs if name in one)
-    }
-    return GlobalEnergies(table.pop("time"), {_words(name): values for name, values in table.items()})
+    names = dict.fromkeys(name for one in outputs for name, values in one.items() if values.size and name != "time")
+    table = {}
+    for name in names:
+        columns = [one.get(name) for one in outputs]
+        if all(values is None or values.dtype.kind in "if" for values in columns):
+            sums = [None if values is None else float(values.sum(dtype=float)) for values in columns]
+            _check_finite(path, f"glstat {name}", np.array([total for total in sums if total is not None]))
+            table[_words(name)] = np.array([math.nan if total is None else total for total in sums])
+    return GlobalEnergies(np.array([float(one["time"][0]) for one in outputs]), table)
 
 
-def _in_order(held: Held) -> list[dict[str, NDArray[Any]]]:
-    """Return the outputs that have a time by their number, without those that a restart wrote again."""
+def _in_order(path: Path, branch: str, held: Held) -> list[dict[str, NDArray[Any]]]:
+    """Return the outputs that have a time by their number, without those that a restart wrote again.
+
+    A last one that lacks what all others have was cut off, and is left out.
+    """
     outputs = [held[name] for name in sorted(held, key=number_of) if held[name].get("time", _NONE).size == 1]
     if not outputs:
-        return [{"time": _NONE}]
-    kept = last_pass(np.array([float(one["time"][0]) for one in outputs]))
-    return [one for one, keep in zip(outputs, kept, strict=True) if keep]
+        return []
+    time = np.array([float(one["time"][0]) for one in outputs])
+    _check_finite(path, f"{branch} time", time)
+    outputs = [one for one, keep in zip(outputs, last_pass(time), strict=True) if keep]
+    if len(outputs) > 1 and not set.intersection(*map(set, outputs[:-1])) <= outputs[-1].keys():
+        outputs.pop()
+    return outputs
+
+
+def _check_finite(path: Path, what: str, values: NDArray[Any]) -> None:
+    if not np.isfinite(values).all():
+        raise InputError(f"{path.name}, {what}", "NaN or infinity", "finite numbers", "the run blew up there")
 
 
 def _table(path: Path, outputs: list[dict[str, NDArray[Any]]], names: tuple[str, ...], count: int) -> Array:
@@ -107,6 +124,7 @@ def _table(path: Path, outputs: list[dict[str, NDArray[Any]]], names: tuple[str,
             if one.get(name, _NONE).size != count:
                 got = f"{one.get(name, _NONE).size} numbers"
                 raise InputError(f"{path.name}, rcforc {name}", got, f"{count} in each output", "is the run whole?")
+            _check_finite(path, f"rcforc {name}", one[name])
     return np.array([[one[name] for name in names] for one in outputs], float)
 
 

@@ -15,13 +15,16 @@ from strikewave.exchange.deck import (
     Heading,
     checked,
     has_one_point,
+    left_out_of_all,
     mesh_columns,
     nearest_node,
+    or_smallest,
     plain,
     rows,
-    tied_nodes,
+    told,
+    walls_at_rigid_nodes,
 )
-from strikewave.exchange.ls_dyna_deck_cards import Sets, keyword, or_smallest, remark
+from strikewave.exchange.ls_dyna_deck_cards import Sets, keyword, remark
 from strikewave.exchange.ls_dyna_deck_loads import STICKS, load_lines
 from strikewave.exchange.ls_dyna_deck_parts import part_lines
 from strikewave.exchange.units import UnitSystem
@@ -56,8 +59,7 @@ def ls_dyna_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
     *NODE
            1 0.000000000e+00 0.000000000e+00 0.000000000e+00
     """
-    checked(model)
-    ties, sets = tied_nodes(model), Sets(model.mesh)
+    ties, sets = checked(model), Sets(model.mesh)
     left_out, differs = tuple(_left_out(model)), tuple(_differs(model))
     loads = list(load_lines(model, system, sets, ties))
     lines = [
@@ -92,23 +94,29 @@ def _head(
         f"{heading.title}: case {heading.case}, strikewave {heading.version}",
         f"units: {length}, {mass}, {time} ({system.name}), K; "
         f"1 of stress is {1.0 / system.stress:g} Pa, 1 of force {1.0 / system.force:g} N",
-        *(f"what LS-DYNA does in its own way: {line}" for line in differs),
-        *(f"left out: {line}" for line in left_out or ("nothing",)),
+        *heading.notes,
+        *told("LS-DYNA", differs, left_out),
         *(f"wall {number}: {wall.name}" for number, wall in enumerate(model.walls, start=1)),
         *(f"section {number}: {section.name}" for number, section in enumerate(model.sections, start=1)),
     ]
-    return ["*KEYWORD", *keyword("TITLE", plain(heading.title, 80)), *remark(words)]
+    return ["*KEYWORD", *keyword("TITLE", plain(heading.title.replace("&", "and"), 80)), *remark(words)]
 
 
 def _controls(model: Model, system: UnitSystem) -> Iterator[str]:
-    """Yield how the deck is run; OSU = 1 updates stress in the middle of the step, energies are all added up."""
+    """Yield how the deck is run.
+
+    OSU = 1 updates stress in the middle of the step, energies are all added up, MS1ST = 1 scales mass before the first
+    step alone, RWPNAL = 1 lets walls stop nodes of rigid parts too.
+    """
     c = model.controls
-    scaled = -c.least_step / c.safety * system.duration if c.least_step else 0.0
+    scaling = [-c.least_step / c.safety * system.duration, 0, 0, 1] if c.least_step else [0.0]
     yield from keyword("CONTROL_TERMINATION", [c.duration * system.duration])
-    yield from keyword("CONTROL_TIMESTEP", [0.0, c.safety, 0, 0.0, scaled])
+    yield from keyword("CONTROL_TIMESTEP", [0.0, c.safety, 0, 0.0, *scaling])
     yield from keyword("CONTROL_BULK_VISCOSITY", [or_smallest(c.quadratic_viscosity), or_smallest(c.linear_viscosity)])
     yield from keyword("CONTROL_ACCURACY", [1])
     yield from keyword("CONTROL_ENERGY", [2, 2, 2, 2])
+    if walls_at_rigid_nodes(model):
+        yield from keyword("CONTROL_CONTACT", [0.1, 1.0, 1, 0, 1, 0, 1], [0, 0, 0, 0, 4.0])
 
 
 def _output(model: Model, system: UnitSystem, frames: int) -> Iterator[str]:
@@ -141,10 +149,7 @@ def _output(model: Model, system: UnitSystem, frames: int) -> Iterator[str]:
 
 
 def _left_out(model: Model) -> Iterator[str]:
-    if model.controls.blows > 1:
-        yield f"blows 2 to {model.controls.blows}: the deck is that of the first one"
-    for name, parts in model.groups.items():
-        yield f"group {name}: add up {', '.join(parts)} in matsum"
+    yield from left_out_of_all(model, "matsum")
     for section in model.sections:
         yield (
             f"section {section.name}: secforc has its force, elout the stresses of its elements; their mean and "
@@ -160,8 +165,8 @@ def _differs(model: Model) -> Iterator[str]:
         )
     if has_one_point(model):
         yield (
-            "hourglass control IHQ = 5, Flanagan's and Belytschko's stiffness form, is the nearest: strikewave's "
-            "follows from a potential and is bounded where a solid yields"
+            "hourglass control is Flanagan's and Belytschko's stiffness form (IHQ = 5), QM strikewave's coefficient, "
+            "which need not scale alike; strikewave's follows from a potential and is bounded where a solid yields"
         )
     yield (
         "bulk viscosity acts in compression alone, its length the cube root of the volume; the linear part of "
@@ -172,8 +177,13 @@ def _differs(model: Model) -> Iterator[str]:
             "Johnson and Cook: pressure is K (density ratio - 1), all plastic work heats (the specific heat is that "
             "over heat_fraction), and nothing fails (D1 = 1e6)"
         )
-    if model.controls.least_step:
-        yield "mass is scaled throughout the run (DT2MS), here only before it"
+    if model.walls:
+        yield (
+            "walls are a constraint: a node that has passed one is put back on it and at once loses its velocity into "
+            "it, and the energy of that; strikewave's are a penalty on the gap at the end of the step"
+        )
+    for wall in walls_at_rigid_nodes(model):
+        yield f"wall {wall.name}: its nodes of rigid parts meet a penalty on the depth that is there (RWPNAL = 1)"
     for wall in model.walls:
         if wall.friction >= STICKS:
             yield f"wall {wall.name}: its friction of {wall.friction:g} is no sliding at all there (FRIC = 1)"

@@ -14,8 +14,6 @@ from strikewave.fem.mesh import Array, Index, Mesh
 Value = int | float | None
 ROUGH = 1e-9
 """Largest share of a number that a standard field of ten columns may cut off; a long one has twenty."""
-SMALLEST = 1e-20
-"""Stands for 0 where LS-DYNA takes 0 for its own default."""
 
 
 def keyword(name: str, *cards: str | Sequence[Value]) -> list[str]:
@@ -51,11 +49,6 @@ def _real(value: float, width: int) -> str:
     """Write a number so that it is one with a point too."""
     text = real(value, width)
     return text.replace("e", ".0e") if "." not in text and len(text) <= width - 2 else text
-
-
-def or_smallest(value: float) -> float:
-    """Return a number that LS-DYNA does not take for its own default."""
-    return value or SMALLEST
 
 
 @dataclass

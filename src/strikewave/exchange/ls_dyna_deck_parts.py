@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from strikewave.exchange.deck import NEVER, plain
-from strikewave.exchange.ls_dyna_deck_cards import Value, keyword, or_smallest
+from strikewave.exchange.deck import NEVER, or_smallest, plain
+from strikewave.exchange.ls_dyna_deck_cards import Value, keyword
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.model import Model, Rigid
 from strikewave.fem.solids import AnySolid, Bilinear, JohnsonCook

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError
+from strikewave.errors import InputError, show
 from strikewave.exchange.d3plot import D3plot, read_d3plot
 from strikewave.exchange.ls_dyna_ascii import Array, ContactForce, GlobalEnergies, read_glstat, read_rcforc
 from strikewave.exchange.ls_dyna_binout import read_binout
@@ -20,6 +22,8 @@ from strikewave.fem.invariants import von_mises
 from strikewave.fem.run import Frame
 from strikewave.signal.pulse import crossing
 
+NAMES = re.compile(r"(?P<job>(.+\.)?)(?P<name>rcforc|glstat|d3plot|binout\d*)", re.DOTALL)
+"""Names of the files that are read; with ``jobid=JOB`` LS-DYNA puts the job before all."""
 WIDTH_SHARE = 0.1
 """Share of the peak at which a pulse begins and ends."""
 ENERGIES = {
@@ -172,34 +176,43 @@ class LsDynaRun:
 def read_folder(folder: Path, units: UnitSystem) -> LsDynaRun:
     """Return what a folder of LS-DYNA holds: ``rcforc``, ``glstat``, ``binout...`` and ``d3plot...``.
 
-    The text files count where both they and a binout are there.
+    The text files count where both they and a binout are there. All may begin with the name of a job, ``JOB.rcforc``.
 
     Raises
     ------
     InputError
-        If there is no such folder, nothing of LS-DYNA in it, or a file cannot be read.
+        If there is no such folder, nothing of LS-DYNA in it or that of several jobs, or a file cannot be read.
     """
     if not folder.is_dir():
         raise InputError("FOLDER", str(folder), "a folder with rcforc, glstat, binout or d3plot")
-    text = {name: folder / name for name in ("rcforc", "glstat") if (folder / name).is_file()}
-    archives = sorted(path for path in folder.glob("binout*") if path.is_file())
-    plot = folder / "d3plot"
-    if not (text or archives or plot.is_file()):
-        raise InputError(
-            "FOLDER", str(folder), "a folder with rcforc, glstat, binout or d3plot", "none of them is there"
-        )
+    held = _held(folder)
+    text = {name: held[name] for name in ("rcforc", "glstat") if name in held}
+    archives = [held[name] for name in sorted(held) if name.startswith("binout")]
     forces, energies = read_binout(archives) if archives and len(text) < 2 else ((), None)
     forces = read_rcforc(text["rcforc"]) if "rcforc" in text else forces
     energies = read_glstat(text["glstat"]) if "glstat" in text else energies
     contacts, ledger = _contacts(forces, units), _ledger(energies, units) if energies else None
-    fields = read_d3plot(plot, units) if plot.is_file() else None
+    fields = read_d3plot(held["d3plot"], units) if "d3plot" in held else None
     extremes, times = _extremes(fields) if fields else ({}, [])
     spans = [one.time for contact in contacts for one in contact.sides.values()]
     spans += ([ledger.time] if ledger else []) + ([np.array(times)] if times else [])
-    files = (*text.values(), *(archives if len(text) < 2 else ()), *((plot,) if fields else ()))
+    files = (*text.values(), *(archives if len(text) < 2 else ()), *((held["d3plot"],) if fields else ()))
     first = min((float(time[0]) for time in spans if len(time)), default=math.nan)
     last = max((float(time[-1]) for time in spans if len(time)), default=math.nan)
     return LsDynaRun(folder, files, contacts, ledger, fields, extremes, len(times), (first, last))
+
+
+def _held(folder: Path) -> dict[str, Path]:
+    """Return the files of a run by their names, without that of the job; those without one before all others."""
+    try:
+        found = [(match, path) for path in folder.iterdir() if (match := NAMES.fullmatch(path.name)) and path.is_file()]
+    except OSError as error:
+        raise InputError("FOLDER", str(folder), "a folder that can be read", error.strerror or str(error)) from None
+    jobs = sorted({match["job"] for match, _ in found})
+    if not found or (len(jobs) > 1 and jobs[0]):
+        hint = f"it holds those of several jobs: {show(', '.join(jobs))}" if found else "none of them is there"
+        raise InputError("FOLDER", str(folder), "a folder with rcforc, glstat, binout or d3plot", hint)
+    return {match["name"]: path for match, path in found if match["job"] == jobs[0]}
 
 
 def pulse_of(force: Force) -> Pulse | None:
@@ -251,8 +264,10 @@ def _contacts(forces: tuple[ContactForce, ...], units: UnitSystem) -> tuple[Cont
     found: dict[int, Contact] = {}
     for one in forces:
         force = Force(one.time * units.time, one.force / units.force)
-        sides = {**found[one.number].sides, one.side: force} if one.number in found else {one.side: force}
-        found[one.number] = Contact(one.number, one.title, sides)
+        sides = found[one.number].sides if one.number in found else {}
+        if one.side in sides:
+            raise InputError(f"contact {one.number}, side {one.side}", "two forces", "one force on each side")
+        found[one.number] = Contact(one.number, one.title, {**sides, one.side: force})
     return tuple(found[number] for number in sorted(found))
 
 
@@ -266,11 +281,14 @@ def _ledger(energies: GlobalEnergies, units: UnitSystem) -> Ledger:
 
 
 def _extremes(fields: D3plot) -> tuple[dict[str, Extreme], list[float]]:
+    """Return the extremes of the parts, without stress and strain of deleted elements, and the instants."""
     mesh = fields.mesh
     parts = {name: (mesh.nodes_of(name), mesh.elements_of(name)) for name in mesh.names}
     found: dict[str, Extreme] = {}
     times = []
     for state in fields.states():
-        found = widened(found, state.frame, parts)
+        stress = np.where(state.alive[:, None], state.frame.stress, 0.0)
+        strain = np.where(state.alive, state.frame.plastic_strain, 0.0)
+        found = widened(found, dataclasses.replace(state.frame, stress=stress, plastic_strain=strain), parts)
         times.append(state.frame.time)
     return found, times

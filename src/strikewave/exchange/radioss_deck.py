@@ -15,12 +15,14 @@ from strikewave.exchange.deck import (
     Heading,
     checked,
     has_one_point,
+    left_out_of_all,
     mesh_columns,
     nearest_node,
     plain,
     real,
     rows,
-    tied_nodes,
+    told,
+    walls_at_rigid_nodes,
 )
 from strikewave.exchange.radioss_deck_blocks import Groups, Value, block
 from strikewave.exchange.radioss_deck_loads import load_lines
@@ -46,8 +48,7 @@ def radioss_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
     InputError, InputErrors
         If the model could not be run, or has more nodes than eight columns can number.
     """
-    checked(model)
-    ties, groups = tied_nodes(model), Groups(model.mesh)
+    ties, groups = checked(model), Groups(model.mesh)
     left_out, differs = tuple(_left_out(model)), tuple(_differs(model))
     loads = list(load_lines(model, system, groups, ties))
     head = [
@@ -67,8 +68,8 @@ def _begin(system: UnitSystem, heading: Heading, left_out: tuple[str, ...], diff
     units = "".join(f"{word:>20}" for word in (mass, length, time))
     words = [
         f"{heading.title}: case {heading.case}, strikewave {heading.version}; units {system.name}",
-        *(f"what OpenRadioss does in its own way: {line}" for line in differs),
-        *(f"left out: {line}" for line in left_out or ("nothing",)),
+        *heading.notes,
+        *told("OpenRadioss", differs, left_out),
     ]
     remarks = [f"# {line}" for text in words for line in textwrap.wrap(plain(text, 2000), 96)]
     begin = ["#RADIOSS STARTER", *remarks, "/BEGIN", heading.stem, f"{FORMAT:10d}{0:10d}", units, units]
@@ -88,8 +89,8 @@ def _mesh(model: Model, system: UnitSystem) -> Iterator[str]:
 
 def _histories(model: Model) -> Iterator[str]:
     """Yield what histories are of: parts, contacts and ties, walls, points, the elements of sections."""
-    told = {"PART": len(model.mesh.names), "INTER": len(model.contacts + model.ties), "RWALL": len(model.walls)}
-    for kind, count in told.items():
+    counts = {"PART": len(model.mesh.names), "INTER": len(model.contacts + model.ties), "RWALL": len(model.walls)}
+    for kind, count in counts.items():
         if count:
             ten_each = (list(range(k, min(k + 10, count + 1))) for k in range(1, count + 1, 10))
             yield from block(f"TH/{kind}/1", kind.lower(), ["DEF"], *ten_each)
@@ -118,13 +119,12 @@ def _engine(model: Model, system: UnitSystem, heading: Heading) -> Iterator[str]
 
 
 def _left_out(model: Model) -> Iterator[str]:
-    if model.controls.blows > 1:
-        yield f"blows 2 to {model.controls.blows}: the deck is that of the first one"
+    yield from left_out_of_all(model, "the histories of parts")
     for boundary in model.boundaries:
         if isinstance(boundary, NonReflecting):
             yield f"non-reflecting side {boundary.side}: it is free there, and sends waves back"
-    for name, parts in model.groups.items():
-        yield f"group {name}: add up {', '.join(parts)} in the histories of parts"
+    for wall in walls_at_rigid_nodes(model):
+        yield f"wall {wall.name}, for nodes of rigid parts: OpenRadioss takes them from walls (Ikrem = 0)"
     for section in model.sections:
         yield f"section {section.name}: the histories of its elements are written, their mean and motion are not"
     if model.controls.hourglass and has_one_point(model):
@@ -144,6 +144,11 @@ def _differs(model: Model) -> Iterator[str]:
         yield (
             "Johnson and Cook: all plastic work heats (the heat capacity is that over heat_fraction), pressure is "
             "linear in the volume"
+        )
+    if model.walls:
+        yield (
+            "walls are a kinematic condition: a node that would pass one at once loses its velocity into it, and the "
+            "energy of that; strikewave's are a penalty on the gap at the end of the step"
         )
     if model.controls.least_step:
         yield "mass is scaled at nodes throughout the run (/DT/NODA/CST), here at elements before it"

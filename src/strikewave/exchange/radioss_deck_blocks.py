@@ -12,8 +12,6 @@ from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Curve
 
 Value = int | float | str | None
-SMALLEST = 1e-20
-"""Stands for 0 where OpenRadioss takes 0 for its own default."""
 
 
 def block(name: str, title: str | None, *cards: Sequence[Value]) -> list[str]:
@@ -32,11 +30,6 @@ def _field(value: Value) -> str:
     if isinstance(value, float):
         return real(value, 20).rjust(20)
     return ("" if value is None else str(value)).rjust(10)
-
-
-def or_smallest(value: float) -> float:
-    """Return a number that OpenRadioss does not take for its own default."""
-    return value or SMALLEST
 
 
 @dataclass

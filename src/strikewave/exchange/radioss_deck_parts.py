@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from strikewave.exchange.radioss_deck_blocks import Groups, Value, block, or_smallest
+from strikewave.exchange.deck import or_smallest
+from strikewave.exchange.radioss_deck_blocks import Groups, Value, block
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.engine import nodal_sums
 from strikewave.fem.hexahedron import element_masses

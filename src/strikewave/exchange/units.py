@@ -100,13 +100,14 @@ class UnitSystem:
 SYSTEMS = {
     "SI": UnitSystem("SI", 1.0, 1.0, 1.0, ("m", "kg", "s")),
     "mm-t-s": UnitSystem("mm-t-s", 1e-3, 1e3, 1.0, ("mm", "Mg", "s")),
+    "mm-ms-kg": UnitSystem("mm-ms-kg", 1e-3, 1.0, 1e-3, ("mm", "kg", "ms")),
     "mm-g-us": UnitSystem("mm-g-us", 1e-3, 1e-3, 1e-6, ("mm", "g", "mus")),
 }
 """By name; words as OpenRadioss writes them: Mg is a tonne, mus a microsecond."""
 
 
-def unit_system(name: str) -> UnitSystem:
-    """Return a system of units by its name.
+def unit_system(name: str, field: str = "units") -> UnitSystem:
+    """Return a system of units by its name; ``field`` is where that was said.
 
     Raises
     ------
@@ -114,5 +115,5 @@ def unit_system(name: str) -> UnitSystem:
         If there is none of that name.
     """
     if name not in SYSTEMS:
-        raise InputError("units", name, ", ".join(SYSTEMS), nearest(name, SYSTEMS))
+        raise InputError(field, name, ", ".join(SYSTEMS), nearest(name, SYSTEMS))
     return SYSTEMS[name]

@@ -6,7 +6,7 @@ Between two blows of a machine lie many milliseconds. In that time
    (`strikewave.fem.rest`); what touches without having been thrown at each other (parts of equal velocity in the case)
    goes on to touch;
 2. each body goes back to where it began, as one rigid body and only along what boundaries leave it
-   (`strikewave.fem.bodies`); a rigid part stands exactly there;
+   (`strikewave.fem.bodies`); one with a rigid part so that this stands exactly there;
 3. where bodies touch that were moved, they come to rest once more.
 
 Then all get the velocities of the model, time and curves begin at 0, and the ledger with the energy that residual
@@ -18,13 +18,13 @@ out without a force, as before a first blow (`strikewave.fem.contact`).
 from __future__ import annotations
 
 import dataclasses
-import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from strikewave.fem.bodies import Body, bodies_of, way_back
 from strikewave.fem.engine import Engine
+from strikewave.fem.mesh import Array
 from strikewave.fem.model import Driven, Model, NonReflecting, Pressure, stays
 from strikewave.fem.rest import settle
 from strikewave.fem.restart import put_back, state_of
@@ -35,7 +35,7 @@ REST = 1e-10
 LONGEST = 20
 """Times the steps of a blow that its bodies may take to rest."""
 RETREATS = 30
-"""Steps back of what strikes at most."""
+"""Steps back of what strikes at most; what is left then is let out without a force, and told as an overlap."""
 CLEAR = 1.01
 """Times the overlap by which it steps back."""
 ROUNDING = 1e-9
@@ -95,7 +95,7 @@ def next_blow(engine: Engine, energy: float, share: float = REST) -> Engine:
 def bodies_of_engine(engine: Engine) -> list[Body]:
     """Return the bodies of a run, with the motions that all but driven sides leave them."""
     still = [hold for hold in engine.holds if hold.speed is None]
-    return bodies_of(engine.model.mesh, engine.own_mass, engine.ties, still)
+    return bodies_of(engine.model.mesh, engine.own_mass, engine.ties, still, engine.bodies)
 
 
 def quiet(model: Model) -> Model:
@@ -115,19 +115,21 @@ def quiet(model: Model) -> Model:
 def _left_of(ended: State, engine: Engine) -> dict[str, np.ndarray]:
     """Return what the state at the end of a run leaves to bodies that come to rest in place."""
     places = {name for name in ended if name.startswith(("elements/", "contact/", "wall/"))}
-    turned = {name for name in ended if name.startswith("body/") and name.endswith(("/centre", "/turned"))}
     known = state_of(engine)
-    kept = {name: ended[name] for name in (places | turned | {"x"}) if name in known}
+    kept = {name: ended[name] for name in (places | set(_placed(ended)) | {"x"}) if name in known}
     return kept | {"v": np.zeros_like(ended["v"])}
 
 
+def _placed(state: State) -> State:
+    """Return where the rigid parts of a state stand."""
+    return {n: value for n, value in state.items() if n.startswith("body/") and n.endswith(("/centre", "/turned"))}
+
+
 def _take_over(engine: Engine, other: Engine, meet: bool) -> None:
-    """Give an engine that has not begun the shape and the elements of another; rigid parts stand where they begin."""
-    left = {name: value for name, value in state_of(other).items() if name.startswith("elements/")}
-    places = other.x.copy()
-    for body in engine.bodies:
-        places[body.nodes] = engine.x[body.nodes]
-    put_back(engine, {**state_of(engine), **left, "x": places})
+    """Give an engine that has not begun the shape and the elements of another."""
+    state = state_of(other)
+    left = {name: value for name, value in state.items() if name.startswith("elements/")}
+    put_back(engine, {**state_of(engine), **left, **_placed(state), "x": other.x})
     engine.meet(engine.x)
     if meet:
         engine.stand()
@@ -139,30 +141,43 @@ def _bring_back(engine: Engine, bodies: Sequence[Body]) -> None:
     turns = np.broadcast_to(np.eye(3), (engine.elements, 3, 3)).copy()
     for body in bodies:
         turn, shift = way_back(body, mesh.points, engine.x)
-        engine.x[body.nodes] = engine.x[body.nodes] @ turn.T + shift
-        for part in body.parts:
-            turns[mesh.elements_of(part)] = turn
+        _move(engine, body, turn, shift)
+        turns[np.isin(mesh.hexahedra[:, 0], body.nodes)] = turn
     for elements in engine.solid.kinds:
         elements.turn(turns)
 
 
+def _move(engine: Engine, body: Body, turn: Array, shift: Array) -> None:
+    """Move a body by R x + t."""
+    engine.x[body.nodes] = engine.x[body.nodes] @ turn.T + shift
+    for rigid in engine.bodies:
+        if rigid.nodes[0] in body.nodes:
+            rigid.centre, rigid.turned = turn @ rigid.centre + shift, turn @ rigid.turned
+
+
 def _step_back(engine: Engine, bodies: Sequence[Body], first: Mapping[str, float]) -> float:
     """Move what strikes back, against its velocity, until it is nowhere deeper in another than at first; return m."""
-    model, moved = engine.model, 0.0
-    small = ROUNDING * float(np.ptp(model.mesh.points, axis=0).max())
-    for _, (name, sides) in itertools.product(range(RETREATS), model.touching.items()):
-        deep = _depths(engine).get(name, 0.0) - first.get(name, 0.0)
-        if deep > small and not stays(model, sides):
-            body = max((b for b in bodies if _in(b, sides)), key=lambda b: _speed(model, b))
-            velocity = max((np.array(model.velocity.get(part, np.zeros(3))) for part in body.parts), key=np.linalg.norm)
-            back = -CLEAR * deep / np.linalg.norm(velocity) * velocity
-            engine.x[body.nodes] += back
-            for rigid in engine.bodies:
-                if rigid.nodes[0] in body.nodes:
-                    rigid.centre = rigid.centre + back
-            moved += float(np.linalg.norm(back))
-            engine.meet(engine.x)
+    moved = 0.0
+    for _ in range(RETREATS):
+        before = moved
+        for name, sides in engine.model.touching.items():
+            moved += _clear(engine, bodies, sides, _depths(engine).get(name, 0.0) - first.get(name, 0.0))
+        if moved == before:
+            break
     return moved
+
+
+def _clear(engine: Engine, bodies: Sequence[Body], sides: Sequence[str], deep: float) -> float:
+    """Move what strikes on two sides back by what it stands too deep; return m."""
+    model = engine.model
+    if deep <= ROUNDING * float(np.ptp(model.mesh.points, axis=0).max()) or stays(model, sides):
+        return 0.0
+    body = max((b for b in bodies if _in(b, sides)), key=lambda b: _speed(model, b))
+    velocity = max((np.array(model.velocity.get(part, np.zeros(3))) for part in body.parts), key=np.linalg.norm)
+    back = -CLEAR * deep / np.linalg.norm(velocity) * velocity
+    _move(engine, body, np.eye(3), back)
+    engine.meet(engine.x)
+    return float(np.linalg.norm(back))
 
 
 def _in(body: Body, sides: Sequence[str]) -> bool:

@@ -53,18 +53,19 @@ def blow_measure(run: FemRun, touching: Mapping[str, Sequence[str]]) -> BlowMeas
 
 
 def restitution(run: FemRun, name: str, sides: Sequence[str]) -> float | None:
-    """Return the speed of separation over that of approach of the two parts of a contact, as rigid bodies.
+    """Return the speed of separation over that of approach of the two bodies of a contact, from their momenta.
 
-    Both are along the impulse of the contact, the first at the start and the second at the end of the run; a wall
-    rests. None where nothing touched, the parts did not approach each other at the start, or still press at the end.
+    A body is all that ties or common nodes join, so that its vibration counts for nothing. Both speeds are along the
+    impulse of the contact, the first at the end and the second at the start of the run; a wall rests. None where
+    nothing touched, the bodies did not approach each other at the start, or still press at the end.
 
     Examples
     --------
     >>> from types import SimpleNamespace
     >>> down, up = np.array([0.0, 0.0, -2.0]), np.array([0.0, 0.0, 1.5])
-    >>> ball = SimpleNamespace(velocity=np.array([down, 0.0 * down, up, up]))
+    >>> ball = SimpleNamespace(mass=1.0, velocity=np.array([down, 0.0 * down, up, up]))
     >>> impulse = np.array([[0.0, 0.0, x] for x in (0.0, 2.0, 3.5, 3.5)])
-    >>> run = SimpleNamespace(time=np.arange(4.0), impulse={"a": impulse}, parts={"ball": ball})
+    >>> run = SimpleNamespace(time=np.arange(4.0), impulse={"a": impulse}, parts={"ball": ball}, bodies=())
     >>> restitution(run, "a", ("ball.round",))
     0.75
     """
@@ -72,10 +73,17 @@ def restitution(run: FemRun, name: str, sides: Sequence[str]) -> float | None:
         return None
     given = run.impulse[name][-1]
     normal = given / max(float(np.linalg.norm(given)), 1e-300)
-    speeds = [run.parts[side.rpartition(".")[0] or side].velocity for side in sides]
+    speeds = [_velocity(run, side.rpartition(".")[0] or side) for side in sides]
     relative = speeds[0] - (speeds[1] if len(speeds) > 1 else 0.0)
     approach, separation = -float(relative[0] @ normal), float(relative[-1] @ normal)
     return separation / approach if approach > 0.0 else None
+
+
+def _velocity(run: FemRun, part: str) -> Array:
+    """Return momentum over mass (instants, 3) of the body that a part belongs to, m/s."""
+    names = next((body for body in run.bodies if part in body), (part,))
+    momentum = sum((run.parts[name].mass * run.parts[name].velocity for name in names), np.zeros(3))
+    return np.asarray(momentum / sum(run.parts[name].mass for name in names))
 
 
 def still_presses(run: FemRun, name: str) -> bool:

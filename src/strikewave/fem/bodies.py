@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import expm
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial.transform import Rotation
 
 from strikewave.fem.boundary import Held
 from strikewave.fem.mesh import Array, Index, Mesh
+from strikewave.fem.rigid import RigidBody
 from strikewave.fem.tie import TieState
 
 HELD = 1e-12
@@ -27,11 +28,13 @@ class Body:
     Attributes
     ----------
     parts : tuple of str
+        Also those of which it has only a piece.
     nodes : array (k,)
-    mass : array (k,)
-        Of the nodes, kg.
+    weight : array (k,)
+        Of the nodes on the way back, kg: their mass; where the body has rigid parts, that of their nodes alone.
     motions : array (6, n)
-        Columns span the rigid motions that boundaries leave: velocity of the centre and rotation times `length`.
+        Columns span the rigid motions that boundaries and the freedoms of rigid parts leave: velocity of the centre
+        and rotation times `length`.
     centre : array (3,)
         Of mass, before the first blow, m.
     length : float
@@ -40,7 +43,7 @@ class Body:
 
     parts: tuple[str, ...]
     nodes: Index
-    mass: Array
+    weight: Array
     motions: Array
     centre: Array
     length: float
@@ -54,7 +57,19 @@ class Body:
         return found
 
 
-def bodies_of(mesh: Mesh, mass: Array, ties: TieState, holds: Sequence[Held]) -> list[Body]:
+def joined_parts(mesh: Mesh, ties: TieState) -> tuple[tuple[str, ...], ...]:
+    """Return the parts of each body."""
+    label = _labels(mesh, ties)
+    return tuple(_parts(mesh, label, number) for number in np.unique(label[mesh.hexahedra[:, 0]]))
+
+
+def _parts(mesh: Mesh, label: Index, number: int) -> tuple[str, ...]:
+    return tuple(name for name in mesh.names if np.any(label[mesh.nodes_of(name)] == number))
+
+
+def bodies_of(
+    mesh: Mesh, mass: Array, ties: TieState, holds: Sequence[Held], rigid: Sequence[RigidBody] = ()
+) -> list[Body]:
     """Return the bodies of a mesh; ``mass`` (nodes,) is the nodes' own, ``holds`` what is held and does not move.
 
     Contacts do not join bodies: what touches may part.
@@ -74,12 +89,14 @@ def bodies_of(mesh: Mesh, mass: Array, ties: TieState, holds: Sequence[Held]) ->
     found = []
     for number in np.unique(label[mesh.hexahedra[:, 0]]):
         nodes = np.flatnonzero(label == number).astype(np.int32)
-        parts = tuple(name for name in mesh.names if label[mesh.nodes_of(name)[0]] == number)
         places, weights = mesh.points[nodes], mass[nodes]
         centre = weights @ places / weights.sum()
         length = float(np.sqrt(weights @ np.sum((places - centre) ** 2, axis=1) / weights.sum()))
-        body = Body(parts, nodes, weights, np.eye(6), centre, length)
-        found.append(Body(parts, nodes, weights, _left_free(body, mesh.points, holds), centre, length))
+        stiff = [each for each in rigid if label[each.nodes[0]] == number]
+        if stiff:
+            weights = np.where(np.isin(nodes, np.concatenate([each.nodes for each in stiff])), weights, 0.0)
+        body = Body(_parts(mesh, label, number), nodes, weights, np.eye(6), centre, length)
+        found.append(replace(body, motions=_left_free(body, mesh.points, holds, stiff)))
     return found
 
 
@@ -93,13 +110,17 @@ def _labels(mesh: Mesh, ties: TieState) -> Index:
     return np.asarray(connected_components(graph, directed=False)[1])
 
 
-def _left_free(body: Body, points: Array, holds: Sequence[Held]) -> Array:
-    """Return the rigid motions (6, n) that move no node along a direction in which it is held."""
+def _left_free(body: Body, points: Array, holds: Sequence[Held], rigid: Sequence[RigidBody]) -> Array:
+    """Return the rigid motions (6, n) along no direction in which a node is held or a rigid part locked."""
     gram = np.zeros((6, 6))
     for hold in holds:
         own = np.isin(hold.nodes, body.nodes)
         rows = hold.directions[own] @ body.modes(points[hold.nodes[own]], body.centre)
         gram += np.einsum("kij,kil->jl", rows, rows)
+    for part in rigid:
+        centre = points[part.nodes[0]] - part.arms[0]
+        locked = np.concatenate([body.modes(centre[None], body.centre)[0][~part.moves], np.eye(6)[3:][~part.turns]])
+        gram += locked.T @ locked
     values, vectors = np.linalg.eigh(gram)
     return np.asarray(vectors[:, values <= HELD * max(float(values[-1]), 1e-300)])
 
@@ -108,7 +129,7 @@ def way_back(body: Body, before: Array, now: Array) -> tuple[Array, Array]:
     """Return the rigid motion, R x + t, that brings a body back to where it began.
 
     Among the motions that boundaries leave, it is the one after which sum m |x - x_0|^2 is least: where a body is free
-    its centre of mass is then where it was, and it has not turned.
+    its centre of mass is then where it was, and it has not turned. With rigid parts the sum is over their nodes.
 
     Parameters
     ----------
@@ -123,16 +144,23 @@ def way_back(body: Body, before: Array, now: Array) -> tuple[Array, Array]:
         m.
     """
     start, places = before[body.nodes], now[body.nodes]
-    turned, moved = np.eye(3), np.zeros(3)
+    motion = np.eye(4)
     for _ in range(ROUNDS):
-        found = places @ turned.T + moved
+        found = places @ motion[:3, :3].T + motion[:3, 3]
         modes = body.modes(found, body.centre) @ body.motions
-        gram = np.einsum("n,nci,ncj->ij", body.mass, modes, modes)
-        pull = np.einsum("n,nci,nc->i", body.mass, modes, start - found)
+        gram = np.einsum("n,nci,ncj->ij", body.weight, modes, modes)
+        pull = np.einsum("n,nci,nc->i", body.weight, modes, start - found)
         step = body.motions @ np.linalg.solve(gram, pull) if len(pull) else np.zeros(6)
-        turn = Rotation.from_rotvec(step[3:] / body.length).as_matrix()
-        shift = body.centre + step[:3] - turn @ body.centre
-        turned, moved = turn @ turned, turn @ moved + shift
+        motion = _screw(step, body) @ motion
         if np.abs(step).max() <= CLOSE * body.length:
             break
-    return turned, moved
+    return motion[:3, :3], motion[:3, 3]
+
+
+def _screw(step: Array, body: Body) -> Array:
+    """Return the finite motion (4, 4) of a rigid one that goes on; it stays among those that boundaries leave."""
+    rate = step[3:] / body.length
+    twist = np.zeros((4, 4))
+    twist[:3, :3] = np.cross(np.eye(3), rate)
+    twist[:3, 3] = step[:3] - np.cross(rate, body.centre)
+    return np.asarray(expm(twist))

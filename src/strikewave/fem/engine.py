@@ -15,6 +15,7 @@ from strikewave._version import __version__
 from strikewave.errors import InputError
 from strikewave.fem import _node_kernels as node_kernels
 from strikewave.fem._contact_kernels import Touch
+from strikewave.fem.bodies import joined_parts
 from strikewave.fem.boundary import Acting, Now, Weight, build_boundaries
 from strikewave.fem.contact import (
     add_contact,
@@ -347,6 +348,7 @@ class Engine:
             blow=self.blow,
             rest=self.rest,
             plastic_work=self.solid.plastic_work(self.model.mesh.names),
+            bodies=joined_parts(self.model.mesh, self.ties),
         )
 
 

@@ -43,6 +43,14 @@ class Still(NamedTuple):
     plastic_strain: Single
 
 
+class Spot(NamedTuple):
+    """The largest of a field in any element: its value, when, s, and the index of the element."""
+
+    value: float
+    time: float
+    element: int
+
+
 class Thinned:
     """Evenly chosen items of a row of unknown length: when there are twice as many as wanted, every other one goes."""
 
@@ -89,6 +97,8 @@ class Film:
         First touch, s.
     missed : bool
         Whether first touch was before the film began, as where an interrupted run goes on.
+    largest : dict of str to Spot
+        "von_mises", Pa, and "plastic_strain" of all elements, seen or not, at the instants that were kept.
     """
 
     skin: Skin
@@ -100,6 +110,7 @@ class Film:
     touched: float | None = field(default=None, init=False)
     wave: list[Still] = field(default_factory=list, init=False)
     missed: bool = field(default=False, init=False)
+    largest: dict[str, Spot] = field(default_factory=dict, init=False)
     _largest: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
@@ -142,6 +153,10 @@ class Film:
 
     def _still(self, frame: Frame) -> Still:
         skin = self.skin
+        for name, values in (("von_mises", von_mises(frame.stress)), ("plastic_strain", frame.plastic_strain)):
+            element = int(np.argmax(values))
+            if float(values[element]) > (self.largest[name].value if name in self.largest else 0.0):
+                self.largest[name] = Spot(float(values[element]), frame.time, element)
         cells = (frame.displacement[skin.nodes], frame.stress[skin.elements], frame.plastic_strain[skin.elements])
         displacement, stress, strain = (np.asarray(values, np.float32) for values in cells)
         return Still(frame.time, displacement, stress, strain)

@@ -15,7 +15,7 @@ import numpy as np
 
 from strikewave.errors import InputError
 from strikewave.fem._contact_kernels import ContactState, Found
-from strikewave.fem.engine import Engine
+from strikewave.fem.engine import COLLAPSED, Engine
 from strikewave.fem.run import Rest
 
 LARGEST = 40_000_000_000
@@ -23,6 +23,10 @@ LARGEST = 40_000_000_000
 ALLOWED = "a restart file of this model"
 NUMBERS = ("instant", "steps", "behind", "critical", "smallest", "initial_energy", "blow")
 ARRAYS = ("x", "v", "f", "given")
+FINITE = ("body/", "done/", "elements/", "impulse/", "row/")
+"""Names, or how they begin, of numbers that end."""
+SHORTEST = 0.4
+"""Share of the safe step that a step is at least: one is cut to fit what is left of an interval, by half at most."""
 BODY = ("centre", "velocity", "spin", "turned")
 TOUCH = ("area", "velocity", "normal", "friction", "step")
 SEARCHED = ("start", "candidates")
@@ -130,7 +134,9 @@ def _blow_in(path: Path) -> int:
     _check_file(path)
     try:
         with h5py.File(path, "r") as file:
-            return int(file.attrs.get("blow", 1))
+            blow = file.attrs.get("blow", 1)
+            _need("blow", isinstance(blow, int | np.integer))
+            return int(blow)
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
         raise _damaged(path, error) from None
 
@@ -196,15 +202,17 @@ def _read(file: Any, engine: Engine, most: int) -> dict[str, np.ndarray]:
 
 def _check(engine: Engine, found: Mapping[str, np.ndarray], blow: int) -> None:
     """Check what a run would not survive: numbers that end, steps without end, faces that are not there."""
-    for name in (*ARRAYS, *(name for name in found if name.startswith("body/"))):
+    for name in (*ARRAYS, *(name for name in found if name.startswith(FINITE))):
         _need(name, bool(np.all(np.isfinite(found[name]))))
+    least = min(engine.interval, SHORTEST * engine.model.controls.safety * engine.collapse)
     for name in ("behind", "smallest"):
-        _need(name, 0.0 < float(found[name]) <= engine.interval)
-    _need("steps", int(found["steps"]) >= int(found["instant"]))
+        _need(name, least <= float(found[name]) <= engine.interval)
+    steps, instant = int(found["steps"]), int(found["instant"])
+    _need("steps", instant <= steps <= (1.0 + 1e-9) * instant * engine.interval / float(found["smallest"]))
     _need("blow", int(found["blow"]) == blow)
     _need("rest", bool(np.all(np.isfinite(found["rest"]) & (np.abs(found["rest"]) < 1e15))))
     _need("initial_energy", bool(np.isfinite(found["initial_energy"])))
-    _need("critical", float(found["critical"]) >= engine.collapse)
+    _need("critical", engine.collapse <= float(found["critical"]) <= engine.critical / COLLAPSED)
     for name, state in engine.contacts.items():
         start, candidates, face = (found[f"contact/{name}/{each}"] for each in (*SEARCHED, "found/face"))
         _need(f"{name}: start", start[0] == 0 and start[-1] == len(candidates) and bool(np.all(np.diff(start) >= 0)))

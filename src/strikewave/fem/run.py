@@ -157,6 +157,8 @@ class FemRun:
         How they came to rest before it; None before the first.
     plastic_work : mapping of str to float
         Of each part that deforms, in this run, J.
+    bodies : tuple of tuple of str
+        Parts that ties or common nodes join.
     """
 
     time: Array
@@ -184,6 +186,7 @@ class FemRun:
     blow: int = 1
     rest: Rest | None = None
     plastic_work: Mapping[str, float] = field(default_factory=dict)
+    bodies: tuple[tuple[str, ...], ...] = ()
 
     @property
     def energy_error(self) -> Array:

@@ -7,6 +7,7 @@ count hold the axis of the blow, so that what is along it, and every invariant, 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -266,6 +267,13 @@ def _sides(model: Model, faces: Index) -> Index:
     for k, side in enumerate(side for sides in model.touching.values() for side in sides):
         found[np.isin(own, _keys(model.mesh.side(side)))] = k
     return found
+
+
+def faces_on(skin: Skin, mesh: Mesh, sides: Sequence[str]) -> Mask:
+    """Return which faces of a skin lie on sides of a mesh, (faces,); images do not."""
+    own = _keys(skin.nodes[skin.node[skin.faces]])
+    on = np.isin(own, np.concatenate([_keys(mesh.side(side)) for side in sides]))
+    return np.asarray(on & ~skin.image[skin.faces].any(axis=1))
 
 
 def _keys(faces: Index) -> NDArray[np.void]:

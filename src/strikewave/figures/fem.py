@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +26,8 @@ COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
 DASHES = ("-", "--", "-.", ":")
 MOST_CURVES = 8
 """Curves drawn in one picture: those that reach farthest."""
+CUT_OFF = 3.0
+"""A part that reaches so many times as far as every group is cut off, so that groups can be seen."""
 TINY = 1e-4
 """An energy that never reaches this share of the largest one is not drawn."""
 _ENERGY_LOOKS = {
@@ -176,11 +178,14 @@ def _draw_ledger(figure: Figure, grid: Any, run: FemRun) -> None:
 
 
 def draw_accelerations(axes: Any, run: FemRun) -> None:
-    """Draw the rigid-body acceleration of each part and group along the axis of the blow, means of intervals, g."""
+    """Draw the rigid-body acceleration of each part and group along the axis of the blow, means of intervals, g.
+
+    Groups lie on top and set the scale: what reaches `CUT_OFF` times as far is cut off, and named with its reach.
+    """
     axis = blow_axis(run)
-    curves = {name: mean_acceleration(run, name) @ axis / STANDARD_GRAVITY for name in (*run.parts, *run.groups)}
+    curves = {name: mean_acceleration(run, name) @ axis / STANDARD_GRAVITY for name in (*run.groups, *run.parts)}
     label = f"along {_axis_words(axis)}, mean of {_interval_words(run)} (g)"
-    _draw_curves(axes, run, curves, ("Rigid-body acceleration", label), middles(run.time))
+    _draw_curves(axes, run, curves, ("Rigid-body acceleration", label), middles(run.time), tuple(run.groups))
 
 
 def draw_sections(axes: Any, run: FemRun) -> None:
@@ -200,19 +205,36 @@ def draw_points(axes: Any, run: FemRun) -> None:
 
 
 def _draw_curves(
-    axes: Any, run: FemRun, curves: Mapping[str, Array], words: tuple[str, str], time: Array | None = None
+    axes: Any,
+    run: FemRun,
+    curves: Mapping[str, Array],
+    words: tuple[str, str],
+    time: Array | None = None,
+    chief: Sequence[str] = (),
 ) -> None:
-    """Draw named curves over the time of the run or another, those that reach farthest; say so where there is none."""
+    """Draw named curves over the time of the run or another, those that reach farthest; say so where there is none.
+
+    ``chief`` are drawn thick and above the others, and set the scale.
+    """
     title, label = words
     if not curves:
         _nothing(axes, title, "none is watched")
         return
     scale, unit = _clock(run)
     time = run.time if time is None else time
-    chosen = _largest(curves)
+    chosen = _largest(curves, chief)
+    cut = _cut_off(curves, chief)
     for k, name in enumerate(chosen):
-        look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.3, "label": shortened(name, 28)}
-        _line(axes, time / scale, curves[name], DASHES[k % 4], zorder=3 + len(chosen) - k, **look)
+        low, high = (float(f"{end(curves[name], initial=0.0):.3g}") for end in (np.min, np.max))
+        beyond = f" (cut off: {low:.0f} to {high:.0f})" if name in cut else ""
+        look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "label": shortened(name, 28) + beyond}
+        look |= {"linewidth": 2.4, "zorder": 4 + len(chosen)} if name in chief else {"linewidth": 1.1}
+        look = {"zorder": 3 + len(chosen) - k, **look}
+        _line(axes, time / scale, curves[name], DASHES[k % 4], **look)
+    if cut:
+        kept = np.concatenate([curves[name] for name in chosen if name not in cut])
+        low, high = min(float(kept.min()), 0.0), max(float(kept.max()), 0.0)
+        axes.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
     quiet(axes, title, f"time ({unit})", label)
     axes.set_xlim(run.time[0] / scale, run.time[-1] / scale)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
@@ -225,10 +247,20 @@ def _line(axes: Any, time: Array, values: Array, dash: str, **look: Any) -> None
     axes.plot(*thin(time[finite], values[finite]), dash, **look)
 
 
-def _largest(curves: Mapping[str, Array]) -> list[str]:
-    """Return the names of the curves that reach farthest, in the order in which they came."""
-    ranked = sorted(curves, key=lambda name: -float(np.abs(curves[name]).max(initial=0.0)))[:MOST_CURVES]
+def _largest(curves: Mapping[str, Array], chief: Sequence[str] = ()) -> list[str]:
+    """Return the names of the curves that reach farthest, ``chief`` before others, in the order in which they came."""
+    ranked = sorted(curves, key=lambda name: (name not in chief, -_reach(curves[name])))[:MOST_CURVES]
     return [name for name in curves if name in ranked]
+
+
+def _cut_off(curves: Mapping[str, Array], chief: Sequence[str]) -> set[str]:
+    """Return the curves that reach so much farther than ``chief`` that they would flatten those."""
+    most = max((_reach(curves[name]) for name in chief), default=0.0)
+    return {name for name in curves if name not in chief and 0.0 < CUT_OFF * most < _reach(curves[name])}
+
+
+def _reach(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0))
 
 
 def _legend(axes: Any, shown: int, of: int, source: Any = None) -> None:

@@ -118,7 +118,7 @@ function drawTraces() {
     const y = (value) => bottom - ((value - panel.low) / (panel.high - panel.low)) * (bottom - top);
     pen.fillStyle = SOFT;
     pen.textAlign = "right";
-    const step = niceStep(panel.high - panel.low, Math.max(2, (bottom - top) / 34));
+    const step = niceStep(panel.high - panel.low, Math.max(3, (bottom - top) / 26));
     for (let k = Math.ceil(panel.low / step); k * step <= panel.high; k += 1) {
       pen.fillText(written(k * step), left - 6, y(k * step) + 4);
       pen.globalAlpha = k === 0 ? 0.7 : 0.2;

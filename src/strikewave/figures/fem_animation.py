@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.build.sectors import whole_impulse
 from strikewave.fem.film import Film, Still
-from strikewave.fem.measures import blow_axis, mean_acceleration, mean_force, middles
+from strikewave.fem.measures import blow_axis, interval_means, mean_acceleration, mean_force, middles
 from strikewave.fem.skin import Skin
 from strikewave.figures.animation import even_rows
 from strikewave.figures.animation_page import moving_page, packed, printable
@@ -141,25 +142,40 @@ def chosen(film: Film) -> list[Still]:
 def traces_of(solution: FemSolution) -> list[Trace]:
     """Return the contact forces and the rigid-body accelerations along the blow, those that reach farthest.
 
-    Parts of a group move as the group.
+    Forces are those of whole bodies where sectors match, and say so. Parts of a group move as the group.
     """
     run, groups = solution.run, solution.model.groups
     between = middles(run.time)
-    forces = {name: np.linalg.norm(mean_force(run, name), axis=1) / 1e3 for name in run.force}
+    found = _forces(solution)
+    every = bool(found) and all(whole for _, whole in found.values())
+    forces = {
+        name + ", whole bodies" * (whole and not every): np.linalg.norm(mean, axis=1) / 1e3
+        for name, (mean, whole) in found.items()
+    }
     axis, grouped = blow_axis(run), {part for parts in groups.values() for part in parts}
     bodies = [*groups, *(name for name in run.parts if name not in grouped)]
     rates = {name: mean_acceleration(run, name) @ axis / STANDARD_GRAVITY for name in bodies}
     return [
-        Trace("contact force", "kN", _curves(between, forces)),
+        Trace("contact force" + ", whole bodies" * every, "kN", _curves(between, forces)),
         Trace("rigid-body acceleration along the blow", "g", _curves(between, rates)),
     ]
+
+
+def _forces(solution: FemSolution) -> dict[str, tuple[Array, bool]]:
+    """Return the mean contact forces, N, of whole bodies where sectors match, and whether they are."""
+    run, sector, found = solution.run, solution.sectors, {}
+    for name, sides in solution.model.touching.items():
+        whole = whole_impulse(run, sector, name, sides)
+        mean = mean_force(run, name) if whole is None else interval_means(whole, run.time)
+        found[shortened(name, 34)] = mean, whole is not None
+    return found
 
 
 def _curves(time: Array, values: Mapping[str, Array]) -> dict[str, tuple[Array, Array]]:
     """Return the curves that reach farthest, with no more samples than can be seen."""
     ranked = sorted(values, key=lambda name: -float(np.abs(values[name]).max(initial=0.0)))
     kept = [name for name in ranked[:MOST_CURVES] if float(np.abs(values[name]).max(initial=0.0)) > 0.0]
-    return {printable(shortened(name, 34)): thin(time, values[name]) for name in kept}
+    return {printable(shortened(name, 48)): thin(time, values[name]) for name in kept}
 
 
 def _canvas(skin: Skin, seen: Seen) -> Callable[[Still, Array], Image]:

@@ -155,7 +155,7 @@ def close_up_figure(skin: Skin, zone: Zone, pictures: Sequence[tuple[Still, str]
     """Draw where bodies touch, straight onto the cut: an instant and a quantity for each picture, each in its scale."""
     from matplotlib.figure import Figure
 
-    frame = sight(skin, [still for still, _ in pictures], 0.0, lying=False)
+    frame = sight(skin, [], 0.0, lying=False)
     figure = Figure(figsize=(4.9 * len(pictures), 4.1), dpi=160, layout="constrained")
     for axes, (still, name) in zip(figure.subplots(1, len(pictures), squeeze=False).ravel(), pictures, strict=True):
         shown = QUANTITIES[name]
@@ -167,6 +167,13 @@ def close_up_figure(skin: Skin, zone: Zone, pictures: Sequence[tuple[Still, str]
         bar = figure.colorbar(scale, ax=axes, shrink=0.85, pad=0.02, aspect=24)
         bar.set_label(f"{shown.words} ({shown.unit})")
     return figure
+
+
+def seen_close_up(skin: Skin, zone: Zone, still: Still, name: str) -> Array:
+    """Return the values of the faces that a close-up shows of a quantity, in SI."""
+    frame = sight(skin, [], 0.0, lying=False)
+    inside = _inside(skin, still, frame, zone.window(skin, still, frame))
+    return np.asarray(QUANTITIES[name].of(skin, still)[skin.element][inside])
 
 
 def _sheet(skin: Skin, stills: Sequence[Still], seen: Seen, looks: tuple[Quantity, int]) -> Figure:
@@ -299,19 +306,32 @@ def pressures(skin: Skin, still: Still) -> Array:
     return np.maximum(found, 0.0)
 
 
-def pressed_most(skin: Skin, stills: Sequence[Still]) -> tuple[Still, Zone] | None:
-    """Return the instant at which bodies press each other most, and where; None where nothing does.
+def pressed_most(skin: Skin, stills: Sequence[Still], at: float, own: NDArray[np.bool_]) -> tuple[Still, Zone] | None:
+    """Return the instant nearest to that of the largest force at which bodies press each other, and where.
 
-    The faces are those of the side whose face bears the largest pressure, above `PRESSED` of that.
+    The faces are those of the side whose face bears the largest pressure then, above `PRESSED` of that. None where
+    nothing presses.
+
+    Parameters
+    ----------
+    skin : Skin
+        What can be seen.
+    stills : sequence of Still
+        The instants that there are.
+    at : float
+        When the force of the contact is largest, s.
+    own : array (faces,) of bool
+        Which faces lie on its sides.
     """
-    best, most = None, 0.0
-    for still in stills:
-        found = pressures(skin, still)
-        if float(found.sum()) > most:
-            best, most = (still, found), float(found.sum())
-    if best is None:
-        return None
-    still, found = best
+    for still in sorted(stills, key=lambda one: abs(one.time - at)):
+        found = np.where(own, pressures(skin, still), 0.0)
+        if found.any():
+            return still, _zone(skin, found)
+    return None
+
+
+def _zone(skin: Skin, found: Array) -> Zone:
+    """Return where the faces are that bear a pressure, (faces,)."""
     worst = int(np.argmax(found))
     faces = np.flatnonzero((skin.touching == skin.touching[worst]) & (found > PRESSED * found[worst]))
     normal = skin.cut.plane.normal
@@ -320,7 +340,7 @@ def pressed_most(skin: Skin, stills: Sequence[Still]) -> tuple[Still, Zone] | No
     size = float(np.linalg.norm(np.diff(flat, axis=1), axis=2).max(axis=1).mean())
     reach = max(FACES_ACROSS * size, AROUND * 0.5 * float(np.ptp(flat.reshape(-1, 3), axis=0).max()))
     whole = 0.5 * float(np.ptp(skin.points, axis=0).max())
-    return still, Zone(faces, min(reach, whole))
+    return Zone(faces, min(reach, whole))
 
 
 def _within(corners: Array, window: Window) -> NDArray[np.bool_]:

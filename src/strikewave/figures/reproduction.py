@@ -61,10 +61,13 @@ class Mark(NamedTuple):
     @property
     def words(self) -> str:
         """What stands beside it."""
-        width = "" if self.width is None else f", {self.width * 1e6:g} µs"
-        return f"{self.origin} {self.value / STANDARD_GRAVITY:,.7g} g{width}".replace(",", " ", 1) + (
-            f", {self.what}" if self.what else ""
-        )
+        peak = f"{self.origin} {self.value / STANDARD_GRAVITY:,.7g} g".replace(",", " ", 1)
+        return f"{peak}, {self.what}" if self.what else peak
+
+    @property
+    def width_words(self) -> str:
+        """What stands beside the bar of its width."""
+        return "" if self.width is None else f"{self.origin} {self.width * 1e6:g} µs"
 
 
 class Ratio(NamedTuple):
@@ -264,10 +267,10 @@ def pulse_figure(title: str, curves: Sequence[Trace], marks: Sequence[Mark], unt
     >>> t = np.linspace(0.0, 3e-4, 301)
     >>> figure = pulse_figure("a", [Trace("computed", t, 4e4 * np.sin(1e4 * t))], [Mark(49033.25, "measured", 2e-4)])
     >>> [text.get_text() for text in figure.axes[0].texts]
-    ['measured 5 000 g, 200 µs']
+    ['measured 5 000 g', 'measured 200 µs']
     """
     figure, axes = _sheet(WHOLE)
-    for (colour, stroke), curve in zip(CURVES, curves, strict=False):
+    for (colour, stroke), curve in zip(CURVES[: len(curves)], curves, strict=True):
         time, values = thin(curve.time, curve.values)
         axes.plot(time * 1e6, values / STANDARD_GRAVITY, stroke, color=colour, linewidth=1.4, label=curve.label)
     draw_levels(axes, marks)
@@ -309,7 +312,7 @@ def fixture_figure(solution: Solution, sensor: str, marks: Sequence[Mark]) -> Fi
 def front_figure(solution: BarSolution, marks: Sequence[Mark]) -> Figure:
     """Draw the acceleration at the taps of a bar under a steep front, with the levels of published peaks."""
     figure, axes = _sheet(WHOLE)
-    for k, ((name, _), (colour, stroke)) in enumerate(zip(solution.taps, CURVES, strict=False)):
+    for k, ((name, _), (colour, stroke)) in enumerate(zip(solution.taps, CURVES[: len(solution.taps)], strict=True)):
         time, values = thin(solution.run.time, solution.run.acceleration[:, k])
         axes.plot(time * 1e6, values / STANDARD_GRAVITY, stroke, color=colour, linewidth=1.1, label=f"computed, {name}")
     draw_levels(axes, marks)
@@ -341,11 +344,23 @@ def draw_levels(axes: Any, marks: Sequence[Mark], colours: Sequence[str] = ()) -
 
 
 def draw_widths(axes: Any, marks: Sequence[Mark]) -> None:
-    """Draw published widths as bars from first touch on, the first at a tenth of its peak, the next ones below."""
+    """Draw published widths as bars with their words, the first at a tenth of its peak, the next ones below."""
     wide = [mark for mark in marks if mark.width is not None]
     for k, mark in enumerate(wide):
         height, end = (0.1 - 0.07 * k) * mark.value / STANDARD_GRAVITY, 1e6 * (mark.width or 0.0)
         axes.plot([0.0, end], [height] * 2, "|-", color=INKS[mark.origin], linewidth=1.6, markersize=9, zorder=5)
+        axes.annotate(
+            mark.width_words,
+            (end, height),
+            xytext=(4, 4 if k == 0 else -4 - 10 * (k - 1)),
+            textcoords="offset points",
+            ha="left",
+            va="bottom" if k == 0 else "top",
+            fontsize=8,
+            color=INKS[mark.origin],
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.4},
+            zorder=6,
+        )
 
 
 def _headroom(*all_axes: Any) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from strikewave.build.sectors import blow_of_bodies
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.measures import ledger_measure
 from strikewave.report.parts import NONE, Cell, Picture, Section, Table, written
@@ -37,8 +38,7 @@ def _forces(solution: FemSolution) -> Table:
     rows: list[list[Cell]] = []
     for blow in solution.blows:
         back = blow_measure(blow.run, blow.model.touching).restitution
-        parts = sorted(blow.parts.items(), key=lambda pair: -pair[1].rigid_peak)
-        name, pulse = parts[0]
+        name, pulse = next(iter(blow_of_bodies(blow.model, blow.run, blow.sectors).items()))
         width = NONE if math.isnan(pulse.width) else written(pulse.width * 1e6)
         rigid = [f"{name}: {written(pulse.rigid_peak / STANDARD_GRAVITY)}", width, written(pulse.velocity_change)]
         for contact, found in blow.contacts.items():
@@ -48,7 +48,7 @@ def _forces(solution: FemSolution) -> Table:
                 values = [written(x) for x in (found.peak / 1e3, found.impulse, found.duration * 1e6)]
             rows.append([str(blow.run.blow), contact, *values, NONE if e is None else f"{e:.4f}", *rigid])
     heads = ["blow", "contact", "peak force (kN)", "impulse (N s)", "duration (µs)", "restitution"]
-    heads += ["largest rigid peak (g)", "its width (µs)", "its velocity change (m/s)"]
+    heads += ["rigid peak (g)", "its width (µs)", "its velocity change (m/s)"]
     return Table("Forces of each blow", heads, rows, empty="No contact is in the model.")
 
 

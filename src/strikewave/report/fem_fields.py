@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from strikewave.fem.film import Film, Still, film_from
 from strikewave.fem.invariants import von_mises
-from strikewave.figures.fem_cut import COVERED, Zone, close_up_figure, cut_figure, pressed_most, wave_figure
+from strikewave.fem.measures import contact_measure
+from strikewave.fem.skin import blow_contact, faces_on
+from strikewave.figures.fem_cut import (
+    COVERED,
+    Zone,
+    close_up_figure,
+    cut_figure,
+    pressed_most,
+    seen_close_up,
+    wave_figure,
+)
 from strikewave.report.numbers import listed, with_unit
-from strikewave.report.parts import Part, Picture, Section
+from strikewave.report.parts import Part, Picture, Section, written
 
 if TYPE_CHECKING:
+    from strikewave.fem.mesh import Mesh
+    from strikewave.fem.model import Model
     from strikewave.fem_solution import FemSolution
 
 FEWEST_OF_WAVE = 3
@@ -27,6 +41,14 @@ _END_OF_SCALE = (
 )
 
 
+class Pressed(NamedTuple):
+    """The instant nearest to the largest force of the contact of the blow, where it presses, and that in words."""
+
+    still: Still
+    zone: Zone
+    words: str
+
+
 def fields_section(solution: FemSolution) -> Section:
     """Return the pictures of the fields, with what is seen in them."""
     film = getattr(solution, "film", None)
@@ -35,11 +57,45 @@ def fields_section(solution: FemSolution) -> Section:
         film = film_from(solution.model, frames) if frames else None
     if film is None or not film.stills:
         return Section("Fields", "No frame of the fields was kept for pictures.")
-    pressed = pressed_most(film.skin, film.stills)
-    parts: list[Part] = [_whole(film, pressed), *_close_up(film, pressed), *_wave(film)]
+    pressed = _pressed(solution, film)
+    mesh = solution.model.mesh
+    parts: list[Part] = [_whole(film, pressed), *_close_up(film, pressed, mesh), *_wave(film)]
     cut = film.skin.cut
     opened = f" {_opened(film)}" + (_BEFORE if not cut.symmetric else "")
-    return Section("Fields", _HOW + opened, parts)
+    return Section("Fields", f"{_HOW}{opened} {largest_words(film, mesh)}".rstrip(), parts)
+
+
+def largest_words(film: Film, mesh: Mesh) -> str:
+    """Say where von Mises stress and plastic strain are largest of all elements, seen or not; nothing where none is."""
+    names, words = {"von_mises": "von Mises stress", "plastic_strain": "plastic strain"}, []
+    for name, spot in film.largest.items():
+        value = with_unit(spot.value, "Pa", "MPa") if name == "von_mises" else written(spot.value)
+        words.append(f"{names[name]} {value} in {place_words(mesh, spot.element)} at {_instant_words(spot.time)}")
+    if not words:
+        return ""
+    return (
+        f"Largest of all elements at the instants kept for pictures: {listed(words)} (middle of the element at first)."
+    )
+
+
+def place_words(mesh: Mesh, element: int) -> str:
+    """Name the part of an element and its middle before the blow."""
+    middle = mesh.points[mesh.hexahedra[element]].mean(axis=0) * 1e3
+    place = ", ".join(f"{x:.4g}" for x in np.where(np.abs(middle) < 1e-9, 0.0, middle))
+    return f"{mesh.names[int(mesh.part[element])]} at ({place}) mm"
+
+
+def _pressed(solution: FemSolution, film: Film) -> Pressed | None:
+    """Return when and where the contact of the blow presses, nearest to its largest force; None where it does not."""
+    model: Model = solution.model
+    meeting = blow_contact(model)
+    found = contact_measure(solution.run, meeting.name) if meeting and meeting.name in solution.run.force else None
+    if meeting is None or found is None:
+        return None
+    own = faces_on(film.skin, model.mesh, model.touching[meeting.name])
+    pressed = pressed_most(film.skin, film.stills, found.at, own)
+    words = f"the kept instant nearest to the peak of the force of {meeting.name}, at {_instant_words(found.at)}"
+    return None if pressed is None else Pressed(*pressed, words)
 
 
 def _opened(film: Film) -> str:
@@ -52,34 +108,39 @@ def _opened(film: Film) -> str:
     return "The bodies are seen from a plane of symmetry; the quarter that is modelled is mirrored at the other plane."
 
 
-def _whole(film: Film, pressed: tuple[Still, Zone] | None) -> Picture:
-    """Return the bodies cut open when they press each other most, or bear the largest stress, and at the end."""
+def _whole(film: Film, pressed: Pressed | None) -> Picture:
+    """Return the bodies cut open when the force of the blow is largest, or else the stress, and at the end."""
     stills = film.stills
-    still, when = (film.worst or stills[-1], "the stress is largest")
+    still, when = (film.worst or stills[-1], "when the stress is largest")
     if pressed is not None:
-        still, when = pressed[0], "they press each other most"
+        still, when = pressed.still, pressed.words
     shown = [still] if still.time == stills[-1].time else [still, stills[-1]]
     largest = float(von_mises(still.stress.astype(float)).max(initial=0.0))
-    words = f"Von Mises stress in the bodies cut open at {_instant(still)}, when {when}"
+    words = f"Von Mises stress in the bodies cut open at {_instant(still)}, {when}"
     words += f", and at {_instant(stills[-1])}, the last instant." if len(shown) > 1 else "."
     words += f" The largest that can be seen at {_instant(still)} is {with_unit(largest, 'Pa', 'MPa')}."
     return Picture(cut_figure(film.skin, shown), f"{words} {_END_OF_SCALE}")
 
 
-def _close_up(film: Film, pressed: tuple[Still, Zone] | None) -> list[Part]:
-    """Return where bodies press each other most, and what yielded there; nothing where nothing is pressed."""
+def _close_up(film: Film, pressed: Pressed | None, mesh: Mesh) -> list[Part]:
+    """Return where bodies press each other, and what yielded there; nothing where nothing is pressed."""
     if pressed is None:
         return []
-    (still, zone), last = pressed, film.stills[-1]
+    (still, zone, when), last = pressed, film.stills[-1]
     pictures = [(still, "von_mises")]
     words = (
         f"Where bodies touch, straight onto the cut, within about {zone.reach * 1e3:.2g} mm: von Mises stress at "
-        f"{_instant(still)}, when they press each other most"
+        f"{_instant(still)}, {when}"
     )
-    if float(last.plastic_strain.max(initial=0.0)) > 0.0:
+    spot, elsewhere = film.largest.get("plastic_strain"), ""
+    if spot is not None:
         pictures.append((last, "plastic_strain"))
         words += f", and equivalent plastic strain at {_instant(last)}, the last instant"
-    words += ". The scales reach the largest value that is seen."
+        seen = float(seen_close_up(film.skin, zone, last, "plastic_strain").max(initial=0.0))
+        if seen < 0.999 * spot.value:
+            elsewhere = f" The largest plastic strain of all, {written(spot.value)}, is not in this view: it is in "
+            elsewhere += f"{place_words(mesh, spot.element)}."
+    words += f". The scales reach the largest value that is seen.{elsewhere}"
     return [Picture(close_up_figure(film.skin, zone, pictures), words)]
 
 

@@ -5,17 +5,20 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import math
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from strikewave._version import __version__
-from strikewave.build.sectors import Sector, WholeForce, sectors, whole_forces
+from strikewave.build.sectors import Sector, WholeForce, blow_of_bodies, sectors, whole_forces
 from strikewave.fem.measures import (
     ENERGY_LIMIT,
     HOURGLASS_LIMIT,
+    ContactMeasure,
     LedgerMeasure,
+    PartMeasure,
     contact_measure,
     ledger_measure,
     part_measure,
@@ -23,6 +26,7 @@ from strikewave.fem.measures import (
 from strikewave.fem.quality import quality_report
 from strikewave.fem.skin import blow_contact
 from strikewave.fem.solids import Bilinear, JohnsonCook
+from strikewave.figures.field import shortened
 from strikewave.notices import LEDGER_LIMIT
 from strikewave.report import chapters
 from strikewave.report.fem_blows import blows_section
@@ -41,6 +45,14 @@ if TYPE_CHECKING:
 _SOLIDS = {"Elastic": "elastic", "Bilinear": "bilinear plastic", "JohnsonCook": "Johnson-Cook"}
 _BOUNDARIES = {"NonReflecting": "non-reflecting", "Symmetry": "plane of symmetry"}
 _SHARES = {2: "half", 4: "quarter"}
+FLAT = 1e-9
+"""Warpage below which faces are flat but for rounding, rad."""
+_OF_BLOW = re.compile(r"blow (\d+): ")
+_OF_SECTORS = " It is that of the sectors that are modelled; of whole bodies in the table."
+_GROUPS_FIRST = (
+    " Groups, drawn thicker, set the scale; a part that reaches far beyond it is cut off, and its legend says how far "
+    "it goes."
+)
 _METHOD = (
     "Hexahedra of eight nodes, one point of integration each (parts named under full integration have more) with "
     "stiffness against hourglass modes, followed by central differences in time. Rigid-body acceleration is the rate "
@@ -73,8 +85,10 @@ def fem_report(solution: FemSolution) -> str:
     digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
     as_solution: Any = solution
     found = sectors(case, solution.model)
+    wholes = whole_forces(solution.model, solution.run, found)
+    bodies = blow_of_bodies(solution.model, solution.run, found)
     sections = [
-        _result(solution.run, found, whole_forces(solution.model, solution.run, found)),
+        _result(solution.run, found, wholes),
         _what_ran(solution.model, solution.run),
         fields_section(solution),
         _ledgers(solution.run),
@@ -93,15 +107,15 @@ def fem_report(solution: FemSolution) -> str:
         name=name,
         digest=digest,
         status=_status(solution),
-        summary=_summary(solution.run, found) + _sector_words(found),
-        numbers=_key_numbers(solution.run, found),
+        summary=_summary(solution.run, wholes, bodies) + _sector_words(found),
+        numbers=_key_numbers(solution.run, wholes, bodies),
         foot=f"case {name or 'without name'} · SHA-256 of the case text {digest}",
     )
     return whole_page(head, sections)
 
 
 def _status(solution: FemSolution) -> Tag:
-    broken = [notice.code for notice in solution.warnings if notice.broken]
+    broken = _broken(solution)
     if solution.run.stopped:
         return Tag("stopped early" + (f"; stated limit broken: {listed(broken)}" if broken else ""), "bad")
     if broken:
@@ -111,23 +125,38 @@ def _status(solution: FemSolution) -> Tag:
     return Tag(f"no stated limit broken{warned}", "warned" if many else "good")
 
 
-def _summary(run: FemRun, sector: dict[str, Sector]) -> str:
+def _broken(solution: FemSolution) -> list[str]:
+    """Return the codes of broken limits, each once, with the blows after the first that broke it."""
+    found: dict[str, list[str]] = {}
+    for notice in solution.warnings:
+        if notice.broken:
+            later = _OF_BLOW.match(notice.message)
+            found.setdefault(notice.code, []).append(later[1] if later else "1")
+    many = bool(getattr(solution, "later", ()))
+    return [
+        f"{code} (blow{'s' if len(set(blows)) > 1 else ''} {listed(list(dict.fromkeys(blows)))})" if many else code
+        for code, blows in found.items()
+    ]
+
+
+def _summary(run: FemRun, wholes: dict[str, WholeForce | None], bodies: dict[str, PartMeasure]) -> str:
     """Say in words what happened."""
     words = [f"The run ended early: {run.stopped}."] if run.stopped else []
     found = {name: contact_measure(run, name) for name in run.force}
     touched = {name: measure for name, measure in found.items() if measure is not None}
     if touched:
-        name, most = max(touched.items(), key=lambda pair: pair[1].peak)
+        name, most = max(touched.items(), key=lambda pair: _whole_of(pair, wholes).peak)
+        whole = _whole_of((name, most), wholes)
         words.append(
-            f"The contact {name} reaches {with_unit(most.peak, 'N', 'kN')}, lasts "
-            f"{with_unit(most.duration, 's', 'us', 3)} and carries {written(most.impulse)} N s."
+            f"The contact {name} reaches {with_unit(whole.peak, 'N', 'kN')}, lasts "
+            f"{with_unit(most.duration, 's', 'us', 3)} and carries {written(whole.impulse)} N s"
+            f"{', of whole bodies' if wholes[name] else ''}."
         )
     else:
         words.append("Nothing touched." if run.force else "No contact is in the model.")
-    pulses = {name: part_measure(run, name, sector[name].free) for name in run.parts}
     moved = [
         f"{name} {with_unit(pulse.rigid_peak, 'm/s^2', 'g')} and {with_unit(pulse.velocity_change, 'm/s', 'm/s', 3)}"
-        for name, pulse in pulses.items()
+        for name, pulse in bodies.items()
         if pulse.velocity_change > 0.0
     ]
     if moved:
@@ -140,21 +169,29 @@ def _summary(run: FemRun, sector: dict[str, Sector]) -> str:
 def _sector_words(found: dict[str, Sector]) -> str:
     """Say which parts are sectors: their masses and forces are not those of whole bodies."""
     cut = [f"{name} is a {_SHARES[sector.pieces]} of its body" for name, sector in found.items() if sector.pieces > 1]
-    return f" Sectors: {listed(cut)}; masses, forces and impulses here are those of the sectors." if cut else ""
+    return f" Sectors: {listed(cut)}; all else is of the sectors unless it says whole bodies." if cut else ""
 
 
-def _key_numbers(run: FemRun, sector: dict[str, Sector]) -> list[tuple[str, str]]:
-    touched = [m for m in (contact_measure(run, name) for name in run.force) if m is not None]
-    pulses = [part_measure(run, name, sector[name].free) for name in run.parts]
+def _whole_of(pair: tuple[str, ContactMeasure], wholes: dict[str, WholeForce | None]) -> WholeForce:
+    """Return peak and impulse of a contact of the whole bodies where sectors match, else as modelled."""
+    name, found = pair
+    return wholes[name] or WholeForce(found.peak, found.impulse)
+
+
+def _key_numbers(
+    run: FemRun, wholes: dict[str, WholeForce | None], bodies: dict[str, PartMeasure]
+) -> list[tuple[str, str]]:
+    touched = {name: m for name in run.force if (m := contact_measure(run, name)) is not None}
     numbers: list[tuple[str, str]] = []
     if touched:
-        most = max(touched, key=lambda measure: measure.peak)
+        name, most = max(touched.items(), key=lambda pair: _whole_of(pair, wholes).peak)
+        words = "contact force, peak" + (", whole bodies" if wholes[name] else "")
         numbers += [
-            ("contact force, peak", with_unit(most.peak, "N", "kN")),
+            (words, with_unit(_whole_of((name, most), wholes).peak, "N", "kN")),
             ("contact duration", with_unit(most.duration, "s", "us", 3)),
         ]
-    if pulses:
-        numbers.append(("rigid-body peak, largest", with_unit(max(p.rigid_peak for p in pulses), "m/s^2", "g")))
+    for name, body in list(bodies.items())[:1]:
+        numbers.append((f"rigid-body peak of {shortened(name, 28)}", with_unit(body.rigid_peak, "m/s^2", "g")))
     ledger = ledger_measure(run)
     return [
         *numbers,
@@ -181,8 +218,9 @@ def _result(run: FemRun, found: dict[str, Sector], wholes: dict[str, WholeForce 
     parts: list[Part] = [_contact_table(run, wholes), _part_table(run, found)]
     if run.force:
         caption = "Size of the contact force, mean of each interval, with its peak; dotted the size of its impulse."
-        parts.append(Picture(fem.force_figure(run), caption))
-    parts.append(Picture(fem.acceleration_figure(run), "Rigid-body acceleration of the parts along the blow."))
+        parts.append(Picture(fem.force_figure(run), caption + (_OF_SECTORS if any(wholes.values()) else "")))
+    caption = "Rigid-body acceleration of the parts along the blow."
+    parts.append(Picture(fem.acceleration_figure(run), caption + (_GROUPS_FIRST if run.groups else "")))
     parts.append(Picture(fem.energy_figure(run), "Where the energy is, and by how much its ledger is off."))
     if run.sections:
         parts.append(
@@ -350,7 +388,7 @@ def _quality_table(model: Model) -> Table:
             written(one.longest_edge * 1e3, 3),
             written(one.aspect_ratio, 3),
             written(one.scaled_jacobian, 3),
-            written(math.degrees(one.warpage), 2),
+            written(math.degrees(one.warpage) if one.warpage >= FLAT else 0.0, 2),
         ]
         for one in quality_report(model.mesh, speeds)
     ]

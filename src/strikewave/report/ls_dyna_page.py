@@ -87,9 +87,9 @@ def _key_numbers(beside: Beside) -> list[tuple[str, str]]:
         numbers = [
             ("peak, LS-DYNA", with_unit(pair.theirs.peak, "N", "kN")),
             ("peak, ours", with_unit(pair.ours.peak, "N", "kN")),
-            ("peak", share(pair.difference("peak"))),
-            ("width", share(pair.difference("width"))),
-            ("impulse", share(pair.difference("impulse"))),
+            ("peak, apart", share(pair.difference("peak"))),
+            ("width, apart", share(pair.difference("width"))),
+            ("impulse, apart", share(pair.difference("impulse"))),
             *numbers,
         ]
     return numbers
@@ -101,14 +101,18 @@ def _largest(beside: Beside) -> ForcePair | None:
 
 
 def share(value: float) -> str:
-    """Write a relative difference in per cent with its sign; a dash where there is none.
+    """Write a relative difference in per cent with its sign; a dash where it is not known.
+
+    Files of LS-DYNA hold six digits: what is less than a hundred-thousandth is not told apart.
 
     Examples
     --------
     >>> share(0.0312), share(-4e-7), share(float("nan"))
-    ('+3.12 %', '-4e-05 %', '–')
+    ('+3.12 %', '< 0.001 %', '–')
     """
-    return NONE if value != value else f"{100.0 * value:+.3g} %"
+    if value != value:
+        return NONE
+    return "< 0.001 %" if 0.0 < abs(value) < 1e-5 else f"{100.0 * value:+.3g} %"
 
 
 def _read(theirs: LsDynaRun) -> Section:
@@ -195,7 +199,10 @@ def energy_table(beside: Beside) -> Table:
 
 
 def _fields(beside: Beside) -> Section:
-    words = "Largest in each part at the instants of its fields; of an element with several points, their mean."
+    words = (
+        "Largest in each part at the instants of its fields; of an element with several points, their mean; stress and "
+        "strain without deleted elements."
+    )
     return Section("Fields", words, [field_table(beside)])
 
 

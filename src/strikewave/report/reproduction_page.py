@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import shlex
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from strikewave._version import __version__
+from strikewave.case import Case
 from strikewave.citations import SOURCES
 from strikewave.report import reproduction_tables as tables
 from strikewave.report.numbers import listed
@@ -13,6 +16,7 @@ from strikewave.report.parts import Cell, Code, Section, Table, Tag
 from strikewave.report.reproduction_figures import figure_sections, fitted_inputs, key_numbers, overview_picture
 from strikewave.report.reproduction_studies import study_tables
 from strikewave.studies.reproduction.result import PAPER
+from strikewave.studies.reproduction.runs import BAR, PASSING, quick_changes
 
 if TYPE_CHECKING:
     from strikewave.studies.reproduction.result import Reproduction
@@ -72,7 +76,7 @@ def _summary(result: Reproduction) -> str:
     counted = listed([f"{verdicts.count(name)} {name}" for name in tables.VERDICTS if name in verdicts])
     findings = [row.verdict for row in result.findings]
     held = listed([f"{findings.count(name)} {name}" for name in tables.ANSWERS if name in findings])
-    stated = f"Of {len(findings)} statements of the paper: {held}. " if findings else ""
+    stated = f"Of {len(findings)} points: {held}. " if findings else ""
     return (
         f"Of {len(verdicts)} numbered equations: {counted}. {stated}"
         "What the machine was fitted to agrees by construction; what was not shows how far bodies, springs and waves "
@@ -106,6 +110,22 @@ def _again(result: Reproduction, command: str) -> Section:
         f"The first command gives the same page again with strikewave {__version__}; the others run one case each, "
         "with a report of its own."
     )
-    lines = [command, *(f"strikewave {case.command} {case.name}" for case in result.runs.cases)]
+    lines = [command, *(again(case, result.runs.quick) for case in result.runs.cases), _command("bar", BAR, PASSING)]
     cite = Table("Source", ["key", "source"], [[PAPER, SOURCES[PAPER]]])
     return Section("How to run this again", text, [Code("\n".join(lines)), cite])
+
+
+def again(case: Case, quick: bool = False) -> str:
+    """Return the command that runs a case as it was run here.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> again(load_case("li-ma-2019")), again(load_case("li-ma-2019-fem-wave"), quick=True)[:75]
+    ('strikewave run li-ma-2019', "strikewave fem li-ma-2019-fem-wave --set 'mesh.part.striker.size=3.75 mm' -")
+    """
+    return _command(case.command, case.name, quick_changes(case.name) if quick and case.mesh else ())
+
+
+def _command(command: str, case: str, changes: Sequence[str] = ()) -> str:
+    return " ".join(["strikewave", command, case, *(f"--set {shlex.quote(change)}" for change in changes)])

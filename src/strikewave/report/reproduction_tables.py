@@ -28,7 +28,14 @@ ORIGINS = {"measured": "measured", "simulated": "LS-DYNA", "given": "given"}
 SECTIONS = {"3.1": "contact force", "3.2": "stress waves"}
 MATERIALS = (("65Mn", "1, 2"), ("2A12", "1"), ("45 steel", "2"))
 """Materials of Tables 1 and 2 by their name in the package."""
-_PROPERTIES = ("density", "youngs_modulus", "poissons_ratio", "yield_strength")
+_PROPERTIES = {
+    "density": "density",
+    "Young's modulus": "youngs_modulus",
+    "Poisson's ratio": "poissons_ratio",
+    "yield strength": "yield_strength",
+}
+"""What the paper prints of a material, by the words of its published number."""
+_SET, _COARSER = "set by the user", "set by --quick"
 
 
 class Input(NamedTuple):
@@ -41,7 +48,7 @@ class Input(NamedTuple):
 
 
 def inputs_by_cases(cases: Sequence[Case]) -> dict[Input, list[str]]:
-    """Return every input of cases once, with the names of the cases that have it.
+    """Return every input of cases once, with the names of the cases that have it; what was changed, --quick changed.
 
     Examples
     --------
@@ -53,7 +60,8 @@ def inputs_by_cases(cases: Sequence[Case]) -> dict[Input, list[str]]:
     found: dict[Input, list[str]] = defaultdict(list)
     for case in cases:
         for path, value in case.values().items():
-            found[Input(path, str(value.typed), value.provenance, value.note)].append(case.name)
+            note = _COARSER if value.note == _SET else value.note
+            found[Input(path, str(value.typed), value.provenance, note)].append(case.name)
     return dict(found)
 
 
@@ -123,10 +131,12 @@ def materials_section(numbers: Sequence[NumberRow]) -> Section:
 
 
 def _as_printed(mine: Material, name: str, numbers: Sequence[NumberRow]) -> bool:
-    """Tell whether a material equals all printed numbers that bear its name."""
-    values = [getattr(mine, key) for key in _PROPERTIES]
-    printed = [row.number.value for row in numbers if row.number.quantity.startswith(f"{name}:")]
-    return bool(printed) and all(any(math.isclose(v, p, rel_tol=1e-12) for v in values) for p in printed)
+    """Tell whether each property of a material equals the printed number of that property."""
+    printed = {row.number.name: row.number.value for row in numbers}
+    return all(
+        math.isclose(getattr(mine, key), printed.get(f"{name} {words}", math.nan), rel_tol=1e-12)
+        for words, key in _PROPERTIES.items()
+    )
 
 
 def _derived(mine: Material) -> list[Cell]:
@@ -148,7 +158,9 @@ def equation_sections(rows: Sequence[EquationRow]) -> list[Section]:
         text = (
             f"{len(mine)} equations: {', '.join(counts)}. Right: it agrees within rounding. Approximate: an estimate. "
             "Misprint: the formula as printed cannot be meant. Wrong: it does not hold. Every number is computed here: "
-            "by the formula as printed, by the corrected one, and by an independent exact solution, as the note says."
+            "by the formula as printed, by the corrected one, and by an independent exact solution, as the note says. "
+            "Where no solution is independent the cell says what stands for it: a round trip gets back what was put "
+            "in, an identity holds by its terms."
         )
         says = ["equation", "as printed", "corrected", "verdict", "printed is off by"]
         gives = ["number compared", "printed", "corrected", "exact", "note"]
@@ -163,6 +175,8 @@ def equation_sections(rows: Sequence[EquationRow]) -> list[Section]:
 
 def _said(row: EquationRow) -> list[Cell]:
     off = NONE if row.deviation is None else share(row.deviation)
+    if row.printed_unit and row.printed_unit != row.unit:
+        off = "in another unit"
     return [
         f"{row.number} {row.what}",
         row.formula,
@@ -175,6 +189,10 @@ def _said(row: EquationRow) -> list[Cell]:
 def _given(row: EquationRow) -> list[Cell]:
     unit = f" ({spelled(row.unit)})" if row.unit not in ("", "1") else ""
     numbers = [written(value, 5) for value in (row.printed, row.corrected_value, row.exact)]
+    if row.printed_unit and row.printed is not None:
+        numbers[0] = f"{numbers[0]} {spelled(row.printed_unit)}"
+    if row.basis != "independent" and row.exact is not None:
+        numbers[2] = f"{numbers[2]}, {row.basis}"
     return [f"{row.number} {row.quantity}{unit}", *numbers, row.note or NONE]
 
 
@@ -295,9 +313,9 @@ def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = 
     empty = "The models of hexahedra were not run."
     table = Table("Models of hexahedra", [*heads, "momentum error", "stated limits"], rows, empty)
     text = (
-        "Hexahedra of eight nodes with one point of integration, followed explicitly in time, as in the paper's "
-        "simulations. The paper shows its meshes in pictures and gives no dimension but the smallest element, "
-        "so that shapes and sizes are assumed."
+        "Hexahedra of eight nodes with one point of integration, followed explicitly in time. Of its elements the "
+        "paper says that they are Solid164, explicit hexahedra too. It shows its meshes in pictures and gives no "
+        "dimension but the smallest element, so that shapes and sizes are assumed."
     )
     return Section("The element runs", text if rows else "", [table, *tables])
 

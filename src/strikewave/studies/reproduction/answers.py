@@ -15,11 +15,7 @@ from strikewave.studies.reproduction.element_pulses import (
     struck_body,
 )
 from strikewave.studies.reproduction.result import Computed, NumberRow
-from strikewave.studies.reproduction.runs import (
-    QUIET_WAVE_ELEMENTS,
-    WAVE_ELEMENTS,
-    Runs,
-)
+from strikewave.studies.reproduction.runs import NON_REFLECTING, QUIET_WAVE_ELEMENTS, WAVE_ELEMENTS, Runs
 from strikewave.studies.reproduction.types import PublishedNumber
 
 DIRECT_PEAK, BUFFERED_PEAK = "direct peak", "buffered peak"
@@ -61,7 +57,10 @@ OF_THE_FIRST_BLOW = (RIGID_PEAK, RIGID_WIDTH, DYNA_PEAK, DYNA_WIDTH, DYNA_FORCE,
 
 
 def number_rows(published: Sequence[PublishedNumber], runs: Runs) -> tuple[NumberRow, ...]:
-    """Set what the runs say beside every published number; elements first where LS-DYNA gave it."""
+    """Set what the runs say beside every published number, like for like first.
+
+    Where LS-DYNA gave it, these are the elements with the paper's own faces, then those with faces that reflect.
+    """
     return tuple(NumberRow(number, tuple(_answers(number, runs))) for number in published)
 
 
@@ -90,7 +89,9 @@ def _comparison(solution: Solution, place: Impact, number: PublishedNumber) -> C
 
 def _by_elements(number: PublishedNumber, runs: Runs) -> Iterator[Computed]:
     """Yield what models of hexahedra whose case compares the number say; on coarse meshes in the same role."""
-    for solution in runs.elements if number.name in OF_THE_FIRST_BLOW else ():
+    alike = number.origin == "simulated"
+    models = sorted(runs.elements, key=lambda solution: (solution.case.name in NON_REFLECTING) != alike)
+    for solution in models if number.name in OF_THE_FIRST_BLOW else ():
         for entry, row in zip(solution.case.published, solution.published, strict=True):
             same = math.isclose(row.published, number.value, rel_tol=1e-9)
             if same and row.measured_or_simulated == number.origin:

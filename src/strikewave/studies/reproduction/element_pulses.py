@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 
 SPECIMEN = "sensor"
 """Part that stands for the tested specimen."""
+SHELL = "shell"
+"""Part that stands for the cylinder shell in the frame."""
 EARLY, LATE = (0.1, 0.3), (0.5, 0.9)
 """Shares of the peak between which the rise of the contact force is steep early and late."""
 
@@ -136,4 +138,5 @@ def element_numbers(solution: FemSolution) -> ElementNumbers:
         section_peak=None if section is None else float((interval_means(section.velocity, run.time) @ along).max()),
         mean_peak=body_pulse(solution, SPECIMEN).measure.rigid_peak if has_specimen else None,
         plastic_strain=max((float(values.max()) for values in run.plastic_strain.values()), default=None),
+        shell_stress=float(run.von_mises[SHELL].max()) if SHELL in run.von_mises else None,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from strikewave.case import load_case
@@ -16,9 +16,14 @@ from strikewave.studies.reproduction.assumed import (
     studied,
 )
 from strikewave.studies.reproduction.body_reasons import Reason, reasons
-from strikewave.studies.reproduction.runs import QUIET_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS, coarser
-
-Report = Callable[[float, str], None]
+from strikewave.studies.reproduction.runs import (
+    QUIET_ELEMENTS,
+    RIGID_ELEMENTS,
+    WAVE_ELEMENTS,
+    Report,
+    coarser,
+    within,
+)
 
 NO_YIELD = tuple(f"mesh.part.{part}.solid.yield_strength=100 GPa" for part in ("striker", "frame"))
 """Changes after which nothing yields."""
@@ -79,8 +84,3 @@ def run_further(threads: int = 1, report: Report = lambda share, words: None) ->
         dimension_study(WAVE_ELEMENTS, threads, report=within(report, middle, 1.0)),
     )
     return Further(meshes, dimensions, blows, elastic, found)
-
-
-def within(report: Report, begin: float, end: float) -> Report:
-    """Return a report of a stage that goes from one share to another."""
-    return lambda share, words: report(begin + (end - begin) * share, words)

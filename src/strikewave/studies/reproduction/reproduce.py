@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from strikewave.studies.reproduction.answers import number_rows
+from collections.abc import Sequence
+
+from strikewave.studies.reproduction.answers import BUFFERED_PEAK, DIRECT_PEAK, number_rows
 from strikewave.studies.reproduction.element_pulses import element_numbers
 from strikewave.studies.reproduction.equations import equation_rows
 from strikewave.studies.reproduction.findings import ELASTIC, QUIET, REFLECTING, WAVE, findings
-from strikewave.studies.reproduction.further import Further, run_further, within
+from strikewave.studies.reproduction.further import Further, run_further
 from strikewave.studies.reproduction.published import consistency_checks, published_numbers
-from strikewave.studies.reproduction.result import Reproduction
-from strikewave.studies.reproduction.runs import QUIET_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS, Effort, Report, run_all
+from strikewave.studies.reproduction.result import NumberRow, Reproduction
+from strikewave.studies.reproduction.runs import (
+    QUIET_ELEMENTS,
+    QUIET_WAVE_ELEMENTS,
+    RIGID_ELEMENTS,
+    Effort,
+    Report,
+    run_all,
+    within,
+)
 
 RUNS = 0.5
 """Share of the time that the runs of the figures take, the studies the rest."""
@@ -31,9 +41,17 @@ def reproduce(effort: Effort, report: Report = lambda share, words: None) -> Rep
     runs = run_all(effort, within(report, 0.0, RUNS if studied else 1.0))
     further = run_further(effort.threads, within(report, RUNS, 1.0)) if studied else Further()
     checks = consistency_checks()
-    named = {QUIET: QUIET_ELEMENTS, REFLECTING: RIGID_ELEMENTS, WAVE: WAVE_ELEMENTS}
+    named = {QUIET: QUIET_ELEMENTS, REFLECTING: RIGID_ELEMENTS, WAVE: QUIET_WAVE_ELEMENTS}
     solutions = {name: runs.element_solution(case) for name, case in named.items()}
     solutions[ELASTIC] = further.elastic
     measured = {name: None if found is None else element_numbers(found) for name, found in solutions.items()}
     numbers = number_rows(published_numbers(), runs)
-    return Reproduction(runs, equations, numbers, checks, findings(equations, checks, measured), further)
+    found = findings(equations, checks, measured, _read_ratio(numbers))
+    return Reproduction(runs, equations, numbers, checks, found, further)
+
+
+def _read_ratio(numbers: Sequence[NumberRow]) -> float | None:
+    """Return the first peak of the direct sensor over that of the buffered one, as the machine's model gives them."""
+    peaks = {row.number.name: row.best.value for row in numbers if row.best is not None}
+    direct, buffered = peaks.get(DIRECT_PEAK), peaks.get(BUFFERED_PEAK)
+    return None if direct is None or buffered is None else direct / buffered

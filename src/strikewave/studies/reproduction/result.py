@@ -18,7 +18,7 @@ from strikewave.studies.reproduction.body_rows import BodyRow, body_rows
 from strikewave.studies.reproduction.further import Further
 from strikewave.studies.reproduction.runs import Runs
 from strikewave.studies.reproduction.types import Consistency, EquationRow, Finding, PublishedNumber
-from strikewave.units import DIMENSIONS, convertible
+from strikewave.units import DIMENSIONS, convertible, in_unit
 
 PAPER = "li-ma-2019"
 
@@ -116,8 +116,20 @@ class Reproduction:
     def document(self) -> dict[str, Any]:
         """Return the JSON document; numbers are SI."""
         runs = self.runs
-        units = {"exact": "SI, see unit", "printed": "SI, see unit", "corrected_value": "SI, see unit"}
-        units |= {"value": "SI, see si", "difference": "1", "deviation": "1", "step": "s", "seconds": "s"}
+        units = {
+            "exact": "SI, see unit",
+            "printed": "SI, see printed_unit, else unit",
+            "corrected_value": "SI, see unit",
+        }
+        units |= {"value_si": "SI, see si", "published_value": "see published_unit"}
+        units |= {
+            "value": "SI, see unit",
+            "stated": "SI, see unit",
+            "difference": "1",
+            "deviation": "1",
+            "step": "s",
+            "seconds": "s",
+        }
         units |= {"energy_error": "1", "hourglass_share": "1", "momentum_error": "1"}
         return plain(
             {
@@ -170,9 +182,24 @@ def equation_document(row: EquationRow) -> dict[str, Any]:
 
 
 def number_document(row: NumberRow) -> dict[str, Any]:
-    """Return a published number with its answers as a row of the JSON document."""
-    answers = [{**asdict(one), "difference": one.difference(row.number.value)} for one in row.computed]
-    return {**asdict(row.number), "si": si_unit(row.number.unit), "computed": answers}
+    """Return a published number with its answers as a row of the JSON document.
+
+    Examples
+    --------
+    >>> number = PublishedNumber("window", "Figure 5", "time", 0.15, "ms", "measured")
+    >>> found = number_document(NumberRow(number, ()))
+    >>> [found[key] for key in ("value_si", "si", "published_value", "published_unit")]
+    [0.15, 's', 150.0, 'ms']
+    """
+    number = row.number
+    si = si_unit(number.unit)
+    shown = number.value if number.unit == si else float(f"{in_unit(number.value, si, number.unit):.12g}")
+    values = {"value_si": number.value, "si": si, "published_value": shown, "published_unit": number.unit}
+    answers = [
+        {"value_si": one.value, **without(asdict(one), "value"), "difference": one.difference(number.value)}
+        for one in row.computed
+    ]
+    return {**without(asdict(number), "value", "unit"), **values, "computed": answers}
 
 
 def element_document(solution: FemSolution) -> dict[str, Any]:

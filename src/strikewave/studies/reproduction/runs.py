@@ -27,6 +27,8 @@ MACHINE, COMPARISON, FIXTURE, BAR, EQUAL_BLOWS = (
 RIGID_ELEMENTS, QUIET_ELEMENTS = "li-ma-2019-fem-rigid", "li-ma-2019-fem-rigid-quiet"
 WAVE_ELEMENTS, QUIET_WAVE_ELEMENTS = "li-ma-2019-fem-wave", "li-ma-2019-fem-wave-quiet"
 """The object of Figure 11 and the sensor of Figure 15, each also with non-reflecting faces."""
+NON_REFLECTING = (QUIET_ELEMENTS, QUIET_WAVE_ELEMENTS)
+"""Those whose faces are as in the paper's own simulations."""
 ELEMENT_CASES = (RIGID_ELEMENTS, QUIET_ELEMENTS, WAVE_ELEMENTS, QUIET_WAVE_ELEMENTS)
 COARSER, SHORTER = 1.25, "fem.duration=400 us"
 """By how much elements are larger where a run is to be quick, and for how long it then goes."""
@@ -135,7 +137,7 @@ def run_all(effort: Effort, report: Report = lambda share, words: None) -> Runs:
     elements = []
     for k, case in enumerate(models):
         begin, end = (share + (1.0 - share) * place / len(models) for place in (k, k + 1))
-        elements.append(_run_elements(case, effort.threads, _within(report, begin, end, case.name)))
+        elements.append(_run_elements(case, effort.threads, within(report, begin, end, case.name)))
     report(1.0, "")
     return Runs(machine, comparison, fixture, equal_blows, bar, passing, tuple(elements), effort.quick)
 
@@ -143,7 +145,18 @@ def run_all(effort: Effort, report: Report = lambda share, words: None) -> Runs:
 def element_cases(effort: Effort) -> list[Case]:
     """Return the models of hexahedra to run."""
     cases = [load_case(name) for name in ELEMENT_CASES if name in bundled_cases()]
-    return [load_case(case.name, [*coarser(case), SHORTER]) for case in cases] if effort.quick else cases
+    return [load_case(case.name, quick_changes(case.name)) for case in cases] if effort.quick else cases
+
+
+def quick_changes(name: str) -> list[str]:
+    """Return what a quick run changes in a model of hexahedra.
+
+    Examples
+    --------
+    >>> quick_changes("li-ma-2019-fem-wave")[0], quick_changes("li-ma-2019-fem-wave")[-1]
+    ('mesh.part.striker.size=3.75 mm', 'fem.duration=400 us')
+    """
+    return [*coarser(load_case(name)), SHORTER]
 
 
 def coarser(case: Case, factor: float = COARSER) -> list[str]:
@@ -174,6 +187,12 @@ def _run_elements(case: Case, threads: int, report: Report) -> FemSolution:
     return run_model(case, build_model(case, threads), Asked(report=seen))
 
 
-def _within(report: Report, begin: float, end: float, what: str) -> Report:
-    """Return a report of a stage that goes from one share to another."""
-    return lambda share, words: report(begin + (end - begin) * share, f"{what} {words}".strip())
+def within(report: Report, begin: float, end: float, what: str = "") -> Report:
+    """Return a report of a stage that goes from one share to another; ``what`` is said before its words.
+
+    Examples
+    --------
+    >>> within(lambda share, words: print(share, words), 0.5, 1.0, "a case")(0.5, "builds the mesh")
+    0.75 a case: builds the mesh
+    """
+    return lambda share, words: report(begin + (end - begin) * share, ": ".join(filter(None, (what, words))))

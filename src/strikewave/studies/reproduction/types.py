@@ -13,6 +13,7 @@ Section = Literal["3.1", "3.2"]
 Verdict = Literal["right", "approximate", "misprint", "wrong", "definition"]
 Origin = Literal["measured", "simulated", "given"]
 Answer = Literal["right", "partly", "not", "open"]
+Basis = Literal["independent", "round trip", "identity"]
 
 
 @dataclass(frozen=True)
@@ -34,12 +35,17 @@ class EquationRow:
     quantity, unit : str
         The number that is compared, and its unit ("1" without one).
     printed, corrected_value, exact : float or None
-        What the printed formula gives, the corrected one, and an independent exact solution.
+        What the printed formula gives, the corrected one, and the answer they are held against (see ``basis``).
     verdict : str
         right: the numbers agree within rounding; approximate: an estimate, off by what the row shows; misprint: the
         formula as printed cannot be meant; wrong: it does not hold; definition: an identity or a name.
     note : str
         Why, and where the exact number comes from.
+    basis : str
+        What ``exact`` is: independent, found another way; round trip, the same rule inverted, or a number that was put
+        in and is read back; identity, the same thing by algebra or by the conservation that the solution is built on.
+    printed_unit : str
+        Unit of the printed number where it is not ``unit``.
     """
 
     number: str
@@ -54,11 +60,16 @@ class EquationRow:
     exact: float | None
     verdict: Verdict
     note: str
+    basis: Basis = "independent"
+    printed_unit: str = ""
 
     @property
     def deviation(self) -> float | None:
-        """What the printed value is off the exact one, relative to that (absolute where the exact one is 0)."""
-        return _deviation(self.printed, self.exact)
+        """What the printed value is off the exact one, relative to that (absolute where the exact one is 0).
+
+        None where the two are not in one unit.
+        """
+        return None if self.printed_unit else _deviation(self.printed, self.exact)
 
     @property
     def corrected_deviation(self) -> float | None:
@@ -153,6 +164,8 @@ class ElementNumbers:
         Largest acceleration of the sensor, mean over the part, m/s^2.
     plastic_strain : float or None
         Largest equivalent plastic strain anywhere.
+    shell_stress : float or None
+        Largest von Mises stress of the cylinder shell that the frame holds, Pa.
     """
 
     peak_force: float | None = None
@@ -165,6 +178,7 @@ class ElementNumbers:
     section_peak: float | None = None
     mean_peak: float | None = None
     plastic_strain: float | None = None
+    shell_stress: float | None = None
 
 
 @dataclass(frozen=True)
@@ -176,9 +190,11 @@ class Finding:
     topic, paper, found : str
         What it is about, what the paper says, what we find (with its numbers).
     verdict : str
-        right, partly, not; open where the finite elements that decide it have not been run.
+        right, partly, not; open where what decides it is not published, or was not run.
     shown_by : str
         Equations, figures or cases that show it.
+    ours : bool
+        Whether the point is ours: the paper makes no statement of it.
     """
 
     topic: str
@@ -186,6 +202,7 @@ class Finding:
     found: str
     verdict: Answer
     shown_by: str
+    ours: bool = False
 
 
 def _deviation(value: float | None, exact: float | None) -> float | None:

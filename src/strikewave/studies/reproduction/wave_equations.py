@@ -11,6 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.special import i0, i1, j0, j1
 
 from strikewave.studies.reproduction.examples import (
     FarEnd,
@@ -23,7 +25,7 @@ from strikewave.studies.reproduction.examples import (
 )
 from strikewave.studies.reproduction.values import Values
 from strikewave.waves import Layer
-from strikewave.waves.dispersion import Rod, phase_speed, wave_number
+from strikewave.waves.dispersion import phase_speed
 from strikewave.waves.li_ma import Sandwich, acceleration, arrivals, mean_acceleration, strain, velocity
 
 Array = NDArray[np.float64]
@@ -138,8 +140,6 @@ def _motion(example: WaveExample) -> dict[str, Values]:
     """Return (38) to (40): velocity, speed and acceleration."""
     specimen = example.specimen
     free, wall = (end_speeds(example, end) for end in ("free", "rigid"))
-    rod = Rod(0.5 * specimen.diameter, specimen.bar_speed, specimen.poissons_ratio or 0.0)
-    number = float(np.real(wave_number(LOW_FREQUENCY, rod)))
     pulse = pulse_of(example, example.slow)
     seen = watch(example, pulse, example.slow / specimen.transit + 6.0)
     printed, corrected = (
@@ -151,11 +151,46 @@ def _motion(example: WaveExample) -> dict[str, Values]:
         "(38)": Values(*free, {"rigid_printed": wall[0], "rigid_exact": wall[2]}),
         "(39)": Values(
             specimen.bar_speed,
-            exact=LOW_FREQUENCY / number,
-            words={"short_wave": float(phase_speed(1.0, rod.poissons_ratio))},
+            exact=solid_bar_speed(specimen) if specimen.poissons_ratio else None,
+            words={"short_wave": float(phase_speed(1.0, specimen.poissons_ratio or 0.0))},
         ),
         "(40)": Values(printed, corrected, float(seen.acceleration.max()), words),
     }
+
+
+def solid_bar_speed(bar: Layer, angular_frequency: float = LOW_FREQUENCY) -> float:
+    """Return the speed of a long wave in a round bar as an elastic solid, m/s: it knows no sqrt(E/rho).
+
+    First root c = w/k of Pochhammer's and Chree's equation (Graff 1975, section 8.2), with lambda and mu of Lame,
+    c1^2 = (lambda + 2 mu)/rho, c2^2 = mu/rho, s^2 = k^2 - (w/c1)^2, q^2 = (w/c2)^2 - k^2 and a the radius:
+
+        (2/a) (q^2 + k^2) s I1(s a) J1(q a) + (q^2 - k^2)^2 I0(s a) J1(q a) - 4 k^2 q s I1(s a) J0(q a) = 0.
+
+    Raises
+    ------
+    ValueError
+        If the bar has no Poisson's ratio above 0, where c lies between c2 and c1.
+
+    Examples
+    --------
+    >>> bar = WaveExample().specimen
+    >>> round(solid_bar_speed(bar), 2), round(bar.bar_speed, 2)
+    (5089.13, 5089.13)
+    """
+    nu, radius = bar.poissons_ratio or 0.0, 0.5 * bar.diameter
+    if nu <= 0.0:
+        raise ValueError(f"the bar needs a Poisson's ratio above 0, got {nu!r}")
+    lame, shear = bar.modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), bar.modulus / (2.0 * (1.0 + nu))
+    fast, slow = math.sqrt((lame + 2.0 * shear) / bar.density), math.sqrt(shear / bar.density)
+
+    def residual(speed: float) -> float:
+        k = angular_frequency / speed
+        s, q = math.sqrt(k**2 - (angular_frequency / fast) ** 2), math.sqrt((angular_frequency / slow) ** 2 - k**2)
+        pressure, turn = s * i1(s * radius), j1(q * radius)
+        mixed = (q**2 - k**2) ** 2 * i0(s * radius) * turn - 4.0 * k**2 * q * pressure * j0(q * radius)
+        return float(2.0 / radius * (q**2 + k**2) * pressure * turn + mixed)
+
+    return float(brentq(residual, 1.01 * slow, 0.999 * fast, xtol=1e-9))
 
 
 def end_speeds(example: WaveExample, end: FarEnd) -> tuple[float, float, float]:

@@ -1,0 +1,89 @@
+"""Decks of every code: what would not run here is no deck, and what differs at walls is said."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from strikewave.errors import InputError
+from strikewave.exchange.deck import Heading, real
+from strikewave.exchange.ls_dyna_deck import ls_dyna_deck
+from strikewave.exchange.radioss_deck import radioss_deck
+from strikewave.exchange.units import SYSTEMS, unit_system
+from strikewave.fem.mesh import Mesh
+from strikewave.fem.model import Contact, Controls, Model, Rigid, Wall
+from strikewave.fem.shapes import block
+from strikewave.fem.solids import Elastic
+
+BELOW = (0.0, 0.0, -1e-4), (0.0, 0.0, 1.0)
+"""Point and normal of a wall below the column."""
+
+
+@pytest.fixture(params=[ls_dyna_deck, radioss_deck])
+def written(request):
+    """The deck of a model, and its text."""
+
+    def write(model):
+        deck = request.param(model, SYSTEMS["mm-t-s"], Heading("a title"))
+        return deck, "".join(next(iter(deck.files.values())))
+
+    return write
+
+
+def column(**more):
+    """Two elements on each other, which share four nodes."""
+    found = block("foot", (1e-3, 1e-3, 2e-3), 1e-3, 1e-3, 1e-3)
+    part = (found.points[found.hexahedra].mean(axis=1)[:, 2] > 1e-3).astype(np.int32)
+    mesh = Mesh(found.points, found.hexahedra, part, ("foot", "head"))
+    solids = dict.fromkeys(mesh.names, Elastic(7820.0, 211e9, 0.3))
+    return Model(mesh, solids, Controls(20e-6), velocity=dict.fromkeys(mesh.names, (0.0, 0.0, -10.0)), **more)
+
+
+def test_a_rigid_part_before_a_wall_is_refused_as_by_a_run(written):
+    model = column(rigid=(Rigid("head"),), walls=(Wall("head.all", *BELOW),))
+    with pytest.raises(InputError, match="rigid on rigid"):
+        written(model)
+
+
+@pytest.mark.parametrize("friction", [-1.0, math.inf, math.nan])
+def test_friction_that_is_none_is_refused(written, friction):
+    walls = column(walls=(Wall("foot.all", *BELOW, friction),))
+    with pytest.raises(InputError, match="friction"):
+        written(walls)
+    two = replace(column(), contacts=(Contact("foot.all", "head.all", friction),))
+    with pytest.raises(InputError, match="friction"):
+        written(two)
+
+
+def test_a_side_that_stands_behind_a_wall_is_refused(written):
+    with pytest.raises(InputError, match=r"foot\.all-wall"):
+        written(column(walls=(Wall("foot.all", (0.0, 0.0, 1e-3), BELOW[1]),)))
+
+
+@pytest.mark.parametrize("width", [10, 20])
+@pytest.mark.parametrize("value", [math.inf, -math.inf, math.nan])
+def test_what_is_not_finite_is_no_number_of_a_deck(value, width):
+    with pytest.raises(InputError, match="finite"):
+        real(value, width)
+
+
+def test_walls_are_said_to_be_a_constraint_where_there_is_one(written):
+    assert any("penalty on the gap" in line for line in written(column(walls=(Wall("foot.all", *BELOW),)))[0].differs)
+    assert not any("wall" in line for line in written(column())[0].differs)
+
+
+def test_nodes_that_a_rigid_part_shares_are_stopped_by_the_wall_or_said_not_to_be(written):
+    """RWPNAL is 0 unless said, and then LS-DYNA's walls do not see rigid nodes; OpenRadioss's see none."""
+    wall = Wall("foot.all", *BELOW)
+    for rigid in ((), (Rigid("head"),)):
+        deck, text = written(column(rigid=rigid, walls=(wall,)))
+        told = [line for line in (*deck.differs, *deck.left_out) if line.startswith(f"wall {wall.name}")]
+        assert len(told) == len(rigid)
+        if text.startswith("*KEYWORD"):
+            assert text.count("*CONTROL_CONTACT\n       0.1       1.0") == len(rigid)
+
+
+def test_unknown_system_is_told_by_the_field_where_it_was_said():
+    with pytest.raises(InputError, match=r"^--units: got"):
+        unit_system("si", "--units")
