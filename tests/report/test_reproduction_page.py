@@ -207,8 +207,8 @@ def test_the_head_has_predictions_alone(result, struck):
         assert len(words) == (3 if found is result else 4)
         assert not [label for label in words if "later" in label or "specimen" in label]
     verdicts = [row.verdict for row in result.equations]
-    counted = f"{verdicts.count('right')}, and {verdicts.count('definition')} definitions"
-    assert key_numbers(result)[0] == ("equations of 41 that hold as printed", counted)
+    words = f"equations hold as printed, and {verdicts.count('definition')} definitions"
+    assert key_numbers(result)[0] == (words, f"{verdicts.count('right')} of 41")
     fitted = dataclasses.replace(struck.row(known.WAVE_PEAK).computed[0], role="fitted")
     rows = [
         dataclasses.replace(row, computed=(fitted,)) if row.number.name == known.WAVE_PEAK else row

@@ -343,8 +343,8 @@ def pictures(result: Reproduction) -> Iterator[tuple[str, Figure]]:
 def key_numbers(result: Reproduction) -> list[tuple[str, str]]:
     """Return the numbers at the head of the report: of the published ones those that nothing was fitted to."""
     verdicts = [row.verdict for row in result.equations]
-    counted = f"{verdicts.count('right')}, and {verdicts.count('definition')} definitions"
-    numbers = [(f"equations of {len(verdicts)} that hold as printed", counted)]
+    words = f"equations hold as printed, and {verdicts.count('definition')} definitions"
+    numbers = [(words, f"{verdicts.count('right')} of {len(verdicts)}")]
     labels = {
         known.DIRECT_PEAK: "peak of the direct sensor: off the measured one by",
         known.WAVE_PEAK: "stress-wave peak of the stack: off the measured one by",
