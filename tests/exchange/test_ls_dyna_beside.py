@@ -192,6 +192,18 @@ def test_contacts_go_together_by_title_by_being_alone_or_as_asked(written, ours)
             lay_beside(theirs, ours, asked)
 
 
+def test_contacts_without_titles_are_numbered_as_in_our_deck(written, ours):
+    two = OurRun(ours.folder, ours.title, {NAME: ours.forces[NAME], "other": ours.forces[NAME]}, ours.ledger, {})
+    theirs = read_folder(written(fields=False), MM)
+    touching = max(theirs.contacts, key=lambda contact: contact.number == 7)
+    numbered = [dataclasses.replace(touching, number=k, title="") for k in (2, 1, 5)]
+    found = lay_beside(dataclasses.replace(theirs, contacts=tuple(numbered)), two)
+    assert [(pair.name, pair.contact.number) for pair in found.forces] == [(NAME, 1), ("other", 2)]
+    titled = [dataclasses.replace(contact, title="of another deck") for contact in numbered[:1]]
+    mixed = dataclasses.replace(theirs, contacts=(*titled, *numbered[1:]))
+    assert lay_beside(mixed, two).forces == ()
+
+
 def test_what_touches_in_one_run_alone_is_said(written, ours):
     force = ours.forces[NAME]
     still = dataclasses.replace(force, force=0.0 * force.force, impulse=np.zeros(3))

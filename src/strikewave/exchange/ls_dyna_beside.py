@@ -220,7 +220,10 @@ def slip(ratio: float) -> float | None:
 def _matched(
     option: str, ours: Sequence[str], numbers: Mapping[str, int], titles: Mapping[str, str], asked: Mapping[str, int]
 ) -> dict[str, str]:
-    """Return the name of theirs by ours: as asked, else of the same title, else the only one of each."""
+    """Return the name of theirs by ours: as asked, else of the same title, else the only one of each.
+
+    Where none of theirs has a title, and none was asked for, they are those of our deck, which numbers from 1 on.
+    """
     by_number = {number: name for name, number in numbers.items()}
     found = {}
     for name, number in asked.items():
@@ -236,6 +239,8 @@ def _matched(
         same = [other for other, title in titles.items() if title.casefold() == name.casefold()]
         if name not in found and len(same) == 1 and same[0] not in found.values():
             found[name] = same[0]
+    if not found and not any(titles.values()):
+        found = {name: by_number[number] for number, name in enumerate(ours, start=1) if number in by_number}
     if len(ours) == len(numbers) == 1 and not found:
         found[ours[0]] = next(iter(numbers))
     return found
