@@ -148,9 +148,9 @@ def _buffering(result: Reproduction) -> str:
 def _passing(result: Reproduction) -> Section:
     solution = result.runs.passing
     field, layer = bar_field(solution), solution.taps[0][1].layer
-    text = """The paper draws the wave that passes to and fro in the specimen and counts its passages. Its own \
-experiment cannot show them, because 45 steel between 65Mn of equal area reflects next to nothing. Here the specimen \
-is 2A12 between 65Mn, and the load rises within 0.3 µs and stays.
+    text = """The paper draws the wave that passes to and fro in the specimen and counts its passages. If its \
+areas are equal, which is not said, its own experiment cannot show them: 45 steel between 65Mn reflects next to \
+nothing. Here the specimen is 2A12 between 65Mn, and the load rises within 0.3 µs and stays.
 
 The equations as printed let the echo come back after the way to interface II alone, and the next one a transit later; \
 in truth it has that way to go and back. The heights of the steps and the end are right. The corrected sum and the \
