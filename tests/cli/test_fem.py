@@ -315,9 +315,10 @@ def test_the_width_of_a_published_force_is_that_of_the_whole_contact(bars):
     assert found == bars.contacts["striker.top-bar.bottom"].duration
 
 
-def test_the_terminal_says_where_the_largest_values_are_and_which_impulse_is_of_whole_bodies(bars, capsys):
+def test_the_terminal_says_where_the_largest_values_are_and_which_impulse_is_of_whole_bodies(bars, capsys, monkeypatch):
     from strikewave.cli.fem import show
 
+    monkeypatch.setenv("COLUMNS", "200")
     show(bars)
     out, err = capsys.readouterr()
     assert out.count("impulse (N s)") == 1

@@ -111,7 +111,7 @@ def test_the_report_begins_with_the_force_of_whole_bodies_and_a_named_body(tmp_p
     assert "rigid-body peak of bar" in summary
 
 
-def test_each_blow_names_the_body_of_its_rigid_peak_a_group_first(tmp_path, capsys):
+def test_each_blow_names_the_body_of_its_rigid_peak_a_group_first(tmp_path, capsys, monkeypatch):
     from strikewave.cli.fem import show
     from strikewave.report.fem_blows import blows_section
     from strikewave.report.parts import written
@@ -126,6 +126,7 @@ def test_each_blow_names_the_body_of_its_rigid_peak_a_group_first(tmp_path, caps
     forces, *_ = blows_section(solution).parts
     place = forces.columns.index("rigid peak (g)")
     assert [row[place] for row in forces.rows] == peaks
+    monkeypatch.setenv("COLUMNS", "200")
     show(solution)
     assert capsys.readouterr().out.count("object: ") == 2
 
