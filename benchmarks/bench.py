@@ -22,6 +22,7 @@ from scipy.integrate import solve_ivp
 from timing import best, table, write
 
 from strikewave import load_case, run_case
+from strikewave.base.materials import material
 from strikewave.contact import (
     Contact,
     PressureCap,
@@ -37,7 +38,6 @@ from strikewave.contact import (
 from strikewave.contact import _pair_kernels as pairs
 from strikewave.contact._integrator import empty_record
 from strikewave.contact.law import rows
-from strikewave.materials import material
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "benchmarks.md"

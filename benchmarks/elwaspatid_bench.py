@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from timing import best, table, write
 
-from strikewave.figures import save
-from strikewave.figures.waves import Trace, traces
+from strikewave.analyses.wave.figures.curves import Trace, traces
+from strikewave.reporting.style import save
 from strikewave.waves import End, Joint, Layer, Pulse, Stack, Tap, Wanted, run_bar
 
 PICTURE = Path(__file__).parents[1] / "docs" / "images" / "loaded-short-bar.svg"

@@ -9,8 +9,8 @@ from timing import best, table, write
 from strikewave import load_case
 from strikewave.machines import run_rotary
 from strikewave.machines.quick import quick_run
-from strikewave.studies.map import axis_of, make_map, plan_of
-from strikewave.studies.map_cells import machine_of
+from strikewave.studies.map.cells import machine_of
+from strikewave.studies.map.study import axis_of, make_map, plan_of
 
 SIDE, TRAIN = 200, 60
 SAMPLE = 20

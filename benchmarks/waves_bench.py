@@ -7,7 +7,7 @@ import elwaspatid_bench
 import numpy as np
 from timing import best, table, write
 
-from strikewave.materials import material
+from strikewave.base.materials import material
 from strikewave.waves import BONDED, End, Pulse, Stack, _kernels, round_bar
 from strikewave.waves.dispersion import Rod, wave_number
 from strikewave.waves.spectral import Spectrum

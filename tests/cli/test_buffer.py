@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strikewave.case import parse_case
-from strikewave.units import STANDARD_GRAVITY
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.cases.case import parse_case
 
 BAR = """
 schema = 1

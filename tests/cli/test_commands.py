@@ -210,14 +210,14 @@ def test_validate_lists_every_value_with_its_provenance(strikewave):
 
 
 def test_broken_limit_exits_with_3(strikewave, monkeypatch):
-    monkeypatch.setattr("strikewave.notices.LEDGER_LIMIT", 0.0)
+    monkeypatch.setattr("strikewave.analyses.machine.notices.LEDGER_LIMIT", 0.0)
     code, out, _ = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--json")
     assert code == 3
     assert {"energy-ledger", "momentum-ledger"} <= {w["code"] for w in json.loads(out)["warnings"]}
 
 
 def test_our_own_fault_exits_with_1_in_one_line(strikewave, monkeypatch):
-    monkeypatch.setattr("strikewave.simulate.blows", lambda run: 1 / 0)
+    monkeypatch.setattr("strikewave.analyses.machine.run.blows", lambda run: 1 / 0)
     code, out, err = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--json")
     assert (code, out) == (1, "")
     assert "please report it" in err
@@ -227,7 +227,7 @@ def test_full_disk_leaves_nothing_half_written(strikewave, monkeypatch, tmp_path
     def full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("strikewave.solution.Solution.save", full)
+    monkeypatch.setattr("strikewave.analyses.machine.result.Solution.save", full)
     code, _, err = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--out", "a")
     assert code == 2
     assert "No space left" in err
@@ -238,7 +238,7 @@ def test_full_disk_leaves_nothing_half_written(strikewave, monkeypatch, tmp_path
 def test_interrupt_leaves_nothing_half_written(tmp_path, environment):
     """Ctrl-C while the result is being written."""
     program = (
-        "import sys, time; from strikewave.solution import Solution; save = Solution.save\n"
+        "import sys, time; from strikewave.analyses.machine.result import Solution; save = Solution.save\n"
         "def slow(self, path):\n"
         "    save(self, path); print('writing', flush=True); time.sleep(60)\n"
         "Solution.save = slow\n"

@@ -84,7 +84,7 @@ def small(tmp_path):
 def bars():
     """The bundled case of two bars, run."""
     from strikewave import load_case
-    from strikewave.elements import run_fem
+    from strikewave.analyses.fem.run import run_fem
 
     return run_fem(load_case("two-bars-fem"))
 
@@ -117,7 +117,7 @@ def test_a_ball_presses_a_half_space_as_hertz_says():
     The mass is that of the mesh. 2 %: elements of 0.2 mm in a contact of 0.48 mm radius, and the waves that leave.
     """
     from strikewave import load_case
-    from strikewave.elements import run_fem
+    from strikewave.analyses.fem.run import run_fem
 
     finer = [f"mesh.part.{name}.finest=0.2 mm" for name in ("ball", "ground")]
     solution = run_fem(load_case("hertz-ball-fem", finer))
@@ -269,7 +269,7 @@ def test_words_before_a_run_tell_sectors_from_whole_bodies_and_hold_no_exponents
 
 def test_a_check_counts_the_steps_of_all_blows_and_of_rest(strikewave, small):
     """After each of four blows but the last, bodies rest for one to 3.5 times its steps: 7 to 14.5 blows in all."""
-    from strikewave.cli import fem
+    from strikewave.analyses.fem import command as fem
 
     words = {}
     for blows in (1, 4):
@@ -284,7 +284,7 @@ def test_a_check_counts_the_steps_of_all_blows_and_of_rest(strikewave, small):
 
 def test_progress_is_told_in_plain_lines_where_there_is_no_terminal(capsys, monkeypatch):
     """A line at each tenth, but none within ten seconds of the last; nothing on stdout."""
-    from strikewave.cli import common
+    from strikewave.reporting import terminal as common
 
     clock = [0.0]
     monkeypatch.setattr(common.time, "monotonic", lambda: clock[0])
@@ -316,7 +316,7 @@ def test_the_width_of_a_published_force_is_that_of_the_whole_contact(bars):
 
 
 def test_the_terminal_says_where_the_largest_values_are_and_which_impulse_is_of_whole_bodies(bars, capsys, monkeypatch):
-    from strikewave.cli.fem import show
+    from strikewave.analyses.fem.command import show
 
     monkeypatch.setenv("COLUMNS", "200")
     show(bars)
@@ -327,7 +327,7 @@ def test_the_terminal_says_where_the_largest_values_are_and_which_impulse_is_of_
 
 
 def test_the_step_that_is_said_before_is_the_one_that_is_taken(bars):
-    from strikewave.elements import first_step
+    from strikewave.analyses.fem.run import first_step
 
     assert first_step(bars.model) == pytest.approx(bars.run.step, rel=0.01)  # the mesh hardly deforms
 
@@ -335,7 +335,7 @@ def test_the_step_that_is_said_before_is_the_one_that_is_taken(bars):
 def test_an_interrupted_run_goes_on_to_the_same_numbers(strikewave, small, monkeypatch):
     import h5py
 
-    from strikewave.cli import fem
+    from strikewave.analyses.fem import command as fem
 
     assert strikewave("fem", small, "--out", "whole", "--no-report")[0] == 0
     add, seen = fem.FieldFile.add, []
@@ -473,8 +473,8 @@ def test_the_example_of_the_docs_builds(strikewave, tmp_path):
 
 
 def test_a_run_names_the_sources_that_it_rests_on(bars):
-    from strikewave.citations import citation
-    from strikewave.elements import sources
+    from strikewave.analyses.fem.run import sources
+    from strikewave.base.citations import citation
     from strikewave.fem.model import NonReflecting
     from strikewave.fem.solids import JohnsonCook
 
@@ -491,7 +491,7 @@ def test_a_run_names_the_sources_that_it_rests_on(bars):
 def test_the_bundled_taylor_bar_ends_as_published():
     """Kamoulakos 1990: codes find a length of 21.4 to 21.6 mm and a foot of 7.0 to 7.5 mm in radius after 80 us."""
     from strikewave import load_case
-    from strikewave.elements import run_fem
+    from strikewave.analyses.fem.run import run_fem
 
     solution = run_fem(load_case("taylor-bar-fem"))
     moved = {name: 1e3 * point.displacement[-1] for name, point in solution.run.points.items()}
@@ -504,7 +504,7 @@ def test_the_bundled_taylor_bar_ends_as_published():
 def test_the_line_of_each_boundary_in_the_docs_is_read():
     import tomllib
 
-    from strikewave.fem_tables import BOUNDARIES, FemTable
+    from strikewave.cases.fem_tables import BOUNDARIES, FemTable
 
     text = (Path(__file__).parents[2] / "docs" / "elements.md").read_text("utf-8")
     blocks = [block.partition("```")[0] for block in text.split("```toml\n")[1:]]

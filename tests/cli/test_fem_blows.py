@@ -87,7 +87,7 @@ def test_a_number_of_blows_that_cannot_be_is_refused(strikewave, rod, wrong):
 def test_a_run_interrupted_in_its_second_blow_goes_on_to_the_same_files(strikewave, rod, monkeypatch):
     import h5py
 
-    from strikewave.cli import fem
+    from strikewave.analyses.fem import command as fem
 
     command = ("fem", rod, "--blows", "2", "--no-report", "--out")
     assert strikewave(*command, "whole")[0] == 0
@@ -116,7 +116,7 @@ def test_a_run_interrupted_in_its_second_blow_goes_on_to_the_same_files(strikewa
 
 def test_a_blow_that_is_not_over_when_the_next_begins_is_said(rod):
     from strikewave import load_case
-    from strikewave.elements import run_fem
+    from strikewave.analyses.fem.run import run_fem
 
     short = run_fem(load_case(rod, ["fem.blows=2", "fem.duration=6 us"]))
     assert "blow-unfinished" in {notice.code for notice in short.warnings}

@@ -265,7 +265,7 @@ def test_set_ups_of_the_docs_are_read():
     """Every TOML block of docs/hopkinson.md is a set-up that the command takes."""
     import re
 
-    from strikewave.split_bar import parse_setup
+    from strikewave.analyses.hopkinson.setup_file import parse_setup
 
     text = (Path(__file__).parents[2] / "docs" / "hopkinson.md").read_text("utf-8")
     blocks = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
@@ -281,8 +281,8 @@ def test_a_disk_needs_its_accelerometer(strikewave, shot, tmp_path):
 
 def test_changes_take_what_their_field_takes():
     """Text stays text, a bare number is SI, a number that was asked for is one; a path through a value is told."""
-    from strikewave.errors import InputErrors
-    from strikewave.split_bar import parse_setup
+    from strikewave.analyses.hopkinson.setup_file import parse_setup
+    from strikewave.base.errors import InputErrors
 
     text = (
         'schema = 1\n[bar.incident]\ndensity = "7800 kg/m^3"\nspeed = "5000 m/s"\ndiameter = "20 mm"\n'
@@ -341,7 +341,7 @@ def test_a_striker_takes_what_is_typed_over_its_material(strikewave, shot):
     """Width 2 L/c by what is typed; the material gives the rest."""
     plain = codes_of(strikewave, shot, "striker.material=65Mn")[0]["striker"]["duration_expected"]
     heavy = codes_of(strikewave, shot, "striker.material=65Mn", "striker.density=31280 kg/m^3")[0]
-    from strikewave.materials import material
+    from strikewave.base.materials import material
 
     ratio = np.sqrt(31280.0 / material("65Mn").density)
     assert heavy["striker"]["duration_expected"] == pytest.approx(ratio * plain, rel=1e-12)

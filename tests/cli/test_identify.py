@@ -7,9 +7,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from strikewave.cli import app, identify
+from strikewave.analyses.impact import identify
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.cli import app
 from strikewave.contact import Contact, exact, impact_history, reduced_mass, solve_impact
-from strikewave.units import STANDARD_GRAVITY
 
 M1, M2, SPEED, STIFFNESS, EXPONENT, RESTITUTION = 0.2, 0.459, 5.0, 4.7e9, 10 / 9, 0.6
 MASS = float(reduced_mass(M1, M2))

@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from strikewave.base.materials import material
 from strikewave.contact import (
     Contact,
     Geometry,
@@ -25,7 +26,6 @@ from strikewave.contact import (
     stiffness_laws,
     stiffness_of,
 )
-from strikewave.materials import material
 
 BODIES = ("--m1", "0.2", "--m2", "0.459", "--speed", "5")
 LINE = ("--length", "40 mm", "--radius1", "10 mm", "--radius2", "20 mm")

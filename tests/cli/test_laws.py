@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from strikewave.citations import SOURCES
+from strikewave.base.citations import SOURCES
 from strikewave.contact import CAP_LAWS, damper_laws, damping_laws, registry, restitution, stiffness_laws
 
 ASKED = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]
@@ -169,7 +169,7 @@ def test_a_law_of_an_installed_package_appears(strikewave, document, install):
     assert told["restitution"] == pytest.approx(row["given"][4], rel=1e-12)
 
 
-@pytest.mark.filterwarnings("default::strikewave.errors.StrikewaveWarning")
+@pytest.mark.filterwarnings("default::strikewave.base.errors.StrikewaveWarning")
 def test_a_broken_law_is_told_and_left_out(strikewave, install):
     install(broken=ImportError("no such module"), number=3.0, own=OWN)
     code, out, err = strikewave("laws", "--json")

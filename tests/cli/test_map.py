@@ -14,11 +14,11 @@ import pytest
 import xarray
 
 from strikewave import load_case
-from strikewave.figures.map import map_figure
-from strikewave.studies.map import MapStudy, axis_of, plan_of
-from strikewave.studies.map_cells import FIELDS, PLACE
-from strikewave.studies.map_regimes import FAILED
-from strikewave.studies.map_store import rows_beside
+from strikewave.studies.map.cells import FIELDS, PLACE
+from strikewave.studies.map.figures import map_figure
+from strikewave.studies.map.regimes import FAILED
+from strikewave.studies.map.store import rows_beside
+from strikewave.studies.map.study import MapStudy, axis_of, plan_of
 
 FEW = ("map", "li-ma-2019", "--points", "4x3", "--workers", "1", "--train", "0", "--set", "feed.blows=3")
 
@@ -187,7 +187,7 @@ def test_rows_of_another_map_are_refused_until_fresh(strikewave):
 
 def test_compiling_of_the_fast_run_is_told(strikewave, monkeypatch):
     """Other kernels may be there already."""
-    monkeypatch.setattr("strikewave.compiled.is_cold", lambda name="": name == "run_train")
+    monkeypatch.setattr("strikewave.base.compiled.is_cold", lambda name="": name == "run_train")
     _, _, err = strikewave(*FEW, "--json")
     assert err.startswith("compiling the kernels of the fast run")
 

@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-from strikewave.solution import load_solution
+from strikewave.analyses.machine.result import load_solution
 
 CASES = {
     "iso-16063-22-dropball": "drop height 1 m",

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from strikewave.cli.reproduce import PAPERS, progress
+from strikewave.papers.li_ma_2019.command import PAPERS, progress
 
 ROW = {"name", "where", "quantity", "value_si", "si", "published_value", "published_unit", "origin", "note", "computed"}
 ANSWER = {"by", "value_si", "role", "note", "difference"}

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.case import parse_case
-from strikewave.figures.scatter import scatter_picture
-from strikewave.studies.scatter import Plan, scatter
+from strikewave.cases.case import parse_case
+from strikewave.studies.scatter.figures import scatter_picture
+from strikewave.studies.scatter.study import Plan, scatter
 
 QUICK = ("scatter", "li-ma-2019", "--workers", "1", "--runs", "10", "--set", "feed.blows=3")
 TWO = ("--set", "striker.mass.tolerance=2 %", "--set", "feed.arrival.tolerance=0.05")
@@ -95,7 +95,7 @@ def test_no_more_processes_than_cores(strikewave, monkeypatch):
         return scatter(case, Plan(plan.runs, plan.seed, plan.shares), report)
 
     monkeypatch.setattr("os.cpu_count", lambda: 3)
-    monkeypatch.setattr("strikewave.studies.scatter.scatter", note)
+    monkeypatch.setattr("strikewave.studies.scatter.study.scatter", note)
     assert strikewave(*QUICK, *TWO, "--shares", "none", "--workers", "64", "--json")[0] == 0
     assert asked == [3]
 

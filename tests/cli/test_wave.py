@@ -136,7 +136,7 @@ def test_an_unknown_field_names_the_nearest_and_nothing_runs(strikewave, bar, tm
 def test_an_animation_comes_as_a_page_and_a_gif_and_may_be_replaced(strikewave, bar, monkeypatch):
     from PIL import Image
 
-    from strikewave.figures import animation
+    from strikewave.analyses.wave.figures import animation
 
     monkeypatch.setattr(animation, "GIF_FRAMES", 4)
     for more in ((), ("--force", "--set", "load.peak=10 kN")):
@@ -306,7 +306,7 @@ def test_a_solution_with_a_stack_reads_back_the_same(fig5, tmp_path):
 def test_removing_all_gaskets_returns_the_direct_reading(fig5):
     """Same sensor, same tap: without gaskets and edge the buffered channel reads what the direct one reads, to 1e-9."""
     from strikewave import load_case
-    from strikewave.simulate import observe
+    from strikewave.analyses.machine.run import observe
 
     case = load_case("li-ma-2019-fig5", ["feed.blows=1"])
     bare = case.sensor[1].model_copy(update={"gasket": (), "edge_stiffness": None, "edge_damping": None})
@@ -333,7 +333,7 @@ def test_a_peak_beyond_one_dimensional_theory_is_refused_and_the_number_said():
 def test_the_paper_by_choice_superposes_rigid_and_wave():
     """By the printed route, total is rigid plus a wave that the contact force drives through endless fixtures."""
     from strikewave import load_case
-    from strikewave.simulate import observe
+    from strikewave.analyses.machine.run import observe
 
     changes = ["feed.blows=1", "solver.bandwidth=100 kHz"]
     exact = observe(load_case("li-ma-2019-fig13", changes))

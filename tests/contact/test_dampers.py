@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from strikewave.base.errors import IntegrationError
 from strikewave.contact import Chain, Contact, Damper, Stiffness, Touch, damper_laws, hertz, simulate, solve_impact
 from strikewave.contact.dampers import (
     approach_restitution,
@@ -17,7 +18,6 @@ from strikewave.contact.dampers import (
     logarithmic_damping_ratio,
     pulling_restitution,
 )
-from strikewave.errors import IntegrationError
 
 CLOSED = {"pulls": pulling_restitution, "never-pulls": cut_off_restitution, "on-approach": approach_restitution}
 

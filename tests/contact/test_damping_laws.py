@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from strikewave.citations import SOURCES
+from strikewave.base.citations import SOURCES
+from strikewave.base.errors import InputError
 from strikewave.contact import damper_laws, damping_laws, exact, factor, restitution, stiffness_laws
-from strikewave.errors import InputError
 
 ESTIMATES = [name for name in damping_laws() if name != "exact"]
 

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from strikewave.base.materials import material
 from strikewave.contact import (
     Chain,
     Contact,
@@ -30,7 +31,6 @@ from strikewave.contact import (
     yield_speed,
 )
 from strikewave.contact.elastoplastic import spot_after
-from strikewave.materials import material
 
 STEEL = material("65Mn")
 MODULUS = contact_modulus(STEEL, STEEL)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.special import betainc
 
+from strikewave.base.errors import IntegrationError
 from strikewave.contact import (
     Chain,
     Contact,
@@ -22,7 +23,6 @@ from strikewave.contact import (
     simulate,
     solve_impact,
 )
-from strikewave.errors import IntegrationError
 from strikewave.waves import Impactor, Layer, Stack, Tap, Wanted, run_bar
 
 NUMBERS = ("restitution", "max_indentation", "peak_force", "duration", "energy_lost", "peak_time", "turning_time")

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.base.errors import InputError
+from strikewave.base.materials import material
 from strikewave.contact import Geometry, contact_modulus, hertz, johnson, palmgren, stiffness_of
 from strikewave.contact.stiffness import dubowsky_freudenstein, pereira, radzimovsky
-from strikewave.errors import InputError
-from strikewave.materials import material
 
 
 def test_palmgren_constant_for_bearing_steel():

@@ -6,9 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.build import build_load, build_machine, build_stack, check
-from strikewave.case import bundled_cases, document_of, dump_case, load_case, parse_case
-from strikewave.errors import InputError, InputErrors
+from strikewave.analyses.check import check
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.errors import InputError, InputErrors
+from strikewave.cases.case import bundled_cases, document_of, dump_case, load_case, parse_case
+from strikewave.cases.stack_of_case import build_load, build_stack
 
 
 @pytest.mark.parametrize("name", bundled_cases())
@@ -174,7 +176,7 @@ def test_files_that_are_no_case_are_refused(tmp_path):
 def test_any_table_is_read_or_refused(table):
     from pydantic import ValidationError
 
-    from strikewave.case import Case, _lines
+    from strikewave.cases.case import Case, _lines
 
     try:
         Case.model_validate({"schema": 1, "machine": table})

@@ -2,9 +2,9 @@
 
 import pytest
 
-from strikewave.build import build_model
-from strikewave.case import parse_case
-from strikewave.errors import InputError
+from strikewave.analyses.fem.build import build_model
+from strikewave.base.errors import InputError
+from strikewave.cases.case import parse_case
 
 from .ball_case import edited
 

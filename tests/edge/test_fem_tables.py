@@ -5,11 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.build import build_model, check
-from strikewave.build.parts import LARGEST, built_parts, estimated_elements, exact_volume
-from strikewave.case import bundled_cases, dump_case, load_case, parse_case
-from strikewave.cli.fem import say_faceted
-from strikewave.errors import InputError, InputErrors
+from strikewave.analyses.check import check
+from strikewave.analyses.fem.build import build_model
+from strikewave.analyses.fem.command import say_faceted
+from strikewave.analyses.fem.parts import LARGEST, built_parts, estimated_elements, exact_volume
+from strikewave.base.errors import InputError, InputErrors
+from strikewave.cases.case import bundled_cases, dump_case, load_case, parse_case
 from strikewave.fem.mesh import volumes
 from strikewave.fem.model import Driven, Fixed, Guided, NonReflecting, Pressure, Symmetry
 from strikewave.fem.quality import quality_report

@@ -2,8 +2,8 @@
 
 import pytest
 
-from strikewave.errors import InputError
-from strikewave.materials import material, materials
+from strikewave.base.errors import InputError
+from strikewave.base.materials import material, materials
 
 
 @pytest.mark.parametrize(

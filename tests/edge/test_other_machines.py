@@ -2,10 +2,10 @@
 
 import pytest
 
-from strikewave.build import check
-from strikewave.case import Case, dump_case, load_case, parse_case
-from strikewave.errors import InputError, InputErrors
-from strikewave.fields import Form
+from strikewave.analyses.check import check
+from strikewave.base.errors import InputError, InputErrors
+from strikewave.cases.case import Case, dump_case, load_case, parse_case
+from strikewave.cases.paths import Form
 
 CASES = {
     "falling-ball": "iso-16063-22-dropball",

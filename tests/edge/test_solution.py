@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from strikewave import load_solution
-from strikewave.errors import InputError
-from strikewave.files import whole_folder
-from strikewave.solution import plain
+from strikewave.analyses.machine.result import plain
+from strikewave.base.errors import InputError
+from strikewave.base.output_folder import whole_folder
 
 
 def test_saved_and_loaded_alike(solution, tmp_path):
@@ -161,7 +161,7 @@ def test_what_is_no_result_is_never_replaced(tmp_path):
 
 def test_first_blow_without_a_width_is_still_drawn(solution):
     """A pulse that never falls to 10 % within its window has no width; the picture then shows the whole window."""
-    from strikewave.figures import summary
+    from strikewave.analyses.machine.figures.summary import summary
 
     endless = dataclasses.replace(solution.blows[0], width=math.nan)
     figure = summary(dataclasses.replace(solution, blows=(endless, *solution.blows[1:])))

@@ -4,11 +4,12 @@ import math
 
 import pytest
 
-from strikewave.bar import run_wave
-from strikewave.build import build_load, build_stack, check
-from strikewave.case import parse_case
-from strikewave.errors import InputError, InputErrors, StrikewaveError
-from strikewave.materials import material
+from strikewave.analyses.check import check
+from strikewave.analyses.wave.run import run_wave
+from strikewave.base.errors import InputError, InputErrors, StrikewaveError
+from strikewave.base.materials import material
+from strikewave.cases.case import parse_case
+from strikewave.cases.stack_of_case import build_load, build_stack
 
 pytestmark = pytest.mark.edge
 
@@ -168,7 +169,7 @@ def test_a_mass_at_the_end_is_not_pushed_twice():
 
 def test_a_film_between_bars_is_run_and_reported_in_seconds():
     """A nanometre between 50 and 80 mm: a wave crosses it a hundred million times in the run."""
-    from strikewave.report import bar_report
+    from strikewave.reporting.page import bar_report
 
     film = '[[stack.layer]]\nname = "film"\nmaterial = "2A12"\nlength = "1 nm"\ndiameter = "30 mm"\n'
     text = BASE.format(joint="", end="", load="", solver="")

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave.build import build_machine
-from strikewave.case import bundled_cases, document_of, dump_case, load_case, parse_case
-from strikewave.errors import InputErrors
-from strikewave.quantities import Range, Value
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.errors import InputErrors
+from strikewave.base.quantities import Range, Value
+from strikewave.cases.case import bundled_cases, document_of, dump_case, load_case, parse_case
 
 MASS = Range("kg", 0.0, 1e6, open_low=True)
 

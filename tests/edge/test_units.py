@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.errors import InputError
-from strikewave.units import DIMENSIONS, in_unit, parse_quantity, parse_typed
+from strikewave.base.errors import InputError
+from strikewave.base.units import DIMENSIONS, in_unit, parse_quantity, parse_typed
 
 
 @pytest.mark.parametrize(

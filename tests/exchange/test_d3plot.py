@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from strikewave.errors import InputError
-from strikewave.exchange.d3plot import CONTROL, read_d3plot
+from strikewave.base.errors import InputError
+from strikewave.exchange.ls_dyna.d3plot import CONTROL, read_d3plot
 from strikewave.exchange.units import SYSTEMS
 
 from .ls_dyna_files import d3plot

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.exchange.deck import Heading, real
-from strikewave.exchange.ls_dyna_deck import ls_dyna_deck
-from strikewave.exchange.radioss_deck import radioss_deck
+from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
+from strikewave.exchange.radioss.deck import radioss_deck
 from strikewave.exchange.units import SYSTEMS, unit_system
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.model import Contact, Controls, Model, Rigid, Wall

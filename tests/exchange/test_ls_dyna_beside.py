@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strikewave.errors import InputError
-from strikewave.exchange.ls_dyna_agreement import agreement
-from strikewave.exchange.ls_dyna_beside import OurRun, lay_beside, read_ours, slip
-from strikewave.exchange.ls_dyna_folder import ENERGIES, Force, Ledger, pulse_of, read_folder
+from strikewave.base.errors import InputError
+from strikewave.exchange.ls_dyna.agreement import agreement
+from strikewave.exchange.ls_dyna.beside import OurRun, lay_beside, read_ours, slip
+from strikewave.exchange.ls_dyna.folder import ENERGIES, Force, Ledger, pulse_of, read_folder
 from strikewave.exchange.units import SYSTEMS
 from strikewave.fem.measures import contact_measure
 
@@ -33,7 +33,7 @@ DIGITS = 1e-5
 @pytest.fixture(scope="module")
 def solution():
     from strikewave import load_case
-    from strikewave.elements import run_fem
+    from strikewave.analyses.fem.run import run_fem
 
     return run_fem(load_case("hertz-ball-fem", CHANGES))
 
@@ -387,10 +387,10 @@ def test_runs_of_the_same_name_do_not_overwrite_each_other(strikewave, written, 
 
 
 def test_pictures_of_nothing_say_so(tmp_path):
-    from strikewave.exchange.ls_dyna_beside import Beside
-    from strikewave.exchange.ls_dyna_folder import Contact, LsDynaRun
-    from strikewave.figures.ls_dyna import beside_sheet
-    from strikewave.report.ls_dyna_page import ls_dyna_report
+    from strikewave.analyses.fem.ls_dyna.figures import beside_sheet
+    from strikewave.analyses.fem.ls_dyna.report import ls_dyna_report
+    from strikewave.exchange.ls_dyna.beside import Beside
+    from strikewave.exchange.ls_dyna.folder import Contact, LsDynaRun
 
     empty = LsDynaRun(tmp_path, (), (), None, None, {}, 0, (math.nan, math.nan))
     assert "no rcforc or binout is there" in [

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from strikewave.errors import InputError
-from strikewave.exchange.ls_dyna_binout import read_binout
-from strikewave.exchange.ls_dyna_folder import read_folder
-from strikewave.exchange.lsda import archived
+from strikewave.base.errors import InputError
+from strikewave.exchange.ls_dyna.binout import read_binout
+from strikewave.exchange.ls_dyna.folder import read_folder
+from strikewave.exchange.ls_dyna.lsda import archived
 from strikewave.exchange.units import SYSTEMS
 
 from .ls_dyna_files import binout

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.build.elements import build_model
+from strikewave.analyses.fem.build import build_model
 from strikewave.exchange.deck import Heading
-from strikewave.exchange.ls_dyna_deck import ls_dyna_deck
+from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
 from strikewave.exchange.units import SYSTEMS
 from strikewave.fem.boundary import area_vectors
 from strikewave.fem.engine import first_steps

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from strikewave.errors import InputError
-from strikewave.exchange import ls_dyna_ascii
-from strikewave.exchange.ls_dyna_ascii import read_glstat, read_rcforc
+from strikewave.base.errors import InputError
+from strikewave.exchange.ls_dyna import ascii as ls_dyna_ascii
+from strikewave.exchange.ls_dyna.ascii import read_glstat, read_rcforc
 
 from .ls_dyna_files import NEW, OLD, glstat, rcforc
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.build.elements import build_model
+from strikewave.analyses.fem.build import build_model
 from strikewave.exchange.deck import Heading
-from strikewave.exchange.radioss_deck import radioss_deck
+from strikewave.exchange.radioss.deck import radioss_deck
 from strikewave.exchange.units import SYSTEMS
 from strikewave.fem.engine import first_steps
 from strikewave.fem.hexahedron import element_masses

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.exchange.deck import LARGEST_ID, check_ids, lasting, plain, real, rows
-from strikewave.exchange.ls_dyna_deck_cards import keyword
+from strikewave.exchange.ls_dyna.cards import keyword
 from strikewave.exchange.units import SYSTEMS, unit_system
 from strikewave.fem.model import Curve
 

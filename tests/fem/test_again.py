@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem import again
 from strikewave.fem import solve as solve_module
 from strikewave.fem.again import bodies_of_engine, next_blow
@@ -387,7 +387,7 @@ def test_no_blow_follows_one_that_stopped(monkeypatch):
 
 @pytest.mark.parametrize("wrong", [0, 21])
 def test_the_number_of_blows_is_from_1_to_20(wrong):
-    from strikewave.errors import InputErrors
+    from strikewave.base.errors import InputErrors
 
     with pytest.raises(InputErrors, match="whole number from 1 to 20"):
         blows(rod_on_wall(elements=20)[0], wrong)

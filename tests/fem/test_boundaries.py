@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.boundary import Now
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.contact import (
     add_contact,
     add_wall,

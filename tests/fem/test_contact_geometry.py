@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem import _contact_kernels as contact_kernels
 from strikewave.fem import _surface_kernels as kernels
 from strikewave.fem.contact import prepare, searched, two_surfaces

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.contact import add_contact, add_wall, note_held, prepare, prepare_all, prepare_wall, searched
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined

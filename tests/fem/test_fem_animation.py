@@ -13,12 +13,12 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from strikewave import load_case
-from strikewave.build.elements import build_model
+from strikewave.analyses.fem.build import build_model
+from strikewave.analyses.fem.figures import animation as fem_animation
+from strikewave.analyses.fem.figures.animation import chosen, fem_page, movie_of, write_fem_gif
+from strikewave.analyses.fem.run import run_model
 from strikewave.cli.app import app
-from strikewave.elements import run_model
 from strikewave.fem.measures import mean_force
-from strikewave.figures import fem_animation
-from strikewave.figures.fem_animation import chosen, fem_page, movie_of, write_fem_gif
 
 pytestmark = pytest.mark.fem
 

@@ -10,15 +10,16 @@ import matplotlib
 import numpy as np
 import pytest
 
-from strikewave.errors import InputError
+from strikewave.analyses.fem.figures import histories as fem
+from strikewave.analyses.fem.figures import pictures as fem_pictures
+from strikewave.analyses.fem.figures.pictures import View
+from strikewave.analyses.fem.report import page as fem_page
+from strikewave.analyses.fem.report.page import fem_report
+from strikewave.analyses.machine.result import Notice
+from strikewave.base.errors import InputError
 from strikewave.fem.measures import blow_axis, contact_measure, ledger_measure, near_axis
 from strikewave.fem.mesh import exterior, exterior_faces, joined
 from strikewave.fem.model import Contact, Symmetry
-from strikewave.figures import fem, fem_pictures
-from strikewave.figures.fem_pictures import View
-from strikewave.report import fem_page
-from strikewave.report.fem_page import fem_report
-from strikewave.solution import Notice
 
 from . import synthetic
 

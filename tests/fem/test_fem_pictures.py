@@ -7,15 +7,16 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.build.elements import build_model
-from strikewave.elements import run_fem
+from strikewave.analyses.fem.build import build_model
+from strikewave.analyses.fem.figures import cut as fem_cut
+from strikewave.analyses.fem.figures import pictures as fem_pictures
+from strikewave.analyses.fem.report import fields as fem_fields
+from strikewave.analyses.fem.report.fields import fields_section
+from strikewave.analyses.fem.run import run_fem
 from strikewave.fem.film import PER_TRANSIT, WAVE_INSTANTS, Film, Still, film_from, film_of, transit_time
 from strikewave.fem.mesh import joined, volumes
 from strikewave.fem.model import Contact, Fixed, Symmetry, Wall
 from strikewave.fem.skin import blow_contact, cut_of, faces_on, meeting_place, skin_of, symmetry_planes
-from strikewave.figures import fem_cut, fem_pictures
-from strikewave.report import fem_fields
-from strikewave.report.fem_fields import fields_section
 
 from . import synthetic
 

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strikewave.build.elements import build_model
-from strikewave.case import parse_case
-from strikewave.elements import run_model
-from strikewave.errors import InputError
+from strikewave.analyses.fem.build import build_model
+from strikewave.analyses.fem.run import run_model
+from strikewave.base.errors import InputError
+from strikewave.cases.case import parse_case
 from strikewave.fem.imported import read_mesh
 from strikewave.fem.mesh import volumes
 from strikewave.fem.model import Controls, Model, Point, Wall

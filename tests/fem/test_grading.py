@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.grading import Grading, nodes_between, nodes_through
 
 pytestmark = pytest.mark.fem

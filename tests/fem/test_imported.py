@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from strikewave.errors import InputError, InputErrors
+from strikewave.base.errors import InputError, InputErrors
 from strikewave.fem.imported import read_mesh
 from strikewave.fem.mesh import Mesh, exterior_faces, joined, volumes
 from strikewave.fem.round_shapes import cylinder

@@ -7,13 +7,13 @@ import os
 import numpy as np
 import pytest
 
-from strikewave.case import load_case
-from strikewave.elements import run_fem
+from strikewave.analyses.fem.run import run_fem
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.cases.case import load_case
 from strikewave.fem.measures import ledger_measure
 from strikewave.fem.model import NonReflecting
-from strikewave.studies.reproduction.assumed import FRAME, answer, changed, dimensions, mesh_rows, seats, studied
-from strikewave.studies.reproduction.runs import coarser
-from strikewave.units import STANDARD_GRAVITY
+from strikewave.papers.li_ma_2019.assumed import FRAME, answer, changed, dimensions, mesh_rows, seats, studied
+from strikewave.papers.li_ma_2019.runs import coarser
 
 pytestmark = pytest.mark.fem
 RIGID, WAVE = "li-ma-2019-fem-rigid", "li-ma-2019-fem-wave"

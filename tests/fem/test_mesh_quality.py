@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.errors import InputErrors
+from strikewave.base.errors import InputErrors
 from strikewave.fem.mesh import joined
 from strikewave.fem.quality import FLAT, check_mesh, quality_report, scaled_jacobians, warpages
 from strikewave.fem.sections import FLIPPED

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.grading import Grading
 from strikewave.fem.mesh import exterior_faces, joined, volumes
 from strikewave.fem.quality import check_mesh, quality_report

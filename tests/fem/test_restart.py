@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem import engine as engine_module
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strikewave.errors import InputError, InputErrors
+from strikewave.base.errors import InputError, InputErrors
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import Contact, Controls, Curve, Driven, Fixed, Model, Point, Pressure, Rigid, Section, Wall

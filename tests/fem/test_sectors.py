@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.build import build_model
-from strikewave.build.sectors import Sector, blow_of_bodies, open_cuts, sectors, whole_forces
-from strikewave.elements import model_notices, run_fem
+from strikewave.analyses.fem.build import build_model
+from strikewave.analyses.fem.run import model_notices, run_fem
+from strikewave.analyses.fem.sectors import Sector, blow_of_bodies, open_cuts, sectors, whole_forces
 from strikewave.fem.measures import part_measure
 from strikewave.fem.model import Fixed, Guided, Rigid
 from strikewave.fem.run import PartHistory
@@ -81,7 +81,7 @@ def test_sectors_come_to_the_numbers_of_the_whole_bodies(tmp_path, sector, piece
 
 
 def test_the_report_says_what_is_a_sector_and_names_no_other_solver(tmp_path):
-    from strikewave.report.fem_page import fem_report
+    from strikewave.analyses.fem.report.page import fem_report
 
     solution = run_fem(case_of(tmp_path, "half"))
     page = fem_report(solution)
@@ -95,9 +95,9 @@ def test_the_report_says_what_is_a_sector_and_names_no_other_solver(tmp_path):
 
 def test_the_report_begins_with_the_force_of_whole_bodies_and_a_named_body(tmp_path):
     """Cards and summary: four times the force of a quarter."""
-    from strikewave.report.fem_page import fem_report
-    from strikewave.report.numbers import with_unit
-    from strikewave.report.parts import written
+    from strikewave.analyses.fem.report.page import fem_report
+    from strikewave.reporting.numbers import with_unit
+    from strikewave.reporting.parts import written
 
     solution = run_fem(case_of(tmp_path, "quarter"))
     page = re.sub(r"<[^>]*>", " ", fem_report(solution))
@@ -112,9 +112,9 @@ def test_the_report_begins_with_the_force_of_whole_bodies_and_a_named_body(tmp_p
 
 
 def test_each_blow_names_the_body_of_its_rigid_peak_a_group_first(tmp_path, capsys, monkeypatch):
-    from strikewave.cli.fem import show
-    from strikewave.report.fem_blows import blows_section
-    from strikewave.report.parts import written
+    from strikewave.analyses.fem.command import show
+    from strikewave.analyses.fem.report.blows import blows_section
+    from strikewave.reporting.parts import written
 
     case_of(tmp_path, "half")
     text = (tmp_path / "half.toml").read_text()

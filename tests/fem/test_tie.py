@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import Tie
 from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.invariants import pressure, von_mises
 from strikewave.fem.run import Frame
 from strikewave.fem.vtkhdf import FIELDS, FieldWriter, stored_frames

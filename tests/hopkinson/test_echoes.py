@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.hopkinson import Bar, Trace
 from strikewave.hopkinson.echoes import Estimate, _plane, calibrate_bar
 from strikewave.waves import End, Layer, Pulse, Stack, Tap, Wanted, run_bar

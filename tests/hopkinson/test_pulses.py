@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.hopkinson import Bar, Trace, align, find_pulses, reduce
 from strikewave.hopkinson.onset import drift, onset, split
 from strikewave.hopkinson.pulses import quieten

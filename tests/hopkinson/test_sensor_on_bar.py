@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import TransferFunction, lsim
 
-from strikewave.errors import InputError
-from strikewave.hopkinson import Trace
-from strikewave.split_bar.bar_end import (
+from strikewave.analyses.hopkinson.bar_end import (
     Bench,
     Standing,
     bar_layer,
@@ -17,8 +15,10 @@ from strikewave.split_bar.bar_end import (
     slope_error,
     theory_bandwidth,
 )
-from strikewave.validity import rise_in_diameters
+from strikewave.base.errors import InputError
+from strikewave.hopkinson import Trace
 from strikewave.waves import End, Layer, Stack
+from strikewave.waves.limits import rise_in_diameters
 
 from .bench import STEP, sensor_bench, travelled, whole
 

@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import quad
 
 from strikewave import load_case
-from strikewave.build import build_machine
-from strikewave.errors import InputErrors
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.errors import InputErrors
 from strikewave.machines import blows, run_rotary
 from strikewave.machines._kernels import stroke_profile
 from strikewave.machines.turntable import spin_up_time

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from strikewave import load_case, run_case
-from strikewave.build import build_machine
+from strikewave.analyses.machine.build import build_machine
 from strikewave.machines import blows, run_rotary
 
 

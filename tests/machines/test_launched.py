@@ -10,9 +10,9 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from strikewave import load_case, run_case
-from strikewave.build import build_machine
-from strikewave.build.launch import release
-from strikewave.case import bundled_cases
+from strikewave.analyses.machine.build import build_machine
+from strikewave.analyses.machine.launched import release
+from strikewave.cases.case import bundled_cases
 from strikewave.contact import solve_impact
 from strikewave.machines import blows, run_rotary
 from strikewave.machines.launch import half_sine_pulse

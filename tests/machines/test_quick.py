@@ -8,11 +8,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from strikewave import load_case
-from strikewave.build import build_machine
-from strikewave.errors import IntegrationError
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.errors import IntegrationError
 from strikewave.machines import blows, run_rotary
 from strikewave.machines.quick import quick_run, why_not
-from strikewave.studies.settings_candidate import supply
+from strikewave.studies.settings.candidate import supply
 
 
 def machine_with(*changes):

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from strikewave import load_case, run_case
-from strikewave.build import build_machine
+from strikewave.analyses.machine.build import build_machine
+from strikewave.analyses.machine.notices import ledger_notices, notices
 from strikewave.machines import blows, run_rotary
 from strikewave.machines.blows import contact_table
 from strikewave.machines.feed import angle_at_valve_signal
-from strikewave.notices import ledger_notices, notices
 
 TURN = 60 / 730
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from strikewave import dump_case, load_case
-from strikewave.build import build_machine
-from strikewave.errors import InputErrors
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.errors import InputErrors
 from strikewave.machines import blows, run_rotary
 from strikewave.machines.spans import Places
 

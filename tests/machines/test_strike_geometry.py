@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from strikewave import load_case
-from strikewave.build import build_machine
-from strikewave.errors import InputError, InputErrors, IntegrationError
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.errors import InputError, InputErrors, IntegrationError
 from strikewave.machines import blows, run_rotary
 
 RIGID = ("striker.mount_stiffness=1e12", "striker.mount_damping=0", "feed.blows=1")

@@ -10,14 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from strikewave import load_case
-from strikewave.build import build_machine
-from strikewave.errors import StrikewaveError
+from strikewave.analyses.machine.build import build_machine
+from strikewave.analyses.machine.run import observe
+from strikewave.base.errors import StrikewaveError
 from strikewave.machines import _stack_kernels as column
 from strikewave.machines import blows, rotary, run_rotary
 from strikewave.machines import strike as one_blow
 from strikewave.machines.layered import LayeredObject, machine_grid
 from strikewave.machines.spans import Places, StackSpan
-from strikewave.simulate import observe
 from strikewave.waves import BONDED, Branch, Joint, Layer, Stack
 
 CASE = "li-ma-2019-fig5"

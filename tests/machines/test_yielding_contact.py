@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from strikewave import load_case, run_case
-from strikewave.build import build_machine
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.materials import material
 from strikewave.contact import Contact, PressureCap, exact, hertz, johnson, line_cap, palmgren, point_cap, solve_impact
 from strikewave.machines import blows, run_rotary
 from strikewave.machines._stack_kernels import INDENTATION
 from strikewave.machines.spans import StackSpan
-from strikewave.materials import material
 from strikewave.waves import Impactor, Layer, Stack, Tap, Wanted, run_bar
 
 YIELDS = "contact.yield_pressure=1.2 GPa"

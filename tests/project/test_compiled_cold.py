@@ -1,6 +1,6 @@
 """Whether kernels have to be compiled, by the files of the cache."""
 
-from strikewave import compiled
+from strikewave.base import compiled
 
 
 def test_cold_without_a_kernel_of_that_name(tmp_path, monkeypatch):

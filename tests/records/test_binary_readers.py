@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.records.readers import FORMATS, Options, read_record
 
 from .samples import (

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.records import Channel, Record, Request, calibrations_beside, read_file
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over, read_calibrations
 

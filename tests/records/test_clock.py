@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.records.clock import even
 from strikewave.records.finding import FIGURES
 from strikewave.records.record import Channel

@@ -6,10 +6,10 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.base.units import STANDARD_GRAVITY
 from strikewave.records import Channel, Record, Request, read_file
 from strikewave.records.finding import FIGURES
 from strikewave.records.health import BLOW, Examined, examine
-from strikewave.units import STANDARD_GRAVITY
 
 STEP, PEAK, LENGTH = 1e-6, 1000.0, 100
 """Of the clean half-sine: s, m/s^2, samples."""

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.records.readers import Options, lvm, read_record
 from strikewave.records.record import Record
 

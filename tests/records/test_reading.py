@@ -12,7 +12,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from strikewave.errors import InputError
+from strikewave.analyses.record.result import record_document
+from strikewave.base.errors import InputError
 from strikewave.records import (
     Channel,
     Record,
@@ -22,7 +23,6 @@ from strikewave.records import (
     find_pulses,
     read_file,
     read_record,
-    record_document,
     summed,
 )
 from strikewave.signal.filters import Filter

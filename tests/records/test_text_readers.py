@@ -11,7 +11,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.records.readers import Options, text
 from strikewave.records.readers.clock import step_of
 from strikewave.records.record import Record

@@ -5,6 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.analyses.impact.figures.contact import (
+    asked_given,
+    force_indentation,
+    impact_sheet,
+    phase_plane,
+    stiffness_over_load,
+)
+from strikewave.base.materials import material
 from strikewave.contact import (
     Contact,
     Geometry,
@@ -17,8 +25,6 @@ from strikewave.contact import (
     stiffness_laws,
     stiffness_of,
 )
-from strikewave.figures.contact import asked_given, force_indentation, impact_sheet, phase_plane, stiffness_over_load
-from strikewave.materials import material
 
 STEEL = material("65Mn")
 SIZES = Geometry(0.010, 0.020, 0.040)

@@ -16,14 +16,21 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.dataset import carriage_position
-from strikewave.figures import machine_animation, machine_motion
-from strikewave.figures.machine_animation import frame_times, frame_words, machine_page, page_data, write_machine_gif
-from strikewave.figures.machine_motion import MOST_DETAILED, detailed
-from strikewave.figures.machine_motion import machine_motion as motion_of
+from strikewave.analyses.machine.dataset import carriage_position
+from strikewave.analyses.machine.figures import animation as machine_animation
+from strikewave.analyses.machine.figures import motion as machine_motion
+from strikewave.analyses.machine.figures.animation import (
+    frame_times,
+    frame_words,
+    machine_page,
+    page_data,
+    write_machine_gif,
+)
+from strikewave.analyses.machine.figures.motion import MOST_DETAILED, detailed
+from strikewave.analyses.machine.figures.motion import machine_motion as motion_of
+from strikewave.analyses.machine.result import load_solution
+from strikewave.base.units import STANDARD_GRAVITY
 from strikewave.machines._kernels import stroke_profile
-from strikewave.solution import load_solution
-from strikewave.units import STANDARD_GRAVITY
 
 HOSTILE = "_</script><img src=x onerror=alert(1)> $\\frac{1}{$ & \u202e\u2028"
 LARGEST = 500_000

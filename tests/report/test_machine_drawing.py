@@ -9,9 +9,9 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave import load_case
-from strikewave.figures import machine_geometry
-from strikewave.figures.machine_drawing import drawing_words, machine_drawing, scale_words, view
-from strikewave.figures.machine_geometry import (
+from strikewave.analyses.machine.figures import geometry as machine_geometry
+from strikewave.analyses.machine.figures.drawing import drawing_words, machine_drawing, scale_words, view
+from strikewave.analyses.machine.figures.geometry import (
     DISC,
     NOSE,
     Pose,
@@ -22,9 +22,9 @@ from strikewave.figures.machine_geometry import (
     stretched,
     strike_geometry,
 )
-from strikewave.figures.machine_parts import MARKS, machine_parts
-from strikewave.machine_tables import FallingBall
-from strikewave.report import report
+from strikewave.analyses.machine.figures.parts import MARKS, machine_parts
+from strikewave.cases.machine_tables import FallingBall
+from strikewave.reporting.page import report
 
 CAM = StrikeGeometry(radius=0.2, strikers=4, engagement=5.5e-3, nose_radius=0.01)
 TANGENTIAL = dataclasses.replace(CAM, blow_angle=0.5 * math.pi, face_width=0.04)
@@ -245,7 +245,7 @@ def test_other_cases_have_no_drawing_and_their_reports_leave_it_out(monkeypatch,
     page = report(solution)
     assert "The machine with its numbers" in page
     assert 'href="machine.html"' not in page
-    monkeypatch.setattr("strikewave.figures.machine_drawing.outlines", lambda case: None)
+    monkeypatch.setattr("strikewave.analyses.machine.figures.drawing.outlines", lambda case: None)
     assert "The machine with its numbers" not in report(solution)
 
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from strikewave.figures import campaigns, records, spectra
+from strikewave.analyses.record.figures import campaigns, records, spectra
 from strikewave.records.campaign import summed
 from strikewave.records.finding import Finding
 from strikewave.records.reading import Request, read_file
 from strikewave.records.record import Channel, Record
-from strikewave.report.inline import inline_svg
+from strikewave.reporting.inline import inline_svg
 from strikewave.signal.srs import srs
 
 LARGEST = 150_000

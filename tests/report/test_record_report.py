@@ -8,12 +8,12 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from strikewave.analyses.record.chapters import MOST_ROWS
+from strikewave.analyses.record.report import RecordFacts, record_report
 from strikewave.records.campaign import compare, summed
 from strikewave.records.finding import Finding
 from strikewave.records.reading import FileReading, Request, read_file
 from strikewave.records.record import Channel, Record
-from strikewave.report.record_chapters import MOST_ROWS
-from strikewave.report.record_page import RecordFacts, record_report
 from strikewave.signal.filters import Filter
 
 STEP = 5e-6

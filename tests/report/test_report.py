@@ -12,14 +12,15 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from strikewave import citations
-from strikewave.case import dump_case, parse_case
-from strikewave.figures.pulses import MOST_PULSES, chosen, thin
-from strikewave.quantities import PROVENANCES
-from strikewave.report import Code, Flow, Picture, Section, Table, Tag, report
-from strikewave.report.inline import inline_svg
-from strikewave.solution import Notice, load_solution
-from strikewave.units import in_unit
+from strikewave.analyses.machine.figures.pulses import MOST_PULSES, chosen, thin
+from strikewave.analyses.machine.result import Notice, load_solution
+from strikewave.base import citations
+from strikewave.base.quantities import PROVENANCES
+from strikewave.base.units import in_unit
+from strikewave.cases.case import dump_case, parse_case
+from strikewave.reporting.inline import inline_svg
+from strikewave.reporting.page import report
+from strikewave.reporting.parts import Code, Flow, Picture, Section, Table, Tag
 
 VOID = {"meta", "br", "hr", "img", "input", "link", "wbr"}
 LARGEST = 3_000_000

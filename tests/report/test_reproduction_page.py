@@ -12,31 +12,32 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.elements import run_fem
-from strikewave.figures import reproduction as draw
-from strikewave.figures.reproduction import Mark
-from strikewave.figures.waves import Trace
-from strikewave.report.reproduction_figures import figure_sections, key_numbers, pictures, ratios
-from strikewave.report.reproduction_page import again, reproduction_report
-from strikewave.report.reproduction_tables import (
-    elements_section,
-    equation_sections,
-    findings_section,
-    materials_section,
-    provenance_section,
-)
-from strikewave.studies.reproduction import answers as known
-from strikewave.studies.reproduction import reproduce as whole_run
-from strikewave.studies.reproduction.element_pulses import (
+from strikewave.analyses.fem.run import run_fem
+from strikewave.analyses.wave.figures.curves import Trace
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.papers.li_ma_2019 import answers as known
+from strikewave.papers.li_ma_2019 import figures as draw
+from strikewave.papers.li_ma_2019 import reproduce as whole_run
+from strikewave.papers.li_ma_2019.element_pulses import (
     BodyPulse,
     element_numbers,
     rise_slope,
     struck_body,
     whole_force,
 )
-from strikewave.studies.reproduction.published import published_numbers
-from strikewave.studies.reproduction.reproduce import reproduce
-from strikewave.studies.reproduction.runs import (
+from strikewave.papers.li_ma_2019.figures import Mark
+from strikewave.papers.li_ma_2019.published import published_numbers
+from strikewave.papers.li_ma_2019.report.figures import figure_sections, key_numbers, pictures, ratios
+from strikewave.papers.li_ma_2019.report.page import again, reproduction_report
+from strikewave.papers.li_ma_2019.report.tables import (
+    elements_section,
+    equation_sections,
+    findings_section,
+    materials_section,
+    provenance_section,
+)
+from strikewave.papers.li_ma_2019.reproduce import reproduce
+from strikewave.papers.li_ma_2019.runs import (
     ELEMENT_CASES,
     QUIET_ELEMENTS,
     QUIET_WAVE_ELEMENTS,
@@ -46,7 +47,6 @@ from strikewave.studies.reproduction.runs import (
     coarser,
     element_cases,
 )
-from strikewave.units import STANDARD_GRAVITY
 
 COMMAND = "strikewave reproduce li-ma-2019 --without elements"
 

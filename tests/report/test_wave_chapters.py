@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from strikewave import load_case, run_case, run_wave
-from strikewave.report import bar_report, report
-from strikewave.report.wave_chapters import LOSS_FREQUENCIES, loss_table
-from strikewave.units import STANDARD_GRAVITY
+from strikewave.analyses.wave.report import LOSS_FREQUENCIES, loss_table
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.reporting.page import bar_report, report
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +56,7 @@ def test_a_gap_and_a_refused_peak_are_said_in_the_report():
 
 
 def test_insertion_loss_table_is_that_of_the_continuous_layers(struck):
-    from strikewave.build import build_channels
+    from strikewave.cases.sensors_of_case import build_channels
     from strikewave.sensors import insertion_loss
 
     channels = build_channels(struck.case)

@@ -14,9 +14,10 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave import load_case, run_case, run_wave
-from strikewave.figures import animation
-from strikewave.figures.animation import animation_page, page_data, write_gif
-from strikewave.figures.field import (
+from strikewave.analyses.wave.figures import animation
+from strikewave.analyses.wave.figures.animation import animation_page, page_data, write_gif
+from strikewave.analyses.wave.figures.curves import staircase_diagram
+from strikewave.analyses.wave.figures.field import (
     QUANTITIES,
     SNAPSHOTS,
     WaveField,
@@ -30,9 +31,8 @@ from strikewave.figures.field import (
     struck_field,
     xt_diagram,
 )
-from strikewave.figures.waves import staircase_diagram
-from strikewave.report import bar_report
-from strikewave.report.inline import inline_svg
+from strikewave.reporting.inline import inline_svg
+from strikewave.reporting.page import bar_report
 from strikewave.waves import BONDED, End, Impactor, Joint, Layer, Pulse, Stack, Tap, Wanted, run_bar
 
 STEEL, ALLOY = (7820.0, 211e9), (2780.0, 72e9)

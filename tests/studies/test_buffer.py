@@ -8,20 +8,21 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.bar import run_wave
-from strikewave.case import dump_case, parse_case
-from strikewave.errors import InputError
-from strikewave.materials import material
-from strikewave.quantities import Value
-from strikewave.readings import Channel
+from strikewave.analyses.machine.readings import Channel
+from strikewave.analyses.machine.run import observe
+from strikewave.analyses.wave.run import run_wave
+from strikewave.base.errors import InputError
+from strikewave.base.materials import material
+from strikewave.base.quantities import Value
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.cases.case import dump_case, parse_case
+from strikewave.cases.tables import SensorTable
 from strikewave.sensors import Recorder, Sensor
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.signal.srs import srs
-from strikewave.simulate import observe
-from strikewave.studies.buffer import Choice, design_buffer, stacks
-from strikewave.studies.buffer_candidate import RINGING, Goal, assess, look_closer, ranked, withstands
-from strikewave.studies.buffer_moduli import confined, confinement
-from strikewave.studies.buffer_seat import (
+from strikewave.studies.buffer.candidate import RINGING, Goal, assess, look_closer, ranked, withstands
+from strikewave.studies.buffer.moduli import confined, confinement
+from strikewave.studies.buffer.seat import (
     Blows,
     Motion,
     Seat,
@@ -33,8 +34,7 @@ from strikewave.studies.buffer_seat import (
     seat_of,
     usual_materials,
 )
-from strikewave.tables import SensorTable
-from strikewave.units import STANDARD_GRAVITY
+from strikewave.studies.buffer.study import Choice, design_buffer, stacks
 
 G = STANDARD_GRAVITY
 BAR = """
@@ -557,7 +557,7 @@ def test_a_blow_that_a_case_cannot_have_is_refused_before_it_runs(monkeypatch):
     def never(*_):
         raise AssertionError("the machine ran")
 
-    monkeypatch.setattr("strikewave.studies.buffer_seat.observe", never)
+    monkeypatch.setattr("strikewave.studies.buffer.seat.observe", never)
     case = load_case("li-ma-2019-fig5")
     for blow in ("99", "0", "-1", "8", "last"):
         with pytest.raises(InputError, match="worst, first, or a number from 1 to 7"):

@@ -3,9 +3,8 @@
 import pytest
 
 from strikewave import load_case
-from strikewave.errors import InputError
-from strikewave.studies import calibrate
-from strikewave.studies.calibrate import rounded
+from strikewave.base.errors import InputError
+from strikewave.studies.calibrate import calibrate, rounded
 
 
 def test_stored_values_are_those_of_the_fit():

@@ -9,12 +9,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from strikewave import load_case
-from strikewave.errors import InputError, IntegrationError, StrikewaveError
+from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
+from strikewave.base.quantities import Range, ToleranceBand
 from strikewave.machines import StruckObject, blows, run_rotary
 from strikewave.machines.quick import quick_run
-from strikewave.quantities import Range, ToleranceBand
-from strikewave.studies.map import MapStudy, axis_of, check_plan, confirmed, in_full, make_map, plan_of
-from strikewave.studies.map_cells import (
+from strikewave.studies.map.cells import (
     FIELDS,
     PLACE,
     REASONS,
@@ -26,11 +25,12 @@ from strikewave.studies.map_cells import (
     row_of,
     start_worker,
 )
-from strikewave.studies.map_regimes import IRREGULAR, MISSES, NO_RETURN, UNKNOWN, period_of, regime_of
-from strikewave.studies.map_return import arrivals, bounce_time
-from strikewave.studies.map_store import Store, rows_beside
-from strikewave.studies.scatter_statistics import variation
+from strikewave.studies.map.regimes import IRREGULAR, MISSES, NO_RETURN, UNKNOWN, period_of, regime_of
+from strikewave.studies.map.return_time import arrivals, bounce_time
+from strikewave.studies.map.store import Store, rows_beside
+from strikewave.studies.map.study import MapStudy, axis_of, check_plan, confirmed, in_full, make_map, plan_of
 from strikewave.studies.workers import Workers
+from strikewave.uncertainty.statistics import variation
 
 ONE = np.ones(1)
 
@@ -366,7 +366,7 @@ def test_settings_that_full_runs_refuse_say_why(monkeypatch):
             raise found
         return found, 1.0
 
-    monkeypatch.setattr("strikewave.studies.map.in_full", full)
+    monkeypatch.setattr("strikewave.studies.map.study.in_full", full)
     setting, refused = confirmed(study)
     assert setting is None
     assert len(refused) == 5

@@ -10,15 +10,15 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from strikewave import load_case
-from strikewave.build.elements import build_model
-from strikewave.case import parse_case
+from strikewave.analyses.fem.build import build_model
+from strikewave.analyses.fem.run import run_fem, run_model
+from strikewave.base.errors import InputError
+from strikewave.base.materials import material
+from strikewave.cases.case import parse_case
 from strikewave.contact import Chain, Touch, hertz, simulate
-from strikewave.elements import run_fem, run_model
-from strikewave.errors import InputError
 from strikewave.fem.measures import interval_means
 from strikewave.fem.solids import Elastic
-from strikewave.materials import material
-from strikewave.studies.reproduction.beams import (
+from strikewave.papers.li_ma_2019.beams import (
     MIDDLE_SHARE,
     Wall,
     bending_stiffness,
@@ -26,11 +26,11 @@ from strikewave.studies.reproduction.beams import (
     endless_compliance,
     shear_stiffness,
 )
-from strikewave.studies.reproduction.bodies import answer_of, frame_blow, gathered, layered, lumped
-from strikewave.studies.reproduction.body_reasons import endless_wall, first_hump, reasons, wall_stiffness
-from strikewave.studies.reproduction.body_rows import body_rows, compare
-from strikewave.studies.reproduction.runs import coarser
-from strikewave.studies.reproduction.solid_bars import (
+from strikewave.papers.li_ma_2019.bodies import answer_of, frame_blow, gathered, layered, lumped
+from strikewave.papers.li_ma_2019.body_reasons import endless_wall, first_hump, reasons, wall_stiffness
+from strikewave.papers.li_ma_2019.body_rows import body_rows, compare
+from strikewave.papers.li_ma_2019.runs import coarser
+from strikewave.papers.li_ma_2019.solid_bars import (
     bar_dispersed,
     bar_elements,
     bar_layered,

@@ -5,12 +5,12 @@ import functools
 import numpy as np
 import pytest
 
-from strikewave.case import load_case
-from strikewave.elements import run_fem
+from strikewave.analyses.fem.run import run_fem
+from strikewave.cases.case import load_case
 from strikewave.fem.measures import interval_means, mean_force
-from strikewave.studies.reproduction.element_pulses import element_numbers, rise_slope, whole_force
-from strikewave.studies.reproduction.further import NO_YIELD
-from strikewave.studies.reproduction.runs import (
+from strikewave.papers.li_ma_2019.element_pulses import element_numbers, rise_slope, whole_force
+from strikewave.papers.li_ma_2019.further import NO_YIELD
+from strikewave.papers.li_ma_2019.runs import (
     QUIET_ELEMENTS,
     QUIET_WAVE_ELEMENTS,
     RIGID_ELEMENTS,

@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import pytest
 
-from strikewave.errors import InputError
-from strikewave.materials import material
-from strikewave.studies.reproduction.equations import equation_rows
-from strikewave.studies.reproduction.findings import ELASTIC, QUIET, REFLECTING, WAVE, findings, judged
-from strikewave.studies.reproduction.published import (
+from strikewave.base.errors import InputError
+from strikewave.base.materials import material
+from strikewave.base.units import DIMENSIONS, convertible, in_unit
+from strikewave.papers.li_ma_2019.equations import equation_rows
+from strikewave.papers.li_ma_2019.findings import ELASTIC, QUIET, REFLECTING, WAVE, findings, judged
+from strikewave.papers.li_ma_2019.published import (
     consistency_checks,
     elastic_stiffness,
     nose,
@@ -17,8 +18,7 @@ from strikewave.studies.reproduction.published import (
     published_number,
     published_numbers,
 )
-from strikewave.studies.reproduction.types import ElementNumbers
-from strikewave.units import DIMENSIONS, convertible, in_unit
+from strikewave.papers.li_ma_2019.types import ElementNumbers
 
 G = 9.80665
 AS_PRINTED = {
@@ -132,7 +132,7 @@ def test_what_the_paper_states_and_what_not():
 
 @pytest.mark.parametrize(("value", "agrees"), [(4.39, True), (4.41, False), (3.61, True), (3.59, False)])
 def test_about_is_within_a_tenth(monkeypatch, value, agrees):
-    from strikewave.studies.reproduction import published
+    from strikewave.papers.li_ma_2019 import published
 
     numbers = {"wave peak": value, "rigid peak": 1.0}
     monkeypatch.setattr(published, "_value", lambda name: numbers.get(name, published_number(name).value))
@@ -385,9 +385,9 @@ def test_verdicts_of_elements(rows, topic, elements, verdict, says):
 
 def test_stress_of_the_shell_is_that_of_the_part_of_this_name():
     """A bar that is called shell is that shell; without such a part there is none."""
-    from strikewave.case import load_case
-    from strikewave.elements import run_fem
-    from strikewave.studies.reproduction.element_pulses import element_numbers
+    from strikewave.analyses.fem.run import run_fem
+    from strikewave.cases.case import load_case
+    from strikewave.papers.li_ma_2019.element_pulses import element_numbers
 
     solution = run_fem(load_case("two-bars-fem", ["fem.duration=20 us"]))
     assert element_numbers(solution).shell_stress is None

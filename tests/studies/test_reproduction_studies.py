@@ -5,9 +5,8 @@ import json
 
 import pytest
 
-from strikewave.case import load_case
-from strikewave.report.reproduction_studies import blow_table, dimension_table, mesh_table
-from strikewave.studies.reproduction.assumed import (
+from strikewave.cases.case import load_case
+from strikewave.papers.li_ma_2019.assumed import (
     SHARE,
     Answer,
     Dimension,
@@ -17,8 +16,9 @@ from strikewave.studies.reproduction.assumed import (
     changed,
     mesh_rows,
 )
-from strikewave.studies.reproduction.further import STAGES
-from strikewave.studies.reproduction.result import dimension_document, mesh_document
+from strikewave.papers.li_ma_2019.further import STAGES
+from strikewave.papers.li_ma_2019.report.studies import blow_table, dimension_table, mesh_table
+from strikewave.papers.li_ma_2019.result import dimension_document, mesh_document
 
 pytestmark = pytest.mark.studies
 BASE = Answer(20e3, 2e-4, 2.0, 4e4, 0.01)
@@ -62,9 +62,9 @@ def test_meshes_report_their_progress_and_grow_finer():
 
 
 def test_blows_are_those_of_whole_bodies():
-    from strikewave.elements import run_fem
-    from strikewave.studies.reproduction.assumed import studied
-    from strikewave.studies.reproduction.runs import coarser
+    from strikewave.analyses.fem.run import run_fem
+    from strikewave.papers.li_ma_2019.assumed import studied
+    from strikewave.papers.li_ma_2019.runs import coarser
 
     case = load_case("li-ma-2019-fem-rigid")
     solution = run_fem(studied(case.name, [*coarser(case, 4.0), "fem.blows=2"]), 2)

@@ -10,15 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from strikewave.build import build_machine
-from strikewave.case import dump_case, load_case, parse_case
-from strikewave.errors import InputError, IntegrationError
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.errors import InputError, IntegrationError
+from strikewave.base.quantities import Range
+from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.machines import blows, run_rotary
-from strikewave.quantities import Range
-from strikewave.studies.scatter import Plan, scatter
-from strikewave.studies.scatter_draws import draw, drawn, drawn_case, quantiles, tolerances_of
-from strikewave.studies.scatter_runs import Runner, RunResult, of_blows, run_result
-from strikewave.studies.scatter_shares import (
+from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result
+from strikewave.studies.scatter.study import Plan, scatter
+from strikewave.studies.settings.candidate import supply
+from strikewave.uncertainty.draws import draw, drawn, drawn_case, quantiles, tolerances_of
+from strikewave.uncertainty.shares import (
     mixtures,
     scatter_shares,
     sobol_indices,
@@ -26,8 +27,7 @@ from strikewave.studies.scatter_shares import (
     sobol_shares,
     variance_shares,
 )
-from strikewave.studies.scatter_statistics import median_bounds, spread, upper_limit
-from strikewave.studies.settings_candidate import supply
+from strikewave.uncertainty.statistics import median_bounds, spread, upper_limit
 
 ANGLES = ["striker.angle_error=0 deg", "striker.angle_error.tolerance=0.1 deg"]
 FEW_BLOWS = ["feed.blows=3"]
@@ -163,7 +163,7 @@ def test_a_motion_that_cannot_be_followed_is_tried_again(monkeypatch):
             raise IntegrationError("lost")
         return run_rotary(machine, tolerance)
 
-    monkeypatch.setattr("strikewave.studies.scatter_runs.run_rotary", run)
+    monkeypatch.setattr("strikewave.studies.scatter.runs.run_rotary", run)
     assert run_result(case_with("feed.blows=1")).kinds == ("full",)
     assert tried == [1e-7, 1e-8]
 

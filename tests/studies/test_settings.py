@@ -7,22 +7,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp, solve_ivp
 
-from strikewave.build import build_machine
-from strikewave.case import dump_case, load_case, parse_case, read_case_text
-from strikewave.errors import InputError, InputErrors
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.materials import material
+from strikewave.base.quantities import Value
+from strikewave.base.units import STANDARD_GRAVITY as G
+from strikewave.cases.case import dump_case, load_case, parse_case, read_case_text
 from strikewave.machines import blows, run_rotary
-from strikewave.materials import material
-from strikewave.quantities import Value
-from strikewave.studies.settings import (
-    Choice,
-    check_goal,
-    design_settings,
-    least_width,
-    sensible_strikers,
-    supports,
-)
-from strikewave.studies.settings_candidate import Goal, limits_of, observe_blows, supply, yield_load
-from strikewave.studies.settings_estimate import (
+from strikewave.studies.settings.candidate import Goal, limits_of, observe_blows, supply, yield_load
+from strikewave.studies.settings.estimate import (
     Support,
     approach_at,
     approach_speed,
@@ -41,8 +34,15 @@ from strikewave.studies.settings_estimate import (
     turntable_speed,
     width_stiffness,
 )
-from strikewave.studies.settings_search import Design, Rig
-from strikewave.units import STANDARD_GRAVITY as G
+from strikewave.studies.settings.search import Design, Rig
+from strikewave.studies.settings.study import (
+    Choice,
+    check_goal,
+    design_settings,
+    least_width,
+    sensible_strikers,
+    supports,
+)
 
 STEEL = material("45 steel")
 

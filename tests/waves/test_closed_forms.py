@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from strikewave.base.materials import material
 from strikewave.contact import Contact
-from strikewave.materials import material
 from strikewave.waves import BONDED, Branch, End, Impactor, Joint, Layer, Pulse, Stack, Tap, Wanted, round_bar, run_bar
 
 STEEL, ALUMINIUM = material("65Mn"), material("2A12")

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from strikewave.materials import material
+from strikewave.base.materials import material
 from strikewave.waves import (
     BONDED,
     Branch,

@@ -6,12 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.build import build_load, build_stack
-from strikewave.case import parse_case
+from strikewave.base.errors import InputError
+from strikewave.cases.case import parse_case
+from strikewave.cases.stack_of_case import build_load, build_stack
 from strikewave.contact import Contact
 from strikewave.contact.law import PressureCap
-from strikewave.errors import InputError
-from strikewave.validity import bar_extremes
 from strikewave.waves import (
     BONDED,
     End,
@@ -26,6 +25,7 @@ from strikewave.waves import (
     run_bar,
     spectral_bar,
 )
+from strikewave.waves.limits import bar_extremes
 from strikewave.waves.spectral import Spectrum
 from strikewave.waves.times import shortest_time
 from strikewave.waves.transit import grid_of, state_at_rest, tables_of

@@ -13,31 +13,24 @@ from typing import Any
 import typer
 
 from strikewave._version import __version__
-from strikewave.cli import (
-    buffer,
-    cases,
-    deck,
-    diff,
-    fem,
-    hopkinson,
-    identify,
-    impact,
-    laws,
-    ls_dyna,
-    map,
-    materials,
-    new,
-    record,
-    reproduce,
-    run,
-    scatter,
-    settings,
-    srs,
-    validate,
-    wave,
-)
-from strikewave.cli.common import say
-from strikewave.errors import StrikewaveError, StrikewaveWarning
+from strikewave.analyses.fem import command as fem
+from strikewave.analyses.fem import deck
+from strikewave.analyses.fem.ls_dyna import command as ls_dyna
+from strikewave.analyses.hopkinson import command as hopkinson
+from strikewave.analyses.impact import command as impact
+from strikewave.analyses.impact import identify, laws
+from strikewave.analyses.machine import command as run
+from strikewave.analyses.record import command as record
+from strikewave.analyses.record import srs
+from strikewave.analyses.wave import command as wave
+from strikewave.base.errors import StrikewaveError, StrikewaveWarning
+from strikewave.cli import cases, diff, materials, new, validate
+from strikewave.papers.li_ma_2019 import command as reproduce
+from strikewave.reporting.terminal import say
+from strikewave.studies.buffer import command as buffer
+from strikewave.studies.map import command as map
+from strikewave.studies.scatter import command as scatter
+from strikewave.studies.settings import command as settings
 
 app = typer.Typer(
     name="strikewave",

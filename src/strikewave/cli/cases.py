@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from strikewave.cli.common import Json, print_json, table
-from strikewave.documents import head
+from strikewave.base.json_document import head
+from strikewave.reporting.terminal import Json, print_json, table
 
 
 def command(json: Json = False) -> int:
     """List the published cases that come along."""
-    from strikewave.case import bundled_cases, load_case
+    from strikewave.cases.case import bundled_cases, load_case
 
     found = [load_case(name) for name in bundled_cases()]
     if json:

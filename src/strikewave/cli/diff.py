@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
-from strikewave.cli.common import Json, print_json, table
-from strikewave.documents import head
+from strikewave.base.json_document import head
+from strikewave.reporting.terminal import Json, print_json, table
 
 
 def flat(document: dict[str, Any], prefix: str = "") -> dict[str, str]:
@@ -39,7 +39,7 @@ def command(
     json: Json = False,
 ) -> int:
     """List the fields in which two cases differ."""
-    from strikewave.case import document_of, load_case
+    from strikewave.cases.case import document_of, load_case
 
     rows = [flat(document_of(load_case(name))) for name in (a, b)]
     paths = [path for path in dict.fromkeys([*rows[0], *rows[1]]) if rows[0].get(path) != rows[1].get(path)]

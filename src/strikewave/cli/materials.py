@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 
-from strikewave.cli.common import Json, print_json, significant, table
-from strikewave.documents import head
+from strikewave.base.json_document import head
+from strikewave.reporting.terminal import Json, print_json, significant, table
 
 
 def command(json: Json = False) -> int:
     """List the materials: elastic constants, yield, loss factor, status and source."""
-    from strikewave.materials import materials
+    from strikewave.base.materials import materials
 
     found = materials().values()
     if json:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.cli.common import Force, say
+from strikewave.reporting.terminal import Force, say
 
 SPLIT_BAR = "hopkinson"
 """Stands for the example of a set-up of split bars, and is the command that it is for."""
@@ -23,9 +23,9 @@ def command(
     force: Force = False,
 ) -> int:
     """Write a new case file to edit, with every value and its provenance."""
-    from strikewave.case import dump_case, load_case, parse_case
-    from strikewave.errors import InputError
-    from strikewave.files import write_whole
+    from strikewave.base.errors import InputError
+    from strikewave.base.output_folder import write_whole
+    from strikewave.cases.case import dump_case, load_case, parse_case
 
     if not file.name or file.suffix not in ("", ".toml"):
         raise InputError("FILE", str(file), "the name of a case file, such as my-machine.toml")
@@ -35,7 +35,7 @@ def command(
     if not path.absolute().parent.is_dir():
         raise InputError("FILE", str(path), "a file in a folder that exists")
     if origin == SPLIT_BAR:
-        from strikewave.split_bar import example_setup
+        from strikewave.analyses.hopkinson.setup_file import example_setup
 
         write_whole(path, example_setup())
         say(f"written: {path}; name your bars and files, then: strikewave {SPLIT_BAR} {path}")

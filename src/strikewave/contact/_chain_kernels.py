@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from strikewave.compiled import LEAF, leaf_kernel
+from strikewave.base.compiled import LEAF, leaf_kernel
 from strikewave.contact import _integrator
 from strikewave.contact._integrator import CONTINUE, RESTART
 from strikewave.contact._law_kernels import (

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.compiled import called_kernel, kernel, leaf_kernel
+from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
 from strikewave.contact._dop853 import E3, E5, STAGES, A, B, C, D
 
 CONTINUE, RESTART, STOP = 0, 1, 2

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from strikewave.compiled import kernel, leaf_kernel
+from strikewave.base.compiled import kernel, leaf_kernel
 
 _SERIES = 0.35
 _PHI = np.array([1.0 / math.factorial(k) for k in range(15, 1, -1)])

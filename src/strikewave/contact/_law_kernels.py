@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from strikewave.compiled import leaf_kernel
+from strikewave.base.compiled import leaf_kernel
 
 (
     OFFSET,

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from strikewave.compiled import LEAF, called_kernel, kernel
+from strikewave.base.compiled import LEAF, called_kernel, kernel
 from strikewave.contact import _integrator
 from strikewave.contact._chain_kernels import (
     PUSHING,

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.errors import nearest
 from strikewave.contact._chain_kernels import (
     AHEAD,
     BEHIND,
@@ -40,7 +41,6 @@ from strikewave.contact._law_kernels import COLUMNS, DAMPING, OFFSET, PRELOAD, S
 from strikewave.contact._pair_kernels import depths_at_yield, energies, spots
 from strikewave.contact.law import AnyContact, LogarithmicContact, check_end, elastic_indentation, single
 from strikewave.contact.motion import Motion, State, integrate
-from strikewave.errors import nearest
 
 Array = NDArray[np.float64]
 

@@ -51,7 +51,7 @@ def point_cap(one: ElasticBody, other: ElasticBody, radius1: float, radius2: flo
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> steel = material("65Mn")
     >>> print(point_cap(steel, steel, 0.01, np.inf, 1e9).yield_load.round(1))
     39.0
@@ -70,7 +70,7 @@ def line_cap(
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> steel = material("65Mn")
     >>> cap = line_cap(steel, steel, 0.01, np.inf, 0.04, line_yield_pressure(steel, steel.yield_strength))
     >>> print((cap.yield_load / 1e3).round(2))
@@ -90,7 +90,7 @@ def cap_of(one: ElasticBody, other: ElasticBody, geometry: Geometry, pressure: A
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> steel = material("65Mn")
     >>> cap_of(steel, steel, Geometry(0.01), 1e9).shape, cap_of(steel, steel, Geometry(0.01, length=0.04), 1e9).shape
     ('point', 'line')
@@ -155,7 +155,7 @@ def line_yield_pressure(body: ElasticBody, yield_strength: float) -> float:
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> round(line_yield_pressure(material("65Mn"), 1.0), 3)
     1.78
     """
@@ -173,7 +173,7 @@ def point_yield_pressure(body: ElasticBody, yield_strength: float) -> float:
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> round(point_yield_pressure(material("65Mn"), 1.0), 3)
     1.599
     """
@@ -196,7 +196,7 @@ def first_yield(one: PlasticBody, other: PlasticBody, geometry: Geometry) -> Fir
     Examples
     --------
     >>> from strikewave.contact import Geometry
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> steel = material("65Mn")
     >>> round(first_yield(steel, steel, Geometry(0.01, length=0.04)).load)
     6398

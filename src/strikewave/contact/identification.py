@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base.errors import nearest
 from strikewave.contact.force_pulse import ForcePulse, cut_out
 from strikewave.contact.pulse_fit import (
     EXPONENTS,
@@ -28,7 +29,6 @@ from strikewave.contact.pulse_fit import (
     near,
     solve,
 )
-from strikewave.errors import nearest
 
 Array = NDArray[np.float64]
 

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base.errors import IntegrationError
 from strikewave.contact import _kernels, _pair_kernels
 from strikewave.contact._chain_kernels import SWITCHES
 from strikewave.contact._integrator import Control, empty_record
@@ -24,7 +25,6 @@ from strikewave.contact.law import (
     rows_beside,
 )
 from strikewave.contact.motion import State, integrate
-from strikewave.errors import IntegrationError
 
 Array = NDArray[np.float64]
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base.errors import IntegrationError, nearest
 from strikewave.contact import _pair_kernels
 from strikewave.contact._law_kernels import (
     COLUMNS,
@@ -29,7 +30,6 @@ from strikewave.contact._law_kernels import (
     STYLE,
     YIELD_LOAD,
 )
-from strikewave.errors import IntegrationError, nearest
 
 Array = NDArray[np.float64]
 

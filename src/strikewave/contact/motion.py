@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.errors import IntegrationError
 from strikewave.contact import _integrator
 from strikewave.contact._integrator import FULL, STUCK, Control, Record
-from strikewave.errors import IntegrationError
 
 Array = NDArray[np.float64]
 

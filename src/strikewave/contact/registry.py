@@ -20,8 +20,8 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.citations import SOURCES
-from strikewave.errors import InputError, StrikewaveWarning, nearest
+from strikewave.base.citations import SOURCES
+from strikewave.base.errors import InputError, StrikewaveWarning, nearest
 
 CHECKED, FROM_MEMORY = "checked", "from memory"
 """Status of a law: its formula was seen in an opened text, or not."""
@@ -44,7 +44,7 @@ class Law:
     status : str
         `CHECKED` or `FROM_MEMORY`.
     source : str
-        Key of `strikewave.citations`, or a reference in full.
+        Key of `strikewave.base.citations`, or a reference in full.
     seen : str, optional
         Where its formula was seen, if not in the source itself.
     note : str, optional

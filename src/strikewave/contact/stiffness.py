@@ -15,9 +15,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from strikewave.base.errors import MISSING, InputError
 from strikewave.contact.law import Contact, Damper, LogarithmicContact, PressureCap
 from strikewave.contact.registry import CHECKED, FROM_MEMORY, StiffnessLaw, law_named, with_added
-from strikewave.errors import MISSING, InputError
 
 SMALLEST = 1e-15
 """Sizes below this are refused, m."""
@@ -49,7 +49,7 @@ class Stiffness(NamedTuple):
     status : str
         ``checked`` (the formula was seen in an opened text) or ``from memory``.
     source : str
-        Key of the source in `strikewave.citations`.
+        Key of the source in `strikewave.base.citations`.
     """
 
     stiffness: float
@@ -120,7 +120,7 @@ def contact_modulus(one: ElasticBody, other: ElasticBody) -> float:
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> round(contact_modulus(material("65Mn"), material("65Mn")) / 1e9, 4)
     115.042
     """
@@ -190,7 +190,7 @@ def hertz(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float =
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> law = hertz(material("65Mn"), material("65Mn"), radius1=0.01)
     >>> round(law.stiffness / 1e10, 5), law.exponent
     (1.53389, 1.5)
@@ -223,7 +223,7 @@ def palmgren(one: ElasticBody, other: ElasticBody, length: float) -> Stiffness:
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> law = palmgren(material("65Mn"), material("65Mn"), length=0.04)
     >>> round(law.stiffness / 1e9, 2), round(law.exponent, 4)
     (4.68, 1.1111)
@@ -264,7 +264,7 @@ def johnson(
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> steel = material("65Mn")
     >>> law = johnson(steel, steel, 0.01, 0.01, length=0.04)
     >>> print((law.indentation(10e3) * 1e6).round(3))
@@ -321,7 +321,7 @@ def radzimovsky(
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> steel = material("65Mn")
     >>> law = radzimovsky(steel, steel, 0.01, 0.01, length=0.04)
     >>> print((law.indentation(10e3) * 1e6).round(3))
@@ -354,7 +354,7 @@ def dubowsky_freudenstein(
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> steel = material("65Mn")
     >>> law = dubowsky_freudenstein(steel, steel, 0.010, -0.0105, length=0.04)
     >>> print((law.indentation(10e3) * 1e6).round(2))
@@ -381,7 +381,7 @@ def lankarani_nikravesh_cylinder(one: ElasticBody, other: ElasticBody, radius1: 
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> steel = material("65Mn")
     >>> lankarani_nikravesh_cylinder(steel, steel, 0.01, 0.02).exponent
     1.5
@@ -412,7 +412,7 @@ def pereira(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> steel = material("65Mn")
     >>> law = pereira(steel, steel, 0.01, 0.01, length=0.04)
     >>> round(law.stiffness / 1e9, 3), law.exponent
@@ -472,7 +472,7 @@ def stiffness_of(
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> steel = material("65Mn")
     >>> stiffness_of("hertz", steel, steel, Geometry(radius1=0.01)).exponent
     1.5

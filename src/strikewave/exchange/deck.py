@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.boundary import held_nodes, nodes_named
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import Array, Index, Mesh

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from strikewave.errors import InputError, nearest
+from strikewave.base.errors import InputError, nearest
 
 
 @dataclass(frozen=True)

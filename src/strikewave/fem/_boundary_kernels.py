@@ -1,6 +1,6 @@
 """Kernels of boundaries: each writes the force that it adds, so that one ledger serves all of them."""
 
-from strikewave.compiled import called_kernel, leaf_kernel
+from strikewave.base.compiled import called_kernel, leaf_kernel
 
 
 @called_kernel

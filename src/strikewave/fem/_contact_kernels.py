@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.compiled import called_kernel, kernel, leaf_kernel
+from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
 from strikewave.fem._surface_kernels import (
     as_tuple,
     closest_point,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from strikewave.compiled import fused_called_kernel, fused_leaf_kernel
+from strikewave.base.compiled import fused_called_kernel, fused_leaf_kernel
 from strikewave.fem._hexahedron_kernels import (
     add_sums,
     amplitudes,

@@ -1,6 +1,6 @@
 """Kernels over nodes: one step of central differences, and the sums of the ledger."""
 
-from strikewave.compiled import fused_called_kernel
+from strikewave.base.compiled import fused_called_kernel
 
 
 @fused_called_kernel

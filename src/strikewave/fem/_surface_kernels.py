@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from strikewave.compiled import called_kernel, kernel, leaf_kernel
+from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
 
 _INSIDE = 1e-9
 """How far beyond 1 a natural coordinate may lie, by rounding, of a point that is over the face."""

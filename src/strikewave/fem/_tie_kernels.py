@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.compiled import kernel
+from strikewave.base.compiled import kernel
 
 
 class TieState(NamedTuple):

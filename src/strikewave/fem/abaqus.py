@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from strikewave.errors import InputError, nearest
+from strikewave.base.errors import InputError, nearest
 from strikewave.fem.mesh import FACES, exterior_faces
 from strikewave.fem.raw_mesh import LARGEST_COUNT, RawMesh, Whole, refuse_other_solids
 

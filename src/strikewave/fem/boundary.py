@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem import _boundary_kernels as kernels
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import (

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.model import Controls, Curve, Driven, Guided, Model, Pressure
 
 MOST_BLOWS = 20

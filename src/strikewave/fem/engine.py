@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from strikewave._version import __version__
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem import _node_kernels as node_kernels
 from strikewave.fem._contact_kernels import Touch
 from strikewave.fem.bodies import joined_parts

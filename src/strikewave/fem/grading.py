@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 
 Array = NDArray[np.float64]
 

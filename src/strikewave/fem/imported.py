@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem import meshio_child
 from strikewave.fem.abaqus import read_abaqus
 from strikewave.fem.mesh import Array, Index, Mesh, exterior_faces, volumes

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError, nearest
+from strikewave.base.errors import InputError, nearest
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int32]

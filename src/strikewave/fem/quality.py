@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError, InputErrors
+from strikewave.base.errors import InputError, InputErrors
 from strikewave.fem.mesh import FACES, Array, Index, Mesh, volumes
 from strikewave.fem.sections import HEXAHEDRON_EDGES
 

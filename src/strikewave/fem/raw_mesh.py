@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.mesh import Array, Index
 
 Whole = NDArray[np.integer]

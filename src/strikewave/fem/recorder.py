@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem._contact_kernels import Touch
 from strikewave.fem.boundary import unit
 from strikewave.fem.invariants import von_mises

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem._contact_kernels import ContactState, Found
 from strikewave.fem.engine import COLLAPSED, Engine
 from strikewave.fem.run import Rest

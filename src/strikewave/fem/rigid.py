@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import block_diag, eigvalsh
 from scipy.spatial.transform import Rotation
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.boundary import Acting, Now
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Model, Rigid

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.grading import Grading, Sizes, as_grading, nodes_between, nodes_through
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.sections import (

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError, nearest
+from strikewave.base.errors import InputError, nearest
 from strikewave.fem.grading import Grading, nodes_between
 from strikewave.fem.mesh import Array, Index, Mesh, exterior_faces
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.grading import Sizes, nodes_between, nodes_through
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.sections import (

@@ -113,7 +113,7 @@ def skin_of(model: Model, cut: Cut | None = None) -> Skin:
     Examples
     --------
     >>> from strikewave import load_case
-    >>> from strikewave.build import build_model
+    >>> from strikewave.analyses.fem.build import build_model
     >>> skin = skin_of(build_model(load_case("two-bars-fem")))
     >>> skin.cut.plane.normal.round(9).tolist(), skin.cut.mirror.normal.round(9).tolist()
     ([0.0, -1.0, 0.0], [-1.0, 0.0, 0.0])

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 
 
 @dataclass(frozen=True)

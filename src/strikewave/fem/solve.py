@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from strikewave.errors import InputErrors
+from strikewave.base.errors import InputErrors
 from strikewave.fem.again import next_blow
 from strikewave.fem.checks import faults
 from strikewave.fem.engine import Engine

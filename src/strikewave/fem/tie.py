@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem import _contact_kernels as kernels
 from strikewave.fem._tie_kernels import TieState, gather_mass, gather_tied_forces, move_tied
 from strikewave.fem.contact import searched, two_surfaces

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.fem.invariants import pressure, von_mises
 from strikewave.fem.run import Frame
 

@@ -23,7 +23,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import nearest
+from strikewave.base.errors import nearest
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.onset import first_above, noise_ceiling
 from strikewave.hopkinson.pulses import Pulses

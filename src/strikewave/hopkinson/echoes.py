@@ -27,7 +27,7 @@ from scipy.fft import next_fast_len, rfft, rfftfreq
 from scipy.signal import correlate
 from scipy.special import stdtrit
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.onset import noise_ceiling
 from strikewave.hopkinson.pulses import Quiet, Trace, quieten

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.onset import FEWEST, Drift, drift, ending, first_above, largest, noise_ceiling, onset
 from strikewave.signal.pulse import crossing

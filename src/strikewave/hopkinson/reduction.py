@@ -17,7 +17,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.errors import nearest
+from strikewave.base.errors import nearest
 from strikewave.hopkinson.alignment import FaceWaves
 from strikewave.hopkinson.bars import Bar, Specimen
 

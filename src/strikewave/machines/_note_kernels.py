@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.compiled import called_kernel, leaf_kernel
+from strikewave.base.compiled import called_kernel, leaf_kernel
 from strikewave.contact._chain_kernels import (
     CONTACT,
     FRICTION,

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from strikewave.compiled import LEAF, called_kernel, kernel, leaf_kernel
+from strikewave.base.compiled import LEAF, called_kernel, kernel, leaf_kernel
 from strikewave.contact import _integrator
 from strikewave.contact._chain_kernels import (
     GRAVITY,

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.compiled import kernel, leaf_kernel
+from strikewave.base.compiled import kernel, leaf_kernel
 from strikewave.contact._chain_kernels import MASS, PLACE, SPEED
 from strikewave.contact._law_kernels import stored
 from strikewave.machines._kernels import (

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.errors import IntegrationError
 from strikewave.contact._integrator import Control, empty_record
 from strikewave.contact.law import elastic_indentation
-from strikewave.errors import IntegrationError
 from strikewave.machines import _note_kernels as column
 from strikewave.machines import _quick_kernels as kernels
 from strikewave.machines._kernels import BASE_ROWS, LAYERED, ON_FACE, OWN_STATES, RotarySystem

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.errors import IntegrationError
 from strikewave.contact._chain_kernels import MASS, OPEN
 from strikewave.contact._integrator import Control
 from strikewave.contact._law_kernels import DAMPER
 from strikewave.contact.law import elastic_indentation, striking_law
 from strikewave.contact.motion import State, integrate
-from strikewave.errors import IntegrationError
 from strikewave.machines._kernels import EDGE, FEED, FEED_SWITCH, PASSES, RETRACTING
 from strikewave.machines.feed import expected_time
 from strikewave.machines.machine import BEFORE_TOUCH, RotaryMachine, energy, places_of, rotary_system, start_state

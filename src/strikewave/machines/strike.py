@@ -13,6 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.errors import IntegrationError
 from strikewave.contact._chain_kernels import (
     MASS,
     OPEN,
@@ -26,7 +27,6 @@ from strikewave.contact._chain_kernels import (
 from strikewave.contact._law_kernels import DAMPING, OFFSET, PRELOAD, STIFFNESS, YIELD_LOAD
 from strikewave.contact.chain import first_modes, stored_energy
 from strikewave.contact.motion import State
-from strikewave.errors import IntegrationError
 from strikewave.machines import _stack_kernels as column
 from strikewave.machines._kernels import ACROSS, HALF_FACE, ON_FACE, OWN_STATES, RotarySystem, place_bases
 from strikewave.machines._stack_kernels import COLUMNS, CROWDED, ENDLESS, Blow, Supports, follow

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from strikewave.records.calibration import Calibration, calibrations_beside
     from strikewave.records.campaign import Campaign, Statistic, Trend, compare, summed
-    from strikewave.records.documents import pulse_table, record_document
     from strikewave.records.finding import Finding, unreadable, worst
     from strikewave.records.measuring import RecordedPulse, find_pulses
     from strikewave.records.readers import Options, read_record
@@ -16,7 +15,6 @@ if TYPE_CHECKING:
 _ROOMS = {
     "calibration": ("Calibration", "calibrations_beside"),
     "campaign": ("Campaign", "Statistic", "Trend", "compare", "summed"),
-    "documents": ("pulse_table", "record_document"),
     "finding": ("Finding", "unreadable", "worst"),
     "measuring": ("RecordedPulse", "find_pulses"),
     "readers": ("Options", "read_record"),
@@ -41,10 +39,8 @@ __all__ = [
     "calibrations_beside",
     "compare",
     "find_pulses",
-    "pulse_table",
     "read_file",
     "read_record",
-    "record_document",
     "summed",
     "unreadable",
     "worst",

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from strikewave.compiled import kernel
+from strikewave.base.compiled import kernel
 
 
 @kernel

@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from strikewave.errors import InputError, nearest
+from strikewave.base.errors import InputError, nearest
+from strikewave.base.units import convertible, parse_quantity
 from strikewave.records.finding import Finding
 from strikewave.records.record import Channel
-from strikewave.units import convertible, parse_quantity
 
 MEASURED = ("m/s^2", "m/s", "m", "N", "Pa", "1")
 """SI units that a channel can have once calibrated; 1 is strain."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from strikewave.errors import show
+from strikewave.base.errors import show
 from strikewave.records.finding import Finding
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.record import Array

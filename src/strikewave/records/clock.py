@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.records.finding import FIGURES, Finding
 from strikewave.records.record import Channel
 

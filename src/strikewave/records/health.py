@@ -12,11 +12,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.units import STANDARD_GRAVITY, in_unit
 from strikewave.records.finding import FIGURES, Finding, worst_first
 from strikewave.records.measuring import LOOK_BACK, RecordedPulse
 from strikewave.records.pulses import Line, robust_line, sample_noise
 from strikewave.signal.pulse import HALF_SINE_WIDTH
-from strikewave.units import STANDARD_GRAVITY, in_unit
 
 Array = NDArray[np.float64]
 

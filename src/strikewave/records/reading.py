@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from strikewave.errors import InputError, nearest, show
+from strikewave.base.errors import InputError, nearest, show
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
 from strikewave.records.finding import FIGURES, Finding, worst, worst_first

@@ -7,7 +7,7 @@ import tomllib
 from dataclasses import dataclass
 from importlib import resources
 
-from strikewave.errors import InputError, nearest
+from strikewave.base.errors import InputError, nearest
 from strikewave.sensors.chain import ASSUMED_QUALITY, Sensor
 from strikewave.sensors.mounting import Mounting
 

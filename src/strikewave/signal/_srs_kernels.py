@@ -10,7 +10,7 @@ largest y, smallest y, and y and d before the segment's first sample.
 
 import numpy as np
 
-from strikewave.compiled import fused_kernel, leaf_kernel
+from strikewave.base.compiled import fused_kernel, leaf_kernel
 
 SEGMENT = 512
 """Samples whose extremes are kept together; a segment that may hold the peak is gone through again."""

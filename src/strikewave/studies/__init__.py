@@ -1,5 +1,1 @@
-"""Studies on cases: fits so far."""
-
-from strikewave.studies.calibrate import Fit, calibrate
-
-__all__ = ["Fit", "calibrate"]
+"""Questions over many runs: each its study, its pictures, its command."""

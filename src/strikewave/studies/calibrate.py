@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from strikewave.case import Case
-from strikewave.errors import InputError
-from strikewave.quantities import Value
-from strikewave.simulate import observe, published_value
+from strikewave.analyses.machine.run import observe, published_value
+from strikewave.base.errors import InputError
+from strikewave.base.quantities import Value
+from strikewave.cases.case import Case
 
 FAILED = 10.0
 """Residual of a target that a trial run has no number for."""

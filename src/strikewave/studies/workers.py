@@ -12,7 +12,7 @@ from concurrent.futures.process import BrokenProcessPool
 from types import TracebackType
 from typing import Any, TypeVar
 
-from strikewave.errors import StrikewaveError
+from strikewave.base.errors import StrikewaveError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -8,7 +8,7 @@ and phi(z^2) = z J0(z)/J1(z) the equation has no square roots:
 
 import numpy as np
 
-from strikewave.compiled import kernel, leaf_kernel
+from strikewave.base.compiled import kernel, leaf_kernel
 
 LONGEST_STEP = 0.05
 """Longest step of the path, in units of w a/c0 or k a; above w a/c0 = 10 it grows with that."""

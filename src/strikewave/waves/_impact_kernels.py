@@ -6,7 +6,7 @@ indentation rate is c0 - c1 F: see `strikewave.waves._press_kernels`.
 
 import numpy as np
 
-from strikewave.compiled import kernel
+from strikewave.base.compiled import kernel
 from strikewave.contact._law_kernels import depth_at_yield
 from strikewave.waves._kernels import advance, arriving_at_face, force_and_velocity, record, watch, widen
 from strikewave.waves._press_kernels import (

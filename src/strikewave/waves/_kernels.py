@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.compiled import called_kernel, kernel, leaf_kernel
+from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
 from strikewave.contact._law_kernels import YIELD_LOAD, flattening, residual
 from strikewave.waves._press_kernels import contact_force, losses
 

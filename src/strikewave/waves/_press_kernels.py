@@ -6,7 +6,7 @@ rule, and the contact law is one equation for F whose right side falls with F: i
 
 import numpy as np
 
-from strikewave.compiled import leaf_kernel
+from strikewave.base.compiled import leaf_kernel
 from strikewave.contact._law_kernels import (
     DAMPER,
     DAMPER_EXPONENT,

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.compiled import kernel, leaf_kernel
+from strikewave.base.compiled import kernel, leaf_kernel
 from strikewave.waves._kernels import FORCE, SPEED
 
 FREE, MATCHED, RIGID, MASS, SPRING, DASHPOT, OSCILLATOR = range(7)

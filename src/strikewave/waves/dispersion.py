@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.errors import nearest
+from strikewave.base.errors import nearest
 from strikewave.waves._dispersion_kernels import follow_frequency, follow_wavelength
 
 Theory = Literal["none", "love-rayleigh", "pochhammer-chree"]

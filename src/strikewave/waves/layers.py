@@ -14,9 +14,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.materials import Material
 from strikewave.contact import _law_kernels
 from strikewave.contact.law import AnyContact, striking_law
-from strikewave.materials import Material
 from strikewave.waves.dispersion import THEORIES, Theory
 
 EndKind = Literal["free", "matched", "rigid", "mass", "spring", "dashpot", "oscillator"]
@@ -136,7 +136,7 @@ def round_bar(name: str, material: Material, length: float, diameter: float, spe
 
     Examples
     --------
-    >>> from strikewave.materials import material
+    >>> from strikewave.base.materials import material
     >>> round(round_bar("bar", material("65Mn"), 0.1, 0.03).mass, 4)
     0.5528
     """

@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.errors import nearest
 from strikewave.contact.law import AnyContact
-from strikewave.errors import nearest
 
 Array = NDArray[np.float64]
 

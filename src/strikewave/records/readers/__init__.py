@@ -13,7 +13,7 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
-from strikewave.errors import InputError, StrikewaveError, show
+from strikewave.base.errors import InputError, StrikewaveError, show
 from strikewave.records.record import Record
 
 FORMATS = ("tdms", "mdf", "ide", "rigol", "hdf", "mat", "netcdf", "parquet", "wav", "uff", "excel", "lvm", "text")

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from strikewave.errors import InputError
+from strikewave.base.errors import InputError
 from strikewave.records.finding import Finding
 from strikewave.records.readers import LARGEST_ARRAY, Options
 from strikewave.records.record import Channel, Record

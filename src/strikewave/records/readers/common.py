@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.errors import InputError, nearest
+from strikewave.base.errors import InputError, nearest
 from strikewave.records.finding import Finding
 from strikewave.records.readers import LARGEST_ARRAY, Options
 from strikewave.records.readers.clock import seconds_in, step_of, to_seconds

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.errors import InputError, nearest
+from strikewave.base.errors import InputError, nearest
 from strikewave.records.finding import Finding
 from strikewave.records.readers import Options
 from strikewave.records.readers.clock import last_digit, step_of

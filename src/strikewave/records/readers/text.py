@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from strikewave.errors import InputError, nearest
+from strikewave.base.errors import InputError, nearest
 from strikewave.records.finding import Finding
 from strikewave.records.readers import Options
 from strikewave.records.readers.clock import (

@@ -1,0 +1,1 @@
+"""One folder an analysis: build, run, result, notices, figures, report, command."""

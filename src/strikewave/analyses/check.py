@@ -1,0 +1,41 @@
+"""Case in, parts out: machine, stack, load and sensors, with the checks that only the whole case allows."""
+
+from strikewave.analyses.fem.build import build_model, check_elements
+from strikewave.analyses.machine.build import build_machine, contact_stiffness
+from strikewave.cases.case import Case
+from strikewave.cases.sensors_of_case import build_channels
+from strikewave.cases.stack_of_case import build_load, build_stack, build_taps, check_route, need, wanted
+
+__all__ = [
+    "build_channels",
+    "build_load",
+    "build_machine",
+    "build_model",
+    "build_stack",
+    "build_taps",
+    "check",
+    "check_route",
+    "contact_stiffness",
+    "wanted",
+]
+
+
+def check(case: Case) -> None:
+    """Build all parts of a case, so that what does not fit together is said.
+
+    Raises
+    ------
+    InputError, InputErrors
+        As the builders do.
+    """
+    if case.machine is not None:
+        build_machine(case)
+    if case.stack.layer:
+        stack = build_stack(case)
+        build_taps(case)
+        if case.load is not None or case.machine is None:
+            build_load(case, stack)
+            need(case.solver.duration, "solver.duration", "how long to follow", 'add duration = "300 us"')
+    if case.fem is not None:
+        check_elements(case)
+    build_channels(case)

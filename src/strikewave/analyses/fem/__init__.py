@@ -1,0 +1,1 @@
+"""Explicit finite elements: bodies of hexahedra that strike each other."""

@@ -1,0 +1,1 @@
+"""Pictures of an explicit run: histories, bodies cut open, blows, motion."""

@@ -1,0 +1,361 @@
+"""An explicit run as a page that plays by itself and as a GIF: the bodies cut open, beside force and acceleration."""
+
+from __future__ import annotations
+
+import base64
+import io
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.fem.figures.cut import (
+    QUANTITIES,
+    TILT,
+    Quantity,
+    Seen,
+    colour_scale,
+    draw_body,
+    sight,
+    window_of,
+)
+from strikewave.analyses.fem.figures.pictures import frame_window, instant_words
+from strikewave.analyses.fem.sectors import whole_impulse
+from strikewave.analyses.machine.figures.pulses import thin
+from strikewave.analyses.wave.figures.animation import even_rows
+from strikewave.analyses.wave.figures.field import shortened
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.fem.film import Film, Still
+from strikewave.fem.measures import blow_axis, interval_means, mean_acceleration, mean_force, middles
+from strikewave.fem.skin import Skin
+from strikewave.reporting.animation_page import moving_page, packed, printable
+from strikewave.reporting.style import BLUE, GREEN, RED, quiet
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+    from strikewave.analyses.fem.result import FemSolution
+
+Array = NDArray[np.float64]
+
+STILLS = 60
+"""Instants over the run, and as many again while anything touches, that are kept for an animation."""
+TOUCHING, APART = 52, 20
+"""Of these, how many are shown at most."""
+LARGEST_PAGE = 850_000
+"""Bytes of all pictures in a page at most."""
+QUALITIES = (82, 65, 45, 25)
+"""Of the pictures, the first with which they are small enough."""
+COARSE = 2.0
+"""How many times larger than in still pictures the pieces are that faces are painted in."""
+LARGEST_SIDES = (860, 640)
+"""Of a picture, pixels."""
+MOST_CURVES = 3
+COLOURS = (BLUE, RED, GREEN)
+WIDE = 0.5
+"""A picture lower than this share of its width stands above the histories, not beside them."""
+GIF_PICTURES, GIF_COLOURS = 60, 256
+_PER_SECOND, _DPI = 10, 90
+
+
+class Trace(NamedTuple):
+    """Histories in one panel of the animation: what stands above, and time, s, and values by name."""
+
+    label: str
+    unit: str
+    curves: Mapping[str, tuple[Array, Array]]
+
+
+@dataclass(frozen=True)
+class Movie:
+    """Pictures of the bodies at instants, and what stands beside them.
+
+    Attributes
+    ----------
+    time : array (pictures,)
+        s.
+    images : sequence of image
+        All of one size.
+    shown : Quantity
+        What their colours say.
+    scale : ScalarMappable
+        How.
+    width : float
+        Of what a picture shows, m.
+    extend : str
+        At which ends values lie beyond the scale, as matplotlib calls it.
+    traces : sequence of Trace
+    """
+
+    time: Array
+    images: Sequence[Image]
+    shown: Quantity
+    scale: Any
+    width: float
+    extend: str
+    traces: Sequence[Trace]
+
+    @property
+    def wide(self) -> bool:
+        """Whether the pictures stand above the histories."""
+        width, height = self.images[0].size
+        return height < WIDE * width
+
+
+def movie_of(
+    solution: FemSolution, quantity: str = "von_mises", progress: Callable[[float], None] | None = None
+) -> Movie | None:
+    """Return the pictures of a run; None where it kept no instants.
+
+    Parameters
+    ----------
+    solution : FemSolution
+    quantity : str
+        One of `strikewave.analyses.fem.figures.cut.QUANTITIES`.
+    progress : callable, optional
+        Called with the share that is done, 0 to 1.
+    """
+    film = solution.film
+    stills = chosen(film) if film is not None else []
+    if film is None or not stills:
+        return None
+    skin, shown = film.skin, QUANTITIES[quantity]
+    frame = sight(skin, stills, TILT)
+    seen = Seen(frame, window_of(skin, stills, frame, bar=False), coarse=COARSE)
+    values = [shown.of(skin, still)[skin.element] / shown.scale for still in stills]
+    scale, extend = colour_scale(skin, values, shown)
+    draw = _canvas(skin, seen)
+    images = []
+    for still, cells in zip(stills, values, strict=True):
+        images.append(draw(still, scale.to_rgba(cells)[:, :3]))
+        if progress is not None:
+            progress(len(images) / len(stills))
+    time, width = np.array([still.time for still in stills]), (seen.window[1] - seen.window[0]) * 1e-3
+    return Movie(time, images, shown, scale, width, extend, traces_of(solution))
+
+
+def chosen(film: Film) -> list[Still]:
+    """Return the instants that are shown, in the order of time: most of them while bodies touch."""
+    touching = {still.time for still in film.contact.kept}
+    apart = [still for still in film.stills if still.time not in touching]
+    kept = [film.contact.kept[k] for k in even_rows(len(touching), TOUCHING)] if touching else []
+    most = APART if kept else TOUCHING + APART
+    kept += [apart[k] for k in even_rows(len(apart), most)] if apart else []
+    return sorted(kept, key=lambda still: still.time)
+
+
+def traces_of(solution: FemSolution) -> list[Trace]:
+    """Return the contact forces and the rigid-body accelerations along the blow, those that reach farthest.
+
+    Forces are those of whole bodies where sectors match, and say so. Parts of a group move as the group.
+    """
+    run, groups = solution.run, solution.model.groups
+    between = middles(run.time)
+    found = _forces(solution)
+    every = bool(found) and all(whole for _, whole in found.values())
+    forces = {
+        name + ", whole bodies" * (whole and not every): np.linalg.norm(mean, axis=1) / 1e3
+        for name, (mean, whole) in found.items()
+    }
+    axis, grouped = blow_axis(run), {part for parts in groups.values() for part in parts}
+    bodies = [*groups, *(name for name in run.parts if name not in grouped)]
+    rates = {name: mean_acceleration(run, name) @ axis / STANDARD_GRAVITY for name in bodies}
+    return [
+        Trace("contact force" + ", whole bodies" * every, "kN", _curves(between, forces)),
+        Trace("rigid-body acceleration along the blow", "g", _curves(between, rates)),
+    ]
+
+
+def _forces(solution: FemSolution) -> dict[str, tuple[Array, bool]]:
+    """Return the mean contact forces, N, of whole bodies where sectors match, and whether they are."""
+    run, sector, found = solution.run, solution.sectors, {}
+    for name, sides in solution.model.touching.items():
+        whole = whole_impulse(run, sector, name, sides)
+        mean = mean_force(run, name) if whole is None else interval_means(whole, run.time)
+        found[shortened(name, 34)] = mean, whole is not None
+    return found
+
+
+def _curves(time: Array, values: Mapping[str, Array]) -> dict[str, tuple[Array, Array]]:
+    """Return the curves that reach farthest, with no more samples than can be seen."""
+    ranked = sorted(values, key=lambda name: -float(np.abs(values[name]).max(initial=0.0)))
+    kept = [name for name in ranked[:MOST_CURVES] if float(np.abs(values[name]).max(initial=0.0)) > 0.0]
+    return {printable(shortened(name, 48)): thin(time, values[name]) for name in kept}
+
+
+def _canvas(skin: Skin, seen: Seen) -> Callable[[Still, Array], Image]:
+    """Return what makes a picture of the bodies at an instant, by the colours of their faces."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from PIL import Image
+
+    left, right, low, high = seen.window
+    each = min(LARGEST_SIDES[0] / (right - left), LARGEST_SIDES[1] / (high - low))
+    size = (max(round(each * (right - left)), 80), max(round(each * (high - low)), 60))
+    figure = Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
+    canvas = FigureCanvasAgg(figure)
+
+    def draw(still: Still, colours: Array) -> Image.Image:
+        figure.clear()
+        draw_body(figure.add_axes((0.0, 0.0, 1.0, 1.0)), skin, still, seen, colours, bar=False)
+        canvas.draw()
+        return Image.fromarray(np.asarray(canvas.buffer_rgba())[:, :, :3].copy())
+
+    return draw
+
+
+def fem_page(movie: Movie, title: str, name: str = "") -> str:
+    """Return a page that plays the pictures beside the histories, which grow with time; it stands alone.
+
+    Parameters
+    ----------
+    movie : Movie
+        What is shown.
+    title, name : str
+        Of the page, and of the case; plain text.
+    """
+    count = len(movie.time)
+    words = {"last_frame": count - 1, "wide": movie.wide, "words": movie.shown.words}
+    return moving_page(__package__, page_data(movie), title, name, **words)
+
+
+def page_data(movie: Movie) -> dict[str, Any]:
+    """Return what the page's script draws from: µs, pictures as base 64, histories of 4 bytes a value."""
+    limits = (float(movie.scale.norm.vmin), float(movie.scale.norm.vmax))
+    colours = movie.scale.to_rgba(np.linspace(*limits, 65), bytes=True)[:, :3]
+    return {
+        "time": [float(f"{t * 1e6:.7g}") for t in movie.time],
+        "size": list(movie.images[0].size),
+        "width": float(f"{movie.width * 1e3:.6g}"),
+        "pictures": _encoded(movie.images),
+        "scale": {
+            "label": f"{movie.shown.words} ({movie.shown.unit})",
+            "limits": limits,
+            "colours": ["#" + bytes(row).hex() for row in colours],
+            "extend": movie.extend,
+        },
+        "traces": [
+            {
+                "label": trace.label,
+                "unit": trace.unit,
+                "curves": [
+                    {"name": name, "colour": colour, "time": packed(time * 1e6, "<f4"), "values": packed(values, "<f4")}
+                    for (name, (time, values)), colour in zip(trace.curves.items(), COLOURS, strict=False)
+                ],
+            }
+            for trace in movie.traces
+        ],
+    }
+
+
+def _encoded(images: Sequence[Image]) -> list[str]:
+    """Return pictures as addresses that hold them, of the best quality that keeps them small enough."""
+    from PIL import features
+
+    webp = bool(features.check("webp"))
+    found: list[bytes] = []
+    for quality in QUALITIES:
+        found = [_bytes(image, "WEBP" if webp else "JPEG", quality) for image in images]
+        if sum(map(len, found)) <= LARGEST_PAGE:
+            break
+    kind = "webp" if webp else "jpeg"
+    return [f"data:image/{kind};base64," + base64.b64encode(one).decode("ascii") for one in found]
+
+
+def _bytes(image: Image, kind: str, quality: int) -> bytes:
+    held = io.BytesIO()
+    image.save(held, kind, quality=quality, **({"method": 4} if kind == "WEBP" else {}))
+    return held.getvalue()
+
+
+def write_fem_gif(movie: Movie, title: str, path: Path, progress: Callable[[float], None] | None = None) -> None:
+    """Write the same as a GIF, which any slide or page can show.
+
+    Parameters
+    ----------
+    movie : Movie
+        What is shown.
+    title : str
+        Above it; plain text.
+    path : Path
+        Where it is written.
+    progress : callable, optional
+        Called with the share that is done, 0 to 1.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from PIL import Image
+
+    figure, show = _moving(movie, title)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    figure.set_layout_engine("none")
+    pictures = []
+    for done, k in enumerate(even_rows(len(movie.time), GIF_PICTURES), 1):
+        show(int(k))
+        canvas.draw()
+        pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[:, :, :3].copy()))
+        if progress is not None:
+            progress(done / min(len(movie.time), GIF_PICTURES))
+    some = [np.asarray(pictures[k]) for k in even_rows(len(pictures), 4)]
+    palette = Image.fromarray(np.concatenate(some)).quantize(GIF_COLOURS, Image.Quantize.MAXCOVERAGE)
+    first, *others = (each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures)
+    first.save(path, "GIF", save_all=True, append_images=others, duration=round(1000 / _PER_SECOND), loop=0)
+
+
+def _moving(movie: Movie, title: str) -> tuple[Any, Callable[[int], None]]:
+    """Return a figure of the bodies and the histories, and what brings it to a picture."""
+    from matplotlib.figure import Figure
+
+    width, height = movie.images[0].size
+    share = height / width
+    size = (8.4, 3.6 + 7.2 * share) if movie.wide else (8.8, float(np.clip(4.6 * share + 0.9, 3.6, 5.6)))
+    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
+    figure.suptitle(textwrap.fill(printable(title), 95), x=0.01, ha="left", fontsize=10, parse_math=False)
+    ratios = [share * 7.2, 1.4, 1.4]
+    grid = (
+        figure.add_gridspec(3, 1, height_ratios=ratios)
+        if movie.wide
+        else figure.add_gridspec(2, 2, width_ratios=(6, 4))
+    )
+    places = [grid[0], grid[1], grid[2]] if movie.wide else [grid[:, 0], grid[0, 1], grid[1, 1]]
+    extent, below = (0.0, 1e3 * movie.width, 0.0, 1e3 * movie.width * share), 80.0 * movie.width * max(share, 1.0)
+    body, *panels = (figure.add_subplot(place) for place in places)
+    frame_window(body, (*extent[:2], -below, extent[3]))
+    picture = body.imshow(np.asarray(movie.images[0]), extent=extent, interpolation="bilinear")
+    clock = body.set_title("0", loc="left", fontsize=9, family="monospace")
+    bar = figure.colorbar(movie.scale, ax=body, shrink=0.8, pad=0.01, aspect=26, extend=movie.extend)
+    bar.set_label(f"{movie.shown.words} ({movie.shown.unit})", fontsize=8)
+    bar.ax.tick_params(labelsize=7)
+    grown = [one for axes, trace in zip(panels, movie.traces, strict=True) for one in _history(axes, trace, movie)]
+    panels[-1].set_xlabel("time (µs)", fontsize=8)
+
+    def show(k: int) -> None:
+        now = float(movie.time[k])
+        picture.set_data(np.asarray(movie.images[k]))
+        clock.set_text(f"t = {instant_words(now)}")
+        for line, time, values in grown:
+            past = time <= now
+            line.set_data(time[past] * 1e6, values[past])
+
+    return figure, show
+
+
+def _history(axes: Any, trace: Trace, movie: Movie) -> list[tuple[Any, Array, Array]]:
+    """Draw the curves of a panel in grey, and return those that grow over them with their time and values."""
+    quiet(axes, "", "", "")
+    axes.set_title(f"{trace.label} ({trace.unit})", loc="left", fontsize=8)
+    axes.tick_params(labelsize=7)
+    axes.set_xlim(0.0, float(movie.time[-1]) * 1e6 or 1.0)
+    grown = []
+    for (name, (time, values)), colour in zip(trace.curves.items(), COLOURS, strict=False):
+        axes.plot(time * 1e6, values, color="#D0D0D0", linewidth=0.9)
+        (line,) = axes.plot([], [], color=colour, linewidth=1.4, label=name)
+        grown.append((line, time, values))
+    if grown:
+        for text in axes.legend(frameon=False, fontsize=6.5, loc="best").get_texts():
+            text.set_parse_math(False)
+    return grown

@@ -1,0 +1,81 @@
+"""Several blows of the same bodies, one over the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave.analyses.machine.figures.pulses import WHOLE, thin
+from strikewave.analyses.wave.figures.field import shortened
+from strikewave.fem.measures import contact_measure, mean_force, middles
+from strikewave.fem.run import FemRun
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MARGIN = 0.1
+"""Of the time in which anything touches, shown before and after."""
+
+
+def blows_figure(runs: Sequence[FemRun]) -> Figure:
+    """Draw the force of the strongest contact, mean of each interval, of all blows, beside the yield of each blow.
+
+    The first blow is red and the last one blue; those between go from light to dark grey.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=WHOLE, layout="constrained")
+    left, right = figure.subplots(1, 2, width_ratios=(1.9, 1.0))
+    _draw_forces(left, runs)
+    _draw_yield(right, runs)
+    return figure
+
+
+def _draw_forces(axes: Any, runs: Sequence[FemRun]) -> None:
+    names = {name: peak for name in runs[0].force if (peak := _peak(runs, name)) > 0.0}
+    if not names:
+        axes.set_axis_off()
+        axes.text(0.5, 0.5, "nothing touched", ha="center", va="center", transform=axes.transAxes, color=GREY)
+        return
+    name = max(names, key=lambda each: names[each])
+    for k, run in enumerate(runs):
+        force = np.linalg.norm(mean_force(run, name), axis=1) / 1e3
+        colour, dash = _look(k, len(runs))
+        label = f"blow {run.blow}" if k in (0, 1, len(runs) - 1) or len(runs) < 6 else None
+        axes.plot(*thin(middles(run.time) * 1e6, force), dash, color=colour, linewidth=1.4, label=label)
+    quiet(axes, "Contact force, blow after blow", "time of each blow (µs)", "mean force of intervals (kN)")
+    axes.set_title(axes.get_title(loc="left") + f": {shortened(name, 34)}", loc="left", fontsize=10, parse_math=False)
+    found = [one for run in runs if (one := contact_measure(run, name)) is not None]
+    first, last = min(one.begin for one in found) * 1e6, max(one.end for one in found) * 1e6
+    axes.set_xlim(max(0.0, first - MARGIN * (last - first)), last + MARGIN * (last - first))
+    axes.set_ylim(bottom=0.0)
+    axes.legend(frameon=False, fontsize=8, loc="upper right")
+
+
+def _draw_yield(axes: Any, runs: Sequence[FemRun]) -> None:
+    """Draw the plastic energy of each blow as a share of the energy in play."""
+    shares = [100.0 * sum(run.plastic_work.values()) / max(run.energy_in_play, 1e-300) for run in runs]
+    numbers = [run.blow for run in runs]
+    axes.bar(numbers, shares, width=0.6, color=ORANGE)
+    quiet(axes, "Taken by yield in each blow", "blow", "share of the energy in play (%)")
+    axes.set_xlim(0.4, len(numbers) + 0.6)
+    axes.set_xticks(numbers if len(numbers) <= 10 else numbers[:: len(numbers) // 7 + 1])
+    if max(shares) <= 0.0:
+        axes.set_ylim(0.0, 1.0)
+        axes.text(0.5, 0.5, "nothing yields", ha="center", va="center", transform=axes.transAxes, color=GREY)
+
+
+def _peak(runs: Sequence[FemRun], name: str) -> float:
+    return max((found.peak for run in runs if (found := contact_measure(run, name)) is not None), default=0.0)
+
+
+def _look(k: int, count: int) -> tuple[str, str]:
+    """Return colour and dash of the k-th of some blows."""
+    if k == 0:
+        return RED, "-"
+    if k == count - 1:
+        return BLUE, "--"
+    return str(round(0.75 - 0.5 * k / count, 3)), "-"

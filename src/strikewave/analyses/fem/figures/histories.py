@@ -1,0 +1,326 @@
+"""Histories of an explicit run: contact forces, the energy ledger, rigid-body accelerations, sections and points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.figures.pulses import HALF, WHOLE, thin
+from strikewave.analyses.wave.figures.field import shortened
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.fem.measures import ENERGY_LIMIT, blow_axis, contact_measure, mean_acceleration, mean_force, middles
+from strikewave.fem.run import ENERGIES, FemRun
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
+DASHES = ("-", "--", "-.", ":")
+MOST_CURVES = 8
+"""Curves drawn in one picture: those that reach farthest."""
+CUT_OFF = 3.0
+"""A part that reaches so many times as far as every group is cut off, so that groups can be seen."""
+TINY = 1e-4
+"""An energy that never reaches this share of the largest one is not drawn."""
+_ENERGY_LOOKS = {
+    "kinetic": (BLUE, "-"),
+    "internal": (RED, "-"),
+    "plastic": (RED, ":"),
+    "hourglass": (ORANGE, "--"),
+    "contact": (GREEN, "-."),
+    "viscous": (GREY, "--"),
+    "external": (GREY, ":"),
+}
+
+
+def summary_sheet(run: FemRun, title: str) -> Figure:
+    """Draw contact force, energy ledger, rigid-body acceleration and section stress or point motion on one sheet.
+
+    Parameters
+    ----------
+    run : FemRun
+        What happened.
+    title : str
+        Stands above.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.8, 7.2), layout="constrained")
+    sheet_title(figure, title)
+    grid = figure.add_gridspec(2, 2)
+    draw_forces(figure.add_subplot(grid[0, 0]), run)
+    inner = grid[0, 1].subgridspec(2, 1, height_ratios=(3.2, 1.0))
+    _draw_ledger(figure, inner, run)
+    draw_accelerations(figure.add_subplot(grid[1, 0]), run)
+    last = draw_sections if run.sections or not run.points else draw_points
+    last(figure.add_subplot(grid[1, 1]), run)
+    return figure
+
+
+def force_figure(run: FemRun) -> Figure:
+    """Draw the contact forces alone, as wide as a page."""
+    return _alone(draw_forces, run, WHOLE)
+
+
+def acceleration_figure(run: FemRun) -> Figure:
+    """Draw the rigid-body accelerations alone."""
+    return _alone(draw_accelerations, run, HALF)
+
+
+def section_figure(run: FemRun) -> Figure:
+    """Draw the stress of sections alone."""
+    return _alone(draw_sections, run, HALF)
+
+
+def point_figure(run: FemRun) -> Figure:
+    """Draw the velocity of points alone."""
+    return _alone(draw_points, run, HALF)
+
+
+def energy_figure(run: FemRun) -> Figure:
+    """Draw the energy ledger above its error, alone."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=HALF, layout="constrained")
+    _draw_ledger(figure, figure.add_gridspec(2, 1, height_ratios=(3.0, 1.0)), run)
+    return figure
+
+
+def _alone(draw: Callable[[Any, FemRun], None], run: FemRun, size: tuple[float, float]) -> Figure:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    draw(figure.add_subplot(), run)
+    return figure
+
+
+def draw_forces(axes: Any, run: FemRun) -> None:
+    """Draw the size of each contact force, the mean of each interval, its peak marked, and that of its impulse."""
+    scale, unit = _clock(run)
+    sizes = {name: np.linalg.norm(mean_force(run, name), axis=1) for name in run.force}
+    chosen = _largest(sizes)
+    if not any(values.max(initial=0.0) > 0.0 for values in sizes.values()):
+        _nothing(axes, "Contact force", "nothing touched" if sizes else "no contact is watched")
+        return
+    impulses = axes.twinx()
+    for k, name in enumerate(chosen):
+        found = contact_measure(run, name)
+        look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "zorder": 4}
+        label = shortened(name, 34)
+        if found is not None:
+            label += f": {found.impulse:.3g} N s"
+            axes.plot(found.at / scale, found.peak / 1e3, "o", markersize=4, **look)
+            axes.annotate(
+                f"{found.peak / 1e3:.4g} kN",
+                (found.at / scale, found.peak / 1e3),
+                xytext=(5, 3),
+                textcoords="offset points",
+                fontsize=8,
+            )
+        _line(axes, middles(run.time) / scale, sizes[name] / 1e3, DASHES[k % 4], label=label, linewidth=1.4, **look)
+        gathered = np.linalg.norm(run.impulse[name], axis=1)
+        _line(impulses, run.time / scale, gathered, ":", color=look["color"], linewidth=1.0)
+    quiet(axes, "Contact force", f"time ({unit})", f"force, mean of {_interval_words(run)} (kN)")
+    axes.set_ylim(0.0, 1.12 * axes.get_ylim()[1])
+    impulses.set_ylabel("impulse, dotted (N s)")
+    impulses.set_ylim(bottom=0.0)
+    impulses.spines["top"].set_visible(False)
+    _legend(axes, len(chosen), len(sizes))
+
+
+def draw_energies(axes: Any, run: FemRun) -> None:
+    """Draw the energies of the ledger that matter, and dotted grey what was there and was given."""
+    scale, unit = _clock(run)
+    most = max(float(np.abs(run.energy[name]).max(initial=0.0)) for name in ENERGIES)
+    factor, name_of_unit = _energy_unit(most)
+    shown = [name for name in ENERGIES if float(np.abs(run.energy[name]).max(initial=0.0)) > TINY * most]
+    if not shown:
+        _nothing(axes, "Energy", "nothing moves")
+        return
+    for name in shown:
+        colour, dash = _ENERGY_LOOKS[name]
+        label = "plastic (in internal)" if name == "plastic" else name
+        _line(axes, run.time / scale, run.energy[name] / factor, dash, color=colour, linewidth=1.4, label=label)
+    quiet(axes, "Energy", f"time ({unit})", f"energy ({name_of_unit})")
+
+
+def draw_energy_error(axes: Any, run: FemRun) -> None:
+    """Draw the energy error in per cent, with its limits where it comes near them."""
+    scale, unit = _clock(run)
+    error = 100.0 * run.energy_error
+    _line(axes, run.time / scale, error, "-", color=BLUE, linewidth=1.2)
+    quiet(axes, "", f"time ({unit})", "error (%)")
+    most = float(np.abs(error).max(initial=0.0))
+    if most > 20.0 * ENERGY_LIMIT:
+        for side in (-1.0, 1.0):
+            axes.axhline(side * 100.0 * ENERGY_LIMIT, color=RED, linewidth=0.9, linestyle="--")
+    reach = 1.25 * max(most, 1e-6)
+    axes.set_ylim(-reach, reach)
+
+
+def _draw_ledger(figure: Figure, grid: Any, run: FemRun) -> None:
+    """Draw the energies above their error, over the same time."""
+    upper = figure.add_subplot(grid[0])
+    lower = figure.add_subplot(grid[1], sharex=upper)
+    draw_energies(upper, run)
+    draw_energy_error(lower, run)
+    upper.set_xlabel("")
+    upper.tick_params(labelbottom=False)
+    _legend(lower, 1, 1, source=upper)
+
+
+def draw_accelerations(axes: Any, run: FemRun) -> None:
+    """Draw the rigid-body acceleration of each part and group along the axis of the blow, means of intervals, g.
+
+    Groups lie on top and set the scale: what reaches `CUT_OFF` times as far is cut off, and named with its reach.
+    """
+    axis = blow_axis(run)
+    curves = {name: mean_acceleration(run, name) @ axis / STANDARD_GRAVITY for name in (*run.groups, *run.parts)}
+    label = f"along {_axis_words(axis)}, mean of {_interval_words(run)} (g)"
+    _draw_curves(axes, run, curves, ("Rigid-body acceleration", label), middles(run.time), tuple(run.groups))
+
+
+def draw_sections(axes: Any, run: FemRun) -> None:
+    """Draw the mean stress of each section along the axis of the blow, MPa, tension positive."""
+    axis = blow_axis(run)
+    x, y, z = axis
+    weights = np.array([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x])
+    curves = {name: section.stress @ weights / 1e6 for name, section in run.sections.items()}
+    _draw_curves(axes, run, curves, ("Mean stress of sections", f"stress along {_axis_words(axis)} (MPa)"))
+
+
+def draw_points(axes: Any, run: FemRun) -> None:
+    """Draw the velocity of each watched point along the axis of the blow, m/s."""
+    axis = blow_axis(run)
+    curves = {name: point.velocity @ axis for name, point in run.points.items()}
+    _draw_curves(axes, run, curves, ("Velocity of points", f"velocity along {_axis_words(axis)} (m/s)"))
+
+
+def _draw_curves(
+    axes: Any,
+    run: FemRun,
+    curves: Mapping[str, Array],
+    words: tuple[str, str],
+    time: Array | None = None,
+    chief: Sequence[str] = (),
+) -> None:
+    """Draw named curves over the time of the run or another, those that reach farthest; say so where there is none.
+
+    ``chief`` are drawn thick and above the others, and set the scale.
+    """
+    title, label = words
+    if not curves:
+        _nothing(axes, title, "none is watched")
+        return
+    scale, unit = _clock(run)
+    time = run.time if time is None else time
+    chosen = _largest(curves, chief)
+    cut = _cut_off(curves, chief)
+    for k, name in enumerate(chosen):
+        low, high = (float(f"{end(curves[name], initial=0.0):.3g}") for end in (np.min, np.max))
+        beyond = f" (cut off: {low:.0f} to {high:.0f})" if name in cut else ""
+        look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "label": shortened(name, 28) + beyond}
+        look |= {"linewidth": 2.4, "zorder": 4 + len(chosen)} if name in chief else {"linewidth": 1.1}
+        look = {"zorder": 3 + len(chosen) - k, **look}
+        _line(axes, time / scale, curves[name], DASHES[k % 4], **look)
+    if cut:
+        kept = np.concatenate([curves[name] for name in chosen if name not in cut])
+        low, high = min(float(kept.min()), 0.0), max(float(kept.max()), 0.0)
+        axes.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
+    quiet(axes, title, f"time ({unit})", label)
+    axes.set_xlim(run.time[0] / scale, run.time[-1] / scale)
+    axes.axhline(0.0, color=GREY, linewidth=0.6)
+    _legend(axes, len(chosen), len(curves))
+
+
+def _line(axes: Any, time: Array, values: Array, dash: str, **look: Any) -> None:
+    """Draw a curve with no more samples than can be seen."""
+    finite = np.isfinite(values)
+    axes.plot(*thin(time[finite], values[finite]), dash, **look)
+
+
+def _largest(curves: Mapping[str, Array], chief: Sequence[str] = ()) -> list[str]:
+    """Return the names of the curves that reach farthest, ``chief`` before others, in the order in which they came."""
+    ranked = sorted(curves, key=lambda name: (name not in chief, -_reach(curves[name])))[:MOST_CURVES]
+    return [name for name in curves if name in ranked]
+
+
+def _cut_off(curves: Mapping[str, Array], chief: Sequence[str]) -> set[str]:
+    """Return the curves that reach so much farther than ``chief`` that they would flatten those."""
+    most = max((_reach(curves[name]) for name in chief), default=0.0)
+    return {name for name in curves if name not in chief and 0.0 < CUT_OFF * most < _reach(curves[name])}
+
+
+def _reach(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0))
+
+
+def _legend(axes: Any, shown: int, of: int, source: Any = None) -> None:
+    """Put the legend below the axes, where it hides no curve, and say how many curves are left out.
+
+    ``source`` are other axes whose curves it names.
+    """
+    from matplotlib.transforms import ScaledTranslation
+
+    handles, labels = (source or axes).get_legend_handles_labels()
+    if of < 2 and handles and source is None and not axes.texts:
+        axes.set_title(f"{axes.get_title(loc='left')}: {labels[0]}", loc="left", fontsize=10, parse_math=False)
+        return
+    below = axes.transAxes + ScaledTranslation(0.0, -0.46, axes.figure.dpi_scale_trans)
+    legend = axes.legend(
+        handles,
+        labels,
+        frameon=False,
+        fontsize=8,
+        title=f"{shown} of {of}: those that reach farthest" if of > shown else None,
+        title_fontsize=8,
+        loc="upper left",
+        bbox_to_anchor=(0.0, 0.0),
+        bbox_transform=below,
+        borderaxespad=0.0,
+        ncols=max(1, min(len(labels), 64 // (max(map(len, labels), default=0) + 6))),
+    )
+    for text in legend.get_texts():
+        text.set_parse_math(False)
+
+
+def _nothing(axes: Any, title: str, words: str) -> None:
+    """Leave axes empty but for words that say why."""
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.set_axis_off()
+    axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes, color=GREY)
+
+
+def _clock(run: FemRun) -> tuple[float, str]:
+    """Return the scale and the unit in which times of a run are shown."""
+    return (1e-6, "µs") if run.time[-1] < 5e-3 else (1e-3, "ms")
+
+
+def _interval_words(run: FemRun) -> str:
+    """Return the interval of the histories with its unit."""
+    return f"{(run.time[-1] - run.time[0]) / max(run.time.size - 1, 1) * 1e6:.3g} µs"
+
+
+def _energy_unit(most: float) -> tuple[float, str]:
+    """Return the scale and the unit in which energies are shown."""
+    return (1e-3, "mJ") if most < 0.1 else (1.0, "J") if most < 1e4 else (1e3, "kJ")
+
+
+def _axis_words(axis: Array) -> str:
+    """Name an axis: a letter where it is one of the three, else its components.
+
+    Examples
+    --------
+    >>> _axis_words(np.array([0.0, 0.0, 1.0])), _axis_words(np.array([0.6, 0.0, 0.8]))
+    ('z', '(0.6, 0, 0.8)')
+    """
+    whole = np.flatnonzero(axis > 0.9999)
+    return "xyz"[int(whole[0])] if whole.size else "(" + ", ".join(f"{v:.2g}" for v in axis) + ")"

@@ -1,0 +1,170 @@
+"""A run of LS-DYNA beside ours: contact forces and energies of both."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.figures.pulses import HALF, WHOLE, thin
+from strikewave.analyses.wave.figures.field import shortened
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from strikewave.exchange.ls_dyna.beside import Beside, ForcePair
+    from strikewave.exchange.ls_dyna.folder import Contact, Ledger
+
+OURS, THEIRS = BLUE, RED
+MOST = 6
+"""Contacts drawn at most: those that reach farthest."""
+BEYOND = 0.35
+"""How much is shown before and after a pulse, shares of its width."""
+TINY = 1e-4
+"""An energy that never reaches this share of the largest one is not drawn."""
+_LOOKS = {"kinetic": BLUE, "internal": RED, "hourglass": ORANGE, "contact": GREEN, "external": GREY, "total": "#000000"}
+
+
+def beside_sheet(beside: Beside, title: str) -> Figure:
+    """Draw the forces of both above their energies, on one sheet.
+
+    Parameters
+    ----------
+    beside : Beside
+        Both runs, or LS-DYNA's alone.
+    title : str
+        Stands above.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.8, 7.6), layout="constrained")
+    sheet_title(figure, title)
+    above, below = figure.subplots(2, 1)
+    pairs = _drawn(beside)
+    draw_force(above, pairs[0]) if pairs else draw_contacts(above, beside.theirs.contacts)
+    _draw_ledgers(below, beside)
+    return figure
+
+
+def force_figure(pair: ForcePair) -> Figure:
+    """Draw a contact force of both, as wide as a page."""
+    figure, axes = _alone(WHOLE)
+    draw_force(axes, pair)
+    return figure
+
+
+def contact_figure(contacts: tuple[Contact, ...]) -> Figure:
+    """Draw LS-DYNA's contact forces alone, as wide as a page."""
+    figure, axes = _alone(WHOLE)
+    draw_contacts(axes, contacts)
+    return figure
+
+
+def energy_figure(beside: Beside) -> Figure:
+    """Draw the energies of both, as wide as a page."""
+    figure, axes = _alone((WHOLE[0], HALF[1] * 1.2))
+    _draw_ledgers(axes, beside)
+    return figure
+
+
+def draw_force(axes: Any, pair: ForcePair) -> None:
+    """Draw the size of a contact force of both about its pulse, and the peaks."""
+    pulses = [pulse for pulse in (pair.ours, pair.theirs) if pulse]
+    scale, unit = _clock(max((pulse.end for pulse in pulses), default=float(pair.curves[0].time[-1])))
+    looks = (("strikewave", OURS, "-"), (f"LS-DYNA, contact {pair.contact.number} side {pair.side}", THEIRS, "--"))
+    for (label, colour, dash), curve, pulse in zip(looks, pair.curves, (pair.ours, pair.theirs), strict=True):
+        axes.plot(*thin(curve.time / scale, curve.size / 1e3), dash, color=colour, linewidth=1.5, label=label)
+        if pulse:
+            axes.plot(pulse.at / scale, pulse.peak / 1e3, "o", markersize=4, color=colour)
+    quiet(axes, f"Contact force: {shortened(pair.name, 60)}", f"time ({unit})", "force (kN)")
+    if pulses:
+        begin, end = min(pulse.begin for pulse in pulses), max(pulse.end for pulse in pulses)
+        first = min(float(curve.time[0]) for curve in pair.curves)
+        axes.set_xlim(max(first, begin - BEYOND * (end - begin)) / scale, (end + BEYOND * (end - begin)) / scale)
+    axes.set_ylim(bottom=0.0)
+    _legend(axes)
+
+
+def draw_contacts(axes: Any, contacts: tuple[Contact, ...]) -> None:
+    """Draw the sizes of LS-DYNA's contact forces, those that reach farthest."""
+    if not contacts:
+        _nothing(axes, "Contact force", "no rcforc or binout is there")
+        return
+    ranked = sorted(contacts, key=lambda contact: -float(contact.first.size.max(initial=0.0)))[:MOST]
+    scale, unit = _clock(max(float(contact.first.time[-1]) for contact in ranked))
+    for contact, colour in zip(ranked, (BLUE, RED, GREEN, ORANGE, GREY, "#000000"), strict=False):
+        force = contact.first
+        axes.plot(*thin(force.time / scale, force.size / 1e3), color=colour, label=shortened(contact.name, 40))
+    quiet(axes, "Contact force of LS-DYNA", f"time ({unit})", "force (kN)")
+    axes.set_ylim(bottom=0.0)
+    _legend(axes, f"{len(ranked)} of {len(contacts)}: those that reach farthest" if len(contacts) > MOST else None)
+
+
+def draw_energies(axes: Any, ledgers: Mapping[str, Ledger]) -> None:
+    """Draw the energies of one run or both over time: ours in full lines, LS-DYNA's dashed."""
+    reach = {who: {name: _reach(v) for name, v in ledger.energy.items()} for who, ledger in ledgers.items()}
+    most = max((far for one in reach.values() for far in one.values()), default=0.0)
+    if not most > 0.0:
+        _nothing(axes, "Energy", "all energies are 0")
+        return
+    factor, word = (1e-3, "mJ") if most < 0.1 else (1.0, "J") if most < 1e4 else (1e3, "kJ")
+    scale, unit = _clock(max(float(one.time[-1]) for one in ledgers.values()))
+    for who, ledger in ledgers.items():
+        dash = "-" if who == "strikewave" else "--"
+        for name, values in ledger.energy.items():
+            if reach[who][name] > TINY * most:
+                time, shown = thin(ledger.time / scale, np.nan_to_num(values) / factor)
+                axes.plot(time, shown, dash, color=_LOOKS[name], linewidth=1.3, label=f"{name}, {who}")
+    quiet(axes, "Energy", f"time ({unit})", f"energy ({word})")
+    _legend(axes)
+
+
+def _reach(values: NDArray[np.float64]) -> float:
+    """Return the largest size of what is known; 0 where nothing is."""
+    return float(np.nan_to_num(np.abs(values)).max(initial=0.0))
+
+
+def _draw_ledgers(axes: Any, beside: Beside) -> None:
+    held = {"strikewave": beside.ours.ledger if beside.ours else None, "LS-DYNA": beside.theirs.ledger}
+    ledgers = {who: ledger for who, ledger in held.items() if ledger is not None and len(ledger.time)}
+    if ledgers:
+        draw_energies(axes, ledgers)
+    else:
+        _nothing(axes, "Energy", "no glstat or binout is there")
+
+
+def _drawn(beside: Beside) -> list[ForcePair]:
+    """Return the pairs in which something touches, the largest force first."""
+    touched = [pair for pair in beside.forces if pair.ours or pair.theirs]
+    return sorted(touched, key=lambda pair: -max(one.peak for one in (pair.ours, pair.theirs) if one))
+
+
+def _alone(size: tuple[float, float]) -> tuple[Figure, Any]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    return figure, figure.add_subplot()
+
+
+def _legend(axes: Any, title: str | None = None) -> None:
+    """Put the legend beside the axes, where it hides no curve."""
+    legend = axes.legend(
+        frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0), title=title, title_fontsize=8
+    )
+    for text in legend.get_texts():
+        text.set_parse_math(False)
+
+
+def _nothing(axes: Any, title: str, words: str) -> None:
+    """Leave axes empty but for words that say why."""
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.set_axis_off()
+    axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes, color=GREY)
+
+
+def _clock(last: float) -> tuple[float, str]:
+    """Return the scale and the unit in which times up to the last one are shown."""
+    return (1e-6, "µs") if last < 5e-3 else (1e-3, "ms")

@@ -1,0 +1,458 @@
+"""The report of an explicit run: what ran, what its contacts and parts came to, its fields and its ledgers."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import math
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave._version import __version__
+from strikewave.analyses.fem.report.blows import blows_section
+from strikewave.analyses.fem.report.fields import fields_section
+from strikewave.analyses.fem.sectors import Sector, WholeForce, blow_of_bodies, sectors, whole_forces
+from strikewave.analyses.machine.notices import LEDGER_LIMIT
+from strikewave.analyses.wave.figures.field import shortened
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.fem.measures import (
+    ENERGY_LIMIT,
+    HOURGLASS_LIMIT,
+    ContactMeasure,
+    LedgerMeasure,
+    PartMeasure,
+    contact_measure,
+    ledger_measure,
+    part_measure,
+)
+from strikewave.fem.quality import quality_report
+from strikewave.fem.skin import blow_contact
+from strikewave.fem.solids import Bilinear, JohnsonCook
+from strikewave.reporting import chapters
+from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.page import Head, whole_page
+from strikewave.reporting.parts import NONE, Cell, Code, Part, Picture, Section, Table, Tag, written
+
+if TYPE_CHECKING:
+    from strikewave.analyses.fem.result import FemSolution
+    from strikewave.fem.model import Model
+    from strikewave.fem.run import FemRun
+    from strikewave.fem.solids import AnySolid
+
+_SOLIDS = {"Elastic": "elastic", "Bilinear": "bilinear plastic", "JohnsonCook": "Johnson-Cook"}
+_BOUNDARIES = {"NonReflecting": "non-reflecting", "Symmetry": "plane of symmetry"}
+_SHARES = {2: "half", 4: "quarter"}
+FLAT = 1e-9
+"""Warpage below which faces are flat but for rounding, rad."""
+_OF_BLOW = re.compile(r"blow (\d+): ")
+_OF_SECTORS = " It is that of the sectors that are modelled; of whole bodies in the table."
+_GROUPS_FIRST = (
+    " Groups, drawn thicker, set the scale; a part that reaches far beyond it is cut off, and its legend says how far "
+    "it goes."
+)
+_METHOD = (
+    "Hexahedra of eight nodes, one point of integration each (parts named under full integration have more) with "
+    "stiffness against hourglass modes, followed by central differences in time. Rigid-body acceleration is the rate "
+    "of momentum of a part over its mass; forces of contact are those on the first of the two surfaces. g is standard "
+    "gravity, 9.80665 m/s²."
+)
+_CONTACT = (
+    "Forces and rigid-body accelerations are means over the intervals of the histories: where flat faces meet, the "
+    "force of a single time step grows as the step gets shorter; that of an interval does not. The impulse is that of "
+    "the whole run; the duration counts from when the force first passes a tenth of its peak to when it last does, "
+    "gaps included."
+)
+_PARTS = (
+    "Peak, width (at 10 % of the peak) and change of velocity are those along the direction in which the velocity of "
+    "the part changes most, or the axis within 5 degrees of it. Stress and plastic strain are the largest of any "
+    "element at the instants of the histories."
+)
+
+
+def fem_report(solution: FemSolution) -> str:
+    """Return the report of an explicit run as one HTML page: no script, nothing fetched.
+
+    Parameters
+    ----------
+    solution : FemSolution
+        What ran and what it gave; without frames the page says so.
+    """
+    case: Any = getattr(solution, "case", None)
+    text = solution.case_text
+    digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+    as_solution: Any = solution
+    found = sectors(case, solution.model)
+    wholes = whole_forces(solution.model, solution.run, found)
+    bodies = blow_of_bodies(solution.model, solution.run, found)
+    sections = [
+        _result(solution.run, found, wholes),
+        _what_ran(solution.model, solution.run),
+        fields_section(solution),
+        _ledgers(solution.run),
+        *([blows_section(solution)] if getattr(solution, "later", ()) else []),
+        *([chapters.published(as_solution)] if case is not None and case.published else []),
+        *([chapters.inputs(case)] if case is not None else []),
+        chapters.warnings(as_solution),
+        chapters.sources(as_solution),
+        _again(text),
+    ]
+    name = str(getattr(case, "name", ""))
+    head = Head(
+        title=solution.title,
+        kicker="Report of an explicit finite-element run",
+        subject="Case",
+        name=name,
+        digest=digest,
+        status=_status(solution),
+        summary=_summary(solution.run, wholes, bodies) + _sector_words(found),
+        numbers=_key_numbers(solution.run, wholes, bodies),
+        foot=f"case {name or 'without name'} · SHA-256 of the case text {digest}",
+    )
+    return whole_page(head, sections)
+
+
+def _status(solution: FemSolution) -> Tag:
+    broken = _broken(solution)
+    if solution.run.stopped:
+        return Tag("stopped early" + (f"; stated limit broken: {listed(broken)}" if broken else ""), "bad")
+    if broken:
+        return Tag(f"stated limit broken: {listed(broken)}", "bad")
+    many = len(solution.warnings)
+    warned = f"; {many} warning{'s' if many > 1 else ''}, see below" if many else ""
+    return Tag(f"no stated limit broken{warned}", "warned" if many else "good")
+
+
+def _broken(solution: FemSolution) -> list[str]:
+    """Return the codes of broken limits, each once, with the blows after the first that broke it."""
+    found: dict[str, list[str]] = {}
+    for notice in solution.warnings:
+        if notice.broken:
+            later = _OF_BLOW.match(notice.message)
+            found.setdefault(notice.code, []).append(later[1] if later else "1")
+    many = bool(getattr(solution, "later", ()))
+    return [
+        f"{code} (blow{'s' if len(set(blows)) > 1 else ''} {listed(list(dict.fromkeys(blows)))})" if many else code
+        for code, blows in found.items()
+    ]
+
+
+def _summary(run: FemRun, wholes: dict[str, WholeForce | None], bodies: dict[str, PartMeasure]) -> str:
+    """Say in words what happened."""
+    words = [f"The run ended early: {run.stopped}."] if run.stopped else []
+    found = {name: contact_measure(run, name) for name in run.force}
+    touched = {name: measure for name, measure in found.items() if measure is not None}
+    if touched:
+        name, most = max(touched.items(), key=lambda pair: _whole_of(pair, wholes).peak)
+        whole = _whole_of((name, most), wholes)
+        words.append(
+            f"The contact {name} reaches {with_unit(whole.peak, 'N', 'kN')}, lasts "
+            f"{with_unit(most.duration, 's', 'us', 3)} and carries {written(whole.impulse)} N s"
+            f"{', of whole bodies' if wholes[name] else ''}."
+        )
+    else:
+        words.append("Nothing touched." if run.force else "No contact is in the model.")
+    moved = [
+        f"{name} {with_unit(pulse.rigid_peak, 'm/s^2', 'g')} and {with_unit(pulse.velocity_change, 'm/s', 'm/s', 3)}"
+        for name, pulse in bodies.items()
+        if pulse.velocity_change > 0.0
+    ]
+    if moved:
+        words.append(f"Rigid-body peak and change of velocity: {listed(moved[:4])}.")
+    ledger = ledger_measure(run)
+    words.append(_energy_words(ledger))
+    return " ".join(words)
+
+
+def _sector_words(found: dict[str, Sector]) -> str:
+    """Say which parts are sectors: their masses and forces are not those of whole bodies."""
+    cut = [f"{name} is a {_SHARES[sector.pieces]} of its body" for name, sector in found.items() if sector.pieces > 1]
+    return f" Sectors: {listed(cut)}; all else is of the sectors unless it says whole bodies." if cut else ""
+
+
+def _whole_of(pair: tuple[str, ContactMeasure], wholes: dict[str, WholeForce | None]) -> WholeForce:
+    """Return peak and impulse of a contact of the whole bodies where sectors match, else as modelled."""
+    name, found = pair
+    return wholes[name] or WholeForce(found.peak, found.impulse)
+
+
+def _key_numbers(
+    run: FemRun, wholes: dict[str, WholeForce | None], bodies: dict[str, PartMeasure]
+) -> list[tuple[str, str]]:
+    touched = {name: m for name in run.force if (m := contact_measure(run, name)) is not None}
+    numbers: list[tuple[str, str]] = []
+    if touched:
+        name, most = max(touched.items(), key=lambda pair: _whole_of(pair, wholes).peak)
+        words = "contact force, peak" + (", whole bodies" if wholes[name] else "")
+        numbers += [
+            (words, with_unit(_whole_of((name, most), wholes).peak, "N", "kN")),
+            ("contact duration", with_unit(most.duration, "s", "us", 3)),
+        ]
+    for name, body in list(bodies.items())[:1]:
+        numbers.append((f"rigid-body peak of {shortened(name, 28)}", with_unit(body.rigid_peak, "m/s^2", "g")))
+    ledger = ledger_measure(run)
+    return [
+        *numbers,
+        ("energy error", _share(ledger.energy)),
+        ("elements", f"{run.elements}"),
+        ("steps", f"{run.steps}"),
+    ]
+
+
+def _share(value: float) -> str:
+    """Write a share in per cent.
+
+    Examples
+    --------
+    >>> _share(2.1e-4), _share(-0.0312), _share(math.inf)
+    ('+0.021 %', '-3.12 %', 'no bound')
+    """
+    return f"{100.0 * value:+.3g} %" if math.isfinite(value) else "no bound"
+
+
+def _result(run: FemRun, found: dict[str, Sector], wholes: dict[str, WholeForce | None]) -> Section:
+    from strikewave.analyses.fem.figures import histories as fem
+
+    parts: list[Part] = [_contact_table(run, wholes), _part_table(run, found)]
+    if run.force:
+        caption = "Size of the contact force, mean of each interval, with its peak; dotted the size of its impulse."
+        parts.append(Picture(fem.force_figure(run), caption + (_OF_SECTORS if any(wholes.values()) else "")))
+    caption = "Rigid-body acceleration of the parts along the blow."
+    parts.append(Picture(fem.acceleration_figure(run), caption + (_GROUPS_FIRST if run.groups else "")))
+    parts.append(Picture(fem.energy_figure(run), "Where the energy is, and by how much its ledger is off."))
+    if run.sections:
+        parts.append(
+            Picture(fem.section_figure(run), "Mean stress of the sections along the blow; tension is positive.")
+        )
+    if run.points:
+        parts.append(Picture(fem.point_figure(run), "Velocity of the watched points along the blow."))
+    return Section("Result", f"{_CONTACT} {_PARTS}", parts)
+
+
+def _contact_table(run: FemRun, wholes: dict[str, WholeForce | None]) -> Table:
+    rows: list[list[Cell]] = []
+    for name in run.force:
+        found = contact_measure(run, name)
+        if found is None:
+            rows.append([name, NONE, NONE, NONE, NONE, NONE, NONE, "never touched"])
+            continue
+        still = "touches at the end" if float(np.linalg.norm(run.force[name][-1])) > 0.01 * found.peak else NONE
+        values = [found.peak / 1e3, found.at * 1e6, found.impulse, found.duration * 1e6]
+        whole = wholes[name]
+        beyond = [NONE, NONE] if whole is None else [written(whole.peak / 1e3), written(whole.impulse)]
+        rows.append([name, *(written(v) for v in values), *beyond, still])
+    heads = ["contact", "peak force (kN)", "at (µs)", "impulse (N s)", "duration (µs)"]
+    heads += ["peak force, whole bodies (kN)", "impulse, whole bodies (N s)", "note"]
+    if not any(wholes.values()):
+        heads, rows = [*heads[:5], heads[7]], [[*row[:5], row[7]] for row in rows]
+    return Table("Contacts and walls", heads, rows, empty="No contact is in the model.")
+
+
+def _part_table(run: FemRun, found: dict[str, Sector]) -> Table:
+    rows: list[list[Cell]] = []
+    for name in (*run.parts, *run.groups):
+        pulse = part_measure(run, name, found[name].free)
+        direction = ", ".join(f"{v:.3g}" for v in np.round(pulse.direction, 4) + 0.0)
+        width = NONE if math.isnan(pulse.width) else written(pulse.width * 1e6)
+        moved = pulse.velocity_change > 0.0
+        peak = written(pulse.rigid_peak / STANDARD_GRAVITY) if moved else NONE
+        change = written(pulse.velocity_change) if moved else NONE
+        share = f" ({_SHARES[found[name].pieces]})" if found[name].pieces > 1 else ""
+        row = [name + share, written(pulse.mass * 1e3), peak, width, change, direction if moved else "does not move"]
+        rigid = math.isnan(pulse.von_mises)
+        bore = [NONE, NONE] if rigid else [written(pulse.von_mises / 1e6), written(pulse.plastic_strain)]
+        rows.append([*row, *bore])
+    heads = ["part", "mass (gram)", "rigid peak (g)", "width (µs)", "velocity change (m/s)", "along"]
+    heads += ["von Mises, largest (MPa)", "plastic strain, largest"]
+    return Table("Parts, each as one rigid body", heads, rows)
+
+
+def _what_ran(model: Model, run: FemRun) -> Section:
+    from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture, view_of
+
+    view = view_of(model)
+    pictures = [Picture(mesh_picture(model.mesh, view), "The mesh before the blow" + _cut_words(view.cut is not None))]
+    zone = contact_zone(model)
+    if zone is not None:
+        near = dataclasses.replace(view, near=zone)
+        name = getattr(blow_contact(model), "name", "")
+        caption = f"The mesh within {zone[1] * 1e3:.3g} mm of where {name} is nearest."
+        pictures.append(Picture(mesh_picture(model.mesh, near), caption))
+    pace = f"{run.steps} steps, the smallest {run.step * 1e9:.4g} ns, took {run.seconds:.3g} s."
+    added = f" Mass scaling added {run.added_mass * 1e3:.3g} gram." if run.added_mass > 0.0 else ""
+    parts: list[Part] = [_solid_table(model), _condition_table(model), _quality_table(model), *pictures]
+    return Section("What ran", f"{_METHOD}\n\n{pace}{added}", parts)
+
+
+def _cut_words(cut: bool) -> str:
+    return ", cut along the blow." if cut else "."
+
+
+def _solid_table(model: Model) -> Table:
+    rows: list[list[Cell]] = []
+    for name in model.mesh.names:
+        solid = model.solids[name]
+        kind = _SOLIDS.get(type(solid).__name__, type(solid).__name__)
+        velocity = ", ".join(f"{v:g}" for v in model.velocity.get(name, (0.0, 0.0, 0.0)))
+        rigid = any(r.part == name for r in model.rigid)
+        elements = len(model.mesh.hexahedra[model.mesh.elements_of(name)])
+        rows.append(
+            [
+                name,
+                "rigid" if rigid else kind + _yield_words(solid),
+                NONE if rigid else "full" if name in model.controls.full else "one point",
+                f"{solid.density:g}",
+                f"{solid.youngs_modulus / 1e9:g}",
+                f"{solid.poissons_ratio:g}",
+                str(elements),
+                velocity,
+            ]
+        )
+    heads = [
+        "part",
+        "solid",
+        "integration",
+        "density (kg/m³)",
+        "E (GPa)",
+        "Poisson's ratio",
+        "elements",
+        "starts at (m/s)",
+    ]
+    return Table("Parts and their solids", heads, rows)
+
+
+def _yield_words(solid: AnySolid) -> str:
+    """Say how a solid yields."""
+    if isinstance(solid, Bilinear):
+        words = f", yields at {solid.yield_strength / 1e6:g} MPa, then {solid.tangent_modulus / 1e6:g} MPa"
+        return words + (f", {solid.kinematic:.0%} kinematic" if solid.kinematic else "")
+    if isinstance(solid, JohnsonCook):
+        return f", A {solid.A / 1e6:g} MPa, B {solid.B / 1e6:g} MPa, n {solid.n:g}, C {solid.C:g}, m {solid.m:g}"
+    return ""
+
+
+def _condition_table(model: Model) -> Table:
+    rows: list[list[Cell]] = []
+    for boundary in model.boundaries:
+        name = type(boundary).__name__
+        kind = _BOUNDARIES.get(name, name.lower())
+        rows.append([kind, boundary.side, _boundary_words(boundary)])
+    rows += [["contact", c.name, f"friction {c.friction:g}"] for c in model.contacts]
+    rows += [["rigid wall", w.side, f"through {_metres(w.point)}, normal {_plain(w.normal)}"] for w in model.walls]
+    rows += [["tie", t.side, f"onto {t.onto}"] for t in model.ties]
+    rows += [["rigid part", r.part, "does not deform"] for r in model.rigid]
+    if any(model.gravity):
+        rows.append(["gravity", "all", f"{_plain(model.gravity)} m/s²"])
+    c = model.controls
+    rows.append(
+        [
+            "controls",
+            "all",
+            f"safety {c.safety:g}, hourglass {c.hourglass:g}, bulk viscosity "
+            f"{c.linear_viscosity:g} and {c.quadratic_viscosity:g}",
+        ]
+    )
+    return Table("What holds, loads and touches", ["kind", "side", "values"], rows)
+
+
+def _boundary_words(boundary: Any) -> str:
+    """Say what a boundary does beyond its kind."""
+    if hasattr(boundary, "axis"):
+        return f"along {_plain(boundary.axis)}"
+    curve = getattr(boundary, "velocity", None) or getattr(boundary, "pressure", None)
+    if curve is None:
+        return NONE
+    most = max(curve.value, key=abs)
+    unit, scale = ("m/s", 1.0) if hasattr(boundary, "velocity") else ("MPa", 1e6)
+    along = f" along {_plain(boundary.direction)}" if hasattr(boundary, "direction") else ""
+    return f"up to {most / scale:.4g} {unit}{along}, {len(curve.value)} points over time"
+
+
+def _plain(vector: Sequence[float]) -> str:
+    return "(" + ", ".join(f"{v:.3g}" for v in vector) + ")"
+
+
+def _metres(place: Sequence[float]) -> str:
+    return "(" + ", ".join(f"{v * 1e3:.4g}" for v in place) + ") mm"
+
+
+def _quality_table(model: Model) -> Table:
+    speeds = {name: solid.wave_speed for name, solid in model.solids.items()}
+    rows: list[list[Cell]] = [
+        [
+            one.part,
+            str(one.nodes),
+            written(one.shortest_edge * 1e3, 3),
+            written(one.longest_edge * 1e3, 3),
+            written(one.aspect_ratio, 3),
+            written(one.scaled_jacobian, 3),
+            written(math.degrees(one.warpage) if one.warpage >= FLAT else 0.0, 2),
+        ]
+        for one in quality_report(model.mesh, speeds)
+    ]
+    heads = ["part", "nodes", "shortest edge (mm)", "longest edge (mm)", "worst aspect ratio", "worst scaled Jacobian"]
+    heads.append("worst warpage (°)")
+    caption = "Quality of the mesh; the scaled Jacobian is 1 for right angles and 0 for a flat corner"
+    return Table(caption, heads, rows)
+
+
+def _energy_words(ledger: LedgerMeasure) -> str:
+    """Say whether the books balance."""
+    limit, glass = f"{100.0 * ENERGY_LIMIT:.0f} %", f"{100.0 * HOURGLASS_LIMIT:.0f} %"
+    words = f"The energy ledger is off by {_share(ledger.energy)}, "
+    if abs(ledger.energy) <= ENERGY_LIMIT:
+        words += f"within its limit of {limit}."
+    else:
+        words += (
+            f"beyond its limit of {limit}: take a smaller fem.safety, or a finer mesh where parts touch; do not trust "
+            "these numbers."
+        )
+    if ledger.hourglass > HOURGLASS_LIMIT:
+        words += (
+            f" Hourglass modes hold {100.0 * ledger.hourglass:.3g} % of the internal energy, beyond {glass}: refine "
+            "the mesh where it bends or is touched, or integrate that part fully."
+        )
+    return words
+
+
+def _ledgers(run: FemRun) -> Section:
+    ledger = ledger_measure(run)
+    checks = [
+        ("energy, largest error", ledger.energy, ENERGY_LIMIT, "of the energy in play"),
+        ("hourglass energy, largest", ledger.hourglass, HOURGLASS_LIMIT, "of the largest internal energy"),
+        ("momentum, largest error", ledger.momentum, LEDGER_LIMIT, "of the momentum in play"),
+    ]
+    rows: list[list[Cell]] = [
+        [
+            name,
+            f"{value:.2e}",
+            f"{limit:.0e}",
+            Tag("holds", "good") if abs(value) <= limit else Tag("broken", "bad"),
+            words,
+        ]
+        for name, value, limit, words in checks
+    ]
+    held = Table("Ledgers", ["ledger", "share", "limit", "result", "what it is a share of"], rows)
+    return Section("Ledgers", _energy_words(ledger), [held, _energy_table(run)])
+
+
+def _energy_table(run: FemRun) -> Table:
+    from strikewave.fem.run import ENERGIES
+
+    rows: list[list[Cell]] = [["at the start, all", NONE, written(run.initial_energy)]]
+    for name in ENERGIES:
+        values = run.energy[name]
+        most = float(values[int(np.argmax(np.abs(values)))])
+        rows.append(
+            [name + (" (within internal)" if name == "plastic" else ""), written(most), written(float(values[-1]))]
+        )
+    return Table("Energies", ["energy", "largest (J)", "at the end (J)"], rows)
+
+
+def _again(text: str) -> Section:
+    words = f"This command gives the same numbers again with strikewave {__version__}; case.toml is the text below."
+    return Section(
+        "How to run this again", words, [Code("strikewave fem case.toml"), Code(text, "The whole case file, case.toml")]
+    )

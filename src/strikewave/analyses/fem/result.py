@@ -1,0 +1,360 @@
+"""What a model of hexahedra did: what its parts, contacts and ledgers came to; histories, tables, documents."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave._version import __version__
+from strikewave.analyses.fem.sectors import Sector, WholeForce, sectors, whole_forces
+from strikewave.analyses.machine.dataset import quantity
+from strikewave.analyses.machine.result import Comparison, Notice, comparisons
+from strikewave.base.json_document import head, plain, without
+from strikewave.cases.case import Case, dump_case
+from strikewave.fem.blow_measures import blow_measure
+from strikewave.fem.film import Film
+from strikewave.fem.measures import (
+    ContactMeasure,
+    PartMeasure,
+    contact_measure,
+    ledger_measure,
+    mean_acceleration,
+    mean_force,
+    middles,
+    part_measure,
+)
+from strikewave.fem.model import Model
+from strikewave.fem.run import ENERGIES, FemRun, Frame
+
+if TYPE_CHECKING:
+    import xarray
+
+    from strikewave.cases.tables import Published
+
+Array = NDArray[np.float64]
+
+SCHEMA = 1
+"""Of the file of histories."""
+STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
+"""Components of a stress."""
+
+
+@dataclass(frozen=True)
+class FemSolution:
+    """What a model of hexahedra did.
+
+    Attributes
+    ----------
+    case : Case
+        What ran.
+    model : Model
+        Mesh, solids, and what holds and loads them.
+    run : FemRun
+        Histories and ledger.
+    frames : tuple of Frame
+        Fields to be shown.
+    warnings : tuple of Notice
+        What to know.
+    citations : tuple of str
+        Keys of the sources of the models used.
+    film : Film, optional
+        Instants that pictures are made of.
+    later : tuple of FemRun
+        The blows after the first, which is ``run``.
+    """
+
+    case: Case
+    model: Model = field(repr=False)
+    run: FemRun = field(repr=False)
+    frames: tuple[Frame, ...] = field(repr=False)
+    warnings: tuple[Notice, ...]
+    citations: tuple[str, ...]
+    film: Film | None = field(default=None, repr=False)
+    later: tuple[FemRun, ...] = field(default=(), repr=False)
+
+    @property
+    def blows(self) -> tuple[FemSolution, ...]:
+        """Each blow by itself, the first one first."""
+        return tuple(dataclasses.replace(self, run=run, later=()) for run in (self.run, *self.later))
+
+    @property
+    def title(self) -> str:
+        """The title of the case."""
+        return self.case.title or self.case.name
+
+    @property
+    def case_text(self) -> str:
+        """The case as TOML."""
+        return dump_case(self.case)
+
+    @property
+    def broken(self) -> bool:
+        """Whether a stated limit was broken."""
+        return any(notice.broken for notice in self.warnings)
+
+    @property
+    def parts(self) -> dict[str, PartMeasure]:
+        """The blow that each part took."""
+        found = self.sectors
+        return {name: part_measure(self.run, name, found[name].free) for name in self.run.parts}
+
+    @property
+    def groups(self) -> dict[str, PartMeasure]:
+        """The blow that each group of parts took as one body."""
+        found = self.sectors
+        return {name: part_measure(self.run, name, found[name].free) for name in self.run.groups}
+
+    @property
+    def sectors(self) -> dict[str, Sector]:
+        """How much of its body each part and group is."""
+        return sectors(self.case, self.model)
+
+    @property
+    def wholes(self) -> dict[str, WholeForce | None]:
+        """Contacts and walls of the whole bodies, where their parts are sectors that match; else None."""
+        return whole_forces(self.model, self.run, self.sectors)
+
+    @property
+    def contacts(self) -> dict[str, ContactMeasure | None]:
+        """What each contact and wall came to; None where nothing touched."""
+        return {name: contact_measure(self.run, name) for name in self.run.force}
+
+    @property
+    def published(self) -> tuple[Comparison, ...]:
+        """The published numbers of the case beside what the first blow came to."""
+        return comparisons(self.case, self._computed)
+
+    def _computed(self, entry: Published) -> float | None:
+        """Return what a published number is set beside; None where the model has no such thing.
+
+        Forces are those of the first contact of the case, of the whole bodies where sectors match.
+        """
+        which, _, quantity = entry.quantity.partition(".")
+        name = next(iter(self.contacts), None)
+        touched = None if name is None else self.contacts[name]
+        part = {**self.parts, **self.groups}.get(entry.sensor)
+        whole = None if name is None else self.wholes[name]
+        peak = whole.peak if whole is not None else touched.peak if touched is not None else None
+        value: float | None = None
+        if which != "first" or peak is None or touched is None:
+            return None
+        if quantity == "peak_force":
+            value = peak
+        elif quantity == "force_width":
+            value = touched.duration
+        elif part is not None and quantity == "force_over_mass":
+            value = peak / (part.mass * (1 if whole is None else self.sectors[entry.sensor].pieces))
+        elif part is not None and quantity in ("rigid_peak", "width"):
+            value = getattr(part, quantity)
+        return None if value is None or math.isnan(value) else value
+
+    @property
+    def contact_force_peak(self) -> float:
+        """Largest mean force of any contact over an interval of the histories, N."""
+        return max((found.peak for found in self.contacts.values() if found is not None), default=0.0)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document."""
+        run, ledger = self.run, ledger_measure(self.run)
+        energy = {name: float(run.energy[name][-1]) for name in ENERGIES}
+        wholes, found = self.wholes, self.sectors
+        contacts = {name: None if x is None else _contact(x, wholes[name]) for name, x in self.contacts.items()}
+        return plain(
+            {
+                **head(UNITS, [without(dataclasses.asdict(notice), "broken") for notice in self.warnings]),
+                "case": self.case.name,
+                "elements": run.elements,
+                "nodes": len(self.model.mesh.points),
+                "steps": run.steps,
+                "step": run.step,
+                "added_mass": run.added_mass,
+                "seconds": run.seconds,
+                "element_steps_per_second": run.speed,
+                "contact_force_peak": self.contact_force_peak,
+                "contacts": contacts,
+                "parts": {name: _part(part, found[name]) for name, part in self.parts.items()},
+                "groups": {name: _part(part, found[name]) for name, part in self.groups.items()},
+                "energy": {"initial": run.initial_energy, **energy, "error": ledger.energy},
+                "hourglass_share": ledger.hourglass,
+                "momentum_error": ledger.momentum,
+                "published": [without(dataclasses.asdict(row), "note") for row in self.published],
+                "fitted_fields": self.case.fitted_fields(),
+                "stopped": run.stopped or None,
+                "blows": [_blow(each) for each in self.blows],
+            }
+        )
+
+    def _columns(self) -> Iterator[tuple[str, str, Array]]:
+        """Yield name, unit and values of every history but the time; means are those of the interval before."""
+        run = self.run
+        for name, force in run.force.items():
+            yield from _components(f"{name} force", "N", force)
+            yield from _components(f"{name} mean force", "N", _after(mean_force(run, name)))
+        for name, part in {**run.parts, **run.groups}.items():
+            yield from _components(f"{name} displacement", "m", part.displacement)
+            yield from _components(f"{name} velocity", "m/s", part.velocity)
+            yield from _components(f"{name} rigid acceleration", "m/s^2", part.acceleration)
+            yield from _components(f"{name} mean rigid acceleration", "m/s^2", _after(mean_acceleration(run, name)))
+        for name, values in run.von_mises.items():
+            yield f"{name} largest von Mises stress", "Pa", values
+            yield f"{name} largest plastic strain", "1", run.plastic_strain[name]
+        for name, point in run.points.items():
+            yield from _components(f"{name} displacement", "m", point.displacement)
+            yield from _components(f"{name} velocity", "m/s", point.velocity)
+            yield from _components(f"{name} acceleration", "m/s^2", point.acceleration)
+        for name, section in run.sections.items():
+            yield from _components(f"{name} stress", "Pa", section.stress, STRESS)
+            yield from _components(f"{name} velocity", "m/s", section.velocity)
+            yield from _components(f"{name} acceleration", "m/s^2", section.acceleration)
+        for name in ENERGIES:
+            yield f"{name} energy", "J", run.energy[name]
+        yield "energy error", "1", run.energy_error
+
+    def table(self) -> str:
+        """Return all histories as CSV text, every column with its unit."""
+        columns = list(self._columns())
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(["time [s]", *(f"{name} [{unit}]" for name, unit, _ in columns)])
+        for row in zip(self.run.time, *(values for _, _, values in columns), strict=True):
+            writer.writerow(["" if math.isnan(value) else f"{value:.9g}" for value in row])
+        return text.getvalue()
+
+    def dataset(self) -> xarray.Dataset:
+        """Return all histories with units: vectors by ``axis``, stresses by ``component``, by the names of the case."""
+        import xarray
+
+        run, vector, means = self.run, ("time", "axis"), ("interval", "axis")
+        variables = {}
+
+        def add(kind: str, name: str, what: str, values: Array, unit: str, where: tuple[str, ...] = vector) -> None:
+            words = f"{what.replace('_', ' ')} of {kind} {name}"
+            variables[f"{kind}.{name}.{what}"] = quantity(where, values, unit, words)
+
+        for name, force in run.force.items():
+            add("contact", name, "force", force, "N")
+            add("contact", name, "impulse", run.impulse[name], "N s")
+            add("contact", name, "mean_force", mean_force(run, name), "N", means)
+        for kind, named in (("part", run.parts), ("group", run.groups)):
+            for name in named:
+                add(kind, name, "mean_acceleration", mean_acceleration(run, name), "m/s^2", means)
+        for what, unit, most in (("von_mises", "Pa", run.von_mises), ("plastic_strain", "1", run.plastic_strain)):
+            for name, values in most.items():
+                add("part", name, what, values, unit, ("time",))
+        bodies = (("part", run.parts), ("group", run.groups))
+        for kind, histories in (*bodies, ("point", run.points), ("section", run.sections)):
+            for name, history in histories.items():
+                for what, unit in MOTION.items():
+                    if hasattr(history, what):
+                        add(kind, name, what, getattr(history, what), unit)
+        for name, section in run.sections.items():
+            add("section", name, "stress", section.stress, "Pa", ("time", "component"))
+        for name in ENERGIES:
+            variables[f"energy.{name}"] = quantity("time", run.energy[name], "J", f"{name} energy")
+        variables["energy.error"] = quantity("time", run.energy_error, "1", "energy missing (-) or too much")
+        variables["momentum"] = quantity(vector, run.momentum, "kg m/s", "momentum of everything")
+        variables["impulse_given"] = quantity(vector, run.impulse_given, "N s", "impulse from outside")
+        coordinates = {
+            "time": quantity("time", run.time, "s", "time after the start"),
+            "interval": quantity("interval", middles(run.time), "s", "middle of the interval between two times"),
+            "axis": ("axis", np.array(["x", "y", "z"], dtype=object)),
+            "component": ("component", np.array(STRESS, dtype=object)),
+        }
+        attributes = {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.case_text}
+        return xarray.Dataset(variables, coordinates, attributes)
+
+    def save(self, path: Path) -> None:
+        """Write all histories as NetCDF."""
+        self.dataset().to_netcdf(path, engine="h5netcdf")
+
+
+MOTION = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
+"""Histories of parts, points and sections, and their units."""
+UNITS = {
+    "step": "s",
+    "added_mass": "kg",
+    "seconds": "s",
+    "element_steps_per_second": "1/s",
+    "contact_force_peak": "N",
+    "peak": "N",
+    "time": "s",
+    "impulse": "N s",
+    "begin": "s",
+    "end": "s",
+    "duration": "s",
+    "whole_peak": "N",
+    "whole_impulse": "N s",
+    "mass": "kg",
+    "whole_mass": "kg",
+    "sectors": "1",
+    "direction": "1",
+    "rigid_peak": "m/s^2",
+    "width": "s",
+    "velocity_change": "m/s",
+    "von_mises": "Pa",
+    "plastic_strain": "1",
+    "initial": "J",
+    **dict.fromkeys(ENERGIES, "J"),
+    "error": "1",
+    "energy_error": "1",
+    "hourglass_share": "1",
+    "momentum_error": "1",
+    "restitution": "1",
+    "plastic_energy": "J",
+    "kinetic_share": "1",
+    "retreat": "m",
+    "overlap": "m",
+    "plastic_before": "J",
+}
+"""Of the JSON document."""
+
+
+def _blow(solution: FemSolution) -> dict[str, Any]:
+    """Return what one of several blows came to, for the JSON document."""
+    found, wholes, sector = blow_measure(solution.run, solution.model.touching), solution.wholes, solution.sectors
+    contacts = {name: None if x is None else _contact(x, wholes[name]) for name, x in solution.contacts.items()}
+    return {
+        "blow": found.blow,
+        "contacts": contacts,
+        "parts": {name: _part(part, sector[name]) for name, part in solution.parts.items()},
+        "groups": {name: _part(part, sector[name]) for name, part in solution.groups.items()},
+        "restitution": dict(found.restitution),
+        "plastic_strain": dict(found.plastic_strain),
+        "plastic_energy": dict(found.plastic_energy),
+        "energy_error": ledger_measure(solution.run).energy,
+        "rest": found.rest._asdict() if found.rest else None,
+        "stopped": solution.run.stopped or None,
+    }
+
+
+def _part(found: PartMeasure, sector: Sector) -> dict[str, Any]:
+    """Return the blow that a part took, and how many such sectors make its body, for the JSON document."""
+    whole = {"sectors": sector.pieces, "whole_mass": sector.pieces * found.mass}
+    return {**dataclasses.asdict(found), **whole}
+
+
+def _contact(found: ContactMeasure, whole: WholeForce | None) -> dict[str, float | None]:
+    """Return what a contact came to, and its force on whole bodies where parts are sectors, for the JSON document."""
+    times = {"time": found.at, "begin": found.begin, "end": found.end, "duration": found.duration}
+    beyond = {"whole_peak": whole.peak, "whole_impulse": whole.impulse} if whole else {}
+    return {"peak": found.peak, "impulse": found.impulse, **times, **beyond}
+
+
+def _components(name: str, unit: str, values: Array, axes: tuple[str, ...] = ("x", "y", "z")) -> Iterator[Any]:
+    """Yield a column for each component of a history."""
+    for axis, column in zip(axes, values.T, strict=True):
+        yield f"{name} {axis}", unit, column
+
+
+def _after(means: Array) -> Array:
+    """Return means of intervals as a column beside the instants that end them; nothing is known at the first."""
+    return np.concatenate([np.full((1, means.shape[1]), np.nan), means])

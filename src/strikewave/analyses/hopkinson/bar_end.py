@@ -1,0 +1,356 @@
+"""The reference acceleration at the end of a bar, and what a sensor there reads of it, on one clock and bandwidth.
+
+The strain gauge sees the wave on its way to the end, and again on its way back. Carried to the end, the first one
+alone tells how the sensor moves, given what stands there; the second one, which this does not use, checks it:
+
+    v = 2 c e_i - F/Z    by the model's force F on the end        v = c (e_i - e_r)    by both waves
+
+Symbols: e_i, e_r strain of incident and reflected wave, c bar speed (m/s), Z impedance (N s/m).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
+from scipy.interpolate import CubicSpline
+
+from strikewave.base.errors import InputError
+from strikewave.hopkinson import Bar, Carrier, Pulses, Trace, carried, find_pulses
+from strikewave.hopkinson.bar_end import Agreement, EndMotion, compare_sensor, elastic_disk, free_end, rigid_disk
+from strikewave.hopkinson.onset import noise_ceiling
+from strikewave.hopkinson.shifting import highest_frequency
+from strikewave.signal.filters import Filter
+from strikewave.waves import Layer
+from strikewave.waves.dispersion import Theory
+from strikewave.waves.limits import RISE_OF_BANDWIDTH, WARNED
+
+Array = NDArray[np.float64]
+
+PER_PERIOD = 200
+"""Samples of the common clock in a period of the bandwidth: central differences then err by 2e-4 there."""
+MOST_SAMPLES = 400_000
+"""Of the common clock."""
+OF_SAMPLING = 0.1
+"""Largest bandwidth that is chosen, over the sampling rate: cubics between ten samples a period err by 2e-4."""
+HIGHEST = 0.25
+"""Largest bandwidth that can be asked for, over the sampling rate."""
+ROUNDING = 1e-9
+"""Share of the largest sample below which a reading is nothing."""
+SETTLING = 2.0
+"""Periods of the bandwidth before and after a stretch from which its filter takes what it needs."""
+
+
+class Standing(NamedTuple):
+    """What stands on the end of the bar: a rigid mass (kg; 0 for none), or an elastic disk with that mass on it."""
+
+    mass: float = 0.0
+    disk: Layer | None = None
+
+    def motion(self, strain: Array, step: float, bar: Bar) -> EndMotion:
+        """Return how it moves under an incident strain at the end of a bar.
+
+        Raises
+        ------
+        InputError
+            If a disk is so thin that its waves would take too many steps.
+        """
+        if self.disk is not None:
+            try:
+                return elastic_disk(strain, step, bar, self.disk, self.mass)
+            except ValueError as error:
+                words, hint = f"a transit of {self.disk.transit:.3g} s", f"{error}; or take it as rigid"
+                raise InputError("disk", words, "a disk whose waves can be followed", hint) from None
+        return rigid_disk(strain, step, bar, self.mass) if self.mass > 0.0 else free_end(strain, step, bar)
+
+
+class Bandwidth(NamedTuple):
+    """The bandwidth of a comparison (Hz), and what set it: stated, noise, sampling, or one-dimensional theory.
+
+    ``noise`` is the frequency at which the incident pulse sinks in the noise of its gauge.
+    """
+
+    value: float
+    reason: str
+    noise: float
+
+
+class Bench(NamedTuple):
+    """The bar, what stands on its end, and how waves are carried."""
+
+    bar: Bar
+    standing: Standing
+    theory: Theory
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A sensor beside the reference at the end of a bar; everything low-passed at the bandwidth.
+
+    Attributes
+    ----------
+    time : ndarray
+        After the begin of the incident wave at the end, s, shape (N,).
+    motion : EndMotion
+        The reference: velocity and acceleration of the sensor, force on the end.
+    reading : ndarray
+        What the sensor wrote, in its unit, without zero line and delay.
+    both_waves : ndarray
+        Velocity of the end by incident and reflected wave, m/s; NaN once the far end's echo comes to the gauge.
+    joint : ndarray
+        The same by the incident wave and the model, m/s.
+    agreement : Agreement
+        Sensitivity, delay and residual by least squares.
+    pulses : Pulses
+        Incident and reflected pulse as the gauge saw them.
+    bandwidth : Bandwidth
+        Hz.
+    scatter, bias : float
+        Relative standard error of the sensitivity by the residual, and by how much noise of the gauge, taken as
+        white, lowers the slope.
+    reference_noise, reading_noise : float
+        Standard deviations at the bandwidth, m/s^2 and unit of the reading.
+    speed_power : float
+        Power of the bar speed with which the reference grows at a constant density.
+    """
+
+    time: Array = field(repr=False)
+    motion: EndMotion = field(repr=False)
+    reading: Array = field(repr=False)
+    both_waves: Array = field(repr=False)
+    joint: Array = field(repr=False)
+    agreement: Agreement
+    pulses: Pulses = field(repr=False)
+    bandwidth: Bandwidth
+    scatter: float
+    bias: float
+    reference_noise: float
+    reading_noise: float
+    speed_power: float
+
+    @property
+    def sign(self) -> float:
+        """1, or -1 for a sensor that is mounted the other way."""
+        return math.copysign(1.0, self.agreement.sensitivity)
+
+    @property
+    def correlation(self) -> float:
+        """Correlation of reading and reference at the best delay."""
+        return self.sign * math.sqrt(max(1.0 - self.agreement.residual**2, 0.0))
+
+    @property
+    def peaks(self) -> tuple[float, float]:
+        """Largest forward acceleration of the reference (m/s^2), and of the reading in its unit and with its sign."""
+        return float(self.motion.acceleration.max()), self.sign * float((self.sign * self.reading).max())
+
+    @property
+    def integrated(self) -> Array:
+        """The reading integrated from the begin of the window, in its unit times s."""
+        step = float(self.time[1] - self.time[0])
+        return np.asarray(cumulative_trapezoid(self.reading, dx=step, initial=0.0))
+
+    @property
+    def velocities(self) -> tuple[float, float]:
+        """Largest velocity of the reference (m/s), and of the integrated reading in its unit times s."""
+        return float(self.motion.velocity.max()), self.sign * float((self.sign * self.integrated).max())
+
+    @property
+    def reflected_misfit(self) -> float:
+        """Root mean square of the velocity of both waves less the model's, over that; NaN if an echo spoils it."""
+        known = np.isfinite(self.both_waves)
+        apart, moved = (np.linalg.norm(h[known]) for h in (self.both_waves - self.joint, self.joint))
+        return float(apart / moved) if moved > 0.0 else math.nan
+
+
+def compare_at_end(strain: Trace, reading: Trace, bench: Bench, wanted: float | None = None) -> Comparison:
+    """Set the reading of a sensor on the end of a bar beside the acceleration that the strain gauge tells.
+
+    Parameters
+    ----------
+    strain : Trace
+        At the gauge; it must hold the incident and the reflected pulse.
+    reading : Trace
+        Of the sensor, on a clock with the same zero.
+    bench : Bench
+        Bar, what stands on its end, theory of dispersion.
+    wanted : float, optional
+        Bandwidth, Hz; chosen where it is left out.
+
+    Raises
+    ------
+    InputError
+        If a trace cannot be used, the pulses overlap, the sensor's record does not hold the pulse, or the bandwidth
+        does not fit.
+    """
+    endless = replace(bench.bar, length=math.inf)  # the far end's echo meets the reflected wave alone: see _both_waves
+    pulses = find_pulses(strain, strain, (endless, endless))
+    bandwidth = _bandwidth(pulses, reading.step, bench, wanted)
+    low_pass = Filter(bandwidth.value)
+    begin = pulses.starts[0] + bench.bar.delay
+    quiet = min(SETTLING / bandwidth.value, max(begin - reading.start, 0.0))
+    time = _clock(pulses, bandwidth.value, min(pulses.step, reading.step), quiet)
+    step = float(time[1] - time[0])
+    incident, reflected = (low_pass.apply(wave, step) for wave in _waves_at_end(pulses, bench, time))
+    difference = incident - reflected
+    motion = bench.standing.motion(incident, step, bench.bar)
+    read, noise = _read(reading, begin, time, low_pass)
+    agreement = compare_sensor(read, motion.acceleration, step)
+    gauge_noise = pulses.traces[0].noise
+    steep = 2.0 * bench.bar.speed * gauge_noise * 2.0 * math.pi * bandwidth.value
+    reference_noise = steep * math.sqrt(2.0 * pulses.step * bandwidth.value / 3.0)
+    since = time - (pulses.onset - pulses.starts[0])
+    prompt = _spline(time, read, time + agreement.delay)
+    return Comparison(
+        time=since,
+        motion=motion,
+        reading=prompt,
+        both_waves=np.where(since < _echo(pulses, bench.bar, bandwidth.value), bench.bar.speed * difference, math.nan),
+        joint=2.0 * bench.bar.speed * incident - motion.force / bench.bar.impedance,
+        agreement=agreement,
+        pulses=pulses,
+        bandwidth=bandwidth,
+        scatter=slope_error(prompt, motion.acceleration),
+        bias=reference_noise**2 / float(np.mean(motion.acceleration**2)),
+        reference_noise=reference_noise,
+        reading_noise=noise,
+        speed_power=_speed_power(incident, step, bench, motion),
+    )
+
+
+def theory_bandwidth(rise: float, layers: tuple[Layer, ...]) -> float:
+    """Return the largest bandwidth B at which one-dimensional theory needs no warning, Hz.
+
+    sqrt(rise^2 + (0.35/B)^2) = 5 d/c in the layer with the largest d/c; infinite where the rise alone is as long.
+
+    Examples
+    --------
+    >>> bar = Layer("bar", 7800.0, 210e9, 3.1416e-4, 1.0)
+    >>> round(theory_bandwidth(0.0, (bar,))), theory_bandwidth(20e-6, (bar,))
+    (18161, inf)
+    """
+    needed = WARNED * max(layer.diameter / layer.bar_speed for layer in layers)
+    return RISE_OF_BANDWIDTH / math.sqrt(needed**2 - rise**2) if rise < needed else math.inf
+
+
+def slope_error(y: Array, x: Array) -> float:
+    """Return the standard error of the slope of y over x by least squares, over the slope, for noise of any colour.
+
+        var(slope) = n/(n - 2) sum |X|^2 |R|^2 / (sum |X|^2)^2,    n = (sum |X|^2)^2 / sum |X|^4
+
+    with X the spectrum of x over both signs of frequency, and R that of the residual under a Hann window, which keeps
+    strong noise where x has nothing from leaking to where it has something. One slope and one delay are fitted to the
+    n numbers that x amounts to.
+
+    Parameters
+    ----------
+    y, x : array
+        Histories on one clock, shape (N,).
+
+    Examples
+    --------
+    >>> t = np.arange(4000)
+    >>> x = np.exp(-(((t - 2000) / 100) ** 2))
+    >>> noise = np.random.default_rng(1).standard_normal(4000)
+    >>> white = 0.01 / math.sqrt(x @ x)
+    >>> bool(0.5 < slope_error(x + 0.01 * noise, x) / white < 2.0)
+    True
+    """
+    slope = float(x @ y / (x @ x))
+    window = np.hanning(x.size)
+    residual = (y - slope * x) * window / math.sqrt(float(np.mean(window**2)))
+    power, left = (np.abs(np.fft.fft(h)) ** 2 for h in (x, residual))
+    numbers = max(float(power.sum() ** 2 / (power**2).sum()), 3.0)
+    return math.sqrt(float(power @ left) * numbers / (numbers - 2.0)) / float(power.sum()) / abs(slope)
+
+
+def bar_layer(bar: Bar, yield_strength: float | None = None) -> Layer:
+    """Return a bar as a layer; from its gauge on where its length is not known."""
+    length = bar.length if math.isfinite(bar.length) else bar.gauge_distance
+    return Layer("the bar", bar.density, bar.modulus, bar.area, length, bar.diameter, yield_strength)
+
+
+def _bandwidth(pulses: Pulses, step: float, bench: Bench, wanted: float | None) -> Bandwidth:
+    """Return the bandwidth asked for, or the lowest of what noise, sampling and theory allow."""
+    sampling = 1.0 / max(step, pulses.step)
+    noise = highest_frequency(pulses.incident, pulses.step, pulses.traces[0].noise, pulses.width)
+    lowest, highest = 1.0 / pulses.duration, HIGHEST * sampling
+    if wanted is not None:
+        if not lowest <= wanted <= highest:
+            allowed = f"from {lowest:.4g} Hz, a period in the window, to {highest:.4g} Hz, a quarter of the sampling"
+            raise InputError("solver.bandwidth", f"{wanted:g} Hz", allowed)
+        return Bandwidth(wanted, "stated", noise)
+    layers = (bar_layer(bench.bar), *([bench.standing.disk] if bench.standing.disk else []))
+    choices = {
+        "one-dimensional theory": theory_bandwidth(pulses.rise, layers),
+        "noise": noise,
+        "sampling": OF_SAMPLING * sampling,
+    }
+    reason = min(choices, key=lambda name: choices[name])
+    if choices[reason] < lowest:
+        allowed = f"at least {lowest:.4g} Hz, a period in the window"
+        raise InputError("solver.bandwidth", f"{choices[reason]:.4g} Hz by {reason}", allowed, "state one if you must")
+    return Bandwidth(choices[reason], reason, noise)
+
+
+def _clock(pulses: Pulses, bandwidth: float, finest: float, quiet: float) -> Array:
+    """Return the common clock, s from the begin of the window, with a quiet stretch before it."""
+    step = max(min(1.0 / (PER_PERIOD * bandwidth), finest), (pulses.duration + quiet) / MOST_SAMPLES)
+    return np.asarray(step * np.arange(-int(quiet / step), int(pulses.duration / step * (1.0 + 1e-12)) + 1))
+
+
+def _waves_at_end(pulses: Pulses, bench: Bench, time: Array) -> tuple[Array, Array]:
+    """Return incident and reflected strain at the end of the bar, zero before the window."""
+    bar = bench.bar
+    band = highest_frequency(pulses.incident, pulses.step, pulses.traces[0].noise, pulses.width)
+    carrier = Carrier(bar.rod, bench.theory, band)
+    came = carried(pulses.incident, pulses.step, bar.gauge_distance, carrier)
+    apart = pulses.starts[0] - pulses.starts[1] + 2.0 * bar.delay
+    back = carried(pulses.reflected, pulses.step, -bar.gauge_distance, carrier, apart)
+    own = np.asarray(pulses.step * np.arange(came.size), dtype=np.float64)
+    return np.where(time < 0.0, 0.0, _spline(own, came, time)), np.where(time < 0.0, 0.0, _spline(own, back, time))
+
+
+def _echo(pulses: Pulses, bar: Bar, bandwidth: float) -> float:
+    """Return when the far end's echo spoils the reflected wave, a period before it, s; never where that is too soon."""
+    echo = 2.0 * (bar.length - bar.gauge_distance) / bar.speed - 1.0 / bandwidth
+    return echo if echo > pulses.width else -math.inf
+
+
+def _read(reading: Trace, begin: float, time: Array, low_pass: Filter) -> tuple[Array, float]:
+    """Return the filtered reading on the common clock without its zero line, and its noise at the bandwidth."""
+    own = reading.time - begin
+    if own[0] > time[0] + 1e-9 * reading.step or own[-1] < time[-1] - 1e-9 * reading.step:
+        got = f"a record from {reading.time[0] * 1e6:.6g} to {reading.time[-1] * 1e6:.6g} us"
+        allowed = f"one that holds {begin * 1e6:.6g} to {(begin + time[-1]) * 1e6:.6g} us, when the wave is at the end"
+        raise InputError("accelerometer.file", got, allowed, "are both records on one clock?")
+    before = reading.strain[own <= max(own[0], 0.0)]
+    zero, noise = float(before.mean()), float(before.std())
+    step, reach = float(time[1] - time[0]), SETTLING / low_pass.cutoff
+    lead, tail = (int(max(min(reach, room), 0.0) / step) for room in (time[0] - own[0], own[-1] - time[-1]))
+    clock = np.asarray(time[0] + step * np.arange(-lead, time.size + tail), dtype=np.float64)
+    near = (own >= clock[0] - 4.0 * reading.step) & (own <= clock[-1] + 4.0 * reading.step)
+    values = low_pass.apply(_spline(own[near], reading.strain[near] - zero, clock), step)[lead : lead + time.size]
+    noise *= math.sqrt(2.0 * reading.step * low_pass.cutoff)
+    numbers = int(2.0 * low_pass.cutoff * (time[-1] - time[0]))
+    if np.abs(values).max() <= max(noise_ceiling(noise, numbers), ROUNDING * np.abs(reading.strain).max()):
+        hint = "is it the right channel, and the sensor connected?"
+        raise InputError("accelerometer.file", "noise alone", "a pulse when the wave is at the end", hint)
+    return values, noise
+
+
+def _speed_power(incident: Array, step: float, bench: Bench, motion: EndMotion) -> float:
+    """Return d ln a/d ln c of the reference at a constant density, by least squares over the pulse."""
+    change = 1e-3
+    faster = replace(bench.bar, modulus=bench.bar.modulus * (1.0 + change) ** 2)
+    moved = bench.standing.motion(incident, step, faster).acceleration
+    a = motion.acceleration
+    return float((moved - a) @ a / (a @ a)) / change
+
+
+def _spline(time: Array, values: Array, at: Array) -> Array:
+    """Return a history between its samples by cubics, its ends kept beyond them."""
+    return np.asarray(CubicSpline(time, values)(np.clip(at, time[0], time[-1])))

@@ -1,0 +1,299 @@
+"""Set-up in, what the compute room takes out: bars, specimen, striker, disk, and what gauges and sensors wrote."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.base.errors import MISSING, InputError
+from strikewave.base.materials import material
+from strikewave.base.quantities import Value
+from strikewave.cases.hopkinson_tables import (
+    AccelerometerTable,
+    BarTable,
+    DiskTable,
+    GaugeTable,
+    RecordedTable,
+    SpecimenTable,
+    SplitBarSetup,
+)
+from strikewave.hopkinson.bars import Bar, Elastic, Specimen, Striker, elastic
+from strikewave.hopkinson.gauges import Bridge
+from strikewave.hopkinson.pulses import Trace, quieten
+from strikewave.records import Channel, Options, read_record
+from strikewave.records.calibration import Calibration, known_unit
+from strikewave.records.clock import even
+from strikewave.records.finding import Finding
+from strikewave.records.health import Examined, clipped
+from strikewave.waves import Layer
+
+LARGEST_SAMPLES = 20_000_000
+"""A trace with more samples is refused: no shot needs them."""
+SLOWEST, FASTEST = 500.0, 20_000.0
+"""Bar speeds outside of these, m/s, are those of no solid: a unit is forgotten."""
+TINIEST, LARGEST_READING = 1e-30, 1e30
+"""Factors below and readings above are no readings of a sensor."""
+
+
+def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> tuple[Bar, Elastic]:
+    """Return a bar, and which of its constants is derived; the rest comes from the incident bar.
+
+    Raises
+    ------
+    InputError
+        If constants are missing or do not fit, or the gauge is not on the bar.
+    """
+    own = table
+    if incident is not None and not (table.material or table.density or table.modulus or table.speed):
+        own = incident
+    poisson = table.poissons_ratio or own.poissons_ratio
+    nu = 0.29 if poisson is None else poisson.si
+    if own.material and poisson is None:
+        nu = material(own.material).poissons_ratio
+    diameter = table.diameter or (incident.diameter if incident is not None else None)
+    if diameter is None:
+        raise InputError(f"{path}.diameter", "nothing", 'a length with its unit, such as "20 mm"')
+    constants = _constants(path, own.material, (_si(own.density), _si(own.modulus), _si(own.speed)))
+    length = math.inf if table.length is None else table.length.si
+    if not table.gauge_distance.si < length:
+        got, allowed = table.gauge_distance.typed, f"less than the length of the bar, {length:g} m"
+        raise InputError(f"{path}.gauge_distance", got, allowed, "it counts from the end at the specimen or sensor")
+    if table.gauge_distance.si < diameter.si:
+        allowed = f"at most the gauge distance, {table.gauge_distance.si:g} m, and better a tenth of it"
+        hint = "within some ten diameters of its end no wave is one-dimensional"
+        raise InputError(f"{path}.diameter", diameter.typed, allowed, hint)
+    return Bar(constants.density, constants.modulus, diameter.si, table.gauge_distance.si, nu, length), constants
+
+
+def _constants(path: str, name: str, stated: tuple[float | None, float | None, float | None]) -> Elastic:
+    """Return density, modulus and speed of a bar from what is stated, over what its material has.
+
+    Raises
+    ------
+    InputError
+        If fewer than two are known, or their speed is that of no solid.
+    """
+    density, modulus, speed = stated
+    if name:
+        known = material(name)
+        density = known.density if density is None else density
+        modulus = known.youngs_modulus if modulus is None and speed is None else modulus
+    try:
+        found = elastic(density, modulus, speed)
+    except ValueError as error:
+        allowed = "two of density, modulus and speed, or a material"
+        raise InputError(path, "what is stated", allowed, str(error)) from None
+    if not SLOWEST <= found.speed <= FASTEST:
+        by = "as stated" if found.derived != "speed" else f"by {found.density:.4g} kg/m^3 and {found.modulus:.4g} Pa"
+        allowed = f"a speed of {SLOWEST:g} to {FASTEST:g} m/s"
+        raise InputError(path, f"a bar speed of {found.speed:.4g} m/s {by}", allowed, "look at the units")
+    return found
+
+
+def build_specimen(table: SpecimenTable) -> Specimen:
+    """Return the specimen.
+
+    Raises
+    ------
+    InputError
+        If it has neither or both of diameter and area.
+    """
+    if (table.diameter is None) == (table.area is None):
+        raise InputError("specimen", "both or none", "either a diameter or an area")
+    area = table.area.si if table.area else 0.25 * math.pi * table.diameter.si**2 if table.diameter else math.nan
+    density, modulus = _si(table.density), _si(table.modulus)
+    if table.material:
+        known = material(table.material)
+        density = known.density if density is None else density
+        modulus = known.youngs_modulus if modulus is None else modulus
+    return Specimen(table.length.si, area, density, modulus)
+
+
+def build_striker(setup: SplitBarSetup, bar: Bar) -> Striker | None:
+    """Return the striker bar, of the incident bar's constants where it states none of its own; None without one.
+
+    Raises
+    ------
+    InputError
+        If one of density and modulus is missing, or their speed is that of no solid.
+    """
+    table = setup.striker
+    if table is None:
+        return None
+    own = Elastic(bar.density, bar.modulus, bar.speed, "speed")
+    if table.material or table.density or table.modulus:
+        for key, other in (("density", "modulus"), ("modulus", "density")):
+            if not table.material and getattr(table, key) is None:
+                raise InputError(f"striker.{key}", MISSING, f"both density and modulus, or neither: {other} is stated")
+        own = _constants("striker", table.material, (_si(table.density), _si(table.modulus), None))
+    diameter = bar.diameter if table.diameter is None else table.diameter.si
+    impedance = own.density * own.speed * 0.25 * math.pi * diameter**2
+    return Striker(table.length.si, own.speed, impedance, math.nan if table.speed is None else table.speed.si)
+
+
+def build_disk(table: DiskTable, bar: Bar) -> Layer:
+    """Return an elastic disk as a layer; its diameter is that of the bar where none is stated."""
+    diameter = bar.diameter if table.diameter is None else table.diameter.si
+    density, modulus, strength = _si(table.density), _si(table.modulus), None
+    if table.material:
+        known = material(table.material)
+        density = known.density if density is None else density
+        modulus = known.youngs_modulus if modulus is None else modulus
+        strength = known.yield_strength
+    assert density is not None
+    assert modulus is not None
+    assert table.thickness is not None
+    area = 0.25 * math.pi * diameter**2
+    return Layer("disk", density, modulus, area, table.thickness.si, diameter, strength)
+
+
+def recorded_file(case: SplitBarCase, table: RecordedTable) -> Path:
+    """Return the file of a record, which is relative to the set-up file."""
+    return case.folder / table.file
+
+
+def check_setup(case: SplitBarCase) -> list[str]:
+    """Build all that needs no file, and return the names of the files that are not there.
+
+    Raises
+    ------
+    InputError
+        If constants are missing or do not fit.
+    """
+    setup = case.setup
+    incident, transmitted = setup.bar.incident, setup.bar.transmitted
+    bar, _ = build_bar(incident, "bar.incident")
+    records: list[RecordedTable] = [incident.gauge]
+    if transmitted is not None:
+        build_bar(transmitted, "bar.transmitted", incident)
+        records.append(transmitted.gauge)
+    if setup.specimen is not None:
+        build_specimen(setup.specimen)
+    if setup.disk is not None and setup.disk.kind == "elastic":
+        build_disk(setup.disk, bar)
+    if setup.accelerometer is not None:
+        records.append(setup.accelerometer)
+    build_striker(setup, bar)
+    return sorted({one.file for one in records if not recorded_file(case, one).is_file()})
+
+
+class Gauged(NamedTuple):
+    """The strain of a gauge, what reading it showed, and file and name of the channel that it came from."""
+
+    trace: Trace
+    findings: list[Finding]
+    source: tuple[Path, str]
+
+
+def build_trace(case: SplitBarCase, table: GaugeTable, path: str, bar: Bar) -> Gauged:
+    """Read the strain of a gauge, and what reading it showed.
+
+    Raises
+    ------
+    InputError
+        If the file, the channel or its unit cannot be used, or samples are missing.
+    """
+    channel, findings = _channel(case, table, path)
+    trace = Trace(_strain(channel, table, path, bar), channel.step, channel.start)
+    return Gauged(trace, findings, (recorded_file(case, table).resolve(), channel.name))
+
+
+class Reading(NamedTuple):
+    """What an accelerometer wrote: the history, in m/s^2 or V as ``unit`` says, and what reading it showed."""
+
+    trace: Trace
+    unit: str
+    findings: list[Finding]
+
+
+def build_reading(case: SplitBarCase, table: AccelerometerTable) -> Reading:
+    """Read the record of an accelerometer: an acceleration where it can be made of it, else the sensor's volts.
+
+    Raises
+    ------
+    InputError
+        If the file, the channel or its unit cannot be used, or samples are missing.
+    """
+    path = "accelerometer"
+    channel, findings = _channel(case, table, path)
+    scale = _calibration(table).scale(channel.unit, path)
+    if scale.unit not in ("m/s^2", "V"):
+        key = "sensitivity" if table.sensitivity else "unit"
+        got = getattr(table, key) or channel.unit or "nothing"
+        raise InputError(f"{path}.{key}", got, "an acceleration such as g, or V or mV", "say what the file holds")
+    factor = scale.factor
+    if table.gain is not None and not table.sensitivity:
+        if scale.unit != "V":
+            raise InputError(f"{path}.gain", table.gain.typed, "nothing for a file that holds an acceleration")
+        factor /= table.gain.si
+    largest = float(np.abs(channel.values).max(initial=0.0))
+    if not TINIEST <= abs(factor) <= LARGEST_READING / max(largest, 1.0):
+        raise InputError(
+            path, f"{largest:g} times {factor:g} {scale.unit}", "readings of a sensor", "look at its factors"
+        )
+    return Reading(Trace(channel.values * factor, channel.step, channel.start), scale.unit, findings)
+
+
+def _calibration(table: AccelerometerTable) -> Calibration:
+    """Return what makes an acceleration of an accelerometer's volts, where its sensitivity is stated."""
+    voltages = {"excitation": table.excitation, "rated_excitation": table.rated_excitation}
+    if not table.sensitivity:
+        for key, value in voltages.items():
+            if value is not None:
+                raise InputError(f"accelerometer.{key}", value.typed, "nothing without a sensitivity that it scales")
+        return Calibration(table.unit)
+    stated: dict[str, Any] = {key: f"{value.si!r} V" for key, value in voltages.items() if value is not None}
+    gain = "" if table.gain is None else repr(table.gain.si)
+    return Calibration(table.unit, table.sensitivity, gain, **stated)
+
+
+def _channel(case: SplitBarCase, table: RecordedTable, path: str) -> tuple[Channel, list[Finding]]:
+    """Read a channel on an even clock, and what reading it showed."""
+    options = Options(_si(table.rate), table.time, (table.channel,))
+    try:
+        channel, findings = even(read_record(recorded_file(case, table), options).channel(table.channel))
+    except InputError as error:
+        key = {"FILE": "file"}.get(error.field, error.field.removeprefix("--"))
+        place = f"{path}.{key}" if key in type(table).model_fields else f"{path}.file"
+        hint = re.sub(r"--(\w+)", rf"{path}.\1", error.hint)
+        raise InputError(place, error.got, error.allowed, hint) from None
+    if channel.values.size > LARGEST_SAMPLES:
+        raise InputError(f"{path}.file", f"{channel.values.size} samples", f"at most {LARGEST_SAMPLES} samples")
+    bad = int(np.count_nonzero(~np.isfinite(channel.values)))
+    if bad:
+        raise InputError(f"{path}.file", f"{bad} samples that are no numbers", "finite samples")
+    findings += [
+        found._replace(message=f"{path}: the record stops at {found.value:.4g} again and again: its range ended there")
+        for found in clipped(Examined(channel.values, channel.step, channel.start))
+    ]
+    return channel, findings
+
+
+def _strain(channel: Channel, table: GaugeTable, path: str, bar: Bar) -> np.ndarray:
+    """Return strain from what a channel holds: strain itself, or a voltage."""
+    unit = table.unit or channel.unit or ("V" if table.bridge or table.strain_per_volt else "")
+    si, factor = known_unit(unit) or ("", 1.0) if unit else ("", 1.0)
+    if si == "1":
+        return np.asarray(channel.values * factor)
+    if si != "V":
+        raise InputError(f"{path}.unit", unit or "nothing", "strain, ustrain, V or mV", "say what the file holds")
+    volts = channel.values * factor
+    if (table.bridge is None) == (table.strain_per_volt is None):
+        raise InputError(path, "a voltage", "a bridge with its gauges, or strain_per_volt")
+    if table.strain_per_volt is not None:
+        return np.asarray(volts * table.strain_per_volt.si)
+    if table.bridge is None or table.gauge_factor is None or table.excitation is None:
+        raise InputError(path, "a bridge", "gauge_factor and excitation beside it")
+    gain = 1.0 if table.gain is None else table.gain.si
+    bridge = Bridge(table.bridge, table.gauge_factor.si, table.excitation.si, gain, bar.poissons_ratio)
+    quiet = quieten(Trace(volts, channel.step, channel.start), f"{path}.file")
+    return -bridge.strain(-quiet.trace.strain)  # a bridge is not quite linear: it must know that this is compression
+
+
+def _si(value: Value | None) -> float | None:
+    return None if value is None else value.si

@@ -1,0 +1,141 @@
+"""Set-up in, solution out: an accelerometer on the end of a bar, and what to know of the comparison."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from strikewave.analyses.hopkinson.bar_end import Bench, Comparison, Standing, bar_layer, compare_at_end
+from strikewave.analyses.hopkinson.build import build_bar, build_disk, build_reading, build_trace
+from strikewave.analyses.hopkinson.notices import citations, constant_notices, digests, drift_notices, reading_notices
+from strikewave.analyses.hopkinson.plausibility import strain_notices
+from strikewave.analyses.hopkinson.sensor_result import SensorSolution
+from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.analyses.machine.result import Notice
+from strikewave.base.materials import material
+from strikewave.cases.hopkinson_tables import SplitBarSetup
+from strikewave.hopkinson import Bar
+from strikewave.waves import BONDED, Layer, Stack
+from strikewave.waves.limits import REFUSED, layer_notices, rise_in_diameters, rise_notices
+
+MISFIT = 0.1
+"""Residual over the reading above which a word is said."""
+REFLECTED_MISFIT = 0.05
+"""Share by which the reflected wave may contradict the model of the end without a word."""
+
+
+def compare_accelerometer(case: SplitBarCase) -> SensorSolution:
+    """Set an accelerometer on the end of a bar beside its strain gauge.
+
+    Raises
+    ------
+    InputError
+        If files, channels, units or pulses cannot be used.
+    """
+    setup = case.setup
+    table, sensor = setup.bar.incident, setup.accelerometer
+    assert sensor is not None
+    bar, constants = build_bar(table, "bar.incident")
+    trace, findings, _ = build_trace(case, table.gauge, "bar.incident.gauge", bar)
+    reading = build_reading(case, sensor)
+    standing = _standing(setup, bar)
+    bandwidth = setup.solver.bandwidth
+    bench = Bench(bar, standing, setup.solver.dispersion)
+    found = compare_at_end(trace, reading.trace, bench, None if bandwidth is None else bandwidth.si)
+    strength = material(table.material).yield_strength if table.material else None
+    stack = _stack(bar_layer(bar, strength), standing)
+    rise = found.pulses.rise
+    notices = [
+        *reading_notices([*findings, *reading.findings]),
+        *constant_notices({"incident": constants}),
+        *drift_notices(found.pulses.traces[:1], ["bar.incident.gauge"]),
+        *strain_notices(found.pulses),
+        *rise_notices(stack, rise, found.bandwidth.value),
+        *layer_notices(stack, _largest_forces(found, bar, stack)),
+        *_bandwidth_notices(found),
+        *_agreement_notices(found),
+        *_reflected_notices(found),
+        *_uncertainty_notices(setup),
+    ]
+    return SensorSolution(
+        case=case,
+        bar=bar,
+        standing=standing,
+        unit=reading.unit,
+        comparison=found,
+        rise_diameters=(ratio := rise_in_diameters(stack, rise, found.bandwidth.value)[0]),
+        quoted=ratio >= REFUSED,
+        constants={"incident": constants},
+        digests=digests(case, [table.gauge, sensor]),
+        warnings=tuple(notices),
+        citations=citations(setup.solver.dispersion, ["togami-1996", "maeda-1985"]),
+    )
+
+
+def _standing(setup: SplitBarSetup, bar: Bar) -> Standing:
+    """Return what stands on the end of the bar: the sensor's own mass, and the disk below it."""
+    assert setup.accelerometer is not None
+    own = setup.accelerometer.mass.si if setup.accelerometer.mass is not None else 0.0
+    if setup.disk is None:
+        return Standing(own)
+    if setup.disk.mass is not None:
+        return Standing(own + setup.disk.mass.si)
+    return Standing(own, build_disk(setup.disk, bar))
+
+
+def _stack(bar: Layer, standing: Standing) -> Stack:
+    return Stack((bar,)) if standing.disk is None else Stack((bar, standing.disk), (BONDED,))
+
+
+def _largest_forces(found: Comparison, bar: Bar, stack: Stack) -> np.ndarray:
+    """Return the largest force in the bar, by the gauge, and on the disk, N."""
+    passing = bar.stiffness * float(np.abs(found.pulses.incident).max())
+    return np.array([passing, float(np.abs(found.motion.force).max())])[: len(stack.layers)]
+
+
+def _bandwidth_notices(found: Comparison) -> Iterator[Notice]:
+    value, _, noise = found.bandwidth
+    if value > noise * (1.0 + 1e-9):
+        message = (
+            f"the bandwidth of {value / 1e3:.4g} kHz lies above {noise / 1e3:.4g} kHz, where the incident pulse sinks "
+            "in the noise of its gauge: the reference holds noise there, and no dispersion is corrected"
+        )
+        yield Notice("bandwidth-noise", message, value, noise)
+
+
+def _agreement_notices(found: Comparison) -> Iterator[Notice]:
+    agreement, rise = found.agreement, found.pulses.rise
+    if agreement.sensitivity < 0.0:
+        message = "the sensor reads against the blow: it is mounted the other way, or its leads are swapped"
+        yield Notice("sensor-reversed", message, agreement.sensitivity, 0.0)
+    if abs(agreement.delay) > rise:
+        message = (
+            f"the reading is {agreement.delay * 1e6:+.3g} us late, more than the rise of the pulse, {rise * 1e6:.3g} "
+            "us: is the gauge distance, the bar speed or the clock of one record off?"
+        )
+        yield Notice("sensor-late", message, agreement.delay, rise)
+    if agreement.residual > MISFIT:
+        message = f"{agreement.residual:.1%} of the reading does not follow the reference"
+        yield Notice("sensor-misfit", message, agreement.residual, MISFIT)
+
+
+def _reflected_notices(found: Comparison) -> Iterator[Notice]:
+    misfit = found.reflected_misfit
+    if misfit > REFLECTED_MISFIT:
+        message = (
+            f"the reflected wave says that the end moves {misfit:.1%} otherwise than the incident wave and what stands "
+            "on the end do: is a mass, the gauge distance or the bar speed off, or does the joint open?"
+        )
+        yield Notice("reflected-differs", message, misfit, REFLECTED_MISFIT)
+
+
+def _uncertainty_notices(setup: SplitBarSetup) -> Iterator[Notice]:
+    missing = [key for key in ("strain", "speed") if getattr(setup.uncertainty, key) is None]
+    if missing:
+        message = (
+            f"the uncertainty of the sensitivity holds its scatter, but nothing for {' and '.join(missing)}: state "
+            + " and ".join(f"uncertainty.{key}" for key in missing)
+        )
+        yield Notice("uncertainty-partial", message, math.nan, math.nan)

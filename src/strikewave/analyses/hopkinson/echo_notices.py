@@ -1,0 +1,66 @@
+"""What to know of a bar calibrated by its echoes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from strikewave.analyses.hopkinson.notices import MISMATCH
+from strikewave.analyses.machine.result import Notice
+from strikewave.hopkinson import Bar
+from strikewave.hopkinson.echoes import Echoes, Way
+
+LENGTH_MISMATCH = 0.01
+"""Share by which a stated length may differ from round trips and speed without a word."""
+GAIN = 1e-3
+"""Share of amplitude that passes may seem to gain in a round trip without a word."""
+OTHER_WAY = 0.5
+"""What is left of the times, or of the difference of the speed, with the other way, below which that is named."""
+
+
+def echo_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
+    """Yield what does not fit: speed, length, losses, the way of the first pulse, passes at the begin."""
+    yield from _speed_notices(found, bar, way)
+    yield from _length_notices(found, bar)
+    gained = -2.0 * found.length.value * found.attenuation.value
+    if gained > max(GAIN, 2.0 * found.length.value * 2.0 * found.attenuation.error):
+        message = (
+            f"passes gain {gained:.2%} of amplitude in a round trip: do pulses overlap, or was one met on its way?"
+        )
+        yield Notice("attenuation-negative", message, found.attenuation.value, 0.0)
+    if found.odd is not None:
+        number, late, strength = found.odd
+        message = (
+            f"pass {number} does not go with those after it: {late * 1e6:+.3g} us late, {strength:.3g} times as strong "
+            f"as they say; did it meet a specimen? echoes.skip = {number} leaves it out"
+        )
+        yield Notice("first-passes-differ", message, float(number), math.nan)
+
+
+def _speed_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
+    speed, other = found.speed, found.other_way
+    off = speed.value / bar.speed - 1.0
+    limit = max(MISMATCH, speed.student * speed.error / bar.speed if speed.freedom > 0 else 0.0)
+    turned = "away" if way == "towards" else "towards"
+    ask = f'echoes.way = "{turned}" would give {other.speed:.5g} m/s: which way does the first pulse run?'
+    if other.misfit < OTHER_WAY:
+        message = f"the times of the passes fit the other way of the first pulse better; {ask}"
+        yield Notice("way-differs", message, other.misfit, OTHER_WAY)
+    if abs(off) > limit:
+        message = f"the speed by echoes, {speed.value:.5g} m/s, is {off:+.2%} off the stated {bar.speed:.5g} m/s"
+        if not other.misfit < OTHER_WAY and abs(other.speed / bar.speed - 1.0) < OTHER_WAY * abs(off):
+            message += f"; {ask}"
+        yield Notice("speed-differs", message, off, limit)
+    if speed.freedom < 1:
+        yield Notice("no-scatter", "the speed stands on as few passes as tell it: it has no error", 0.0, 1.0)
+
+
+def _length_notices(found: Echoes, bar: Bar) -> Iterator[Notice]:
+    off = found.round_trip.value / bar.length - 1.0 if math.isfinite(bar.length) else 0.0
+    if abs(off) > LENGTH_MISMATCH:
+        message = (
+            f"the stated length of {bar.length * 1e3:.5g} mm is {-off / (1.0 + off):+.1%} off the "
+            f"{found.round_trip.value * 1e3:.5g} mm by round trips and turns at the near end: is it, or the gauge "
+            "distance, off?"
+        )
+        yield Notice("length-differs", message, off, LENGTH_MISMATCH)

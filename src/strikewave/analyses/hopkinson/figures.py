@@ -1,0 +1,285 @@
+"""Pictures of split Hopkinson bars: shots, equilibrium in theory, echoes of a bar alone, a sensor on a bar end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave.analyses.hopkinson.echo_result import EchoSolution
+from strikewave.analyses.hopkinson.result import SplitBarSolution
+from strikewave.analyses.hopkinson.sensor_result import SensorSolution
+from strikewave.analyses.machine.figures.pulses import WHOLE, thin
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.hopkinson import ANALYSES, stress_difference
+from strikewave.hopkinson.echoes import Echoes
+from strikewave.hopkinson.pulses import Pulses
+from strikewave.hopkinson.reduction import Reduction
+from strikewave.hopkinson.uniformity import UNIFORM, face_forces
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SINCE = "time after the wave comes to the specimen (µs)"
+AT_END = "time after the wave comes to the end (µs)"
+LOOKS = ((BLUE, "-"), (RED, "--"), (GREEN, "-."))
+"""Colour and dashes of the first, second and third curve."""
+
+
+def _above(axes: Any, columns: int = 3) -> None:
+    """Put the legend into the upper right corner of the title line."""
+    axes.legend(
+        frameon=False,
+        fontsize=8,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 0.98),
+        ncols=columns,
+        borderaxespad=0.0,
+        columnspacing=1.2,
+    )
+
+
+def draw_record(axes: Any, pulses: Pulses) -> None:
+    """Draw both traces about the pulses, and the windows in which these were found."""
+    for quietened, (colour, dash), name in zip(pulses.traces, LOOKS, ("incident bar", "transmitted bar"), strict=False):
+        time, strain = thin(quietened.trace.time, quietened.trace.strain)
+        axes.plot(time * 1e6, strain * 1e6, dash, color=colour, linewidth=1.0, label=name)
+    top = float(pulses.plateau) * 1e6
+    names = ("incident", "reflected", "transmitted")
+    for k, (start, name) in enumerate(zip(pulses.starts, names, strict=True)):
+        begin, end = start * 1e6, (start + pulses.duration) * 1e6
+        level = -1.55 * top if k < 2 else -1.85 * top
+        axes.plot([begin, end], [level, level], "|-", color=GREY, linewidth=1.0, markersize=6)
+        axes.text(0.5 * (begin + end), level, name, fontsize=8, ha="center", va="bottom", color=GREY)
+    quiet(axes, "Record and windows", "time of the record (µs)", "strain (µε), compression +")
+    axes.set_ylim(-2.05 * top, 1.35 * top)
+    first, last = pulses.traces[0].trace.time[[0, -1]]
+    axes.set_xlim(
+        1e6 * max(first, pulses.starts[0] - 0.5 * pulses.duration),
+        1e6 * min(last, max(pulses.starts) + 1.5 * pulses.duration),
+    )
+    _above(axes, 2)
+
+
+def draw_waves(axes: Any, reduction: Reduction) -> None:
+    """Draw the three waves at the specimen, the reflected one turned over, and what incident and reflected add to."""
+    w = reduction.waves
+    shown = (("incident", w.incident), ("−reflected", -w.reflected), ("transmitted", w.transmitted))
+    for (name, strain), (colour, dash) in zip(shown, LOOKS, strict=True):
+        axes.plot(w.time * 1e6, strain * 1e6, dash, color=colour, linewidth=1.3, label=name)
+    axes.axvline(w.loaded * 1e6, color=GREY, linewidth=0.8, linestyle=":")
+    quiet(axes, "At the specimen", SINCE, "strain (µε), compression +")
+    _above(axes)
+
+
+def draw_forces(axes: Any, solution: SplitBarSolution) -> None:
+    """Draw the forces on both faces, and below them by how much they differ."""
+    r = solution.reduction
+    time = r.time * 1e6
+    axes.plot(time, r.first_force / 1e3, "-", color=BLUE, linewidth=1.3, label="F1, incident bar")
+    axes.plot(time, r.second_force / 1e3, "--", color=RED, linewidth=1.3, label="F2, transmitted bar")
+    axes.axvline(r.waves.loaded * 1e6, color=GREY, linewidth=0.8, linestyle=":")
+    quiet(axes, "Force balance", SINCE, "force (kN)")
+    _above(axes, 2)
+
+
+def draw_difference(axes: Any, solution: SplitBarSolution) -> None:
+    """Draw how much the forces differ while the incident wave lasts."""
+    r, on = solution.reduction, solution.reduction.loading
+    axes.plot(r.time[on] * 1e6, 100.0 * solution.equilibrium.ratio[on], color=BLUE, linewidth=1.2)
+    axes.axhline(100.0 * UNIFORM, color=GREY, linewidth=0.9, linestyle="--")
+    axes.text(1.0, 100.0 * UNIFORM, f" {UNIFORM:.0%}", transform=axes.get_yaxis_transform(), fontsize=8, va="center")
+    quiet(axes, "Difference of the forces over their mean", SINCE, "2 |F1−F2| / |F1+F2| (%)")
+    axes.set_ylim(0.0, 100.0)
+
+
+def draw_curves(axes: Any, reduction: Reduction) -> None:
+    """Draw true stress over true strain by the three analyses while the incident wave lasts."""
+    on = reduction.loading
+    for name, (colour, dash) in zip(ANALYSES, LOOKS, strict=True):
+        true = reduction.curve(name).true()
+        axes.plot(100.0 * true.strain[on], true.stress[on] / 1e6, dash, color=colour, linewidth=1.3, label=name)
+    quiet(axes, "True curve", "true strain (%)", "true stress (MPa)")
+    _above(axes)
+
+
+def draw_rate(axes: Any, reduction: Reduction) -> None:
+    """Draw the true strain rate over true strain by 1-wave and 3-wave analysis."""
+    on = reduction.loading
+    for name, (colour, dash) in zip(("1-wave", "3-wave"), (LOOKS[0], LOOKS[2]), strict=True):
+        true = reduction.curve("1-wave" if name == "1-wave" else "3-wave").true()
+        axes.plot(100.0 * true.strain[on], true.rate[on], dash, color=colour, linewidth=1.3, label=name)
+    quiet(axes, "True strain rate", "true strain (%)", "rate (1/s)")
+    _above(axes)
+
+
+def shot_summary(solution: SplitBarSolution) -> Figure:
+    """Draw a reduced shot: record, waves, forces, their difference, curve and rate."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11.0, 9.6), layout="constrained")
+    sheet_title(figure, solution.title)
+    grid = figure.subplots(3, 2)
+    draw_record(grid[0, 0], solution.pulses)
+    draw_waves(grid[0, 1], solution.reduction)
+    draw_forces(grid[1, 0], solution)
+    draw_difference(grid[1, 1], solution)
+    draw_curves(grid[2, 0], solution.reduction)
+    draw_rate(grid[2, 1], solution.reduction)
+    return figure
+
+
+def draw_passes(axes: Any, echoes: Echoes) -> None:
+    """Draw the trace of a bar with its passes."""
+    trace = echoes.quiet.trace
+    time, strain = thin(trace.time, trace.strain)
+    axes.plot(time * 1e6, strain * 1e6, color=BLUE, linewidth=0.9)
+    top = 1.25 * float(np.abs(strain).max()) * 1e6
+    for k, passed in enumerate(echoes.times):
+        axes.axvline(passed * 1e6, color=GREY, linewidth=0.8, linestyle=":")
+        axes.text(passed * 1e6, top, f" {k + echoes.first + 1}", fontsize=8, va="top", color=GREY)
+    quiet(axes, "Passes of the pulse", "time of the record (µs)", "strain (µε), first pulse +")
+    axes.set_ylim(-top, top)
+
+
+def draw_speed(axes: Any, echoes: Echoes, stated: float) -> None:
+    """Draw the phase speed over frequency with its scatter, the theory, and the stated speed."""
+    frequency = echoes.frequency / 1e3
+    error = np.nan_to_num(echoes.phase_speed_error)
+    axes.errorbar(
+        frequency, echoes.phase_speed, error, fmt="o", color=BLUE, markersize=4, capsize=2, label="echoes ± error"
+    )
+    axes.plot(frequency, echoes.theory_speed, "-", color=RED, linewidth=1.4, label="theory")
+    axes.axhline(stated, color=GREY, linewidth=1.0, linestyle="--", label="stated")
+    quiet(axes, "Phase speed", "frequency (kHz)", "speed (m/s)")
+    _above(axes)
+
+
+def draw_losses(axes: Any, echoes: Echoes) -> None:
+    """Draw the attenuation over frequency with its scatter."""
+    error = np.nan_to_num(echoes.losses_error)
+    axes.errorbar(
+        echoes.frequency / 1e3, echoes.losses, error, fmt="o", color=BLUE, markersize=4, capsize=2, label="round trips"
+    )
+    axes.axhline(echoes.attenuation.value, color=RED, linewidth=1.2, label="mean by energy")
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    quiet(axes, "Attenuation", "frequency (kHz)", "attenuation (1/m)")
+    _above(axes, 2)
+
+
+def echo_summary(solution: EchoSolution) -> Figure:
+    """Draw the calibration of a bar: its passes, phase speed and attenuation over frequency."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11.0, 6.8), layout="constrained")
+    sheet_title(figure, solution.title)
+    grid = figure.subplot_mosaic([["passes", "passes"], ["speed", "losses"]])
+    draw_passes(grid["passes"], solution.echoes)
+    draw_speed(grid["speed"], solution.echoes, solution.bar.speed)
+    draw_losses(grid["losses"], solution.echoes)
+    return figure
+
+
+def draw_accelerations(axes: Any, solution: SensorSolution) -> None:
+    """Draw the reference acceleration of the sensor, and its reading with the delay taken out."""
+    found = solution.comparison
+    words = "reading / sensitivity found" if solution.unit == "V" else "reading"
+    for values, name, (colour, dash) in zip(
+        (found.motion.acceleration, solution.shown_acceleration), ("reference by the gauge", words), LOOKS, strict=False
+    ):
+        time, shown = thin(found.time, values)
+        axes.plot(time * 1e6, shown / (1e3 * STANDARD_GRAVITY), dash, color=colour, linewidth=1.3, label=name)
+    title = f"Acceleration at {found.bandwidth.value / 1e3:.3g} kHz" + ("" if solution.quoted else ": not to be quoted")
+    quiet(axes, title, AT_END, "acceleration (1000 g)")
+    _above(axes, 2)
+
+
+def draw_sensor_difference(axes: Any, solution: SensorSolution) -> None:
+    """Draw by how much the reading differs from the reference, over the peak of the reference."""
+    found = solution.comparison
+    time, shown = thin(found.time, solution.shown_acceleration - found.motion.acceleration)
+    axes.plot(time * 1e6, 100.0 * shown / found.peaks[0], color=BLUE, linewidth=1.1)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    quiet(axes, "Reading less reference", AT_END, "share of the peak (%)")
+
+
+def draw_velocities(axes: Any, solution: SensorSolution) -> None:
+    """Draw the velocity of the sensor by the gauge, by both waves at the end, and by its integrated reading."""
+    found = solution.comparison
+    histories = (found.motion.velocity, solution.shown_velocity, found.both_waves)
+    names, widths = ("reference", "reading", "both waves"), (3.0, 1.7, 1.0)
+    for values, name, width, (colour, dash) in zip(histories, names, widths, LOOKS, strict=True):
+        time, shown = thin(found.time, values)
+        axes.plot(time * 1e6, shown, dash, color=colour, linewidth=width, label=name)
+    quiet(axes, "Velocity", AT_END, "velocity (m/s)")
+    _above(axes)
+
+
+def draw_end_record(axes: Any, solution: SensorSolution) -> None:
+    """Draw the strain at the gauge, and the windows of the incident and of the reflected pulse."""
+    pulses = solution.comparison.pulses
+    trace, top = pulses.traces[0].trace, float(pulses.plateau) * 1e6
+    time, strain = thin(trace.time, trace.strain)
+    axes.plot(time * 1e6, strain * 1e6, color=BLUE, linewidth=1.0)
+    for start, name, level in zip(pulses.starts, ("incident", "reflected"), (-1.55 * top, -1.9 * top), strict=False):
+        begin, end = start * 1e6, (start + pulses.duration) * 1e6
+        axes.plot([begin, end], [level, level], "|-", color=GREY, linewidth=1.0, markersize=6)
+        axes.text(0.5 * (begin + end), level, name, fontsize=8, ha="center", va="bottom", color=GREY)
+    quiet(axes, "Strain at the gauge", "time of the record (µs)", "strain (µε), compression +")
+    axes.set_ylim(-2.15 * top, 1.35 * top)
+    first, last = trace.time[[0, -1]]
+    axes.set_xlim(
+        1e6 * max(first, pulses.starts[0] - 0.2 * pulses.duration),
+        1e6 * min(last, pulses.starts[1] + 1.2 * pulses.duration),
+    )
+
+
+def sensor_summary(solution: SensorSolution) -> Figure:
+    """Draw an accelerometer beside its reference: accelerations, their difference, velocities, the strain."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11.0, 9.6), layout="constrained")
+    sheet_title(figure, solution.title)
+    grid = figure.subplot_mosaic([["acceleration"] * 2, ["difference", "velocity"], ["strain"] * 2])
+    draw_accelerations(grid["acceleration"], solution)
+    draw_sensor_difference(grid["difference"], solution)
+    draw_velocities(grid["velocity"], solution)
+    draw_end_record(grid["strain"], solution)
+    return figure
+
+
+def uniformity(ratios: Sequence[float] = (0.1, 0.25, 0.5, 1.0), rise: float = 2.0, transits: int = 12) -> Figure:
+    """Draw how the forces on an elastic specimen come together: a step, and a rise of so many transits.
+
+    The strip marks the 3 to 5 transits by which equilibrium is often taken for granted.
+
+    Examples
+    --------
+    >>> len(uniformity((0.1, 0.5)).axes)
+    2
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=WHOLE, layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    time = np.linspace(0.005, transits, 40 * transits)
+    looks = ((BLUE, "-"), (RED, "--"), (GREEN, "-."), (ORANGE, ":"))
+    for beta, (colour, dash) in zip(ratios, looks, strict=False):
+        k = np.arange(1, transits + 1)
+        steps = 100.0 * stress_difference(beta, k)
+        left.step(np.append(k - 1, transits), np.append(steps, steps[-1]), dash, where="post", color=colour)
+        ramp = 100.0 * np.abs(face_forces(beta, time, rise).alpha)
+        right.plot(time, ramp, dash, color=colour, label=f"β = {beta:g}")
+    for axes, title in ((left, "Step"), (right, f"Straight rise over {rise:g} transits")):
+        axes.axvspan(3.0, 5.0, color="#EFEFEF", zorder=0)
+        axes.axhline(100.0 * UNIFORM, color=GREY, linewidth=0.9, linestyle="--")
+        quiet(axes, title, "time over transit time t/t₀", "force difference |α| (%)")
+        axes.set_yscale("log")
+        axes.set_ylim(0.1, 300.0)
+        axes.set_xlim(0.0, transits)
+    right.set_ylabel("")
+    handles, labels = right.get_legend_handles_labels()
+    left.legend(handles, labels, frameon=False, fontsize=8, loc="upper right")
+    return figure

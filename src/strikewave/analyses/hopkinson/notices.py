@@ -1,0 +1,71 @@
+"""What every solution of split bars shares: files and their digests, sources, what reading and constants say."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator
+
+from strikewave.analyses.hopkinson.build import recorded_file
+from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.analyses.machine.result import Notice
+from strikewave.base.errors import InputError
+from strikewave.cases.hopkinson_tables import RecordedTable
+from strikewave.hopkinson import Elastic
+from strikewave.hopkinson.pulses import Quiet
+from strikewave.records.finding import Finding
+
+MISMATCH = 0.005
+"""Share by which stated density, modulus and speed may disagree without a word."""
+
+DRIFT = 4.0
+"""Standard errors by which means of parts of a quiet head may differ without a word."""
+DRIFT_SHARE = 1e-3
+"""Share of the largest strain of the record below which such a difference is not worth one."""
+
+
+def digests(case: SplitBarCase, records: Iterable[RecordedTable]) -> dict[str, str]:
+    """Return the SHA-256 of the files of records, by their names in the set-up."""
+    found = {}
+    for record in records:
+        try:
+            with recorded_file(case, record).open("rb") as file:
+                found[record.file] = hashlib.file_digest(file, "sha256").hexdigest()
+        except OSError as error:
+            raise InputError("FILE", record.file, "a file that can be read", error.strerror or "") from None
+    return found
+
+
+def citations(theory: str, others: list[str]) -> tuple[str, ...]:
+    """Return the keys of the sources, with that of the theory of dispersion."""
+    return tuple(others if theory == "none" else [*others, "follansbee-frantz-1983"])
+
+
+def reading_notices(findings: Iterable[Finding]) -> Iterator[Notice]:
+    """Yield what reading the records showed."""
+    for finding in findings:
+        if finding.severity != "good":
+            yield Notice(f"record-{finding.code}", finding.message, float(finding.value), 0.0)
+
+
+def constant_notices(constants: dict[str, Elastic]) -> Iterator[Notice]:
+    """Yield bars whose stated modulus contradicts density and speed."""
+    for name, one in constants.items():
+        if abs(one.mismatch) > MISMATCH:
+            message = (
+                f"the modulus stated for the {name} bar differs by {one.mismatch:+.1%} from rho c^2 = "
+                f"{one.modulus / 1e9:.4g} GPa of its density and speed, which is used"
+            )
+            yield Notice("constants-disagree", message, one.mismatch, MISMATCH)
+
+
+def drift_notices(quiets: Iterable[Quiet], names: Iterable[str]) -> Iterator[Notice]:
+    """Yield gauges whose zero line moves before the pulse."""
+    for quiet, name in zip(quiets, names, strict=True):
+        difference, error = quiet.drift
+        limit = max(DRIFT * error, DRIFT_SHARE * float(abs(quiet.trace.strain).max()))
+        if difference > limit:
+            message = (
+                f"the zero line of {name} moves by {difference * 1e6:.3g} ustrain before the pulse, more than noise "
+                "does: forces and impulses are no surer than that"
+            )
+            yield Notice("baseline-drifts", message, difference, limit)

@@ -1,0 +1,498 @@
+"""The reports of split Hopkinson bars: a shot, an accelerometer on a bar end, a bar calibrated by its echoes."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from typing import TYPE_CHECKING, Any
+
+from strikewave._version import __version__
+from strikewave.reporting import chapters
+from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.page import Head, whole_page
+from strikewave.reporting.parts import NONE, Cell, Code, Picture, Section, Table, Tag, written
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from matplotlib.figure import Figure
+
+    from strikewave.analyses.hopkinson.echo_result import EchoSolution
+    from strikewave.analyses.hopkinson.result import SplitBarSolution
+    from strikewave.analyses.hopkinson.sensor_result import SensorSolution
+    from strikewave.hopkinson.checks import Equilibrium, Slope
+    from strikewave.hopkinson.echoes import Estimate
+
+_SHOT = (
+    "Compression is positive. Each pulse is carried from its gauge to the specimen; forces are F1 = E A (incident + "
+    "reflected) and F2 = E A transmitted, face velocities c (incident − reflected) and c transmitted. 1-wave takes the "
+    "stress from F2 and the rate from the reflected wave alone, 2-wave the stress from F1 with the same rate, 3-wave "
+    "the mean force and all three waves."
+)
+_SLOPE = (
+    "The slope of the rise is fitted from 10 to 50 % of the largest stress; in brackets is what it becomes where "
+    "reflected and transmitted wave come a sample earlier or later. It is a check, not Young's modulus: equilibrium "
+    "comes late in the rise, and the bar faces give way."
+)
+_ECHOES = (
+    "Both ends are free, and the pulse passes the gauge again and again. The phase between two passes over a known way "
+    "gives the speed at each frequency, the ratio of their amplitudes over a round trip the attenuation, losses at the "
+    "ends included. All passes count at once, by least squares; the standard error is by what is left of them, and "
+    "Student's factor times it holds 95 %. The error of the stated distance comes on top."
+)
+_SENSOR = (
+    "The incident wave, carried from the gauge to the end, tells how what stands there moves: v = 2 c ε at a bare end, "
+    "m dv/dt = 2 E A ε − Z v for a rigid mass, waves in the disk for an elastic one. Reference and reading are "
+    "low-passed alike at the bandwidth stated (zero phase, 4 poles a pass). The delay is that of the largest "
+    "correlation, the sensitivity the slope by least squares of reading over reference."
+)
+_DOUBT = (
+    "The uncertainty adds squares: the scatter of the slope by the residual, taken as noise of its own colour; by how "
+    "much the noise of the reference lowers the slope; and what the set-up states for strain and bar speed. Nothing is "
+    "in it for the mass on the end, nor for a wrong model of the end: for that the reflected wave, which the reference "
+    "does not use, is set beside."
+)
+
+
+def shot_tables(solution: SplitBarSolution) -> list[Table]:
+    """Return the tables of a reduced shot."""
+    return [
+        _curve_table(solution),
+        _balance_table(solution),
+        _alignment_table(solution),
+        _bar_table(solution),
+        *_striker_table(solution),
+        *_theory_table(solution),
+    ]
+
+
+def _curve_table(solution: SplitBarSolution) -> Table:
+    import numpy as np
+
+    from strikewave.hopkinson import ANALYSES
+
+    on, slopes = solution.reduction.loading, solution.slopes()
+    rows: list[list[Cell]] = []
+    for name in ANALYSES:
+        slope, true = slopes[name], solution.reduction.curve(name).true()
+        rows.append(
+            [
+                name + (" *" if name == solution.case.setup.solver.analysis else ""),
+                f"{100.0 * float(true.strain[on].max()):.2f}",
+                f"{float(true.stress[on].max()) / 1e6:.1f}",
+                f"{float(np.median(true.rate[on])):.0f}",
+                _slope(slope),
+            ]
+        )
+    heads = ["analysis", "true strain (%)", "true stress (MPa)", "true rate (1/s)", "slope of the rise (GPa)"]
+    caption = (
+        f"{solution.title}: largest true strain and stress, median true rate, slope from 10 to 50 % of the largest "
+        "stress (and within a sample of misalignment); * the one chosen"
+    )
+    return Table(caption, heads, rows)
+
+
+def _slope(slope: Slope) -> str:
+    """Write a slope with the values between which a sample of misalignment moves it, GPa."""
+    if math.isnan(slope.value):
+        return NONE
+    value = f"{slope.value / 1e9:.3g}"
+    if math.isnan(slope.low):
+        return value
+    above = (
+        f"{slope.low / 1e9:.3g} or more"
+        if math.isinf(slope.high)
+        else f"{slope.low / 1e9:.3g} to {slope.high / 1e9:.3g}"
+    )
+    return f"{value} ({above})"
+
+
+def _balance_table(solution: SplitBarSolution) -> Table:
+    alike, impulses, work, limits = (
+        solution.equilibrium,
+        solution.momentum,
+        solution.energy,
+        solution.case.setup.limits,
+    )
+    specimen = NONE if math.isnan(impulses.specimen) else f"{impulses.specimen * 1e3:.3g} mN s"
+    wrong = "" if work.acceleration >= 0.0 else "; below 0: the forces do not balance"
+    rows: list[list[Cell]] = [
+        ["force difference over mean force", f"{alike.misfit:.1%}", f"limit {limits.force_misfit.si:.0%}"],
+        ["impulse on face 1 over face 2", f"{alike.force_ratio:.4f}", "1 but for the specimen's own momentum"],
+        ["forces agree to 5 %", _agreeing(alike), f"in all over {alike.share:.0%} of the loading"],
+        [
+            "impulse that is missing" if impulses.closure >= 0.0 else "impulse in surplus",
+            f"{abs(impulses.closure):.2%}",
+            f"of the incident one; limit {limits.momentum.si:.0%}",
+        ],
+        ["incident, reflected, transmitted impulse", _three(impulses[:3], 1.0, "N s"), f"specimen {specimen}"],
+        ["incident, reflected, transmitted energy", _three(work[:3], 1.0, "J"), ""],
+        [
+            "absorbed energy",
+            f"{work.absorbed:.4g} J",
+            f"deforms {work.deformation:.4g}, moves {work.acceleration:.3g} J{wrong}",
+        ],
+    ]
+    return Table("Balances while the incident wave lasts", ["quantity", "value", "note"], rows)
+
+
+def _agreeing(alike: Equilibrium) -> str:
+    """Write the longest stretch in which the forces agree."""
+    if math.isnan(alike.begin):
+        return "in no lasting stretch"
+    return f"from {alike.begin * 1e6:.1f} to {alike.end * 1e6:.1f} µs"
+
+
+def _three(values: Sequence[float], scale: float, unit: str) -> str:
+    return ", ".join(f"{value * scale:.4g}" for value in values) + f" {unit}"
+
+
+def _alignment_table(solution: SplitBarSolution) -> Table:
+    waves = solution.reduction.waves
+    rows: list[list[Cell]] = [
+        [name, *(f"{late[k] * 1e6:+.2f}" for late in (waves.late_onset, waves.late_balance, waves.applied))]
+        for k, name in enumerate(("reflected", "transmitted"))
+    ]
+    caption = (
+        f"How late the waves are at the specimen against geometry; alignment {waves.method}, dispersion "
+        f"{waves.theory} up to {waves.band / 1e3:.4g} kHz, greatest move allowed {waves.window * 1e6:.3g} µs, the rise"
+    )
+    return Table(caption, ["wave", "by onset (µs)", "by balance (µs)", "moved (µs)"], rows)
+
+
+def _bar_table(solution: SplitBarSolution) -> Table:
+    rows: list[list[Cell]] = [
+        [
+            name,
+            f"{one.density:.5g}",
+            f"{one.modulus / 1e9:.5g}",
+            f"{one.speed:.6g}",
+            one.derived,
+            f"{bar.impedance:.5g}",
+            f"{noise * 1e6:.3g}",
+        ]
+        for (name, one), bar, noise in zip(
+            solution.constants.items(), solution.reduction.bars, solution.reduction.waves.noise, strict=True
+        )
+    ]
+    heads = ["bar", "density (kg/m³)", "modulus (GPa)", "speed (m/s)", "derived", "impedance (N s/m)", "noise (µε)"]
+    return Table("Bars, with the constant that follows from the two others", heads, rows)
+
+
+def _striker_table(solution: SplitBarSolution) -> list[Table]:
+    found = solution.striker_check
+    if found is None:
+        return []
+    rows: list[list[Cell]] = [
+        ["plateau strain (µε)", written(found.strain * 1e6), written(found.strain_expected * 1e6)],
+        ["width at half height (µs)", written(found.duration * 1e6), written(found.duration_expected * 1e6)],
+    ]
+    caption = f"Incident pulse beside its striker; the plateau stands for {found.speed:.4g} m/s"
+    return [Table(caption, ["quantity", "measured", "v Zs/((Zs+Zb) c), 2 Ls/cs"], rows)]
+
+
+def _theory_table(solution: SplitBarSolution) -> list[Table]:
+    """Say how soon an elastic specimen would be in equilibrium, where its density and modulus are known."""
+    from strikewave.hopkinson import stress_difference, transits_to_uniform
+
+    specimen, bar = solution.reduction.specimen, solution.reduction.bars[0]
+    beta, transit = specimen.impedance_ratio(bar), specimen.transit
+    if beta is None or transit is None:
+        return []
+    rise = solution.pulses.rise / 0.8 / transit
+    rows: list[list[Cell]] = [
+        ["impedance of the specimen over that of the bar", f"{beta:.4g}"],
+        ["transit of the specimen (µs)", f"{transit * 1e6:.4g}"],
+        ["force difference after a step, transit 3", f"{float(stress_difference(beta, 3)):.1%}"],
+        ["force difference after a step, transit 5", f"{float(stress_difference(beta, 5)):.2%}"],
+        ["transits to 5 % after a step", f"{transits_to_uniform(beta):.4g}"],
+        [f"transits to 5 % under a straight rise of {rise:.3g} transits", f"{transits_to_uniform(beta, rise):.4g}"],
+    ]
+    return [Table("Equilibrium of an elastic specimen in theory", ["quantity", "value"], rows)]
+
+
+def echo_tables(solution: EchoSolution) -> list[Table]:
+    """Return the tables of a bar calibrated by its echoes."""
+    found = solution.echoes
+    band = found.frequency
+    rows: list[list[Cell]] = [
+        [
+            "bar speed (m/s)",
+            *_estimated(found.speed, 1.0),
+            f"{solution.difference:+.2%} off the stated {solution.bar.speed:.6g}",
+        ],
+        ["length (mm)", *_estimated(found.round_trip, 1e3), _length_words(solution)],
+        ["attenuation (1/m)", *_estimated(found.attenuation, 1.0), "by energy, ends included"],
+        ["passes used", str(found.times.size), NONE, NONE, NONE, f"from number {found.first + 1} on"],
+        [
+            "band (kHz)",
+            f"{band[0] / 1e3:.3g} to {band[-1] / 1e3:.3g}",
+            NONE,
+            NONE,
+            NONE,
+            "every pass ten times its noise",
+        ],
+    ]
+    heads = ["quantity", "value", "standard error", "Student's factor, 95 %", "freedom", "note"]
+    return [Table(f"{solution.title}: what the echoes say, dispersion {found.theory}", heads, rows)]
+
+
+def _length_words(solution: EchoSolution) -> str:
+    stated = solution.bar.length
+    return f"by round trips; given as {stated * 1e3:.6g}" if math.isfinite(stated) else "by round trips"
+
+
+def _estimated(one: Estimate, scale: float) -> tuple[str, str, str, str]:
+    if math.isnan(one.error):
+        return f"{one.value * scale:.6g}", NONE, NONE, str(one.freedom)
+    return f"{one.value * scale:.6g}", f"{one.error * scale:.2g}", f"{one.student:.3g}", str(one.freedom)
+
+
+def sensor_tables(solution: SensorSolution) -> list[Table]:
+    """Return the tables of an accelerometer on the end of a bar."""
+    return [_sensitivity_table(solution), _agreement_table(solution), _uncertainty_table(solution)]
+
+
+def _sensitivity_table(solution: SensorSolution) -> Table:
+    found, unit = solution.comparison, solution.unit
+    (peak, read), (velocity, integral) = solution.peaks, found.velocities
+    share = solution.uncertainty.combined
+    slope = solution.sensitivity
+    rows: list[list[Cell]] = [
+        [
+            "slope by least squares",
+            NONE,
+            NONE,
+            f"{_sensitivity(slope, unit)} ± {_sensitivity(abs(slope) * share, unit, 2)}",
+        ],
+        ["largest acceleration", with_unit(peak, "m/s^2", "g"), _read(read, unit), _sensitivity(read / peak, unit)],
+        ["velocity change", f"{velocity:.4g} m/s", _integral(integral, unit), _sensitivity(integral / velocity, unit)],
+    ]
+    if not solution.quoted:
+        rows[0][3] = rows[1][3] = "not quoted: rise too steep"
+    heads = ["quantity", "reference by the gauge", "reading", "reading over reference"]
+    bandwidth = found.bandwidth
+    caption = (
+        f"{solution.title}: sensitivity with its standard uncertainty, at {bandwidth.value / 1e3:.4g} kHz "
+        f"(set by: {bandwidth.reason})"
+    )
+    return Table(caption, heads, rows)
+
+
+def _agreement_table(solution: SensorSolution) -> Table:
+    found, standing = solution.comparison, solution.standing
+    reflected = NONE if math.isnan(found.reflected_misfit) else f"{found.reflected_misfit:.2%}"
+    disk = f", elastic disk of {standing.disk.mass * 1e3:.4g} gram" if standing.disk else ""
+    rows: list[list[Cell]] = [
+        ["delay of the reading", f"{found.agreement.delay * 1e6:+.3f} µs", "against gauge and bar speed"],
+        ["correlation", f"{found.correlation:.5f}", "at that delay"],
+        ["residual over reading", f"{found.agreement.residual:.2%}", "root mean square"],
+        ["noise of the reference", with_unit(found.reference_noise, "m/s^2", "g"), "of the gauge, at the bandwidth"],
+        ["noise of the reading", _read(found.reading_noise, solution.unit), "at the bandwidth"],
+        ["rise left, in diameters of travel", f"{solution.rise_diameters:.3g}", "not quoted below 2, warned below 5"],
+        ["frequency at which the pulse sinks in noise", f"{found.bandwidth.noise / 1e3:.4g} kHz", "at the gauge"],
+        ["velocity by both waves, off the model", reflected, "root mean square"],
+        ["mass on the end", f"{standing.mass * 1e3:.4g} gram", f"sensor and rigid disk{disk}"],
+    ]
+    return Table("How the reading follows the reference", ["quantity", "value", "note"], rows)
+
+
+def _uncertainty_table(solution: SensorSolution) -> Table:
+    parts, power = solution.uncertainty, solution.comparison.speed_power
+    words = {
+        "scatter": "residual of the slope",
+        "bias": "noise of the reference, which lowers a slope",
+        "strain": "stated for the strain at the gauge",
+        "speed": f"stated for the bar speed, which counts with its power {power:.3g}",
+    }
+    rows: list[list[Cell]] = [
+        [name, NONE if math.isnan(part) else f"{part:.2%}", words[name]] for name, part in parts._asdict().items()
+    ]
+    rows.append(["combined", f"{parts.combined:.2%}", "root of the sum of squares of those that are known"])
+    return Table("Relative standard uncertainty of the sensitivity", ["part", "value", "from"], rows)
+
+
+def _read(value: float, unit: str) -> str:
+    """Write a reading: volts as they are, an acceleration in g."""
+    return with_unit(value, "V", "mV") if unit == "V" else with_unit(value, "m/s^2", "g")
+
+
+def _integral(value: float, unit: str) -> str:
+    return f"{value * 1e6:.4g} mV ms" if unit == "V" else f"{value:.4g} m/s"
+
+
+def _sensitivity(value: float, unit: str, digits: int = 5) -> str:
+    """Write reading over reference: volts in mV/g, a ratio as it is."""
+    from strikewave.base.units import STANDARD_GRAVITY
+
+    return f"{value * STANDARD_GRAVITY * 1e3:.{digits}g} mV/g" if unit == "V" else f"{value:.{digits}g}"
+
+
+def shot_report(solution: SplitBarSolution, text: str) -> str:
+    """Return the report of a reduced shot as one HTML page."""
+    from strikewave.analyses.hopkinson.figures import (
+        draw_curves,
+        draw_difference,
+        draw_forces,
+        draw_rate,
+        draw_record,
+        draw_waves,
+    )
+
+    r, pulses = solution.reduction, solution.pulses
+    pictures = [
+        Picture(_figure(lambda axes: draw_record(axes, pulses), True), "The record, and the windows of the pulses."),
+        Picture(
+            _figure(lambda axes: draw_waves(axes, r), True),
+            "The waves at the specimen. The dotted line is the end of the incident wave.",
+        ),
+        Picture(_figure(lambda axes: draw_forces(axes, solution)), "Forces on both faces of the specimen."),
+        Picture(_figure(lambda axes: draw_difference(axes, solution)), "By how much they differ."),
+        Picture(_figure(lambda axes: draw_curves(axes, r)), "True stress over true strain."),
+        Picture(_figure(lambda axes: draw_rate(axes, r)), "True strain rate over true strain."),
+    ]
+    summary = solution.summary()
+    words = (
+        f"The specimen reached a true strain of {summary['strain']:.1%} at {summary['rate']:.0f} 1/s (median) and a "
+        f"true stress of {summary['stress'] / 1e6:.4g} MPa. The forces on its faces differ by "
+        f"{solution.equilibrium.misfit:.1%} of their mean, and {abs(solution.momentum.closure):.2%} of the incident "
+        f"impulse is {_closing(solution)}."
+    )
+    numbers = [
+        ("largest true stress", f"{summary['stress'] / 1e6:.4g} MPa"),
+        ("largest true strain", f"{100.0 * summary['strain']:.3g} %"),
+        ("median true rate", f"{summary['rate']:.0f} 1/s"),
+        ("force difference", f"{solution.equilibrium.misfit:.1%}"),
+        (f"impulse {_closing(solution)}", f"{abs(solution.momentum.closure):.2%}"),
+    ]
+    body = Section("Result", f"{_SHOT}\n\n{_SLOPE}", [*shot_tables(solution), *pictures])
+    return _page(solution, text, "Report of a split-Hopkinson shot", words, (numbers, body))
+
+
+def _closing(solution: SplitBarSolution) -> str:
+    return "missing" if solution.momentum.closure >= 0.0 else "in surplus"
+
+
+def sensor_report(solution: SensorSolution, text: str) -> str:
+    """Return the report of an accelerometer on the end of a bar as one HTML page."""
+    from strikewave.analyses.hopkinson.figures import (
+        draw_accelerations,
+        draw_end_record,
+        draw_sensor_difference,
+        draw_velocities,
+    )
+
+    found, share = solution.comparison, solution.uncertainty.combined
+    pictures = [
+        Picture(_figure(lambda axes: draw_accelerations(axes, solution), True), "Reference and reading of the sensor."),
+        Picture(_figure(lambda axes: draw_sensor_difference(axes, solution)), "By how much they differ."),
+        Picture(
+            _figure(lambda axes: draw_velocities(axes, solution)),
+            "Velocity: the reference, the reading integrated, and the end of the bar by both waves.",
+        ),
+        Picture(
+            _figure(lambda axes: draw_end_record(axes, solution), True),
+            "The strain at the gauge, and the windows of the pulses.",
+        ),
+    ]
+    said = _sensitivity(solution.sensitivity, solution.unit)
+    what = "The sensitivity of the sensor" if solution.unit == "V" else "The reading over the reference"
+    words = (
+        f"{what} is {said} at {found.bandwidth.value / 1e3:.4g} kHz (standard uncertainty {share:.2%}), and "
+        f"{found.agreement.residual:.1%} of the reading does not follow the reference."
+        if solution.quoted
+        else "The rise of the pulse is too steep at this bandwidth for accelerations to be quoted."
+    )
+    numbers = [
+        ("sensitivity" if solution.unit == "V" else "reading over reference", said if solution.quoted else NONE),
+        ("standard uncertainty", f"{share:.2%}" if solution.quoted else NONE),
+        ("largest acceleration", with_unit(solution.peaks[0], "m/s^2", "g")),
+        ("velocity change", f"{found.velocities[0]:.4g} m/s"),
+        ("delay", f"{found.agreement.delay * 1e6:+.2f} µs"),
+    ]
+    body = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", [*sensor_tables(solution), *pictures])
+    return _page(solution, text, "Report of an accelerometer on the end of a bar", words, (numbers, body))
+
+
+def echo_report(solution: EchoSolution, text: str) -> str:
+    """Return the report of a bar calibrated by its echoes as one HTML page."""
+    from strikewave.analyses.hopkinson.figures import draw_losses, draw_passes, draw_speed
+
+    found = solution.echoes
+    pictures = [
+        Picture(_figure(lambda axes: draw_passes(axes, found), True), "The passes of the pulse at the gauge."),
+        Picture(_figure(lambda axes: draw_speed(axes, found, solution.bar.speed)), "Phase speed by the echoes."),
+        Picture(_figure(lambda axes: draw_losses(axes, found)), "Attenuation by the echoes."),
+    ]
+    words = (
+        f"The bar speed by {found.times.size} passes is {found.speed.value:.5g} m/s, "
+        f"{solution.difference:+.2%} off the stated one."
+    )
+    numbers = [
+        ("bar speed", f"{found.speed.value:.5g} m/s"),
+        ("standard error", NONE if math.isnan(found.speed.error) else f"{found.speed.error:.2g} m/s"),
+        ("length", f"{found.length.value * 1e3:.5g} mm"),
+        ("attenuation", f"{found.attenuation.value:.3g} 1/m"),
+    ]
+    body = Section("Result", _ECHOES, [*echo_tables(solution), *pictures])
+    return _page(solution, text, "Report of a bar calibrated by its echoes", words, (numbers, body))
+
+
+def _page(
+    solution: SplitBarSolution | SensorSolution | EchoSolution,
+    text: str,
+    kicker: str,
+    summary: str,
+    shown: tuple[list[tuple[str, str]], Section],
+) -> str:
+    numbers, body = shown
+    broken = [notice.code for notice in solution.warnings if notice.broken]
+    many = len(solution.warnings)
+    status = (
+        Tag("stated limit broken: " + ", ".join(broken), "bad") if broken else Tag("no stated limit broken", "good")
+    )
+    if many and not broken:
+        status = Tag(f"no stated limit broken; {many} warning{'s' if many > 1 else ''}", "warned")
+    digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+    files: list[list[Cell]] = [[name, value] for name, value in solution.digests.items()]
+    again = Section(
+        "How to run this again",
+        f"This command gives the same numbers again with strikewave {__version__}; case.toml is the text below.",
+        [
+            Table("Files read", ["file", "SHA-256"], files),
+            Code("strikewave hopkinson case.toml"),
+            Code(text, "The whole set-up, case.toml"),
+        ],
+    )
+    as_case: Any = solution.case.setup
+    as_solution: Any = solution
+    sections = [
+        body,
+        chapters.inputs(as_case),
+        chapters.warnings(as_solution),
+        chapters.sources(as_solution),
+        again,
+    ]
+    name = solution.case.setup.name
+    head = Head(
+        title=solution.title,
+        kicker=kicker,
+        subject="Set-up",
+        name=name,
+        digest=digest,
+        status=status,
+        summary=summary,
+        numbers=numbers,
+        foot=f"set-up {name} · SHA-256 of its text {digest}",
+    )
+    return whole_page(head, sections)
+
+
+def _figure(draw: Callable[[Any], None], wide: bool = False) -> Figure:
+    from matplotlib.figure import Figure
+
+    from strikewave.analyses.machine.figures.pulses import HALF, WHOLE
+
+    figure = Figure(figsize=WHOLE if wide else HALF, layout="constrained")
+    draw(figure.add_subplot())
+    return figure

@@ -1,0 +1,193 @@
+"""What a split-Hopkinson shot gave: curves, checks, tables, files."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
+from strikewave.analyses.hopkinson.setup_file import SplitBarCase, values_of
+from strikewave.analyses.machine.dataset import quantity
+from strikewave.base.json_document import head, plain, without
+from strikewave.hopkinson.bars import Elastic, Striker
+from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
+from strikewave.hopkinson.pulses import Pulses
+from strikewave.hopkinson.reduction import ANALYSES, Curve, Reduction
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+
+_KEYS = {
+    "s": "time onset begin end rise width starts window late_onset late_balance applied duration duration_expected",
+    "1": "plateau noise misfit force_ratio share closure mismatch strain strain_expected",
+    "Pa": "modulus stress rise_slope",
+    "kg/m^3": "density",
+    "m/s": "speed",
+    "1/s": "rate",
+    "Hz": "band",
+    "N s": "momentum",
+    "J": "energy",
+}
+UNITS = {key: unit for unit, keys in _KEYS.items() for key in keys.split()}
+"""Unit of each key of the JSON document; a table has one unit where it is named alone."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SplitBarSolution(Outcome):
+    """A reduced shot.
+
+    Attributes
+    ----------
+    pulses : Pulses
+        As found at the gauges.
+    reduction : Reduction
+        Waves, forces and velocities at the specimen.
+    equilibrium, momentum, energy : Equilibrium, Momentum, Energy
+        The checks.
+    striker, striker_check : Striker, StrikerCheck or None
+        Where a striker is stated.
+    constants : dict
+        Which of density, modulus and speed of each bar is derived.
+    """
+
+    pulses: Pulses = field(repr=False)
+    reduction: Reduction = field(repr=False)
+    equilibrium: Equilibrium = field(repr=False)
+    momentum: Momentum
+    energy: Energy
+    striker: Striker | None
+    striker_check: StrikerCheck | None
+    constants: Mapping[str, Elastic]
+
+    @property
+    def curve(self) -> Curve:
+        """The engineering curve by the analysis of the set-up."""
+        return self.reduction.curve(self.case.setup.solver.analysis)
+
+    def slopes(self) -> dict[str, Slope]:
+        """Return the slope of the rise by each analysis, and how far a sample of misalignment moves it."""
+        return {name: rise_slopes(self.reduction, name) for name in ANALYSES}
+
+    def summary(self) -> dict[str, float]:
+        """Return the largest values of the true curve while the incident wave lasts, and the median true rate."""
+        true, on = self.curve.true(), self.reduction.loading
+        return {
+            "strain": float(true.strain[on].max()),
+            "stress": float(true.stress[on].max()),
+            "rate": float(np.median(true.rate[on])),
+        }
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document."""
+        waves, pulses, setup = self.reduction.waves, self.pulses, self.case.setup
+        alike = without(self.equilibrium._asdict(), "ratio")
+        names = ("reflected", "transmitted")
+        curves = {name: self.reduction.curve(name)._asdict() for name in ANALYSES}
+        return plain(
+            {
+                **head(UNITS, [without(dataclasses.asdict(n), "broken") for n in self.warnings]),
+                "setup": setup.name,
+                "inputs": inputs(self.case),
+                "bars": {name: constants._asdict() for name, constants in self.constants.items()},
+                "pulses": {
+                    "onset": pulses.onset,
+                    "end": pulses.end,
+                    "rise": pulses.rise,
+                    "width": pulses.width,
+                    "plateau": pulses.plateau,
+                    "starts": pulses.starts,
+                    "noise": waves.noise,
+                },
+                "alignment": {
+                    "method": waves.method,
+                    "dispersion": waves.theory,
+                    "band": waves.band,
+                    "window": waves.window,
+                    "late_onset": dict(zip(names, waves.late_onset, strict=True)),
+                    "late_balance": dict(zip(names, waves.late_balance, strict=True)),
+                    "applied": dict(zip(names, waves.applied, strict=True)),
+                },
+                "equilibrium": alike,
+                "momentum": self.momentum._asdict(),
+                "energy": self.energy._asdict(),
+                "striker": None if self.striker_check is None else self.striker_check._asdict(),
+                "rise_slope": {name: slope._asdict() for name, slope in self.slopes().items()},
+                "largest_true": self.summary(),
+                "analysis": setup.solver.analysis,
+                "time": self.reduction.time,
+                "curves": {name: without(curve, "time") for name, curve in curves.items()},
+            }
+        )
+
+    def dataset(self) -> xarray.Dataset:
+        """Return waves, forces, velocities and curves at the specimen with units."""
+        import xarray
+
+        r, w = self.reduction, self.reduction.waves
+        variables = {
+            "incident": quantity("time", w.incident, "1", "strain of the incident wave at the specimen"),
+            "reflected": quantity("time", w.reflected, "1", "strain of the reflected wave at the specimen"),
+            "transmitted": quantity("time", w.transmitted, "1", "strain of the transmitted wave at the specimen"),
+            "first_force": quantity("time", r.first_force, "N", "force on the first face"),
+            "second_force": quantity("time", r.second_force, "N", "force on the second face"),
+            "first_velocity": quantity("time", r.first_velocity, "m/s", "velocity of the first face"),
+            "second_velocity": quantity("time", r.second_velocity, "m/s", "velocity of the second face"),
+            "force_difference": quantity("time", self.equilibrium.ratio, "1", "2 |F1 - F2| / |F1 + F2|"),
+        }
+        curves = [r.curve(name) for name in ANALYSES]
+        for kind, shown in (("engineering", curves), ("true", [curve.true() for curve in curves])):
+            for part, unit in (("strain", "1"), ("stress", "Pa"), ("rate", "1/s")):
+                rows = np.array([getattr(curve, part) for curve in shown])
+                variables[f"{kind}_{part}"] = quantity(("analysis", "time"), rows, unit, f"{kind} {part}, compression")
+        coordinates = {
+            "time": quantity("time", r.time, "s", "time after the incident wave comes to the specimen"),
+            "analysis": ("analysis", np.array(ANALYSES, dtype=object)),
+        }
+        return xarray.Dataset(variables, coordinates, self.attributes())
+
+    def reduction_table(self) -> str:
+        """Return the histories at the specimen, with the curve of the chosen analysis, as CSV text."""
+        r, w, engineering = self.reduction, self.reduction.waves, self.curve
+        true = engineering.true()
+        columns = {
+            "time [s]": r.time,
+            "incident strain [1]": w.incident,
+            "reflected strain [1]": w.reflected,
+            "transmitted strain [1]": w.transmitted,
+            "force 1 [N]": r.first_force,
+            "force 2 [N]": r.second_force,
+            "velocity 1 [m/s]": r.first_velocity,
+            "velocity 2 [m/s]": r.second_velocity,
+            "engineering strain [1]": engineering.strain,
+            "engineering stress [Pa]": engineering.stress,
+            "engineering rate [1/s]": engineering.rate,
+            "true strain [1]": true.strain,
+            "true stress [Pa]": true.stress,
+            "true rate [1/s]": true.rate,
+        }
+        return csv_text(columns)
+
+    def pulses_table(self) -> str:
+        """Return the three pulses as the gauges saw them, each with its own time, as CSV text."""
+        pulses = self.pulses
+        columns: dict[str, Array] = {}
+        parts = (pulses.incident, pulses.reflected, pulses.transmitted)
+        for name, start, values in zip(("incident", "reflected", "transmitted"), pulses.starts, parts, strict=True):
+            columns[f"{name} time [s]"] = np.asarray(start + pulses.step * np.arange(values.size))
+            columns[f"{name} strain [1]"] = values
+        return csv_text(columns)
+
+
+def inputs(case: SplitBarCase) -> dict[str, dict[str, Any]]:
+    """Return every quantity of a set-up by its path, with provenance."""
+    return {
+        path: {"value": value.si, "typed": value.typed, "provenance": value.provenance, "note": value.note}
+        for path, value in values_of(case.setup)
+    }

@@ -1,0 +1,189 @@
+"""Set-up in, solution out: read the gauges, find the pulses, reduce them, check them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from strikewave.analyses.hopkinson.build import build_bar, build_specimen, build_striker, build_trace
+from strikewave.analyses.hopkinson.comparing import compare_accelerometer
+from strikewave.analyses.hopkinson.echo_notices import echo_notices
+from strikewave.analyses.hopkinson.echo_result import EchoSolution
+from strikewave.analyses.hopkinson.notices import citations, constant_notices, digests, drift_notices, reading_notices
+from strikewave.analyses.hopkinson.plausibility import (
+    check_strain,
+    gauge_notices,
+    specimen_notices,
+    strain_notices,
+    stress_notices,
+)
+from strikewave.analyses.hopkinson.result import SplitBarSolution
+from strikewave.analyses.hopkinson.sensor_result import SensorSolution
+from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.analyses.machine.result import Notice
+from strikewave.base.errors import InputError
+from strikewave.cases.hopkinson_tables import LimitsTable
+from strikewave.hopkinson import (
+    ANALYSES,
+    Pulses,
+    Reduction,
+    Specimen,
+    align,
+    energy,
+    equilibrium,
+    find_pulses,
+    momentum,
+    reduce,
+    striker_check,
+)
+from strikewave.hopkinson.checks import LASTING, Equilibrium, Momentum, StrikerCheck
+from strikewave.hopkinson.echoes import calibrate_bar
+
+STRIKER_MISMATCH = 0.05
+"""Share by which the incident pulse may differ from what its striker should make without a word."""
+LATE_SHARE = 0.2
+"""Share of the rise time by which a wave may be late at the specimen without a word."""
+UNIFORM = 0.05
+"""Share of the mean force below which the difference of the forces counts as equilibrium."""
+
+
+def run_split_bar(case: SplitBarCase) -> SplitBarSolution | SensorSolution | EchoSolution:
+    """Reduce the shot of a set-up, compare the accelerometer on its bar, or calibrate the bar by echoes.
+
+    Raises
+    ------
+    InputError
+        If files, channels, units or pulses cannot be used.
+    """
+    if case.setup.kind == "sensor":
+        return compare_accelerometer(case)
+    return _calibrate(case) if case.setup.kind == "echoes" else _reduce(case)
+
+
+def _reduce(case: SplitBarCase) -> SplitBarSolution:
+    setup = case.setup
+    incident, transmitted = setup.bar.incident, setup.bar.transmitted
+    assert transmitted is not None
+    assert setup.specimen is not None
+    first, constants = build_bar(incident, "bar.incident")
+    second, others = build_bar(transmitted, "bar.transmitted", incident)
+    bars, specimen = (first, second), build_specimen(setup.specimen)
+    gauges = ((incident.gauge, "bar.incident.gauge"), (transmitted.gauge, "bar.transmitted.gauge"))
+    gauged = [build_trace(case, gauge, path, bar) for (gauge, path), bar in zip(gauges, bars, strict=True)]
+    if gauged[0].source == gauged[1].source:
+        allowed = "another channel or file than that of the incident gauge"
+        raise InputError("bar.transmitted.gauge.channel", transmitted.gauge.channel, allowed)
+    pulses = find_pulses(gauged[0].trace, gauged[1].trace, bars)
+    waves = align(pulses, bars, setup.solver.dispersion, setup.solver.alignment, specimen.transit or 0.0)
+    reduction = reduce(waves, bars, specimen)
+    for analysis in ANALYSES:
+        check_strain(reduction, reduction.curve(analysis))
+    true, on = reduction.curve(setup.solver.analysis).true(), reduction.loading
+    alike, impulses = equilibrium(reduction, UNIFORM), momentum(reduction)
+    striker = build_striker(setup, bars[0])
+    checked = None if striker is None else striker_check(pulses, reduction, striker)
+    notices = [
+        *reading_notices([found for one in gauged for found in one.findings]),
+        *drift_notices(pulses.traces, [path for _, path in gauges]),
+        *constant_notices({"incident": constants, "transmitted": others}),
+        *strain_notices(pulses),
+        *gauge_notices(bars),
+        *specimen_notices(specimen, bars),
+        *stress_notices(float(true.stress[on].max()), specimen),
+        *_alignment_notices(reduction, pulses),
+        *_balance_notices(alike, impulses, setup.limits),
+        *_striker_notices(checked),
+    ]
+    return SplitBarSolution(
+        case=case,
+        pulses=pulses,
+        reduction=reduction,
+        equilibrium=alike,
+        momentum=impulses,
+        energy=energy(reduction),
+        striker=striker,
+        striker_check=checked,
+        constants={"incident": constants, "transmitted": others},
+        digests=digests(case, [gauge for gauge, _ in gauges]),
+        warnings=tuple(notices),
+        citations=citations(setup.solver.dispersion, ["kolsky-1963", "gray-2000", "maeda-1985", *_theory(specimen)]),
+    )
+
+
+def _calibrate(case: SplitBarCase) -> EchoSolution:
+    setup = case.setup
+    table = setup.bar.incident
+    bar, constants = build_bar(table, "bar.incident")
+    trace, findings, _ = build_trace(case, table.gauge, "bar.incident.gauge", bar)
+    found = calibrate_bar(trace, bar, setup.echoes.way, int(setup.echoes.skip.si), setup.solver.dispersion)
+    notices = [
+        *reading_notices(findings),
+        *drift_notices([found.quiet], ["bar.incident.gauge"]),
+        *constant_notices({"incident": constants}),
+        *echo_notices(found, bar, setup.echoes.way),
+    ]
+    return EchoSolution(
+        case=case,
+        bar=bar,
+        echoes=found,
+        digests=digests(case, [table.gauge]),
+        warnings=tuple(notices),
+        citations=citations(setup.solver.dispersion, ["bacon-1998", "maeda-1985"]),
+    )
+
+
+def _theory(specimen: Specimen) -> list[str]:
+    """Return the sources of the theory of equilibrium, where the specimen's impedance is known."""
+    return [] if specimen.transit is None else ["yang-shim-2005", "ravichandran-subhash-1994"]
+
+
+def _alignment_notices(reduction: Reduction, pulses: Pulses) -> Iterator[Notice]:
+    waves, samples = reduction.waves, pulses.rise / pulses.step
+    if waves.beyond:
+        message = (
+            f"alignment by {waves.method} would move a wave by more than the {waves.window * 1e6:.3g} us rise of the "
+            "incident pulse: geometry is kept; look at distances and speeds"
+        )
+        yield Notice("alignment-refused", message, waves.window, waves.window)
+    late = max(waves.late_balance, key=abs)
+    if waves.method == "geometric" and abs(late) > LATE_SHARE * waves.window:
+        message = (
+            f"by the balance of forces the reflected wave is {waves.late_balance[0] * 1e6:+.3g} us and the transmitted "
+            f"{waves.late_balance[1] * 1e6:+.3g} us late at the specimen, of a rise of {waves.window * 1e6:.3g} us: is "
+            "a gauge distance or a bar speed off?"
+        )
+        yield Notice("waves-late", message, late, LATE_SHARE * waves.window)
+    if samples < 10.0:
+        yield Notice("few-samples", f"the rise of the incident pulse has {samples:.3g} samples", samples, 10.0)
+
+
+def _balance_notices(alike: Equilibrium, impulses: Momentum, limits: LimitsTable) -> Iterator[Notice]:
+    if not alike.misfit <= limits.force_misfit.si:
+        message = (
+            f"the forces on the two faces differ by {alike.misfit:.1%} of their mean while the incident wave lasts"
+        )
+        yield Notice("force-misfit", message, alike.misfit, limits.force_misfit.si, broken=True)
+    if not abs(impulses.closure) <= limits.momentum.si:
+        words = "missing" if impulses.closure > 0.0 else "in surplus"
+        message = f"impulses do not close: {abs(impulses.closure):.1%} of the incident one is {words}"
+        yield Notice("momentum", message, impulses.closure, limits.momentum.si, broken=True)
+    if math.isnan(alike.begin):
+        message = (
+            f"there is no stretch of {LASTING:g} rise times in which the forces agree to {UNIFORM:.0%}; in all they do "
+            f"over {alike.share:.0%} of the loading"
+        )
+        yield Notice("no-equilibrium", message, alike.share, math.nan)
+
+
+def _striker_notices(checked: StrikerCheck | None) -> Iterator[Notice]:
+    if checked is None:
+        return
+    pairs = (
+        ("strain", checked.strain, checked.strain_expected, "plateau strain"),
+        ("duration", checked.duration, checked.duration_expected, "width"),
+    )
+    for code, found, expected, words in pairs:
+        off = found / expected - 1.0
+        if abs(off) > STRIKER_MISMATCH:
+            message = f"the {words} of the incident pulse is {off:+.1%} off what the striker should make"
+            yield Notice(f"striker-{code}", message, off, STRIKER_MISMATCH)

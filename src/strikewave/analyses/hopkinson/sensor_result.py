@@ -1,0 +1,217 @@
+"""What an accelerometer on the end of a bar showed: sensitivity with its uncertainty, histories, files."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.hopkinson.bar_end import Comparison, Standing
+from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
+from strikewave.analyses.hopkinson.result import inputs
+from strikewave.analyses.machine.dataset import quantity
+from strikewave.base.json_document import head, plain, without
+from strikewave.hopkinson.bars import Bar, Elastic
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+
+KEPT_PER_PERIOD = 20
+"""Samples of the histories that are written, in a period of the bandwidth."""
+_KEYS = {
+    "s": "time rise width onset delay",
+    "m/s": "velocity velocity_by_both_waves reference_velocity speed",
+    "m/s^2": "acceleration reference_acceleration reference_noise",
+    "Hz": "bandwidth noise_limit",
+    "Pa": "modulus",
+    "kg/m^3": "density",
+    "kg": "mass",
+    "1": "plateau correlation residual reflected_misfit scatter strain_uncertainty speed_uncertainty bias relative "
+    "rise_diameters ratio",
+}
+UNITS = {key: unit for unit, keys in _KEYS.items() for key in keys.split()}
+"""Unit of each key of the JSON document; readings and sensitivities have that of ``reading_unit``."""
+
+
+class Uncertainty(NamedTuple):
+    """Relative standard uncertainties of a sensitivity, by where they come from; NaN where nobody states one.
+
+    ``scatter`` is what the residual makes of the slope, ``bias`` by how much noise of the reference lowers it,
+    ``strain`` and ``speed`` those stated for strain and bar speed, the latter times its power in the reference.
+    """
+
+    scatter: float
+    bias: float
+    strain: float
+    speed: float
+
+    @property
+    def combined(self) -> float:
+        """Root of the sum of squares of those that are known.
+
+        Examples
+        --------
+        >>> Uncertainty(0.003, 0.0, 0.004, math.nan).combined
+        0.005
+        """
+        return math.hypot(*(part for part in self if not math.isnan(part)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorSolution(Outcome):
+    """An accelerometer beside the reference acceleration at the end of its bar.
+
+    Attributes
+    ----------
+    bar : Bar
+        As stated.
+    standing : Standing
+        Mass and disk on its end.
+    unit : str
+        Of the reading: m/s^2 or V.
+    comparison : Comparison
+        Reference and reading at one bandwidth.
+    rise_diameters : float
+        Rise that is left at the bandwidth, in diameters of travel.
+    quoted : bool
+        Whether the rise is long enough for accelerations to be quoted.
+    constants : dict
+        Which of density, modulus and speed of the bar is derived.
+    """
+
+    bar: Bar
+    standing: Standing
+    unit: str
+    comparison: Comparison = field(repr=False)
+    rise_diameters: float
+    quoted: bool
+    constants: Mapping[str, Elastic]
+
+    @property
+    def sensitivity_unit(self) -> str:
+        """Unit of reading over reference: V s^2/m, or 1 for a ratio of accelerations."""
+        return "V s^2/m" if self.unit == "V" else "1"
+
+    @property
+    def sensitivity(self) -> float:
+        """Reading over reference by least squares; NaN where the rise is too steep to be quoted."""
+        return self.comparison.agreement.sensitivity if self.quoted else math.nan
+
+    @property
+    def uncertainty(self) -> Uncertainty:
+        """Relative standard uncertainties of the sensitivity."""
+        stated, found = self.case.setup.uncertainty, self.comparison
+        strain, speed = (math.nan if value is None else value.si for value in (stated.strain, stated.speed))
+        return Uncertainty(found.scatter, found.bias, strain, abs(found.speed_power) * speed)
+
+    @property
+    def peaks(self) -> tuple[float, float]:
+        """Largest acceleration of the reference, m/s^2, and of the reading; NaN where they are not quoted."""
+        return self.comparison.peaks if self.quoted else (math.nan, math.nan)
+
+    @property
+    def scale(self) -> float:
+        """What the reading is divided with to be shown beside the reference: the slope for volts, else its sign."""
+        return self.comparison.agreement.sensitivity if self.unit == "V" else self.comparison.sign
+
+    @property
+    def shown_acceleration(self) -> Array:
+        """The reading as an acceleration along the blow, m/s^2: volts over the sensitivity that was found."""
+        return self.comparison.reading / self.scale
+
+    @property
+    def shown_velocity(self) -> Array:
+        """The integral of `shown_acceleration`, m/s."""
+        return self.comparison.integrated / self.scale
+
+    @property
+    def kept(self) -> slice:
+        """The samples of the histories that are written."""
+        period = 1.0 / self.comparison.bandwidth.value
+        return slice(None, None, max(int(period / (KEPT_PER_PERIOD * float(np.diff(self.comparison.time[:2])[0]))), 1))
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document."""
+        found, parts, kept = self.comparison, self.uncertainty, self.kept
+        agreement, pulses = found.agreement, found.pulses
+        velocities, peaks = found.velocities, self.peaks
+        layer = self.standing.disk
+        return plain(
+            {
+                **head(UNITS, [without(dataclasses.asdict(n), "broken") for n in self.warnings]),
+                "setup": self.case.setup.name,
+                "inputs": inputs(self.case),
+                "bars": {name: constants._asdict() for name, constants in self.constants.items()},
+                "end": {"mass": self.standing.mass, "disk_mass": None if layer is None else layer.mass},
+                "pulse": {"onset": pulses.onset, "rise": pulses.rise, "width": pulses.width, "plateau": pulses.plateau},
+                "bandwidth": found.bandwidth.value,
+                "bandwidth_by": found.bandwidth.reason,
+                "noise_limit": found.bandwidth.noise,
+                "rise_diameters": self.rise_diameters,
+                "quoted": self.quoted,
+                "reading_unit": self.unit,
+                "sensitivity_unit": self.sensitivity_unit,
+                "sensitivity": {
+                    "value": self.sensitivity,
+                    "standard_uncertainty": abs(self.sensitivity) * parts.combined,
+                    "relative": parts.combined,
+                    "scatter": parts.scatter,
+                    "bias": parts.bias,
+                    "strain_uncertainty": parts.strain,
+                    "speed_uncertainty": parts.speed,
+                    "by_peaks": peaks[1] / peaks[0],
+                    "by_velocity": velocities[1] / velocities[0],
+                },
+                "peak": {"acceleration": peaks[0], "reading": peaks[1], "reading_noise": found.reading_noise},
+                "velocity_change": {"velocity": velocities[0], "reading_integral": velocities[1]},
+                "reference_noise": found.reference_noise,
+                "delay": agreement.delay,
+                "correlation": found.correlation,
+                "residual": agreement.residual,
+                "reflected_misfit": found.reflected_misfit,
+                "time": found.time[kept],
+                "reference_acceleration": found.motion.acceleration[kept],
+                "reading": found.reading[kept],
+                "reference_velocity": found.motion.velocity[kept],
+                "velocity_by_both_waves": found.both_waves[kept],
+            }
+        )
+
+    def table(self) -> str:
+        """Return the histories as CSV text; the delay of the reading is taken out."""
+        found, kept = self.comparison, self.kept
+        columns = {
+            "time [s]": found.time,
+            "reference acceleration [m/s^2]": found.motion.acceleration,
+            f"reading [{self.unit}]": found.reading,
+            "reading as acceleration [m/s^2]": self.shown_acceleration,
+            "difference [m/s^2]": self.shown_acceleration - found.motion.acceleration,
+            "reference velocity [m/s]": found.motion.velocity,
+            "reading integrated [m/s]": self.shown_velocity,
+            "end velocity by both waves [m/s]": found.both_waves,
+        }
+        return csv_text({name: values[kept] for name, values in columns.items()})
+
+    def dataset(self) -> xarray.Dataset:
+        """Return the histories with units."""
+        import xarray
+
+        found, kept = self.comparison, self.kept
+        histories = {
+            "reference_acceleration": (found.motion.acceleration, "m/s^2", "acceleration of the sensor by the gauge"),
+            "reading": (found.reading, self.unit, "reading of the sensor, its delay taken out"),
+            "reference_velocity": (found.motion.velocity, "m/s", "velocity of the sensor by the gauge"),
+            "integrated_reading": (self.shown_velocity, "m/s", "reading as acceleration, integrated"),
+            "end_force": (found.motion.force, "N", "force of the bar on what stands on its end"),
+            "velocity_by_both_waves": (found.both_waves, "m/s", "velocity of the end by incident and reflected wave"),
+        }
+        variables = {name: quantity("time", v[kept], unit, words) for name, (v, unit, words) in histories.items()}
+        coordinates = {"time": quantity("time", found.time[kept], "s", "time after the wave comes to the end")}
+        return xarray.Dataset(variables, coordinates, self.attributes())

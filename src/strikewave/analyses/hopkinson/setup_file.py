@@ -1,0 +1,150 @@
+"""The set-up file: read, changed, checked, written back."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Iterator
+from importlib import resources
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import BaseModel, ValidationError
+
+from strikewave.base.errors import MISSING, InputError, InputErrors, show
+from strikewave.base.quantities import Value
+from strikewave.cases.hopkinson_tables import SplitBarSetup
+from strikewave.cases.paths import Form
+from strikewave.cases.tables import Table
+
+LARGEST_FILE = 1_000_000
+"""A set-up above this many bytes is refused."""
+FORM = Form(SplitBarSetup, "set-up", 'bar.incident.speed="4866 m/s"')
+"""A set-up file."""
+
+
+class SplitBarCase(NamedTuple):
+    """A set-up, its text with all changes, and the folder that its files are relative to."""
+
+    setup: SplitBarSetup
+    text: str
+    folder: Path
+
+
+def example_setup() -> str:
+    """Return the text of a set-up of a shot to begin from, every key with a word.
+
+    Examples
+    --------
+    >>> parse_setup(example_setup()).setup.kind
+    'shot'
+    """
+    return (resources.files("strikewave.cases") / "hopkinson_example.toml").read_text("utf-8")
+
+
+def holds_setup(text: str) -> bool:
+    """Tell whether a TOML text is a set-up of split bars: it has [bar.incident].
+
+    Examples
+    --------
+    >>> holds_setup(example_setup()), holds_setup("[machine]"), holds_setup("[")
+    (True, False, False)
+    """
+    try:
+        bar = tomllib.loads(text).get("bar")
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(bar, dict) and "incident" in bar
+
+
+def load_setup(path: str, changes: Iterable[str] = ()) -> SplitBarCase:
+    """Read a set-up file, change some of its fields, and check it.
+
+    Parameters
+    ----------
+    path : str
+        A TOML file, or a folder that holds ``case.toml``.
+    changes : iterable of str, optional
+        ``path=value`` each, such as ``bar.incident.speed=4866 m/s``; a bare number is SI.
+
+    Raises
+    ------
+    InputError, InputErrors
+        With one line for each thing that is wrong.
+    """
+    file = Path(path)
+    try:
+        file = file / "case.toml" if file.is_dir() else file
+        with file.open("rb") as opened:
+            data = opened.read(LARGEST_FILE + 1)
+        text = data.decode("utf-8")
+    except UnicodeDecodeError:
+        raise InputError("SETUP", path, "a text file in UTF-8") from None
+    except (OSError, ValueError) as error:
+        raise InputError("SETUP", path, "a set-up file", getattr(error, "strerror", "") or "") from None
+    if len(data) > LARGEST_FILE:
+        raise InputError("SETUP", path, f"a set-up file of at most {LARGEST_FILE // 1000} kB")
+    name = re.sub(r"[^\w.+-]+", "-", file.stem).strip("-.+") or "shot"
+    return parse_setup(text, name, changes, file.parent)
+
+
+def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: Path | None = None) -> SplitBarCase:
+    """Check the TOML text of a set-up; see `load_setup`."""
+    import tomlkit
+
+    try:
+        document = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        reason = show(str(error) or "nested too deeply", 120).strip('"')
+        raise InputErrors([f"{name or 'set-up'}: not a TOML file: {reason}"]) from None
+    schema = document.get("schema", MISSING)
+    if schema is MISSING or isinstance(schema, bool) or schema != 1:
+        raise InputError("schema", schema, "schema = 1", "begin the set-up with schema = 1")
+    for change in changes:
+        FORM.change(document, change)
+    _check_tables(document, [])
+    document.setdefault("name", name)
+    place = folder or Path()
+    if isinstance(document.get("folder"), str) and document["folder"]:
+        place = place / document["folder"]
+    document["folder"] = str(place.absolute())
+    try:
+        setup = SplitBarSetup.model_validate(document)
+    except ValidationError as error:
+        raise InputErrors(FORM.lines(error)) from None
+    return SplitBarCase(setup, tomlkit.dumps(_toml(document)), place)
+
+
+def _check_tables(part: dict[str, Any], places: list[str]) -> None:
+    """Refuse what stands where a table belongs, in words."""
+    for key, entry in part.items():
+        model = FORM.table_at([*places, key])
+        if model is None or not issubclass(model, Table):
+            continue
+        path = ".".join([*places, key])
+        if not isinstance(entry, dict):
+            keys = ", ".join(FORM.keys_at([*places, key]))
+            raise InputError(path, entry, f"a table [{path}] with {keys}")
+        _check_tables(entry, [*places, key])
+
+
+def values_of(part: Any, path: str = "") -> Iterator[tuple[str, Value]]:
+    """Yield every quantity of a set-up with its path, such as ``bar.incident.density``."""
+    if isinstance(part, Value):
+        yield path, part
+    elif isinstance(part, BaseModel):
+        for key, entry in part:
+            yield from values_of(entry, f"{path}.{key}" if path else key)
+
+
+def _toml(value: Any) -> Any:
+    """Turn plain tables into TOML's: a quantity stays on its line."""
+    import tomlkit
+
+    if isinstance(value, dict):
+        made: Any = tomlkit.inline_table() if "value" in value else tomlkit.table()
+        plain_first = sorted(value.items(), key=lambda item: isinstance(item[1], dict) and "value" not in item[1])
+        for key, entry in plain_first:
+            made[key] = _toml(entry)
+        return made
+    return value

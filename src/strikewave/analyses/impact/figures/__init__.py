@@ -1,0 +1,1 @@
+"""Pictures of contact laws and impacts."""

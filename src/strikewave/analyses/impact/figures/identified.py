@@ -1,0 +1,70 @@
+"""Picture of a contact identified from a pulse: what was measured, the fit, and what is left between them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave.analyses.record.figures.records import legend_below, new_figure
+from strikewave.contact.identification import Identified
+from strikewave.reporting.style import BLUE, GREY, ORANGE, quiet
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+POINTS = 800
+"""Of the fitted line."""
+SIZE = (9.0, 5.0)
+"""Inches."""
+
+
+def identified_figure(found: Identified) -> Figure:
+    """Draw measured and fitted force from first touch on, and measured minus fitted below; N and microseconds.
+
+    Parameters
+    ----------
+    found : Identified
+        As `strikewave.contact.identification.identify` gives it.
+
+    Examples
+    --------
+    >>> from strikewave.contact.force_pulse import ForcePulse
+    >>> from strikewave.contact.identification import identify
+    >>> t = np.arange(300) * 1e-6
+    >>> figure = identified_figure(identify(t, ForcePulse(50e-6, 2e4, 60e-6, 1.5, 0.6).force(t)))
+    >>> [axes.get_ylabel() for axes in figure.axes]
+    ['force (N)', 'residual (N)']
+    """
+    figure = new_figure(SIZE)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3.0, 1.2))
+    _draw_force(above, found)
+    _draw_residual(below, found)
+    below.set_xlim(*(1e6 * (found.time[[0, -1]] - found.pulse.begin)))
+    return legend_below(figure)
+
+
+def _draw_force(axes: Any, found: Identified) -> None:
+    pulse = found.pulse
+    line = np.linspace(found.time[0], found.time[-1], POINTS)
+    axes.plot(1e6 * (line - pulse.begin), pulse.force(line), color=ORANGE, linewidth=2.0, label="fitted")
+    axes.plot(
+        1e6 * (found.time - pulse.begin), found.measured, "o", color=BLUE, markersize=2.6, label="measured", zorder=3
+    )
+    contact = (0.0, 1e6 * pulse.duration)
+    axes.axvline(contact[0], color=GREY, linestyle=":", linewidth=1.1, label="first touch and release")
+    axes.axvline(contact[1], color=GREY, linestyle=":", linewidth=1.1)
+    told = f"n = {pulse.exponent:.3g}, e = {pulse.restitution:.3g}, misfit {found.residual:.2%} of the peak"
+    quiet(axes, told, "", "force (N)")
+    axes.margins(y=0.08)
+
+
+def _draw_residual(axes: Any, found: Identified) -> None:
+    time = 1e6 * (found.time - found.pulse.begin)
+    axes.axhspan(
+        -found.noise, found.noise, color=GREY, alpha=0.18, linewidth=0.0, label="± one standard deviation of a sample"
+    )
+    axes.axhline(0.0, color=ORANGE, linewidth=1.2)
+    axes.plot(time, found.measured - found.fitted, "o-", color=BLUE, markersize=2.2, linewidth=0.6)
+    quiet(axes, "", "time after first touch (µs)", "residual (N)")
+    axes.margins(y=0.12)

@@ -1,0 +1,193 @@
+"""A run sampled into an xarray Dataset: the whole train, each blow in detail, the ideal record, taps and sensors."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.readings import BlowHistory, Channel, Observed, View
+from strikewave.analyses.machine.result import BLOW_UNITS
+from strikewave.cases.case import Case
+from strikewave.machines import Blow
+from strikewave.machines._kernels import stroke_places
+from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window
+from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.spans import Moments, StackSpan
+from strikewave.waves.li_ma import ROUTES
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+
+PULSE_STEP = 0.5e-6
+"""Sampling of the stored blow windows, s."""
+
+
+def quantity(dimension: Any, values: Any, unit: str, name: str) -> tuple[Any, Any, dict[str, str]]:
+    """Return a variable of a dataset with its unit and name."""
+    return dimension, values, {"units": unit, "long_name": name}
+
+
+def carriage_position(case: Case, phases: Sequence[tuple[str, float]], time: Array) -> Array:
+    """Return how far the carriage is from its fed place, m, at times after the valve signal.
+
+    Both strokes begin and end where the phases of the run say.
+    """
+    feed, at = case.rig().feed, dict(phases)
+    rise, fall = (0.5 if share is None else share.si for share in (feed.acceleration, feed.cushion))
+
+    def moved(begin: float, end: float) -> Array:
+        places = np.empty(time.size)
+        stroke_places((time - begin) / (end - begin), rise, fall, places)
+        return places
+
+    return np.asarray(feed.stroke.si * (1.0 - moved(at["feed"], at["fed"]) + moved(at["retract"], at["brake"])))
+
+
+def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
+    """Sample a run and what was seen of it into a dataset."""
+    import xarray
+
+    run, found = seen.run, seen.blows
+    time = np.arange(0.0, run.end, case.solver.output_step.si)
+    time = time[time <= run.end]  # rounding may lead beyond
+    train = run.sample(time)
+    pulse_time = np.arange(-round(WINDOW_BEFORE / PULSE_STEP), round(WINDOW_AFTER / PULSE_STEP) + 1) * PULSE_STEP
+    force, acceleration = (np.full((len(found), pulse_time.size), np.nan) for _ in range(2))
+    for row, blow in enumerate(found):
+        if blow.kind != "missed":
+            since, f, a = pulse_window(run, blow.time, WINDOW_AFTER, PULSE_STEP)
+            first = round((since[0] - pulse_time[0]) / PULSE_STEP)
+            held = slice(first, first + since.size)
+            force[row, held], acceleration[row, held] = (v[: pulse_time.size - first] for v in (f, a))
+    recorder, begun = case.impact().recorder, case.time_zero
+    record_time = recorder.begin + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
+    inside = (record_time >= 0.0) & (record_time <= run.end)
+    record = np.zeros(record_time.size)
+    record[inside] = run.sample(record_time[inside]).rigid_acceleration
+    variables = {
+        "contact_force": quantity("time", train.contact_force, "N", "contact force"),
+        "rigid_acceleration": quantity("time", train.rigid_acceleration, "m/s^2", "rigid-body acceleration"),
+        "nose_position": quantity("time", train.face_place, "m", "position of the struck face along the blow"),
+        "assembly_position": quantity("time", train.assembly_place, "m", "position of the assembly"),
+        "assembly_speed": quantity("time", train.assembly_speed, "m/s", "speed of the assembly"),
+        "pulse_force": quantity(("blow", "pulse_time"), force, "N", "contact force of each blow"),
+        "pulse_acceleration": quantity(
+            ("blow", "pulse_time"), acceleration, "m/s^2", "rigid-body acceleration of each blow"
+        ),
+        "record_acceleration": quantity(
+            "record_time", record, "m/s^2", "rigid-body acceleration as an ideal recorder samples it"
+        ),
+    }
+    if case.launched() is None:
+        variables["turntable_speed"] = quantity("time", train.turntable_speed, "rad/s", "turntable speed")
+    variables |= _place_variables(case, run, time, train)
+    for column in (f.name for f in dataclasses.fields(Blow)):
+        if column not in ("index", "kind"):
+            values = np.array([getattr(b, column) for b in found])
+            variables[f"blow_{column}"] = quantity(
+                "blow", values, BLOW_UNITS.get(column, "1"), column.replace("_", " ")
+            )
+    variables["blow_kind"] = quantity("blow", np.array([b.kind for b in found], dtype=object), "1", "kind")
+    coordinates = {
+        "time": quantity("time", time, "s", f"time after {begun}"),
+        "pulse_time": quantity("pulse_time", pulse_time, "s", "time after first touch"),
+        "record_time": quantity("record_time", record_time, "s", f"time after {begun}"),
+        "blow": ("blow", np.array([b.index for b in found], dtype=np.int64)),
+    }
+    if seen.taps:
+        variables |= _tap_variables(seen.histories, len(seen.taps), pulse_time, seen.view)
+        variables |= _route_variables(seen.histories, len(seen.taps), pulse_time, seen.view)
+        coordinates["tap"] = ("tap", np.array(seen.taps, dtype=object))
+        coordinates["route"] = ("route", np.array(ROUTES, dtype=object))
+    variables |= _reading_variables(seen.histories, seen.view.channels)
+    variables |= _field_variables(run)
+    return xarray.Dataset(variables, coordinates, {"route": seen.view.route})
+
+
+def _place_variables(case: Case, run: RotaryRun, time: Array, train: Moments) -> dict[str, Any]:
+    """Return where turntable and carriage are; nothing for a machine without a feed."""
+    if not {"feed", "fed", "retract", "brake"} <= dict(run.phases).keys():
+        return {}
+    carriage = carriage_position(case, run.phases, time)
+    return {
+        "turntable_angle": quantity(
+            "time", train.turntable_angle, "rad", "angle of the first striker after the strike position"
+        ),
+        "carriage_position": quantity("time", carriage, "m", "way of the carriage from its fed place"),
+    }
+
+
+def _tap_variables(histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: View) -> dict[str, Any]:
+    """Return force, speed and total acceleration at the taps, and the rigid acceleration at the same bandwidth."""
+    force, speed, total = (np.full((len(histories), taps, pulse_time.size), np.nan) for _ in range(3))
+    rigid = np.full((len(histories), pulse_time.size), np.nan)
+    for row, history in enumerate(histories):
+        if history is None or not len(history.total):
+            continue
+
+        def at(values: Any, since: Any = history.since) -> Any:
+            return np.interp(pulse_time, since, values, left=np.nan, right=np.nan)
+
+        rigid[row] = at(history.rigid)
+        for k in range(taps):
+            force[row, k], speed[row, k], total[row, k] = (
+                at(values[k]) for values in (history.force, history.speed, history.total)
+            )
+    where, band = ("blow", "tap", "pulse_time"), f"{view.route}, at {view.bandwidth:g} Hz"
+    return {
+        "tap_force": quantity(where, force, "N", "force in the stack at each tap"),
+        "tap_speed": quantity(where, speed, "m/s", "speed at each tap"),
+        "tap_acceleration": quantity(where, total, "m/s^2", f"total acceleration at each tap, {band}"),
+        "rigid_acceleration_filtered": quantity(
+            ("blow", "pulse_time"), rigid, "m/s^2", f"rigid-body acceleration of each blow, {band}"
+        ),
+    }
+
+
+def _route_variables(histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: View) -> dict[str, Any]:
+    """Return the wave acceleration of the first blow by the paper's routes, where a tap has two neighbours."""
+    waves = np.full((len(ROUTES), taps, pulse_time.size), np.nan)
+    first = next((history for history in histories if history is not None), None)
+    if first is not None:
+        for (tap, route), values in first.routes.items():
+            waves[ROUTES.index(route), tap] = np.interp(pulse_time, first.since, values, left=np.nan, right=np.nan)
+    name = f"stress-wave acceleration, first blow, by the routes of Li & Ma 2019, at {view.bandwidth:g} Hz"
+    return {"route_acceleration": quantity(("route", "tap", "pulse_time"), waves, "m/s^2", name)}
+
+
+def _reading_variables(histories: Sequence[BlowHistory | None], channels: Sequence[Channel]) -> dict[str, Any]:
+    """Return what each sensor's recorder kept of each blow, and when each of its records begins."""
+    found: dict[str, Any] = {}
+    for k, channel in enumerate(channels):
+        readings = [history.readings[k] if history is not None else None for history in histories]
+        size = max((reading.values.size for reading in readings if reading is not None), default=0)
+        values, start, step = np.full((len(readings), size), np.nan), np.full(len(readings), np.nan), 0.0
+        for row, reading in enumerate(readings):
+            if reading is not None:
+                values[row, : reading.values.size] = reading.values
+                start[row] = reading.time[0] if reading.time.size else np.nan
+                step = float(reading.time[1] - reading.time[0]) if reading.time.size > 1 else step
+        name, where = channel.sensor.name, f"reading_{k + 1}"
+        found[where] = quantity(("blow", f"sample_{k + 1}"), values, "m/s^2", f"reading of the sensor {name}")
+        found[where][2].update(sensor=name, step=step)
+        found[f"{where}_start"] = quantity("blow", start, "s", f"first sample of {name} after first touch")
+    return found
+
+
+def _field_variables(run: RotaryRun) -> dict[str, Any]:
+    """Return the force along the stack over time in the first blow that touched."""
+    span = next((span for span in run.spans if isinstance(span, StackSpan) and span.field_position.size), None)
+    if span is None:
+        return {}
+    since, force = span.field()
+    return {
+        "field_force": quantity(("field_time", "field_place"), force, "N", "force along the stack, first blow"),
+        "field_time": quantity("field_time", since, "s", "time after first touch"),
+        "field_position": quantity("field_place", span.field_position, "m", "distance from the struck face"),
+    }

@@ -1,0 +1,1 @@
+"""Pictures of a machine: summary, pulses, drawing, motion."""

@@ -1,0 +1,393 @@
+"""The drawing of a rotary machine with its numbers: the whole, the strike close up, the parts and their provenance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.figures.geometry import (
+    LARGEST_NOSE,
+    LONGEST_STROKE,
+    LOOKS,
+    Outlines,
+    Pose,
+    StrikeGeometry,
+    at_rest,
+    outlines,
+    placed,
+    stretched,
+    strike_geometry,
+)
+from strikewave.analyses.machine.figures.parts import MARKS, PartEntry, length, machine_parts, significant
+from strikewave.reporting.style import BLUE, GREY, RED
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from strikewave.cases.case import Case
+
+Array = NDArray[np.float64]
+
+SIZE = (9.8, 7.0)
+"""Of the drawing, inches."""
+WHOLE, CLOSE = (0.05, 2.75, 6.35, 4.2), (0.05, 0.05, 3.2, 2.6)
+"""Left, bottom, width and height of the views, inches."""
+INK = "#1a1f24"
+_ARROW: dict[str, Any] = {"arrowstyle": "<|-|>", "shrinkA": 0.0, "shrinkB": 0.0, "linewidth": 0.9, "mutation_scale": 8}
+
+
+def machine_drawing(case: Case) -> Figure | None:
+    """Draw a rotary machine from its case, with every number marked by its provenance; None for any other case.
+
+    Path, noses, engagement, face and stroke are to scale, and so are the layers of a stack where that can be read.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> len(machine_drawing(load_case("li-ma-2019")).axes)  # whole, close up, notes, list of parts
+    4
+    >>> machine_drawing(load_case("li-ma-2019-fig13-bar")) is None
+    True
+    """
+    from matplotlib.figure import Figure
+
+    made = outlines(case)
+    if made is None:
+        return None
+    figure = Figure(figsize=SIZE)
+    parts = machine_parts(case, made.geometry)
+    whole, scale = view(figure, WHOLE, whole_limits(made))
+    _draw_whole(whole, case, made, parts)
+    close, enlarged = view(figure, CLOSE, close_limits(made.geometry))
+    _draw_close(close, case, made, enlarged / scale)
+    _draw_notes(figure, case, made)
+    _list_parts(figure, parts)
+    return figure
+
+
+def view(
+    figure: Figure, place: tuple[float, float, float, float], limits: tuple[float, float, float, float]
+) -> tuple[Any, float]:
+    """Return axes without frame that show limits (left, right, bottom, top in m) undistorted, and inches a metre."""
+    width, height = figure.get_size_inches()
+    axes = figure.add_axes((place[0] / width, place[1] / height, place[2] / width, place[3] / height))
+    left, right, bottom, top = limits
+    scale = min(place[2] / (right - left), place[3] / (top - bottom))
+    x, y = 0.5 * (left + right), 0.5 * (bottom + top)
+    axes.set_xlim(x - 0.5 * place[2] / scale, x + 0.5 * place[2] / scale)
+    axes.set_ylim(y - 0.5 * place[3] / scale, y + 0.5 * place[3] / scale)
+    axes.set_axis_off()
+    return axes, scale
+
+
+def whole_limits(made: Outlines) -> tuple[float, float, float, float]:
+    """Return what the whole machine takes: left, right, bottom, top, m."""
+    radius, places = made.geometry.radius, made.places
+    out = radius + made.geometry.nose_radius + 0.12 * radius
+    y, half = made.geometry.strike_position[1], 0.5 * (made.geometry.face_width or 0.0)
+    low = min(-out, places.floor - 0.22 * radius, y - half)
+    return -out, max(places.far_end, out), low, max(out, y + half)
+
+
+def close_limits(geometry: StrikeGeometry) -> tuple[float, float, float, float]:
+    """Return what the strike takes, from first touch to the strike position: left, right, bottom, top, m."""
+    x, y = geometry.strike_position
+    angle = geometry.touch_angle()
+    touch = geometry.noses(0.0 if math.isnan(angle) else angle)[0]
+    nose = geometry.nose_radius
+    size = 0.5 * max(abs(touch[1] - y), abs(touch[0] - x), 2.0 * nose) + 1.6 * nose
+    middle = (0.5 * (touch[0] + x) + 0.55 * nose, 0.5 * (touch[1] + y))
+    return middle[0] - size, middle[0] + size, middle[1] - size, middle[1] + size
+
+
+def draw_machine(axes: Any, made: Outlines, pose: Pose, thickness: float = 1.0) -> list[Any]:
+    """Draw a machine in a pose; return what was drawn."""
+    drawn: list[Any] = []
+    for connection in made.connections:
+        for line in stretched(connection, pose):
+            drawn += axes.plot(line[:, 0], line[:, 1], color="#4a4a4a", linewidth=1.1 * thickness, zorder=2.5)
+    for shape in made.shapes:
+        fill, edge, width = LOOKS[shape.look]
+        points = placed(shape, pose, made.geometry.blow_angle)
+        order = {"disc": 1.0, "striker": 1.2, "nose": 1.4, "hub": 1.6, "face": 3.4}.get(shape.look, 3.0)
+        drawn += axes.fill(
+            points[:, 0], points[:, 1], facecolor=fill, edgecolor=edge, linewidth=width * thickness, zorder=order
+        )
+    return drawn
+
+
+def _draw_whole(axes: Any, case: Case, made: Outlines, parts: Sequence[PartEntry]) -> None:
+    """Draw the machine with its object fed and at rest, and a striker at first touch."""
+    geometry, places = made.geometry, made.places
+    angle = geometry.touch_angle()
+    first = 0.0 if math.isnan(angle) else angle
+    draw_machine(axes, made, at_rest(geometry, first))
+    turn = np.linspace(0.0, 2.0 * math.pi, 361)
+    axes.plot(
+        geometry.radius * np.cos(turn), geometry.radius * np.sin(turn), color=GREY, linewidth=0.7, dashes=(8, 3, 2, 3)
+    )
+    shown = _draw_radius(axes, case, geometry, first)
+    _draw_turning(axes, geometry, shown + 2.2)
+    _draw_directions(axes, case, made)
+    _draw_stroke(axes, case, made)
+    at = {
+        **places.middles,
+        "turntable": _polar(0.42 * geometry.radius, shown + 4.0),
+        "striker": tuple(0.86 * _clear_nose(geometry, first, -2.2)),
+        "strike": _polar(1.1 * geometry.radius, -geometry.blow_angle - 0.42),
+    }
+    for number, part in enumerate(parts, 1):
+        if part.place in at:
+            _balloon(axes, number, at[part.place])
+
+
+def _clear_nose(geometry: StrikeGeometry, angle: float, towards: float) -> Array:
+    """Return the centre of the nose whose angle on the path is nearest to one, rad, but not that which strikes."""
+    noses = geometry.noses(angle)
+    turned = np.arctan2(noses[:, 1], noses[:, 0])
+    away = np.abs((turned - towards + math.pi) % (2.0 * math.pi) - math.pi)
+    away[0] = 10.0 if geometry.strikers > 1 else 0.0
+    return np.asarray(noses[int(np.argmin(away))])
+
+
+def _balloon(axes: Any, number: int, place: tuple[float, float]) -> None:
+    look = {"boxstyle": "circle,pad=0.2", "facecolor": "white", "edgecolor": INK, "linewidth": 0.8}
+    axes.text(*place, str(number), ha="center", va="center", fontsize=7.5, color=INK, bbox=look, zorder=6)
+
+
+def _polar(radius: float, angle: float) -> tuple[float, float]:
+    return radius * math.cos(angle), radius * math.sin(angle)
+
+
+def _draw_turning(axes: Any, geometry: StrikeGeometry, middle: float) -> None:
+    """Draw the sense of rotation as an arrow about the axis, its middle at an angle, rad."""
+    turn = np.linspace(middle - 0.7, middle + 0.7, 40)
+    arc = 0.5 * geometry.radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    axes.plot(arc[:-2, 0], arc[:-2, 1], color=BLUE, linewidth=1.8, zorder=2)
+    arrow = {"arrowstyle": "-|>", "color": BLUE, "linewidth": 1.8, "mutation_scale": 14, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", arc[-1], arc[-5], arrowprops=arrow, zorder=2)
+    axes.text(*_polar(0.33 * geometry.radius, middle), "turns", color=BLUE, fontsize=8, ha="center", va="center")
+
+
+def _draw_radius(axes: Any, case: Case, geometry: StrikeGeometry, angle: float) -> float:
+    """Dimension the path from the axis to a nose that stands clear of the strike; return its angle, rad."""
+    end = _clear_nose(geometry, angle, 1.2)
+    axes.annotate("", end, (0.0, 0.0), arrowprops={**_ARROW, "arrowstyle": "-|>", "color": INK}, zorder=4)
+    (entry,) = length("R", case.rig().machine.radius)
+    _marked(axes, tuple(0.45 * end), f"R {entry.shown}", entry.provenance)
+    return math.atan2(end[1], end[0])
+
+
+def _draw_directions(axes: Any, case: Case, made: Outlines) -> None:
+    """Draw the blow, gravity along it, and the angle between radius and blow where there is one."""
+    geometry, places = made.geometry, made.places
+    top = (
+        geometry.strike_position[1]
+        + max(places.half_height, 0.5 * (geometry.face_width or 0.0))
+        + 0.16 * geometry.radius
+    )
+    wide = 0.3 * geometry.radius
+    arrow = {"arrowstyle": "-|>", "color": RED, "linewidth": 2.2, "mutation_scale": 16, "shrinkA": 0, "shrinkB": 0}
+    begin = places.wall - 0.3 * geometry.radius
+    axes.annotate("", (begin + wide, top), (begin, top), arrowprops=arrow, zorder=5)
+    axes.text(begin + wide + 0.04 * geometry.radius, top, "blow", color=RED, fontsize=9, va="center", zorder=5)
+    gravity = case.rig().object.gravity.si
+    if gravity:
+        ends = (begin, begin + wide) if gravity > 0.0 else (begin + wide, begin)
+        above = top + 0.13 * geometry.radius
+        thin = {**arrow, "color": GREY, "linewidth": 1.2, "mutation_scale": 11}
+        axes.annotate("", (ends[1], above), (ends[0], above), arrowprops=thin, zorder=5)
+        axes.text(begin + wide + 0.04 * geometry.radius, above, "gravity", color=GREY, fontsize=8, va="center")
+    if geometry.blow_angle:
+        _draw_blow_angle(axes, geometry)
+
+
+def _draw_blow_angle(axes: Any, geometry: StrikeGeometry) -> None:
+    """Draw the outward radius at the strike position, and its angle to the blow."""
+    x, y = geometry.strike_position
+    radius, arc = geometry.radius, 0.2 * geometry.radius
+    axes.plot([0.0, 1.12 * x], [0.0, 1.12 * y], color=GREY, linewidth=0.8, dashes=(5, 3), zorder=2)
+    axes.plot([x, x + 1.5 * arc], [y, y], color=GREY, linewidth=0.8, dashes=(5, 3), zorder=3.5)
+    turn = np.linspace(-geometry.blow_angle, 0.0, 30)
+    axes.plot(x + arc * np.cos(turn), y + arc * np.sin(turn), color=INK, linewidth=0.9, zorder=4)
+    middle = -0.5 * geometry.blow_angle
+    words = f"{significant(math.degrees(geometry.blow_angle), 4)}°"
+    place = (x + 0.3 * radius * math.cos(middle), y + 0.3 * radius * math.sin(middle))
+    axes.text(*place, words, fontsize=8, ha="center", va="center", zorder=6, bbox=_PLAIN)
+
+
+def _draw_stroke(axes: Any, case: Case, made: Outlines) -> None:
+    """Dimension the way of the carriage, and show where the face is when it is retracted."""
+    geometry, places = made.geometry, made.places
+    if case.feed is None:
+        return
+    stroke = case.feed.stroke
+    (entry,) = length("s", stroke)
+    y, shown = places.floor - 0.06 * geometry.radius, min(stroke.si, LONGEST_STROKE * geometry.radius)
+    right = places.wall
+    for x in (right, right + shown):
+        axes.plot([x, x], [places.floor - 0.1 * geometry.radius, places.floor + 0.1 * geometry.radius], **_EXTENSION)
+    axes.annotate("", (right + shown, y), (right, y), arrowprops={**_ARROW, "color": INK}, zorder=5)
+    words = "stroke s " + entry.shown + (" (not to scale)" if stroke.si > shown else "")
+    _marked(axes, (right - 0.02 * geometry.radius, y), words, entry.provenance, "right")
+
+
+_EXTENSION: dict[str, Any] = {"color": GREY, "linewidth": 0.7, "zorder": 4}
+_PLAIN: dict[str, Any] = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.8}
+
+
+def _marked(axes: Any, place: tuple[float, ...], words: str, provenance: str, side: str = "center") -> None:
+    """Write a dimension with the mark of its provenance behind it."""
+    look: dict[str, Any] = {"textcoords": "offset points", "va": "center", "color": INK}
+    room = {"center": -7, "right": -15}[side]
+    text = axes.annotate(words, place, (room, 0), fontsize=8, ha=side, bbox=_PLAIN, zorder=6, **look)
+    letter, colour = MARKS[provenance]
+    box = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": colour, "linewidth": 1.1}
+    axes.annotate(letter, (1.0, 0.5), (8, 0), xycoords=text, fontsize=6.5, ha="center", bbox=box, zorder=7, **look)
+
+
+def _draw_close(axes: Any, case: Case, made: Outlines, magnified: float) -> None:
+    """Draw the strike itself: a nose at first touch and at the strike position, the face between, the engagement."""
+    geometry, machine = made.geometry, case.rig().machine
+    left, right = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    size = min(right - left, top - bottom)
+    face, angle = geometry.reach - geometry.engagement, geometry.touch_angle()
+    turn = np.linspace(0.0, 2.0 * math.pi, 2001)
+    path = geometry.radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    axes.plot(path[:, 0], path[:, 1], color=GREY, linewidth=0.8, dashes=(8, 3, 2, 3))
+    x, y = geometry.strike_position
+    half = 0.5 * geometry.face_width if geometry.face_width is not None else 10.0 * size
+    low, high = max(y - half, bottom), min(y + half, top)
+    axes.fill([face, right, right, face], [low, low, high, high], facecolor=LOOKS["body"][0], linewidth=0.0, zorder=0)
+    axes.plot([face, face], [low, high], color=RED, linewidth=2.2, zorder=3)
+    outline = np.linspace(0.0, 2.0 * math.pi, 181)
+    ring = geometry.nose_radius * np.column_stack([np.cos(outline), np.sin(outline)])
+    axes.plot(x + ring[:, 0], y + ring[:, 1], color=LOOKS["nose"][1], linewidth=1.0, dashes=(4, 2), zorder=2)
+    axes.plot([x], [y], "+", color=INK, markersize=6, zorder=4)
+    if not math.isnan(angle):
+        _draw_touch(axes, geometry, angle, size)
+    level = top - 0.1 * size
+    axes.plot([geometry.reach] * 2, [y, level], **_EXTENSION)
+    _draw_engagement(axes, machine.engagement, (face, geometry.reach), level, size)
+    axes.set_title(f"The strike, magnified × {significant(magnified, 2)}", fontsize=9, loc="left", pad=-8, zorder=9)
+    axes.add_patch(_frame(left, bottom, right - left, top - bottom))
+
+
+def _draw_touch(axes: Any, geometry: StrikeGeometry, angle: float, size: float) -> None:
+    """Draw the nose at first touch, where it touches, and which way it goes."""
+    centre = geometry.noses(angle)[0]
+    turn = np.linspace(0.0, 2.0 * math.pi, 181)
+    ring = centre + geometry.nose_radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    axes.fill(
+        ring[:, 0], ring[:, 1], facecolor=LOOKS["striker"][0], edgecolor=LOOKS["nose"][1], linewidth=1.1, zorder=2
+    )
+    axes.plot([centre[0]], [centre[1]], "+", color=INK, markersize=6, zorder=4)
+    axes.plot([centre[0] + geometry.nose_radius], [centre[1]], "o", color=INK, markersize=3.5, zorder=5)
+    along = np.array([-centre[1], centre[0]]) / geometry.radius
+    arrow = {"arrowstyle": "-|>", "color": BLUE, "linewidth": 1.6, "mutation_scale": 12, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", centre + 0.22 * size * along, centre, arrowprops=arrow, zorder=5)
+    below = 0.22 * size * math.sin(abs(geometry.blow_angle))  # clear of the path
+    place = (centre[0] + geometry.nose_radius + 0.03 * size, centre[1] - below)
+    words = f"first touch,\n{significant(-math.degrees(angle), 3)}° before the\nstrike position"
+    axes.text(*place, words, fontsize=7.5, ha="left", va="center", zorder=6)
+
+
+def _draw_engagement(axes: Any, value: Any, ends: tuple[float, float], y: float, size: float) -> None:
+    """Dimension the engagement; the arrows stand outside where it is too small for them."""
+    (entry,) = length("q", value)
+    if ends[1] - ends[0] > 0.3 * size:
+        axes.annotate("", (ends[1], y), (ends[0], y), arrowprops={**_ARROW, "color": INK}, zorder=6)
+        _marked(axes, (0.5 * (ends[0] + ends[1]), y - 0.06 * size), f"q {entry.shown}", entry.provenance)
+        return
+    for end, side in zip(ends, (-1.0, 1.0), strict=True):
+        begin = (end + side * 0.1 * size, y)
+        axes.annotate("", (end, y), begin, arrowprops={**_ARROW, "arrowstyle": "-|>", "color": INK}, zorder=6)
+    _marked(axes, (ends[0] - 0.12 * size, y), f"q {entry.shown}", entry.provenance, "right")
+
+
+def _frame(left: float, bottom: float, width: float, height: float) -> Any:
+    from matplotlib.patches import Rectangle
+
+    return Rectangle((left, bottom), width, height, fill=False, edgecolor=GREY, linewidth=0.8, zorder=8)
+
+
+def scale_words(case: Case, made: Outlines) -> list[str]:
+    """Say what is drawn to scale and what is not."""
+    geometry, stack = made.geometry, bool(case.stack.layer)
+    striker = case.rig().striker
+    layers = ["layers"] if stack and made.to_scale else []
+    noses = ["noses"] if striker.nose_radius.si <= LARGEST_NOSE * geometry.radius else []
+    width = ["face width"] if geometry.face_width is not None else []
+    stroke = ["stroke"] if case.feed is None or case.feed.stroke.si <= LONGEST_STROKE * geometry.radius else []
+    scaled = ["path", *noses, "engagement", *stroke, *width, *layers]
+    symbols = ["disc", "mounts", "spring", "damper", "stop", "carriage"]
+    symbols += ([] if noses else ["noses"]) + ([] if stroke else ["stroke"])
+    symbols += [] if layers else ["layers' lengths and diameters" if stack else "lengths of the object"]
+    words = [f"To scale: {', '.join(scaled)}.", f"Not to scale: {', '.join(symbols)}."]
+    if geometry.face_width is None:
+        across = significant(geometry.touch_distance * 1e3, 3)
+        words.append(
+            f"The case sets no width of the face: it is taken to reach {across} mm to the side, where a nose first "
+            "touches it."
+        )
+    return words
+
+
+def _draw_notes(figure: Figure, case: Case, made: Outlines) -> None:
+    """Write what is to scale, and what the marks mean."""
+    import textwrap
+
+    width, height = SIZE
+    axes = figure.add_axes((3.4 / width, 0.05 / height, 3.0 / width, 2.6 / height))
+    axes.set_axis_off()
+    axes.set_xlim(0.0, 3.0)
+    axes.set_ylim(0.0, 2.6)
+    lines = [line for words in scale_words(case, made) for line in textwrap.wrap(words, 46)]
+    for k, line in enumerate(lines):
+        axes.text(0.0, 2.5 - 0.165 * k, line, fontsize=8, va="center", color="#4d5760")
+    for k, (word, (letter, colour)) in enumerate(MARKS.items()):
+        x, y = 0.1 + 1.4 * (k % 2), 0.62 - 0.25 * (k // 2)
+        _mark(axes, (x, y), letter, colour)
+        axes.text(x + 0.15, y, "follows from these" if word == "computed" else word, fontsize=8, va="center")
+
+
+def _mark(axes: Any, place: tuple[float, float], letter: str, colour: str) -> None:
+    look = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": colour, "linewidth": 1.1}
+    axes.text(*place, letter, fontsize=6.5, ha="center", va="center", color=INK, bbox=look)
+
+
+def _list_parts(figure: Figure, parts: Sequence[PartEntry]) -> None:
+    """List the parts with their numbers, as the balloons count them."""
+    width, height = SIZE
+    axes = figure.add_axes((6.55 / width, 0.0, 3.2 / width, 1.0))
+    axes.set_axis_off()
+    axes.set_xlim(0.0, 3.2)
+    axes.set_ylim(0.0, height)
+    rows = sum(1 + len(part.entries) for part in parts)
+    step = min(0.185, (height - 0.3) / (rows + 0.25 * len(parts)))
+    y = height - 0.2
+    for number, part in enumerate(parts, 1):
+        if part.place:
+            _balloon(axes, number, (0.12, y))
+        axes.text(0.3, y, part.name, fontsize=8, fontweight="bold", va="center", parse_math=False)
+        y -= step
+        for entry in part.entries:
+            axes.text(0.3, y, entry.name, fontsize=8, va="center", color="#4d5760")
+            axes.text(2.75, y, entry.shown, fontsize=8, va="center", ha="right")
+            _mark(axes, (2.95, y), *MARKS[entry.provenance])
+            y -= step
+        y -= 0.25 * step
+
+
+def drawing_words(case: Case) -> str:
+    """Say in words what the drawing shows, for its caption: what is published, measured, inferred, assumed, fitted."""
+    geometry = strike_geometry(case)
+    parts = [] if geometry is None else machine_parts(case, geometry)
+    marks = [entry.provenance for part in parts for entry in part.entries if entry.provenance != "computed"]
+    counted = [f"{marks.count(word)} {word}" for word in MARKS if word in marks]
+    return f"Of the {len(marks)} numbers shown {', '.join(counted)}."

@@ -1,0 +1,169 @@
+"""The parts of a rotary machine with their numbers, as the list beside a drawing gives them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from strikewave.analyses.machine.figures.geometry import StrikeGeometry
+from strikewave.analyses.wave.figures.field import shortened
+from strikewave.base.units import in_unit
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
+
+if TYPE_CHECKING:
+    from strikewave.cases.case import Case, Value
+
+MARKS = {
+    "published": ("p", BLUE),
+    "measured": ("m", GREEN),
+    "inferred": ("i", "#CC79A7"),
+    "assumed": ("a", ORANGE),
+    "fitted": ("f", RED),
+    "computed": ("=", GREY),
+}
+"""Letter and colour of each provenance, and of what follows from the values of the case."""
+MOST_LAYERS = 6
+"""Layers of a stack that are listed one by one."""
+
+
+class Entry(NamedTuple):
+    """A number of a part: what it is, the number with its unit, where it comes from."""
+
+    name: str
+    shown: str
+    provenance: str
+
+
+class PartEntry(NamedTuple):
+    """A part: the name by which the drawing points at it, what it is called, its numbers."""
+
+    place: str
+    name: str
+    entries: Sequence[Entry]
+
+
+def significant(value: float, digits: int = 4) -> str:
+    """Write a number to so many significant digits, without an exponent where it stays readable.
+
+    Examples
+    --------
+    >>> significant(5.501265), significant(40000.0), significant(1e-7), significant(-0.0)
+    ('5.501', '40000', '1e-07', '0')
+    """
+    if value == 0.0:
+        return "0"
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e" in text and 1e-4 <= abs(value) < 1e7 else text
+
+
+def quantity(name: str, value: Value | None, si: str = "", unit: str = "", spelled: str = "") -> list[Entry]:
+    """Return one entry for a value of a case, none where it is absent."""
+    if value is None:
+        return []
+    number = in_unit(value.si, si, unit) if unit else value.si
+    unit = spelled or unit
+    words = f"{significant(float(number))}{'' if unit in ('', '°') else ' '}{unit}"
+    return [Entry(name, words, value.provenance)]
+
+
+def length(name: str, value: Value | None) -> list[Entry]:
+    """Return an entry in mm."""
+    return quantity(name, value, "m", "mm")
+
+
+def stiffness(name: str, value: Value | None) -> list[Entry]:
+    """Return an entry in kN/m, from a million on in MN/m."""
+    unit = "kN/m" if value is None or value.si < 1e6 else "MN/m"
+    return quantity(name, value, "N/m", unit)
+
+
+def damping(name: str, value: Value | None) -> list[Entry]:
+    """Return an entry in N s/m."""
+    return quantity(name, value, "", "", "N s/m")
+
+
+def mass(name: str, value: Value | None) -> list[Entry]:
+    """Return an entry in kg, below a tenth in g."""
+    small = value is not None and value.si < 0.1
+    return quantity(name, value, "kg", "gram" if small else "kg", "g" if small else "kg")
+
+
+def machine_parts(case: Case, geometry: StrikeGeometry) -> list[PartEntry]:
+    """Return the parts of a rotary machine in the order in which a blow runs through them."""
+    return [*_struck_by(case, geometry), *_object(case), *_held_by(case)]
+
+
+def _struck_by(case: Case, geometry: StrikeGeometry) -> Iterator[PartEntry]:
+    """Yield turntable, strikers and the strike itself."""
+    rig = case.rig()
+    machine, striker = rig.machine, rig.striker
+    yield PartEntry(
+        "turntable",
+        "turntable",
+        [
+            *quantity("speed", machine.speed, "rad/s", "rpm", "r/min"),
+            *quantity("inertia", machine.inertia, "", "", "kg m²"),
+            *quantity("drive, at most", machine.torque, "", "", "N m"),
+        ],
+    )
+    yield PartEntry(
+        "striker",
+        "strikers",
+        [
+            *quantity("count", machine.strikers),
+            *length("path radius R", machine.radius),
+            *length("nose radius", striker.nose_radius),
+            *mass("moving mass, each", striker.mass),
+            *stiffness("mount", striker.mount_stiffness),
+        ],
+    )
+    angle, approach = geometry.touch_angle(), geometry.approach(machine.speed.si)
+    meets = "none" if math.isnan(angle) else f"{significant(-math.degrees(angle), 3)}°"
+    speed = "none" if math.isnan(approach) else f"{significant(approach, 4)} m/s"
+    yield PartEntry(
+        "strike",
+        "strike",
+        [
+            *length("engagement q", machine.engagement),
+            *quantity("blow to radius", machine.blow_angle, "rad", "deg", "°"),
+            *length("face width", machine.face_width),
+            Entry("angle from first touch", meets, "computed"),
+            Entry("approach, nominal", speed, "computed"),
+        ],
+    )
+
+
+def _object(case: Case) -> Iterator[PartEntry]:
+    """Yield nose, frame and assembly, or the layers of a stack."""
+    struck, layers = case.rig().object, case.stack.layer
+    for layer in layers[:MOST_LAYERS]:
+        entries = length("length", layer.length)
+        entries += length("diameter", layer.diameter)
+        entries += quantity("area", layer.area, "m^2", "mm^2", "mm²") if layer.diameter is None else []
+        yield PartEntry(f"layer {layer.name}", shortened(layer.name, 16), entries)
+    if layers:
+        if len(layers) > MOST_LAYERS:
+            yield PartEntry("", f"{len(layers) - MOST_LAYERS} further layers", [])
+        return
+    entries = [*mass("mass of the object", struck.mass), *mass("of it the nose", struck.nose_mass)]
+    yield PartEntry("nose", "nose", entries)
+    entries = [*stiffness("stiffness", struck.frame_stiffness), *damping("damping", struck.frame_damping)]
+    yield PartEntry("frame", "frame", entries)
+    yield PartEntry("assembly", "assembly with sensor", [])
+
+
+def _held_by(case: Case) -> Iterator[PartEntry]:
+    """Yield what holds and feeds the object."""
+    rig = case.rig()
+    struck, feed = rig.object, rig.feed
+    preload = quantity("preload", struck.preload, "", "", "N")
+    yield PartEntry("spring", "heavy-load spring", [*stiffness("rate", struck.spring), *preload])
+    yield PartEntry("damper", "damper", damping("damping", struck.damper))
+    restitution = quantity("restitution", struck.stop_restitution)
+    yield PartEntry("stop", "stop", [*stiffness("stiffness", struck.stop_stiffness), *restitution])
+    carried = quantity("gravity along blow", struck.gravity, "", "", "m/s²")
+    carried += quantity("friction of the rails", struck.friction, "", "", "N")
+    yield PartEntry("carriage", "carriage", carried)
+    time = quantity("stroke time", feed.stroke_time, "s", "ms")
+    yield PartEntry("feed", "feed", [*length("stroke s", feed.stroke), *time])

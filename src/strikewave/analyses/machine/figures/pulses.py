@@ -1,0 +1,173 @@
+"""The pictures of a report: force and acceleration of one blow, all pulses overlaid, the whole train."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.figures.summary import _KIND_COLOURS, _MOST_LABELS, _published_marks, time_words
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.reporting.style import BLUE, GREY, quiet
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from strikewave.analyses.machine.result import Solution
+
+Array = NDArray[np.float64]
+
+HALF, WHOLE = (4.9, 3.3), (9.8, 3.4)
+"""Sizes of a picture that shares its line and of one that does not, inches."""
+MOST_PULSES = 40
+"""Pulses drawn over each other; of more blows the first, the odd ones and an even choice of the rest are drawn."""
+PIXEL_COLUMNS = 1400
+"""Columns of the train into which all samples are gathered."""
+
+
+def thin(time: Array, values: Array, columns: int = PIXEL_COLUMNS) -> tuple[Array, Array]:
+    """Keep the smallest and the largest sample of each column, so that a long history keeps its peaks.
+
+    Parameters
+    ----------
+    time, values : array
+        Samples, shape (N,).
+    columns : int, optional
+        Number of columns; at most twice as many samples are kept, and the last one.
+
+    Examples
+    --------
+    >>> values = np.zeros(10_000)
+    >>> values[1234], values[5678] = 9.0, -3.0
+    >>> _, kept = thin(np.arange(10_000.0), values, 100)
+    >>> kept.size <= 201, kept.max(), kept.min()
+    (True, np.float64(9.0), np.float64(-3.0))
+    """
+    if values.size <= 2 * columns:
+        return time, values
+    length = -(-values.size // columns)
+    starts = np.arange(0, values.size, length)
+    ends = np.append(starts[1:], values.size)
+    low = [start + int(np.argmin(values[start:end])) for start, end in zip(starts, ends, strict=True)]
+    high = [start + int(np.argmax(values[start:end])) for start, end in zip(starts, ends, strict=True)]
+    kept = np.unique([*low, *high, values.size - 1])
+    return time[kept], values[kept]
+
+
+def contact_force(solution: Solution, row: int = 0) -> Figure:
+    """Draw the contact force of one blow (``row`` from 0).
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_case
+    >>> figure = contact_force(run_case(load_case("li-ma-2019", ["feed.blows=1"])))
+    >>> figure.axes[0].get_ylabel()
+    'force (kN)'
+    """
+    figure, axes = _sheet(HALF)
+    time, force = _window(solution, row, "pulse_force", solution.blows[row].width)
+    axes.plot(time, force / 1e3, color=BLUE, linewidth=1.4)
+    quiet(axes, f"Contact force, blow {solution.blows[row].index}", "time after first touch (µs)", "force (kN)")
+    return figure
+
+
+def rigid_acceleration(solution: Solution, row: int = 0) -> Figure:
+    """Draw the rigid-body acceleration of one blow, with the published marks where they belong."""
+    figure, axes = _sheet(HALF)
+    blow = solution.blows[row]
+    time, values = _window(solution, row, "pulse_acceleration", blow.width)
+    acceleration = values / STANDARD_GRAVITY
+    axes.plot(time, acceleration, color=BLUE, linewidth=1.4, label="computed")
+    if row == _first_struck(solution) and not solution.case.changed_fields():
+        _published_marks(solution, axes, time, acceleration)
+    title = f"Rigid-body acceleration, blow {blow.index}"
+    quiet(axes, title, "time after first touch (µs)", "acceleration (g)")
+    if len(axes.get_legend_handles_labels()[0]) > 1:
+        axes.legend(frameon=False, fontsize=8, loc="upper right")
+    return figure
+
+
+def overlaid_pulses(solution: Solution) -> Figure:
+    """Draw the rigid-body pulses of the blows over each other: the first, the later full ones, the odd ones."""
+    figure, axes = _sheet(WHOLE)
+    first = _first_struck(solution)
+    seen: set[str] = set()
+    rows = chosen(solution)
+    longest = max((solution.blows[row].width for row in rows if solution.blows[row].width > 0.0), default=0.0)
+    for row in reversed(rows):  # the first one on top
+        blow = solution.blows[row]
+        time, values = _window(solution, row, "pulse_acceleration", longest)
+        if row == first:
+            colour, label, width = BLUE, f"blow {blow.index}, the first" + _odd(blow.kind), 1.6
+        elif blow.kind == "full":
+            colour, label, width = GREY, "later full blows", 0.9
+        else:
+            colour, label, width = _KIND_COLOURS.get(blow.kind, GREY), f"{blow.kind} blows", 1.2
+        axes.plot(time, values / STANDARD_GRAVITY, color=colour, linewidth=width, label="_" if label in seen else label)
+        seen.add(label)
+    quiet(axes, "Rigid-body pulses, overlaid", "time after first touch of each blow (µs)", "acceleration (g)")
+    handles, labels = axes.get_legend_handles_labels()
+    axes.legend(handles[::-1], labels[::-1], frameon=False, fontsize=8, loc="upper right")
+    return figure
+
+
+def whole_train(solution: Solution) -> Figure:
+    """Draw the rigid-body acceleration of the whole train and mark each blow."""
+    figure, axes = _sheet(WHOLE)
+    data = solution.data
+    time, values = thin(data["time"].values, data["rigid_acceleration"].values)
+    axes.plot(time * 1e3, values / STANDARD_GRAVITY, color=BLUE, linewidth=0.8)
+    quiet(axes, "Rigid-body acceleration, whole train", f"{time_words(solution)} (ms)", "acceleration (g)")
+    kinds = {blow.kind for blow in solution.blows}
+    for kind, colour in _KIND_COLOURS.items():
+        blows = [blow for blow in solution.blows if blow.kind == kind]
+        if blows:
+            heights = [0.0 if kind == "missed" else blow.rigid_peak / STANDARD_GRAVITY for blow in blows]
+            shape = "o" if kind == "full" else "D" if kind == "double" else "s" if kind == "glancing" else "x"
+            axes.plot([blow.time * 1e3 for blow in blows], heights, shape, color=colour, markersize=4, label=kind)
+    if len(solution.blows) <= _MOST_LABELS:
+        for blow in solution.blows:
+            height = 0.0 if blow.kind == "missed" else blow.rigid_peak / STANDARD_GRAVITY
+            place = (blow.time * 1e3, height)
+            axes.annotate(str(blow.index), place, xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8)
+    if kinds - {"full"}:
+        axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    axes.margins(y=0.14)
+    return figure
+
+
+def chosen(solution: Solution) -> list[int]:
+    """Return the rows of the blows whose pulses are drawn over each other."""
+    struck = [row for row, blow in enumerate(solution.blows) if blow.kind != "missed"]
+    if len(struck) <= MOST_PULSES:
+        return struck
+    odd = [row for row in struck if solution.blows[row].kind != "full"][: MOST_PULSES // 2]
+    even = np.linspace(0, len(struck) - 1, MOST_PULSES // 2).round().astype(int)
+    return sorted({*odd, *(struck[i] for i in even)})
+
+
+def _odd(kind: str) -> str:
+    return "" if kind == "full" else f" ({kind})"
+
+
+def _first_struck(solution: Solution) -> int:
+    return next(row for row, blow in enumerate(solution.blows) if blow.kind != "missed")
+
+
+def _sheet(size: tuple[float, float]) -> tuple[Figure, Any]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    return figure, figure.add_subplot()
+
+
+def _window(solution: Solution, row: int, name: str, width: float) -> tuple[Array, Array]:
+    """Return time (µs) and values of a blow, cut where a pulse of this width (s) is over."""
+    time = solution.data["pulse_time"].values * 1e6
+    values = solution.data[name].values[row]
+    shown = np.isfinite(values) & (time <= (2.2e6 * width if width > 0.0 else time[-1]))
+    return time[shown], values[shown]
+
+
+__all__ = ["chosen", "contact_force", "overlaid_pulses", "rigid_acceleration", "thin", "whole_train"]

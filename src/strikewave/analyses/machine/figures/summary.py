@@ -1,0 +1,114 @@
+"""The summary of a run: force and rigid acceleration of the first blow, and the whole train."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave.analyses.machine.result import Solution
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_KIND_COLOURS = {"full": BLUE, "glancing": ORANGE, "double": RED, "missed": GREY}
+_MOST_LABELS = 16
+
+
+def summary(solution: Solution) -> Figure:
+    """Draw the first blow (contact force, rigid-body acceleration) above the whole train of blows.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_case
+    >>> figure = summary(run_case(load_case("li-ma-2019")))
+    >>> len(figure.axes)
+    3
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 6.4), layout="constrained")
+    grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 1.0))
+    sheet_title(figure, solution.title)
+    force, acceleration, train = (figure.add_subplot(cell) for cell in (grid[0, 0], grid[0, 1], grid[1, :]))
+    struck = [i for i, blow in enumerate(solution.blows) if blow.kind != "missed"]
+    if struck:
+        _first_blow(solution, struck[0], force, acceleration)
+    else:
+        for axes in (force, acceleration):
+            axes.set_axis_off()
+            axes.text(0.5, 0.5, "no striker touched the object", ha="center", transform=axes.transAxes)
+    _train(solution, train)
+    return figure
+
+
+def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes: Any) -> None:
+    data, blow = solution.data, solution.blows[row]
+    time = data["pulse_time"].values * 1e6
+    force = data["pulse_force"].values[row] / 1e3
+    acceleration = data["pulse_acceleration"].values[row] / STANDARD_GRAVITY
+    last = 1e6 * 2.2 * blow.width if blow.width > 0.0 else time[-1]
+    shown = time <= last
+    force_axes.plot(time[shown], force[shown], color=BLUE, linewidth=1.4)
+    quiet(force_axes, f"Contact force, blow {blow.index}", "time after first touch (µs)", "force (kN)")
+    acceleration_axes.plot(time[shown], acceleration[shown], color=BLUE, linewidth=1.4, label="computed")
+    quiet(
+        acceleration_axes,
+        f"Rigid-body acceleration, blow {blow.index}",
+        "time after first touch (µs)",
+        "acceleration (g)",
+    )
+    if not solution.case.changed_fields():
+        _published_marks(solution, acceleration_axes, time[shown], acceleration[shown])
+    if len(acceleration_axes.get_legend_handles_labels()[0]) > 1:
+        acceleration_axes.legend(frameon=False, fontsize=8, loc="upper right")
+
+
+def _published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any) -> None:
+    """Mark published peak and width of the first blow: numbers, not curves, and only where they belong."""
+    styles = {"measured": (RED, "o"), "simulated": (GREY, "s"), "specified": (ORANGE, "D")}
+    values = {(c.quantity, c.measured_or_simulated): c.published for c in solution.published}
+    peak_time = time[int(np.nanargmax(acceleration))]
+    above = time[acceleration >= 0.1 * np.nanmax(acceleration)]
+    for origin, (colour, marker) in styles.items():
+        peak = values.get(("first.rigid_peak", origin))
+        width = values.get(("first.width", origin))
+        if peak is None:
+            continue
+        height = peak / STANDARD_GRAVITY
+        axes.plot(
+            [peak_time], [height], marker, color=colour, markersize=6, fillstyle="none", label=f"published, {origin}"
+        )
+        if width is not None and above.size:
+            axes.plot(
+                [above[0], above[0] + width * 1e6], [0.1 * height] * 2, "|-", color=colour, linewidth=1.2, markersize=9
+            )
+
+
+def time_words(solution: Solution) -> str:
+    """Return what the time of the whole run counts from."""
+    return str(solution.data["time"].attrs.get("long_name", "time after the valve signal"))
+
+
+def _train(solution: Solution, axes: Any) -> None:
+    data = solution.data
+    time = data["time"].values * 1e3
+    acceleration = data["rigid_acceleration"].values / STANDARD_GRAVITY
+    axes.plot(time, acceleration, color=BLUE, linewidth=0.8)
+    quiet(axes, "Rigid-body acceleration, whole train", f"{time_words(solution)} (ms)", "acceleration (g)")
+    labelled = len(solution.blows) <= _MOST_LABELS
+    room = 0.06 * (time[-1] - time[0]) * 1e-3 if time.size else 0.0
+    free = -math.inf
+    for blow in solution.blows:
+        height = 0.0 if blow.kind == "missed" else blow.rigid_peak / STANDARD_GRAVITY
+        axes.plot([blow.time * 1e3], [height], "o", color=_KIND_COLOURS[blow.kind], markersize=4)
+        if (labelled and blow.kind == "full") or (blow.kind != "full" and blow.time >= free):
+            free = blow.time + (room if blow.kind != "full" else 0.0)
+            text = str(blow.index) if blow.kind == "full" else f"{blow.index} {blow.kind}"
+            axes.annotate(
+                text, (blow.time * 1e3, height), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8
+            )
+    axes.margins(y=0.14)

@@ -1,0 +1,396 @@
+"""The solution of a case: histories with units as an xarray Dataset, and tables.
+
+The dataset holds the whole train (dimension ``time``, from the valve signal or the start), each blow in detail
+(``blow`` by ``pulse_time``, from first touch), what an ideal recorder would have stored
+(``record_time``), and the table of blows.
+"""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from strikewave._version import __version__
+from strikewave.analyses.machine.readings import BlowReading, SensorPulse
+from strikewave.base.errors import InputError
+from strikewave.base.json_document import head, plain, without
+from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
+from strikewave.machines import Blow
+from strikewave.machines.blows import KINDS
+from strikewave.waves import Grid, Stack
+
+if TYPE_CHECKING:
+    import xarray
+
+    from strikewave.cases.tables import Published
+
+SCHEMA = 3
+"""Of the files of a solution; 2 adds readings and waves, 3 the contact of each blow."""
+LARGEST_LOAD = 4_000_000_000
+"""A solution file that would take more bytes than this is refused."""
+
+BLOW_UNITS = {
+    "time": "s",
+    "approach_speed": "m/s",
+    "rebound_speed": "m/s",
+    "indentation": "m",
+    "residual_indentation": "m",
+    "contact_stiffness": "N/m",
+    "impulse": "N s",
+    "contact_impulse": "N s",
+    "support_impulse": "N s",
+    "peak_force": "N",
+    "rigid_peak": "m/s^2",
+    "width": "s",
+    "rise": "s",
+    "velocity_change": "m/s",
+    "retreat": "m",
+    "turntable_speed": "rad/s",
+}
+"""SI unit of each column of the table of blows that has one."""
+
+HISTORIES = (
+    "contact_force",
+    "rigid_acceleration",
+    "nose_position",
+    "assembly_position",
+    "assembly_speed",
+    "turntable_speed",
+    "pulse_force",
+    "pulse_acceleration",
+    "record_acceleration",
+)
+"""The histories of a solution."""
+
+
+def histories_of(case: Case) -> set[str]:
+    """Return the histories of a solution: without a turntable there is no speed of one."""
+    return set(HISTORIES) - (set() if case.launched() is None else {"turntable_speed"})
+
+
+DETAIL_COLUMNS = ("striker", "contact_impulse", "support_impulse", "momentum_error", "rise", "retreat")
+"""Columns of blows.csv that the JSON document leaves out."""
+
+
+@dataclass(frozen=True)
+class Notice:
+    """Something the user should know: code, words, the value that raised it, its limit.
+
+    ``broken`` marks a stated limit (ledger, no blow at all) that makes the command exit with 3.
+    """
+
+    code: str
+    message: str
+    value: float
+    limit: float
+    broken: bool = False
+
+
+@dataclass(frozen=True)
+class RigidReference:
+    """What the printed contact law would give on a rigid object, SI: see `strikewave.analyses.machine.run`."""
+
+    approach_speed: float
+    peak_force: float
+    peak_acceleration: float
+    duration: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A published number beside the computed one; ``difference`` is relative."""
+
+    quantity: str
+    published: float
+    measured_or_simulated: str
+    computed: float | None
+    difference: float | None
+    role: str
+    note: str = ""
+    sensor: str = ""
+
+
+def comparisons(case: Case, computed: Callable[[Published], float | None]) -> tuple[Comparison, ...]:
+    """Set the published numbers of a case beside the computed ones; of a changed case they are only shown."""
+    changed = case.changed_fields()
+    aside = f"the case differs in {', '.join(changed)}" if changed else ""
+    rows = []
+    for entry in case.published:
+        value = computed(entry)
+        rows.append(
+            Comparison(
+                quantity=entry.quantity,
+                published=entry.value.si,
+                measured_or_simulated=entry.origin,
+                computed=value,
+                difference=None if value is None else value / entry.value.si - 1.0,
+                role="shown" if changed else entry.role,
+                note=aside or entry.note,
+                sensor=entry.sensor,
+            )
+        )
+    return tuple(rows)
+
+
+@dataclass(frozen=True)
+class LineCollision:
+    """A collision of two bodies of an amplifier, SI: time after the lowest met the floor, speeds upwards."""
+
+    time: float
+    lower: str
+    upper: str
+    lower_before: float
+    upper_before: float
+    lower_after: float
+    upper_after: float
+    impulse: float
+    energy_lost: float
+
+
+LAUNCH_UNITS = {"approach_speed": "m/s", "energy_released": "J", "energy_at_touch": "J", "gain": "1"}
+"""What is said of a machine without a drive, and its SI unit."""
+
+
+@dataclass(frozen=True)
+class LayerUsed:
+    """A layer as asked for and as the time step made it, m and steps."""
+
+    name: str
+    length_asked: float
+    length_used: float
+    steps: int
+
+
+@dataclass(frozen=True)
+class WaveSetup:
+    """How the waves of a stack were followed: time step (s), largest mismatch of a transit, layers as used."""
+
+    step: float
+    mismatch: float
+    layers: tuple[LayerUsed, ...]
+
+
+def wave_setup(stack: Stack, grid: Grid) -> WaveSetup:
+    """Return how a stack was followed on a grid."""
+    rows = zip(stack.layers, grid.lengths(stack), grid.counts, strict=True)
+    return WaveSetup(
+        grid.step, grid.mismatch, tuple(LayerUsed(layer.name, layer.length, used, n) for layer, used, n in rows)
+    )
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What a run gave.
+
+    Attributes
+    ----------
+    case : Case
+        What ran.
+    blows : tuple of Blow
+        The table of blows.
+    masses, ledger : dict
+        kg; errors as shares.
+    phases : tuple of (str, float)
+        Name and time (s) from the valve signal.
+    published : tuple of Comparison
+        Published beside computed.
+    warnings : tuple of Notice
+        What to know.
+    reference : RigidReference
+        The printed law on a rigid object.
+    readings : tuple of (BlowReading or None)
+        What taps and sensors show, one a blow; None where it missed.
+    waves : WaveSetup or None
+        How the waves were followed; None where the object is no stack.
+    citations : tuple of str
+        Keys of the sources of the models used.
+    data : xarray.Dataset
+        Histories and the table of blows, with units in their attributes.
+    launch : dict
+        Of a machine without a drive, SI: see `LAUNCH_UNITS`.
+    collisions : tuple of LineCollision
+        Of the bodies of an amplifier, that of striker and object among them, by restitution alone.
+    """
+
+    case: Case
+    blows: tuple[Blow, ...]
+    masses: dict[str, float]
+    phases: tuple[tuple[str, float], ...]
+    ledger: dict[str, float]
+    published: tuple[Comparison, ...]
+    warnings: tuple[Notice, ...]
+    reference: RigidReference
+    readings: tuple[BlowReading | None, ...]
+    waves: WaveSetup | None
+    citations: tuple[str, ...]
+    data: xarray.Dataset = field(repr=False, compare=False)
+    launch: dict[str, float] = field(default_factory=dict)
+    collisions: tuple[LineCollision, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """The title of the case, with the fields in which it differs from the published one."""
+        changed = self.case.changed_fields()
+        values, words = self.case.values(), self.case.entries()
+        now = {path: values[path].typed if path in values else words.get(path, "left out") for path in changed}
+        shown = ", ".join(f"{path} = {now[path]}" for path in changed[:3])
+        more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
+        route = "" if self.case.solver.route == "exact" else f"; route {self.case.solver.route}"
+        return (self.case.title or self.case.name) + (f"; here {shown}{more}" if changed else "") + route
+
+    @property
+    def broken(self) -> bool:
+        """Whether a stated limit was broken."""
+        return any(notice.broken for notice in self.warnings)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document of the run; values that do not exist are null."""
+        hidden = set(DETAIL_COLUMNS)
+        rows = []
+        nothing = BlowReading(None, None, None, {})
+        for blow, reading in zip(self.blows, self.readings, strict=True):
+            row = {k: v for k, v in dataclasses.asdict(blow).items() if k not in hidden}
+            rows.append({**row, **dataclasses.asdict(reading or nothing)})
+        units = {k: u for k, u in BLOW_UNITS.items() if k not in hidden}
+        units |= {"wave_peak": "m/s^2", "total_peak": "m/s^2", "bandwidth": "Hz", "peak": "m/s^2", "masses": "kg"}
+        units |= {"step": "s", "mismatch": "1", "length_asked": "m", "length_used": "m"}
+        units |= LAUNCH_UNITS | {"lower_before": "m/s", "upper_before": "m/s"}
+        units |= {"lower_after": "m/s", "upper_after": "m/s", "energy_lost": "J"}
+        units |= {"ledger": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
+        return plain(
+            {
+                **head(units, [without(dataclasses.asdict(n), "broken") for n in self.warnings]),
+                "case": self.case.name,
+                "route": self.case.solver.route,
+                "blows": rows,
+                "masses": self.masses,
+                "phases": [{"name": name, "time": time} for name, time in self.phases],
+                "ledger": self.ledger,
+                **self._launched(),
+                "waves": dataclasses.asdict(self.waves) if self.waves else None,
+                "published": [without(dataclasses.asdict(c), "note", "sensor") for c in self.published],
+                "fitted_fields": self.case.fitted_fields(),
+            }
+        )
+
+    def _launched(self) -> dict[str, Any]:
+        """Return what the JSON document says of a machine without a drive; nothing of one with a drive."""
+        rows = [dataclasses.asdict(collision) for collision in self.collisions]
+        return {"launch": self.launch, "collisions": rows} if self.launch else {}
+
+    def table(self) -> str:
+        """Return the table of blows as CSV text, every column with its unit."""
+        text = io.StringIO()
+        names = [f.name for f in dataclasses.fields(Blow)]
+        writer = csv.writer(text, lineterminator="\n")
+        waves = ("total_peak", "wave_peak", "bandwidth") if self.waves else ()
+        route = [self.case.solver.route] if self.waves else []
+        sensors = list(dict.fromkeys(name for r in self.readings if r is not None for name in r.sensors))
+        head = [f"{n} [{BLOW_UNITS[n]}]" if n in BLOW_UNITS else n for n in names]
+        head += [f"{n} [{'Hz' if n == 'bandwidth' else 'm/s^2'}]" for n in waves] + ["route"] * len(route)
+        head += [column for n in sensors for column in (f"{n} peak [m/s^2]", f"{n} width [s]", f"{n} clipped")]
+        writer.writerow(head)
+        for blow, reading in zip(self.blows, self.readings, strict=True):
+            row: list[Any] = [*dataclasses.astuple(blow), *(getattr(reading, n, None) for n in waves), *route]
+            for name in sensors:
+                row += dataclasses.astuple(reading.sensors[name]) if reading is not None else [None] * 3
+            writer.writerow(["" if v is None or (isinstance(v, float) and math.isnan(v)) else v for v in row])
+        return text.getvalue()
+
+    def save(self, path: Path) -> None:
+        """Write the whole solution as NetCDF; `load_solution` reads it back."""
+        state = {
+            "masses": self.masses,
+            "phases": self.phases,
+            "ledger": self.ledger,
+            "published": [dataclasses.asdict(c) for c in self.published],
+            "warnings": [dataclasses.asdict(n) for n in self.warnings],
+            "reference": dataclasses.asdict(self.reference),
+            "readings": [dataclasses.asdict(r) if r else None for r in self.readings],
+            "waves": dataclasses.asdict(self.waves) if self.waves else None,
+            "citations": self.citations,
+            "launch": self.launch,
+            "collisions": [dataclasses.asdict(collision) for collision in self.collisions],
+        }
+        attributes = {
+            "strikewave_schema": SCHEMA,
+            "strikewave_version": __version__,
+            "case": dump_case(self.case),
+            "tables": json.dumps(state),
+        }
+        self.data.assign_attrs(attributes).to_netcdf(path, engine="h5netcdf")
+
+
+def load_solution(path: Path | str) -> Solution:
+    """Read a solution that `Solution.save` wrote, or the folder that holds ``solution.nc``.
+
+    Raises
+    ------
+    InputError
+        If the file is absent, not a solution of this version, damaged, or larger than 4 GB in memory.
+    """
+    import xarray
+
+    path = Path(path)
+    path = path / "solution.nc" if path.is_dir() else path
+    if not path.is_file():
+        raise InputError("solution", str(path), "a solution.nc that `strikewave run` wrote")
+    try:
+        with xarray.open_dataset(path, engine="h5netcdf") as opened:
+            if opened.nbytes > LARGEST_LOAD:
+                raise InputError("solution", str(path), "a file of at most 4 GB in memory")
+            schema = opened.attrs["strikewave_schema"]
+            if schema != SCHEMA:
+                raise InputError(
+                    "solution", str(path), f"schema {SCHEMA}", f"it has schema {schema}: update strikewave"
+                )
+            data = opened.load()
+        case = parse_case(str(data.attrs.pop("case")))
+        state = json.loads(data.attrs.pop("tables"))
+        columns = [f.name for f in dataclasses.fields(Blow)]
+        rows = zip(*(data["blow" if c == "index" else f"blow_{c}"].values.tolist() for c in columns), strict=True)
+        blows = tuple(Blow(*row) for row in rows)
+        if not {blow.kind for blow in blows} <= set(KINDS) or not histories_of(case) <= set(data.variables):
+            raise ValueError("a blow of unknown kind, or a history is missing")
+        return Solution(
+            case=case,
+            blows=blows,
+            masses=state["masses"],
+            phases=tuple((name, time) for name, time in state["phases"]),
+            ledger=state["ledger"],
+            published=tuple(Comparison(**row) for row in state["published"]),
+            warnings=tuple(Notice(**row) for row in state["warnings"]),
+            reference=RigidReference(**state["reference"]),
+            readings=tuple(_reading(row) for row in state["readings"]),
+            waves=_waves(state["waves"]),
+            citations=tuple(state["citations"]),
+            data=data.drop_attrs(deep=False),
+            launch=state.get("launch", {}),
+            collisions=tuple(LineCollision(**row) for row in state.get("collisions", ())),
+        )
+    except InputError:
+        raise
+    except Exception as error:  # whatever a damaged file makes the readers raise
+        raise InputError(
+            "solution", str(path), "a solution.nc that `strikewave run` wrote", f"it cannot be read ({error})"
+        ) from error
+
+
+def _reading(row: dict[str, Any] | None) -> BlowReading | None:
+    if row is None:
+        return None
+    sensors = {name: SensorPulse(**pulse) for name, pulse in row["sensors"].items()}
+    return BlowReading(row["total_peak"], row["wave_peak"], row["bandwidth"], sensors)
+
+
+def _waves(row: dict[str, Any] | None) -> WaveSetup | None:
+    if row is None:
+        return None
+    return WaveSetup(row["step"], row["mismatch"], tuple(LayerUsed(**layer) for layer in row["layers"]))

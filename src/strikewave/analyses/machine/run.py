@@ -1,0 +1,269 @@
+"""Case in, solution out: run the machine and set the published numbers beside it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterator, Sequence
+from statistics import median
+
+import numpy as np
+
+from strikewave.analyses.machine.build import build_machine, contact_stiffness
+from strikewave.analyses.machine.dataset import build_dataset
+from strikewave.analyses.machine.launched import Release, line_collisions, release
+from strikewave.analyses.machine.notices import ledger_notices, notices
+from strikewave.analyses.machine.readings import (
+    BlowReading,
+    Observed,
+    View,
+    blow_history,
+    blow_reading,
+    sensor_sources,
+    without_peaks,
+)
+from strikewave.analyses.machine.result import Comparison, Notice, RigidReference, Solution, comparisons, wave_setup
+from strikewave.base import citations
+from strikewave.base.errors import InputError
+from strikewave.cases.case import Case
+from strikewave.cases.sensors_of_case import build_channels
+from strikewave.cases.stack_of_case import build_taps, check_route
+from strikewave.contact import damping_law, factor, solve_impact
+from strikewave.machines import Blow, RotaryMachine, blows, run_rotary
+from strikewave.machines.spans import StackSpan
+from strikewave.machines.strike import kept_step
+from strikewave.waves import Stack
+from strikewave.waves.limits import channel_notices, honest_bandwidth, wave_notices
+from strikewave.waves.routes import EXACT
+
+LOWEST_BANDWIDTH = 1e3
+"""Lowest bandwidth of the acceleration of a blow, which lasts a millisecond, Hz."""
+
+
+_LAUNCH_SOURCES = {
+    "drop": ("jesd22-b104",),
+    "pendulum": ("iso-148-2",),
+    "gas-gun": ("rohrbach-2012", "siegel-1965"),
+    "amplifier": ("rodgers-2009",),
+}
+"""Kind of machine: sources of what brings it to the blow."""
+
+
+def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Solution:
+    """Run a case and return its solution.
+
+    Parameters
+    ----------
+    case : Case
+        What to run.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If parts of the case do not fit together.
+    IntegrationError
+        If the motion cannot be followed.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_case
+    >>> solution = run_case(load_case("li-ma-2019"))
+    >>> len(solution.blows)
+    11
+    """
+    seen = observe(case, progress)
+    machine, run = seen.machine, seen.run
+    start = release(case, machine.struck.mass) if case.launched() else None
+    listed = [
+        *notices(case, seen.blows),
+        *(launch_notices(case, seen, start) if start else ()),
+        *wave_notices(run, seen.histories, seen.readings, seen.view.bandwidth),
+        *channel_notices(
+            seen.view.channels,
+            [reading.sensors for reading in seen.readings if reading is not None],
+            machine.struck.assembly_mass,
+        ),
+    ]
+    refused = any(notice.code == "rise-too-steep" for notice in listed)
+    readings = tuple(reading and (without_peaks(reading) if refused else reading) for reading in seen.readings)
+    momentum = max(
+        [blow.momentum_error for blow in seen.blows if blow.kind != "missed"]
+        + [span.momentum_error for span in run.spans if isinstance(span, StackSpan)],
+        default=0.0,
+    )
+    ledger = {"energy_error": run.energy_error, "momentum_error": momentum}
+    struck = machine.struck
+    return Solution(
+        case=case,
+        blows=seen.blows,
+        masses={"striker": machine.strikers.mass, "object": struck.mass, "assembly": struck.assembly_mass},
+        phases=run.phases,
+        ledger=ledger,
+        published=compare(case, seen.blows, readings),
+        warnings=(*ledger_notices(ledger), *listed),
+        reference=printed_law_on_rigid_object(case, machine),
+        readings=readings,
+        waves=wave_setup(machine.layered.stack, machine.layered.grid) if machine.layered else None,
+        citations=_citations(case, seen),
+        data=build_dataset(case, seen),
+        launch=launch_of(machine, start) if start else {},
+        collisions=line_collisions(case, start) if start else (),
+    )
+
+
+def launch_of(machine: RotaryMachine, start: Release) -> dict[str, float]:
+    """Return what is said of a machine without a drive: see `strikewave.analyses.machine.result.LAUNCH_UNITS`."""
+    arm, striker = machine.turntable, machine.strikers.first
+    said = {
+        "approach_speed": start.arm * arm.radius + start.striker - start.object,
+        "energy_released": start.energy,
+        "energy_at_touch": 0.5 * striker.mass * start.striker**2
+        + 0.5 * machine.struck.mass * start.object**2
+        + (0.5 * arm.inertia * start.arm**2 if start.arm else 0.0),
+    }
+    return said if start.line is None else {**said, "gain": start.line.gain}
+
+
+def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notice]:
+    """Say what a user of a machine without a drive should know."""
+    yield from start.told
+    machine, touched = case.launched(), seen.run.contacts()
+    if machine is None or not len(touched):
+        return
+    message = (
+        f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): unless "
+        "something catches it, what rebounds comes again"
+    )
+    yield Notice("first-blow-only", message, machine.follow.si, 0.0)
+    if touched[-1, 1] >= seen.run.end:
+        message = (
+            "striker and object still touch at the end: width, impulse and rebound are not those of the whole blow"
+        )
+        yield Notice("contact-not-over", f"{message}; raise machine.follow", seen.run.end, machine.follow.si)
+
+
+def observe(case: Case, progress: Callable[[float], None] | None = None) -> Observed:
+    """Run a machine case and look at each blow with its taps and sensors; see `run_case`."""
+    machine = build_machine(case)
+    stack = machine.layered.stack if machine.layered else None
+    taps = build_taps(case) if machine.layered else ()
+    route = case.solver.route
+    channels = build_channels(case)
+    if route != EXACT and stack is None:
+        raise InputError("solver.route", route, EXACT, "the object of this case is no stack")
+    check_route(case, taps, channels)
+    view = View(channels, stated_bandwidth(case, stack), case.impact().recorder.begin, route)
+    if machine.layered is not None:
+        check_rates(case, view, kept_step(machine.layered.grid))
+    run = run_rotary(machine, case.solver.tolerance.si, progress)
+    found = blows(run)
+    if case.launched() is not None:
+        found = tuple(dataclasses.replace(blow, turntable_speed=math.nan) for blow in found)
+    first = next((blow for blow in found if blow.kind != "missed"), None)
+    histories = tuple(
+        None if blow.kind == "missed" else blow_history(run, blow, view, routes=blow is first) for blow in found
+    )
+    readings = tuple(history and blow_reading(history, view) for history in histories)
+    return Observed(run, found, view, tuple(name for name, _ in taps), histories, readings)
+
+
+def check_rates(case: Case, view: View, step: float) -> None:
+    """Refuse a bandwidth or a filter that the histories of a stack, or its short blows, cannot show.
+
+    Raises
+    ------
+    InputError
+        With the field.
+    """
+    highest = 0.5 / step
+    bandwidth = case.solver.bandwidth
+    if bandwidth is not None and not LOWEST_BANDWIDTH <= view.bandwidth < highest:
+        allowed = f"{LOWEST_BANDWIDTH / 1e3:g} kHz to {highest / 1e6:.3g} MHz, half the rate at which waves are kept"
+        raise InputError("solver.bandwidth", bandwidth.typed, allowed)
+    for channel in view.channels:
+        cutoff = channel.recorder.cutoff
+        if not math.isinf(cutoff) and cutoff >= highest:
+            field = f"sensor.{channel.sensor.name}.cutoff"
+            raise InputError(
+                field, f"{cutoff:g} Hz", f"below {highest / 1e6:.3g} MHz, half the rate at which waves are kept"
+            )
+
+
+def stated_bandwidth(case: Case, stack: Stack | None) -> float:
+    """Return the bandwidth at which total and wave acceleration are stated, Hz.
+
+    That of the case, or the largest one at which one-dimensional theory needs no warning.
+    """
+    if case.solver.bandwidth is not None:
+        return case.solver.bandwidth.si
+    return np.inf if stack is None else honest_bandwidth(stack)
+
+
+def printed_law_on_rigid_object(case: Case, machine: RotaryMachine) -> RigidReference:
+    """Return what the contact gives on a rigid object, with no frame and no mount, at the nominal approach speed.
+
+    Of a rotary machine: the printed law, damping by eq (24) of Li & Ma 2019, and a massive turntable. Of a machine
+    without a drive: the law of the case, between the mass that strikes (of an arm the effective one) and the object's.
+    """
+    mass, striker = machine.struck.mass, machine.strikers.first
+    if machine.launch is None:
+        chi = float(factor("li-ma-printed", case.impact().contact.restitution.si))
+        contact, against = contact_stiffness(case).contact(chi), np.inf
+    else:
+        arm = machine.turntable
+        contact, against = striker.contact, arm.inertia / arm.radius**2 if machine.launch.arm_speed else striker.mass
+    blow = solve_impact(contact, against, mass, machine.nominal_approach)
+    force = float(blow.peak_force)
+    return RigidReference(machine.nominal_approach, force, force / mass, float(blow.duration))
+
+
+def published_value(
+    name: str, found: Sequence[Blow], readings: Sequence[BlowReading | None], sensor: str = ""
+) -> float | None:
+    """Return the computed number that a published one is set beside; None where there is none.
+
+    ``first`` is the first blow that touched, ``typical`` the median of the later full or double blows, ``count`` the
+    number of blows, ``window`` the time from the first to the last.
+    """
+    struck = [(blow, reading) for blow, reading in zip(found, readings, strict=True) if reading is not None]
+    if name == "count":
+        return float(len(struck))
+    if not struck:
+        return None
+    if name == "window":
+        return struck[-1][0].time - struck[0][0].time
+    which, _, quantity = name.partition(".")
+    if which == "first":
+        return _measured(*struck[0], quantity, sensor)
+    later = [_measured(*pair, quantity, sensor) for pair in struck[1:] if pair[0].kind in ("full", "double")]
+    numbers = [number for number in later if number is not None]
+    return median(numbers) if numbers else None
+
+
+def _measured(blow: Blow, reading: BlowReading, quantity: str, sensor: str) -> float | None:
+    """Return a number of one blow: of the blow itself, of its waves, or of a sensor."""
+    if quantity.startswith("sensor_"):
+        pulse = reading.sensors.get(sensor)
+        return None if pulse is None else float(getattr(pulse, quantity.removeprefix("sensor_")))
+    value = getattr(reading if quantity in ("total_peak", "wave_peak") else blow, quantity)
+    return None if value is None else float(value)
+
+
+def compare(case: Case, found: Sequence[Blow], readings: Sequence[BlowReading | None]) -> tuple[Comparison, ...]:
+    """Set the published numbers of a case beside the computed ones; the difference is relative."""
+    return comparisons(case, lambda entry: published_value(entry.quantity, found, readings, entry.sensor))
+
+
+def _citations(case: Case, seen: Observed) -> tuple[str, ...]:
+    """Return the keys of the sources of the models that took part."""
+    origin = next((key for key in citations.SOURCES if case.source.startswith(key)), "")
+    contact = case.impact().contact
+    keys = [origin, contact_stiffness(case).source, "hunt-crossley-1975", damping_law(contact.damping).source]
+    keys += ["thornton-1997"] if contact.yield_pressure is not None else []
+    keys += ["schwager-poschel-2007", "hairer-1993", *_LAUNCH_SOURCES.get(getattr(case.machine, "kind", ""), ())]
+    if seen.machine.layered:
+        keys += ["kolsky-1963", *(["li-ma-2019"] if case.solver.route != EXACT else [])]
+    keys += sensor_sources(seen.view.channels)
+    return tuple(key for key in dict.fromkeys(keys) if key in citations.SOURCES)

@@ -1,0 +1,1 @@
+"""Measured records: blows found and measured, campaigns, shock response spectra."""

@@ -1,0 +1,357 @@
+"""The sections of a report of records: files, health, blows, campaign, pictures, spectra, filter, provenance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from statistics import mean, median
+from typing import Any
+
+from strikewave._version import __version__
+from strikewave.analyses.record.figures import campaigns as campaign_figures
+from strikewave.analyses.record.figures import records
+from strikewave.analyses.record.figures.campaigns import figure_unit
+from strikewave.analyses.record.pictures import shown_response
+from strikewave.analyses.record.tables import (
+    Columns,
+    Names,
+    digits_of,
+    number,
+    percent,
+    rows_of,
+    squeezed,
+    unit_of,
+    units_of,
+)
+from strikewave.base.citations import SOURCES
+from strikewave.records.campaign import SUMMED, Campaign
+from strikewave.records.finding import STATUSES, worst
+from strikewave.records.measuring import RecordedPulse
+from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.reporting.numbers import listed, spelled
+from strikewave.reporting.parts import NONE, Cell, Code, Part, Picture, Section, Table, Tag, written
+from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
+from strikewave.signal.pulse import HALF_SINE_WIDTH
+
+MOST_ROWS = 200
+"""Blows, and findings, that a table lists."""
+_LOOKS = {"good": "good", "suspect": "warned", "bad": "bad"}
+
+
+def _tag(status: str) -> Tag:
+    return Tag(status, _LOOKS.get(status, ""))
+
+
+def file_section(files: Sequence[FileReading], names: Names) -> Section:
+    """List the files: what they are, what their blows came to, why one is not good."""
+    rows = rows_of(files)
+    columns = Columns(("peak", "width", "velocity_change"), units_of(rows))
+    cells: list[list[Cell]] = []
+    for file in files:
+        for reading in file.channels:
+            found = [*file.findings, *reading.findings]
+            means = {name: mean(values) for name in columns.names if (values := reading.figures(name))}
+            reasons = dict.fromkeys(f.message for f in found if f.severity != "good")
+            cells.append(
+                [
+                    names[file.path],
+                    _tag(worst(found)),
+                    reading.channel.name,
+                    file.format,
+                    written(reading.channel.sampling_rate / 1e3) if reading.channel.step > 0.0 else NONE,
+                    reading.channel.values.size,
+                    len(reading.pulses),
+                    *columns.cells(means, reading.channel.unit),
+                    "; ".join(reasons) or NONE,
+                ]
+            )
+        if not file.channels:
+            row: list[Cell] = [
+                names[file.path],
+                _tag(file.status),
+                NONE,
+                file.format,
+                *[NONE] * (len(columns.names) + 3),
+            ]
+            cells.append([*row, "; ".join(file.reasons) or "no channel was read"])
+    heads = ["file", "status", "channel", "format", "rate (kHz)", "samples", "blows", *columns.heads, "why"]
+    heads, cells, same = squeezed(heads, cells, ("channel", "format"))
+    caption = f"Files{same}; means over the blows of each record, a dash where a finding harms the figure"
+    return Section("Files", "", [Table(caption, heads, cells, "No file was read.")])
+
+
+def health_section(files: Sequence[FileReading], names: Names) -> Section:
+    """List every finding; one that several files share stands once."""
+    entries = [(file, "", finding) for file in files for finding in file.findings]
+    entries += [(file, reading.channel.name, f) for file, reading in rows_of(files) for f in reading.findings]
+    several = len({reading.channel.name for _, reading in rows_of(files)}) > 1
+    places = {file.path: place for place, file in enumerate(files)}
+    entries.sort(key=lambda entry: (-STATUSES.index(entry[2].severity), places[entry[0].path]))
+    groups: dict[tuple[str, str, str, str, tuple[str, ...]], list[str]] = {}
+    for file, channel, one in entries:
+        key = (channel if several else "", one.message, one.severity, one.code, one.harms)
+        groups.setdefault(key, []).append(names[file.path])
+    rows: list[list[Cell]] = [
+        [
+            ", ".join([_several(where), *([channel] if channel else [])]),
+            message,
+            _tag(severity),
+            code,
+            listed([word.replace("_", " ") for word in harms]) or NONE,
+        ]
+        for (channel, message, severity, code, harms), where in list(groups.items())[:MOST_ROWS]
+    ]
+    text = (
+        "A bad record goes into no mean. A suspect one loses the figures that the finding harms. A good finding is "
+        "worth a word and harms nothing, unless it says so."
+    )
+    if len(groups) > MOST_ROWS:
+        text += f" The worst {MOST_ROWS} of {len(groups)} findings are listed."
+    heads = ["where", "what", "severity", "code", "harms"]
+    empty = "Nothing was found wrong." if files else "No file was read."
+    return Section("Health", text, [Table("Findings, the worst first", heads, rows, empty)])
+
+
+def blow_section(files: Sequence[FileReading], names: Names) -> Section:
+    """List the blows as they were measured."""
+    rows = rows_of(files)
+    rings = any(pulse.ringing_frequency > 0.0 for _, reading in rows for pulse in reading.pulses)
+    figures = ("peak", "rise", "width", "velocity_change", *(("ringing_frequency",) if rings else ()))
+    columns = Columns(figures, units_of(rows))
+    smooth = Columns(("peak", "width"), units_of(rows))
+    several = len({reading.channel.name for _, reading in rows}) > 1
+    cells: list[list[Cell]] = []
+    total = sum(len(reading.pulses) for _, reading in rows)
+    for file, reading in rows:
+        unit = reading.channel.unit
+        for k, pulse in enumerate(reading.pulses[: MOST_ROWS - len(cells)], 1):
+            values = {name: getattr(pulse, name) for name in columns.names}
+            fitted = {"peak": pulse.smooth.peak, "width": pulse.smooth.width()}
+            cells.append(
+                [
+                    names[file.path],
+                    *([reading.channel.name] if several else []),
+                    k,
+                    f"{pulse.time * 1e3:.3f}",
+                    *columns.cells(values, unit),
+                    pulse.method,
+                    *smooth.cells(fitted, unit),
+                ]
+            )
+    text = (
+        "The peak counts from the zero line before the blow. The rise is from 10 to 90 % of the peak, the width above "
+        "10 %, the velocity change from foot to foot, where 2 % of the peak is left. "
+        + ("Ringing is what swings afterwards. " if rings else "No ringing stands out. ")
+        + "The smooth pulse is the best fit of a half-sine's kin: the blow with little of its ringing. Where noise "
+        "hides a tenth of the peak, the figures are those of the fit. Bad records stand here too."
+    )
+    if total > len(cells):
+        text += f" The first {len(cells)} of {total} blows are listed."
+    heads = ["file", *(["channel"] if several else []), "#", "time (ms)", *columns.heads, "method"]
+    heads += [f"smooth {head}" for head in smooth.heads]
+    return Section("Blows", text if cells else "", [Table("Blows", heads, cells, "No blow was found.")])
+
+
+def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Names, several: bool) -> Section:
+    """Sum up a channel over all files: statistics, trend, what was left out."""
+    unit = unit_of(files, campaign)
+    table: list[list[Cell]] = []
+    trends: list[list[Cell]] = []
+    for name in SUMMED:
+        _, what, shown = figure_unit(name, unit)
+        if name in campaign.statistics:
+            one = campaign.statistics[name]
+            digits = digits_of(one.low, one.high)
+            values = [number(name, unit, value, digits) for value in (one.mean, one.low, one.high)]
+            table.append([f"{what} ({shown})", one.n, *values, *map(percent, (one.cv, one.cv_low, one.cv_high))])
+        if name in campaign.trends:
+            line = campaign.trends[name]
+            clear = "yes" if math.isfinite(line.low) and not line.low <= 0.0 <= line.high else "no"
+            values = [number(name, unit, value, 3) for value in (line.slope, line.low, line.high)]
+            trends.append([f"{what} ({shown})", *values, percent(line.change), clear])
+    gone: list[list[Cell]] = [
+        [names.get(path, path), "all" if set(SUMMED) <= set(harmed) else _words(harmed), why]
+        for path, harmed, why in campaign.left_out
+    ]
+    heads = ["figure", "values", "mean", "from", "to", "CV", "CV from", "CV to"]
+    parts: list[Part] = [
+        Table("Means and scatter, with bounds at 95 %", heads, table, "No record gave a figure that can be trusted."),
+        Table(
+            "Trend a file, with bounds at 95 %",
+            ["figure", "change a file", "from", "to", "first to last", "clear of zero"],
+            trends,
+            "A trend needs values from three files.",
+        ),
+        Table("Left out of the means", ["file", "figures", "why"], gone, "Nothing was left out."),
+    ]
+    readings = _same_channel(files, campaign)
+    if any(reading.pulses and reading.status != "bad" for _, reading in readings):
+        named = [(names[path], reading) for path, reading in readings]
+        parts.append(Picture(records.overlay(named), "Blows of the files over each other; bad records are left out."))
+    if len({k for pairs in campaign.points.values() for k, _ in pairs}) > 1:
+        words = "Figures over the files, in the order in which they were given. What was left out is not drawn."
+        parts.append(Picture(campaign_figures.trend(campaign, unit, len(files)), words))
+    title = "Campaign" if len(files) > 1 else "Means"
+    title += f": {campaign.channel}" if several else ""
+    text = (
+        "CV is the standard deviation over the mean. The bounds of the mean are Student's, those of the CV Vangel's; "
+        "they hold for values that scatter like a normal distribution and have no trend."
+    )
+    used = [reading for _, reading in readings if reading.status != "bad"]
+    units = sorted({reading.channel.unit or "file's own numbers" for reading in used})
+    if len(units) > 1:
+        text += f" The files hold this channel in different units, {listed(units)}: "
+        text += "peak and velocity change are summed up in the usual one."
+    return Section(title, text, parts)
+
+
+def _words(harmed: Sequence[str]) -> str:
+    return listed([name.replace("_", " ") for name in harmed])
+
+
+def _same_channel(files: Sequence[FileReading], campaign: Campaign) -> list[tuple[str, ChannelReading]]:
+    """Return the readings of a campaign's channel: those with the place that the channel has in the first file."""
+    rows = [(file.path, file, reading) for file, reading in rows_of(files)]
+    number_ = next((reading.number for _, _, reading in rows if reading.channel.name == campaign.channel), 0)
+    sound = [(path, reading) for path, file, reading in rows if worst(file.findings) != "bad"]
+    return [(path, reading) for path, reading in sound if reading.number == number_]
+
+
+def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter | None) -> Section:
+    """Say what the filter did to each blow, or what one would do."""
+    pulses = [
+        pulse
+        for _, reading in rows_of(files)
+        if reading.status != "bad"
+        for pulse in reading.unfiltered or reading.pulses
+    ]
+    if filter_ is not None:
+        text = f"Before the blows were measured, the records went through: {filter_}."
+        parts: list[Part] = [_filtered_table(files, names)]
+        filters = [("", filter_)]
+    else:
+        text = (
+            "No filter was used: all figures are those of the records as they are. The table says what filters would "
+            "do; the advised cutoff is the lowest that takes at most 2 % off the peak, 4 poles a pass, zero-phase."
+        )
+        parts, filters = [], [("", Filter.sae_j211(k)) for k in (1000, 600)]
+    widths = [pulse.width for pulse in pulses if pulse.width > 0.0]
+    rises = [pulse.rise for pulse in pulses if pulse.rise > 0.0]
+    if not widths:
+        return Section("Filter", text.partition(" The table")[0] + " There is no blow to filter.", parts)
+    if filter_ is None:
+        cutoff = advised_cutoff(median(rises) if rises else math.nan, median(widths))
+        filters = [("advised: ", Filter(float(f"{1.005 * cutoff:.3g}"))), *filters]
+    duration = median(widths) / HALF_SINE_WIDTH
+    rows: list[list[Cell]] = [
+        [
+            f"{name}{one}",
+            f"{one.half_power(1e-3 / one.cutoff) / 1e3:.4g}",
+            *_left(one, duration),
+        ]
+        for name, one in filters
+    ]
+    caption = f"What filters leave of a half-sine of {duration * 1e6:.4g} µs, which is as wide as the median blow"
+    heads = ["filter", "−3 dB in all (kHz)", "peak left", "width left"]
+    return Section("Filter", text, [*parts, Table(caption, heads, rows)])
+
+
+def _left(one: Filter, duration: float) -> list[str]:
+    """Return what a filter leaves of peak and width of a half-sine."""
+    if one.cutoff * duration < 0.01:
+        return ["below 2 %", NONE]
+    effect = effect_on_half_sine(one, duration)
+    return [percent(effect.peak), percent(effect.width)]
+
+
+def _filtered_table(files: Sequence[FileReading], names: Names) -> Table:
+    """Set the blows before the filter beside those after it."""
+    rows = [(file, reading) for file, reading in rows_of(files) if reading.unfiltered]
+    columns = Columns(("peak", "width"), units_of(rows))
+    cells: list[list[Cell]] = []
+    total = sum(len(reading.unfiltered) for _, reading in rows)
+    for file, reading in rows:
+        for k, before in enumerate(reading.unfiltered[: MOST_ROWS - len(cells)], 1):
+            after = _nearest(before, reading.pulses)
+            pairs = [{"peak": p.peak, "width": p.width} if p else {} for p in (before, after)]
+            old, new = (columns.cells(pair, reading.channel.unit) for pair in pairs)
+            left = [percent(pairs[1][n] / pairs[0][n]) if after and pairs[0][n] else NONE for n in ("peak", "width")]
+            who: list[Cell] = [names[file.path], reading.channel.name, k]
+            cells.append([*who, old[0], new[0], left[0], old[1], new[1], left[1]])
+    heads = ["file", "channel", "#"]
+    heads += [words for head in columns.heads for words in (f"{head} before", "after", "left")]
+    some = f"; the first {len(cells)} of {total}" if total > len(cells) else ""
+    return Table(f"Blows before and after the filter{some}", heads, cells, "No blow was found before the filter.")
+
+
+def _nearest(pulse: RecordedPulse, others: Sequence[RecordedPulse]) -> RecordedPulse | None:
+    """Return the blow that lies where a blow lay before the filter."""
+    best = min(others, key=lambda other: abs(other.time - pulse.time), default=None)
+    return best if best is not None and abs(best.time - pulse.time) <= pulse.end - pulse.begin else None
+
+
+def calibration_section(
+    files: Sequence[FileReading],
+    names: Names,
+    stated: Sequence[tuple[str, str]],
+    options: Sequence[tuple[str, str]],
+    digests: Mapping[str, str],
+) -> Section:
+    """Say what made SI of the files' numbers, and where all of it comes from."""
+    groups: dict[tuple[str, str, str], list[str]] = {}
+    for file, reading in rows_of(files):
+        said = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in reading.calibration.stated().items())
+        key = (reading.channel.name, said, reading.channel.unit)
+        groups.setdefault(key, []).append(names[file.path])
+    rows: list[list[Cell]] = [
+        [name, said or "nothing was stated", spelled(unit) or "file's own numbers", _several(of)]
+        for (name, said, unit), of in groups.items()
+    ]
+    parts: list[Part] = [
+        Table(
+            "What each channel was taken as", ["channel", "stated", "SI unit", "files"], rows, "No channel was read."
+        ),
+        Table("Where it was stated", ["where", "what"], [list(pair) for pair in stated], "No calibration was stated."),
+        Table("Other options", ["option", "value"], [list(pair) for pair in options], "None was given."),
+    ]
+    lines = [f"{digests.get(file.path, '')}  {file.path}".strip().replace("\n", "\\n") for file in files]
+    if lines:
+        what = "Paths of the files" + (" and their SHA-256" if any(digests.get(file.path) for file in files) else "")
+        parts.append(Code("\n".join(lines), what))
+    return Section("Calibration and provenance", "", parts)
+
+
+def _several(names: Sequence[str]) -> str:
+    return listed(list(names)) if len(names) <= 4 else f"{len(names)} files, {names[0]} to {names[-1]}"
+
+
+def warning_section(warnings: Sequence[Mapping[str, Any]]) -> Section:
+    """List what the reader should know."""
+    rows: list[list[Cell]] = []
+    for one in warnings:
+        values = (one.get("value"), one.get("limit"))
+        numbers = [f"{v:.6g}" if isinstance(v, int | float) and math.isfinite(v) else NONE for v in values]
+        rows.append([Tag(str(one.get("code", "note")), "warned"), str(one.get("message", "")), *numbers])
+    heads = ["code", "message", "number", "limit"]
+    return Section("Warnings", "", [Table("Warnings", heads, rows, "No warning was raised.")])
+
+
+def source_section(files: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> Section:
+    """List the sources of the methods used."""
+    keys = ["siegel-1982"] if rows_of(files) else []
+    keys += ["vangel-1996"] if any(campaign.statistics for campaign in campaigns) else []
+    keys += ["smallwood-1981", "iso-18431-4"] if shown_response(files) is not None else []
+    j211 = filter_ is None or "J211" in str(filter_)
+    keys += ["sae-j211"] if j211 and rows_of(files) else []
+    rows: list[list[Cell]] = [[key, SOURCES[key]] for key in keys]
+    return Section(
+        "Sources", "", [Table("Sources of the methods used", ["key", "source"], rows, "No source is named.")]
+    )
+
+
+def again_section(command: str) -> Section:
+    """Say how the same numbers come again."""
+    if not command:
+        return Section("How to run this again", "The command was not handed down.")
+    words = f"This command gives the same numbers again with strikewave {__version__}, from the same files."
+    return Section("How to run this again", words, [Code(command)])

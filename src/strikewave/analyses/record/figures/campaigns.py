@@ -1,0 +1,95 @@
+"""Pictures of many records: how a figure goes over the files."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave.analyses.machine.figures.pulses import WHOLE
+from strikewave.analyses.record.figures.records import legend_below, new_figure, say, shown
+from strikewave.records.campaign import Campaign
+from strikewave.reporting.style import BLUE, RED, quiet
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TRENDS = ("peak", "width", "velocity_change", "interval")
+"""Figures whose trend is drawn."""
+
+
+def trend(campaign: Campaign, unit: str = "m/s^2", count: int = 0) -> Figure:
+    """Draw peak, width, velocity change and interval over the files, with mean, its 95 % bounds, and trend.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As `strikewave.records.campaign.summed` gives it.
+    unit : str, optional
+        SI unit of the channel.
+    count : int, optional
+        Number of files; as far as the last one with a value unless given.
+    """
+    names = [name for name in TRENDS if campaign.points.get(name)] or [TRENDS[0]]
+    size = {1: WHOLE, 2: WHOLE, 3: (9.8, 3.3), 4: (9.8, 5.8)}[len(names)]
+    figure = new_figure(size)
+    figure.get_layout_engine().set(wspace=0.05, hspace=0.05)  # type: ignore[union-attr,call-arg]
+    grid = figure.subplots(2, 2) if len(names) == 4 else figure.subplots(1, len(names))
+    panels = np.atleast_1d(grid).ravel()
+    for axes, name in zip(panels, names, strict=True):
+        draw_trend(axes, campaign, name, unit, count)
+    return legend_below(figure)
+
+
+def draw_trend(axes: Any, campaign: Campaign, name: str, unit: str, count: int = 0) -> None:
+    """Draw the trend of one figure on axes."""
+    points = campaign.points.get(name, ())
+    left_out = len({path for path, harmed, _ in campaign.left_out if name in harmed})
+    gone = f"{left_out} file{'s' if left_out != 1 else ''} left out"
+    if not points:
+        say(axes, f"no file gave a value: {gone}")
+        return
+    scale, what, shown_unit = figure_unit(name, unit)
+    x = np.array([k + 1 for k, _ in points], dtype=float)
+    y = np.array([value for _, value in points]) / scale
+    mean = campaign.statistics[name]
+    ends = np.array([0.5, max(count, int(x.max())) + 0.5])
+    if np.isfinite(mean.low):
+        axes.fill_between(
+            ends,
+            mean.low / scale,
+            mean.high / scale,
+            color=BLUE,
+            alpha=0.15,
+            linewidth=0,
+            label="95 % bounds of the mean",
+        )
+    axes.plot(ends, [mean.mean / scale] * 2, color=BLUE, linewidth=1.2, label="mean")
+    if name in campaign.trends:
+        slope = campaign.trends[name].slope / scale
+        along = np.array([x.min(), x.max()])
+        axes.plot(along, y.mean() + slope * (along - x.mean()), "--", color=RED, linewidth=1.4, label="trend")
+    axes.plot(x, y, "o", color="#333333", markersize=4, alpha=0.8, label="blows", zorder=4)
+    quiet(axes, what[0].upper() + what[1:] + (f" ({gone})" if left_out else ""), "file", f"{what} ({shown_unit})")
+    axes.set_xlim(*ends)
+    axes.margins(y=0.1)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.ticklabel_format(axis="y", useOffset=False)
+
+
+def figure_unit(name: str, unit: str) -> tuple[float, str, str]:
+    """Return how much SI the shown unit of a figure is, what the figure is called, and the unit.
+
+    Examples
+    --------
+    >>> figure_unit("width", "m/s^2"), figure_unit("velocity_change", "N")
+    ((1e-06, 'width', 'µs'), (1.0, 'impulse change', 'N s'))
+    """
+    how = shown(unit)
+    if name == "peak":
+        return how.scale, "peak", how.unit or how.name
+    if name == "velocity_change":
+        return 1.0, f"{how.integral} change", how.integral_unit
+    if name == "ringing_frequency":
+        return 1e3, "ringing frequency", "kHz"
+    return (1e-3, name, "ms") if name == "interval" else (1e-6, name, "µs")

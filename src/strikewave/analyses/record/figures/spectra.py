@@ -1,0 +1,395 @@
+"""Pictures of spectra: amplitude of a blow, shock response spectra, four-coordinate paper; the summary of records."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.record.figures import campaigns, records
+from strikewave.analyses.record.figures.records import drawable, legend_below, new_figure, plain, say, shown
+from strikewave.analyses.wave.figures.curves import DASHES
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.records.campaign import Campaign
+from strikewave.records.finding import STATUSES, worst
+from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
+from strikewave.signal.filters import advised_cutoff
+from strikewave.signal.srs import Spectrum, octaves, srs
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+COLUMNS = 600
+"""Columns of a logarithmic axis into which the lines of a spectrum are gathered."""
+REACH = 20.0
+"""Lengths of a blow on both sides of it that its amplitude spectrum takes in."""
+DEPTH = 1e-6
+"""Share of its largest value to which an amplitude spectrum is drawn."""
+AFTER = 100.0
+"""Lengths of the last blow after it that a shock response spectrum takes in."""
+Q = 10.0
+_SIDES = (("maximax", "#8FC3E4", "-", 4.0), ("positive", BLUE, "-", 1.3), ("negative", RED, "--", 1.3))
+_COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
+
+
+class Stretch(NamedTuple):
+    """A part of a record, its zero line taken off."""
+
+    values: Array
+    step: float
+
+
+def around(reading: ChannelReading) -> Stretch:
+    """Return the stretch around the largest blow, tapered at its ends, as far as half way to its neighbours."""
+    channel, pulses = reading.channel, reading.pulses
+    k = max(range(len(pulses)), key=lambda i: abs(pulses[i].peak))
+    pulse = pulses[k]
+    reach = max(REACH * (pulse.end - pulse.begin), 32 * channel.step)
+    begin = max(pulse.begin - reach, 0.5 * (pulses[k - 1].end + pulse.begin) if k else -math.inf)
+    end = min(pulse.end + reach, 0.5 * (pulse.end + pulses[k + 1].begin) if k + 1 < len(pulses) else math.inf)
+    values = _between(reading, begin, end) - pulse.offset
+    edge = max(values.size // 20, 1)
+    ramp = 0.5 - 0.5 * np.cos(np.pi * (np.arange(edge) + 0.5) / edge)
+    values[:edge] *= ramp
+    values[-edge:] *= ramp[::-1]
+    return Stretch(values, channel.step)
+
+
+def _between(reading: ChannelReading, begin: float, end: float) -> Array:
+    """Return a copy of the samples between two times; at least two."""
+    channel = reading.channel
+    first = min(max(math.floor((begin - channel.start) / channel.step), 0), channel.values.size - 2)
+    last = min(math.ceil((end - channel.start) / channel.step) + 1, channel.values.size)
+    return channel.values[first : max(last, first + 2)].copy()
+
+
+def amplitude(reading: ChannelReading) -> tuple[Array, Array]:
+    """Return frequency (Hz) and Fourier magnitude |X(f)| of the stretch around the largest blow."""
+    stretch = around(reading)
+    size = 1 << max(math.ceil(math.log2(4 * stretch.values.size)), 10)
+    magnitude = np.abs(np.fft.rfft(stretch.values, size)) * stretch.step
+    frequency = np.fft.rfftfreq(size, stretch.step)
+    held = frequency >= 0.5 / (stretch.values.size * stretch.step)
+    return np.asarray(frequency[held]), np.asarray(magnitude[held])
+
+
+def spectrum(reading: ChannelReading) -> Figure:
+    """Draw the amplitude spectrum of the largest blow, with ringing, advised cutoff and half the sampling rate.
+
+    At low frequency an acceleration's spectrum is its velocity change, so it is drawn in m/s.
+    """
+    figure = new_figure()
+    axes: Any = figure.add_subplot()
+    if not (reading.pulses and drawable(reading)):
+        say(axes, "no blow was found: there is no spectrum to draw")
+        return figure
+    how = shown(reading.channel.unit)
+    frequency, magnitude = _thin_log(*amplitude(reading))
+    top = float(magnitude.max())
+    if not top > 0.0:
+        say(axes, "the stretch around the blow is zero: there is no spectrum to draw")
+        return figure
+    axes.loglog(
+        frequency, np.maximum(magnitude, 0.1 * DEPTH * top), color=BLUE, linewidth=1.0, label="the largest blow"
+    )
+    pulse = max(reading.pulses, key=lambda p: abs(p.peak))
+    marks = [("half the sampling rate", 0.5 * reading.channel.sampling_rate, GREY, "-")]
+    if pulse.rise > 0.0 or pulse.width > 0.0:
+        marks.insert(0, ("advised cutoff", advised_cutoff(pulse.rise, pulse.width), GREEN, "--"))
+    if pulse.ringing_frequency > 0.0:
+        marks.insert(0, ("ringing", pulse.ringing_frequency, RED, "-."))
+    for name, place, colour, style in marks:
+        axes.axvline(place, color=colour, linestyle=style, linewidth=1.3, label=f"{name}, {hertz(place)}")
+    unit = how.integral_unit
+    quiet(axes, "Amplitude spectrum of the largest blow", "frequency (Hz)", f"|X(f)| ({unit})")
+    axes.set_ylim(max(float(magnitude.min()), DEPTH * top), 3.0 * top)
+    axes.set_xlim(frequency[0], 1.08 * max(place for _, place, _, _ in marks))
+    _log_axis(axes.xaxis, hertz_tick)
+    _log_axis(axes.yaxis, number_tick)
+    return legend_below(figure)
+
+
+def _thin_log(frequency: Array, magnitude: Array, columns: int = COLUMNS) -> tuple[Array, Array]:
+    """Keep the smallest and the largest magnitude of each column of a logarithmic axis."""
+    if frequency.size <= 2 * columns:
+        return frequency, magnitude
+    column = np.floor(columns * np.log(frequency / frequency[0]) / math.log(frequency[-1] / frequency[0]))
+    starts = np.flatnonzero(np.diff(column, prepend=-1.0))
+    low, high = np.minimum.reduceat(magnitude, starts), np.maximum.reduceat(magnitude, starts)
+    single = np.diff(starts, append=frequency.size) == 1
+    kept = np.ravel(np.column_stack([np.ones(starts.size, bool), ~single]))
+    return np.repeat(frequency[starts], 2)[kept], np.ravel(np.column_stack([high, low]))[kept]
+
+
+def response(reading: ChannelReading, kind: str = "absolute", q: float = Q) -> Spectrum | None:
+    """Return the shock response spectrum of a record, its zero line taken off; None where no blow was found.
+
+    It is taken from just before the first blow to 100 lengths of the last one after it, at 12 frequencies an
+    octave: from 1/50 of that of the longest blow to twenty times it, inside what the record can show.
+
+    Parameters
+    ----------
+    reading : ChannelReading
+        The record.
+    kind, q : optional
+        As for `strikewave.signal.srs.srs`.
+    """
+    if not (reading.pulses and drawable(reading)):
+        return None
+    first, last = reading.pulses[0], reading.pulses[-1]
+    length = max(pulse.end - pulse.begin for pulse in reading.pulses)
+    values = _between(reading, first.begin - 5.0 * length, last.end + AFTER * length) - first.offset
+    step = reading.channel.step
+    low, high = max(0.02 / length, 1.0 / (values.size * step)), min(20.0 / length, 0.4 / step)
+    return srs(values, step, octaves(low, max(high, 2.0 * low)), q, kind) if low < 0.2 / step else None
+
+
+def srs_figure(*spectra: Spectrum, labels: Sequence[str] = (), unit: str = "m/s^2") -> Figure:
+    """Draw a shock response spectrum, both polarities and the larger; of several the larger of each.
+
+    Parameters
+    ----------
+    *spectra : Spectrum
+        Of one kind.
+    labels : sequence of str, optional
+        What to call each of several.
+    unit : str, optional
+        SI unit of the record; empty where it is not known.
+    """
+    figure = new_figure()
+    draw_srs(figure.add_subplot(), spectra, labels, unit)
+    return figure
+
+
+def draw_srs(axes: Any, spectra: Sequence[Spectrum], labels: Sequence[str] = (), unit: str = "m/s^2") -> None:
+    """Draw shock response spectra on axes."""
+    if not any(np.any(one.maximax > 0.0) for one in spectra):
+        say(axes, "there is no shock response spectrum to draw")
+        return
+    scale, label = _response_unit(spectra[0].kind, unit)
+    names = [*map(plain, labels), *(f"spectrum {k + 1}" for k in range(len(labels), len(spectra)))]
+    several = [(names[k], one, "maximax", _COLOURS[k % 5], DASHES[k % 4], 1.4) for k, one in enumerate(spectra)]
+    single = [(side, spectra[0], side, colour, style, width) for side, colour, style, width in _SIDES]
+    for name, one, side, colour, style, width in several if len(spectra) > 1 else single:
+        held = one.side(side) > 0.0
+        values = one.side(side)[held] / scale
+        axes.loglog(one.frequency[held], values, color=colour, linestyle=style, linewidth=width, label=name)
+    q = spectra[0].q
+    quiet(axes, f"Shock response spectrum, Q = {q:g}", "natural frequency (Hz)", label)
+    _log_axis(axes.xaxis, hertz_tick)
+    _log_axis(axes.yaxis, number_tick)
+    axes.legend(frameon=False, fontsize=8, loc="best")
+
+
+def _response_unit(kind: str, unit: str) -> tuple[float, str]:
+    """Return how much SI the shown unit of a response is, and the label of its axis."""
+    how = shown(unit)
+    if unit != "m/s^2":
+        return 1.0, f"{kind} response ({how.unit})" if how.unit else f"{kind} response (file's own numbers)"
+    return {
+        "absolute": (STANDARD_GRAVITY, "absolute acceleration (g)"),
+        "displacement": (1e-3, "relative displacement (mm)"),
+        "pseudo-velocity": (1.0, "pseudo-velocity (m/s)"),
+    }[kind]
+
+
+def tripartite(pseudo: Spectrum) -> Figure:
+    """Draw a spectrum of pseudo-velocity on four-coordinate paper.
+
+    Lines at 45 degrees are those of one displacement (rising) and of one acceleration (falling).
+
+    Parameters
+    ----------
+    pseudo : Spectrum
+        Of the kind ``pseudo-velocity``.
+
+    Raises
+    ------
+    ValueError
+        If the spectrum is of another kind.
+    """
+    if pseudo.kind != "pseudo-velocity":
+        raise ValueError(f"four-coordinate paper needs a spectrum of pseudo-velocity, got {pseudo.kind!r}")
+    positive = pseudo.maximax > 0.0
+    if not positive.any():
+        figure = new_figure()
+        say(figure.add_subplot(), "there is no shock response spectrum to draw")
+        return figure
+    frequency, values = pseudo.frequency[positive], pseudo.maximax[positive]
+    x = (float(np.log10(frequency[0])), float(np.log10(frequency[-1])) + 0.02)
+    y = _paper(np.log10(values), x)
+    wide = 6.0
+    figure = new_figure((wide + 2.0, wide * (y[1] - y[0]) / (x[1] - x[0]) + 1.6))
+    axes: Any = figure.add_subplot()
+    axes.loglog(frequency, values, color=BLUE, linewidth=2.2, zorder=5)
+    quiet(axes, "", "natural frequency (Hz)", "pseudo-velocity (m/s)")
+    axes.set_title(f"Pseudo-velocity, maximax, Q = {pseudo.q:g}", loc="left", fontsize=10, pad=42)
+    axes.set_xlim(10.0 ** x[0], 10.0 ** x[1])
+    axes.set_ylim(10.0 ** y[0], 10.0 ** y[1])
+    axes.set_aspect("equal")
+    axes.spines[["top", "right"]].set_visible(True)
+    _rulings(axes, x, y, np.log10(frequency), np.log10(values))
+    _log_axis(axes.xaxis, hertz_tick)
+    _log_axis(axes.yaxis, number_tick)
+    return figure
+
+
+def _paper(height: Array, x: tuple[float, float]) -> tuple[float, float]:
+    """Return the decades of pseudo-velocity shown: all of the curve, as far as it is no deeper than wide."""
+    top = float(height.max()) + 0.35
+    bottom = max(float(height.min()) - 0.2, top - (x[1] - x[0]))
+    return min(bottom, top - 1.5), top
+
+
+def _rulings(axes: Any, x: tuple[float, float], y: tuple[float, float], along: Array, height: Array) -> None:
+    """Rule lines of constant displacement (green) and of constant acceleration (red), named where they leave.
+
+    A name at the edge that has none of the axes' own numbers stands outside; one at another edge stands inside,
+    unless the curve passes there.
+    """
+    ends = 10.0 ** np.array(x)
+    turn, g = math.log10(2.0 * math.pi), math.log10(STANDARD_GRAVITY)
+
+    def name(words: str, px: float, py: float, turned: int, outside: bool, colour: str) -> None:
+        if not outside and abs(float(np.interp(px, along, height)) - py) < 0.2:
+            return
+        axes.annotate(
+            words, (10.0**px, 10.0**py), (1, 3) if outside and turned else (4, 0) if outside else (0, 0),
+            textcoords="offset points", rotation=turned, rotation_mode="anchor", fontsize=8, color=colour,
+            ha="left" if outside else "center", va="bottom" if outside and turned else "center",
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8}, annotation_clip=False, zorder=3,
+        )  # fmt: skip
+
+    for k in range(math.ceil(y[0] - x[1] - turn), math.floor(y[1] - x[0] - turn) + 1):
+        axes.loglog(ends, 10.0 ** (k + turn) * ends, color=GREEN, linewidth=0.7, alpha=0.8)
+        above = y[1] - k - turn
+        if above <= x[1]:
+            name(metres(10.0**k), above, y[1], 45, True, "#00694D")
+        elif x[1] - 0.25 + k + turn > y[0] + 0.15:
+            name(metres(10.0**k), x[1] - 0.25, x[1] - 0.25 + k + turn, 45, False, "#00694D")
+    for k in range(math.ceil(y[0] + x[0] + turn - g), math.floor(y[1] + x[1] + turn - g) + 1):
+        axes.loglog(ends, 10.0 ** (k + g - turn) / ends, color=RED, linewidth=0.7, alpha=0.8)
+        right = k + g - turn - x[1]
+        below = k + g - turn - y[0] - 0.25
+        if right >= y[0]:
+            name(f"{number_tick(10.0**k)} g", x[1], right, 0, True, "#A34700")
+        elif below > x[0] + 0.25:
+            name(f"{number_tick(10.0**k)} g", below, y[0] + 0.25, -45, False, "#A34700")
+
+
+def record_summary(files: Sequence[FileReading], campaign: Campaign | None, title: str = "") -> Figure:
+    """Draw the first good record, all blows, a shock response spectrum, and the trend or the velocity.
+
+    Parameters
+    ----------
+    files : sequence of FileReading
+        In the order of the test; the first channel of each is drawn.
+    campaign : Campaign or None
+        Of that channel.
+    title : str, optional
+        What to write above.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 6.6), layout="constrained")
+    if title:
+        heading = plain(textwrap.fill(title, 95).replace("\n", " "), 190)
+        figure.suptitle(textwrap.fill(heading, 95), x=0.01, ha="left", fontsize=12, fontweight="bold")
+    named = [(file.path, file.channels[0]) for file in files if file.channels]
+    sound = [(file.path, reading) for file, reading in usable(files) if reading is file.channels[0]]
+    best = best_of(files)
+    if best is None:
+        say(figure.add_subplot(), "there is no record to draw")
+        return figure
+    (first, second), (third, fourth) = figure.subplots(2, 2)
+    records.draw_history(first, best, 400)
+    records.draw_overlay(second, sound or named, names=False)
+    found = response(best) if best.channel.unit in ("m/s^2", "") else None
+    draw_srs(third, [found] if found is not None else [], (), best.channel.unit)
+    if len(files) > 1 and campaign is not None:
+        campaigns.draw_trend(fourth, campaign, "peak", best.channel.unit, len(files))
+    else:
+        records.draw_velocity(fourth, best, 0.12)
+    return figure
+
+
+def usable(files: Sequence[FileReading]) -> list[tuple[FileReading, ChannelReading]]:
+    """Return the channels that are not bad, of files that are not: a bad channel does not spoil another."""
+    sound = [file for file in files if worst(file.findings) != "bad"]
+    return [(file, reading) for file in sound for reading in file.channels if reading.status != "bad"]
+
+
+def best_of(files: Sequence[FileReading]) -> ChannelReading | None:
+    """Return the first channel of the first file in which it is good; else suspect; else any."""
+    firsts = [file.channels[0] for file in files if file.channels]
+    sound = [reading for file, reading in usable(files) if reading is file.channels[0]]
+    return min(sound, key=lambda reading: STATUSES.index(reading.status), default=next(iter(firsts), None))
+
+
+def hertz(value: float) -> str:
+    """Write a frequency.
+
+    Examples
+    --------
+    >>> hertz(12345.0), hertz(50.0), hertz(2.5e6)
+    ('12.3 kHz', '50 Hz', '2.5 MHz')
+    """
+    for unit, size in (("MHz", 1e6), ("kHz", 1e3)):
+        if value >= size:
+            return f"{value / size:.3g} {unit}"
+    return f"{value:.3g} Hz"
+
+
+def metres(value: float) -> str:
+    """Write a displacement: m, mm or µm.
+
+    Examples
+    --------
+    >>> metres(1e-5), metres(1e-2), metres(1e-7)
+    ('10 µm', '10 mm', '0.1 µm')
+    """
+    unit, size = ("m", 1.0) if value >= 0.99 else ("mm", 1e-3) if value >= 0.99e-3 else ("µm", 1e-6)
+    return f"{number_tick(value / size)} {unit}"
+
+
+def hertz_tick(value: float, place: object = None) -> str:
+    """Write a number of an axis in Hz.
+
+    Examples
+    --------
+    >>> hertz_tick(100.0), hertz_tick(2e4), hertz_tick(1e6)
+    ('100', '20k', '1M')
+    """
+    return hertz(value).replace(" Hz", "").replace(" kHz", "k").replace(" MHz", "M")
+
+
+def number_tick(value: float, place: object = None) -> str:
+    """Write a number of a logarithmic axis.
+
+    Examples
+    --------
+    >>> number_tick(0.001), number_tick(1e4), number_tick(1e-7)
+    ('0.001', '10 000', '1e-7')
+    """
+    if 0.99e-4 <= value < 1.01e6:
+        return f"{value:,.0f}".replace(",", " ") if value >= 1000.0 else f"{value:.6g}"
+    return f"{value:.1g}".replace("e-0", "e-").replace("e+0", "e+").replace("e+", "e")
+
+
+def _log_axis(axis: Any, written: Any) -> None:
+    """Tick decades; where fewer than two are shown, 2 and 5 as well."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    decades = math.log10(high / low)
+    step = (1.0, 2.0, 5.0) if decades < 2.5 else (1.0,)
+    axis.set_major_locator(LogLocator(subs=step, numticks=30 if decades < 8 else 8))
+    axis.set_major_formatter(FuncFormatter(written))
+    axis.set_minor_formatter(NullFormatter())

@@ -1,0 +1,170 @@
+"""How the figures of records are written in a table: names of files, units, numbers."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+
+from strikewave.analyses.record.figures.campaigns import figure_unit
+from strikewave.records.campaign import Campaign
+from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.reporting.parts import NONE, Cell, written
+
+Row = tuple[FileReading, ChannelReading]
+Names = Mapping[str, str]
+"""Short names of files by their path."""
+
+
+def short_names(paths: Sequence[str]) -> dict[str, str]:
+    """Return for each path the shortest end that no other path shares.
+
+    Examples
+    --------
+    >>> short_names(["a/x.csv", "b/x.csv", "b/y.csv"])
+    {'a/x.csv': 'a/x.csv', 'b/x.csv': 'b/x.csv', 'b/y.csv': 'y.csv'}
+    """
+    parts = {path: [part for part in re.split(r"[/\\]", path) if part] or [path] for path in paths}
+    found: dict[str, str] = {}
+    for path, own in parts.items():
+        others = [other for other in parts if other != path and parts[other][-1] == own[-1]]
+        length = 1
+        while length < len(own) and any(parts[other][-length:] == own[-length:] for other in others):
+            length += 1
+        found[path] = "/".join(own[-length:])
+    return found
+
+
+def rows_of(files: Sequence[FileReading]) -> list[Row]:
+    """Return every channel with its file."""
+    return [(file, reading) for file in files for reading in file.channels]
+
+
+def unit_of(files: Sequence[FileReading], campaign: Campaign) -> str:
+    """Return the SI unit of the channel of a campaign."""
+    units = (reading.channel.unit for _, reading in rows_of(files) if reading.channel.name == campaign.channel)
+    return next(units, "")
+
+
+def amount(name: str, unit: str, value: float, digits: int = 4) -> str:
+    """Write a figure of a channel with its unit.
+
+    Examples
+    --------
+    >>> amount("peak", "m/s^2", 49033.25), amount("width", "N", 2e-4), amount("peak", "", 3.0)
+    ('5000 g', '200 µs', '3')
+    """
+    text = number(name, unit, value, digits)
+    shown = figure_unit(name, unit)[2]
+    return text if text == NONE or (name == "peak" and not unit) else f"{text} {shown}"
+
+
+def number(name: str, unit: str, value: float, digits: int = 4) -> str:
+    """Write a figure of a channel in its shown unit, without it."""
+    return written(value / figure_unit(name, unit)[0], digits)
+
+
+class Columns:
+    """Columns of figures: with the unit in the head where all channels share it, else in each cell.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Figures, such as ``peak``.
+    units : sequence of str
+        SI units of all channels of the table.
+
+    Examples
+    --------
+    >>> columns = Columns(["peak", "width"], ["m/s^2", "m/s^2"])
+    >>> columns.heads, columns.cells({"peak": 9806.65, "width": 1e-4}, "m/s^2")
+    (['peak (g)', 'width (µs)'], ['1000', '100'])
+    >>> Columns(["peak"], ["m/s^2", "N"]).cells({"peak": 9806.65}, "m/s^2")
+    ['1000 g']
+    """
+
+    def __init__(self, names: Sequence[str], units: Sequence[str]) -> None:
+        self.names = names
+        found = {name: {figure_unit(name, unit)[1:] for unit in units} for name in names}
+        self.shared = {name: len(pairs) == 1 for name, pairs in found.items()}
+        self.heads = []
+        for name, pairs in found.items():
+            what, unit = next(iter(pairs)) if self.shared[name] else (name.replace("_", " "), "")
+            self.heads.append(f"{what} ({unit})" if unit else what)
+
+    def cells(self, values: Mapping[str, float], unit: str) -> list[str]:
+        """Write the values of a row; a dash where there is none."""
+        return [
+            (number if self.shared[name] else amount)(name, unit, values.get(name, float("nan"))) for name in self.names
+        ]
+
+
+def called(name: str, unit: str) -> str:
+    """Return what a figure of a channel is called."""
+    return figure_unit(name, unit)[1]
+
+
+def between(name: str, unit: str, low: float, high: float) -> str:
+    """Write bounds of a figure.
+
+    Examples
+    --------
+    >>> between("width", "m/s^2", 1e-4, 2e-4)
+    '100 to 200 µs'
+    """
+    digits = digits_of(low, high)
+    return f"{number(name, unit, low, digits)} to {amount(name, unit, high, digits)}"
+
+
+def digits_of(low: float, high: float) -> int:
+    """Return how many digits tell two bounds apart, four at least.
+
+    Examples
+    --------
+    >>> digits_of(1.0, 2.0), digits_of(3.9998, 4.0002)
+    (4, 6)
+    """
+    largest = max(abs(low), abs(high))
+    if not (math.isfinite(largest) and high > low):
+        return 4
+    return min(max(math.floor(math.log10(largest / (high - low))) + 2, 4), 9)
+
+
+def percent(share: float, digits: int = 3) -> str:
+    """Write a share in percent; a dash where there is none.
+
+    Examples
+    --------
+    >>> percent(0.02512), percent(float("nan"))
+    ('2.51 %', '–')
+    """
+    return f"{written(100.0 * share, digits)} %" if math.isfinite(share) else NONE
+
+
+def units_of(rows: Sequence[Row]) -> list[str]:
+    """Return the SI unit of each channel."""
+    return [reading.channel.unit for _, reading in rows]
+
+
+def squeezed(
+    heads: Sequence[str], rows: Sequence[Sequence[Cell]], names: Sequence[str]
+) -> tuple[list[str], list[list[Cell]], str]:
+    """Take columns that say the same in every row out of a table; return words for its caption.
+
+    Parameters
+    ----------
+    heads, rows : sequence
+        The table.
+    names : sequence of str
+        Heads of the columns that may go.
+
+    Examples
+    --------
+    >>> squeezed(["file", "channel"], [["a", "x"], ["b", "x"]], ["channel"])
+    (['file'], [['a'], ['b']], ', channel x')
+    """
+    places = [heads.index(name) for name in names]
+    gone = [k for k in places if len(rows) > 1 and len({str(row[k]) for row in rows}) == 1]
+    words = "".join(f", {heads[k]} {rows[0][k]}" for k in gone)
+    kept = [k for k in range(len(heads)) if k not in gone]
+    return [heads[k] for k in kept], [[row[k] for k in kept] for row in rows], words

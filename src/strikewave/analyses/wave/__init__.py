@@ -1,0 +1,1 @@
+"""A layered bar under its load."""

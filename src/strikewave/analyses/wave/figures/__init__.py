@@ -1,0 +1,1 @@
+"""Pictures of waves in a layered bar: histories, x-t diagram, motion."""

@@ -1,0 +1,180 @@
+"""Pictures of waves over time: what taps and sensors show, the staircase of a layer, the loss of buffers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.figures.pulses import HALF, WHOLE, thin
+from strikewave.analyses.wave.figures.field import WaveField, shortened
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
+from strikewave.waves.li_ma import Sandwich
+from strikewave.waves.staircase import endless_force, first_echoes, staircase
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
+DASHES = ("-", "--", "-.", ":")
+
+
+class Trace(NamedTuple):
+    """A curve: its label, times (s) and values (SI)."""
+
+    label: str
+    time: Array
+    values: Array
+
+
+def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: bool = True) -> Figure:
+    """Draw curves over each other, the first one on top.
+
+    Parameters
+    ----------
+    title : str
+        What they show.
+    curves : sequence of Trace
+        Each with its label; the colours and dashes of a reader who sees no colours.
+    unit : str
+        "g", "kN", "MPa", "m/s": what the axis shows.
+    since : str
+        Label of the time axis, which is in microseconds.
+    wide : bool, optional
+        Whether it fills the width of a page.
+
+    Examples
+    --------
+    >>> t = np.linspace(0, 1e-4, 100)
+    >>> len(traces("speed", [Trace("tap", t, t)], "m/s", "time (us)").axes[0].lines)
+    1
+    """
+    from matplotlib.figure import Figure
+
+    names = {"g": "acceleration (g)", "kN": "force (kN)", "MPa": "stress (MPa)", "m/s": "velocity (m/s)"}
+    scales = {"g": STANDARD_GRAVITY, "kN": 1e3, "MPa": 1e6, "m/s": 1.0}
+    figure = Figure(figsize=WHOLE if wide else HALF, layout="constrained")
+    axes = figure.add_subplot()
+    for k, curve in reversed(list(enumerate(curves))):
+        finite = np.isfinite(curve.values)
+        if not finite.any():
+            continue
+        time, values = thin(curve.time[finite], curve.values[finite])
+        style = DASHES[k % len(DASHES)]
+        axes.plot(
+            time * 1e6,
+            values / scales[unit],
+            style,
+            color=COLOURS[k % len(COLOURS)],
+            linewidth=1.3,
+            label=curve.label,
+            zorder=3 + len(curves) - k,
+        )
+    quiet(axes, title, since, names[unit])
+    if len(curves) > 1:
+        handles, labels = axes.get_legend_handles_labels()
+        above_right(axes, handles[::-1], labels[::-1])
+    return figure
+
+
+def above_right(axes: Any, handles: Sequence[Any] | None = None, labels: Sequence[str] | None = None) -> None:
+    """Put the legend above the axes, where it hides no curve."""
+    given = axes.get_legend_handles_labels() if handles is None else (handles, labels)
+    axes.legend(
+        *given,
+        frameon=False,
+        fontsize=8,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 0.98),
+        ncols=len(given[0]),
+        borderaxespad=0.0,
+        columnspacing=1.2,
+    )
+
+
+def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) -> Figure:
+    """Draw how force grows at both interfaces of a layer, beside what bonded, endless neighbours would do.
+
+    Forces are over the largest load; time counts from when the front reaches interface I, in transits of the
+    layer. Dotted are the steps of `staircase` for a jump; dashed the same steps for the load as it was. Behind the
+    first echo from beyond the neighbours the dashed curve ends.
+
+    Parameters
+    ----------
+    field : WaveField
+        What happened.
+    layer : int
+        Index of the layer, between two others.
+    time, load : array
+        s and N: force on the first face.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_wave
+    >>> from strikewave.analyses.wave.figures.field import bar_field
+    >>> solution = run_wave(load_case("li-ma-2019-fig13-bar"))
+    >>> figure = staircase_diagram(bar_field(solution), 1, solution.run.time, solution.run.face_force)
+    >>> [axes.get_title(loc="left") for axes in figure.axes]
+    ['Interface I: upper | sensor', 'Interface II: sensor | lower']
+    """
+    from matplotlib.figure import Figure
+
+    layers, transit = field.stack.layers, field.stack.layers[layer].transit
+    peak = float(np.abs(load).max(initial=0.0)) or 1.0
+    arrival = sum(part.transit for part in layers[:layer])
+    highest = float(time[np.argmax(np.abs(load) >= 0.999 * peak)])
+    shown = field.time <= arrival + max(9.0 * transit, 1.3 * highest)
+    since = (field.time[shown] - arrival) / transit
+    given = time <= field.time[shown][-1]
+    closed = endless_force(field.stack, layer, field.time[shown], time[given], load[given])
+    steps = staircase(Sandwich(*layers[layer - 1 : layer + 2]), 4)
+    here = np.flatnonzero(field.layer == layer)
+    figure = Figure(figsize=WHOLE, layout="constrained")
+    for k, axes in enumerate(figure.subplots(1, 2, sharey=True)):
+        _step_levels(axes, steps[k])
+        heard = first_echoes(field.stack, layer)[k] / transit
+        axes.plot(since, field.force[shown, here[-k]] / peak, color=BLUE, linewidth=1.6, label="this stack")
+        before = since <= heard
+        axes.plot(since[before], closed[k][before] / peak, "--", color=RED, linewidth=1.4, label="endless, bonded")
+        if heard < since[-1]:
+            axes.axvline(heard, color=GREY, linewidth=0.8)
+        a, b = (shortened(part.name) for part in layers[layer - 1 + k : layer + 1 + k])
+        quiet(axes, "", f"time since the front reached I, over t₀ = {transit * 1e6:.4g} µs", "")
+        axes.set_title(f"Interface {'I' * (k + 1)}: {a} | {b}", loc="left", fontsize=10, parse_math=False)
+        axes.set_xlim(-1.0, float(since[-1]))
+    figure.axes[0].set_ylabel("force over the largest load")
+    handles, labels = figure.axes[1].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False, fontsize=8)
+    return figure
+
+
+def _step_levels(axes: Any, levels: Array) -> None:
+    """Draw the steps of a staircase as dotted levels, and write those that stand apart."""
+    written: list[float] = []
+    for level in levels:
+        axes.axhline(level, color=GREY, linewidth=0.8, linestyle=":")
+        if all(abs(level - other) > 0.06 for other in written):
+            written.append(float(level))
+            axes.text(-0.95, level, f"{level:.3f}", fontsize=7, ha="left", va="bottom", color="#4d5760")
+
+
+def insertion_loss(curves: Sequence[tuple[str, Array, Array]]) -> Figure:
+    """Draw the insertion loss (dB) of buffers over frequency (Hz): what a buffer takes off the motion below it."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=WHOLE, layout="constrained")
+    axes: Any = figure.add_subplot()
+    for k, (name, frequency, loss) in enumerate(curves):
+        axes.semilogx(frequency / 1e3, loss, DASHES[k % 4], color=COLOURS[k % len(COLOURS)], label=name, linewidth=1.4)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    quiet(axes, "Insertion loss of the buffer", "frequency (kHz)", "loss (dB), below 0 it amplifies")
+    axes.set_xticks([1, 2, 5, 10, 20, 50, 100], ["1", "2", "5", "10", "20", "50", "100"])
+    axes.minorticks_off()
+    if len(curves) > 1:
+        above_right(axes)
+    return figure

@@ -1,0 +1,530 @@
+"""The whole wave field of a stack: what it holds, its x-t diagram, and snapshots along it."""
+
+from __future__ import annotations
+
+import textwrap
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.figures.pulses import WHOLE
+from strikewave.reporting.style import BLUE, GREY, RED
+from strikewave.waves import Impactor, Stack, Tap
+from strikewave.waves.staircase import first_echoes
+from strikewave.waves.transit import Grid, field_nodes
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from strikewave.analyses.machine.result import Solution
+    from strikewave.analyses.wave.run import BarSolution
+
+Array = NDArray[np.float64]
+
+
+class Quantity(NamedTuple):
+    """What a picture of the field shows: its name, unit and size of that in SI, colours, words for both signs.
+
+    The colour maps are diverging, white at zero, and told apart by colour-blind readers.
+    """
+
+    name: str
+    unit: str
+    scale: float
+    colours: str
+    above: str
+    most: str
+    least: str
+
+    @property
+    def label(self) -> str:
+        """Label of an axis, with unit and sign."""
+        return f"{self.name} ({self.unit}), {self.above} above 0"
+
+
+QUANTITIES = {
+    "stress": Quantity("stress", "MPa", 1e6, "RdBu", "compression", "greatest compression", "greatest tension"),
+    "force": Quantity("force", "kN", 1e3, "RdBu", "compression", "greatest compression", "greatest tension"),
+    "velocity": Quantity("velocity", "m/s", 1.0, "PuOr", "along the blow", "fastest along", "fastest back"),
+}
+"""What the pictures of a field can show, by name."""
+
+_ROUND_TRIPS = 2.0
+"""Round trips through the stack that are shown after the load has ended."""
+_FEWEST_ROWS = 120
+_MOST_NAMES = 22
+"""Names beside a diagram; of more layers the longest ones are named."""
+_LONGEST_NAME = 20
+_MOST_SHADED = 200
+"""Of more layers neither faces nor shades are drawn, which would hide what happens, and curves are not cut there."""
+SNAPSHOTS = 6
+
+
+@dataclass(frozen=True)
+class WaveField:
+    """Force and velocity along a stack over time.
+
+    Attributes
+    ----------
+    stack : Stack
+        Layers and joints.
+    time, position : ndarray
+        s and m from the first face, shape (times,) and (places,); both faces of a joint have one place.
+    layer : ndarray
+        Index of the layer of each place; of very many layers only some have places.
+    force : ndarray
+        N, compression positive, shape (times, places).
+    velocity : ndarray or None
+        m/s along the blow, of the same shape; None where none was kept.
+    taps : tuple of (str, Tap)
+        Names and places that are marked.
+    since : str
+        Label of the time axis, in microseconds.
+    """
+
+    stack: Stack
+    time: Array
+    position: Array
+    layer: NDArray[np.int64]
+    force: Array
+    velocity: Array | None
+    taps: tuple[tuple[str, Tap], ...]
+    since: str
+
+    def values(self, quantity: str) -> Array:
+        """Return stress (Pa), force (N) or velocity (m/s), shape (times, places).
+
+        Raises
+        ------
+        ValueError
+            If it is the velocity, and none was kept.
+        """
+        if quantity == "velocity":
+            if self.velocity is None:
+                raise ValueError("this field holds no velocity")
+            return self.velocity
+        if quantity == "force":
+            return self.force
+        area = np.array([layer.area for layer in self.stack.layers])
+        return np.asarray(self.force / area[self.layer])
+
+    @property
+    def ends(self) -> Array:
+        """Far end of each layer, m."""
+        return np.cumsum([layer.length for layer in self.stack.layers])
+
+    @property
+    def middles(self) -> Array:
+        """Middle of each layer, m."""
+        return np.asarray(self.ends - 0.5 * np.array([layer.length for layer in self.stack.layers]))
+
+    @property
+    def loaded(self) -> bool:
+        """Whether a force acts on the first face."""
+        return bool(np.any(self.force[:, 0]))
+
+    def place(self, tap: Tap) -> float:
+        """Return the place of a tap, m from the first face."""
+        layer = self.stack.layers[tap.layer]
+        return float(self.ends[tap.layer] - (1.0 - tap.position) * layer.length)
+
+    def up_to(self, time: float) -> WaveField:
+        """Return the field until a time, s, but enough rows of it for a picture."""
+        rows = max(int(np.searchsorted(self.time, time * (1.0 + 1e-9), side="right")), _FEWEST_ROWS)
+        velocity = None if self.velocity is None else self.velocity[:rows]
+        return replace(self, time=self.time[:rows], force=self.force[:rows], velocity=velocity)
+
+    def travel(self) -> Array:
+        """Return the time that a wave takes from the first face to each place, s."""
+        layers = self.stack.layers
+        begins = np.concatenate([[0.0], self.ends[:-1]])[self.layer]
+        before = np.concatenate([[0.0], np.cumsum([layer.transit for layer in layers])[:-1]])[self.layer]
+        speed = np.array([layer.bar_speed for layer in layers])[self.layer]
+        return np.asarray(before + (self.position - begins) / speed)
+
+    def front(self) -> Array:
+        """Return the earliest time at which a wave can be at each place, s: the leading characteristic.
+
+        Waves start from the first face where a force acts on it, and from faces that meet at different speeds;
+        infinite where there is neither.
+        """
+        transits = np.cumsum([layer.transit for layer in self.stack.layers])
+        meeting = [
+            t for t, (a, b) in zip(transits[:-1], pairwise(self.stack.layers), strict=True) if a.speed != b.speed
+        ]
+        travel = self.travel()
+        sources = [*([0.0] if self.loaded else []), *meeting]
+        return np.min([np.full_like(travel, np.inf), *(np.abs(travel - source) for source in sources)], axis=0)
+
+
+def bar_field(solution: BarSolution) -> WaveField:
+    """Return the field of a bar alone, until its load is over and waves have run to and fro twice more."""
+    run = solution.run
+    lasting = float(run.touches[:, 1].max(initial=0.0)) if isinstance(run.load, Impactor) else float(run.load.duration)
+    whole = WaveField(
+        run.stack,
+        run.field_time,
+        run.field_position,
+        run.field_layer,
+        run.field_force,
+        run.field_velocity,
+        solution.taps,
+        "time after the start of the load (µs)",
+    )
+    return whole.up_to(lasting + _ROUND_TRIPS * 2.0 * run.stack.transit)
+
+
+def struck_field(solution: Solution) -> WaveField | None:
+    """Return the field of a machine's first blow on a stack; None where there is none. It holds no velocities."""
+    from strikewave.cases.stack_of_case import build_stack, build_taps
+
+    data = solution.data
+    if "field_force" not in data:
+        return None
+    stack, setup = build_stack(solution.case), solution.waves
+    assert setup is not None
+    nodes, _ = field_nodes(stack, Grid(setup.step, tuple(layer.steps for layer in setup.layers), 0.0))
+    return WaveField(
+        stack,
+        data["field_time"].values,
+        data["field_position"].values,
+        nodes[:, 0],
+        data["field_force"].values,
+        None,
+        build_taps(solution.case),
+        "time after first touch (µs)",
+    )
+
+
+def xt_diagram(field: WaveField, quantity: str = "stress") -> Figure:
+    """Draw a quantity along a stack over time, with the faces of layers, the taps and the leading front.
+
+    A joint that can open is a double line while no force crosses it.
+
+    Parameters
+    ----------
+    field : WaveField
+        What is drawn.
+    quantity : str, optional
+        One of `QUANTITIES`.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_wave
+    >>> figure = xt_diagram(bar_field(run_wave(load_case("li-ma-2019-fig13-bar"))))
+    >>> figure.axes[1].get_ylabel()
+    'stress (MPa), compression above 0'
+    """
+    from matplotlib.figure import Figure
+
+    shown = QUANTITIES[quantity]
+    values = field.values(quantity) / shown.scale
+    most = float(np.abs(values).max(initial=0.0))
+    figure = Figure(figsize=(WHOLE[0], 4.2), layout="constrained")
+    axes = figure.add_subplot()
+    mesh = axes.pcolormesh(
+        cell_edges(field.time) * 1e6,
+        cell_edges(field.position) * 1e3,
+        values.T,
+        cmap=shown.colours,
+        vmin=-(most or 1.0),
+        vmax=most or 1.0,
+        rasterized=True,
+    )
+    axes.set_xlim(0.0, field.time[-1] * 1e6)
+    axes.set_ylim(field.ends[-1] * 1e3, 0.0)
+    front = field.front()
+    reached = front <= field.time[-1]
+    fronts = np.where(reached, front, np.nan) * 1e6
+    axes.plot(fronts, field.position * 1e3, color="#222222", linewidth=0.9, linestyle=(0, (5, 4)))
+    _faces(axes, field)
+    _tap_marks(axes, field)
+    longest = _names_beside(axes, field)
+    bar = figure.colorbar(mesh, ax=axes, pad=0.02 + 0.0075 * longest)
+    bar.set_label(shown.label, labelpad=8)
+    if most == 0.0:
+        axes.text(0.5, 0.5, "nothing moves", transform=axes.transAxes, ha="center", va="center", color=GREY)
+    axes.set_title(f"{shown.name.capitalize()} along the stack", loc="left", fontsize=10)
+    axes.set_xlabel(field.since)
+    axes.set_ylabel("distance from the loaded face (mm)")
+    return figure
+
+
+def cell_edges(centres: Array) -> Array:
+    """Return the edges of cells about their centres; both sides of a joint have the same place and share an edge.
+
+    Examples
+    --------
+    >>> print(cell_edges(np.array([0.0, 1.0, 1.0, 3.0])))
+    [0.  0.5 1.  2.  3. ]
+    """
+    return np.concatenate([centres[:1], 0.5 * (centres[1:] + centres[:-1]), centres[-1:]])
+
+
+BONDED_STYLE: tuple[Any, float] = ("-", 0.7)
+DASHED: tuple[Any, float] = ((0, (4, 2)), 0.9)
+THICK: tuple[Any, float] = ("-", 1.8)
+JOINT_STYLES = {"compliant": DASHED, "gasket": DASHED, "contact": DASHED, "mass": THICK, "oscillator": THICK}
+"""Line style and width of the joints that are not bonded."""
+
+
+def _faces(axes: Any, field: WaveField) -> None:
+    """Draw the joints: bonded a thin line, springs dashed, a mass thick; one that can open double while open."""
+    if len(field.stack.layers) > _MOST_SHADED:
+        return
+    last = field.time[-1] * 1e6
+    peak = float(np.abs(field.force).max(initial=0.0))
+    for k, (joint, end) in enumerate(zip(field.stack.joints, field.ends[:-1] * 1e3, strict=True)):
+        style, width = JOINT_STYLES.get(joint.kind, BONDED_STYLE)
+        axes.plot([0.0, last], [end, end], color="#222222", linewidth=width, linestyle=style)
+        face = np.flatnonzero(field.layer == k)
+        if not joint.unilateral or not face.size:
+            continue
+        open_now = np.abs(field.force[:, face[-1]] + joint.preload) <= 1e-9 * peak
+        line = np.where(open_now, end, np.nan)
+        axes.plot(field.time * 1e6, line, color="#222222", linewidth=3.4, solid_capstyle="butt")
+        axes.plot(field.time * 1e6, line, color="white", linewidth=1.8, solid_capstyle="butt")
+
+
+def _tap_marks(axes: Any, field: WaveField) -> None:
+    """Mark the taps by a dotted line with their name at its end; taps at one place share it."""
+    if len(field.taps) > _MOST_NAMES:
+        return
+    places: dict[float, list[str]] = {}
+    for name, tap in field.taps:
+        places.setdefault(field.place(tap) * 1e3, []).append(name)
+    total = field.ends[-1] * 1e3
+    for place, names in places.items():
+        low = place > 0.96 * total
+        axes.axhline(place, color="#222222", linewidth=0.8, linestyle=":")
+        axes.annotate(
+            "▸ " + shortened(", ".join(names)),
+            (1.0, place),
+            (-4, 1 if low else -1),
+            xycoords=("axes fraction", "data"),
+            textcoords="offset points",
+            ha="right",
+            va="bottom" if low else "top",
+            fontsize=7,
+            parse_math=False,
+            bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.8},
+        )
+
+
+def _names_beside(axes: Any, field: WaveField) -> int:
+    """Write the names of the layers beside a diagram, spread where layers are thin; return the longest length."""
+    layers = field.stack.layers
+    chosen = sorted(sorted(range(len(layers)), key=lambda k: -layers[k].length)[:_MOST_NAMES])
+    total = float(field.ends[-1])
+    middles = field.middles[chosen] * 1e3
+    written = [shortened(layers[k].name) for k in chosen]
+    beside = axes.get_yaxis_transform()
+    for name, middle, place in zip(written, middles, spread(middles, 0.045 * total * 1e3, total * 1e3), strict=True):
+        moved = abs(place - middle) > 1e-3 * total
+        if moved:
+            axes.plot([1.0, 1.012], [middle, place], color=GREY, linewidth=0.6, transform=beside, clip_on=False)
+        text = {"fontsize": 8, "va": "center", "ha": "left", "parse_math": False}
+        axes.text(1.015, place, name, transform=beside, **text)
+    return max(len(name) for name in written)
+
+
+def shortened(name: str, longest: int = _LONGEST_NAME) -> str:
+    """Return a name that is not too long for a picture.
+
+    Examples
+    --------
+    >>> shortened("upper"), shortened("a very long name of a layer")
+    ('upper', 'a very long name of…')
+    """
+    return name if len(name) <= longest else name[: longest - 1].rstrip() + "…"
+
+
+def spread(places: Array, least: float, most: float) -> Array:
+    """Return rising places moved apart, each so far from the next, and half that from 0 and from ``most``, if they fit.
+
+    Examples
+    --------
+    >>> print(spread(np.array([1.0, 1.0, 8.0]), 2.0, 10.0))
+    [1. 3. 8.]
+    """
+    step = min(least, most / max(len(places), 1))
+    groups: list[tuple[float, int]] = []  # middle and size
+    for place in places:
+        middle, size = float(place), 1
+        while True:
+            half = 0.5 * step * size
+            middle = min(max(middle, half), most - half)
+            if not groups or middle - groups[-1][0] >= half + 0.5 * step * groups[-1][1]:
+                break
+            other, count = groups.pop()
+            middle, size = (other * count + middle * size) / (count + size), count + size
+        groups.append((middle, size))
+    return np.concatenate([middle + step * (np.arange(size) - 0.5 * (size - 1)) for middle, size in groups])
+
+
+def snapshot_rows(field: WaveField, quantity: str = "stress", count: int = SNAPSHOTS) -> list[tuple[int, str]]:
+    """Choose rows of a field worth a picture, and say why.
+
+    The greatest values of both signs; the front half-way through the first layer, half-way through the second one,
+    at the far end, its echo half-way back, as far as no gap is in the way and no chosen row is nearer than a
+    hundredth of the time. What is left of the count falls into the longest waits.
+
+    Parameters
+    ----------
+    field : WaveField
+        What is shown.
+    quantity : str, optional
+        One of `QUANTITIES`.
+    count : int, optional
+        How many at most; fewer where the field has no more rows.
+
+    Returns
+    -------
+    list of (int, str)
+        Rising rows and reasons; an empty reason where the row only fills a wait.
+    """
+    chosen: dict[int, str] = {}
+    for row, why in _extreme_rows(field, quantity):
+        chosen[row] = f"{chosen[row]}, {why}" if row in chosen else why
+    for row, why in _front_rows(field):
+        if all(abs(row - other) > len(field.time) // 100 for other in chosen):
+            chosen[row] = why
+    rows = np.arange(len(field.time))
+    while len(chosen) < min(count, rows.size):
+        taken = np.array([0, rows[-1], *chosen])
+        away = np.abs(rows - taken[:, None]).min(axis=0)
+        away[list(chosen)] = -1
+        chosen[int(np.argmax(away))] = ""
+    return sorted(chosen.items())[:count]
+
+
+def _front_rows(field: WaveField) -> list[tuple[int, str]]:
+    """Return the rows of the front on its way, where it starts from the first face alone, up to an open gap."""
+    layers, joints = field.stack.layers, field.stack.joints
+    if not field.loaded or any(layer.speed for layer in layers):
+        return []
+    first, whole = layers[0].transit, field.stack.transit
+    events = [(0.5 * first, f"front in {shortened(layers[0].name)}")]
+    if joints and not joints[0].gap:
+        events.append((first + 0.5 * layers[1].transit, f"front in {shortened(layers[1].name)}"))
+    if not any(joint.gap for joint in joints):
+        events += [(whole, "front at the far end"), (1.5 * whole, "its echo half-way back")]
+    return [(int(np.searchsorted(field.time, t)), why) for t, why in events if t <= field.time[-1]]
+
+
+def _extreme_rows(field: WaveField, quantity: str) -> list[tuple[int, str]]:
+    """Return the first rows that come within a thousandth of the greatest and of the least value."""
+    values, shown = field.values(quantity), QUANTITIES[quantity]
+    high, low = values.max(axis=1), values.min(axis=1)
+    most = float(np.abs(values).max(initial=0.0))
+    rows = []
+    for peaks, why in ((high, shown.most), (-low, shown.least)):
+        if peaks.max() > 0.01 * most:
+            rows.append((int(np.argmax(peaks >= 0.999 * peaks.max())), why))
+    return rows
+
+
+def snapshots(field: WaveField, quantity: str = "stress") -> Figure:
+    """Draw a quantity along the stack at a few times, see `snapshot_rows`; the darker a layer, the more impedance.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_wave
+    >>> len(snapshots(bar_field(run_wave(load_case("li-ma-2019-fig13-bar")))).axes)
+    6
+    """
+    from matplotlib.figure import Figure
+
+    shown = QUANTITIES[quantity]
+    values = field.values(quantity) / shown.scale
+    figure = Figure(figsize=(WHOLE[0], 4.6), layout="constrained")
+    grid = figure.subplots(2, SNAPSHOTS // 2, sharex=True, sharey=True, squeeze=False)
+    chosen = snapshot_rows(field, quantity)
+    low, high = min(float(values.min(initial=0.0)), 0.0), max(float(values.max(initial=0.0)), 0.0)
+    margin = 0.06 * (high - low) or 1.0
+    for axes, (row, why) in zip(grid.flat, chosen, strict=False):
+        shade_layers(axes, field)
+        draw_along(axes, field, values[row])
+        time = f"{field.time[row] * 1e6:.4g} µs"
+        title = textwrap.fill(f"{time}: {why}" if why else time, 50)
+        axes.set_title(title, loc="left", fontsize=8, parse_math=False)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.set_xlim(0.0, field.ends[-1] * 1e3)
+        axes.set_ylim(low - margin, high + margin)
+    for axes in grid.flat[len(chosen) :]:
+        axes.set_axis_off()
+    name_layers(grid[0, 0], field)
+    figure.supxlabel("distance from the loaded face (mm)", fontsize=10)
+    figure.supylabel(shown.label, fontsize=10)
+    return figure
+
+
+def shades(stack: Stack) -> list[float]:
+    """Return a grey for each layer, 1 white: light for the least impedance, darker for more, 3 to 1 at least."""
+    impedance = np.log([layer.impedance for layer in stack.layers])
+    share = (impedance - impedance.min()) / max(float(np.ptp(impedance)), np.log(3.0))
+    return [float(0.97 - 0.13 * part) for part in share]
+
+
+def shade_layers(axes: Any, field: WaveField) -> None:
+    """Shade the layers by impedance, draw their faces and the zero line."""
+    axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
+    if len(field.stack.layers) > _MOST_SHADED:
+        return
+    begin = 0.0
+    for end, grey in zip(field.ends * 1e3, shades(field.stack), strict=True):
+        axes.axvspan(begin, end, color=str(grey), linewidth=0.0, zorder=0)
+        begin = end
+    for joint, end in zip(field.stack.joints, field.ends[:-1] * 1e3, strict=True):
+        style, width = JOINT_STYLES.get(joint.kind, BONDED_STYLE)
+        colour = "#8a8a8a" if joint.kind not in JOINT_STYLES else "#333333"
+        axes.axvline(end, color=colour, linewidth=width, linestyle=style, zorder=1)
+
+
+def draw_along(axes: Any, field: WaveField, values: Array) -> list[Any]:
+    """Draw values along the stack: blue above zero, red below; jumps at joints stay jumps. Return what was drawn."""
+    few = len(field.stack.layers) <= _MOST_SHADED
+    cuts = np.flatnonzero(np.diff(field.layer)) + 1 if few else np.empty(0, np.int64)
+    x, y = np.insert(field.position * 1e3, cuts, np.nan), np.insert(values, cuts, np.nan)
+    look: dict[str, Any] = {"interpolate": True, "alpha": 0.3, "linewidth": 0.0, "zorder": 2}
+    return [
+        axes.fill_between(x, y, where=y >= 0.0, color=BLUE, **look),
+        axes.fill_between(x, y, where=y <= 0.0, color=RED, **look),
+        *axes.plot(x, y, color="#1a1f24", linewidth=1.2, zorder=3),
+    ]
+
+
+def name_layers(axes: Any, field: WaveField) -> None:
+    """Write the names of layers into a panel, upright where they are too wide for their layer."""
+    total, places = float(field.ends[-1]), axes.get_xaxis_transform()
+    for layer, middle in zip(field.stack.layers, field.middles, strict=True):
+        name, share = shortened(layer.name, 14), layer.length / total
+        if share < 0.04:
+            continue
+        style: dict[str, Any] = {"fontsize": 7, "ha": "center", "va": "top", "color": "#4d5760", "parse_math": False}
+        turned = 90 if len(name) * 0.03 > share else 0
+        axes.text(middle * 1e3, 0.98, name, transform=places, rotation=turned, zorder=4, **style)
+
+
+MOST_TRANSITS = 2000.0
+"""Transits of a layer over which its staircase is drawn."""
+
+
+def sandwiched(field: WaveField) -> int | None:
+    """Return the layer whose staircase is worth a picture: between two others, under a load on the first face.
+
+    The first tapped one, else the one whose closed form lasts longest; None where there is none.
+    """
+    layers = field.stack.layers
+    inner = [
+        k
+        for k in np.unique(field.layer).tolist()
+        if 0 < k < len(layers) - 1 and field.time[-1] < MOST_TRANSITS * layers[k].transit
+    ]
+    if not inner or not field.loaded or any(layer.speed for layer in layers):
+        return None
+    longest = max(inner, key=lambda k: first_echoes(field.stack, k)[0] / layers[k].transit)
+    return next((tap.layer for _, tap in field.taps if tap.layer in inner), longest)

@@ -1,0 +1,185 @@
+"""Results appear whole: written beside their place under another name, then renamed into it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import shutil
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from strikewave.base.errors import InputError, show
+
+MARKS = ("case.toml", "record.toml")
+"""One of these files marks a folder as a result, and tells it from others."""
+RESULT_FILES = (
+    *MARKS,
+    "waves.nc",
+    "taps.csv",
+    "solution.nc",
+    "blows.csv",
+    "pulses.csv",
+    "spectrum.csv",
+    "summary.svg",
+    "field.svg",
+    "animation.html",
+    "animation.gif",
+    "machine.html",
+    "machine.gif",
+    "tripartite.svg",
+    "impact.json",
+    "impact.svg",
+    "history.csv",
+    "identify.json",
+    "reduction.csv",
+    "reduction.nc",
+    "echoes.csv",
+    "echoes.nc",
+    "buffer.json",
+    "buffers.csv",
+    "sensor.toml",
+    "peak-bandwidth.svg",
+    "histories.svg",
+    "transmissibility.svg",
+    "runs.csv",
+    "scatter.json",
+    "scatter.svg",
+    "map.json",
+    "map.nc",
+    "map.csv",
+    "map.svg",
+    "map.png",
+    "equal-blows.toml",
+    "settings.json",
+    "settings.svg",
+    "laws.json",
+    "asked-given.svg",
+    "asked-given.png",
+    "stiffness-laws.svg",
+    "stiffness-laws.png",
+    "histories.nc",
+    "histories.csv",
+    "field.vtkhdf",
+    "beside.json",
+    "beside.svg",
+    "report.html",
+)
+"""What a result consists of; a folder that holds anything else is never replaced."""
+
+
+def check_place(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> None:
+    """Refuse a result folder that holds something else.
+
+    A folder that is absent, empty, or holds the very same result (its ``case.toml`` or ``record.toml`` equals
+    ``identity``) may be written; any other result only by ``force``; one that holds other files never. ``own`` are
+    files of this result beside `RESULT_FILES`, such as those named after the case.
+
+    Raises
+    ------
+    InputError
+        If the place is taken, is a file, or its parent cannot be written.
+    """
+    try:
+        _check(folder, identity, force, own)
+    except OSError as error:
+        raise InputError("--out", str(folder), "a folder that can be written", error.strerror or str(error)) from None
+
+
+def _check(folder: Path, identity: str, force: bool, own: Sequence[str]) -> None:
+    if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
+        raise InputError("--out", str(folder), "a folder", "this is a file or a link; choose another name")
+    parent = next((p for p in folder.absolute().parents if p.exists()), None)
+    if parent is None:
+        raise InputError("--out", str(folder), "a folder below the root")
+    if not parent.is_dir() or not os.access(parent, os.W_OK):
+        raise InputError("--out", str(folder), "a place that can be written", f"{parent} cannot")
+    if not folder.exists() or not any(folder.iterdir()):
+        return
+    mark = next((folder / name for name in MARKS if (folder / name).is_file()), None)
+    foreign = sorted(entry.name for entry in folder.iterdir() if entry.name not in (*RESULT_FILES, *own))
+    if foreign or mark is None:
+        hint = (
+            f"it holds files that are not of a result ({show(', '.join(foreign))}); move them, or choose another folder"
+        )
+        raise InputError("--out", str(folder), "an empty or new folder", hint)
+    if not force and mark.read_text("utf-8", errors="replace") != identity:
+        raise InputError(
+            "--out", str(folder), "a new folder", "it holds the result of another case; add --force to replace it"
+        )
+
+
+@contextlib.contextmanager
+def whole_folder(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> Iterator[Path]:
+    """Give a temporary folder to write into; it takes the place of ``folder`` once all is written.
+
+    On any error, Ctrl-C or a full disk included, the temporary folder goes and the old result stays.
+
+    Raises
+    ------
+    InputError
+        As `check_place` does, or if the disk is full.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as home:
+    ...     with whole_folder(Path(home) / "out", identity="") as place:
+    ...         _ = (place / "case.toml").write_text("")
+    ...     [p.name for p in (Path(home) / "out").iterdir()]
+    ['case.toml']
+    """
+    check_place(folder, identity, force, own)
+    folder = folder.absolute()
+    place = None
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        place = _beside(folder)
+        place.mkdir()
+        yield place
+        check_place(folder, identity, force, own)
+        _swap(place, folder)
+    except OSError as error:
+        raise InputError("--out", str(folder), "a place that can be written", error.strerror or str(error)) from error
+    finally:
+        if place is not None:
+            shutil.rmtree(place, ignore_errors=True)
+
+
+def _swap(place: Path, folder: Path) -> None:
+    """Move a finished folder into its place; an old one is put aside first and back if that fails."""
+    if not folder.exists():
+        place.rename(folder)
+        return
+    old = _beside(folder)
+    folder.rename(old)
+    try:
+        place.rename(folder)
+    except BaseException:
+        old.rename(folder)
+        raise
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file that appears whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written.
+    """
+    partial = _beside(path)
+    try:
+        with partial.open("x", encoding="utf-8") as file:
+            file.write(text)
+        partial.replace(path)
+    except OSError as error:
+        raise InputError("FILE", str(path), "a place that can be written", error.strerror or str(error)) from None
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _beside(path: Path) -> Path:
+    """Return a hidden name beside a path that nobody else has."""
+    return path.with_name(f".{path.name[:60]}-{secrets.token_hex(6)}")

@@ -1,0 +1,203 @@
+"""Units at the edge: "730 rpm", "4000 g", "0.5 mm" become SI floats, and SI floats become text.
+
+In strikewave ``g`` is standard gravity (9.80665 m/s^2), never gram; ``r/min`` is a speed of rotation. A power is
+``m/s^2``, ``m/s**2``, ``m/s2`` or ``m/s²``.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+import unicodedata
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from strikewave.base.errors import InputError, nearest
+
+STANDARD_GRAVITY = 9.80665
+"""Standard gravity, m/s^2 (exact, CGPM 1901)."""
+
+DIMENSIONS: dict[str, tuple[str, str]] = {
+    "m": ("a length", "0.5 mm"),
+    "m^2": ("an area", "700 mm^2"),
+    "m^3": ("a volume", "5000 cm^3"),
+    "kg": ("a mass", "0.459 kg"),
+    "s": ("a time", "200 us"),
+    "rad": ("an angle", "15 deg"),
+    "rad/s": ("a speed of rotation", "730 rpm"),
+    "m/s": ("a speed", "5 m/s"),
+    "m/s^2": ("an acceleration", "4000 g"),
+    "N": ("a force", "20 kN"),
+    "N s": ("an impulse", "2.5 N s"),
+    "N m": ("a torque", "30 N m"),
+    "N/m": ("a stiffness", "40 kN/m"),
+    "N m/rad": ("a stiffness in rotation", "20 kN m/rad"),
+    "N s/m": ("a damping", "60 N s/m"),
+    "N m s/rad": ("a damping in rotation", "0.02 N m s/rad"),
+    "kg m^2": ("a moment of inertia", "4 kg m^2"),
+    "Pa": ("a pressure or modulus", "211 GPa"),
+    "kg/m^3": ("a density", "7820 kg/m^3"),
+    "Hz": ("a frequency", "200 kHz"),
+    "J": ("an energy", "10 J"),
+    "V": ("a voltage", "10 V"),
+    "C": ("a charge", "100 pC"),
+    "K": ("an absolute temperature", "293 K"),
+    "J/kg/K": ("a specific heat", "470 J/kg/K"),
+    "1/s": ("a strain rate", "1 1/s"),
+    "1": ("a strain or another ratio", "200 ustrain"),
+}
+"""The SI unit of every kind of quantity used here, its name, and an example that can be typed."""
+
+_NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
+_WORD = r"[A-Za-zµμΩ°%_]{1,30}(?:(?:\^|\*\*)-?\d|[23²³])?"
+_UNIT = rf"(?:1|{_WORD})(?:\s*[*/·]\s*{_WORD}|\s+{_WORD})*"
+_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*({_UNIT})?\s*")
+_ANGLE = re.compile(r"(?<![A-Za-z])(?:rad|radian|deg|degree|°|r|rpm|turn|revolution)(?![A-Za-z])")
+_LONGEST = 80
+
+
+@functools.cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry(str(Path(__file__).with_name("units.txt")))
+
+
+@functools.lru_cache(maxsize=512)
+def _factor(unit: str, si: str) -> float:
+    """Return how many ``si`` are in one ``unit``; raises pint's own errors."""
+    words = {"g": "standard_gravity", "r": "revolution", "us": "microsecond", "µs": "microsecond"}
+
+    def tidy(text: str) -> str:
+        text = re.sub(r"(?<=[A-Za-zµμΩ°%_])([23²³])", lambda m: "^" + str(unicodedata.digit(m[0])), text)
+        text = re.sub(r"[A-Za-zµμΩ°%_]+", lambda m: words.get(m[0], m[0]), text.replace("·", "*"))
+        return re.sub(r"(?<=[\w°%])\s+(?=[A-Za-zµμΩ°%_])", "*", text)
+
+    return float(_registry().Quantity(1.0, tidy(unit)).to(tidy(si)).magnitude)
+
+
+def parse_quantity(text: object, si: str, field: str) -> float:
+    """Turn "number unit" into a float in the SI unit ``si``.
+
+    Parameters
+    ----------
+    text : str
+        A number and a unit, such as ``"730 rpm"``.
+    si : str
+        The SI unit wanted, one of `DIMENSIONS`.
+    field : str
+        Path of the field, for the error message.
+
+    Raises
+    ------
+    InputError
+        For a bare number, a wrong dimension, an unknown unit, or a value that is not finite.
+
+    Examples
+    --------
+    >>> parse_quantity("1 g", "m/s^2", "peak")
+    9.80665
+    >>> parse_quantity("0.5 mm", "m", "depth")
+    0.0005
+    """
+    name, example = DIMENSIONS[si]
+    allowed = f'{name} with its unit, such as "{example}"'
+    if isinstance(text, bool) or not isinstance(text, str):
+        bare = isinstance(text, int | float) and not isinstance(text, bool)
+        hint = f'a bare number has no unit: write "{text} {si}" if that is meant' if bare else ""
+        raise InputError(field, text, allowed, hint)
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        raise InputError(field, text, allowed, "write one number, then its unit")
+    number, unit = float(match[1]), match[2]
+    if unit is None:
+        raise InputError(field, text, allowed, f'a bare number has no unit: write "{match[1]} {si}" if that is meant')
+    import pint
+
+    try:
+        value = _times(number, _factor(unit.strip(), si))
+    except pint.UndefinedUnitError as error:
+        unknown = str(error.args[0][0] if isinstance(error.args[0], tuple | list) else error.args[0])
+        raise InputError(field, text, allowed, f'unknown unit "{unknown}": {_nearest_unit(unknown)}') from None
+    except pint.DimensionalityError:
+        hint = (
+            '"g" is standard gravity here; write gram or kg' if re.search(r"(?<![A-Za-z])g(?![A-Za-z])", unit) else ""
+        )
+        raise InputError(field, text, allowed, hint or f'"{unit.strip()}" is not {name}') from None
+    except (pint.PintError, ValueError, TypeError, ArithmeticError, AssertionError):
+        raise InputError(field, text, allowed, "the unit could not be read") from None
+    turns = bool(_ANGLE.search(unit))
+    if si in ("rad", "rad/s") and not turns:
+        raise InputError(field, text, allowed, f'"{unit.strip()}" does not say turns or radians: write rpm, rad/s, deg')
+    if si == "Hz" and turns:
+        raise InputError(field, text, allowed, f'"{unit.strip()}" is a speed of rotation, not a frequency')
+    if not math.isfinite(value):
+        raise InputError(field, text, allowed, "the value is not finite")
+    return value
+
+
+def _times(number: float, factor: float) -> float:
+    """Multiply; by a divisor where that is a whole number, so that 20 us is 2e-05 and not a digit less."""
+    inverse = 1.0 / factor
+    whole = round(inverse) if inverse < 1e15 else 0
+    return number / whole if whole > 1 and abs(inverse - whole) < 1e-12 * inverse else number * factor
+
+
+def _nearest_unit(unknown: str) -> str:
+    common = "m mm um km s ms us ns kg gram rpm Hz kHz MHz N kN MN Pa kPa MPa GPa g deg rad J kJ min"
+    return nearest(unknown, common.split())
+
+
+def parse_typed(text: str, si: str, field: str) -> float:
+    """Turn what was typed on a command line into SI: with a unit it is converted, a bare number is SI.
+
+    Examples
+    --------
+    >>> parse_typed("20", "m/s", "--speed")
+    20.0
+    >>> parse_typed("72 km/h", "m/s", "--speed")
+    20.0
+    >>> parse_typed("inf", "kg", "--m2")
+    inf
+    """
+    if text.strip().lower() in {"inf", "infinity"}:
+        return math.inf
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is not None and match[2] is None:
+        value = float(match[1])
+        if math.isfinite(value):
+            return value
+    return parse_quantity(text, si, field)
+
+
+def in_unit(value: float, si: str, unit: str) -> float:
+    """Return an SI value in another unit.
+
+    Examples
+    --------
+    >>> in_unit(9806.65, "m/s^2", "g")
+    1000.0
+    """
+    return _times(value, 1.0 / _factor(unit, si))
+
+
+def convertible(unit: str, choices: Iterable[str]) -> tuple[str, float] | None:
+    """Return the first SI unit of some choices that a unit can be turned into, and its factor; None where none fits.
+
+    Examples
+    --------
+    >>> convertible("mV", ("m/s^2", "V")), convertible("furlong", ("m",))
+    (('V', 0.001), None)
+    """
+    import pint
+
+    if len(unit) > _LONGEST or not re.fullmatch(_UNIT, unit.strip()):
+        return None
+    for si in choices:
+        try:
+            return si, _times(1.0, _factor(unit.strip(), si))
+        except (pint.PintError, ValueError, TypeError, ArithmeticError, AssertionError):
+            continue
+    return None

@@ -1,0 +1,522 @@
+"""The case: everything a run needs, read from a TOML file with units and checked.
+
+A quantity is "number unit", or a table { value, provenance, note }. `load_case` reads a file or one
+of the published cases that come along; `dump_case` writes a case that gives the same numbers again.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+
+from strikewave.base.errors import MISSING, InputError, InputErrors, nearest, show
+from strikewave.base.quantities import Provenance, ToleranceBand, Value
+from strikewave.cases.fem_tables import FemTable
+from strikewave.cases.machine_tables import AnyLaunched, AnyMachine
+from strikewave.cases.mesh_tables import FilePart, MeshTable
+from strikewave.cases.paths import Form, row_name
+from strikewave.cases.tables import (
+    PUBLISHED_QUANTITIES,
+    AnyObject,
+    AnyStriker,
+    ContactTable,
+    FeedTable,
+    LoadTable,
+    Machine,
+    Object,
+    Published,
+    Recorder,
+    SensorTable,
+    Solver,
+    StackTable,
+    Striker,
+    Table,
+    TapTable,
+    case_name,
+    read_published,
+)
+
+T = TypeVar("T", LoadTable, FilePart)
+
+SCHEMA = 1
+LARGEST_FILE = 1_000_000
+"""A case file above this many bytes is refused."""
+
+
+TABLES = (
+    *("machine", "striker", "feed", "object", "contact", "stack", "load", "tap", "sensor", "recorder", "solver"),
+    *("mesh", "fem"),
+)
+"""The tables of a case that hold quantities."""
+RIG = ("machine", "striker", "feed", "object", "contact", "recorder")
+"""The tables that a rotary machine needs; a machine without a drive has no feed."""
+VECTOR = frozenset("xyz")
+"""The keys of a vector."""
+STRICT: dict[str, type[Table]] = {"striker": Striker, "object": Object}
+"""Tables of which a rotary machine needs all that one without a drive may leave out."""
+
+
+class Impact(NamedTuple):
+    """The tables that every machine case has: what meets, how, and what records it."""
+
+    striker: AnyStriker
+    object: AnyObject
+    contact: ContactTable
+    recorder: Recorder
+
+
+class Rig(NamedTuple):
+    """The tables of a rotary machine, all of them there."""
+
+    machine: Machine
+    striker: Striker
+    feed: FeedTable
+    object: Object
+    contact: ContactTable
+    recorder: Recorder
+
+
+class Case(Table):
+    """A case as read: frozen, every quantity in SI with its provenance."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
+
+    schema_version: Literal[1] = Field(alias="schema")
+    name: Annotated[str, BeforeValidator(case_name)] = ""
+    title: str = ""
+    source: str = ""
+    machine: AnyMachine | None = None
+    striker: AnyStriker | None = None
+    feed: FeedTable | None = None
+    object: AnyObject | None = None
+    contact: ContactTable | None = None
+    stack: StackTable = StackTable()
+    load: LoadTable | None = None
+    tap: tuple[TapTable, ...] = ()
+    sensor: tuple[SensorTable, ...] = ()
+    recorder: Recorder | None = None
+    solver: Solver = Solver()
+    mesh: MeshTable | None = None
+    fem: FemTable | None = None
+    published: tuple[Annotated[Published, BeforeValidator(read_published)], ...] = ()
+
+    @field_validator("striker", "object", mode="before")
+    @classmethod
+    def _strict(cls, raw: Any, info: ValidationInfo) -> Any:
+        """Ask for every quantity, but in a machine without a drive."""
+        free = not isinstance(info.data.get("machine", raw), Machine | None)
+        if free or not isinstance(raw, Mapping) or info.field_name is None:
+            return raw
+        return STRICT[info.field_name].model_validate(raw)
+
+    @model_validator(mode="after")
+    def _whole(self) -> Case:
+        """Refuse a case without anything to run, and a machine without one of its tables."""
+        needed = [name for name in RIG if name != "feed" or isinstance(self.machine, Machine | None)]
+        lacking = [name for name in ("mesh", "fem") if getattr(self, name) is None]
+        if len(lacking) == 1:
+            examples = {"mesh": "[[mesh.part]], once for each part", "fem": '[fem] with its duration = "80 us"'}
+            raise InputError(lacking[0], MISSING, examples[lacking[0]])
+        alone = not any(getattr(self, name) is not None for name in RIG)
+        if alone and not self.stack.layer and lacking:
+            needed_tables = "[machine] with its tables, [[stack.layer]] with [load], or [mesh] with [fem]"
+            raise InputError("", MISSING, needed_tables)
+        if self.machine is not None or not (self.stack.layer or (alone and not lacking)):
+            lines = [f"{name}: missing; add [{name}]" for name in needed if getattr(self, name) is None]
+            if lines:
+                raise InputErrors(lines)
+        if self.command == "fem" and self.solver != Solver():
+            raise InputError("solver", "[solver]", "none: a mesh alone is run by the controls of [fem]", "remove it")
+        if "feed" not in needed and self.feed is not None:
+            raise InputError("feed", "[feed]", "none: nothing is fed in a machine without a drive", "remove it")
+        return self
+
+    @property
+    def command(self) -> str:
+        """The command that runs it: "run" a machine, "wave" a bar alone, "fem" a mesh alone."""
+        if self.machine is not None:
+            return "run"
+        return "fem" if self.fem is not None and not self.stack.layer else "wave"
+
+    @property
+    def time_zero(self) -> str:
+        """What the time of its results counts from, in words."""
+        return "the start" if self.launched() else "the valve signal"
+
+    def impact(self) -> Impact:
+        """Return the tables that every machine case has.
+
+        Raises
+        ------
+        InputError
+            If the case is that of a bar alone.
+        """
+        parts = self.striker, self.object, self.contact, self.recorder
+        if self.machine is None or None in parts:
+            what = "a mesh" if self.command == "fem" else "a bar"
+            hint = f"this case is {what} alone: `strikewave {self.command}` runs it"
+            raise InputError("machine", MISSING, "[machine] with its tables", hint)
+        return Impact(*parts)  # type: ignore[arg-type]
+
+    def rig(self) -> Rig:
+        """Return the tables of a rotary machine.
+
+        Raises
+        ------
+        InputError
+            If the case is that of a bar alone, or of another machine.
+        """
+        striker, struck, contact, recorder = self.impact()
+        if not (
+            isinstance(self.machine, Machine)
+            and isinstance(striker, Striker)
+            and isinstance(struck, Object)
+            and self.feed is not None
+        ):
+            kind = getattr(self.machine, "kind", MISSING)
+            raise InputError("machine.kind", kind, "rotary", "this needs a rotary machine, such as case li-ma-2019")
+        return Rig(self.machine, striker, self.feed, struck, contact, recorder)
+
+    def launched(self) -> AnyLaunched | None:
+        """Return the machine if it is one without a drive."""
+        return None if isinstance(self.machine, Machine) else self.machine
+
+    def values(self) -> dict[str, Value]:
+        """Return every quantity by its path, such as ``machine.speed`` or ``stack.layer.upper.length``."""
+        found: dict[str, Value] = {}
+        for name in self.tables():
+            found.update(_values(getattr(self, name), name))
+        return found
+
+    def tables(self) -> list[str]:
+        """Return the names of the tables that hold quantities of this case; a mesh alone has no solver."""
+        return [name for name in TABLES if (name, self.command) != ("solver", "fem")]
+
+    def fitted_fields(self) -> list[str]:
+        """Return the paths of the fitted values."""
+        return [path for path, value in self.values().items() if value.provenance == "fitted"]
+
+    def changed_fields(self) -> list[str]:
+        """Return the paths whose values or choices differ from the published case that this one comes from.
+
+        The solver does not count, nor the recorder where no sensor feels it: they change no result.
+        """
+        if self.source not in bundled_cases():
+            return []
+        aside = ("solver",) if self.sensor else ("solver", "recorder")
+        origin, mine = _published_entries(self.source), self.entries()
+        changed = [path for path, value in mine.items() if path not in origin or value != origin[path]]
+        gone = [path for path in origin if path not in mine]
+        return [path for path in changed + gone if path.partition(".")[0] not in aside]
+
+    def entries(self) -> dict[str, float | str]:
+        """Return every quantity (SI) and every choice, such as a material, by its path."""
+        found: dict[str, float | str] = {}
+        for name in self.tables():
+            found.update(_entries(getattr(self, name), name))
+        return found
+
+    def with_values(self, changes: Mapping[str, Value], keep_tolerances: bool = True) -> Case:
+        """Return the case with some quantities replaced, by path; a value keeps the tolerance of the one before it.
+
+        Raises
+        ------
+        InputError
+            If there is no such quantity, or the tolerance does not suit the new value.
+        """
+        case, mine = self, self.values()
+        for path, value in changes.items():
+            if path not in mine:
+                raise InputError(path, value.typed, "a quantity of the case", nearest(path, mine))
+            kept = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
+            case = _with_value(case, path.split("."), kept)
+        return case
+
+
+FORM = Form(Case, "case", 'machine.speed="500 rpm"')
+"""A case file."""
+
+
+def _values(part: Any, path: str) -> Iterator[tuple[str, Value]]:
+    """Yield every quantity below a part of a case with its path."""
+    if isinstance(part, Value):
+        yield path, part
+    elif isinstance(part, BaseModel):
+        for key, value in part:
+            yield from _values(value, f"{path}.{key}")
+    elif isinstance(part, tuple):
+        for place, row in enumerate(part):
+            yield from _values(row, f"{path}.{row_name(row, place)}")
+
+
+def _entries(part: Any, path: str) -> Iterator[tuple[str, float | str]]:
+    """Yield every quantity, in SI, and every word below a part of a case with its path."""
+    if isinstance(part, Value):
+        yield path, part.si
+    elif isinstance(part, str):
+        if part:
+            yield path, part
+    elif isinstance(part, BaseModel):
+        for key, value in part:
+            yield from _entries(value, f"{path}.{key}")
+    elif isinstance(part, tuple):
+        for place, row in enumerate(part):
+            yield from _entries(row, f"{path}.{row_name(row, place)}")
+
+
+def _with_value(part: Any, places: list[str], value: Value) -> Any:
+    """Return a part of a case with the quantity at a path replaced."""
+    if not places:
+        return value
+    first, rest = places[0], places[1:]
+    if isinstance(part, tuple):
+        return tuple(
+            _with_value(row, rest, value) if row_name(row, place) == first else row for place, row in enumerate(part)
+        )
+    return part.model_copy(update={first: _with_value(getattr(part, first), rest, value)})
+
+
+def _with_band(path: str, value: Value, band: ToleranceBand | None) -> Value:
+    """Return a value with a tolerance, unless it has its own; checked as a case file that holds both would be.
+
+    A share of nothing is nothing: a value of 0 goes without.
+    """
+    allowed = FORM.range_at(path.split("."))
+    if band is None or value.tolerance is not None or allowed is None or (band.relative and value.si == 0.0):
+        return value
+    kept = value.model_copy(update={"tolerance": band})
+    try:
+        allowed.read(kept.document())
+    except InputError as error:
+        raise InputError(f"{path}.{error.field}".rstrip("."), error.got, error.allowed, error.hint) from None
+    return kept
+
+
+@functools.cache
+def _published_entries(name: str) -> dict[str, float | str]:
+    """Return quantities and choices of a published case; it is read once."""
+    return load_case(name).entries()
+
+
+def bundled_cases() -> list[str]:
+    """Return the names of the published cases that come along.
+
+    Examples
+    --------
+    >>> "li-ma-2019" in bundled_cases()
+    True
+    """
+    folder = resources.files("strikewave.cases") / "published"
+    return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+
+
+def read_case_text(name: str) -> tuple[str, str]:
+    """Return the TOML text and the name of a case file, or of a published case.
+
+    Raises
+    ------
+    InputError
+        If there is neither, or the file is too large or not text.
+    """
+    if name in bundled_cases():
+        return (resources.files("strikewave.cases") / "published" / f"{name}.toml").read_text("utf-8"), name
+    path = Path(name)
+    try:
+        if path.is_dir() and (path / "case.toml").is_file():
+            path = path / "case.toml"
+        if not path.is_file():
+            allowed = "a case file that exists" if name.endswith(".toml") else "a case file or a published case"
+            raise InputError("case", name, allowed, nearest(name, bundled_cases()))
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError("case", name, "a file that can be read", getattr(error, "strerror", "") or "") from None
+    if len(data) > LARGEST_FILE:
+        raise InputError("case", name, f"a case file of at most {LARGEST_FILE // 1000} kB")
+    try:
+        return data.decode("utf-8"), path.stem
+    except UnicodeDecodeError:
+        raise InputError("case", name, "a text file in UTF-8") from None
+
+
+def load_case(name: str, changes: Iterable[str] = ()) -> Case:
+    """Read a case file or a published case, change some of its fields, and check it.
+
+    Parameters
+    ----------
+    name : str
+        Path of a TOML file, of a folder that holds ``case.toml``, or the name of a published case.
+    changes : iterable of str, optional
+        ``path=value`` each, such as ``machine.speed=500 rpm``.
+
+    Raises
+    ------
+    InputError, InputErrors
+        With one line for each thing that is wrong.
+
+    Examples
+    --------
+    >>> case = load_case("li-ma-2019", ["machine.speed=500 rpm"])
+    >>> round(case.machine.speed.si, 4)
+    52.3599
+    """
+    text, stem = read_case_text(name)
+    case = parse_case(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes)
+    return _with_whole_path(case, Path(name))
+
+
+def _with_whole_path(case: Case, place: Path) -> Case:
+    """Return a case whose files of load and mesh have their whole path: beside the case, or else from where we work."""
+    folder = place if place.is_dir() else place.parent
+    if case.load is not None and case.load.file:
+        case = case.model_copy(update={"load": _with_whole_file(case.load, folder)})
+    if case.mesh is not None:
+        parts = tuple(_with_whole_file(x, folder) if isinstance(x, FilePart) else x for x in case.mesh.part)
+        case = case.model_copy(update={"mesh": case.mesh.model_copy(update={"part": parts})})
+    return case
+
+
+def _with_whole_file(table: T, folder: Path) -> T:
+    """Return a table whose ``file`` has its whole path, where there is such a file."""
+    if "\0" in table.file:
+        return table
+    beside = folder / table.file
+    found = beside if beside.is_file() else Path(table.file)
+    return table.model_copy(update={"file": str(found.resolve())}) if found.is_file() else table
+
+
+def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
+    """Check the TOML text of a case; see `load_case`."""
+    try:
+        document = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        reason = show(str(error) or "nested too deeply", 120).strip('"')
+        hint = "values with a unit stand in quotes; `strikewave new` writes an example"
+        raise InputErrors([f"{name or 'case'}: not a TOML file: {reason}; {hint}"]) from None
+    _check_schema(document)
+    for change in changes:
+        FORM.change(document, change)
+    document.setdefault("name", name)
+    try:
+        return Case.model_validate(document)
+    except ValidationError as error:
+        raise InputErrors(_lines(error)) from None
+
+
+def _check_schema(document: Mapping[str, Any]) -> None:
+    schema = document.get("schema")
+    if schema is None:
+        raise InputError("schema", MISSING, f"schema = {SCHEMA}", f"begin the case file with schema = {SCHEMA}")
+    if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
+        raise InputError("schema", schema, f"schema = {SCHEMA}")
+    if schema > SCHEMA:
+        raise InputError(
+            "schema", schema, f"at most {SCHEMA}", "this file was written for a newer strikewave; update it"
+        )
+
+
+def _lines(error: ValidationError) -> list[str]:
+    """Return one line for each thing that is wrong with a case."""
+    return FORM.lines(error)
+
+
+def document_of(case: Case) -> dict[str, Any]:
+    """Return a case as the plain tables of a case file."""
+    head = {"schema": SCHEMA, "name": case.name, "title": case.title, "source": case.source}
+    document: dict[str, Any] = {key: value for key, value in head.items() if value}
+    for table in case.tables():
+        rows = _document(getattr(case, table))
+        if rows:
+            document[table] = rows
+    published = [
+        {key: value.typed if isinstance(value, Value) else value for key, value in entry if value != ""}
+        for entry in case.published
+    ]
+    return {**document, "published": published} if published else document
+
+
+def _document(part: Any) -> Any:
+    """Return a part of a case as plain tables, without what is absent."""
+    if isinstance(part, Value):
+        return part.document()
+    if isinstance(part, BaseModel):
+        if isinstance(part, StackTable) and not part.layer:
+            return {}
+        rows = {key: _document(value) for key, value in part}
+        return {key: value for key, value in rows.items() if value not in (None, "", [], {})}
+    if isinstance(part, tuple):
+        return [_document(row) for row in part]
+    return part
+
+
+def dump_case(case: Case) -> str:
+    """Write a case as TOML that reads back to the same numbers and provenance.
+
+    Examples
+    --------
+    >>> case = load_case("li-ma-2019")
+    >>> parse_case(dump_case(case)) == case
+    True
+    """
+    import tomlkit
+
+    document = tomlkit.document()
+    for key, value in document_of(case).items():
+        document[key] = _toml(value)
+    return tomlkit.dumps(document)
+
+
+def _toml(value: Any) -> Any:
+    """Turn plain tables into TOML's: a quantity or a vector stays on its line, rows become arrays of tables."""
+    import tomlkit
+
+    if isinstance(value, dict):
+        flat = "provenance" in value or (value.keys() <= VECTOR)
+        made: Any = tomlkit.inline_table() if flat else tomlkit.table()
+        for key, entry in value.items():
+            made[key] = _toml(entry)
+        return made
+    if isinstance(value, list) and not _is_rows(value):
+        return [_toml(entry) for entry in value]
+    if isinstance(value, list):
+        rows = tomlkit.aot()
+        for entry in value:
+            rows.append(_toml(entry))
+        return rows
+    return value
+
+
+def _is_rows(values: list[Any]) -> bool:
+    """Tell whether a list holds rows of an array of tables, not quantities."""
+    return all(isinstance(entry, dict) and "provenance" not in entry for entry in values)
+
+
+__all__ = [
+    "PUBLISHED_QUANTITIES",
+    "Case",
+    "Provenance",
+    "Value",
+    "bundled_cases",
+    "document_of",
+    "dump_case",
+    "load_case",
+    "parse_case",
+]

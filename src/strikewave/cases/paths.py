@@ -1,0 +1,242 @@
+"""The fields of a file by their paths: what may stand there, how one is changed, and what is wrong with them.
+
+A path names tables and a key, such as ``machine.speed``; a row of an array of tables goes by its name or its place.
+Where a table may be one of several, its ``kind`` (``shape``, ``law``) tells which; it stands in pydantic's paths, not
+in ours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from strikewave.base.errors import InputError, InputErrors, nearest, show
+from strikewave.base.quantities import Range, Value
+from strikewave.base.units import DIMENSIONS
+
+_OF_TOLERANCE = ("tolerance", "distribution")
+"""Keys of a quantity that a change of its value keeps."""
+
+
+def row_name(row: Any, place: int) -> str:
+    """Return how a path calls a row of an array of tables: by its name, what it comes after, its number or place."""
+    get = row.get if isinstance(row, Mapping) else (lambda key, default: getattr(row, key, default))
+    number = get("number", "")
+    return str(get("name", "") or get("after", "") or getattr(number, "typed", number) or place)
+
+
+@dataclass(frozen=True)
+class Form:
+    """What a file holds: its model, what the file is called in an error line, and a change that shows how.
+
+    Attributes
+    ----------
+    model : type
+        Of the whole file.
+    name : str
+        Such as ``case``.
+    example : str
+        A change, such as ``machine.speed="500 rpm"``.
+    """
+
+    model: type[BaseModel]
+    name: str
+    example: str
+
+    def change(self, document: dict[str, Any], change: str) -> None:
+        """Set ``path=value`` in a document; a bare number is SI; a changed quantity is assumed and says so.
+
+        It keeps its tolerance, which ``path.tolerance=value`` changes.
+
+        Raises
+        ------
+        InputError
+            If it is no change, or its path leads through what is no table.
+
+        Examples
+        --------
+        >>> from strikewave.cases.tables import Machine
+        >>> document = {}
+        >>> Form(Machine, "machine", 'radius="1 m"').change(document, "radius=0.2")
+        >>> document["radius"]["value"]
+        '0.2 m'
+        """
+        path, equals, text = (part.strip() for part in change.partition("="))
+        if not equals or not path or not text:
+            raise InputError("--set", change, f"path=value, such as {self.example}")
+        if len(text) > 2 and text[0] == text[-1] and text[0] in "\"'":
+            text = text[1:-1]
+        *tables, key = path.split(".")
+        place = self._table_in(document, tables, change)
+        if not isinstance(place, dict):
+            raise InputError("--set " + path, change, f"a table of the {self.name}")
+        typed: Any = _number(text)
+        allowed = self.range_at([*self._with_kinds(document, tables), key])
+        if allowed is None:
+            words = isinstance(place.get(key), str) or self._takes_text([*tables, key])
+            place[key] = text if words else typed
+            return
+        if allowed.unit in DIMENSIONS and not isinstance(typed, str):
+            typed = f"{text} {allowed.unit}"
+        before = place.get(key)
+        kept = {name: before[name] for name in _OF_TOLERANCE if name in before} if isinstance(before, dict) else {}
+        place[key] = {"value": typed, "provenance": "assumed", **kept, "note": "set by the user"}
+
+    def _table_in(self, document: dict[str, Any], tables: list[str], change: str) -> Any:
+        """Return the table of a document at a path, made where it is not there."""
+        place: Any = document
+        for depth, table in enumerate(tables):
+            inner: Any = None
+            if isinstance(place, dict):
+                inner = place.setdefault(table, {})
+                if not isinstance(inner, dict | list) and self.range_at(tables[: depth + 1]) is not None:
+                    inner = place[table] = {"value": inner}
+            elif isinstance(place, list):
+                inner = next((row for k, row in enumerate(place) if table in (row_name(row, k), str(k))), None)
+            if not isinstance(inner, dict | list) or (isinstance(inner, list) and depth == len(tables) - 1):
+                path = ".".join(tables[: depth + 1])
+                allowed, hint = f"a table of the {self.name}", _row_hint(place, inner, path, change)
+                raise InputError(f"--set {path}", change, allowed, hint)
+            place = inner
+        return place
+
+    def lines(self, error: ValidationError) -> list[str]:
+        """Turn pydantic's report into one line a fault: field, what came, what is allowed, what to do."""
+        lines: list[str] = []
+        for fault in error.errors():
+            places = [show(str(part)).strip('"') for part in fault["loc"]]
+            path = ".".join(self._without_kinds(places))
+            cause = fault.get("ctx", {}).get("error")
+            if isinstance(cause, InputErrors):
+                lines += cause.lines
+            elif isinstance(cause, InputError):
+                inner = ".".join(part for part in (path, cause.field) if part)
+                lines.append(str(InputError(inner, cause.got, cause.allowed, cause.hint)))
+            elif fault["type"] == "extra_forbidden":
+                lines.append(f"{path}: unknown key; {nearest(places[-1], self.keys_at(places[:-1]))}")
+            elif fault["type"] == "missing":
+                lines.append(f"{path}: missing; {self._example(places)}")
+            elif fault["type"] == "tuple_type" and self.tables_at(places) == [Value]:
+                lines.append(f"{path}: got {show(fault['input'])}; allowed: a list of quantities with their units")
+            elif fault["type"] == "tuple_type" and not isinstance(fault["input"], dict):
+                lines.append(f'{path}: got {show(fault["input"])}; allowed: a list, such as ["a", "b"]')
+            elif fault["type"] == "tuple_type":
+                lines.append(f"{path}: got one table; write [[{path}]], once for each")
+            elif fault["type"] == "literal_error":
+                lines.append(str(InputError(path, fault["input"], str(fault.get("ctx", {}).get("expected", "")))))
+            else:
+                lines.append(f"{path or self.name}: got {show(fault['input'])}; {fault['msg']}")
+        return lines
+
+    def tables_at(self, places: list[str]) -> list[type[BaseModel]]:
+        """Return the models of the table at a path; a name or number stands for the row of an array of tables."""
+        models: list[type[BaseModel]] = [self.model]
+        in_rows = False
+        for place in places:
+            if in_rows:
+                in_rows = False
+                continue
+            chosen = [model for model in models if _kind_of(model) == place] if len(models) > 1 else []
+            if chosen:
+                models = chosen
+                continue
+            fields = [model.model_fields[place] for model in models if place in model.model_fields]
+            found = [_tables_of(field.annotation) for field in fields]
+            models = list(dict.fromkeys(model for tables, _ in found for model in tables))
+            in_rows = any(rows for _, rows in found)
+        return models
+
+    def table_at(self, places: list[str]) -> type[BaseModel] | None:
+        """Return the model of the table at a path, the first where it may be one of several."""
+        return next(iter(self.tables_at(places)), None)
+
+    def keys_at(self, places: list[str]) -> list[str]:
+        """Return the keys of the table at a path; none where there is no table."""
+        return [f.alias or key for model in self.tables_at(places) for key, f in model.model_fields.items()]
+
+    def range_at(self, places: list[str]) -> Range | None:
+        """Return what the quantity at a path may be; None where there is no quantity."""
+        for field in self._fields_at(places):
+            for rule in field.metadata:
+                owner = getattr(getattr(rule, "func", None), "__self__", None)
+                if isinstance(owner, Range):
+                    return owner
+        return None
+
+    def _fields_at(self, places: list[str]) -> list[FieldInfo]:
+        tables = self.tables_at(places[:-1])
+        return [model.model_fields[places[-1]] for model in tables if places[-1] in model.model_fields]
+
+    def _without_kinds(self, places: list[str]) -> list[str]:
+        """Return the places of a path without those that only tell which of several tables is meant."""
+        return [
+            place
+            for depth, place in enumerate(places)
+            if not (depth and len(several := self.tables_at(places[:depth])) > 1 and place in map(_kind_of, several))
+        ]
+
+    def _with_kinds(self, document: Mapping[str, Any], tables: list[str]) -> list[str]:
+        """Return the tables of a path, each of several followed by the kind that a document says it is."""
+        places: list[str] = []
+        part: Any = document
+        for table in tables:
+            places.append(table)
+            part = part.get(table) if isinstance(part, Mapping) else None
+            if isinstance(part, Mapping) and "kind" in part and len(self.tables_at(places)) > 1:
+                places.append(str(part["kind"]))
+        return places
+
+    def _takes_text(self, places: list[str]) -> bool:
+        return any(str in (field.annotation, *get_args(field.annotation)) for field in self._fields_at(places))
+
+    def _example(self, places: list[str]) -> str:
+        allowed = self.range_at(places)
+        if allowed is not None and allowed.unit in DIMENSIONS:
+            return f'add {places[-1]} = "{DIMENSIONS[allowed.unit][1]}"'
+        if allowed is not None:
+            return f"add {places[-1]}, {allowed.allowed()}"
+        is_table = self.tables_at(places) not in ([], [Value])
+        return f"add [{'.'.join(places)}]" if is_table or len(places) == 1 else f"add {places[-1]}"
+
+
+def _row_hint(place: Any, inner: Any, path: str, change: str) -> str:
+    """Say which rows there are, where a change names none of an array of tables, or one that there is not."""
+    rows = inner if isinstance(inner, list) else place
+    names = [row_name(row, k) for k, row in enumerate(rows)] if isinstance(rows, list) else []
+    if not names:
+        return ""
+    if rows is inner:
+        return f"name its row: {path}.{names[0]}{change.strip().removeprefix(path)}"
+    return nearest(path.rpartition(".")[2], names)
+
+
+def _number(text: str) -> int | float | str:
+    """Return a number where a text is one, else the text."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def _tables_of(kind: Any) -> tuple[list[type[BaseModel]], bool]:
+    """Return the tables that an annotation may hold, with their stricter forms, and whether it holds rows of them."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return [kind, *kind.__subclasses__()], False
+    found = [_tables_of(part) for part in get_args(kind)]
+    rows = any(inner for _, inner in found) or (get_origin(kind) is tuple and any(tables for tables, _ in found))
+    return [table for tables, _ in found for table in tables], rows
+
+
+def _kind_of(table: type[BaseModel]) -> str:
+    """Return the kind (shape, law) that a table is of; empty where it is of none."""
+    for key in ("kind", "shape", "law"):
+        kinds = get_args(table.model_fields[key].annotation) if key in table.model_fields else ()
+        if len(kinds) == 1:
+            return str(kinds[0])
+    return ""

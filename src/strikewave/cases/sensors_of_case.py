@@ -1,0 +1,82 @@
+"""Case in, measuring channels out: a sensor, where it sits, and what records it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+from strikewave.analyses.machine.readings import Channel
+from strikewave.base.errors import MISSING, InputError, nearest
+from strikewave.base.quantities import Value
+from strikewave.cases.case import Case
+from strikewave.cases.stack_of_case import area_of, build_taps, checked, matter_of, once
+from strikewave.cases.tables import SensorTable
+from strikewave.sensors import Gasket, Mounting, Recorder, Sensor, accelerometer, oscilloscope, storage_recorder
+
+
+def build_channels(case: Case) -> tuple[Channel, ...]:
+    """Return the measuring channels of a case.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If a sensor names what is not there, or has values that do not fit together.
+    """
+    once("sensor", [sensor.name for sensor in case.sensor])
+    return tuple(_channel(case, table) for table in case.sensor)
+
+
+def _channel(case: Case, table: SensorTable) -> Channel:
+    path = f"sensor.{table.name}"
+    taps = [name for name, _ in build_taps(case)] if case.stack.layer else []
+    if table.tap and table.tap not in taps:
+        hint = nearest(table.tap, taps) if taps else "the case has no stack; leave tap out for the rigid assembly"
+        raise InputError(f"{path}.tap", table.tap, "the name of a tap", hint)
+    known = accelerometer(table.model, f"{path}.model") if table.model else None
+    sensor = known.mounted() if known else Sensor()
+    changes: dict[str, Any] = {"name": table.name, "mounting": _mounting(table, path), **_given(table, _SENSOR_FIELDS)}
+    sensor = checked(path, lambda: dataclasses.replace(sensor, **changes))
+    recorder = checked(path, lambda: dataclasses.replace(_recorder(case, table), **_given(table, _RECORDER_FIELDS)))
+    if recorder.bits and math.isinf(sensor.range):
+        raise InputError(f"{path}.range", MISSING, "a range for a recorder with bits", 'add range = "20000 g"')
+    return Channel(sensor, taps.index(table.tap) if table.tap else None, recorder)
+
+
+_SENSOR_FIELDS = {"resonance": float, "quality": float, "range": float, "zero_shift": float}
+_RECORDER_FIELDS = {"sampling_rate": float, "cutoff": float, "order": int, "bits": int}
+
+
+def _given(table: SensorTable, fields: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields that a table gives, in SI."""
+    found = {key: (getattr(table, key), kind) for key, kind in fields.items()}
+    return {key: kind(value.si) for key, (value, kind) in found.items() if isinstance(value, Value)}
+
+
+def _recorder(case: Case, table: SensorTable) -> Recorder:
+    if table.recorder == "ideal":
+        return Recorder()
+    if table.recorder == "oscilloscope":
+        return oscilloscope()
+    rate = case.recorder.sampling_rate.si if case.recorder else None
+    stored = storage_recorder()
+    return stored if rate is None else dataclasses.replace(stored, sampling_rate=rate, cutoff=rate / 5.0)
+
+
+def _mounting(table: SensorTable, path: str) -> Mounting:
+    if not table.gasket:
+        return Mounting()
+    if table.mass is None:
+        raise InputError(f"{path}.mass", MISSING, "the mass of a buffered sensor", 'add mass = "5 gram"')
+    gaskets = []
+    for k, gasket in enumerate(table.gasket):
+        here = f"{path}.gasket.{k}"
+        matter = matter_of(gasket, here)
+        if matter.density is None or matter.modulus is None:
+            raise InputError(f"{here}.material", MISSING, "a material, or density and modulus", 'add material = "PTFE"')
+        parts = (matter.density, matter.modulus, area_of(gasket, here), gasket.thickness.si, matter.loss_factor or 0.0)
+        gaskets.append(checked(here, lambda parts=parts: Gasket(*parts)))  # type: ignore[misc]
+    stiffness = table.edge_stiffness.si if table.edge_stiffness else math.inf
+    damping = table.edge_damping.si if table.edge_damping else 0.0
+    mass = table.mass.si
+    return checked(path, lambda: Mounting(tuple(gaskets), mass, stiffness, damping))

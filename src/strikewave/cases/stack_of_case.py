@@ -1,0 +1,397 @@
+"""Case in, stack, taps and load out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from strikewave.analyses.machine.readings import Channel
+from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveError, nearest
+from strikewave.base.materials import Material, material
+from strikewave.base.quantities import Value
+from strikewave.cases.case import Case
+from strikewave.cases.tables import EndTable, JointTable, LayerTable, LoadTable
+from strikewave.contact.damping import named_contact
+from strikewave.contact.elastoplastic import cap_of
+from strikewave.contact.stiffness import Geometry, stiffness_of
+from strikewave.waves import BONDED, End, Impactor, Joint, Layer, Load, Pulse, Sampled, Stack, Tap, Wanted
+from strikewave.waves.dispersion import Theory
+from strikewave.waves.layers import LossFit
+from strikewave.waves.load import Prescribed
+from strikewave.waves.loss import fit_loss
+from strikewave.waves.routes import EXACT
+
+T = TypeVar("T")
+
+USUAL_TAPS = 20
+"""Taps where a case names none."""
+NO_LOAD = 1e-6
+"""Duration of the load of zero that a striker bar stands under, s."""
+
+
+class Matter(NamedTuple):
+    """What a table says of a material: the row of the table of materials, or numbers of its own."""
+
+    density: float | None
+    modulus: float | None
+    loss_factor: float | None
+    row: Material | None
+
+
+def need(value: Value | None, path: str, allowed: str, hint: str = "") -> float:
+    """Return the SI value of a field that this kind of part needs.
+
+    Raises
+    ------
+    InputError
+        If it is absent.
+    """
+    if value is None:
+        raise InputError(path, MISSING, allowed, hint)
+    return value.si
+
+
+def matter_of(table: Any, path: str) -> Matter:
+    """Return what a table says of a material; its own numbers overrule those of the named material."""
+    row = material(table.material, f"{path}.material") if table.material else None
+    density, modulus, loss = (getattr(table, key, None) for key in ("density", "modulus", "loss_factor"))
+    return Matter(
+        density.si if density else (row.density if row else None),
+        modulus.si if modulus else (row.youngs_modulus if row else None),
+        loss.si if loss else (row.loss_factor if row else None),
+        row,
+    )
+
+
+def area_of(table: Any, path: str, other: float | None = None) -> float:
+    """Return the area of a table that has a diameter or an area, m^2; ``other`` where it has neither."""
+    if table.diameter is not None and table.area is not None:
+        raise InputError(f"{path}.area", table.area.typed, "diameter or area, not both", "remove one of them")
+    if table.area is not None:
+        return float(table.area.si)
+    if table.diameter is not None:
+        return 0.25 * math.pi * float(table.diameter.si) ** 2
+    if other is None:
+        raise InputError(f"{path}.diameter", MISSING, "a diameter or an area", 'add diameter = "30 mm"')
+    return other
+
+
+def _layer(table: LayerTable, dispersion: Theory) -> Layer:
+    path = f"stack.layer.{table.name}"
+    matter = matter_of(table, path)
+    if matter.density is None or matter.modulus is None:
+        raise InputError(f"{path}.material", MISSING, "a material, or density and modulus", 'add material = "65Mn"')
+    own = table.density is not None or table.modulus is not None
+    ratio = matter.row.poissons_ratio if matter.row and not own else None
+    if table.poissons_ratio is not None:
+        ratio = table.poissons_ratio.si
+    if dispersion != "none" and ratio is None:
+        raise InputError(
+            f"{path}.poissons_ratio", MISSING, f"a Poisson's ratio for the dispersion {dispersion}", "add one"
+        )
+    return Layer(
+        table.name,
+        matter.density,
+        matter.modulus,
+        area_of(table, path),
+        table.length.si,
+        table.diameter.si if table.diameter else 0.0,
+        matter.row.yield_strength if matter.row else None,
+        ratio,
+        table.speed.si if table.speed else 0.0,
+        layer_loss(table, path),
+        dispersion,
+    )
+
+
+def layer_loss(table: LayerTable, path: str) -> LossFit | None:
+    """Return the springs and branches of a layer that loses energy, for a modulus of one."""
+    if table.loss_factor is None:
+        for key in ("band_low", "band_high"):
+            if getattr(table, key) is not None:
+                raise InputError(f"{path}.{key}", getattr(table, key).typed, "only with a loss_factor", "add it")
+        return None
+    return fitted(table, path, 1.0, table.loss_factor.si) if table.loss_factor.si > 0.0 else None
+
+
+def fitted(table: LayerTable | JointTable, path: str, stiffness: float, loss_factor: float) -> LossFit:
+    """Return the springs and branches of a loss factor over the band of a table."""
+    low, high = (end.si if end else usual for end, usual in ((table.band_low, 1e3), (table.band_high, 1e5)))
+    return checked(f"{path}.loss_factor", lambda: fit_loss(stiffness, loss_factor, low, high))
+
+
+_JOINT_FIELDS = {
+    "bonded": (),
+    "compliant": ("stiffness", "damping"),
+    "gasket": ("material", "modulus", "loss_factor", "thickness", "diameter", "area", "band_low", "band_high"),
+    "unilateral": ("stiffness", "damping", "gap", "preload"),
+    "mass": ("mass",),
+    "oscillator": ("mass", "stiffness", "resonance", "damping", "quality"),
+    "contact": ("law", "radius", "length", "datum_depth", "gap", "preload", "yield_pressure"),
+}
+
+
+def _joint(table: JointTable, before: LayerTable, after: LayerTable) -> Joint:
+    path = f"stack.joint.{table.after}"
+    fields = {key for keys in _JOINT_FIELDS.values() for key in keys}
+    foreign = [k for k in sorted(fields) if getattr(table, k) not in (None, "") and k not in _JOINT_FIELDS[table.kind]]
+    if foreign:
+        allowed = ", ".join(_JOINT_FIELDS[table.kind]) or "no other field"
+        raise InputError(
+            f"{path}.{foreign[0]}", _typed(getattr(table, foreign[0])), f"for a joint of kind {table.kind}: {allowed}"
+        )
+    damping = table.damping.si if table.damping else 0.0
+    if table.kind == "compliant":
+        return Joint(need(table.stiffness, f"{path}.stiffness", "a stiffness", 'add stiffness = "90 MN/m"'), damping)
+    if table.kind == "mass":
+        return Joint(mass=need(table.mass, f"{path}.mass", "a mass", 'add mass = "5 gram"'))
+    if table.kind == "gasket":
+        return _gasket(table, path, min(area_of(x, f"stack.layer.{x.name}") for x in (before, after)))
+    if table.kind == "unilateral":
+        stiffness = table.stiffness.si if table.stiffness else math.inf
+        gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
+        return checked(f"{path}", lambda: Joint(stiffness, damping, (), True, gap, preload))
+    if table.kind == "oscillator":
+        hung = _hung(table, path)
+        return checked(path, lambda: Joint(hung.stiffness, hung.damping, attached=hung.mass))
+    if table.kind == "contact":
+        return _contact(table, path, before, after)
+    return BONDED
+
+
+class Hung(NamedTuple):
+    """A mass on a spring with dashpot: kg, N/m, N s/m."""
+
+    mass: float
+    stiffness: float
+    damping: float
+
+
+def _hung(table: JointTable | EndTable, path: str) -> Hung:
+    """Return a mass on a spring by stiffness or resonance, damping or quality."""
+    for one, other in (("stiffness", "resonance"), ("damping", "quality")):
+        if getattr(table, one) is not None and getattr(table, other) is not None:
+            raise InputError(f"{path}.{other}", getattr(table, other).typed, f"{one} or {other}, not both")
+    mass = need(table.mass, f"{path}.mass", "the mass on the spring", 'add mass = "2 gram"')
+    if table.stiffness is not None:
+        stiffness = table.stiffness.si
+    else:
+        f = need(table.resonance, f"{path}.resonance", "a resonance or a stiffness", 'add resonance = "50 kHz"')
+        stiffness = mass * (2.0 * math.pi * f) ** 2
+    damping = table.damping.si if table.damping else 0.0
+    if table.quality is not None:
+        damping = math.sqrt(stiffness * mass) / table.quality.si
+    return Hung(mass, stiffness, damping)
+
+
+def _contact(table: JointTable, path: str, before: LayerTable, after: LayerTable) -> Joint:
+    """Return a nonlinear contact between the materials of two layers."""
+    one, other = (material(x.material, f"stack.layer.{x.name}.material") for x in (before, after))
+    of_line = table.length.si if table.length else None
+    datum = table.datum_depth.si if table.datum_depth else None
+    geometry = Geometry(table.radius.si if table.radius else None, math.inf, of_line, datum)
+    try:
+        stiffness = stiffness_of(table.law or "hertz", one, other, geometry, f"{path}.law")
+    except InputError as error:
+        if error.field != "radius1":
+            raise
+        allowed = "the radius of the first face; the second one is plane"
+        raise InputError(f"{path}.radius", error.got, allowed, 'add radius = "10 mm"') from None
+    cap = None
+    if table.yield_pressure is not None:
+        pressure = table.yield_pressure.si
+        cap = checked(f"{path}.yield_pressure", lambda: cap_of(one, other, geometry, pressure))
+    law = named_contact(stiffness, "exact", 1.0, cap)
+    gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
+    return checked(path, lambda: Joint(contact=law, gap=gap, preload=preload))
+
+
+def _gasket(table: JointTable, path: str, area: float) -> Joint:
+    matter = matter_of(table, path)
+    if matter.modulus is None:
+        raise InputError(f"{path}.material", MISSING, "a material or a modulus", 'add material = "PTFE"')
+    thickness = need(table.thickness, f"{path}.thickness", "a thickness", 'add thickness = "1 mm"')
+    area = area_of(table, path, area)
+    stiffness = matter.modulus * area / thickness
+    fit = fitted(table, path, stiffness, matter.loss_factor or 0.0)
+    strength = matter.row.yield_strength if matter.row else None
+    return Joint(fit.stiffness, branches=fit.branches, yield_force=strength * area if strength else math.inf)
+
+
+def checked(path: str, make: Callable[[], T]) -> T:
+    """Make a part; what its own room refuses becomes an error that names the field."""
+    try:
+        return make()
+    except StrikewaveError:
+        raise
+    except ValueError as error:
+        raise InputErrors([f"{path}: {error}"]) from None
+
+
+def _typed(value: Any) -> Any:
+    return value.typed if isinstance(value, Value) else value
+
+
+def build_stack(case: Case) -> Stack:
+    """Return the stack of a case.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If a layer, joint or the end cannot be as it is said to be.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> len(build_stack(load_case("li-ma-2019-fig13")).layers) > 2
+    True
+    """
+    table = case.stack
+    names = [layer.name for layer in table.layer]
+    if not names:
+        raise InputError("stack.layer", MISSING, "at least one [[stack.layer]]")
+    once("stack.layer", names)
+    once("stack.joint", [joint.after for joint in table.joint])
+    layers = tuple(_layer(layer, case.solver.dispersion) for layer in table.layer)
+    joints = [BONDED] * (len(layers) - 1)
+    for joint in table.joint:
+        if joint.after not in names[:-1]:
+            hint = nearest(joint.after, names[:-1]) if names[:-1] else "a single layer has no joint"
+            raise InputError("stack.joint.after", joint.after, "a layer that another one follows", hint)
+        k = names.index(joint.after)
+        joints[k] = _joint(joint, table.layer[k], table.layer[k + 1])
+    return Stack(layers, tuple(joints), _end(case))
+
+
+def _end(case: Case) -> End:
+    end = case.stack.end
+    fields = {"mass": "mass", "spring": "stiffness", "dashpot": "damping"}
+    every = _JOINT_FIELDS["oscillator"]
+    takes = every if end.kind == "oscillator" else tuple(key for kind, key in fields.items() if kind == end.kind)
+    for key in every:
+        if getattr(end, key) is not None and key not in takes:
+            allowed = ", ".join(takes) or "no other field"
+            raise InputError(f"stack.end.{key}", _typed(getattr(end, key)), f"for the kind {end.kind}: {allowed}")
+    if end.kind == "oscillator":
+        hung = _hung(end, "stack.end")
+        return End(end.kind, *hung)
+    if end.kind not in fields:
+        return End(end.kind)
+    key = fields[end.kind]
+    value = need(getattr(end, key), f"stack.end.{key}", f"a {key} for an end of kind {end.kind}")
+    return checked(f"stack.end.{key}", lambda: End(end.kind, value))
+
+
+def once(path: str, names: list[str]) -> None:
+    """Refuse a name that stands twice."""
+    twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
+    if twice is not None:
+        raise InputError(path, twice, "each name once", "give the second one another name")
+
+
+def build_taps(case: Case) -> tuple[tuple[str, Tap], ...]:
+    """Return name and place of each tap; where a case names none the middles of its layers, of many layers some."""
+    names = [layer.name for layer in case.stack.layer]
+    if not case.tap:
+        shown = np.unique(np.linspace(0, len(names) - 1, min(len(names), USUAL_TAPS)).round().astype(int)).tolist()
+        return tuple((f"{names[k]} middle", Tap(k, 0.5)) for k in shown)
+    once("tap", [tap.name for tap in case.tap])
+    for tap in case.tap:
+        if tap.layer not in names:
+            raise InputError(f"tap.{tap.name}.layer", tap.layer, "a layer of the stack", nearest(tap.layer, names))
+    return tuple((tap.name, Tap(names.index(tap.layer), tap.position.si)) for tap in case.tap)
+
+
+def build_load(case: Case, stack: Stack) -> Load:
+    """Return what loads the stack of a bar alone.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If the load lacks a field, or has one that its shape does not take.
+    """
+    load = case.load
+    if load is None and any(layer.speed for layer in stack.layers):
+        return Pulse("rectangle", 0.0, NO_LOAD)
+    if load is None:
+        hint = "or `strikewave run`, which strikes the stack with the machine" if case.machine else ""
+        raise InputError("load", MISSING, "a [load] with its shape", hint)
+    wants = {"contact": ("speed",), "file": ("file",)}.get(load.shape, ("peak", "duration", "rise"))
+    for key in ("peak", "duration", "rise", "speed", "file"):
+        if getattr(load, key) not in (None, "") and key not in wants:
+            allowed = f"for the shape {load.shape}: {', '.join(wants)}"
+            raise InputError(f"load.{key}", _typed(getattr(load, key)), allowed, "remove it")
+    if load.shape == "contact":
+        if load.applied != "force":
+            raise InputError("load.applied", load.applied, "force, for the shape contact", "remove it")
+        return _impactor(case, load, stack)
+    if load.shape == "file":
+        if not load.file:
+            raise InputError("load.file", MISSING, "a file with time and force", 'add file = "force.csv"')
+        from strikewave.cases.load_file import read_load
+
+        return _as_applied(read_load(load.file), load)
+    peak = need(load.peak, "load.peak", "a force", 'add peak = "20 kN"')
+    duration = need(load.duration, "load.duration", "a time", 'add duration = "100 us"')
+    rise = load.rise.si if load.rise else 0.0
+    return checked("load", lambda: Pulse(load.shape, peak, duration, rise, _APPLIED[load.applied]))
+
+
+_APPLIED: dict[str, Prescribed] = {"force": "force", "incident wave": "incident"}
+
+
+def _as_applied(load: Sampled, table: LoadTable) -> Sampled:
+    """Return a measured force as an incident wave where the case says so."""
+    if table.applied == "force":
+        return load
+    if load.kind != "force":
+        raise InputError("load.applied", table.applied, "force, for a file that holds the motion of the face")
+    return Sampled(load.time, load.values, "incident", load.told)
+
+
+def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
+    from strikewave.analyses.machine.build import face_contact
+
+    speed = need(load.speed, "load.speed", "the speed of the striker", 'add speed = "5 m/s"')
+    if case.striker is None or case.contact is None:
+        missing = "striker" if case.striker is None else "contact"
+        raise InputError(missing, MISSING, f"a [{missing}] table", "a load by contact needs [striker] and [contact]")
+    face = case.stack.layer[0].material
+    if not face:
+        raise InputError("stack.layer." + stack.layers[0].name + ".material", MISSING, "a material for the contact law")
+    return Impactor(
+        case.striker.mass.si,
+        speed,
+        face_contact(case.striker, case.contact, material(face)),
+        case.contact.slowest_approach.si,
+    )
+
+
+def wanted(case: Case) -> Wanted:
+    """Return how exact the waves of a case shall be; acceleration ten times as coarse as velocity."""
+    step = case.solver.step.si if case.solver.step else None
+    if case.solver.error is None:
+        return Wanted(step=step, method=case.solver.method)
+    return Wanted(case.solver.error.si, 10.0 * case.solver.error.si, step, case.solver.method)
+
+
+def check_route(case: Case, taps: Sequence[tuple[str, Tap]], channels: Sequence[Channel]) -> None:
+    """Refuse a route of the paper where the first tap, or one that a sensor sits at, has no neighbour on one side.
+
+    Raises
+    ------
+    InputError
+        If so.
+    """
+    if case.solver.route == EXACT:
+        return
+    last = len(case.stack.layer) - 1
+    for k in sorted({0, *(channel.tap for channel in channels if channel.tap is not None)}):
+        name, tap = taps[k]
+        if not 0 < tap.layer < last:
+            allowed = f'a layer between two others for the route "{case.solver.route}"'
+            hint = 'move the tap, or take solver.route = "exact"'
+            raise InputError(f"tap.{name}.layer", case.stack.layer[tap.layer].name, allowed, hint)

@@ -1,0 +1,1 @@
+"""Decks for LS-DYNA written, its results read."""

@@ -1,0 +1,294 @@
+"""What a folder of LS-DYNA holds: contact forces, energies and fields of a run; SI."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.errors import InputError, show
+from strikewave.exchange.ls_dyna.ascii import Array, ContactForce, GlobalEnergies, read_glstat, read_rcforc
+from strikewave.exchange.ls_dyna.binout import read_binout
+from strikewave.exchange.ls_dyna.d3plot import D3plot, read_d3plot
+from strikewave.exchange.units import UnitSystem
+from strikewave.fem.invariants import von_mises
+from strikewave.fem.run import Frame
+from strikewave.signal.pulse import crossing
+
+NAMES = re.compile(r"(?P<job>(.+\.)?)(?P<name>rcforc|glstat|d3plot|binout\d*)", re.DOTALL)
+"""Names of the files that are read; with ``jobid=JOB`` LS-DYNA puts the job before all."""
+WIDTH_SHARE = 0.1
+"""Share of the peak at which a pulse begins and ends."""
+ENERGIES = {
+    "kinetic": ("kinetic energy",),
+    "internal": ("internal energy",),
+    "hourglass": ("hourglass energy",),
+    "contact": ("sliding interface energy", "stonewall energy"),
+    "external": ("external work",),
+    "total": ("total energy",),
+}
+"""Our words for energies, and the names that LS-DYNA has for them; where there are several they are added up."""
+
+
+@dataclass(frozen=True)
+class Force:
+    """A contact force over time.
+
+    Attributes
+    ----------
+    time : array (instants,)
+        s, rising.
+    force : array (instants, 3)
+        N.
+    impulse : array (3,) or None
+        N s, where it is known better than by the trapezia between the instants.
+    """
+
+    time: Array
+    force: Array
+    impulse: Array | None = None
+
+    @property
+    def size(self) -> Array:
+        """Size of the force, N, (instants,)."""
+        return np.asarray(np.linalg.norm(self.force, axis=1))
+
+    @property
+    def gathered(self) -> Array:
+        """Impulse of the whole curve, N s, (3,)."""
+        return np.asarray(np.trapezoid(self.force, self.time, axis=0)) if self.impulse is None else self.impulse
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """What a contact force comes to.
+
+    Attributes
+    ----------
+    peak, at : float
+        Largest size, N, and its instant, s.
+    impulse : float
+        Size of the impulse, N s.
+    begin, end : float
+        s: when the size first passes a tenth of the peak and when it last does, all gaps between included.
+    """
+
+    peak: float
+    at: float
+    impulse: float
+    begin: float
+    end: float
+
+    @property
+    def width(self) -> float:
+        """From first to last tenth of the peak, s."""
+        return self.end - self.begin
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """The most that a part came to at the instants of its fields: displacement, m, von Mises stress, Pa, strain."""
+
+    displacement: float
+    von_mises: float
+    plastic_strain: float
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """Energies over time: s and J, (instants,), by the words of `ENERGIES`."""
+
+    time: Array
+    energy: Mapping[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A contact of LS-DYNA.
+
+    Attributes
+    ----------
+    number : int
+    title : str
+        Empty where it has none.
+    sides : mapping of str to Force
+        By ``A`` (slave) and ``B`` (master).
+    """
+
+    number: int
+    title: str
+    sides: Mapping[str, Force]
+
+    @property
+    def name(self) -> str:
+        """Number and title."""
+        return f"{self.number} {self.title}".strip()
+
+    @property
+    def first(self) -> Force:
+        """The side that is there, A before B."""
+        return self.sides[min(self.sides)]
+
+
+@dataclass(frozen=True)
+class LsDynaRun:
+    """What a folder holds.
+
+    Attributes
+    ----------
+    folder : Path
+    files : tuple of Path
+        Those that were read.
+    contacts : tuple of Contact
+        By number; none where no file of forces is there.
+    ledger : Ledger or None
+    fields : D3plot or None
+    extremes : mapping of str to Extreme
+        By part of the d3plot.
+    frames : int
+        Instants of the fields.
+    span : tuple of float
+        First and last instant of anything, s.
+    """
+
+    folder: Path
+    files: tuple[Path, ...]
+    contacts: tuple[Contact, ...]
+    ledger: Ledger | None
+    fields: D3plot | None
+    extremes: Mapping[str, Extreme]
+    frames: int
+    span: tuple[float, float]
+
+    @property
+    def parts(self) -> dict[str, int]:
+        """Numbers of the parts of the d3plot by their names."""
+        return dict(zip(self.fields.mesh.names, self.fields.numbers, strict=True)) if self.fields else {}
+
+
+def read_folder(folder: Path, units: UnitSystem) -> LsDynaRun:
+    """Return what a folder of LS-DYNA holds: ``rcforc``, ``glstat``, ``binout...`` and ``d3plot...``.
+
+    The text files count where both they and a binout are there. All may begin with the name of a job, ``JOB.rcforc``.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder, nothing of LS-DYNA in it or that of several jobs, or a file cannot be read.
+    """
+    if not folder.is_dir():
+        raise InputError("FOLDER", str(folder), "a folder with rcforc, glstat, binout or d3plot")
+    held = _held(folder)
+    text = {name: held[name] for name in ("rcforc", "glstat") if name in held}
+    archives = [held[name] for name in sorted(held) if name.startswith("binout")]
+    forces, energies = read_binout(archives) if archives and len(text) < 2 else ((), None)
+    forces = read_rcforc(text["rcforc"]) if "rcforc" in text else forces
+    energies = read_glstat(text["glstat"]) if "glstat" in text else energies
+    contacts, ledger = _contacts(forces, units), _ledger(energies, units) if energies else None
+    fields = read_d3plot(held["d3plot"], units) if "d3plot" in held else None
+    extremes, times = _extremes(fields) if fields else ({}, [])
+    spans = [one.time for contact in contacts for one in contact.sides.values()]
+    spans += ([ledger.time] if ledger else []) + ([np.array(times)] if times else [])
+    files = (*text.values(), *(archives if len(text) < 2 else ()), *((held["d3plot"],) if fields else ()))
+    first = min((float(time[0]) for time in spans if len(time)), default=math.nan)
+    last = max((float(time[-1]) for time in spans if len(time)), default=math.nan)
+    return LsDynaRun(folder, files, contacts, ledger, fields, extremes, len(times), (first, last))
+
+
+def _held(folder: Path) -> dict[str, Path]:
+    """Return the files of a run by their names, without that of the job; those without one before all others."""
+    try:
+        found = [(match, path) for path in folder.iterdir() if (match := NAMES.fullmatch(path.name)) and path.is_file()]
+    except OSError as error:
+        raise InputError("FOLDER", str(folder), "a folder that can be read", error.strerror or str(error)) from None
+    jobs = sorted({match["job"] for match, _ in found})
+    if not found or (len(jobs) > 1 and jobs[0]):
+        hint = f"it holds those of several jobs: {show(', '.join(jobs))}" if found else "none of them is there"
+        raise InputError("FOLDER", str(folder), "a folder with rcforc, glstat, binout or d3plot", hint)
+    return {match["name"]: path for match, path in found if match["job"] == jobs[0]}
+
+
+def pulse_of(force: Force) -> Pulse | None:
+    """Measure a contact force by its size; None where nothing touched.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 1e-3, 1001)
+    >>> half_sine = 1e3 * np.sin(np.pi * np.clip((t - 2e-4) / 6e-4, 0.0, 1.0))
+    >>> found = pulse_of(Force(t, np.outer(half_sine, [0.0, 0.6, -0.8])))
+    >>> round(found.peak, 6), round(found.at * 1e6), round(found.width * 1e6, 1), round(found.impulse, 4)
+    (1000.0, 500, 561.7, 0.382)
+    """
+    size = force.size
+    peak = float(size.max(initial=0.0))
+    if not peak > 0.0:
+        return None
+    above = np.flatnonzero(size > WIDTH_SHARE * peak)
+    places = [
+        crossing(size, int(above[0]), WIDTH_SHARE * peak, -1),
+        crossing(size, int(above[-1]), WIDTH_SHARE * peak, 1),
+    ]
+    count = np.arange(size.size)
+    begin, end = (float(t) for t in np.interp(places, count, force.time))
+    return Pulse(
+        peak=peak,
+        at=float(force.time[int(np.argmax(size))]),
+        impulse=float(np.linalg.norm(force.gathered)),
+        begin=float(force.time[0]) if math.isnan(places[0]) else begin,
+        end=float(force.time[-1]) if math.isnan(places[1]) else end,
+    )
+
+
+def widened(
+    seen: Mapping[str, Extreme], frame: Frame, parts: Mapping[str, tuple[NDArray[Any], slice]]
+) -> dict[str, Extreme]:
+    """Return the extremes of parts with those of a further frame; ``parts`` are nodes and elements of each."""
+    size, stress = np.linalg.norm(frame.displacement, axis=1), von_mises(frame.stress)
+    found = {}
+    for name, (nodes, elements) in parts.items():
+        now = (size[nodes].max(), stress[elements].max(), frame.plastic_strain[elements].max())
+        before = seen.get(name, Extreme(0.0, 0.0, 0.0))
+        most = map(max, (before.displacement, before.von_mises, before.plastic_strain), map(float, now))
+        found[name] = Extreme(*most)
+    return found
+
+
+def _contacts(forces: tuple[ContactForce, ...], units: UnitSystem) -> tuple[Contact, ...]:
+    found: dict[int, Contact] = {}
+    for one in forces:
+        force = Force(one.time * units.time, one.force / units.force)
+        sides = found[one.number].sides if one.number in found else {}
+        if one.side in sides:
+            raise InputError(f"contact {one.number}, side {one.side}", "two forces", "one force on each side")
+        found[one.number] = Contact(one.number, one.title, {**sides, one.side: force})
+    return tuple(found[number] for number in sorted(found))
+
+
+def _ledger(energies: GlobalEnergies, units: UnitSystem) -> Ledger:
+    held = {}
+    for word, names in ENERGIES.items():
+        columns = [energies.values[name] for name in names if name in energies.values]
+        if columns:
+            held[word] = np.sum(columns, axis=0) / units.energy
+    return Ledger(energies.time * units.time, held)
+
+
+def _extremes(fields: D3plot) -> tuple[dict[str, Extreme], list[float]]:
+    """Return the extremes of the parts, without stress and strain of deleted elements, and the instants."""
+    mesh = fields.mesh
+    parts = {name: (mesh.nodes_of(name), mesh.elements_of(name)) for name in mesh.names}
+    found: dict[str, Extreme] = {}
+    times = []
+    for state in fields.states():
+        stress = np.where(state.alive[:, None], state.frame.stress, 0.0)
+        strain = np.where(state.alive, state.frame.plastic_strain, 0.0)
+        found = widened(found, dataclasses.replace(state.frame, stress=stress, plastic_strain=strain), parts)
+        times.append(state.frame.time)
+    return found, times

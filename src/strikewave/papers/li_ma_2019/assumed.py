@@ -1,0 +1,277 @@
+"""How the answers of the element models hang on their meshes, and on the dimensions that are only assumed.
+
+The paper gives no dimension. What stands on another part follows it: a taller frame carries the striker higher and
+leaves more room for what stands in its opening.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from strikewave.analyses.fem.result import FemSolution
+from strikewave.analyses.fem.run import run_fem
+from strikewave.cases.case import Case, load_case
+from strikewave.fem.measures import ledger_measure
+from strikewave.papers.li_ma_2019.element_pulses import specimen_body
+from strikewave.papers.li_ma_2019.runs import coarser
+
+Report = Callable[[float, str], None]
+
+SHARE = 0.1
+"""By which an assumed dimension is changed, up and down."""
+MESHES = (2.0, math.sqrt(2.0), 1.0)
+"""Sizes of elements, relative to those of the case."""
+STUDIED = "300 us"
+"""Long enough for the blow."""
+
+
+class Answer(NamedTuple):
+    """What an element model of a blow says.
+
+    Attributes
+    ----------
+    peak_force, width, impulse : float
+        Of the first contact, whole bodies: N, s from the first to the last tenth of the peak, N s.
+    body_peak : float
+        Largest mean acceleration of the specimen, or of the whole object where there is none, m/s^2.
+    plastic_strain : float
+        Largest anywhere.
+    """
+
+    peak_force: float
+    width: float
+    impulse: float
+    body_peak: float
+    plastic_strain: float
+
+    def changes(self, other: Answer) -> tuple[float, ...]:
+        """Return how far this answer is from another, relative to that; NaN where that is 0.
+
+        Examples
+        --------
+        >>> Answer(11.0, 2.0, 3.0, 4.0, 0.0).changes(Answer(10.0, 2.0, 4.0, 4.0, 0.0))
+        (0.1, 0.0, -0.25, 0.0, nan)
+        """
+        return tuple(round(mine / base - 1.0, 12) if base else math.nan for mine, base in zip(self, other, strict=True))
+
+
+def answer(solution: FemSolution) -> Answer:
+    """Return what a run says of its blow; NaN where nothing touched."""
+    name = next(iter(solution.contacts))
+    touched, whole = solution.contacts[name], solution.wholes[name]
+    if touched is None:
+        return Answer(*[math.nan] * 5)
+    body = {**solution.parts, **solution.groups}[specimen_body(solution)]
+    return Answer(
+        peak_force=touched.peak if whole is None else whole.peak,
+        width=touched.duration,
+        impulse=touched.impulse if whole is None else whole.impulse,
+        body_peak=body.rigid_peak,
+        plastic_strain=max(part.plastic_strain for part in solution.parts.values()),
+    )
+
+
+@dataclass(frozen=True)
+class MeshRow:
+    """An element model on one mesh.
+
+    Attributes
+    ----------
+    size : float
+        Of its elements, relative to the case.
+    elements, steps : int
+    seconds : float
+        Of the run alone.
+    energy_error, hourglass_share : float
+    answer : Answer
+    """
+
+    size: float
+    elements: int
+    steps: int
+    seconds: float
+    energy_error: float
+    hourglass_share: float
+    answer: Answer
+
+
+def mesh_row(solution: FemSolution, size: float) -> MeshRow:
+    """Return the row of a run whose elements have ``size`` times those of the case."""
+    run, ledger = solution.run, ledger_measure(solution.run)
+    return MeshRow(size, run.elements, run.steps, run.seconds, ledger.energy, ledger.hourglass, answer(solution))
+
+
+def mesh_rows(
+    name: str, threads: int = 1, sizes: Sequence[float] = MESHES, report: Report = lambda share, words: None
+) -> tuple[MeshRow, ...]:
+    """Run a case on several meshes, coarsest first."""
+    rows = []
+    for k, size in enumerate(sizes):
+        report(k / len(sizes), f"{name}, elements {size:.3g} times as large")
+        changes = coarser(load_case(name), size) if size != 1.0 else []
+        rows.append(mesh_row(run_fem(studied(name, changes), threads), size))
+    return tuple(rows)
+
+
+def studied(name: str, changes: Sequence[str] = ()) -> Case:
+    """Return a case for a study: the blow alone, no fields."""
+    return load_case(name, [*changes, f"fem.duration={STUDIED}", "fem.frames=0"])
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """Something assumed in an element model: quantities that change by the same factor, or by the same length.
+
+    Attributes
+    ----------
+    name : str
+    paths : tuple of str
+        Of the case; the first one is that which is told.
+    together : bool
+        Whether the others change by the length of the first, instead of by its factor.
+    outside : str
+        Path of the outer diameter where the first is the inner one of a tube, whose wall is what changes.
+    """
+
+    name: str
+    paths: tuple[str, ...]
+    together: bool = False
+    outside: str = ""
+
+    def size(self, values: Mapping[str, float]) -> float:
+        """Return what is larger or smaller, SI."""
+        first = values[self.paths[0]]
+        return 0.5 * (values[self.outside] - first) if self.outside else first
+
+
+def _part(*paths: str) -> tuple[str, ...]:
+    return tuple(f"mesh.part.{path}" for path in paths)
+
+
+FRAME = (
+    Dimension("speed", _part("striker.velocity.z")),
+    Dimension("radius of the striker", _part("striker.radius")),
+    Dimension("length of the striker", _part("striker.length")),
+    Dimension("width of the frame", _part("frame.width")),
+    Dimension("depth of the frame", _part("frame.depth")),
+    Dimension("height of the frame", _part("frame.height")),
+    Dimension("side walls", _part("frame.left", "frame.right")),
+    Dimension("top wall", _part("frame.top")),
+    Dimension("bottom wall", _part("frame.bottom")),
+)
+SHELL = (
+    Dimension("diameter of the shell", _part("shell.outer_diameter", "shell.inner_diameter"), together=True),
+    Dimension("wall of the shell", _part("shell.inner_diameter"), outside="mesh.part.shell.outer_diameter"),
+    Dimension("slope beyond yield", _part("striker.solid.tangent_modulus", "frame.solid.tangent_modulus")),
+)
+SENSOR = (
+    Dimension("diameter of cylinders and sensor", _part("sensor.diameter", "upper.diameter", "lower.diameter")),
+    Dimension("height of the sensor", _part("sensor.length")),
+    Dimension(
+        "slope beyond yield",
+        _part(*(f"{name}.solid.tangent_modulus" for name in ("striker", "frame", "upper", "lower"))),
+    ),
+)
+
+
+def dimensions(case: Case) -> tuple[Dimension, ...]:
+    """Return what is assumed in the model of the rigid pulse, or in that of the wave.
+
+    Examples
+    --------
+    >>> [row.name for row in dimensions(load_case("li-ma-2019-fem-wave"))][-3:]
+    ['diameter of cylinders and sensor', 'height of the sensor', 'slope beyond yield']
+    """
+    return FRAME + (SENSOR if any(path.startswith("mesh.part.sensor.") for path in case.values()) else SHELL)
+
+
+def changed(case: Case, dimension: Dimension, share: float) -> list[str]:
+    """Return the changes to a case where one dimension is larger by a share of itself, with all that follows from it.
+
+    Examples
+    --------
+    >>> changed(load_case("li-ma-2019-fem-rigid"), FRAME[5], 0.1)[0]
+    'mesh.part.frame.height=0.066'
+    """
+    values = {path: value.si for path, value in case.values().items()}
+    first = dimension.size(values) * share * (-2.0 if dimension.outside else 1.0)
+    alike = dimension.together or bool(dimension.outside)
+    moved = {path: values[path] + (first if alike else values[path] * share) for path in dimension.paths}
+    moved |= seats({**values, **moved})
+    return [f"{path}={value:.12g}" for path, value in moved.items() if not math.isclose(value, values[path])]
+
+
+def seats(values: Mapping[str, float]) -> dict[str, float]:
+    """Return where parts stand, and how long those are that fill the opening of the frame: by path, m.
+
+    The striker touches the top of the frame; a shell fills the opening, or two equal cylinders with the sensor between.
+    """
+    frame = {name: values[f"mesh.part.frame.{name}"] for name in ("height", "top", "bottom")}
+    floor, opening = frame["bottom"], frame["height"] - frame["top"] - frame["bottom"]
+    found = {"mesh.part.striker.at.z": frame["height"] + values["mesh.part.striker.radius"]}
+    if "mesh.part.sensor.length" not in values:
+        return found | {"mesh.part.shell.at.z": floor, "mesh.part.shell.length": opening}
+    sensor = values["mesh.part.sensor.length"]
+    cylinder = 0.5 * (opening - sensor)
+    found |= {f"mesh.part.{name}.length": cylinder for name in ("lower", "upper")}
+    starts = {"lower": floor, "sensor": floor + cylinder, "upper": floor + cylinder + sensor}
+    return found | {f"mesh.part.{name}.at.z": start for name, start in starts.items()}
+
+
+@dataclass(frozen=True)
+class DimensionRow:
+    """What an assumed dimension does to the answer: larger and smaller by `SHARE`.
+
+    Attributes
+    ----------
+    name : str
+    path : str
+        Of the quantity in the case.
+    value : float
+        SI.
+    provenance : str
+        What the case says of it: assumed, fitted, inferred.
+    larger, smaller : Answer
+    """
+
+    name: str
+    path: str
+    value: float
+    provenance: str
+    larger: Answer
+    smaller: Answer
+
+
+class DimensionStudy(NamedTuple):
+    """The answer of a coarse mesh as the case stands, and how each assumed dimension changes it."""
+
+    case: str
+    base: Answer
+    rows: tuple[DimensionRow, ...]
+
+
+def dimension_study(
+    name: str, threads: int = 1, size: float = MESHES[0], report: Report = lambda share, words: None
+) -> DimensionStudy:
+    """Run a case with each assumed dimension larger and smaller by `SHARE`, on elements of ``size`` times its own."""
+    case = load_case(name)
+    mesh, listed = coarser(case, size), dimensions(case)
+    base = answer(run_fem(studied(name, mesh), threads))
+    return DimensionStudy(name, base, tuple(_rows(case, mesh, listed, threads, report)))
+
+
+def _rows(
+    case: Case, mesh: Sequence[str], listed: Sequence[Dimension], threads: int, report: Report
+) -> Iterator[DimensionRow]:
+    for k, dimension in enumerate(listed):
+        report(k / len(listed), f"{case.name}, {dimension.name} ±{SHARE:.0%}")
+        both = [
+            answer(run_fem(studied(case.name, [*mesh, *changed(case, dimension, share)]), threads))
+            for share in (SHARE, -SHARE)
+        ]
+        values = case.values()
+        size = dimension.size({path: value.si for path, value in values.items()})
+        yield DimensionRow(dimension.name, dimension.paths[0], size, values[dimension.paths[0]].provenance, *both)

@@ -1,0 +1,254 @@
+"""Why masses, layers and elements part on the same bodies: each cause by itself, shown by numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.fem.build import build_model
+from strikewave.analyses.fem.run import run_model
+from strikewave.cases.case import Case, dump_case, parse_case
+from strikewave.cases.mesh_tables import Frame, HalfCylinder, MeshTable
+from strikewave.contact import slow_force
+from strikewave.fem.model import Curve, Driven, Fixed, Model, Point
+from strikewave.papers.li_ma_2019.beams import endless_compliance
+from strikewave.papers.li_ma_2019.bodies import LAW, FrameBlow, LineLaw, SimpleAnswer, frame_blow, layered, lumped
+from strikewave.papers.li_ma_2019.element_pulses import whole_force
+from strikewave.papers.li_ma_2019.runs import coarser
+from strikewave.papers.li_ma_2019.solid_bars import (
+    bar_dispersed,
+    bar_elements,
+    bar_layered,
+    bar_lumped,
+    elastic,
+    element_answer,
+    solid_bar,
+)
+
+Array = NDArray[np.float64]
+
+COARSE, SHORT = 2.0, "fem.duration=400 us"
+"""By how much elements are larger than those of the case, and for how long it is run."""
+EARLY = 40e-6
+"""How long a wall is followed as a beam without ends, s."""
+STEPS = 1000
+MIDDLE, SIDE = "middle", "side"
+PUSH, RAMP, HOLD = 10e-6, 400e-6, 400e-6
+"""How far (m), and in which time (s) a wall is pushed to find its stiffness, and how long (s) it is then held."""
+
+
+@dataclass(frozen=True)
+class Reason:
+    """A cause by which simple answers part from the elements, and the numbers that show it.
+
+    Attributes
+    ----------
+    case, cause, unit : str
+    sentence : str
+        With its numbers.
+    without, with_it : float
+        SI: what comes out without the cause, and with it.
+    """
+
+    case: str
+    cause: str
+    sentence: str
+    unit: str
+    without: float
+    with_it: float
+
+    @property
+    def off(self) -> float:
+        """Difference that the cause makes, relative to what comes out with it."""
+        return self.without / self.with_it - 1.0
+
+
+class Humps(NamedTuple):
+    """First maximum of the contact force, N: of elements, of masses, and of a beam without ends under the striker."""
+
+    elements: float
+    lumped: float
+    endless: float
+
+
+def first_hump(force: Array) -> float:
+    """Return the first maximum of a force above a tenth of its largest value.
+
+    Examples
+    --------
+    >>> first_hump(np.array([0.0, 0.5, 3.0, 2.0, 9.0, 0.0]))
+    3.0
+    """
+    level = 0.1 * float(force.max())
+    falls = np.flatnonzero((force[:-1] > level) & (np.diff(force) < 0.0))
+    return float(force[falls[0]]) if falls.size else float(force.max())
+
+
+def endless_wall(
+    blow: FrameBlow, law: LineLaw = LAW, duration: float = EARLY, steps: int = STEPS
+) -> tuple[Array, Array]:
+    """Return times, s, and the contact force, N, of the striker on its top wall as a beam without ends.
+
+    The wall gives way by w(t) = C int F(s) sqrt(t - s) ds (`endless_compliance`), the striker is a mass, the contact as
+    in `lumped`: an equation like Timoshenko's of 1913, stepped explicitly, of order 3/2.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> time, force = endless_wall(frame_blow(load_case("li-ma-2019-fem-rigid")))
+    >>> 14e3 < first_hump(force) < 16e3
+    True
+    """
+    contact, mass = blow.contact(law), blow.striker_mass
+    step = duration / steps
+    time = step * np.arange(steps + 1.0)
+    kernel = endless_compliance(blow.frame, blow.depth, blow.top) * np.sqrt(time)
+    force = np.zeros(steps + 1)
+    place, speed = 0.0, blow.speed
+    for n in range(1, steps + 1):
+        place += step * speed
+        depth = place - step * float(force[:n] @ kernel[n:0:-1])
+        force[n] = float(slow_force(contact, depth)) if depth > 0.0 else 0.0
+        speed -= step * force[n] / mass
+    return time, force
+
+
+def first_humps(case: Case, elements: Array, law: LineLaw = LAW) -> Humps:
+    """Return the first maximum of the contact force by elements (force at the instants of a run, N), and without."""
+    _, endless = endless_wall(frame_blow(case), law)
+    return Humps(first_hump(elements), first_hump(lumped(case, law).force), first_hump(endless))
+
+
+def changed(case: Case, changes: Sequence[str]) -> Case:
+    """Return a case with changes such as "fem.duration=40 us"."""
+    return parse_case(dump_case(case), case.name, changes)
+
+
+def yield_loss(case: Case, threads: int = 1) -> tuple[SimpleAnswer, SimpleAnswer]:
+    """Return the answers of elements twice as large as the case has, elastic and as the case has them."""
+    coarse = changed(case, [*coarser(case, COARSE), SHORT])
+    model = build_model(coarse, threads)
+    return element_answer(run_model(coarse, elastic(model)), None), element_answer(run_model(coarse, model), None)
+
+
+def wall_stiffness(case: Case, threads: int = 1) -> float:
+    """Return force over deflection of the top wall in its frame without a column, by elements, N/m.
+
+    The frame stands on its bottom, elastic, of elements with full integration twice as large as the case has; the
+    striker is pushed onto it slowly and held. Deflection is that of the middle of the wall against the side walls, both
+    in the wall's mid-plane; both are means over the time it is held, two periods and more of the wall.
+    """
+    coarse = changed(case, coarser(case, COARSE))
+    if coarse.mesh is None or coarse.fem is None:
+        raise ValueError("a case of hexahedra is wanted")
+    parts = tuple(
+        part.model_copy(update={"elements": "full"}) if isinstance(part, Frame) else part
+        for part in coarse.mesh.part
+        if isinstance(part, Frame | HalfCylinder)
+    )
+    names = {part.name for part in parts}
+    kept = {
+        "contact": tuple(
+            x for x in coarse.fem.contact if {x.first.partition(".")[0], x.second.partition(".")[0]} <= names
+        ),
+        "boundary": tuple(x for x in coarse.fem.boundary if x.kind == "symmetry" and x.side.partition(".")[0] in names),
+        **dict.fromkeys(("tie", "group", "section", "point"), ()),
+    }
+    made = coarse.model_copy(update={"mesh": MeshTable(part=parts), "fem": coarse.fem.model_copy(update=kept)})
+    striker, frame = (next(x.name for x in parts if isinstance(x, shape)) for shape in (HalfCylinder, Frame))
+    solution = run_model(made, _pushed(build_model(made, threads), frame_blow(coarse), striker, frame))
+    found = whole_force(solution)
+    if found is None:
+        raise ValueError(f"the striker of {case.name} does not reach its frame")
+    time, force, _ = found
+    points = solution.run.points
+    late = solution.run.time > RAMP
+    deflection = float((points[SIDE].displacement - points[MIDDLE].displacement)[late, 2].mean())
+    return float(force[time > RAMP].mean()) / deflection
+
+
+def _pushed(model: Model, blow: FrameBlow, striker: str, frame: str) -> Model:
+    """Return a frame that stands still while the top of the striker is pushed down, slowly, and held."""
+    height = blow.height - 0.5 * blow.top
+    push = Curve((0.0, 0.5 * RAMP, RAMP), (0.0, 2.0 * PUSH / RAMP, 0.0))
+    held = (Fixed(f"{frame}.bottom"), Driven(f"{striker}.top", (0.0, 0.0, -1.0), push))
+    return replace(
+        elastic(model),
+        velocity={},
+        gravity=(0.0, 0.0, 0.0),
+        boundaries=(*model.boundaries, *held),
+        points=(
+            Point(MIDDLE, frame, (0.0, 0.0, height)),
+            Point(SIDE, frame, (0.5 * blow.width - 0.25 * blow.sides, 0.0, height)),
+        ),
+        controls=replace(model.controls, duration=RAMP + HOLD, interval=2e-6),
+    )
+
+
+def reasons(case: Case, threads: int = 1) -> tuple[Reason, ...]:
+    """Return why simple answers part from the elements of a case, with elements twice as large: half a minute."""
+    blow = frame_blow(case)
+    firm, as_is = yield_loss(case, threads)
+    found = [_of_yielding(case.name, firm, as_is)]
+    if not blow.bonded:
+        found += [_of_inertia(case, firm), _of_clamping(case, blow, threads)]
+    return (*found, _of_slices(case, firm), *_of_solid_bar(case, threads))
+
+
+def _of_yielding(name: str, firm: SimpleAnswer, as_is: SimpleAnswer) -> Reason:
+    sentence = (
+        f"steel that does not yield would be pressed with {firm.peak / 1e3:.1f} in place of {as_is.peak / 1e3:.1f} kN; "
+        "masses and layers know no yielding"
+    )
+    return Reason(name, "yielding", sentence, "N", firm.peak, as_is.peak)
+
+
+def _of_inertia(case: Case, firm: SimpleAnswer) -> Reason:
+    humps = first_humps(case, firm.force)
+    sentence = (
+        f"the first maximum is {humps.lumped / 1e3:.1f} kN where 13/35 of the wall move at once and "
+        f"{humps.elements / 1e3:.1f} kN in elastic elements: at first only the strip moves that bending waves have "
+        f"reached; a beam without ends, with no number more, gives {humps.endless / 1e3:.1f} kN"
+    )
+    return Reason(case.name, "inertia of bending", sentence, "N", humps.lumped, humps.elements)
+
+
+def _of_clamping(case: Case, blow: FrameBlow, threads: int) -> Reason:
+    clamped, real = blow.top_wall.stiffness, wall_stiffness(case, threads)
+    sentence = (
+        f"the top wall of the frame has {real / 1e6:.1f} N/um, clamped by walls that do not give way "
+        f"{clamped / 1e6:.1f} N/um"
+    )
+    return Reason(case.name, "side walls that bend", sentence, "N/m", clamped, real)
+
+
+def _of_slices(case: Case, firm: SimpleAnswer) -> Reason:
+    plain = layered(case, "in the layers", "johnson")
+    sentence = (
+        f"layers in which each slice across the blow moves as one make the force {plain.peak / 1e3:.1f} kN, elastic "
+        f"elements {firm.peak / 1e3:.1f} kN: the side walls are not struck at once but by the walls that bend"
+    )
+    return Reason(case.name, "slices that move as one", sentence, "N", plain.peak, firm.peak)
+
+
+def _of_solid_bar(case: Case, threads: int) -> tuple[Reason, Reason]:
+    blow = solid_bar(case)
+    real, layers, masses = bar_elements(blow, case, threads), bar_layered(blow), bar_lumped(blow)
+    bar = (
+        f"on the end of a solid bar in place of the frame the force is {real.peak / 1e3:.1f} kN by elements, "
+        f"{layers.peak / 1e3:.1f} kN by layers, {masses.peak / 1e3:.1f} kN by two masses: what parts them is the frame"
+    )
+    over = f"{case.name}, a solid bar"
+    end = (
+        f"the far end of that bar is accelerated by {real.watched_peak or 0.0:.4g} m/s^2 in elements, by "
+        f"{layers.watched_peak or 0.0:.4g} m/s^2 in a layer where short waves run as fast as long ones, and by "
+        f"{bar_dispersed(blow):.4g} m/s^2 where they run slower as Love's theory has it"
+    )
+    return (
+        Reason(over, "none", bar, "N", layers.peak, real.peak),
+        Reason(over, "dispersion", end, "m/s^2", layers.watched_peak or 0.0, real.watched_peak or 0.0),
+    )

@@ -1,0 +1,142 @@
+"""What a model of hexahedra comes to: the pulse of its struck body, and the numbers that findings rest on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.fem.measures import contact_measure, interval_means, mean_acceleration, mean_force, middles
+from strikewave.papers.li_ma_2019.types import ElementNumbers
+
+if TYPE_CHECKING:
+    from strikewave.analyses.fem.result import FemSolution
+    from strikewave.fem.measures import PartMeasure
+
+Array = NDArray[np.float64]
+
+SPECIMEN = "sensor"
+"""Part that stands for the tested specimen."""
+SHELL = "shell"
+"""Part that stands for the cylinder shell in the frame."""
+EARLY, LATE = (0.1, 0.3), (0.5, 0.9)
+"""Shares of the peak between which the rise of the contact force is steep early and late."""
+
+
+@dataclass(frozen=True)
+class BodyPulse:
+    """The blow that a body took.
+
+    Attributes
+    ----------
+    name : str
+        Of the part or group.
+    time, acceleration : array
+        s after first touch, and m/s^2 along the blow: means over the intervals of the histories.
+    measure : PartMeasure
+        Its peak and width.
+    """
+
+    name: str
+    time: Array
+    acceleration: Array
+    measure: PartMeasure
+
+
+def struck_body(solution: FemSolution) -> str:
+    """Return the body that takes the blow: the first group, or else the heaviest part that is at rest before it."""
+    run = solution.run
+    if run.groups:
+        return next(iter(run.groups))
+    still = [name for name, part in run.parts.items() if not part.velocity[0].any()] or list(run.parts)
+    return max(still, key=lambda name: run.parts[name].mass)
+
+
+def body_pulse(solution: FemSolution, name: str) -> BodyPulse:
+    """Return the rigid-body pulse of a part or group along its blow.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> from strikewave.analyses.fem.run import run_fem
+    >>> pulse = body_pulse(run_fem(load_case("two-bars-fem", ["fem.duration=10 us"])), "bar")
+    >>> bool(np.isclose(pulse.acceleration.max(), pulse.measure.rigid_peak))
+    True
+    """
+    measure = {**solution.parts, **solution.groups}[name]
+    along = mean_acceleration(solution.run, name) @ np.array(measure.direction)
+    return BodyPulse(name, middles(solution.run.time) - first_touch(solution), along, measure)
+
+
+def first_touch(solution: FemSolution) -> float:
+    """Return when the first contact of the run begins, s; 0 where nothing touched."""
+    found = [contact_measure(solution.run, name) for name in solution.run.force]
+    return min((one.begin for one in found if one is not None), default=0.0)
+
+
+def specimen_body(solution: FemSolution) -> str:
+    """Return the part that stands for the tested specimen, or the struck body where there is none of that name."""
+    return SPECIMEN if SPECIMEN in solution.run.parts else struck_body(solution)
+
+
+def whole_force(solution: FemSolution) -> tuple[Array, Array, float] | None:
+    """Return the force of the first contact between the whole bodies: s, N, and its impulse, N s; None without one."""
+    run, name = solution.run, next(iter(solution.run.force), None)
+    part = None if name is None else contact_measure(run, name)
+    if name is None or part is None:
+        return None
+    whole = solution.wholes[name]
+    size = np.linalg.norm(mean_force(run, name), axis=1)
+    scale, impulse = (1.0, part.impulse) if whole is None else (whole.peak / part.peak, whole.impulse)
+    return middles(run.time), scale * size, impulse
+
+
+def rise_slope(time: Array, values: Array, shares: tuple[float, float]) -> float:
+    """Return how steeply a pulse first rises between two shares of its peak.
+
+    Examples
+    --------
+    >>> time = np.linspace(0.0, 1.0, 101)
+    >>> round(rise_slope(time, 5.0 * np.minimum(time, 1.0 - time), (0.1, 0.3)), 3)
+    5.0
+    """
+    top = int(np.argmax(values))
+    low, high = (share * float(values[top]) for share in shares)
+    end = int(np.argmax(values[: top + 1] >= high))
+    begin = int(np.flatnonzero(values[: end + 1] < low)[-1]) if (values[: end + 1] < low).any() else 0
+    rising = np.maximum.accumulate(values[begin : end + 1])
+    at = np.interp([low, high], rising, time[begin : end + 1])
+    return float((high - low) / (at[1] - at[0])) if at[1] > at[0] else float("nan")
+
+
+def element_numbers(solution: FemSolution) -> ElementNumbers:
+    """Return what a model measured, of whole bodies, for the findings.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> from strikewave.analyses.fem.run import run_fem
+    >>> numbers = element_numbers(run_fem(load_case("two-bars-fem", ["fem.duration=40 us"])))
+    >>> round(numbers.impulse, 2), numbers.mean_peak
+    (0.11, None)
+    """
+    body, run = struck_body(solution), solution.run
+    pulse, force = body_pulse(solution, body), whole_force(solution)
+    has_specimen = SPECIMEN in run.parts
+    section = next(iter(run.sections.values()), None)
+    along = np.array(pulse.measure.direction)
+    return ElementNumbers(
+        peak_force=None if force is None else float(force[1].max()),
+        rigid_peak=pulse.measure.rigid_peak,
+        width=pulse.measure.width,
+        impulse=None if force is None else force[2],
+        momentum=pulse.measure.velocity_change * pulse.measure.mass * solution.sectors[body].pieces,
+        slope_early=None if force is None else rise_slope(*force[:2], EARLY),
+        slope_late=None if force is None else rise_slope(*force[:2], LATE),
+        section_peak=None if section is None else float((interval_means(section.velocity, run.time) @ along).max()),
+        mean_peak=body_pulse(solution, SPECIMEN).measure.rigid_peak if has_specimen else None,
+        plastic_strain=max((float(values.max()) for values in run.plastic_strain.values()), default=None),
+        shell_stress=float(run.von_mises[SHELL].max()) if SHELL in run.von_mises else None,
+    )

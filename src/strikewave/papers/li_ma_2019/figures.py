@@ -1,0 +1,377 @@
+"""Pictures of a reproduced paper: what is computed as curves, what was published as marks.
+
+Only numbers are published, so a peak is a level and a width is a bar, each with the word that says where it comes from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.figures.pulses import HALF, WHOLE, thin
+from strikewave.analyses.wave.figures.curves import Trace, above_right
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
+from strikewave.waves.li_ma import arrivals
+from strikewave.waves.routes import EXACT, specimen_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from strikewave.analyses.machine.result import Solution
+    from strikewave.analyses.wave.result import BarSolution
+
+Array = NDArray[np.float64]
+
+INKS = {"measured": RED, "LS-DYNA": "#4d5760"}
+"""Colour of a mark by where its number comes from."""
+STROKES = {"measured": (0, (5, 2)), "LS-DYNA": (0, (1, 1.5))}
+ROLES = {"fitted": (RED, "D"), "predicted": (BLUE, "o"), "shown": (GREY, "s")}
+"""Colour and shape of a number by its role."""
+CURVES = ((BLUE, "-"), (ORANGE, "-"), (GREEN, "--"), (GREEN, "-"))
+DIRECT, BUFFERED = BLUE, ORANGE
+TWO_ROWS = (9.8, 6.2)
+EQUAL = 5e-7
+"""Relative difference that is said to be none."""
+
+
+class Mark(NamedTuple):
+    """A published number in a picture.
+
+    Attributes
+    ----------
+    value : float
+        Of a peak, m/s^2.
+    origin : str
+        "measured" or "LS-DYNA".
+    width : float or None
+        Of the pulse, s, drawn as a bar.
+    what : str
+        What else to say of it.
+    """
+
+    value: float
+    origin: str
+    width: float | None = None
+    what: str = ""
+
+    @property
+    def words(self) -> str:
+        """What stands beside it."""
+        peak = f"{self.origin} {self.value / STANDARD_GRAVITY:,.7g} g".replace(",", " ", 1)
+        return f"{peak}, {self.what}" if self.what else peak
+
+    @property
+    def width_words(self) -> str:
+        """What stands beside the bar of its width."""
+        return "" if self.width is None else f"{self.origin} {self.width * 1e6:g} µs"
+
+
+class Ratio(NamedTuple):
+    """A computed number over the published one: its label, the ratio and its role."""
+
+    label: str
+    value: float
+    role: str
+
+
+def ratio_figure(rows: Sequence[Ratio]) -> Figure:
+    """Draw how far computed numbers are from the published ones; equal is 1.
+
+    Examples
+    --------
+    >>> figure = ratio_figure([Ratio("first peak", 1.0, "fitted"), Ratio("direct sensor", 0.7, "predicted")])
+    >>> [label.get_text() for label in figure.axes[0].get_yticklabels()]
+    ['first peak', 'direct sensor']
+    """
+    figure, axes = _sheet((9.8, 1.2 + 0.27 * len(rows)))
+    for role, (colour, shape) in ROLES.items():
+        mine = [(row.value, k) for k, row in enumerate(rows) if row.role == role]
+        if mine:
+            x, y = zip(*mine, strict=True)
+            axes.hlines(y, 1.0, x, color=colour, linewidth=1.1)
+            axes.plot(x, y, shape, color=colour, markersize=6, label=role)
+    for k, row in enumerate(rows):
+        right = row.value >= 1.0
+        axes.annotate(
+            "0 %" if abs(row.value - 1.0) < EQUAL else f"{100.0 * (row.value - 1.0):+.3g} %",
+            (row.value, k),
+            xytext=(8 if right else -8, 0),
+            textcoords="offset points",
+            ha="left" if right else "right",
+            va="center",
+            fontsize=8,
+        )
+    axes.axvline(1.0, color=GREY, linewidth=0.9)
+    axes.set_xscale("log")
+    values = [row.value for row in rows] or [1.0]
+    axes.set_xlim(min(0.6, 0.75 * min(values)), max(1.7, 1.35 * max(values)))
+    ticks = [t for t in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0) if axes.get_xlim()[0] <= t <= axes.get_xlim()[1]]
+    quiet(axes, "Computed over published", "computed / published; 1 is equal", "")
+    axes.set_xlim(min(0.6, 0.75 * min(values)), max(1.7, 1.35 * max(values)))
+    axes.set_xticks(ticks, [f"{t:g}" for t in ticks])
+    axes.minorticks_off()
+    axes.set_yticks(range(len(rows)), [row.label for row in rows], fontsize=8.5)
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+    above_right(axes)
+    return figure
+
+
+def sensors_figure(solution: Solution, direct: Mark, buffered: Mark) -> Figure:
+    """Draw what a directly mounted and a buffered sensor read: all blows, and the first one (Figure 5)."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=TWO_ROWS, layout="constrained")
+    train, first = figure.subplots(2, 1)
+    for k, (name, colour) in enumerate((("direct", DIRECT), ("buffered", BUFFERED))):
+        readings = reading_traces(solution, name)
+        for reading in readings:
+            time, values = thin(reading.time, reading.values)
+            train.plot(time * 1e3, values / STANDARD_GRAVITY, color=colour, linewidth=0.8, zorder=3 + k)
+        if readings:
+            label = f"computed, {name}"
+            first.plot(readings[0].time * 1e6, readings[0].values / STANDARD_GRAVITY, color=colour, label=label)
+    for axes in (train, first):
+        draw_levels(axes, (direct, buffered), (DIRECT, BUFFERED))
+    quiet(train, "All blows", "time after first touch (ms)", "acceleration (g)")
+    quiet(first, "First blow", "time after first touch (µs)", "acceleration (g)")
+    train.margins(x=0.01)
+    _headroom(train, first)
+    above_right(first)
+    return figure
+
+
+def reading_traces(solution: Solution, sensor: str) -> list[Trace]:
+    """Return what a sensor read of each blow that touched, s after the first touch of the first one, and m/s^2."""
+    names = [row.name for row in solution.case.sensor]
+    key = f"reading_{names.index(sensor) + 1}"
+    values, starts = solution.data[key], solution.data[f"{key}_start"].values
+    struck = [k for k, blow in enumerate(solution.blows) if blow.kind != "missed"]
+    traces = []
+    for row in struck:
+        held = values.values[row]
+        held = held[np.isfinite(held)]
+        since = solution.blows[row].time - solution.blows[struck[0]].time + float(starts[row])
+        traces.append(Trace(sensor, since + float(values.attrs["step"]) * np.arange(held.size), held))
+    return traces
+
+
+def passing_figure(solution: BarSolution, tap: int = 0) -> Figure:
+    """Draw how a wave passes to and fro in a layer, and the force at a place in it by three routes (Figure 7).
+
+    On the left the way of the wave, with the instants at which it passes the place: as it must be (filled) and as the
+    paper's equations print it (open). On the right the force there under a steep front.
+    """
+    from matplotlib.figure import Figure
+
+    place = solution.taps[tap][1]
+    sandwich = specimen_of(solution.run.stack, place.layer)
+    assert sandwich is not None
+    figure = Figure(figsize=WHOLE, layout="constrained")
+    way, force = figure.subplots(1, 2, width_ratios=(1.0, 1.7))
+    x = place.position
+    steps = np.arange(7.0)
+    way.plot(steps % 2, steps, color=BLUE, linewidth=1.3)
+    true, printed = (
+        np.array([wave.transits for wave in arrivals(sandwich, x, 6, route)]) for route in ("corrected", "as printed")
+    )
+    way.plot(np.full(6, x), x + true, "o", color=BLUE, label="exact", zorder=4)
+    way.plot(np.full(6, x), x + printed, "s", color=RED, fillstyle="none", label="as printed", zorder=4, markersize=8)
+    way.axvline(x, color=GREY, linewidth=0.8, linestyle=":")
+    quiet(way, "Way of the wave", "place x / l", "time / t₀, from interface I")
+    way.set_xticks([0.0, x, 1.0], ["0 (I)", f"{x:g}", "1 (II)"])
+    way.margins(x=0.08)
+    above_right(way)
+    transit = sandwich.transit
+    since = (solution.run.time - _arrival(solution, tap)) / transit
+    shown = (since >= -0.5) & (since <= 6.0)
+    scale = float(np.abs(solution.run.face_force).max())
+    styles = {EXACT: (BLUE, "-", 1.6), "corrected": (GREEN, "--", 1.6), "as printed": (RED, "-.", 1.4)}
+    for route, (colour, stroke, width) in styles.items():
+        found = solution.by_route(tap, route)
+        if found is not None:
+            words = "exact, this stack" if route == EXACT else f"paper's route, {route}"
+            time, values = thin(since[shown], found.force[shown] / scale)
+            force.plot(time, values, stroke, color=colour, linewidth=width, label=words)
+    quiet(force, f"Force at x = {x:g} l", f"time since the first arrival / t₀ = {transit * 1e6:.4g} µs", "force / load")
+    force.set_ylim(bottom=0.0)
+    force.legend(frameon=False, fontsize=8, loc="lower right")
+    return figure
+
+
+def _arrival(solution: BarSolution, tap: int) -> float:
+    """Return when the front first reaches a tap, s."""
+    place = solution.taps[tap][1]
+    layers = solution.run.stack.layers
+    return sum(layer.transit for layer in layers[: place.layer]) + place.position * layers[place.layer].transit
+
+
+def train_figure(machine: Solution, equal: Solution, typical: Mark) -> Figure:
+    """Draw the rigid-body pulses of a train, and their peaks beside those of a machine with equal blows (Figure 9)."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=WHOLE, layout="constrained")
+    train, peaks = figure.subplots(1, 2, width_ratios=(2.3, 1.0), sharey=True)
+    begun = machine.blows[0].time
+    time, values = thin(machine.data["time"].values - begun, machine.data["rigid_acceleration"].values)
+    train.plot(time * 1e3, values / STANDARD_GRAVITY, color=BLUE, linewidth=0.8)
+    train.plot(
+        [(blow.time - begun) * 1e3 for blow in machine.blows],
+        [blow.rigid_peak / STANDARD_GRAVITY for blow in machine.blows],
+        "o",
+        color=BLUE,
+        markersize=3.5,
+    )
+    draw_levels(train, (typical,))
+    quiet(train, "Rigid-body acceleration, all blows", "time after first touch (ms)", "acceleration (g)")
+    train.set_xlim(-10.0, (machine.blows[-1].time - begun) * 1e3 + 15.0)
+    for solution, colour, shape, words in ((machine, BLUE, "o", "this machine"), (equal, GREEN, "^", "equal blows")):
+        index = [blow.index for blow in solution.blows]
+        peaks.plot(
+            index,
+            [blow.rigid_peak / STANDARD_GRAVITY for blow in solution.blows],
+            f"{shape}-",
+            color=colour,
+            markersize=4,
+            linewidth=0.8,
+            label=words,
+        )
+    quiet(peaks, "Peak by blow", "blow", "")
+    peaks.axhline(typical.value / STANDARD_GRAVITY, color=INKS[typical.origin], linewidth=1.0, linestyle=(0, (5, 2)))
+    peaks.margins(x=0.06)
+    peaks.set_xticks([blow.index for blow in machine.blows][::2])
+    peaks.legend(frameon=False, fontsize=8, loc="lower right")
+    _headroom(train)
+    return figure
+
+
+def pulse_figure(title: str, curves: Sequence[Trace], marks: Sequence[Mark], until: float | None = None) -> Figure:
+    """Draw computed pulses with the marks of published ones (Figures 11 and 15).
+
+    Parameters
+    ----------
+    title : str
+        What they show.
+    curves : sequence of Trace
+        Label, s after first touch, m/s^2; none gives a picture of the marks alone.
+    marks : sequence of Mark
+        Peaks as levels, widths as bars at a tenth of them.
+    until : float, optional
+        End of the time shown, s.
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 3e-4, 301)
+    >>> figure = pulse_figure("a", [Trace("computed", t, 4e4 * np.sin(1e4 * t))], [Mark(49033.25, "measured", 2e-4)])
+    >>> [text.get_text() for text in figure.axes[0].texts]
+    ['measured 5 000 g', 'measured 200 µs']
+    """
+    figure, axes = _sheet(WHOLE)
+    for (colour, stroke), curve in zip(CURVES[: len(curves)], curves, strict=True):
+        time, values = thin(curve.time, curve.values)
+        axes.plot(time * 1e6, values / STANDARD_GRAVITY, stroke, color=colour, linewidth=1.4, label=curve.label)
+    draw_levels(axes, marks)
+    draw_widths(axes, marks)
+    quiet(axes, title, "time after first touch (µs)", "acceleration (g)")
+    last = until or max((float(curve.time[-1]) for curve in curves), default=4e-4)
+    axes.set_xlim(0.0, last * 1e6)
+    _headroom(axes)
+    if curves:
+        above_right(axes)
+    return figure
+
+
+def fixture_figure(solution: Solution, sensor: str, marks: Sequence[Mark]) -> Figure:
+    """Draw what the sensor between two cylinders reads: all blows, and the first one (Figure 13)."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=TWO_ROWS, layout="constrained")
+    train, first = figure.subplots(2, 1)
+    readings = reading_traces(solution, sensor)
+    for reading in readings:
+        time, values = thin(reading.time, reading.values)
+        train.plot(time * 1e3, values / STANDARD_GRAVITY, color=BLUE, linewidth=0.8)
+    if readings:
+        time, values = thin(readings[0].time, readings[0].values)
+        first.plot(time * 1e6, values / STANDARD_GRAVITY, color=BLUE, linewidth=1.3, label="computed")
+    draw_levels(train, marks)
+    draw_levels(first, marks)
+    draw_widths(first, marks)
+    quiet(train, "All blows", "time after first touch (ms)", "acceleration (g)")
+    quiet(first, "First blow", "time after first touch (µs)", "acceleration (g)")
+    train.margins(x=0.01)
+    first.set_xlim(0.0, 6e2)
+    _headroom(train, first)
+    above_right(first)
+    return figure
+
+
+def front_figure(solution: BarSolution, marks: Sequence[Mark]) -> Figure:
+    """Draw the acceleration at the taps of a bar under a steep front, with the levels of published peaks."""
+    figure, axes = _sheet(WHOLE)
+    for k, ((name, _), (colour, stroke)) in enumerate(zip(solution.taps, CURVES[: len(solution.taps)], strict=True)):
+        time, values = thin(solution.run.time, solution.run.acceleration[:, k])
+        axes.plot(time * 1e6, values / STANDARD_GRAVITY, stroke, color=colour, linewidth=1.1, label=f"computed, {name}")
+    draw_levels(axes, marks)
+    quiet(axes, "A bar alone under a front of 5 µs", "time after the start of the load (µs)", "acceleration (g)")
+    axes.set_xlim(0.0, 60.0)
+    _headroom(axes)
+    above_right(axes)
+    return figure
+
+
+def draw_levels(axes: Any, marks: Sequence[Mark], colours: Sequence[str] = ()) -> None:
+    """Draw published peaks as levels across the axes, with their words: of the highest above it, of others below."""
+    highest = max((mark.value for mark in marks), default=0.0)
+    for k, mark in enumerate(marks):
+        ink, height, above = INKS[mark.origin], mark.value / STANDARD_GRAVITY, mark.value == highest
+        axes.axhline(height, color=colours[k] if colours else ink, linewidth=1.2, linestyle=STROKES[mark.origin])
+        axes.annotate(
+            mark.words,
+            (1.0, height),
+            xycoords=("axes fraction", "data"),
+            xytext=(-3, 2 if above else -2),
+            textcoords="offset points",
+            ha="right",
+            va="bottom" if above else "top",
+            fontsize=8,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6},
+            zorder=6,
+        )
+
+
+def draw_widths(axes: Any, marks: Sequence[Mark]) -> None:
+    """Draw published widths as bars with their words, the first at a tenth of its peak, the next ones below."""
+    wide = [mark for mark in marks if mark.width is not None]
+    for k, mark in enumerate(wide):
+        height, end = (0.1 - 0.07 * k) * mark.value / STANDARD_GRAVITY, 1e6 * (mark.width or 0.0)
+        axes.plot([0.0, end], [height] * 2, "|-", color=INKS[mark.origin], linewidth=1.6, markersize=9, zorder=5)
+        axes.annotate(
+            mark.width_words,
+            (end, height),
+            xytext=(4, 4 if k == 0 else -4 - 10 * (k - 1)),
+            textcoords="offset points",
+            ha="left",
+            va="bottom" if k == 0 else "top",
+            fontsize=8,
+            color=INKS[mark.origin],
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.4},
+            zorder=6,
+        )
+
+
+def _headroom(*all_axes: Any) -> None:
+    """Leave room above the highest level for its words."""
+    for axes in all_axes:
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, high + 0.1 * (high - low))
+
+
+def _sheet(size: tuple[float, float] = HALF) -> tuple[Figure, Any]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    return figure, figure.add_subplot()

@@ -1,0 +1,73 @@
+"""Runs beyond those that the figures need: meshes, assumed dimensions, a second blow, the same bodies without yield."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from strikewave.analyses.fem.result import FemSolution
+from strikewave.analyses.fem.run import run_fem
+from strikewave.cases.case import load_case
+from strikewave.papers.li_ma_2019.assumed import DimensionStudy, MeshRow, dimension_study, mesh_rows, studied
+from strikewave.papers.li_ma_2019.body_reasons import Reason, reasons
+from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS, Report, coarser, within
+
+NO_YIELD = tuple(f"mesh.part.{part}.solid.yield_strength=100 GPa" for part in ("striker", "frame"))
+"""Changes after which nothing yields."""
+STAGES = (0.12, 0.14, 0.2, 0.08, 0.12)
+"""About what share of the time meshes (twice), second blow, no yield and reasons take; the rest is for dimensions."""
+
+
+@dataclass(frozen=True)
+class Further:
+    """What the studies came to; empty where they were left out.
+
+    Attributes
+    ----------
+    meshes : mapping of str to tuple of MeshRow
+        By case, coarsest first.
+    dimensions : tuple of DimensionStudy
+    blows : FemSolution or None
+        Two blows of the rigid model, on elements that are larger by `COARSER`.
+    elastic : FemSolution or None
+        The quiet model without yield.
+    reasons : tuple of Reason
+        Why masses and layers part from the elements.
+    """
+
+    meshes: Mapping[str, tuple[MeshRow, ...]] = field(default_factory=dict)
+    dimensions: tuple[DimensionStudy, ...] = ()
+    blows: FemSolution | None = None
+    elastic: FemSolution | None = None
+    reasons: tuple[Reason, ...] = ()
+
+
+def run_further(threads: int = 1, report: Report = lambda share, words: None) -> Further:
+    """Run all studies.
+
+    Parameters
+    ----------
+    threads : int
+    report : callable, optional
+        Called with the share done, 0 to 1, and what runs now.
+    """
+    begin, stages = 0.0, []
+    for share in STAGES:
+        stages.append((begin, begin + share))
+        begin += share
+    meshes = {
+        name: mesh_rows(name, threads, report=within(report, *span))
+        for name, span in zip((RIGID_ELEMENTS, WAVE_ELEMENTS), stages, strict=False)
+    }
+    within(report, *stages[2])(0.0, "a second blow on what the first one left")
+    blows = run_fem(studied(RIGID_ELEMENTS, [*coarser(studied(RIGID_ELEMENTS)), "fem.blows=2"]), threads)
+    within(report, *stages[3])(0.0, "the same bodies without yield")
+    elastic = run_fem(studied(QUIET_ELEMENTS, NO_YIELD), threads)
+    within(report, *stages[4])(0.0, "why masses and layers part from the elements")
+    found = tuple(reason for name in (RIGID_ELEMENTS, WAVE_ELEMENTS) for reason in reasons(load_case(name), threads))
+    middle = 0.5 * (begin + 1.0)
+    dimensions = (
+        dimension_study(RIGID_ELEMENTS, threads, report=within(report, begin, middle)),
+        dimension_study(WAVE_ELEMENTS, threads, report=within(report, middle, 1.0)),
+    )
+    return Further(meshes, dimensions, blows, elastic, found)

@@ -1,0 +1,369 @@
+"""The chapters of a reproduced paper on its figures: what it shows, what is computed, and why the two differ."""
+
+from __future__ import annotations
+
+import re
+import string
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from strikewave.analyses.fem.report.fields import fields_section
+from strikewave.analyses.wave.figures.curves import Trace, staircase_diagram
+from strikewave.analyses.wave.figures.field import bar_field, xt_diagram
+from strikewave.papers.li_ma_2019 import answers as known
+from strikewave.papers.li_ma_2019 import figures as draw
+from strikewave.papers.li_ma_2019.answers import element_pulse
+from strikewave.papers.li_ma_2019.element_pulses import element_numbers, first_touch, struck_body, whole_force
+from strikewave.papers.li_ma_2019.figures import Mark, Ratio, reading_traces
+from strikewave.papers.li_ma_2019.published import half_sine_change
+from strikewave.papers.li_ma_2019.report.tables import ORIGINS, share
+from strikewave.papers.li_ma_2019.result import Computed, NumberRow, Reproduction, si_unit
+from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, QUIET_WAVE_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS
+from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.parts import NONE, Part, Picture, Section
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from strikewave.analyses.fem.result import FemSolution
+    from strikewave.analyses.machine.result import Solution
+
+MARKS = (
+    " The paper publishes numbers, no curves: they are marks, a level for a peak, a bar from first touch on for a "
+    "width, with the words measured or LS-DYNA. Every curve is computed."
+)
+SHOWN_TIME = 4e-4
+"""How long of a pulse is shown, s."""
+AFTER = 2e-4
+"""When the blow itself is over, s after first touch: what a sensor reads from then on is ringing."""
+
+
+def mark(result: Reproduction, peak: str, width: str = "", what: str = "") -> Mark:
+    """Return the mark of a published peak, and of its width."""
+    number = result.row(peak).number
+    span = result.row(width).number.value if width else None
+    return Mark(number.value, ORIGINS[number.origin], span, what)
+
+
+def said(row: NumberRow) -> str:
+    """Say what was computed of a published number, by which case, and in which role."""
+    number = row.number
+    unit, si = number.unit, si_unit(number.unit)
+    what = number.quantity[:1].upper() + number.quantity[1:]
+    begin = f"{what}: {ORIGINS[number.origin]} {with_unit(number.value, si, unit, 7)}"
+    told = [
+        f"computed {with_unit(one.value, si, unit)} by {one.by} ({_role_words(one, number.value)})"
+        for one in row.computed
+        if one.value is not None
+    ]
+    return f"{begin}, {listed(told)}." if told else f"{begin}, not computed."
+
+
+def _role_words(one: Computed, published: float) -> str:
+    off = one.difference(published)
+    return one.role if off is None or one.role == "shown" else f"{one.role}, {share(off)}"
+
+
+def _told(result: Reproduction, *names: str) -> str:
+    """Say what was computed of some published numbers, a paragraph each."""
+    return "\n\n".join(said(result.row(name)) for name in names)
+
+
+def ratios(result: Reproduction) -> list[Ratio]:
+    """Return what is computed over what is published, for all numbers that can be compared, the case made for it."""
+    return [
+        Ratio(f"{row.number.where}: {row.number.name}", 1.0 + off, best.role)
+        for row in result.numbers
+        if (best := row.best) is not None
+        and best.role in ("fitted", "predicted")
+        and (off := best.difference(row.number.value)) is not None
+    ]
+
+
+def overview_picture(result: Reproduction) -> Picture:
+    """Draw how far everything that can be compared is from the published numbers."""
+    words = (
+        "Computed over published, for every measured or simulated number that is fitted or predicted; of several "
+        "models the one made for it. Fitted numbers lie on 1 because their case was adjusted to them."
+    )
+    return Picture(draw.ratio_figure(ratios(result)), words)
+
+
+def figure_sections(result: Reproduction) -> Iterator[Section]:
+    """Yield a section for each figure of the paper that can be computed."""
+    yield _sensors(result)
+    yield _passing(result)
+    yield _train(result)
+    yield _first_pulse(result)
+    yield _fixture(result)
+    yield _specimen(result)
+
+
+def _sensors(result: Reproduction) -> Section:
+    direct, buffered = (mark(result, name) for name in (known.DIRECT_PEAK, known.BUFFERED_PEAK))
+    figure = draw.sensors_figure(
+        result.runs.comparison, direct._replace(what="direct"), buffered._replace(what="buffered")
+    )
+    text = f"""The paper shows seven pulses in 150 ms of two equal sensors on one specimen: one mounted directly, one \
+buffered by gaskets. Here the machine strikes a stack of nose, frame, fixture and specimen; both sensors sit at the \
+same height, the buffered one on two PTFE gaskets with a 2A12 plate between them.
+
+{_told(result, known.BUFFERED_PEAK, known.DIRECT_PEAK, known.SEVEN_WINDOW)}
+
+Why they differ: the buffered peak is fitted (by the engagement), so the direct one is the test. It comes out too \
+low: the frame hands on a smooth force, and the waves in an assumed specimen add less than in the real one. \
+Specimen, gaskets, sensors, sampling and the speed of this test are not published.
+
+{_buffering(result)}"""
+    caption = "What the two sensors read, as computed: all blows, and the first one." + MARKS
+    return Section("Paper's Figure 5: a direct and a buffered sensor", text, [Picture(figure, caption)])
+
+
+def ringing(solution: Solution, sensor: str) -> float:
+    """Return the root mean square of what a sensor reads `AFTER` the first touch of the first blow, m/s^2."""
+    first = reading_traces(solution, sensor)[0]
+    return float(np.sqrt(np.mean(first.values[first.time > AFTER] ** 2)))
+
+
+def _buffering(result: Reproduction) -> str:
+    """Say what the buffer does to peak and ringing, as measured and as computed."""
+    direct, buffered = (result.row(name) for name in (known.DIRECT_PEAK, known.BUFFERED_PEAK))
+    if not (direct.best and direct.best.value and buffered.best and buffered.best.value):
+        return ""
+    taken = 1.0 - buffered.best.value / direct.best.value
+    asked = 1.0 - buffered.number.value / direct.number.value
+    loud, soft = (ringing(result.runs.comparison, name) for name in ("direct", "buffered"))
+    verdict = "The computed buffer does not calm the pulse" if soft >= loud else "The computed buffer calms the pulse"
+    rms = [with_unit(value, "m/s^2", "g") for value in (soft, loud)]
+    return (
+        f"What the buffer does is {'hardly ' if taken < 0.5 * asked else ''}met: it takes {taken:.1%} off the computed "
+        f"peak, where {asked:.1%} were measured. {verdict}: after {AFTER * 1e6:g} µs the buffered sensor reads "
+        f"{rms[0]} (root mean square), the direct one {rms[1]}. The assumed gaskets are a spring under the "
+        "sensor's mass; those of the experiment are not known."
+    )
+
+
+def _passing(result: Reproduction) -> Section:
+    solution = result.runs.passing
+    field, layer = bar_field(solution), solution.taps[0][1].layer
+    text = """The paper draws the wave that passes to and fro in the specimen and counts its passages. If its \
+areas are equal, which is not said, its own experiment cannot show them: 45 steel between 65Mn reflects next to \
+nothing. Here the specimen is 2A12 between 65Mn, and the load rises within 0.3 µs and stays.
+
+The equations as printed let the echo come back after the way to interface II alone, and the next one a transit later; \
+in truth it has that way to go and back. The heights of the steps and the end are right. The corrected sum and the \
+finite stack, solved by delay lines, agree until the first echo from beyond the neighbours."""
+    parts: list[Part] = [
+        Picture(
+            draw.passing_figure(solution),
+            "Left: the way of the front through the specimen, and when it passes the middle, exact and by the "
+            "equations as printed. Right: the force there under a steep front, by three routes; all computed.",
+        ),
+        Picture(
+            staircase_diagram(field, layer, solution.run.time, solution.run.face_force),
+            "How the force grows at both interfaces: steps of the closed form (dotted), the stack, and endless "
+            "neighbours.",
+        ),
+        Picture(
+            xt_diagram(field.up_to(_settled(solution.waves.layers[0].steps * solution.waves.step))),
+            "Stress along the stack over time: blue is compression, red tension; lines are faces of layers.",
+        ),
+    ]
+    return Section("Paper's Figure 7: the wave passing to and fro", text, parts)
+
+
+def _settled(transit: float) -> float:
+    """Return how long of the passing wave is shown: until it is at the far end, s."""
+    return 2.2 * transit
+
+
+def _train(result: Reproduction) -> Section:
+    typical = mark(result, known.TYPICAL_PEAK, what="typical")
+    figure = draw.train_figure(result.runs.machine, result.runs.equal_blows, typical)
+    text = f"""The paper shows 11 rigid-body pulses at 730 r/min whose peaks are usually about 4000 g and whose widths \
+are about 200 µs; it explains their differences by the object, which does not come to rest between blows.
+
+{_told(result, known.TYPICAL_PEAK, known.TYPICAL_WIDTH)}
+
+Why they differ: two values were fitted to the first pulse, which the usual one nearly equals, so that this agreement \
+says little. After the first blow the object still moves on its stop when the next striker comes. The second machine, \
+li-ma-2019-equal-blows, has another damper, stop and preload and shows that the drop after the first blow goes away."""
+    caption = (
+        "Left: rigid-body acceleration of the whole train, as computed, with the typical peak as a level. Right: peak "
+        "of each blow, and of the machine with equal blows." + MARKS
+    )
+    return Section("Paper's Figure 9: eleven rigid-body pulses", text, [Picture(figure, caption)])
+
+
+def _first_pulse(result: Reproduction) -> Section:
+    data = result.runs.machine.data
+    curves = [Trace("machine model", data["pulse_time"].values, data["pulse_acceleration"].values[0])]
+    named = ((RIGID_ELEMENTS, "elements"), (QUIET_ELEMENTS, "elements, non-reflecting faces"))
+    curves += [*_pulses(result, named), *_force_over_mass(result)]
+    marks = [mark(result, known.RIGID_PEAK, known.RIGID_WIDTH), mark(result, known.DYNA_PEAK, known.DYNA_WIDTH)]
+    figure = draw.pulse_figure("First rigid-body pulse", curves, marks, SHOWN_TIME)
+    text = f"""The paper sets its measured first pulse beside that of LS-DYNA: force of the contact over the whole \
+mass. Here the machine model of bodies, contact law and frame gives it, and models of hexahedra: the half-cylinder on \
+the frame that holds the shell, with faces that reflect as they do, and with the paper's non-reflecting ones.
+
+{_told(result, known.RIGID_PEAK, known.RIGID_WIDTH, known.DYNA_PEAK, known.DYNA_WIDTH, known.DYNA_FORCE)}
+
+Why they differ: peak and width of the measured pulse are what the machine model is fitted to, so that only its \
+shape is its own; its contact force is not that of LS-DYNA, because a lumped nose answers a stiff contact with a \
+spike. Non-reflecting faces hold the free object as dashpots to the ground would and take its momentum: \
+the contact force over the mass, which the paper calls the rigid-body acceleration, is none there. The elements ring, \
+because the walls of the assumed frame bend. {_momenta(result)}{_left_out(result, RIGID_ELEMENTS)}"""
+    caption = "Rigid-body acceleration of the struck object in the first blow, as computed." + MARKS
+    parts: list[Part] = [Picture(figure, caption)]
+    solution = result.runs.element_solution(RIGID_ELEMENTS)
+    return Section("Paper's Figure 11: the first rigid-body pulse", text, [*parts, *_model_pictures(solution)])
+
+
+def _pulses(result: Reproduction, named: Iterable[tuple[str, str]]) -> list[Trace]:
+    """Return the pulses of the models of hexahedra that were run, by case and words."""
+    found = [(result.runs.element_solution(name), words) for name, words in named]
+    pulses = [(element_pulse(solution), words) for solution, words in found if solution is not None]
+    return [Trace(words, pulse.time, pulse.acceleration) for pulse, words in pulses]
+
+
+def _momenta(result: Reproduction) -> str:
+    """Set the impulse of the blow beside that of half-sines of the published peaks and widths."""
+    measured, simulated = (
+        half_sine_change(result.row(peak).number.value, result.row(width).number.value) * struck_mass(result)
+        for peak, width in ((known.RIGID_PEAK, known.RIGID_WIDTH), (known.DYNA_PEAK, known.DYNA_WIDTH))
+    )
+    words = {RIGID_ELEMENTS: "with faces that reflect", QUIET_ELEMENTS: "with non-reflecting ones"}
+    found = {name: result.runs.element_solution(name) for name in words}
+    told = [
+        f"{with_unit(impulse, 'N s', 'N s', 3)} {words[name]}"
+        for name, solution in found.items()
+        if solution is not None and (impulse := element_numbers(solution).impulse) is not None
+    ]
+    if not told:
+        return ""
+    return (
+        "That the elements meet peak and width by fit is one crest of a ringing pulse, not its shape: the impulse of "
+        f"the blow is {listed(told)}, where half-sines of the published peaks and widths have "
+        f"{with_unit(measured, 'N s', 'N s', 3)} (measured) and {with_unit(simulated, 'N s', 'N s', 3)} (LS-DYNA). "
+    )
+
+
+def struck_mass(result: Reproduction) -> float:
+    """Return the mass that the simulated force moves, kg: force over acceleration."""
+    return result.row(known.DYNA_FORCE).number.value / result.row(known.DYNA_PEAK).number.value
+
+
+def _force_over_mass(result: Reproduction) -> Iterator[Trace]:
+    """Yield the contact force over the object's mass where faces do not reflect: what the paper calls acceleration."""
+    solution = result.runs.element_solution(QUIET_ELEMENTS)
+    found = None if solution is None else whole_force(solution)
+    if solution is None or found is None:
+        return
+    time, force, _ = found
+    body = struck_body(solution)
+    mass = solution.run.groups[body].mass * solution.sectors[body].pieces
+    yield Trace("the same, contact force over mass", time - first_touch(solution), force / mass)
+
+
+def _left_out(result: Reproduction, *names: str) -> str:
+    gone = [name for name in names if result.runs.element_solution(name) is None]
+    if gone:
+        return f"Not run here: {listed(gone)}."
+    return "The meshes are coarse here (--quick)." if result.runs.quick else ""
+
+
+def _fixture(result: Reproduction) -> Section:
+    wave = mark(result, known.WAVE_PEAK, known.WAVE_WIDTH)
+    figure = draw.fixture_figure(result.runs.fixture, "oscilloscope", [wave])
+    front = draw.front_figure(result.runs.bar, [wave._replace(width=None)])
+    text = f"""The paper clamps a sensor between two cylinders, reads it with an oscilloscope and finds a first peak \
+of 21 909.89 g; it takes this for the stress wave on top of the rigid-body pulse. Here nothing is fitted: machine and \
+frame are those of Figure 9, the fixture is a stack of assumed dimensions with joints that can open.
+
+{_told(result, known.WAVE_PEAK, known.WAVE_WIDTH)}
+
+Why they differ: in this stack the frame is a spring between nose and cylinders. Its force rises over some 80 µs, \
+and a smooth pulse of that size cannot accelerate the stack behind it much beyond its rigid-body acceleration. What \
+can is a steep front: a wall that hands the blow on to the cylinders at once, as in the elements of Figure 15, or \
+the closure of a gap. The second picture shows how steep a front in a bar would have to be: a rise of 5 µs, chosen \
+so that the wave in an endless bar accelerates by just the published peak. It is no prediction, and it is beyond \
+what one-dimensional theory may quote for a bar of this diameter. A width of 252 µs is that of the whole blow, not \
+of such a front."""
+    caption = "What the sensor between the cylinders reads, as computed: all blows, and the first one." + MARKS
+    second = (
+        "The sensor fixture as a bar alone under a front of 5 µs; the front was chosen to give the level that is "
+        "marked, at the far end it doubles." + MARKS
+    )
+    parts: list[Part] = [Picture(figure, caption), Picture(front, second)]
+    return Section("Paper's Figure 13: a sensor between two cylinders", text, parts)
+
+
+def _specimen(result: Reproduction) -> Section:
+    solution = result.runs.element_solution(WAVE_ELEMENTS)
+    named = ((WAVE_ELEMENTS, "elements"), (QUIET_WAVE_ELEMENTS, "elements, non-reflecting faces"))
+    marks = [mark(result, known.DYNA_WAVE_PEAK)]
+    figure = draw.pulse_figure("Mean acceleration of the specimen", _pulses(result, named), marks, SHOWN_TIME)
+    text = f"""The paper averages the acceleration of its specimen over the elements of LS-DYNA and finds \
+22 841.7 g. Here a model of hexahedra has the sensor between two cylinders in the same frame.
+
+{_told(result, known.DYNA_WAVE_PEAK)}
+
+Why they differ: the mean acceleration of a body is the sum of the forces on its faces over its mass. Here the \
+struck wall lies on the upper cylinder, so that in the first tens of microseconds the blow drives the column of \
+cylinders and sensor, while the sides of the frame lag behind: the specimen is accelerated far more than the whole \
+object. Shapes, joints and speed are not those of the paper, which are not published: that the size is about met shows \
+how such a peak can come about, closer agreement than that is chance. {_left_out(result, WAVE_ELEMENTS)}"""
+    caption = "Acceleration of the specimen, averaged over its elements, as computed." + MARKS
+    parts: list[Part] = [Picture(figure, caption)]
+    return Section("Paper's Figure 15: the specimen in the elements", text, [*parts, *_model_pictures(solution)])
+
+
+def _model_pictures(solution: FemSolution | None) -> Iterator[Picture]:
+    """Yield the mesh of a model, as the paper's Figures 10 and 14 show theirs, and its bodies cut open in the blow."""
+    from strikewave.analyses.fem.figures.pictures import mesh_picture, view_of
+
+    if solution is None:
+        return
+    mesh = mesh_picture(solution.model.mesh, view_of(solution.model))
+    yield Picture(mesh, f"The mesh of {solution.case.name} before the blow.")
+    yield from (part for part in fields_section(solution).parts if isinstance(part, Picture))
+
+
+def pictures(result: Reproduction) -> Iterator[tuple[str, Figure]]:
+    """Yield name and figure of every picture of the figures of the paper."""
+    for section in figure_sections(result):
+        number = "figure-" + re.findall(r"\d+", section.title)[0]
+        shown = [part.figure for part in section.parts if isinstance(part, Picture)]
+        for k, figure in enumerate(shown):
+            yield number + ("" if k == 0 else f"-{string.ascii_lowercase[k]}"), figure
+
+
+def key_numbers(result: Reproduction) -> list[tuple[str, str]]:
+    """Return the numbers at the head of the report: of the published ones those that nothing was fitted to."""
+    verdicts = [row.verdict for row in result.equations]
+    words = f"equations hold as printed, and {verdicts.count('definition')} definitions"
+    numbers = [(words, f"{verdicts.count('right')} of {len(verdicts)}")]
+    labels = {
+        known.DIRECT_PEAK: "peak of the direct sensor: off the measured one by",
+        known.WAVE_PEAK: "stress-wave peak of the stack: off the measured one by",
+    }
+    if result.runs.element_solution(QUIET_ELEMENTS) is not None:
+        labels[known.DYNA_FORCE] = "force on non-reflecting elements: off LS-DYNA's by"
+    for name, label in labels.items():
+        row = result.row(name)
+        if row.best is not None and row.best.role == "predicted":
+            off = row.best.difference(row.number.value)
+            numbers.append((label, NONE if off is None else share(off)))
+    return numbers
+
+
+def fitted_inputs(result: Reproduction) -> list[str]:
+    """Return the values that any case was fitted with, each as path and value."""
+    return [
+        f"{path} = {value.typed}"
+        for case in result.runs.cases
+        for path, value in case.values().items()
+        if value.provenance == "fitted"
+    ]

@@ -1,0 +1,131 @@
+"""The report of a reproduced paper: every equation, figure and published number that can be computed, on one page."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from strikewave._version import __version__
+from strikewave.base.citations import SOURCES
+from strikewave.cases.case import Case
+from strikewave.papers.li_ma_2019.report import tables as tables
+from strikewave.papers.li_ma_2019.report.figures import figure_sections, fitted_inputs, key_numbers, overview_picture
+from strikewave.papers.li_ma_2019.report.studies import study_tables
+from strikewave.papers.li_ma_2019.result import PAPER
+from strikewave.papers.li_ma_2019.runs import BAR, PASSING, quick_changes
+from strikewave.reporting.numbers import listed
+from strikewave.reporting.page import Head, whole_page
+from strikewave.reporting.parts import Cell, Code, Section, Table, Tag
+
+if TYPE_CHECKING:
+    from strikewave.papers.li_ma_2019.result import Reproduction
+
+TITLE = "Li & Ma 2019, reproduced: equations, figures and published numbers"
+
+
+def reproduction_report(result: Reproduction, command: str) -> str:
+    """Return the report as one HTML page: no script, nothing fetched.
+
+    Parameters
+    ----------
+    result : Reproduction
+        What was computed.
+    command : str
+        The command that gives it again.
+    """
+    sections = [
+        _done(result),
+        tables.provenance_section(result.runs.cases),
+        *figure_sections(result),
+        tables.materials_section(result.numbers),
+        *tables.equation_sections(result.equations),
+        tables.numbers_section(result.numbers, result.checks),
+        tables.elements_section(result.runs.elements, study_tables(result)),
+        tables.findings_section(result.findings),
+        _warnings(result),
+        _again(result, command),
+    ]
+    return whole_page(
+        Head(
+            title=TITLE,
+            kicker="Report of a reproduction",
+            subject="Paper",
+            name=PAPER,
+            digest="",
+            status=_status(result),
+            summary=_summary(result),
+            numbers=key_numbers(result),
+            foot=SOURCES[PAPER],
+        ),
+        sections,
+    )
+
+
+def _status(result: Reproduction) -> Tag:
+    if result.broken:
+        return Tag("a run broke a stated limit, see warnings", "bad")
+    if not result.runs.elements:
+        return Tag("the element models were not run", "warned")
+    return Tag("quick: coarse elements", "warned") if result.runs.quick else Tag("all runs, full meshes", "good")
+
+
+def _summary(result: Reproduction) -> str:
+    """Say in words what came out."""
+    verdicts = [row.verdict for row in result.equations]
+    counted = listed([f"{verdicts.count(name)} {name}" for name in tables.VERDICTS if name in verdicts])
+    findings = [row.verdict for row in result.findings]
+    held = listed([f"{findings.count(name)} {name}" for name in tables.ANSWERS if name in findings])
+    stated = f"Of {len(findings)} points: {held}. " if findings else ""
+    return (
+        f"Of {len(verdicts)} numbered equations: {counted}. {stated}"
+        "What the machine was fitted to agrees by construction; what was not shows how far bodies, springs and waves "
+        "of assumed dimensions come."
+    )
+
+
+def _done(result: Reproduction) -> Section:
+    fitted = sorted(set(fitted_inputs(result)))
+    text = (
+        f"{len(result.runs.cases)} cases were run: the rotary machine with its object as bodies and as stacks in which "
+        "waves run, a bar alone"
+        + (", and models of hexahedra" if result.runs.elements else "; the models of hexahedra were left out")
+        + ". Every equation was computed as printed, as corrected and exactly; every published number is set beside "
+        f"what was computed. Fitted to published numbers: {listed(fitted)}."
+    )
+    return Section("What was done", text, [overview_picture(result)])
+
+
+def _warnings(result: Reproduction) -> Section:
+    rows: list[list[Cell]] = [
+        [name, Tag(notice.code, "bad" if notice.broken else "warned"), notice.message]
+        for name, notice in result.notices
+    ]
+    table = Table("Warnings of the runs", ["case", "code", "message"], rows, empty="No warning was raised.")
+    return Section("Warnings", "", [table])
+
+
+def _again(result: Reproduction, command: str) -> Section:
+    text = (
+        f"The first command gives the same page again with strikewave {__version__}; the others run one case each, "
+        "with a report of its own."
+    )
+    lines = [command, *(again(case, result.runs.quick) for case in result.runs.cases), _command("bar", BAR, PASSING)]
+    cite = Table("Source", ["key", "source"], [[PAPER, SOURCES[PAPER]]])
+    return Section("How to run this again", text, [Code("\n".join(lines)), cite])
+
+
+def again(case: Case, quick: bool = False) -> str:
+    """Return the command that runs a case as it was run here.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> again(load_case("li-ma-2019")), again(load_case("li-ma-2019-fem-wave"), quick=True)[:75]
+    ('strikewave run li-ma-2019', "strikewave fem li-ma-2019-fem-wave --set 'mesh.part.striker.size=3.75 mm' -")
+    """
+    return _command(case.command, case.name, quick_changes(case.name) if quick and case.mesh else ())
+
+
+def _command(command: str, case: str, changes: Sequence[str] = ()) -> str:
+    return " ".join(["strikewave", command, case, *(f"--set {shlex.quote(change)}" for change in changes)])

@@ -1,0 +1,140 @@
+"""Tables of what the element models hang on: meshes, assumed dimensions, blows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.fem.blow_measures import blow_measure
+from strikewave.papers.li_ma_2019.assumed import SHARE
+from strikewave.reporting.parts import NONE, Cell, Part, Table, Tag, written
+
+if TYPE_CHECKING:
+    from strikewave.analyses.fem.result import FemSolution
+    from strikewave.papers.li_ma_2019.assumed import Answer, DimensionStudy, MeshRow
+    from strikewave.papers.li_ma_2019.body_reasons import Reason
+    from strikewave.papers.li_ma_2019.body_rows import BodyRow
+    from strikewave.papers.li_ma_2019.result import Reproduction
+
+ANSWERS = ["peak force (kN)", "width (µs)", "impulse (N s)", "body's peak (g)", "plastic strain"]
+"""Heads of an `Answer`."""
+
+
+def study_tables(result: Reproduction) -> Iterator[Part]:
+    """Yield the tables of all studies that were made."""
+    further = result.further
+    if result.bodies:
+        yield body_table(result.bodies)
+    if further.reasons:
+        yield reason_table(further.reasons)
+    yield from (mesh_table(name, rows) for name, rows in further.meshes.items())
+    if further.blows is not None:
+        yield blow_table(further.blows)
+    yield from (dimension_table(study) for study in further.dimensions)
+
+
+def body_table(found: Sequence[BodyRow]) -> Table:
+    """Set masses on springs and layers of a bar beside the elements, for the same bodies; nothing in them is fitted."""
+    rows: list[list[Cell]] = []
+    for row in found:
+        one = row.answer
+        cells = [one.peak / 1e3, one.first_width * 1e6, one.width * 1e6, one.pulses, one.impulse]
+        cells.append(one.rigid_peak / STANDARD_GRAVITY)
+        watched = None if one.watched_peak is None else one.watched_peak / STANDARD_GRAVITY
+        rows.append([row.case, row.model, row.law or NONE, *(written(cell) for cell in cells), written(watched)])
+    heads = [
+        "case",
+        "model",
+        "contact law",
+        "peak force (kN)",
+        "first pulse (µs)",
+        "first to last tenth (µs)",
+        "pulses",
+    ]
+    words = "The same bodies as elements, as masses on springs, and as layers of a bar; nothing is fitted"
+    return Table(words, [*heads, "impulse (N s)", "force over mass (g)", "sensor's peak (g)"], rows)
+
+
+def reason_table(found: Sequence[Reason]) -> Table:
+    """Say why masses and layers part from the elements: each cause alone, measured."""
+    rows: list[list[Cell]] = [[row.case, row.cause, row.sentence, f"{100.0 * row.off:+.1f} %"] for row in found]
+    words = "Why they part: each cause alone, on elements twice as large"
+    return Table(words, ["case", "cause", "measured", "without it"], rows)
+
+
+def mesh_table(case: str, rows: Sequence[MeshRow]) -> Table:
+    """Say how peak, width and impulse converge with the mesh."""
+    cells: list[list[Cell]] = [
+        [
+            f"{row.size:.3g}",
+            str(row.elements),
+            str(row.steps),
+            written(row.seconds, 3),
+            f"{row.energy_error:+.0e}",
+            f"{100.0 * row.hourglass_share:.1f} %",
+            *_answer(row.answer),
+        ]
+        for row in rows
+    ]
+    heads = ["elements' size", "elements", "steps", "took (s)", "energy error", "hourglass energy", *ANSWERS]
+    return Table(f"{case} on {len(rows)} meshes, sizes relative to those of the case", heads, cells)
+
+
+def dimension_table(study: DimensionStudy) -> Table:
+    """Say what each assumed dimension does to the answer."""
+    rows: list[list[Cell]] = [["as it stands", NONE, NONE, *_answer(study.base)]]
+    for row in study.rows:
+        both = zip(row.larger.changes(study.base), row.smaller.changes(study.base), strict=True)
+        changes = [f"{_percent(up)} / {_percent(down)}" for up, down in both]
+        rows.append([row.name, _size(row.path, row.value), Tag(row.provenance, row.provenance), *changes])
+    words = f"{study.case}, coarse elements: each assumed dimension {SHARE:.0%} larger / smaller, with all that follows"
+    return Table(words, ["changed", "value", "it is", *ANSWERS], rows)
+
+
+def blow_table(solution: FemSolution) -> Table:
+    """Say what the plastic memory of the first blow changes in the second."""
+    rows: list[list[Cell]] = []
+    for blow in solution.blows:
+        found, contact = blow_measure(blow.run, blow.model.touching), next(iter(blow.contacts))
+        touched, whole, back = blow.contacts[contact], blow.wholes[contact], found.restitution[contact]
+        if touched is None:
+            continue
+        pieces = blow.sectors[contact.partition(".")[0]].pieces if whole is not None else 1
+        rows.append(
+            [
+                str(found.blow),
+                written((touched.peak if whole is None else whole.peak) / 1e3, 5),
+                written(touched.duration * 1e6, 5),
+                written(touched.impulse if whole is None else whole.impulse, 5),
+                NONE if back is None else f"{back:.4f}",
+                written(pieces * sum(found.plastic_energy.values()), 3),
+                written(max(found.plastic_strain.values(), default=math.nan), 3),
+            ]
+        )
+    heads = [*ANSWERS[:3], "restitution", "taken by yield (J)", "plastic strain"]
+    words = f"{solution.case.name} struck again on the surface that the blow before left, whole bodies"
+    return Table(words, ["blow", *heads], rows)
+
+
+def _answer(found: Answer) -> list[Cell]:
+    scaled = (
+        found.peak_force / 1e3,
+        found.width * 1e6,
+        found.impulse,
+        found.body_peak / STANDARD_GRAVITY,
+        found.plastic_strain,
+    )
+    return [written(value, 5 if place < 4 else 3) for place, value in enumerate(scaled)]
+
+
+def _percent(share: float) -> str:
+    return NONE if math.isnan(share) else f"{100.0 * share:+.1f} %"
+
+
+def _size(path: str, value: float) -> str:
+    """Write a dimension with the unit that its kind is read in."""
+    if path.endswith("tangent_modulus"):
+        return f"{value / 1e9:.4g} GPa"
+    return f"{abs(value):.4g} m/s" if ".velocity." in path else f"{value * 1e3:.5g} mm"

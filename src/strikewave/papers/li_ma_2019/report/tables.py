@@ -1,0 +1,350 @@
+"""The tables of a reproduced paper: what it rests on, materials, equations, published numbers, elements, findings."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from strikewave.base.materials import Material, material
+from strikewave.base.quantities import PROVENANCES
+from strikewave.base.units import DIMENSIONS, convertible
+from strikewave.cases.case import Case
+from strikewave.fem.measures import ledger_measure
+from strikewave.reporting.numbers import spelled
+from strikewave.reporting.parts import NONE, Cell, Code, Part, Section, Table, Tag, written
+
+if TYPE_CHECKING:
+    from strikewave.analyses.fem.result import FemSolution
+    from strikewave.papers.li_ma_2019.result import Computed, NumberRow
+    from strikewave.papers.li_ma_2019.types import Consistency, EquationRow, Finding
+
+VERDICTS = {"right": "good", "approximate": "warned", "misprint": "bad", "wrong": "bad", "definition": ""}
+"""Look of the verdict on an equation."""
+ANSWERS = {"right": "good", "partly": "warned", "not": "bad", "open": ""}
+"""Look of the verdict of a finding."""
+ORIGINS = {"measured": "measured", "simulated": "LS-DYNA", "given": "given"}
+SECTIONS = {"3.1": "contact force", "3.2": "stress waves"}
+MATERIALS = (("65Mn", "1, 2"), ("2A12", "1"), ("45 steel", "2"))
+"""Materials of Tables 1 and 2 by their name in the package."""
+_PROPERTIES = {
+    "density": "density",
+    "Young's modulus": "youngs_modulus",
+    "Poisson's ratio": "poissons_ratio",
+    "yield strength": "yield_strength",
+}
+"""What the paper prints of a material, by the words of its published number."""
+_SET, _COARSER = "set by the user", "set by --quick"
+
+
+class Input(NamedTuple):
+    """An input that several cases may share: its path, as typed, provenance, note."""
+
+    path: str
+    typed: str
+    provenance: str
+    note: str
+
+
+def inputs_by_cases(cases: Sequence[Case]) -> dict[Input, list[str]]:
+    """Return every input of cases once, with the names of the cases that have it; what was changed, --quick changed.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> found = inputs_by_cases([load_case("li-ma-2019"), load_case("li-ma-2019-fig13")])
+    >>> [names for entry, names in found.items() if entry.path == "machine.speed"]
+    [['li-ma-2019', 'li-ma-2019-fig13']]
+    """
+    found: dict[Input, list[str]] = defaultdict(list)
+    for case in cases:
+        for path, value in case.values().items():
+            note = _COARSER if value.note == _SET else value.note
+            found[Input(path, str(value.typed), value.provenance, note)].append(case.name)
+    return dict(found)
+
+
+def provenance_section(cases: Sequence[Case]) -> Section:
+    """Count and list the inputs of all cases by where they come from."""
+    counts: list[list[Cell]] = []
+    for case in cases:
+        values = [str(value.provenance) for value in case.values().values()]
+        counts.append([case.name, *(str(values.count(p)) for p in PROVENANCES), str(len(values))])
+    found = inputs_by_cases(cases)
+    shared = [entry.provenance for entry in found]
+    counts.append(["all, each once", *(str(shared.count(p)) for p in PROVENANCES), str(len(shared))])
+    known: list[list[Cell]] = [
+        [entry.path, entry.typed, Tag(entry.provenance, entry.provenance), entry.note or NONE, ", ".join(names)]
+        for provenance in ("fitted", "inferred", "measured", "published")
+        for entry, names in found.items()
+        if entry.provenance == provenance
+    ]
+    assumed = [(entry, names) for entry, names in found.items() if entry.provenance == "assumed"]
+    lines = [
+        f"{entry.path} = {entry.typed}" + (f"   # {entry.note}" if entry.note else "") + f"   [{', '.join(names)}]"
+        for entry, names in assumed
+    ]
+    text = (
+        "The paper publishes its materials, a speed, counts of blows and results; it publishes no dimension, mass or "
+        "spring of the machine, its fixtures or its elements. Each case says of every input where it comes from. A "
+        "result that a case was fitted to is no evidence; the others are predictions from these inputs, most of which "
+        "are assumed."
+    )
+    parts: list[Part] = [
+        Table("Inputs by provenance", ["case", *PROVENANCES, "inputs"], counts),
+        Table("Inputs that are not assumed", ["input", "value", "provenance", "note", "cases"], known),
+        Code("\n".join(lines), f"The {len(assumed)} assumed inputs"),
+    ]
+    return Section("What it rests on", text, parts)
+
+
+def materials_section(numbers: Sequence[NumberRow]) -> Section:
+    """Set the materials as printed beside those of the package, with speeds and impedances that follow."""
+    rows: list[list[Cell]] = []
+    derived: list[list[Cell]] = []
+    for name, tables in MATERIALS:
+        mine = material(name)
+        same = Tag("the same", "good") if _as_printed(mine, name, numbers) else Tag("differs", "bad")
+        yielded = NONE if mine.yield_strength is None else f"{mine.yield_strength / 1e6:g}"
+        ours = [f"{mine.density:g}", f"{mine.youngs_modulus / 1e9:g}", f"{mine.poissons_ratio:g}", yielded]
+        rows.append([name, f"Table {tables}", *ours, same])
+        derived.append(_derived(mine))
+    heads = ["material", "printed in", "density (kg/m³)", "E (GPa)", "Poisson's ratio", "yield (MPa)"]
+    more = ["material", "c₀ = √(E/ρ) (m/s)", "speed in the bulk (m/s)", "shear speed (m/s)", "ρ c₀ (MPa s/m)"]
+    more += ["F at 65Mn"]
+    text = (
+        "The package takes the materials as the paper prints them; the numbers stand among the published ones below. "
+        "65Mn yields far higher once hardened. F is the reflection of a wave in a 65Mn bar that meets a bar of equal "
+        "area, (Z − Z₁)/(Z + Z₁): for 45 steel it is so small that the paper's experiment with equal "
+        "cylinders never shows the multiple reflections of its equations."
+    )
+    derived_words = "Speeds and impedances that follow; the bulk speed is that of plane strain"
+    return Section(
+        "Tables 1 and 2: materials",
+        text,
+        [
+            Table("Materials as the package has them", [*heads, "against the printed ones"], rows),
+            Table(derived_words, more, derived),
+        ],
+    )
+
+
+def _as_printed(mine: Material, name: str, numbers: Sequence[NumberRow]) -> bool:
+    """Tell whether each property of a material equals the printed number of that property."""
+    printed = {row.number.name: row.number.value for row in numbers}
+    return all(
+        math.isclose(getattr(mine, key), printed.get(f"{name} {words}", math.nan), rel_tol=1e-12)
+        for words, key in _PROPERTIES.items()
+    )
+
+
+def _derived(mine: Material) -> list[Cell]:
+    modulus, ratio = mine.youngs_modulus, mine.poissons_ratio
+    bulk = math.sqrt(modulus * (1.0 - ratio) / ((1.0 + ratio) * (1.0 - 2.0 * ratio)) / mine.density)
+    shear = math.sqrt(modulus / (2.0 * (1.0 + ratio)) / mine.density)
+    first = material("65Mn").impedance
+    reflected = (mine.impedance - first) / (mine.impedance + first)
+    speeds = [f"{value:.1f}" for value in (mine.bar_speed, bulk, shear)]
+    return [mine.name, *speeds, f"{mine.impedance / 1e6:.3f}", f"{reflected:.2g}"]
+
+
+def equation_sections(rows: Sequence[EquationRow]) -> list[Section]:
+    """List every equation, what it says and what it gives: as printed, corrected, exact."""
+    sections = []
+    for place, about in SECTIONS.items():
+        mine = [row for row in rows if row.section == place]
+        counts = [f"{n} {verdict}" for verdict in VERDICTS if (n := sum(row.verdict == verdict for row in mine))]
+        text = (
+            f"{len(mine)} equations: {', '.join(counts)}. Right: it agrees within rounding. Approximate: an estimate. "
+            "Misprint: the formula as printed cannot be meant. Wrong: it does not hold. Every number is computed here: "
+            "by the formula as printed, by the corrected one, and by an independent exact solution, as the note says. "
+            "Where no solution is independent the cell says what stands for it: a round trip gets back what was put "
+            "in, an identity holds by its terms."
+        )
+        says = ["equation", "as printed", "corrected", "verdict", "printed is off by"]
+        gives = ["number compared", "printed", "corrected", "exact", "note"]
+        parts = [
+            Table(f"Equations of section {place}", says, [_said(row) for row in mine]),
+            Table(f"What the equations of section {place} give", gives, [_given(row) for row in mine]),
+        ]
+        title = f"Equations {mine[0].number} to {mine[-1].number}: {about}" if mine else f"Equations: {about}"
+        sections.append(Section(title, text, parts))
+    return sections
+
+
+def _said(row: EquationRow) -> list[Cell]:
+    off = NONE if row.deviation is None else share(row.deviation)
+    if row.printed_unit and row.printed_unit != row.unit:
+        off = "in another unit"
+    return [
+        f"{row.number} {row.what}",
+        row.formula,
+        row.corrected or NONE,
+        Tag(row.verdict, VERDICTS[row.verdict]),
+        off,
+    ]
+
+
+def _given(row: EquationRow) -> list[Cell]:
+    unit = f" ({spelled(row.unit)})" if row.unit not in ("", "1") else ""
+    numbers = [written(value, 5) for value in (row.printed, row.corrected_value, row.exact)]
+    if row.printed_unit and row.printed is not None:
+        numbers[0] = f"{numbers[0]} {spelled(row.printed_unit)}"
+    if row.basis != "independent" and row.exact is not None:
+        numbers[2] = f"{numbers[2]}, {row.basis}"
+    return [f"{row.number} {row.quantity}{unit}", *numbers, row.note or NONE]
+
+
+def share(value: float) -> str:
+    """Write a relative difference in per cent.
+
+    Examples
+    --------
+    >>> share(-0.0353), share(1e-9), share(4.2), share(-3e13)
+    ('-3.53 %', '0 %', '+420 %', '-3e+15 %')
+    """
+    return "0 %" if abs(value) < 5e-7 else f"{100.0 * value:+.3g} %"
+
+
+def numbers_section(rows: Sequence[NumberRow], checks: Sequence[Consistency]) -> Section:
+    """List every published number once, with what was computed, and what they say of each other."""
+    checked: list[list[Cell]] = [
+        [
+            row.what,
+            row.quantity,
+            _with_unit(row.value, row.unit),
+            NONE if row.stated is None else _with_unit(row.stated, row.unit),
+            Tag("not said") if row.agrees is None else Tag("agrees", "good") if row.agrees else Tag("does not", "bad"),
+            row.note,
+        ]
+        for row in checks
+    ]
+    within = ["question", "quantity", "follows", "the paper says", "result", "how it follows"]
+    text = (
+        "Measured numbers are those of the authors' accelerometers, LS-DYNA those of their elements, given ones what "
+        "they chose or state. The paper publishes no curve in numbers, so none is compared. Where several models "
+        "answer, each has its line. Fitted: a case was adjusted to the number. Predicted: it follows from "
+        "other inputs. Shown: the two cannot be compared, the note says why. Names of cases are without li-ma-2019-."
+    )
+    among = Table("Published numbers among each other", within, checked)
+    stated = [row for row in rows if not row.computed]
+    return Section("All published numbers", text, [numbers_table(rows), given_table(stated), among])
+
+
+def numbers_table(rows: Sequence[NumberRow]) -> Table:
+    """List the published numbers that a model answers, each once; a line for each model."""
+    heads = ["published number", "published", "origin", "computed", "difference", "role", "by", "note"]
+    lines = [line for row in rows if row.computed for line in _number(row)]
+    return Table("Published numbers and what was computed", heads, lines)
+
+
+def given_table(rows: Sequence[NumberRow]) -> Table:
+    """List published numbers that no model answers: what the authors chose or state."""
+    found: list[list[Cell]] = [
+        [_name(row), _with_unit(row.number.value, row.number.unit, 8), row.number.note or NONE] for row in rows
+    ]
+    words = "Published numbers that are inputs, materials or statements"
+    return Table(words, ["published number", "published", "note"], found)
+
+
+def _name(row: NumberRow) -> str:
+    """Return what tells a number from all others: its name, what it is, and where it stands."""
+    number = row.number
+    what = "" if number.quantity.replace(":", "") == number.name else f": {number.quantity}"
+    return f"{number.name}{what}, {number.where}"
+
+
+def _short(case: str) -> str:
+    """Return the name of a case without that of the paper."""
+    return case.removeprefix("li-ma-2019-")
+
+
+def _number(row: NumberRow) -> list[list[Cell]]:
+    number, origin = row.number, ORIGINS[row.number.origin]
+    look = "measured" if origin == "measured" else ""
+    begin: list[Cell] = [_name(row), _with_unit(number.value, number.unit, 8), Tag(origin, look)]
+    lines: list[list[Cell]] = []
+    for k, one in enumerate(row.computed):
+        note = "; ".join(filter(None, ["" if k else number.note, one.note]))
+        value = NONE if one.value is None else _with_unit(one.value, number.unit)
+        found: list[Cell] = [
+            value,
+            _difference(one, number.value),
+            Tag(one.role, one.role),
+            _short(one.by),
+            note or NONE,
+        ]
+        lines.append([*(begin if k == 0 else [""] * len(begin)), *found])
+    return lines
+
+
+def _difference(one: Computed, published: float) -> str:
+    found = one.difference(published)
+    return NONE if found is None or one.role == "shown" else share(found)
+
+
+def _with_unit(value: float, unit: str, digits: int = 5) -> str:
+    """Write an SI value in a unit that the paper uses, with it."""
+    found = convertible(unit, DIMENSIONS)
+    text = written(value / found[1] if found else value, digits)
+    return text if unit in ("", "1") else f"{text} {spelled(unit).replace('^3', '³')}"
+
+
+def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = ()) -> Section:
+    """Say what the models of hexahedra took and how well they keep their books; ``tables`` are shown behind."""
+    rows: list[list[Cell]] = []
+    for one in solutions:
+        found, ledger = one.run, ledger_measure(one.run)
+        rows.append(
+            [
+                one.case.name,
+                str(found.elements),
+                str(found.steps),
+                written(found.step * 1e9, 3),
+                written(found.seconds, 3),
+                share(ledger.energy),
+                share(ledger.hourglass),
+                f"{ledger.momentum:.1e}",
+                Tag("broken", "bad") if one.broken else Tag("hold", "good"),
+            ]
+        )
+    heads = ["case", "elements", "steps", "smallest step (ns)", "took (s)", "energy error", "hourglass energy"]
+    empty = "The models of hexahedra were not run."
+    table = Table("Models of hexahedra", [*heads, "momentum error", "stated limits"], rows, empty)
+    text = (
+        "Hexahedra of eight nodes with one point of integration, followed explicitly in time. Of its elements the "
+        "paper says that they are Solid164, explicit hexahedra too. It shows its meshes in pictures and gives no "
+        "dimension but the smallest element, so that shapes and sizes are assumed."
+    )
+    return Section("The element runs", text if rows else "", [table, *tables])
+
+
+def findings_section(rows: Sequence[Finding]) -> Section:
+    """Close: what the paper gets right, and what not."""
+    text = (
+        "Right: it holds. Partly: it holds within what the line says. Not: it does not hold. Open: the runs that "
+        "decide it were left out."
+    )
+    return Section("What the paper gets right, and what not", text, [findings_table(rows)])
+
+
+def findings_table(rows: Sequence[Finding]) -> Table:
+    """List findings."""
+    table: list[list[Cell]] = [
+        [row.topic, row.paper, row.found, Tag(row.verdict, ANSWERS[row.verdict]), row.shown_by] for row in rows
+    ]
+    return Table("Findings", ["topic", "the paper says", "found", "verdict", "shown by"], table)
+
+
+def plain_rows(table: Table, columns: Sequence[str]) -> tuple[list[str], list[list[str]]]:
+    """Return some columns of a table as text, for a terminal.
+
+    Examples
+    --------
+    >>> plain_rows(Table("", ["a", "b"], [["x", Tag("good")]]), ["b"])
+    (['b'], [['good']])
+    """
+    places = [list(table.columns).index(name) for name in columns]
+    rows = [[cell.text if isinstance(cell, Tag) else cell for cell in row] for row in table.cells()]
+    return list(columns), [[row[place] for place in places] for row in rows]

@@ -1,0 +1,247 @@
+"""The reproduction of Li & Ma 2019 as one result: runs, equations, published numbers, findings; document and table."""
+
+from __future__ import annotations
+
+import csv
+import functools
+import io
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from strikewave.analyses.fem.result import FemSolution
+from strikewave.analyses.machine.result import Notice
+from strikewave.base.json_document import head, plain, without
+from strikewave.base.units import DIMENSIONS, convertible, in_unit
+from strikewave.fem.measures import ledger_measure
+from strikewave.papers.li_ma_2019.assumed import SHARE, DimensionStudy, MeshRow
+from strikewave.papers.li_ma_2019.body_rows import BodyRow, body_rows
+from strikewave.papers.li_ma_2019.further import Further
+from strikewave.papers.li_ma_2019.runs import Runs
+from strikewave.papers.li_ma_2019.types import Consistency, EquationRow, Finding, PublishedNumber
+
+PAPER = "li-ma-2019"
+
+
+@dataclass(frozen=True)
+class Computed:
+    """What a model says of a published number.
+
+    Attributes
+    ----------
+    by : str
+        Case, and what was changed in it.
+    value : float or None
+        SI; None where it gives none.
+    role : str
+        fitted: the case was adjusted to the published number; predicted; shown: not comparable, `note` says why.
+    note : str
+    """
+
+    by: str
+    value: float | None
+    role: str
+    note: str = ""
+
+    def difference(self, published: float) -> float | None:
+        """Return how far it is from the published number, relative to that.
+
+        Examples
+        --------
+        >>> Computed("case", 3.0, "predicted").difference(4.0)
+        -0.25
+        """
+        return None if self.value is None or not published else self.value / published - 1.0
+
+
+@dataclass(frozen=True)
+class NumberRow:
+    """A published number, and what the models say of it."""
+
+    number: PublishedNumber
+    computed: tuple[Computed, ...]
+
+    @property
+    def best(self) -> Computed | None:
+        """The first answer with a value: that of the case made for it."""
+        return next((one for one in self.computed if one.value is not None), None)
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """Everything that a reproduction came to.
+
+    Attributes
+    ----------
+    runs : Runs
+    equations : tuple of EquationRow
+    numbers : tuple of NumberRow
+    checks : tuple of Consistency
+        Published numbers among each other.
+    findings : tuple of Finding
+    further : Further
+        Studies of the models of hexahedra.
+    """
+
+    runs: Runs
+    equations: tuple[EquationRow, ...]
+    numbers: tuple[NumberRow, ...]
+    checks: tuple[Consistency, ...]
+    findings: tuple[Finding, ...]
+    further: Further = field(default_factory=Further)
+
+    def row(self, name: str) -> NumberRow:
+        """Return a published number by its name."""
+        return next(row for row in self.numbers if row.number.name == name)
+
+    @property
+    def broken(self) -> bool:
+        """Whether a run broke a stated limit."""
+        return any(notice.broken for _, notice in self.notices)
+
+    @functools.cached_property
+    def bodies(self) -> list[BodyRow]:
+        """Masses on springs and layers for the bodies of the models of hexahedra, beside these."""
+        return body_rows(self.runs.elements)
+
+    @property
+    def notices(self) -> list[tuple[str, Notice]]:
+        """What the runs warn of, each with the name of its case."""
+        runs = self.runs
+        named: list[tuple[str, Sequence[Notice]]] = [(one.case.name, one.warnings) for one in runs.impacts]
+        named.append((runs.bar.case.name, runs.bar.warnings))
+        named += [(one.case.name, one.warnings) for one in runs.elements]
+        return [(name, notice) for name, rows in named for notice in rows]
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document; numbers are SI."""
+        runs = self.runs
+        units = {
+            "exact": "SI, see unit",
+            "printed": "SI, see printed_unit, else unit",
+            "corrected_value": "SI, see unit",
+        }
+        units |= {"value_si": "SI, see si", "published_value": "see published_unit"}
+        units |= {
+            "value": "SI, see unit",
+            "stated": "SI, see unit",
+            "difference": "1",
+            "deviation": "1",
+            "step": "s",
+            "seconds": "s",
+        }
+        units |= {"energy_error": "1", "hourglass_share": "1", "momentum_error": "1"}
+        return plain(
+            {
+                **head(units, [{"case": name, **without(asdict(notice), "broken")} for name, notice in self.notices]),
+                "paper": PAPER,
+                "quick": runs.quick,
+                "cases": [case.name for case in runs.cases],
+                "equations": [equation_document(row) for row in self.equations],
+                "published": [number_document(row) for row in self.numbers],
+                "consistency": [asdict(row) for row in self.checks],
+                "elements": [element_document(solution) for solution in runs.elements],
+                "meshes": {name: [mesh_document(row) for row in rows] for name, rows in self.further.meshes.items()},
+                "bodies": [body_document(row) for row in self.bodies],
+                "reasons": [{**asdict(row), "off": row.off} for row in self.further.reasons],
+                "dimensions": [dimension_document(study) for study in self.further.dimensions],
+                "findings": [asdict(row) for row in self.findings],
+            }
+        )
+
+    def table(self) -> str:
+        """Return published numbers and what was computed as CSV text, SI; a row an answer."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        heads = ["name", "where", "quantity", "origin", "SI unit", "published", "computed", "difference", "role", "by"]
+        writer.writerow([*heads, "note"])
+        for row in self.numbers:
+            number = row.number
+            begin = [number.name, number.where, number.quantity, number.origin, si_unit(number.unit), number.value]
+            for one in row.computed or (Computed("", None, "", number.note),):
+                cells = [one.value, one.difference(number.value), one.role, one.by, one.note or number.note]
+                writer.writerow([*begin, *("" if cell is None else cell for cell in cells)])
+        return text.getvalue()
+
+
+def si_unit(unit: str) -> str:
+    """Return the SI unit of a unit that the paper writes; the same where there is none.
+
+    Examples
+    --------
+    >>> si_unit("us"), si_unit("GPa"), si_unit("1"), si_unit("blows")
+    ('s', 'Pa', '1', 'blows')
+    """
+    found = None if unit == "1" else convertible(unit, DIMENSIONS)
+    return unit if found is None else found[0]
+
+
+def equation_document(row: EquationRow) -> dict[str, Any]:
+    """Return an equation as a row of the JSON document."""
+    return {**asdict(row), "deviation": row.deviation, "corrected_deviation": row.corrected_deviation}
+
+
+def number_document(row: NumberRow) -> dict[str, Any]:
+    """Return a published number with its answers as a row of the JSON document.
+
+    Examples
+    --------
+    >>> number = PublishedNumber("window", "Figure 5", "time", 0.15, "ms", "measured")
+    >>> found = number_document(NumberRow(number, ()))
+    >>> [found[key] for key in ("value_si", "si", "published_value", "published_unit")]
+    [0.15, 's', 150.0, 'ms']
+    """
+    number = row.number
+    si = si_unit(number.unit)
+    shown = number.value if number.unit == si else float(f"{in_unit(number.value, si, number.unit):.12g}")
+    values = {"value_si": number.value, "si": si, "published_value": shown, "published_unit": number.unit}
+    answers = [
+        {"value_si": one.value, **without(asdict(one), "value"), "difference": one.difference(number.value)}
+        for one in row.computed
+    ]
+    return {**without(asdict(number), "value", "unit"), **values, "computed": answers}
+
+
+def element_document(solution: FemSolution) -> dict[str, Any]:
+    """Return what a model of hexahedra took and how well it keeps its books."""
+    run, ledger = solution.run, ledger_measure(solution.run)
+    return {
+        "case": solution.case.name,
+        "elements": run.elements,
+        "steps": run.steps,
+        "step": run.step,
+        "seconds": run.seconds,
+        "energy_error": ledger.energy,
+        "hourglass_share": ledger.hourglass,
+        "momentum_error": ledger.momentum,
+    }
+
+
+def mesh_document(row: MeshRow) -> dict[str, Any]:
+    """Return a mesh of a model as a row of the JSON document."""
+    return {**asdict(row), "answer": row.answer._asdict()}
+
+
+def body_document(row: BodyRow) -> dict[str, Any]:
+    """Return an answer beside the elements as a row of the JSON document."""
+    numbers = ("peak", "width", "first_width", "pulses", "impulse", "rigid_peak", "watched_peak")
+    return {
+        "case": row.case,
+        "model": row.model,
+        "law": row.law,
+        **{name: getattr(row.answer, name) for name in numbers},
+    }
+
+
+def dimension_document(study: DimensionStudy) -> dict[str, Any]:
+    """Return what assumed dimensions do to the answer of a model."""
+    rows = [
+        {**asdict(row), "larger": row.larger._asdict(), "smaller": row.smaller._asdict(), "share": SHARE}
+        for row in study.rows
+    ]
+    return {"case": study.case, "base": study.base._asdict(), "rows": rows}
+
+
+def by_role(rows: Sequence[NumberRow], role: str) -> list[tuple[PublishedNumber, Computed]]:
+    """Return the answers of a role, each with its published number."""
+    return [(row.number, one) for row in rows for one in row.computed if one.role == role and one.value is not None]

@@ -1,0 +1,198 @@
+"""What is run to reproduce Li & Ma 2019: the machine, its stacks, a bar, and the models of hexahedra."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from strikewave.analyses.machine.result import Solution
+from strikewave.analyses.machine.run import run_case
+from strikewave.analyses.wave.result import BarSolution
+from strikewave.analyses.wave.run import run_wave
+from strikewave.cases.case import Case, bundled_cases, load_case
+
+if TYPE_CHECKING:
+    from strikewave.analyses.fem.result import FemSolution
+
+Report = Callable[[float, str], None]
+
+MACHINE, COMPARISON, FIXTURE, BAR, EQUAL_BLOWS = (
+    "li-ma-2019",
+    "li-ma-2019-fig5",
+    "li-ma-2019-fig13",
+    "li-ma-2019-fig13-bar",
+    "li-ma-2019-equal-blows",
+)
+RIGID_ELEMENTS, QUIET_ELEMENTS = "li-ma-2019-fem-rigid", "li-ma-2019-fem-rigid-quiet"
+WAVE_ELEMENTS, QUIET_WAVE_ELEMENTS = "li-ma-2019-fem-wave", "li-ma-2019-fem-wave-quiet"
+"""The object of Figure 11 and the sensor of Figure 15, each also with non-reflecting faces."""
+NON_REFLECTING = (QUIET_ELEMENTS, QUIET_WAVE_ELEMENTS)
+"""Those whose faces are as in the paper's own simulations."""
+ELEMENT_CASES = (RIGID_ELEMENTS, QUIET_ELEMENTS, WAVE_ELEMENTS, QUIET_WAVE_ELEMENTS)
+COARSER, SHORTER = 1.25, "fem.duration=400 us"
+"""By how much elements are larger where a run is to be quick, and for how long it then goes."""
+PASSING = (
+    "stack.layer.sensor.material=2A12",
+    "stack.layer.upper.length=60 mm",
+    "stack.layer.lower.length=60 mm",
+    "load.shape=trapezoid",
+    "load.duration=60 us",
+    "load.rise=0.3 us",
+    "solver.step=2 ns",
+    "solver.duration=30 us",
+)
+"""Changes to `BAR` that make the wave in its middle layer pass to and fro: aluminium under a steep front."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is run.
+
+    Attributes
+    ----------
+    quick : bool
+        Whether elements are `COARSER`.
+    elements : bool
+        Whether the models of hexahedra are run at all.
+    studies : bool
+        Whether they are studied further: meshes, assumed dimensions, a second blow; never where quick.
+    threads : int
+        For those.
+    """
+
+    quick: bool = False
+    elements: bool = True
+    threads: int = 1
+    studies: bool = True
+
+
+@dataclass(frozen=True)
+class Runs:
+    """The solutions that the reproduction rests on.
+
+    Attributes
+    ----------
+    machine, comparison, fixture, equal_blows : Solution
+        Of Figures 9 and 11, 5, 13, and of the same machine with equal blows.
+    bar, passing : BarSolution
+        The sensor fixture under a front of 5 us, and a stack in which the wave passes to and fro (Figure 7).
+    elements : tuple of FemSolution
+        Of Figures 11 and 15; empty where they were left out.
+    quick : bool
+        Whether their meshes are coarse.
+    """
+
+    machine: Solution
+    comparison: Solution
+    fixture: Solution
+    equal_blows: Solution
+    bar: BarSolution
+    passing: BarSolution
+    elements: tuple[FemSolution, ...]
+    quick: bool
+
+    @property
+    def impacts(self) -> tuple[Solution, ...]:
+        """The machine cases."""
+        return self.machine, self.comparison, self.fixture, self.equal_blows
+
+    @property
+    def cases(self) -> tuple[Case, ...]:
+        """All bundled cases that were run, each once."""
+        own = tuple(solution.case for solution in self.impacts)
+        return (*own, self.bar.case, *(solution.case for solution in self.elements))
+
+    def element_solution(self, case: str) -> FemSolution | None:
+        """Return the solution of a model of hexahedra, or None."""
+        return next((solution for solution in self.elements if solution.case.name == case), None)
+
+
+def run_all(effort: Effort, report: Report = lambda share, words: None) -> Runs:
+    """Run everything.
+
+    Parameters
+    ----------
+    effort : Effort
+        How much.
+    report : callable, optional
+        Called with the share done, 0 to 1, and what runs now.
+
+    Examples
+    --------
+    >>> runs = run_all(Effort(elements=False))
+    >>> [len(solution.blows) for solution in runs.impacts]
+    [11, 7, 11, 11]
+    """
+    short = (MACHINE, COMPARISON, FIXTURE, EQUAL_BLOWS)
+    models = element_cases(effort) if effort.elements else []
+    share = 0.1 if models else 1.0
+    impacts = []
+    for k, name in enumerate(short):
+        report(share * k / (len(short) + 1), name)
+        impacts.append(run_case(load_case(name)))
+    report(share * len(short) / (len(short) + 1), BAR)
+    machine, comparison, fixture, equal_blows = impacts
+    bar, passing = run_wave(load_case(BAR)), run_wave(load_case(BAR, PASSING))
+    elements = []
+    for k, case in enumerate(models):
+        begin, end = (share + (1.0 - share) * place / len(models) for place in (k, k + 1))
+        elements.append(_run_elements(case, effort.threads, within(report, begin, end, case.name)))
+    report(1.0, "")
+    return Runs(machine, comparison, fixture, equal_blows, bar, passing, tuple(elements), effort.quick)
+
+
+def element_cases(effort: Effort) -> list[Case]:
+    """Return the models of hexahedra to run."""
+    cases = [load_case(name) for name in ELEMENT_CASES if name in bundled_cases()]
+    return [load_case(case.name, quick_changes(case.name)) for case in cases] if effort.quick else cases
+
+
+def quick_changes(name: str) -> list[str]:
+    """Return what a quick run changes in a model of hexahedra.
+
+    Examples
+    --------
+    >>> quick_changes("li-ma-2019-fem-wave")[0], quick_changes("li-ma-2019-fem-wave")[-1]
+    ('mesh.part.striker.size=3.75 mm', 'fem.duration=400 us')
+    """
+    return [*coarser(load_case(name)), SHORTER]
+
+
+def coarser(case: Case, factor: float = COARSER) -> list[str]:
+    """Return the changes that make the elements of a case larger.
+
+    Examples
+    --------
+    >>> coarser(load_case("two-bars-fem"))
+    ['mesh.part.striker.size=1.25 mm', 'mesh.part.bar.size=1.25 mm']
+    """
+    return [
+        f"mesh.part.{part.name}.{field}={1e3 * factor * value.si:g} mm"
+        for part in (case.mesh.part if case.mesh else ())
+        for field in ("size", "finest")
+        if (value := getattr(part, field, None)) is not None
+    ]
+
+
+def _run_elements(case: Case, threads: int, report: Report) -> FemSolution:
+    from strikewave.analyses.fem.build import build_model
+    from strikewave.analyses.fem.run import run_model
+    from strikewave.fem.solve import Asked, Progress
+
+    def seen(progress: Progress) -> None:
+        report(progress.time / progress.duration, f"{progress.left:.0f} s left of this run" if progress.time else "")
+
+    report(0.0, "builds the mesh")
+    return run_model(case, build_model(case, threads), Asked(report=seen))
+
+
+def within(report: Report, begin: float, end: float, what: str = "") -> Report:
+    """Return a report of a stage that goes from one share to another; ``what`` is said before its words.
+
+    Examples
+    --------
+    >>> within(lambda share, words: print(share, words), 0.5, 1.0, "a case")(0.5, "builds the mesh")
+    0.75 a case: builds the mesh
+    """
+    return lambda share, words: report(begin + (end - begin) * share, ": ".join(filter(None, (what, words))))

@@ -1,0 +1,214 @@
+"""What the commands on measured files share: their options, reading, and calibration."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from strikewave.reporting.terminal import say
+
+if TYPE_CHECKING:
+    from strikewave.records import Options, Record
+
+Files = Annotated[
+    list[str], typer.Argument(metavar="FILE...", help="Measured files of any known format.", show_default=False)
+]
+Channels = Annotated[
+    list[str] | None,
+    typer.Option("--channel", metavar="NAME|NUMBER", help="Channel to take; may be repeated.", show_default=False),
+]
+Rate = Annotated[
+    str | None,
+    typer.Option("--rate", help='Sampling rate of files without time, such as "200 kHz".', show_default=False),
+]
+Time = Annotated[
+    str | None, typer.Option("--time", metavar="NAME|NUMBER", help="Column that holds time.", show_default=False)
+]
+_EACH = " [CHANNEL=]VALUE; may be repeated."
+Unit = Annotated[
+    list[str] | None,
+    typer.Option("--unit", help="Unit of the file's values, such as g or mV." + _EACH, show_default=False),
+]
+Sensitivity = Annotated[
+    list[str] | None, typer.Option("--sensitivity", help='Such as "1.2 mV/g".' + _EACH, show_default=False)
+]
+Gain = Annotated[
+    list[str] | None, typer.Option("--gain", help='Of the amplifier: 10, or "10 mV/pC".' + _EACH, show_default=False)
+]
+Excitation = Annotated[
+    list[str] | None,
+    typer.Option("--excitation", help='Bridge voltage in the test, such as "5 V".' + _EACH, show_default=False),
+]
+RatedExcitation = Annotated[
+    list[str] | None,
+    typer.Option("--rated-excitation", help="Bridge voltage of the sensitivity." + _EACH, show_default=False),
+]
+Count = Annotated[
+    list[str] | None,
+    typer.Option("--count", help='Voltage of one ADC count, such as "305 uV".' + _EACH, show_default=False),
+]
+Polarity = Annotated[
+    list[str] | None,
+    typer.Option("--polarity", help="1, or -1 for a sensor mounted the other way." + _EACH, show_default=False),
+]
+
+
+def is_bare(text: str) -> bool:
+    """Tell whether a text is a number without a unit."""
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def stated_of(**given: Sequence[str] | None) -> dict[str, dict[str, Any]]:
+    """Return what was typed of the calibration, a table a channel; ``all`` for values without one.
+
+    A bare voltage is in V.
+
+    Raises
+    ------
+    InputError
+        If a polarity is no number.
+
+    Examples
+    --------
+    >>> stated_of(unit=["g", "frame=mV"])
+    {'all': {'unit': 'g'}, 'frame': {'unit': 'mV'}}
+    """
+    from strikewave.base.errors import InputError
+
+    stated: dict[str, dict[str, Any]] = {}
+    for name, texts in given.items():
+        for text in texts or ():
+            channel, mark, value = text.rpartition("=")
+            typed: Any = value.strip()
+            if name == "polarity":
+                if typed not in ("1", "+1", "-1"):
+                    raise InputError("--polarity", value, "1 or -1")
+                typed = int(typed)
+            elif name in ("excitation", "rated_excitation", "count") and is_bare(typed):
+                typed += " V"
+            stated.setdefault(channel.strip() if mark else "all", {})[name] = typed
+    return stated
+
+
+def check_channels(stated: Mapping[str, Any], records: Iterable[Record]) -> None:
+    """Refuse a calibration of a channel that no record has.
+
+    Raises
+    ------
+    InputError
+        If there is one.
+    """
+    from strikewave.base.errors import InputError, nearest
+
+    known = {key for record in records for key in record.keys}
+    for channel, table in stated.items():
+        if channel != "all" and channel not in known:
+            option = "--" + next(iter(table)).replace("_", "-")
+            allowed = "a channel of the files, by name or number"
+            raise InputError(option, f"{channel}=", allowed, nearest(channel, known))
+
+
+def options_of(rate: str | None, time: str | None, channels: Sequence[str] | None) -> Options:
+    """Return what the user says of the files.
+
+    Raises
+    ------
+    InputError
+        If the rate is no frequency.
+    """
+    from strikewave.records import Options
+
+    return Options(None if rate is None else positive(rate, "Hz", "--rate"), time, tuple(channels or ()))
+
+
+def positive(text: str, si: str, field: str) -> float:
+    """Return a typed quantity that must be above zero and finite.
+
+    Raises
+    ------
+    InputError
+        If it is not.
+    """
+    from strikewave.base.errors import InputError
+    from strikewave.base.units import DIMENSIONS, parse_typed
+
+    value = parse_typed(text, si, field)
+    if not 0.0 < value < math.inf:
+        raise InputError(field, text, f"{DIMENSIONS[si][0]} above zero")
+    return value
+
+
+def read_all(files: Sequence[str], options: Options) -> list[Record | Exception]:
+    """Read files, with a bar on stderr; a file that cannot be read gives its error.
+
+    Raises
+    ------
+    InputError
+        If not one of them can be read.
+    """
+    from rich.console import Console
+    from rich.progress import track
+
+    from strikewave.base.errors import StrikewaveError
+    from strikewave.records import read_record
+
+    console = Console(stderr=True)
+    results: list[Record | Exception] = []
+    for file in track(
+        files, "reading", console=console, transient=True, disable=len(files) < 2 or not console.is_terminal
+    ):
+        try:
+            results.append(read_record(file, options))
+        except StrikewaveError as error:
+            results.append(error)
+    errors = [result for result in results if isinstance(result, Exception)]
+    if len(errors) == len(results):
+        raise errors[0]
+    for failed in errors:
+        say(f"left out: {failed}")
+    return results
+
+
+def digests_of(paths: Sequence[Path]) -> dict[str, str]:
+    """Return the SHA-256 of files, by their paths."""
+    import hashlib
+
+    digests = {}
+    for path in paths:
+        if path.is_file():
+            with path.open("rb") as file:
+                digests[str(path)] = hashlib.file_digest(file, "sha256").hexdigest()
+    return digests
+
+
+def identity(asked: str, digests: Mapping[str, str]) -> str:
+    """Return what was asked of which files, by their SHA-256."""
+    import tomlkit
+
+    document = tomlkit.document()
+    document.add("schema", tomlkit.item(1))
+    document.add("command", tomlkit.item(shown(asked)))
+    held = tomlkit.aot()
+    for path, digest in digests.items():
+        held.append(tomlkit.item({"path": shown(path), "sha256": digest}))
+    document.add("file", held)
+    return tomlkit.dumps(document)
+
+
+def shown(path: str) -> str:
+    r"""Return a path fit for a text file: bytes that are no UTF-8 are written as \\xNN.
+
+    Examples
+    --------
+    >>> shown("a.csv")
+    'a.csv'
+    """
+    return os.fsencode(path).decode("utf-8", "backslashreplace")

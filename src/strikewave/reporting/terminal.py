@@ -1,0 +1,222 @@
+"""What the commands share: printing JSON, tables and numbers, and the options of all commands."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from strikewave.base.units import in_unit
+
+if TYPE_CHECKING:
+    from strikewave.analyses.machine.readings import Channel
+    from strikewave.analyses.machine.result import Comparison
+    from strikewave.cases.losses_of_case import Loss
+
+CaseName = Annotated[
+    str, typer.Argument(metavar="CASE", help="A case file, or the name of a published case.", show_default=False)
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="PATH=VALUE", help="Change a field of the case; may be repeated.", show_default=False
+    ),
+]
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Folder that will hold the result.", show_default=False)
+]
+Force = Annotated[bool, typer.Option("--force", help="Replace what another run left there.")]
+
+
+SELDOM = 10.0
+"""Seconds between two lines of progress, at least, where stderr is no terminal."""
+
+
+def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
+    """Print one JSON document on stdout; without indentation where it holds long histories."""
+    sys.stdout.write(json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False) + "\n")
+
+
+def say(text: str) -> None:
+    """Print words on stderr, where they cannot spoil what stdout carries."""
+    sys.stderr.write(text + "\n")
+
+
+def own_mark(text: str, changes: Sequence[str] | None) -> str:
+    """Return what tells the default folder of a changed case from that of the case itself; ``text`` is the case.
+
+    Examples
+    --------
+    >>> own_mark("schema = 1", []), own_mark("schema = 1", ["machine.speed=500 rpm"])
+    ('', '-20982c99')
+    """
+    return "-" + hashlib.sha256(text.encode()).hexdigest()[:8] if changes else ""
+
+
+def say_compiling() -> None:
+    """Say that the first run takes longer, where it does."""
+    from strikewave.base.compiled import is_cold
+
+    if is_cold():
+        say("compiling the kernels: once after install, about 20 s")
+
+
+def most_memory() -> str:
+    """Return in words how much memory the process has held at most; nothing where the system does not say."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return ""
+    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+    return f", {held / 1e9:.2f} GB of memory at most"
+
+
+@contextlib.contextmanager
+def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed",)) -> Iterator[Callable[..., None]]:
+    """Show a bar on stderr where that is a terminal, else a plain line at each tenth, at most every `SELDOM` seconds.
+
+    Gives a function that takes the share done, and words beside it. It begins with ``done``; ``clocks`` are "elapsed",
+    and "left" for the time that is left.
+    """
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield _plain_progress(what, done)
+        return
+    times = [TimeElapsedColumn() if clock == "elapsed" else TimeRemainingColumn() for clock in clocks]
+    columns = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}"), *times)
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("", total=1.0)
+        progress.update(task, completed=done)
+        yield lambda share, words="": progress.update(task, completed=share, description=words)
+
+
+def _plain_progress(what: str, done: float) -> Callable[..., None]:
+    """Return what says the share that is done in lines of their own, for logs; a short run says nothing."""
+    passed, last = math.floor(10.0 * done + 1e-9), time.monotonic()
+
+    def show(share: float, words: str = "") -> None:
+        nonlocal passed, last
+        tenth, now = math.floor(10.0 * share + 1e-9), time.monotonic()
+        if tenth > passed and now - last >= SELDOM:
+            last = now
+            say(", ".join(part for part in (f"{what} {100.0 * share:.0f} %".strip(), words) if part))
+        passed = max(tenth, passed)
+
+    return show
+
+
+def number(value: float | None, si: str, unit: str, digits: int = 4) -> str:
+    """Write an SI value in a unit for a table; a dash where there is none.
+
+    Examples
+    --------
+    >>> number(40709.86, "m/s^2", "g", 5)
+    '4151.3'
+    """
+    if value is None or value != value:
+        return "-"
+    return significant(in_unit(value, si, unit), digits)
+
+
+def fixed(value: float, si: str, unit: str, decimals: int) -> str:
+    """Write an SI value in a unit with so many decimals, so that a column lines up; a dash where there is none.
+
+    Examples
+    --------
+    >>> fixed(2e-4, "s", "us", 1)
+    '200.0'
+    """
+    return "-" if value != value else f"{in_unit(value, si, unit):.{decimals}f}"
+
+
+def significant(value: float, digits: int) -> str:
+    """Write a number to so many significant digits, without an exponent where it stays readable.
+
+    Examples
+    --------
+    >>> significant(19685.34, 3), significant(1.5e-7, 3), significant(float("inf"), 3)
+    ('19685', '1.5e-07', 'inf')
+    """
+    if value == 0.0 or not 1e-4 <= abs(value) < 1e7:
+        return f"{value:.{digits}g}"
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e" in text else text
+
+
+def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> None:
+    """Print a table on stdout: the first ``left`` columns to the left, the rest to the right."""
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    made = Table(title=escape(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
+    for place, column in enumerate(columns):
+        made.add_column(escape(column), justify="left" if place < left else "right", overflow="fold")
+    for row in rows:
+        made.add_row(*(escape(cell) for cell in row))
+    console = Console(soft_wrap=False)
+    if not console.is_terminal:
+        console.width = int(os.environ.get("COLUMNS", "160")) if os.environ.get("COLUMNS", "160").isdigit() else 160
+    console.print(made)
+
+
+def print_fits(losses: Sequence[Loss]) -> None:
+    """Print how well loss factors are held over their bands."""
+    from strikewave.analyses.wave.report import fit_table
+
+    if losses:
+        fits = fit_table(losses)
+        table(fits.caption, fits.columns, [[str(cell) for cell in row] for row in fits.rows])
+
+
+def print_losses(channels: Sequence[Channel]) -> None:
+    """Print the insertion loss of the buffered sensors."""
+    from strikewave.analyses.wave.report import loss_table
+
+    losses = loss_table(channels)
+    if losses.rows:
+        table(losses.caption, losses.columns, [[str(cell) for cell in row] for row in losses.rows])
+
+
+def print_published(published: Sequence[Comparison]) -> None:
+    """Print published numbers beside computed ones; nothing where there are none."""
+    from strikewave.cases.case import PUBLISHED_QUANTITIES
+    from strikewave.reporting.numbers import SHOWN_UNITS
+
+    if not published:
+        return
+    rows = []
+    for entry in published:
+        unit = PUBLISHED_QUANTITIES[entry.quantity]
+        shown = SHOWN_UNITS[unit]
+        pair = [
+            number(v, unit, shown, 6) if unit else ("-" if v is None else f"{v:g}")
+            for v in (entry.published, entry.computed)
+        ]
+        difference = "-" if entry.difference is None else f"{entry.difference:+.1%}"
+        rows.append(
+            [
+                entry.quantity + (f" of {entry.sensor}" if entry.sensor else "") + (f" ({shown})" if shown else ""),
+                entry.measured_or_simulated,
+                entry.role,
+                *pair,
+                difference,
+            ]
+        )
+    table(
+        "Published beside computed", ["quantity", "origin", "role", "published", "computed", "difference"], rows, left=3
+    )

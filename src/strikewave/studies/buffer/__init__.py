@@ -1,0 +1,1 @@
+"""Which buffer under a sensor: candidates compared by what the sensor reads."""

@@ -1,0 +1,296 @@
+"""One gasket stack of a buffer design: what the sensor reads on it, what it costs, and its place among others."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.readings import sensor_pulse
+from strikewave.base.errors import InputError, nearest
+from strikewave.base.materials import material
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.sensors import Mounting, Reading, Sensor, output
+from strikewave.sensors.bandwidth import Band, band
+from strikewave.studies.buffer.moduli import SOFTEST, STIFFEST, confined, moduli, spread, variants
+from strikewave.studies.buffer.seat import Motion, Seat, Sheets, loads, read_on, reading_of
+
+Array = NDArray[np.float64]
+
+ALIKE = 0.05
+"""Stacks whose peak and bandwidth differ by less are not distinct."""
+SMALL_CHANGE = 1e-3
+"""Velocity change over the integral of |a| below which no relative error of it is stated."""
+RINGING = 0.02
+"""Swing of the velocity at the end, over its change, beyond which no error of that change is stated."""
+RANKS = ("bandwidth", "peak", "robust")
+
+
+@dataclass(frozen=True)
+class Goal:
+    """The largest reading, m/s^2, and what stacks that keep it are ranked by: bandwidth, peak or robust.
+
+    Raises
+    ------
+    InputError
+        If the limit is not above zero, or the rank is no known one.
+    """
+
+    limit: float
+    rank: str = "bandwidth"
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.limit < math.inf:
+            raise InputError("--limit", self.limit, "an acceleration above zero")
+        if self.rank not in RANKS:
+            raise InputError("--rank", self.rank, "one of " + ", ".join(RANKS), nearest(self.rank, RANKS))
+
+
+@dataclass(frozen=True)
+class Leading:
+    """What is found only of the first of a ranking, and of the front; peaks as `Candidate.true_peak`, m/s^2.
+
+    Attributes
+    ----------
+    softer, stiffer : float
+        With the moduli of all gaskets at the low and at the high end of their spread.
+    confined : float or None
+        With the moduli of the table where the faces of elastomers cannot slip; None without elastomers.
+    robust : bool
+        Whether all `variants` keep the limit, in a history that is long enough for the softest.
+    stress, strain : tuple of float
+        Largest of each gasket: force of what lies above its middle over its area, Pa, and that over the modulus.
+    """
+
+    softer: float
+    stiffer: float
+    confined: float | None
+    robust: bool
+    stress: tuple[float, ...]
+    strain: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A stack, and what the sensor reads on it.
+
+    Attributes
+    ----------
+    sheets : tuple of Sheet
+        From the surface to the sensor.
+    height : float
+        Of the whole stack, m.
+    peak, width : float
+        Of the reading, with its sign, m/s^2, and at 10 % of the peak, s.
+    clipped : bool
+        Whether sensor or recorder cut it off.
+    element_peak : float
+        What the element would put out without its range, m/s^2.
+    true_peak : float
+        Largest magnitude of the reading; of the element where the reading is cut off. m/s^2.
+    keeps : bool
+        Whether the reading keeps the limit without being cut off.
+    margin : float
+        One less the true peak over the limit, or over the range of sensor or recorder where that is lower.
+    band : Band
+        What the mounting passes.
+    rigid_ratio, velocity_error : float
+        Peak over that of the rigid body; velocity change against that of the surface, relative; NaN where unknown,
+        which the latter is where the sensor still rings (see ``ringing``) or the surface hardly changes its speed.
+    ringing : float
+        Half the swing of sensor against surface in the last period of the resonance, over the velocity change.
+    loss_error : float
+        Deviation of the loss factors over their band.
+    sag : float
+        Compression by the weight of what lies above, at the moduli of the table, m.
+    whole : bool
+        Whether the history lasts half a period of the resonance after the surface's largest value: else the largest
+        reading may come after its end.
+    pareto : bool
+        Whether no other stack has both a lower true peak and more bandwidth.
+    leading : Leading or None
+        What is found only of the first ones, and of those on the front.
+    label : str
+        What it is called, where not by its gaskets.
+    """
+
+    sheets: Sheets
+    height: float
+    peak: float
+    width: float
+    clipped: bool
+    element_peak: float
+    true_peak: float
+    keeps: bool
+    margin: float
+    band: Band
+    rigid_ratio: float
+    velocity_error: float
+    ringing: float
+    loss_error: float
+    sag: float
+    whole: bool
+    pareto: bool = False
+    leading: Leading | None = None
+    label: str = ""
+
+    @property
+    def name(self) -> str:
+        """What it is called: its gaskets from the surface to the sensor."""
+        return self.label or " | ".join(str(sheet) for sheet in self.sheets) or "direct"
+
+    @property
+    def robust(self) -> bool:
+        """Whether it is known to keep the limit whatever the moduli."""
+        return self.leading is not None and self.leading.robust
+
+
+def true_peak(reading: Reading) -> float:
+    """Return the largest magnitude of a reading; of the element where the reading is cut off, m/s^2.
+
+    Examples
+    --------
+    >>> from strikewave.sensors import Recorder, read
+    >>> true_peak(read(Sensor(range=5.0), Recorder(), [0.0, -9.0, 2.0], 1e-6))
+    9.0
+    """
+    return reading.peak_before_clip if reading.clipped else abs(sensor_pulse(reading).peak)
+
+
+def assess(seat: Seat, sheets: Sheets, motion: Motion, goal: Goal) -> Candidate:
+    """Run one stack in time and find what it costs."""
+    return dataclasses.replace(assess_mounting(seat, seat.mounting(sheets), motion, goal), sheets=sheets)
+
+
+def assess_mounting(seat: Seat, mounting: Mounting, motion: Motion, goal: Goal, label: str = "") -> Candidate:
+    """Run any mounting in time and find what it costs."""
+    reading, passed = read_on(seat, mounting, motion), band(mounting)
+    pulse, highest = sensor_pulse(reading), true_peak(reading)
+    whole = not motion.after_peak * passed.resonance < 0.5
+    error, ringing = _velocity(reading, motion, passed.resonance)
+    return Candidate(
+        sheets=(),
+        height=sum(layer.thickness for layer in mounting.gaskets),
+        peak=pulse.peak,
+        width=pulse.width,
+        clipped=reading.clipped,
+        element_peak=reading.peak_before_clip,
+        true_peak=highest,
+        keeps=bool(highest <= goal.limit and not reading.clipped),
+        margin=1.0 - highest / min(goal.limit, seat.range),
+        band=passed,
+        rigid_ratio=pulse.peak / motion.rigid_peak if motion.rigid_peak else math.nan,
+        velocity_error=error if whole and ringing <= RINGING else math.nan,
+        ringing=ringing,
+        loss_error=max((mounting.loss(layer).error for layer in mounting.gaskets), default=0.0),
+        sag=sum(STANDARD_GRAVITY * mass / layer.stiffness for mass, layer in loads(mounting)),
+        whole=whole,
+        label=label,
+    )
+
+
+def _velocity(reading: Reading, motion: Motion, resonance: float) -> tuple[float, float]:
+    """Return how far the velocity change is off at the end, and half its swing in the last period, both relative."""
+    change = motion.velocity_change
+    if abs(change) <= SMALL_CHANGE * float(np.sum(np.abs(motion.acceleration))) * motion.step or reading.time.size < 2:
+        return math.nan, math.nan
+    lag = _running(reading.values, float(reading.time[1] - reading.time[0]))
+    error = float(lag[-1]) / change - 1.0
+    if math.isnan(resonance):
+        return error, 0.0
+    surface = motion.start + motion.step * np.arange(motion.acceleration.size)
+    lag -= np.interp(reading.time, surface, _running(motion.acceleration, motion.step))
+    last = lag[reading.time >= reading.time[-1] - 1.0 / resonance]
+    return error, 0.5 * float(np.ptp(last)) / abs(change)
+
+
+def _running(values: Array, step: float) -> Array:
+    """Return the integral up to each sample, by the trapezoidal rule."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]))]) * step
+
+
+def look_closer(seat: Seat, candidate: Candidate, motion: Motion, goal: Goal) -> Candidate:
+    """Return a candidate with its sensitivity to the moduli, and the stress and strain of its gaskets."""
+    sheets = candidate.sheets
+    mounting = seat.mounting(sheets)
+    softer, stiffer = (_peak(seat, sheets, motion, moduli(sheets, place)) for place in (SOFTEST, STIFFEST))
+    factors = confined(sheets, seat.area)
+    held = _peak(seat, sheets, motion, factors) if any(factor != 1.0 for factor in factors) else None
+    moved = float(np.max(np.abs(output(Sensor(mounting=mounting), motion.acceleration, motion.step))))
+    stress = tuple(mass * moved / layer.area for mass, layer in loads(mounting))
+    strain = tuple(s / layer.modulus for s, layer in zip(stress, mounting.gaskets, strict=True))
+    robust = max(softer, stiffer, held or 0.0) <= goal.limit and withstands(seat, candidate, motion, goal)
+    return dataclasses.replace(candidate, leading=Leading(softer, stiffer, held, robust, stress, strain))
+
+
+def withstands(seat: Seat, candidate: Candidate, motion: Motion, goal: Goal) -> bool:
+    """Return whether a stack keeps the limit with all `variants` of its moduli; it ends at the first that does not.
+
+    The history must last half a period of the softest variant after the surface's largest value.
+    """
+    sheets = candidate.sheets
+    if not candidate.keeps or candidate.band.resonance < slowest_shown(sheets, motion):
+        return False
+    return all(_peak(seat, sheets, motion, factors) <= goal.limit for factors in variants(sheets, seat.area))
+
+
+def slowest_shown(sheets: Sheets, motion: Motion) -> float:
+    """Return the lowest resonance of which a history holds half a period with the softest moduli, Hz."""
+    softest = min((spread(material(sheet.material))[0] for sheet in sheets), default=1.0)
+    return 0.5 / (motion.after_peak * math.sqrt(softest)) if motion.after_peak > 0.0 else math.inf
+
+
+def _peak(seat: Seat, sheets: Sheets, motion: Motion, factors: Sequence[float]) -> float:
+    return true_peak(reading_of(seat, sheets, motion, factors))
+
+
+def ranked(candidates: Sequence[Candidate], goal: Goal) -> list[Candidate]:
+    """Return candidates in order: those that keep the limit first, the others by their true peak.
+
+    By ``bandwidth`` the one that passes the highest frequency within 10 % comes first; what is equal to two digits
+    goes by fewer gaskets, then by the lower peak. By ``peak`` the lowest peak comes first. By ``robust`` those known
+    to be robust come first, then by bandwidth.
+    """
+
+    def key(candidate: Candidate) -> tuple[Any, ...]:
+        height = candidate.true_peak if math.isfinite(candidate.true_peak) else math.inf
+        layers, wide = len(candidate.sheets), candidate.band.within_10
+        first = (not candidate.keeps, goal.rank == "robust" and not candidate.robust)
+        if candidate.keeps and goal.rank != "peak":
+            return (*first, -float(f"{wide:.1e}"), layers, height)
+        return (*first, height, layers, -wide)
+
+    return sorted(candidates, key=key)
+
+
+def with_front(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return candidates with those marked that no other beats in both true peak and bandwidth, in the same order."""
+    order = sorted(range(len(candidates)), key=lambda k: (candidates[k].true_peak, -candidates[k].band.within_10))
+    marked, widest = set(), -math.inf
+    for k in order:
+        if candidates[k].band.within_10 > widest and not math.isnan(candidates[k].true_peak):
+            widest = candidates[k].band.within_10
+            marked.add(k)
+    return [dataclasses.replace(candidate, pareto=k in marked) for k, candidate in enumerate(candidates)]
+
+
+def alike(one: Candidate, other: Candidate) -> bool:
+    """Return whether true peak and bandwidth of two stacks are the same within `ALIKE`."""
+    pairs = ((one.band.within_10, other.band.within_10), (one.true_peak, other.true_peak))
+    return all(math.isclose(*pair, rel_tol=ALIKE) for pair in pairs)
+
+
+def distinct(candidates: Sequence[Candidate], count: int) -> list[Candidate]:
+    """Return the first of a ranking, those left out that are `alike` to one before."""
+    found: list[Candidate] = []
+    for candidate in candidates:
+        if len(found) == count:
+            break
+        if not any(alike(candidate, other) for other in found):
+            found.append(candidate)
+    return found

@@ -1,0 +1,157 @@
+"""What to know of a buffer design: its search, its first stack, and the materials of that."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from strikewave.analyses.machine.readings import sensor_pulse
+from strikewave.analyses.machine.result import Notice
+from strikewave.base.materials import material
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.studies.buffer.candidate import Candidate, slowest_shown, true_peak
+from strikewave.studies.buffer.moduli import confined, spread
+from strikewave.studies.buffer.seat import reading_of
+from strikewave.waves.limits import channel_notices
+
+if TYPE_CHECKING:
+    from strikewave.studies.buffer.study import BufferStudy
+
+LARGE_STRAIN = 0.1
+"""Compression of a gasket over its thickness beyond which small-strain values are stretched."""
+FITTED_LOSS = 0.05
+"""Deviation of the loss factor over its band beyond which it is warned of."""
+COARSE = 0.02
+"""Share of the limit beyond which a step of the recorder's bits is worth a word."""
+
+
+def _g(acceleration: float) -> str:
+    """Write an acceleration in g."""
+    return f"{acceleration / STANDARD_GRAVITY:.0f} g"
+
+
+def study_notices(study: BufferStudy, skipped: int) -> Iterator[Notice]:
+    """Yield what to know of the search, of the first stack, and of its materials."""
+    if skipped:
+        message = f"{skipped} stacks are left out: too many wavelengths thick, each would take seconds to try"
+        yield Notice("stack-left-out", message, float(skipped), 0.0)
+    first, limit = study.candidates[0], study.goal.limit
+    if study.broken:
+        yield _why_none(study)
+    if first.sheets:
+        yield from _pulse_lost(study, first)
+        yield from _gasket_notices(study, first)
+    yield from _other_blows(study, first)
+    reading = study.reading(first)
+    pulses = [{study.held.sensor.name: sensor_pulse(reading)}]
+    yield from channel_notices([study.held], pulses, study.blows.assembly_mass)
+    if not first.whole:
+        message = (
+            f"the history ends {study.motion.after_peak * 1e6:.4g} us after the surface's largest value, before "
+            f"{first.name} has swung to one side at {first.band.resonance:.4g} Hz: its largest reading may come later"
+        )
+        yield Notice("short-history", message, study.motion.after_peak, 0.5 / first.band.resonance)
+    if reading.quantum > COARSE * limit:
+        message = f"a step of the recorder is {_g(reading.quantum)} for a limit of {_g(limit)}: take a smaller range"
+        yield Notice("coarse-steps", message, reading.quantum, COARSE * limit)
+    yield from _not_robust(study, first)
+
+
+def _pulse_lost(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
+    """Yield whether the first stack passes too little of the pulse to show it."""
+    width, passed = study.motion.width, first.band.within_10
+    if not math.isnan(width) and passed * width < 1.0:
+        message = (
+            f"{first.name} passes within 10 % only up to {passed:.3g} Hz, and a pulse of {width * 1e6:.4g} us needs "
+            f"about {1.0 / width:.4g} Hz, one over its width: the reading is the buffer's own swing; it tells that the "
+            "sensor survives, not what the pulse was"
+        )
+        yield Notice("pulse-lost", message, passed, 1.0 / width)
+
+
+def _not_robust(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
+    """Yield whether the first stack keeps the limit with the moduli of the table only."""
+    found, limit = first.leading, study.goal.limit
+    if found is None or not first.keeps or found.robust:
+        return
+    most = max(found.softer, found.stiffer, found.confined or 0.0)
+    if most <= limit:
+        what = "a modulus between, or no slip at other moduli, breaks the limit, or the history is too short to tell"
+    else:
+        what = f"the sensor reads up to {_g(most)}"
+    ends = {name: spread(material(name)) for name in dict.fromkeys(sheet.material for sheet in first.sheets)}
+    tried = ", ".join(f"{name} {low:g} to {high:g} times" for name, (low, high) in ends.items())
+    message = f"{first.name} is not sure to keep the limit ({tried} the modulus of the table, slip or none): {what}; "
+    if study.robust is not None:
+        message += f"measure the gaskets, or take {study.robust.name}, which is robust (--rank robust)"
+    elif study.goal.rank == "robust":
+        slowest = slowest_shown(first.sheets, study.motion)
+        message += (
+            "measure the gaskets, or try thicker ones; no stack is known to be robust, which takes a history of half a "
+            f"period of the softest: this one is long enough for stacks like this that ring above {slowest:.3g} Hz"
+        )
+    else:
+        message += "measure the gaskets, or look for a robust stack with --rank robust"
+    yield Notice("not-robust", message, most, limit)
+
+
+def _why_none(study: BufferStudy) -> Notice:
+    """Say that no stack keeps the limit, which comes nearest, and what stands against it."""
+    first, motion, limit = study.candidates[0], study.motion, study.goal.limit
+    value = first.true_peak
+    bound = study.seat.range if first.clipped else limit
+    message = (
+        f"no stack keeps {_g(limit)}: the nearest, {first.name}, gives "
+        f"{_g(value)} at the {'element' if first.clipped else 'reading'}"
+    )
+    if first.clipped and value > bound:
+        message += f", beyond the range of {_g(bound)}"
+    if motion.rigid_peak is not None and abs(motion.rigid_peak) > limit:
+        message += (
+            f"; the rigid-body pulse itself has {_g(abs(motion.rigid_peak))}, so that a buffer "
+            "that keeps the limit no longer reads it"
+        )
+    return Notice("limit-not-kept", message + "; try softer or thicker gaskets, or more layers", value, bound, True)
+
+
+def _gasket_notices(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
+    """Yield what the gaskets of the first stack are taken beyond, and where their numbers come from."""
+    assert first.leading is not None
+    for sheet, stress, strain in zip(first.sheets, first.leading.stress, first.leading.strain, strict=True):
+        strength = material(sheet.material).yield_strength
+        if strength is not None and stress > strength:
+            message = f"{sheet} carries {stress / 1e6:.3g} MPa, beyond its yield strength of {strength / 1e6:.3g} MPa"
+            yield Notice("gasket-yield", message, stress, strength)
+        if strain > LARGE_STRAIN:
+            message = f"{sheet} is compressed by {strain:.0%}: its modulus is that of small strain; it stiffens"
+            yield Notice("gasket-strain", message, strain, LARGE_STRAIN)
+    if first.loss_error > FITTED_LOSS:
+        message = f"the loss factor of {first.name} is held to {first.loss_error:.0%} over its band only"
+        yield Notice("loss-fit", message, first.loss_error, FITTED_LOSS)
+    elastic = [spread(material(sheet.material))[1] for sheet in first.sheets]
+    factors = confined(first.sheets, study.seat.area)
+    stiffer, usual = max(zip(factors, elastic, strict=True), key=lambda pair: pair[0] / pair[1])
+    if stiffer > usual:
+        message = (
+            f"the elastomer is thin for its width: where its faces cannot slip it is up to {stiffer:.3g} times as "
+            "stiff as reckoned (Gent & Lindley); no slip shows what is then read"
+        )
+        yield Notice("elastomer-confined", message, stiffer, usual)
+    for name in dict.fromkeys(sheet.material for sheet in first.sheets):
+        row = material(name)
+        if row.status != "checked":
+            yield Notice("material-from-memory", f"{name}: {row.note}", 1.0, 0.0)
+
+
+def _other_blows(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
+    """Yield whether the first stack breaks the limit in another blow of the run."""
+    others = [motion for motion in study.blows.motions if motion is not study.motion]
+    readings = [(reading_of(study.seat, first.sheets, motion), motion.name) for motion in others]
+    peaks = [(true_peak(reading), reading.clipped, name) for reading, name in readings]
+    worst, clipped, name = max((p for p in peaks if p[1] or p[0] > study.goal.limit), default=(0.0, False, ""))
+    if first.keeps and worst > 0.0:
+        message = f"in {name} the sensor reads {_g(worst)} with {first.name}: try --blow"
+        if clipped:
+            message = f"in {name} the element reaches {_g(worst)} with {first.name}, and is cut off: try --blow"
+        yield Notice("other-blow", message, worst, min(study.goal.limit, study.seat.range))

@@ -1,0 +1,389 @@
+"""What a buffer design stands on: the sensor and its footprint, and how the surface below it moves in each blow."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.notices import notices
+from strikewave.analyses.machine.readings import Channel, largest
+from strikewave.analyses.machine.result import Notice
+from strikewave.analyses.machine.run import observe
+from strikewave.analyses.wave.run import run_wave
+from strikewave.base.errors import MISSING, InputError, nearest
+from strikewave.base.materials import material, materials
+from strikewave.base.quantities import Value
+from strikewave.cases.case import Case
+from strikewave.cases.sensors_of_case import build_channels
+from strikewave.cases.stack_of_case import area_of, checked, need
+from strikewave.cases.tables import GasketTable, SensorTable
+from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor, accelerometer, read
+from strikewave.signal.pulse import measure_pulse
+from strikewave.waves.limits import wave_notices
+
+Array = NDArray[np.float64]
+
+
+class Sheet(NamedTuple):
+    """One gasket of a stack: material of the table, and thickness."""
+
+    material: str
+    thickness: Value
+
+    def __str__(self) -> str:
+        """Return what it is called."""
+        return f"{self.material} {self.thickness.typed}"
+
+
+Sheets = tuple[Sheet, ...]
+"""Gaskets from the surface to the sensor; none is a direct mounting."""
+
+
+def usual_materials() -> tuple[str, ...]:
+    """Return the polymers and elastomers of the table that have a loss factor.
+
+    Examples
+    --------
+    >>> usual_materials()
+    ('PMMA', 'polycarbonate', 'PTFE', 'rubber')
+    """
+    soft = ("polymer", "elastomer")
+    return tuple(name for name, row in materials().items() if row.kind in soft and row.loss_factor is not None)
+
+
+class Present(NamedTuple):
+    """The buffer that a case has before the search: what it is called, and the mounting."""
+
+    name: str
+    mounting: Mounting
+
+
+@dataclass(frozen=True)
+class Seat:
+    """A sensor, its recorder, and what is the same below it whatever the stack.
+
+    Attributes
+    ----------
+    channel : Channel
+        Sensor, tap and recorder; the mounting in it does not count.
+    table : SensorTable
+        What a case says of it.
+    footprint : dict
+        ``diameter`` or ``area`` of its gaskets.
+    mass, area : float
+        Of the sensor, kg, and of the gaskets, m^2.
+    present : Present or None
+        The buffer that the case has now.
+    """
+
+    channel: Channel
+    table: SensorTable
+    footprint: dict[str, Value]
+    mass: float
+    area: float
+    present: Present | None = None
+
+    @property
+    def range(self) -> float:
+        """Largest reading of sensor and recorder, m/s^2."""
+        full_scale = self.channel.recorder.full_scale
+        return min(self.channel.sensor.range, math.inf if full_scale is None else full_scale)
+
+    def mounting(self, sheets: Sheets, stiffer: Sequence[float] = ()) -> Mounting:
+        """Return sensor and gaskets on the edge contact; ``stiffer`` multiplies the modulus of each gasket."""
+        if not sheets:
+            return Mounting()
+        edge = self.table.edge_stiffness.si if self.table.edge_stiffness else math.inf
+        damping = self.table.edge_damping.si if self.table.edge_damping else 0.0
+        factors = stiffer or [1.0] * len(sheets)
+        gaskets = [gasket(sheet, self.area, factor) for sheet, factor in zip(sheets, factors, strict=True)]
+        return Mounting(tuple(gaskets), self.mass, edge, damping)
+
+    def sensor(self, mounting: Mounting) -> Sensor:
+        """Return the sensor on a mounting."""
+        return dataclasses.replace(self.channel.sensor, mounting=mounting)
+
+
+def gasket(sheet: Sheet, area: float, stiffer: float = 1.0) -> Gasket:
+    """Return a gasket of a material of the table.
+
+    Examples
+    --------
+    >>> gasket(Sheet("PTFE", Value(si=1e-3, typed="1 mm")), 1e-4).stiffness
+    47500000.0
+    """
+    row = material(sheet.material)
+    modulus = stiffer * row.youngs_modulus
+    return Gasket(row.density, modulus, area, sheet.thickness.si, row.loss_factor or 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """How the surface below the sensor moves in one blow.
+
+    Attributes
+    ----------
+    name : str
+        Which blow, in words.
+    acceleration : ndarray
+        m/s^2, at even steps, from rest.
+    step, start : float
+        Time between samples, and of the first one, s.
+    touched : float
+        Time of first touch after a sampling instant of the recorder, s; the first sample where ``start`` is 0.
+    rigid_peak, rigid_width : float or None
+        Of the rigid-body acceleration, where it is known, m/s^2, and at 10 % of its peak, s.
+    """
+
+    name: str
+    acceleration: Array = field(repr=False)
+    step: float
+    start: float = 0.0
+    touched: float = 0.0
+    rigid_peak: float | None = None
+    rigid_width: float | None = None
+
+    @property
+    def width(self) -> float:
+        """Width of the pulse at 10 % of its peak, s: of the rigid body where it is known, else of the surface."""
+        return pulse_width(self.acceleration, self.step) if self.rigid_width is None else self.rigid_width
+
+    @property
+    def peak(self) -> float:
+        """Value of largest magnitude, m/s^2."""
+        return largest(self.acceleration)
+
+    @property
+    def after_peak(self) -> float:
+        """Time from the value of largest magnitude to the end, s."""
+        return self.step * (self.acceleration.size - 1 - int(np.argmax(np.abs(self.acceleration))))
+
+    @property
+    def velocity_change(self) -> float:
+        """Integral over the history, m/s."""
+        return float(np.trapezoid(self.acceleration, dx=self.step))
+
+    def phase(self, rate: float) -> float:
+        """Return the share of a sampling interval from the start to the recorder's first instant."""
+        at = 0.0 if math.isinf(rate) else (self.touched + self.start) * rate
+        return min(math.ceil(at) - at, 1.0 - 1e-9)
+
+
+def pulse_width(values: Array, step: float) -> float:
+    """Return the width at 10 % of the value of largest magnitude, s; NaN where there is none.
+
+    Examples
+    --------
+    >>> pulse_width(-np.sin(np.pi * np.linspace(0.0, 1.0, 201)), 5e-3).__round__(3)
+    0.936
+    """
+    upright = values * math.copysign(1.0, largest(values)) if values.size > 2 else values
+    return measure_pulse(upright, step).width if upright.size > 2 and upright.max() > 0.0 else math.nan
+
+
+def loads(mounting: Mounting) -> list[tuple[float, Gasket]]:
+    """Return each gasket with the mass above its middle, kg, from the surface up."""
+    above, found = mounting.sensor_mass, []
+    for layer in reversed(mounting.gaskets):
+        found.append((above + 0.5 * layer.mass, layer))
+        above += layer.mass
+    return found[::-1]
+
+
+def reading_of(seat: Seat, sheets: Sheets, motion: Motion, stiffer: Sequence[float] = ()) -> Reading:
+    """Return what the recorder keeps of a blow with a stack under the sensor.
+
+    Raises
+    ------
+    InputErrors
+        If the recorder's filter or rate does not fit the history.
+    """
+    return read_on(seat, seat.mounting(sheets, stiffer), motion)
+
+
+def read_on(seat: Seat, mounting: Mounting, motion: Motion) -> Reading:
+    """Return what the recorder keeps of a blow on a mounting."""
+    recorder = seat.channel.recorder
+    phase = motion.phase(recorder.sampling_rate)
+    return checked(
+        f"sensor.{seat.table.name}",
+        lambda: read(seat.sensor(mounting), recorder, motion.acceleration, motion.step, motion.start, phase),
+    )
+
+
+class Blows(NamedTuple):
+    """All blows that a design knows of.
+
+    Attributes
+    ----------
+    motions : tuple of Motion
+        One a blow.
+    chosen : int
+        Place of the one that stacks are designed for.
+    warnings : tuple of Notice
+        What to know of the run that they come from.
+    assembly_mass : float
+        Of what the sensor sits on, kg; infinite where it is not known.
+    """
+
+    motions: tuple[Motion, ...]
+    chosen: int = 0
+    warnings: tuple[Notice, ...] = ()
+    assembly_mass: float = math.inf
+
+    @property
+    def motion(self) -> Motion:
+        """The chosen one."""
+        return self.motions[self.chosen]
+
+
+def choose_sensor(case: Case, name: str | None = None) -> SensorTable:
+    """Return the sensor of a case by its name; the only one needs none.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name, or several and no name.
+    """
+    names = [sensor.name for sensor in case.sensor]
+    if not names:
+        hint = "add [[sensor]] with name, tap, mass and a [[sensor.gasket]]; see docs/sensors.md"
+        raise InputError("sensor", MISSING, "a [[sensor]] in the case", hint)
+    if name is None and len(names) > 1:
+        raise InputError("--sensor", MISSING, "the name of a sensor", nearest("", names))
+    if name is not None and name not in names:
+        raise InputError("--sensor", name, "the name of a sensor of the case", nearest(name, names))
+    return case.sensor[0 if name is None else names.index(name)]
+
+
+def seat_of(table: SensorTable, case: Case | None = None, footprint: Mapping[str, Value] | None = None) -> Seat:
+    """Return the seat of a sensor; its footprint is that of its first gasket where none is given.
+
+    Without a case the recorder is ideal.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If mass or footprint are missing, or the sensor makes no sense.
+    """
+    bare = table.model_copy(update={"gasket": ()})
+    if case is not None:
+        (channel,) = build_channels(case.model_copy(update={"sensor": (bare,)}))
+    else:
+        known = accelerometer(table.model, "--model").mounted() if table.model else Sensor()
+        channel = Channel(dataclasses.replace(known, name=table.name), None, Recorder())
+    shape = dict(footprint or {})
+    for key in ("diameter", "area") if table.gasket and not shape else ():
+        value = getattr(table.gasket[0], key)
+        shape |= {key: value} if value is not None else {}
+    path = f"sensor.{table.name}"
+    mass = need(table.mass, f"{path}.mass", "the mass of the sensor", 'add --mass "5 gram"')
+    if not shape:
+        raise InputError(f"{path}.gasket", MISSING, "the footprint of the sensor", 'add --diameter "15 mm"')
+    gasket_table = GasketTable(material="", thickness=Value(si=1.0, typed="1 m"), **shape)
+    return Seat(channel, bare, shape, mass, area_of(gasket_table, f"{path}.gasket"), _present(case, table))
+
+
+def _present(case: Case | None, table: SensorTable) -> Present | None:
+    """Return the buffer that a sensor of a case has now; None where it has none."""
+    if case is None or not table.gasket:
+        return None
+    (channel,) = build_channels(case.model_copy(update={"sensor": (table,)}))
+    name = " | ".join(f"{layer.material or 'gasket'} {layer.thickness.typed}" for layer in table.gasket)
+    return Present(f"now: {name}", channel.sensor.mounting)
+
+
+def with_sheets(seat: Seat, sheets: Sheets) -> SensorTable:
+    """Return what a case says of the sensor with a stack under it."""
+    layers = tuple(
+        GasketTable(material=sheet.material, thickness=sheet.thickness, **seat.footprint) for sheet in sheets
+    )
+    return seat.table.model_copy(update={"gasket": layers})
+
+
+def case_with(case: Case, seat: Seat, sheets: Sheets) -> Case:
+    """Return a case with a stack under its sensor."""
+    held = with_sheets(seat, sheets)
+    sensors = tuple(held if sensor.name == held.name else sensor for sensor in case.sensor)
+    return case.model_copy(update={"sensor": sensors})
+
+
+def blows_of(
+    case: Case, table: SensorTable, blow: str = "worst", progress: Callable[[float], None] | None = None
+) -> Blows:
+    """Run a case and return how the surface below a sensor moves in each blow.
+
+    An ideal sensor in the place of the others reads the motion of the surface, before any filter.
+
+    Parameters
+    ----------
+    case : Case
+        A machine, or a bar alone, which has one blow.
+    table : SensorTable
+        The sensor: where it sits.
+    blow : str, optional
+        ``worst`` (largest magnitude at the surface), ``first``, or a number from 1.
+    progress : callable, optional
+        Called with the share of a machine's run done.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If parts of the case do not fit together, or there is no such blow.
+    """
+    bare = case.model_copy(update={"sensor": (SensorTable(name=table.name, tap=table.tap),)})
+    _check_blow(blow, case)
+    if case.machine is None:
+        solution = run_wave(bare)
+        motion = _motion("the load of the bar", solution.readings[0])
+        width = pulse_width(solution.rigid, motion.step)
+        motion = dataclasses.replace(motion, rigid_peak=largest(solution.rigid), rigid_width=width)
+        return Blows((motion,), 0, solution.warnings, solution.run.stack.mass)
+    seen = observe(bare, progress)
+    pairs = [(one, history) for one, history in zip(seen.blows, seen.histories, strict=True) if history is not None]
+    motions = tuple(
+        dataclasses.replace(
+            _motion(f"blow {one.index}", history.readings[0]),
+            touched=one.time - seen.view.recorder_begin,
+            rigid_peak=one.rigid_peak,
+            rigid_width=one.width,
+        )
+        for one, history in pairs
+    )
+    if not motions:
+        raise InputError("--blow", blow, "a case in which a striker touches the object", "see `strikewave run`")
+    listed = (
+        *notices(case, seen.blows),
+        *wave_notices(seen.run, seen.histories, seen.readings, seen.view.bandwidth),
+    )
+    return Blows(motions, _chosen(blow, motions), listed, seen.machine.struck.assembly_mass)
+
+
+def _motion(name: str, reading: Reading) -> Motion:
+    """Return the motion that an ideal sensor read."""
+    time = reading.time
+    step = float(time[-1] - time[0]) / (time.size - 1)
+    return Motion(name, reading.values, step, float(time[0]))
+
+
+def _check_blow(blow: str, case: Case) -> None:
+    """Refuse a blow that a case cannot have before it runs."""
+    most = 1 if case.feed is None or case.machine is None else round(case.feed.blows.si)
+    if blow not in ("worst", "first", *map(str, range(1, most + 1))):
+        raise InputError("--blow", blow, f"worst, first, or a number from 1 to {most}")
+
+
+def _chosen(blow: str, motions: Sequence[Motion]) -> int:
+    """Return the place of a blow by what it is called; one that missed cannot be chosen."""
+    if blow == "worst":
+        return int(np.argmax([abs(motion.peak) for motion in motions]))
+    names = [motion.name.removeprefix("blow ") for motion in motions]
+    if blow != "first" and blow not in names:
+        raise InputError("--blow", blow, f"worst, first, or a number of {', '.join(names[:40])}")
+    return 0 if blow == "first" else names.index(blow)

@@ -1,0 +1,1 @@
+"""A map of blows over two settings of a machine."""

@@ -1,0 +1,253 @@
+"""One cell of a map: a machine with some of its settings changed, run fast, and what its blows come to."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
+from strikewave.base.quantities import Value
+from strikewave.base.units import in_unit
+from strikewave.cases.case import Case, parse_case
+from strikewave.machines import RotaryMachine
+from strikewave.machines.quick import QuickRun, quick_run, why_not
+from strikewave.studies.map.regimes import CYCLES, FAILED, IRREGULAR, UNKNOWN, Regime, regime_of
+from strikewave.studies.map.return_time import arrivals
+from strikewave.uncertainty.statistics import variation
+
+Array = NDArray[np.float64]
+
+FIELDS = {
+    "cv": ("1", "coefficient of variation of the rigid peaks of the machine's own blows; missed ones are left out"),
+    "cv_later": ("1", "the same without the first blow"),
+    "peak": ("m/s^2", "mean rigid peak of the machine's own blows; missed ones are left out"),
+    "first_peak": ("m/s^2", "rigid peak of the first blow"),
+    "missed": ("1", "how many of the machine's own blows missed, or did not come before feed.hold was over"),
+    "retreat": ("m", "largest retreat of the object"),
+    "stop_force": ("N", "largest force of the stop"),
+    "train_time": ("s", "from the first to the last of the machine's own blows"),
+    "return_ratio": ("1", "time of the return after the last of the own blows, closed form, over the striking period"),
+    "bounce_ratio": ("1", "the same until the object is back once more after one bounce"),
+    "regime": ("1", "what a longer train settles to, by code"),
+    "period": ("1", "its period in blows, 0 where it has none"),
+    "reason": ("1", "why there is no result or no regime, by code; 0 where there is"),
+}
+"""What is kept of a cell: SI unit and meaning."""
+PLACE = {name: k for k, name in enumerate(FIELDS)}
+
+REASONS = (
+    "",
+    "these settings make no machine",
+    "on its stop the object is no single body",
+    "a striker meets the edge of the face",
+    "another striker touches while a blow still rings",
+    "the turntable stalls, or the motion could not be followed",
+    "the train is too short to tell: it must last six turns of strikers that differ",
+)
+"""Why a cell has no result, by code."""
+NO_MACHINE, NOT_RIGID, EDGE, CROWDED, LOST, SHORT = range(1, 7)
+
+REPEATS = 1e-5
+"""A train ends early once its blows repeat within this."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A setting and the values that it takes.
+
+    Attributes
+    ----------
+    path : str
+        Of the case.
+    unit, si_unit : str
+        In which it is shown, and its SI unit.
+    values : tuple of float
+        SI, ascending.
+    log : bool
+        Whether they stand in equal ratios.
+    """
+
+    path: str
+    unit: str
+    si_unit: str
+    values: tuple[float, ...]
+    log: bool = False
+
+    def typed(self, value: float) -> str | float:
+        """Return a value as a case file has it.
+
+        Examples
+        --------
+        >>> Axis("machine.speed", "rpm", "rad/s", (50.0,)).typed(76.445421237351)
+        '730 rpm'
+        """
+        number = float(f"{self.shown(value):.9g}")
+        return f"{number:.9g} {self.unit}" if self.unit else number
+
+    def shown(self, value: Any) -> Any:
+        """Return values in the unit in which they are shown."""
+        return in_unit(value, self.si_unit, self.unit) if self.unit else value
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a map is of.
+
+    Attributes
+    ----------
+    case : str
+        Text of the case.
+    axes : tuple of Axis
+        x, y, and panels where there are any.
+    blows : int
+        The machine's own blows.
+    train : int
+        Blows of the longer train, half of which is left out; none of it where 0.
+    """
+
+    case: str
+    axes: tuple[Axis, ...]
+    blows: int
+    train: int
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Panels, rows (y) and columns (x)."""
+        sizes = [len(axis.values) for axis in self.axes]
+        return (sizes[2] if len(sizes) > 2 else 1, sizes[1], sizes[0])
+
+
+def case_at(case: Case, axes: tuple[Axis, ...], values: tuple[float, ...], keep_tolerances: bool = False) -> Case:
+    """Return a case with the settings of a cell, which needs no tolerances to run."""
+    changes = {
+        axis.path: Value(si=value, typed=axis.typed(value), note="chosen by strikewave map")
+        for axis, value in zip(axes, values, strict=True)
+    }
+    return case.with_values(changes, keep_tolerances)
+
+
+def machine_of(case: Case) -> RotaryMachine:
+    """Return the machine of a case with its object as two bodies on the frame, whatever the case has."""
+    machine = build_machine(case)
+    if machine.launch is not None:
+        raise InputError("machine.kind", case.rig().machine.kind, "rotary", "a map is of a machine that strikes again")
+    return dataclasses.replace(machine, layered=None)
+
+
+def cell_of(case: Case, blows: int, train: int) -> Array:
+    """Return what the blows of a case come to, in the order of `FIELDS`; NaN where there is no result.
+
+    Where only the longer train fails, the machine's own blows stand, and the regime is "failed".
+    """
+    out = np.full(len(FIELDS), np.nan)
+    out[PLACE["regime"]], out[PLACE["period"]] = FAILED, 0.0
+    try:
+        machine = machine_of(case)
+    except StrikewaveError:
+        out[PLACE["reason"]] = NO_MACHINE
+        return out
+    if why_not(machine):
+        out[PLACE["reason"]] = NOT_RIGID
+        return out
+    for length in dict.fromkeys((max(blows, train), blows)):
+        try:
+            run = quick_run(machine, length, repeats=REPEATS if length > blows else 0.0, least=blows)
+        except (IntegrationError, ValueError) as error:
+            out[PLACE["reason"]] = _reason(str(error))
+            continue
+        found = measured(run, blows, train if length >= train else 0)
+        if length < train:
+            found[PLACE["regime"]], found[PLACE["reason"]] = FAILED, out[PLACE["reason"]]
+        return found
+    return out
+
+
+def _reason(text: str) -> int:
+    """Return the code of a failure told in words."""
+    return EDGE if "edge" in text else CROWDED if "another striker" in text else LOST
+
+
+def measured(run: QuickRun, blows: int, train: int) -> Array:
+    """Return what a fast run comes to, in the order of `FIELDS`."""
+    machine = run.machine
+    missed = np.isnan(run.column("approach_speed"))
+    own = own_blows(run, blows)
+    peaks, times, struck = run.column("rigid_peak")[own], run.column("time")[own], ~missed[own]
+    leaves = (run.column("face_speed") + run.column("velocity_change"))[own][struck]
+    back = arrivals(machine.struck, float(leaves[-1])) if leaves.size and leaves[-1] > 0.0 else (np.nan, np.nan)
+    period = machine.pitch / machine.turntable.speed
+    regime = train_regime(run, missed, train)
+    short = train > 0 and regime.code == UNKNOWN
+    found = {
+        "cv": variation(peaks),
+        "cv_later": variation(peaks[1:]),
+        "peak": peaks[struck].mean() if struck.any() else np.nan,
+        "first_peak": peaks[0] if peaks.size else np.nan,
+        "missed": blows - struck.sum(),
+        "retreat": _largest(run.column("retreat")[own]),
+        "stop_force": _largest(run.column("stop_force")[own]),
+        "train_time": times[-1] - times[0] if times.size else np.nan,
+        "return_ratio": back[0] / period,
+        "bounce_ratio": back[1] / period,
+        "regime": regime.code,
+        "period": regime.period,
+        "reason": SHORT if short else 0,
+    }
+    return np.array([found[name] for name in FIELDS], dtype=float)
+
+
+def own_blows(run: QuickRun, blows: int) -> slice:
+    """Return which passes of a run are the machine's own: so many at most, and those before its hold is over."""
+    feed = run.machine.feed
+    return slice(0, min(blows, int(np.sum(run.column("time") <= feed.valve_delay + feed.stroke_time + feed.hold))))
+
+
+def train_regime(run: QuickRun, missed: NDArray[np.bool_], train: int) -> Regime:
+    """Return the regime of the second half of a train, or of its last quarter where only that has settled.
+
+    A train that ended early repeats at its end, so that as many turns as are needed may be looked at there.
+    """
+    if train == 0:
+        return Regime(UNKNOWN, 0)
+    states = np.column_stack([run.column("approach_speed"), run.column("angle")])
+    scales = np.array([run.machine.nominal_approach, abs(run.machine.first_touch)])
+    turn = _turn(run.machine)
+    count = len(states)
+    half = count // 2 if count >= train else min(count // 2, max(count - CYCLES * turn, 0))
+    regimes = [regime_of(states[k:], missed[k:], scales, turn) for k in (half, count - count // 4)]
+    return regimes[1] if regimes[0].code == IRREGULAR and regimes[1].period else regimes[0]
+
+
+def _turn(machine: RotaryMachine) -> int:
+    """Return after how many blows the strikers come again: their number where they differ, else one."""
+    first, *others = machine.strikers.each
+    return machine.strikers.count if any(other != first for other in others) else 1
+
+
+def _largest(values: Array) -> float:
+    known = values[~np.isnan(values)]
+    return float(known.max()) if known.size else float("nan")
+
+
+_worker: dict[str, Any] = {}
+
+
+def start_worker(plan: Plan) -> None:
+    """Make a process ready for rows of a map."""
+    _worker["plan"], _worker["case"] = plan, parse_case(plan.case)
+
+
+def row_of(row: int) -> Array:
+    """Return one row of the map that the worker was made ready for, shape (columns, fields); panels come first."""
+    plan, case = _worker["plan"], _worker["case"]
+    _, rows, _ = plan.shape
+    rest = [plan.axes[1].values[row % rows]]
+    if len(plan.axes) > 2:
+        rest.append(plan.axes[2].values[row // rows])
+    cells = [cell_of(case_at(case, plan.axes, (x, *rest)), plan.blows, plan.train) for x in plan.axes[0].values]
+    return np.array(cells)

@@ -1,0 +1,230 @@
+"""Picture of a map: one quantity in colour, regimes hatched, when the object is back as lines, the case as a mark."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.errors import InputError, nearest
+from strikewave.base.units import in_unit
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
+from strikewave.studies.map.cells import Axis
+from strikewave.studies.map.regimes import FAILED, NAMES, PERIOD_1, UNKNOWN
+from strikewave.studies.map.study import MapStudy
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+PANEL, MARGIN = (5.6, 4.6), (1.9, 1.5)
+"""Size of a panel and what stands around all of them, inches."""
+LABELLED = 0.02
+"""A regime with this share of a panel is named in it."""
+HATCHES = ("", "//", "\\\\", "xx", "..", "oo", "", "")
+"""Of each regime, by code; what failed is grey."""
+DARK = "#222222"
+LEVELS = (1.0, 2.0, 3.0)
+"""Striking periods at which the object is back that are drawn."""
+MARK_EDGE = {"markeredgecolor": "white", "markeredgewidth": 1.0}
+
+
+class Colour(NamedTuple):
+    """How a field is shown: label, SI unit, unit, and whether on a logarithmic scale."""
+
+    label: str
+    si_unit: str
+    unit: str
+    log: bool = False
+
+
+COLOURS = {
+    "cv": Colour("coefficient of variation of the peaks, all blows (%)", "", "", True),
+    "cv_later": Colour("coefficient of variation of the peaks, from the second blow (%)", "", "", True),
+    "peak": Colour("mean rigid peak (g)", "m/s^2", "g"),
+    "first_peak": Colour("rigid peak of the first blow (g)", "m/s^2", "g"),
+    "retreat": Colour("largest retreat (mm)", "m", "mm"),
+    "stop_force": Colour("largest force of the stop (kN)", "N", "kN"),
+    "train_time": Colour("from first to last blow (ms)", "s", "ms"),
+    "missed": Colour("missed blows (1)", "", ""),
+}
+"""What may be shown in colour."""
+
+
+def check_colour(name: str) -> None:
+    """Refuse a colour that no field has.
+
+    Raises
+    ------
+    InputError
+        With the nearest one.
+    """
+    if name not in COLOURS:
+        raise InputError("--colour", name, "a quantity of the map", nearest(name, COLOURS))
+
+
+def map_figure(study: MapStudy, colour: str = "cv") -> Figure:
+    """Draw a map: a panel for each value of the third setting, where there is one."""
+    from matplotlib.figure import Figure
+
+    check_colour(colour)
+    panels = study.plan.shape[0]
+    size = (PANEL[0] * panels + MARGIN[0], PANEL[1] + MARGIN[1])
+    figure = Figure(figsize=size, layout="constrained")
+    every = figure.subplots(1, panels, squeeze=False, sharey=True)[0]
+    values, norm = _shown(study.field(colour), COLOURS[colour], colour)
+    drawn = [_panel(axes, study, k, values[k], norm) for k, axes in enumerate(every)]
+    bar = figure.colorbar(drawn[0], ax=list(every), pad=0.02, extend="both" if COLOURS[colour].log else "neither")
+    bar.set_label(COLOURS[colour].label)
+    if COLOURS[colour].log:
+        bar.ax.yaxis.set_major_formatter("{x:g}")
+    _legend(figure, every[0], study)
+    title = textwrap.shorten(f"{study.case.title or study.case.name}: {study.plan.blows} blows", 80 * panels)
+    sheet_title(figure, title)
+    return figure
+
+
+def _shown(values: Array, colour: Colour, name: str) -> tuple[Array, Any]:
+    """Return values in the unit in which they are shown, and the norm of their colours."""
+    from matplotlib.colors import LogNorm, Normalize
+
+    factor = in_unit(1.0, colour.si_unit, colour.unit) if colour.unit else 100.0 if name.startswith("cv") else 1.0
+    shown = factor * values
+    known = shown[np.isfinite(shown)]
+    if not known.size:
+        return shown, Normalize(0.0, 1.0)
+    if not colour.log:
+        return shown, Normalize(float(known.min()), float(known.max()) + 1e-12)
+    low, high = np.percentile(known[known > 0.0], [2, 98]) if np.any(known > 0.0) else (0.1, 1.0)
+    return np.where(shown == 0.0, low, shown), LogNorm(float(low), max(float(high), 1.01 * float(low)))
+
+
+def _panel(axes: Any, study: MapStudy, k: int, values: Array, norm: Any) -> Any:
+    """Draw one panel and return what carries the colours."""
+    x, y = (axis.shown(np.array(axis.values)) for axis in study.plan.axes[:2])
+    axes.set_facecolor("#D9D9D9")
+    drawn = axes.pcolormesh(x, y, np.ma.masked_invalid(values), norm=norm, cmap="cividis", shading="nearest")
+    drawn.set_rasterized(True)
+    for axis, scale in zip(study.plan.axes[:2], (axes.set_xscale, axes.set_yscale), strict=True):
+        scale("log" if axis.log else "linear")
+    _plain(axes, study)
+    _regimes(axes, study, k, x, y)
+    _returns(axes, study, k, x, y)
+    _marks(axes, study, k)
+    third = study.plan.axes[2] if len(study.plan.axes) > 2 else None
+    title = "" if third is None else f"{_label(third)}: {third.shown(third.values[k]):.4g}"
+    first = study.plan.axes[1]
+    quiet(axes, title, _label(study.plan.axes[0]), _label(first) if k == 0 else "")
+    axes.grid(False)
+    return drawn
+
+
+def _plain(axes: Any, study: MapStudy) -> None:
+    """Write 20, 50, 100 along a logarithmic axis."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    for axis, drawn in zip(study.plan.axes[:2], (axes.xaxis, axes.yaxis), strict=True):
+        if axis.log:
+            drawn.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            drawn.set_major_formatter("{x:g}")
+            drawn.set_minor_formatter(NullFormatter())
+
+
+def _regimes(axes: Any, study: MapStudy, k: int, x: Array, y: Array) -> None:
+    """Hatch and name the regimes of a panel; the first, period-1, stays plain."""
+    from matplotlib import patheffects
+    from scipy.ndimage import distance_transform_edt
+
+    codes = study.field("regime")[k]
+    for code, name in enumerate(NAMES):
+        here = codes == code
+        if not here.any() or code == UNKNOWN:
+            continue
+        if HATCHES[code]:
+            filled = axes.contourf(x, y, here.astype(float), levels=[0.5, 1.5], colors="none", hatches=[HATCHES[code]])
+            filled.set(edgecolor="white", linewidth=0.0)
+        if here.mean() < LABELLED or code == PERIOD_1:
+            continue
+        inside = distance_transform_edt(np.pad(here, 1))[1:-1, 1:-1]
+        row, column = np.unravel_index(int(np.argmax(inside)), inside.shape)
+        text = axes.text(x[column], y[row], name, color=DARK, fontsize=9, ha="center", va="center", zorder=6)
+        text.set_path_effects([patheffects.withStroke(linewidth=3, foreground="white")])
+
+
+def _returns(axes: Any, study: MapStudy, k: int, x: Array, y: Array) -> None:
+    """Draw where the object is back on its stop after whole striking periods: first return, and after one bounce."""
+    from matplotlib import patheffects
+
+    for name, style in (("return_ratio", "solid"), ("bounce_ratio", "dashed")):
+        ratio = np.ma.masked_invalid(study.field(name)[k])
+        levels = [level for level in LEVELS if ratio.count() and ratio.min() < level < ratio.max()]
+        if levels:
+            lines = axes.contour(x, y, ratio, levels=levels, colors="white", linestyles=style, linewidths=1.6)
+            for text in axes.clabel(lines, fmt=lambda level: f"{level:g} T", fontsize=9, colors="white"):
+                text.set_path_effects([patheffects.withStroke(linewidth=2, foreground=DARK)])
+
+
+def _marks(axes: Any, study: MapStudy, k: int) -> None:
+    """Mark the case, the range of what is assumed of it, and the nearest even setting."""
+    plan, here = study.plan, study.here
+    at = [axis.shown(value) for axis, value in zip(plan.axes, here, strict=True)]
+    nearest_panel = 0 if len(plan.axes) < 3 else int(np.argmin(np.abs(np.array(plan.axes[2].values) - here[2])))
+    limits = axes.get_xlim(), axes.get_ylim()
+    if k == nearest_panel:
+        for which, axis in enumerate(plan.axes[:2]):
+            ends = study.over_range(axis.path)
+            if ends is not None:
+                line = [[at[0], at[0]], [at[1], at[1]]]
+                line[which] = [axis.shown(end) for end in ends]
+                axes.plot(*line, color=RED, linewidth=2.2, solid_capstyle="butt", zorder=4)
+        axes.plot(at[0], at[1], "*", color=RED, markersize=15, zorder=5, **MARK_EDGE)
+    found = study.setting
+    if found is not None and (len(plan.axes) < 3 or found.values[2] == plan.axes[2].values[k]):
+        x, y = (axis.shown(value) for axis, value in zip(plan.axes[:2], found.values[:2], strict=True))
+        axes.plot(x, y, "D", color=BLUE, markersize=8, zorder=5, **MARK_EDGE)
+    axes.set_xlim(*limits[0])
+    axes.set_ylim(*limits[1])
+
+
+def _legend(figure: Figure, axes: Any, study: MapStudy) -> None:
+    """Explain marks, lines and hatches below the axes."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    empty: dict[str, Any] = {"linestyle": "none"}
+    handles: list[Any] = [Line2D([], [], marker="*", color=RED, markersize=12, label=f"{study.case.name}", **empty)]
+    doubted = [axis.path for axis in study.plan.axes[:2] if study.over_range(axis.path) is not None]
+    if doubted:
+        names = " and ".join(doubted)
+        handles.append(Line2D([], [], color=RED, linewidth=2.2, label=f"{names} assumed: half to twice"))
+    if study.setting is not None:
+        label = f"nearest with CV within {100.0 * study.wanted:g} %"
+        handles.append(Line2D([], [], marker="D", color=BLUE, label=label, **empty))
+    style: Any
+    for name, style, label in (
+        ("return_ratio", "solid", "back on the stop after k striking periods T"),
+        ("bounce_ratio", "dashed", "back after one bounce"),
+    ):
+        ratio = study.field(name)
+        if np.isfinite(ratio).any() and any(np.nanmin(ratio) < level < np.nanmax(ratio) for level in LEVELS):
+            handles.append(Line2D([], [], color=GREY, linestyle=style, linewidth=1.6, label=f"{label} (white)"))
+    for name in study.shares:
+        code = NAMES.index(name)
+        if HATCHES[code]:
+            handles.append(Patch(facecolor="#7A7A7A", edgecolor="white", hatch=HATCHES[code], label=name))
+        elif code == FAILED:
+            handles.append(Patch(facecolor="#D9D9D9", edgecolor=ORANGE, label="no result, or no regime"))
+    if NAMES[PERIOD_1] in study.shares:
+        handles.append(Patch(facecolor="none", edgecolor=GREY, label="plain: period-1"))
+    columns = 2 if study.plan.shape[0] == 1 else 4
+    figure.legend(handles=handles, frameon=False, fontsize=8, loc="outside lower center", ncols=columns)
+
+
+def _label(axis: Axis) -> str:
+    """Return the label of an axis: what of what, and its unit."""
+    table, _, key = axis.path.partition(".")
+    words = f"{key.replace('_', ' ').replace('.', ' ')} of the {table}"
+    return f"{words} ({axis.unit})" if axis.unit else f"{words} (1)"

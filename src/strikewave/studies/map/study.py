@@ -1,0 +1,416 @@
+"""The map of a machine's settings: how even its blows are, what its trains settle to, and the nearest even setting."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.dataset import quantity
+from strikewave.base.errors import InputError, IntegrationError, StrikewaveError, nearest
+from strikewave.base.json_document import head, plain
+from strikewave.base.quantities import Value
+from strikewave.cases.case import Case, dump_case, parse_case
+from strikewave.machines import blows
+from strikewave.machines.rotary import run_rotary
+from strikewave.studies.map.cells import (
+    FIELDS,
+    PLACE,
+    REASONS,
+    Axis,
+    Plan,
+    case_at,
+    cell_of,
+    machine_of,
+    row_of,
+    start_worker,
+)
+from strikewave.studies.map.regimes import NAMES
+from strikewave.studies.map.store import Store
+from strikewave.studies.workers import Workers
+from strikewave.uncertainty.statistics import variation
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+
+TRAIN = 60
+"""Blows of the longer train unless said otherwise; the first half is left out."""
+MOST_CELLS, MOST_SIDE, MOST_TRAIN, MOST_SECONDS = 1_000_000, 1000, 1000, 12 * 3600.0
+"""More cells, cells along an axis, blows of a train, or estimated seconds than this are refused."""
+SECONDS_A_BLOW = 0.4e-3
+"""About what a blow takes on one core, s: for the estimate only."""
+CONFIRMED = 5
+"""Even settings nearest to the case that are tried by full runs until one keeps the limit."""
+TESTED = 1e-7
+"""Tolerance of these full runs."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A setting of the map with even blows, and what it costs.
+
+    Attributes
+    ----------
+    values : tuple of float
+        Of each axis, SI.
+    distance : float
+        From the case: root of the summed squares of the steps, each over its scale (`MapStudy.scales`).
+    cell : dict
+        What the map has of it, by the names of `FIELDS`.
+    cv : float
+        Of the same blows in a full run.
+    peak : float
+        Their mean rigid peak there, m/s^2.
+    """
+
+    values: tuple[float, ...]
+    distance: float
+    cell: dict[str, float]
+    cv: float
+    peak: float
+
+
+class Refusal(NamedTuple):
+    """An even setting of the map, SI, and what its full run showed instead, in words."""
+
+    values: tuple[float, ...]
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class MapStudy:
+    """A map.
+
+    Attributes
+    ----------
+    plan : Plan
+        What it is of.
+    data : ndarray
+        Shape (panels, rows, columns, fields); see `strikewave.studies.map.cells.FIELDS`.
+    wanted : float
+        Coefficient of variation below which blows count as even.
+    present : dict
+        The case itself, as a cell.
+    setting : Setting or None
+        The nearest even setting that a full run confirms; the case itself, at distance 0, where it is even already.
+    refused : tuple of Refusal
+        Nearer ones whose full runs disagree.
+    """
+
+    plan: Plan
+    data: Array
+    wanted: float
+    present: dict[str, float]
+    setting: Setting | None = None
+    refused: tuple[Refusal, ...] = ()
+
+    @cached_property
+    def case(self) -> Case:
+        """The case that is mapped."""
+        return parse_case(self.plan.case)
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """What the axes are of."""
+        return tuple(axis.path for axis in self.plan.axes)
+
+    @property
+    def broken(self) -> bool:
+        """Whether no setting of the map has even blows, or none that a full run confirms."""
+        return self.setting is None
+
+    @property
+    def here(self) -> tuple[float, ...]:
+        """Where the case stands on each axis, SI."""
+        values = self.case.values()
+        return tuple(values[axis.path].si for axis in self.plan.axes)
+
+    def field(self, name: str) -> Array:
+        """Return one field, shape (panels, rows, columns)."""
+        return np.asarray(self.data[..., PLACE[name]])
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Share of the cells in each regime that occurs."""
+        codes = self.field("regime")
+        found = {name: float(np.mean(codes == code)) for code, name in enumerate(NAMES)}
+        return {name: share for name, share in found.items() if share > 0.0}
+
+    @property
+    def failures(self) -> dict[str, int]:
+        """How many cells have no result, by reason."""
+        codes = self.field("reason").astype(int)
+        return {text: int((codes == k).sum()) for k, text in enumerate(REASONS) if k and (codes == k).any()}
+
+    def over_range(self, path: str, low: float = 0.5, high: float = 2.0) -> tuple[float, float] | None:
+        """Return the ends of the range over which an assumed value of the case is in doubt; None where it is known."""
+        value = self.case.values()[path]
+        return (low * value.si, high * value.si) if value.provenance == "assumed" else None
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document."""
+        units = {name: unit for name, (unit, _) in FIELDS.items()} | {
+            axis.path: axis.si_unit for axis in self.plan.axes
+        }
+        axes = [{"path": axis.path, "values": list(axis.values), "log": axis.log} for axis in self.plan.axes]
+        values = self.case.values()
+        published = {
+            axis.path: {"value": at, "provenance": values[axis.path].provenance}
+            for axis, at in zip(self.plan.axes, self.here, strict=True)
+        }
+        made = {
+            **head(units | {"wanted_cv": "1", "distance": "1"}),
+            "case": self.case.name,
+            "blows": self.plan.blows,
+            "train": self.plan.train,
+            "axes": axes,
+            "regimes": list(NAMES),
+            "reasons": list(REASONS),
+            "wanted_cv": self.wanted,
+            "present": {**published, "result": self.present},
+            "shares": self.shares,
+            "failures": self.failures,
+            "nearest": self._nearest(),
+            "refused": [
+                {"settings": dict(zip(self.paths, r.values, strict=True)), "why": r.reason} for r in self.refused
+            ],
+            "cells": {name: self.field(name) for name in FIELDS},
+        }
+        return dict(plain(made))
+
+    def _nearest(self) -> dict[str, Any] | None:
+        if self.setting is None:
+            return None
+        found = self.setting
+        full = {"cv": found.cv, "peak": found.peak, "tolerance": TESTED}
+        settings = dict(zip(self.paths, found.values, strict=True))
+        return {"settings": settings, "distance": found.distance, "result": found.cell, "full_run": full}
+
+    def dataset(self) -> xarray.Dataset:
+        """Return the map with its units; attributes carry the case and the meaning of the codes."""
+        import xarray
+
+        axes = self.plan.axes
+        dimensions = ("panel", "y", "x")
+        named = (axes[2] if len(axes) > 2 else None, axes[1], axes[0])
+        coordinates = {
+            dimension: quantity(dimension, np.array(axis.values), axis.si_unit or "1", axis.path)
+            for dimension, axis in zip(dimensions, named, strict=True)
+            if axis is not None
+        }
+        variables = {
+            name: quantity(dimensions, self.field(name), unit, meaning) for name, (unit, meaning) in FIELDS.items()
+        }
+        words = {"case": self.plan.case, "regimes": " | ".join(NAMES), "reasons": " | ".join(REASONS)}
+        return xarray.Dataset(variables, coordinates, {**words, "blows": self.plan.blows, "train": self.plan.train})
+
+    def table(self) -> str:
+        """Return all cells as CSV text, settings in the units asked for, results in SI; regimes by name."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        axes = self.plan.axes
+        units = [f"{name} [{unit}]" if unit != "1" else name for name, (unit, _) in FIELDS.items()]
+        writer.writerow([f"{axis.path} [{axis.unit or '1'}]" for axis in axes] + units)
+        for place in np.ndindex(*self.plan.shape):
+            cell = self.data[place]
+            at = [f"{axis.shown(v):.9g}" for axis, v in zip(axes, self._values(place), strict=True)]
+            row = [_cell(name, value) for name, value in zip(FIELDS, cell, strict=True)]
+            writer.writerow(at + row)
+        return text.getvalue()
+
+    def _values(self, place: tuple[int, ...]) -> tuple[float, ...]:
+        """Return the settings of a cell (panel, row, column)."""
+        axes = self.plan.axes
+        found = (axes[0].values[place[2]], axes[1].values[place[1]])
+        return (*found, axes[2].values[place[0]]) if len(axes) > 2 else found
+
+    @property
+    def scales(self) -> tuple[float, ...]:
+        """What a step along each axis is measured by: the value of the case, or the axis's range where that is 0."""
+        pairs = zip(self.here, self.plan.axes, strict=True)
+        return tuple(abs(at) or axis.values[-1] - axis.values[0] or 1.0 for at, axis in pairs)
+
+    def even_settings(self) -> list[tuple[float, tuple[float, ...], dict[str, float]]]:
+        """Return distance, values and cell of the settings whose blows all come and are even, nearest first.
+
+        The case itself is the first of them where it is even.
+        """
+        even = (self.field("cv") <= self.wanted) & (self.field("missed") == 0)
+        found = [(0.0, self.here, self.present)] if self.even else []
+        for place in zip(*np.nonzero(even), strict=True):
+            values = self._values(place)
+            steps = [(v - at) / scale for v, at, scale in zip(values, self.here, self.scales, strict=True)]
+            cell = dict(zip(FIELDS, self.data[place].tolist(), strict=True))
+            found.append((math.hypot(*steps), values, cell))
+        return sorted(found, key=lambda one: one[:2])
+
+    @property
+    def even(self) -> bool:
+        """Whether the blows of the case itself all come and are even, by the fast run."""
+        return self.present["cv"] <= self.wanted and self.present["missed"] == 0
+
+    def case_of(self, values: tuple[float, ...]) -> Case:
+        """Return the case with other settings; their tolerances stay. The case itself where nothing is other."""
+        return self.case if values == self.here else case_at(self.case, self.plan.axes, values, keep_tolerances=True)
+
+    def nearest_case(self) -> Case:
+        """Return the case with the nearest even setting; the case itself where there is none."""
+        return self.case if self.setting is None else self.case_of(self.setting.values)
+
+
+def _cell(name: str, value: float) -> str:
+    """Write a value of the table."""
+    if name in ("regime", "reason") and not math.isnan(value):
+        return (NAMES if name == "regime" else REASONS)[int(value)]
+    return "" if math.isnan(value) else f"{value:.9g}"
+
+
+def axis_of(case: Case, path: str, ends: tuple[Value, Value] | None, points: int, log: bool) -> Axis:
+    """Return an axis of a map: a quantity of the case from one value to another, half to twice where none are given.
+
+    Raises
+    ------
+    InputError
+        If the case has no such quantity, or the range is none.
+    """
+    values = case.values()
+    if path not in values:
+        raise InputError(path, path, "a quantity of the case", nearest(path, values))
+    unit, si_unit = units_of(path, ends[0] if ends else values[path])
+    low, high = (ends[0].si, ends[1].si) if ends else (0.5 * values[path].si, 2.0 * values[path].si)
+    if not low < high:
+        raise InputError(
+            path, f"{low:g} to {high:g}", "a range whose end lies above its begin, SI", "such as 400 rpm:1000 rpm"
+        )
+    if log and low <= 0.0:
+        raise InputError(path, low, "a range above zero on a logarithmic axis")
+    steps = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
+    return Axis(path, unit, si_unit, tuple(float(v) for v in steps), log)
+
+
+def units_of(path: str, value: Value) -> tuple[str, str]:
+    """Return the unit in which a quantity of a case was typed, and its SI unit."""
+    from strikewave.cases.case import FORM
+
+    allowed = FORM.range_at(path.split("."))
+    si_unit = "" if allowed is None or allowed.unit == "count" else allowed.unit
+    typed = str(value.typed).strip().lstrip("+-0123456789.eE").strip() if isinstance(value.typed, str) else ""
+    return typed or si_unit, si_unit
+
+
+def check_plan(plan: Plan, workers: int) -> float:
+    """Return about how long a map takes, s, and refuse one that is too large.
+
+    Raises
+    ------
+    InputError
+        If it has too many or too few cells or blows, or would take half a day.
+    """
+    panels, rows, columns = plan.shape
+    if not (2 <= rows <= MOST_SIDE and 2 <= columns <= MOST_SIDE) or panels * rows * columns > MOST_CELLS:
+        allowed = f"2 to {MOST_SIDE} points along each axis, and {MOST_CELLS} cells at most"
+        raise InputError("--points", f"{columns}x{rows}" + (f" x {panels} panels" if panels > 1 else ""), allowed)
+    if not (plan.train == 0 or 12 <= plan.train <= MOST_TRAIN):
+        raise InputError("--train", plan.train, f"0, or 12 to {MOST_TRAIN} blows")
+    if not 2 <= plan.blows <= MOST_TRAIN:
+        raise InputError("--blows", plan.blows, f"2 to {MOST_TRAIN} blows")
+    seconds = panels * rows * columns * max(plan.blows, plan.train) * SECONDS_A_BLOW / workers
+    if seconds > MOST_SECONDS:
+        allowed = f"a map of {MOST_SECONDS / 3600:g} hours at most (this one: about {seconds / 3600:.0f})"
+        raise InputError("--points", f"{columns}x{rows}", allowed, "fewer points, blows or a shorter train")
+    return seconds
+
+
+def make_map(
+    plan: Plan,
+    wanted: float,
+    workers: int = 1,
+    store: Store | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> MapStudy:
+    """Make a map: every cell run fast, and the nearest even setting tried in full.
+
+    Parameters
+    ----------
+    plan : Plan
+        What it is of.
+    wanted : float
+        Coefficient of variation below which blows count as even.
+    workers : int, optional
+        Processes.
+    store : Store, optional
+        Finished rows; what it holds is not run again.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        If the plan is too large, or the case makes no machine.
+    StrikewaveError
+        If a process came to an end before its time.
+    """
+    check_plan(plan, workers)
+    case = parse_case(plan.case)
+    machine_of(case)
+    kept = Store(plan, None) if store is None else store
+    present = dict(zip(FIELDS, cell_of(case, plan.blows, plan.train).tolist(), strict=True))
+    todo = [int(row) for row in np.flatnonzero(~kept.done)]
+    with Workers(min(workers, len(todo)), start_worker, (plan,)) as pool:
+        for row, cells in pool.as_finished(row_of, todo):
+            kept.keep(row, cells)
+            if progress is not None:
+                progress(float(kept.done.mean()))
+    study = MapStudy(plan, kept.data.reshape(*plan.shape, len(FIELDS)), wanted, present)
+    setting, refused = confirmed(study)
+    return dataclasses.replace(study, setting=setting, refused=refused)
+
+
+def confirmed(study: MapStudy) -> tuple[Setting | None, tuple[Refusal, ...]]:
+    """Return the nearest even setting that a full run confirms, and those nearer that it does not."""
+    refused: list[Refusal] = []
+    for distance, values, cell in study.even_settings()[:CONFIRMED]:
+        try:
+            cv, peak = in_full(study.case_of(values), study.plan.blows)
+        except (StrikewaveError, IntegrationError) as error:
+            refused.append(Refusal(values, f"the full run failed: {error}"))
+            continue
+        if cv <= study.wanted:
+            return Setting(values, distance, cell, cv, peak), tuple(refused)
+        refused.append(Refusal(values, f"the full run has a CV of {100.0 * cv:.3g} %"))
+    return None, tuple(refused)
+
+
+def in_full(case: Case, count: int) -> tuple[float, float]:
+    """Return variation and mean of the rigid peaks of a full run with the case's own feed.
+
+    Raises
+    ------
+    StrikewaveError
+        If not all blows came.
+    """
+    machine = machine_of(case)
+    machine = dataclasses.replace(machine, feed=dataclasses.replace(machine.feed, blows=count))
+    peaks = np.array([blow.rigid_peak for blow in blows(run_rotary(machine, TESTED))[:count] if blow.kind != "missed"])
+    if peaks.size < count:
+        raise StrikewaveError(f"{peaks.size} of {count} blows came")
+    return variation(peaks), float(peaks.mean())
+
+
+def plan_of(case: Case, axes: tuple[Axis, ...], own: int | None = None, train: int = TRAIN) -> Plan:
+    """Return the plan of a map of a case over two or three of its quantities."""
+    paths = [axis.path for axis in axes]
+    if len(set(paths)) < len(paths):
+        raise InputError("--y", paths[-1], "another quantity than the other axes")
+    count = int(case.rig().feed.blows.si) if own is None else own
+    return Plan(dump_case(case), axes, count, train)

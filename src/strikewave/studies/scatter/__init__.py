@@ -1,0 +1,1 @@
+"""How much blows scatter within tolerances."""

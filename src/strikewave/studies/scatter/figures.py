@@ -1,0 +1,101 @@
+"""Picture of a scatter study: peaks blow by blow within the tolerances, and which tolerance they scatter by."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
+from strikewave.studies.scatter.study import ScatterStudy
+from strikewave.uncertainty.shares import Shares
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WIDTH, PEAKS_HEIGHT, HEAD, ROW = 9.0, 3.9, 1.1, 0.3
+"""Of the picture, of the peaks, of what stands about the bars of shares, and of each bar, inches."""
+DARK = "#333333"
+MOST_BARS = 12
+"""Largest shares that are drawn; the others stand in the table."""
+
+
+def scatter_picture(study: ScatterStudy) -> Figure:
+    """Draw the peaks by blow with median and band of 95 %, the dynamics alone on top, and the bars of shares."""
+    from matplotlib.figure import Figure
+
+    bars = [min(len(one.rows), MOST_BARS) for one in study.shares]
+    heights = [PEAKS_HEIGHT, *(HEAD + ROW * count for count in bars)]
+    figure = Figure(figsize=(WIDTH, sum(heights)), layout="constrained")
+    rows = figure.subplots(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
+    _peaks(rows[0], study)
+    for axes, shares in zip(rows[1:], study.shares, strict=True):
+        _bars(axes, shares, study.plan.shares == "sobol")
+    sheet_title(figure, f"{study.case.name or 'case'}: {len(study.made)} runs within {_count(study)}")
+    return figure
+
+
+def _count(study: ScatterStudy) -> str:
+    count = len(study.tolerances)
+    return f"{count} tolerances" if count > 1 else f"the tolerance of {study.tolerances[0].path}"
+
+
+def _peaks(axes: Any, study: ScatterStudy) -> None:
+    """Draw the peaks of each blow."""
+    from matplotlib.ticker import MaxNLocator
+
+    low, middle, high = study.peaks() / STANDARD_GRAVITY
+    number = np.arange(1, middle.size + 1)
+    still = study.still.peak / STANDARD_GRAVITY
+    axes.vlines(number, low, high, color=BLUE, alpha=0.35, linewidth=9.0, label="95 % of runs")
+    axes.plot(number, middle, "_", color=BLUE, markersize=15, markeredgewidth=2.0, label="median")
+    axes.plot(np.arange(1, still.size + 1), still, "o", color=RED, markersize=4, label="dynamics alone")
+    missed = sum("missed" in run.kinds for run in study.made)
+    typical = study.figure("peak").within
+    words = f"CV within a run: {typical.median:.2%}, dynamics alone {study.still.variation('peak'):.2%}"
+    words += f"; {missed} runs with missed blows" if missed else ""
+    quiet(axes, f"Peak of the rigid-body acceleration. {words}", "blow", "peak (g)")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.margins(x=0.04, y=0.12)
+    axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _bars(axes: Any, shares: Shares, sobol: bool) -> None:
+    """Draw shares as bars with their bounds; hollow where they cannot be told apart from 0."""
+    rows = shares.rows[:MOST_BARS]
+    place = np.arange(len(rows))
+    value = np.array([row.share for row in rows])
+    finite = np.isfinite(value).all()
+    title = f"Shares in the {shares.of}: {'Sobol indices' if sobol else 'each tolerance alone'}"
+    title += f" (the {MOST_BARS} largest of {len(shares.rows)})" if len(shares.rows) > MOST_BARS else ""
+    quiet(axes, "\n".join(textwrap.wrap(title, 100)), "share (%), with 95 % bounds", "")
+    axes.set_yticks(place, [row.path for row in rows], fontsize=8)
+    axes.set_ylim(len(rows) - 0.4, -0.6)
+    axes.grid(False, axis="y")
+    if not finite:
+        axes.text(0.5, 0.5, "nothing scatters", ha="center", va="center", transform=axes.transAxes)
+        axes.set_xticks([])
+        return
+    colours = [BLUE if row.distinct else "none" for row in rows]
+    axes.barh(place, 100.0 * value, height=0.6, color=colours, edgecolor=BLUE, linewidth=1.0, label="share")
+    _bounds(axes, place, np.array([row.low for row in rows]), np.array([row.high for row in rows]))
+    if sobol:
+        total = np.array([row.total for row in rows], dtype=float)
+        axes.plot(100.0 * total, place + 0.38, "D", color=ORANGE, markersize=4, label="with interactions (total)")
+        axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    if not all(row.distinct for row in rows):
+        note = "hollow: not told apart from 0"
+        axes.text(0.995, 0.04, note, ha="right", va="bottom", fontsize=8, color=GREY, transform=axes.transAxes)
+    axes.axvline(0.0, color=GREY, linewidth=0.8)
+    left, right = axes.get_xlim()
+    pad = 0.03 * (right - left)
+    axes.set_xlim(left - pad if left < 0.0 else 0.0, max(right + pad, 1.0))
+
+
+def _bounds(axes: Any, place: Any, low: Any, high: Any) -> None:
+    """Draw the bounds of shares; none where there are none."""
+    if np.isfinite([low, high]).all():
+        axes.hlines(place, 100.0 * low, 100.0 * high, color=DARK, linewidth=1.1)
+        axes.plot(100.0 * np.concatenate([low, high]), np.tile(place, 2), "|", color=DARK, markersize=7)

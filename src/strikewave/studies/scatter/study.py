@@ -1,0 +1,408 @@
+"""Scatter of a machine's blows: full runs of the case with everything that has a tolerance drawn anew.
+
+The dynamics alone, one run at nominal values, stand apart: blows differ there too, since each finds the object
+where the one before has left it.
+"""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import math
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.result import Notice
+from strikewave.base.citations import citation
+from strikewave.base.errors import InputError
+from strikewave.base.json_document import head, plain
+from strikewave.cases.case import Case
+from strikewave.records.campaign import Statistic, statistic
+from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult
+from strikewave.uncertainty.draws import Tolerance, drawn, nominal, quantiles, tolerances_of, unfelt
+from strikewave.uncertainty.shares import (
+    Shares,
+    mixtures,
+    scatter_shares,
+    sobol_points,
+    sobol_shares,
+    variance_shares,
+)
+from strikewave.uncertainty.statistics import Spread, spread
+
+Array = NDArray[np.float64]
+
+METHODS = ("alone", "sobol", "none")
+"""How shares are found; see `strikewave.uncertainty.shares`."""
+FEWEST, MOST = 10, 20_000
+"""Runs of a study."""
+MOST_SEED, MOST_WORKERS = 2**63 - 1, 64
+SHARE_RUNS = 4
+"""Each tolerance alone gets one in so many runs, and as many Sobol's samples get."""
+FEWEST_SHARE_RUNS = 32
+BAND = (2.5, 50.0, 97.5)
+"""Percentiles of the peaks of each blow."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How many runs, from which seed, how shares are found, and on how many processes."""
+
+    runs: int = 500
+    seed: int = 1
+    shares: str = "alone"
+    workers: int = 1
+
+    def check(self) -> None:
+        """Refuse what cannot be done.
+
+        Raises
+        ------
+        InputError
+            With the option.
+        """
+        for field, got, low, high in (
+            ("--runs", self.runs, FEWEST, MOST),
+            ("--seed", self.seed, 0, MOST_SEED),
+            ("--workers", self.workers, 1, MOST_WORKERS),
+        ):
+            if not low <= got <= high:
+                raise InputError(field, got, f"a whole number from {low} to {high}")
+        if self.shares not in METHODS:
+            raise InputError("--shares", self.shares, "one of " + ", ".join(METHODS))
+
+    @property
+    def share_runs(self) -> int:
+        """Runs of each tolerance alone, or of each of Sobol's samples: then the next power of two."""
+        runs = max(self.runs // SHARE_RUNS, min(self.runs, FEWEST_SHARE_RUNS))
+        return runs if self.shares != "sobol" else 2 ** math.ceil(math.log2(runs))
+
+    def all_runs(self, tolerances: int) -> int:
+        """Return how many runs there are in all, the nominal one included."""
+        extra = {"alone": tolerances, "sobol": tolerances + 2, "none": 0}[self.shares]
+        return 1 + self.runs + extra * self.share_runs
+
+
+class Figure(NamedTuple):
+    """Scatter of a figure of the blows.
+
+    Attributes
+    ----------
+    mean : Statistic
+        Of the means of the runs: mean and its bounds, scatter between runs and its bounds.
+    typical : Statistic
+        The same of the typical blow of each run, the median of the later full or double ones.
+    within, later : Spread
+        Coefficient of variation of the blows of a run, over the runs; without the first blow. What 95 % of all runs
+        keep counts runs that failed or missed a blow as beyond every limit.
+    """
+
+    mean: Statistic
+    typical: Statistic
+    within: Spread
+    later: Spread
+
+
+@dataclass(frozen=True, eq=False)
+class ScatterStudy:
+    """Runs of a case within its tolerances; see `scatter`."""
+
+    case: Case
+    plan: Plan
+    tolerances: tuple[Tolerance, ...]
+    numbers: Array
+    runs: tuple[RunResult, ...]
+    still: RunResult
+    shares: tuple[Shares, ...]
+
+    @property
+    def made(self) -> list[RunResult]:
+        """The runs that could be made."""
+        return [run for run in self.runs if not run.failure]
+
+    def figure(self, name: str) -> Figure:
+        """Return the scatter of a figure."""
+        runs = self.made
+        return Figure(
+            statistic(_known([run.mean(name) for run in runs])),
+            statistic(_known([run.typical(name) for run in runs])),
+            spread([run.variation(name) for run in self.runs], self.broken),
+            spread([run.variation(name, later=True) for run in self.runs], self.broken),
+        )
+
+    @property
+    def broken(self) -> list[bool]:
+        """Which of the runs keep no limit of the scatter within a run: they failed, or missed a blow."""
+        return [bool(run.failure) or "missed" in run.kinds for run in self.runs]
+
+    def kinds(self) -> dict[str, tuple[int, int]]:
+        """Return how many blows were missed, double and glancing, and in how many runs."""
+        counts = [Counter(run.kinds) for run in self.made]
+        return {
+            kind: (sum(count[kind] for count in counts), sum(count[kind] > 0 for count in counts))
+            for kind in ("missed", "double", "glancing")
+        }
+
+    def peaks(self) -> Array:
+        """Return percentiles 2.5, 50 and 97.5 of the peaks of each blow over the runs, shape (3, blows)."""
+        longest = max(len(run.kinds) for run in self.made)
+        table = np.full((len(self.made), longest), np.nan)
+        for row, run in zip(table, self.made, strict=True):
+            row[: run.peak.size] = run.peak
+        found = [column[np.isfinite(column)] for column in table.T]
+        return np.array([np.percentile(c, BAND) if c.size else np.full(3, np.nan) for c in found]).T
+
+    @property
+    def largest_retreat(self) -> float:
+        """Largest retreat of the object after a blow of any run, m."""
+        return max(run.retreat for run in self.made if math.isfinite(run.retreat))
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """What should be known."""
+        found = []
+        failed = [run.failure for run in self.runs if run.failure]
+        if failed:
+            words = f"{len(failed)} of {len(self.runs)} runs could not be made and are left out, such as: {failed[0]}"
+            found.append(Notice("runs-failed", words, float(len(failed)), 0.0))
+        outside = unfelt(self.case, self.tolerances)
+        if outside:
+            words = f"no blow feels the tolerance of {', '.join(outside)}: it does not enter"
+            found.append(Notice("tolerance-not-felt", words, float(len(outside)), 0.0))
+        for one in self.shares:
+            if self.plan.shares == "alone" and math.isfinite(one.sum_low) and not one.additive:
+                words = (
+                    f"the shares in the {one.of} add up to {one.sum:.2f} ({one.sum_low:.2f} to {one.sum_high:.2f}), "
+                    "not 1: tolerances interact, and --shares sobol tells how"
+                )
+                found.append(Notice("tolerances-interact", words, one.sum, 1.0))
+        return tuple(found)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document."""
+        warnings = [{k: v for k, v in dataclasses.asdict(n).items() if k != "broken"} for n in self.warnings]
+        kinds = {kind: {"blows": blows, "runs": runs} for kind, (blows, runs) in self.kinds().items()}
+        low, middle, high = self.peaks()
+        return dict(
+            plain(
+                {
+                    **head(UNITS, warnings),
+                    "case": self.case.name,
+                    "runs": self.plan.runs,
+                    "seed": self.plan.seed,
+                    "failed": len(self.runs) - len(self.made),
+                    "without_limit": sum(self.broken),
+                    "statements": STATEMENTS,
+                    "sources": [citation(key) for key in self._sources()],
+                    "tolerances": [_tolerance(one) for one in self.tolerances],
+                    "dynamics_alone": self._dynamics(),
+                    "figures": {name: _figure(self.figure(name)) for name in FIGURES},
+                    "kinds": kinds,
+                    "peaks": {"percentiles": BAND, "low": low, "median": middle, "high": high},
+                    "largest_retreat": self.largest_retreat,
+                    "shares": {"method": self.plan.shares, "of": [_shares(one) for one in self.shares]},
+                }
+            )
+        )
+
+    def _sources(self) -> list[str]:
+        return ["vangel-1996", "wilks-1941", *(["saltelli-2010", "jansen-1999"] if self.plan.shares == "sobol" else [])]
+
+    def _dynamics(self) -> dict[str, Any]:
+        """Return what the blows of the nominal run are."""
+        still = self.still
+        return {
+            name: {
+                "blows": getattr(still, name),
+                "mean": still.mean(name),
+                "typical": still.typical(name),
+                "cv": still.variation(name),
+                "cv_later": still.variation(name, later=True),
+            }
+            for name in FIGURES
+        }
+
+    def table(self) -> str:
+        """Return all runs as CSV text: what was drawn, and what came of it, SI, every column with its unit."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        units = [one.allowed.unit for one in self.tolerances for _ in range(one.count)]
+        names = [name for one in self.tolerances for name in one.names]
+        columns = ["run", *(_headed(name, unit) for name, unit in zip(names, units, strict=True)), "blows", *KINDS]
+        columns += [_headed(f"{how} {name}", unit) for name, unit in FIGURE_UNITS.items() for how, _ in COLUMNS]
+        writer.writerow([*columns, "largest retreat [m]", "failure"])
+        for number, (row, run) in enumerate(zip(self.numbers, self.runs, strict=True), 1):
+            counts = [len(run.kinds), *(run.kinds.count(kind) for kind in KINDS)]
+            values = [read(run, name) for name in FIGURE_UNITS for _, read in COLUMNS]
+            cells = [_cell(float(value)) for value in (*values, run.retreat)]
+            writer.writerow([number, *(_cell(float(value)) for value in row), *counts, *cells, run.failure])
+        return text.getvalue()
+
+
+KINDS = ("full", "missed", "double", "glancing")
+FIGURE_UNITS = {"peak": "m/s^2", "width": "s", "interval": "s", "velocity_change": "m/s"}
+"""Figures of a blow and their SI units."""
+COLUMNS: tuple[tuple[str, Callable[[RunResult, str], float]], ...] = (
+    ("mean", RunResult.mean),
+    ("typical", RunResult.typical),
+    ("cv of", RunResult.variation),
+)
+"""What the table of runs holds of each figure."""
+UNITS = {
+    **FIGURE_UNITS, "cv": "1", "share": "1", "total": "1", "retreat": "m", "largest_retreat": "m",
+    "nominal": "SI of its path", "half_width": "SI of its path",
+}  # fmt: skip
+"""SI unit of each quantity of the document."""
+STATEMENTS = {
+    "mean": "mean of the runs' means with bounds at 95 % (Student's t); cv between runs with bounds at 95 % (Vangel), "
+    "which hold for normal figures",
+    "typical": "the same of the median of each run's later full or double blows",
+    "cv_within": "standard deviation (n - 1) over mean of the blows of a run: median over the runs with bounds at "
+    "95 %, and a limit that 95 % of all runs keep, with 95 % confidence, both by order statistics; a run that "
+    "failed or missed a blow keeps no limit",
+    "drawn": "a normal tolerance is two standard deviations, cut off at three; a uniform one is the whole band",
+    "shares": "with bootstrap bounds at 95 %; a share whose bounds reach 0 cannot be told apart from 0",
+}
+"""What the numbers of the document are."""
+
+
+def scatter(case: Case, plan: Plan | None = None, progress: Callable[[float], None] | None = None) -> ScatterStudy:
+    """Run a case many times within its tolerances.
+
+    The same seed gives the same bits, whatever the number of processes.
+
+    Parameters
+    ----------
+    case : Case
+        Of a machine, with a tolerance at least.
+    plan : Plan, optional
+        Runs, seed, shares, processes. With more than one process, call it below ``if __name__ == "__main__":``.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        If the case has no tolerance, its nominal run cannot be made, or too few of the others.
+    StrikewaveError
+        If a process ended before its time.
+    """
+    plan = Plan() if plan is None else plan
+    plan.check()
+    tolerances = tolerances_of(case)
+    whole = plan.all_runs(len(tolerances))
+    points = quantiles(tolerances, plan.runs, plan.seed)
+    numbers = drawn(tolerances, points)
+    alone = Runner(case, tolerances)
+    (still,) = alone(nominal(tolerances))
+    if still.failure or not still.struck.any():
+        raise InputError("case", still.failure or "no blow", "a case whose nominal run strikes")
+    advance = None if progress is None else (lambda done: progress((1 + done) / whole))
+    with Runner(case, tolerances, plan.workers, advance) as runner:
+        runs = runner(numbers)
+        study = ScatterStudy(case, plan, tolerances, numbers, tuple(runs), still, ())
+        if sum(run.struck.any() for run in study.made) < FEWEST:
+            reason = next((run.failure for run in runs if run.failure), "no blow struck")
+            raise InputError("tolerance", reason, f"tolerances with which at least {FEWEST} runs can be made")
+        return dataclasses.replace(study, shares=_find_shares(study, points, runner))
+
+
+def _find_shares(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Shares, ...]:
+    """Return the shares in the typical peak's variance between runs, and in the scatter of the peaks within a run."""
+    tolerances, plan, count = study.tolerances, study.plan, study.plan.share_runs
+    paths, sizes = [one.path for one in tolerances], [one.count for one in tolerances]
+    if plan.shares == "none":
+        return ()
+    if plan.shares == "sobol":
+        samples = mixtures(sobol_points(sum(sizes), count, plan.seed), sizes)
+        a, b = (runner(drawn(tolerances, part)) for part in samples[:2])
+        mixed = [runner(drawn(tolerances, part)) for part in samples[2]]
+        return tuple(
+            sobol_shares(of, paths, read(a), read(b), np.array([read(one) for one in mixed]), plan.seed)
+            for of, read in (
+                ("variance of the typical peak", _typical),
+                ("variance of the CV of the peaks", _variation),
+            )
+        )
+    rows = np.repeat(nominal(tolerances), count, axis=0)
+    alone, place = [], 0
+    for size in sizes:
+        part = rows.copy()
+        part[:, place : place + size] = study.numbers[:count, place : place + size]
+        alone.append(runner(part))
+        place += size
+    whole = study.runs[:count]
+    return (
+        variance_shares(BETWEEN, paths, _typical(whole), np.array([_typical(runs) for runs in alone]), plan.seed),
+        scatter_shares(
+            ADDED, paths, _added(whole, study.still), np.array([_added(runs, study.still) for runs in alone]), plan.seed
+        ),
+    )
+
+
+BETWEEN = "variance of the typical peak"
+WITHIN = "variance of the CV of the peaks"
+ADDED = "scatter of the peaks within a run that tolerances add"
+"""What has shares; see `strikewave.uncertainty.shares`."""
+
+
+def _typical(runs: Sequence[RunResult]) -> Array:
+    return np.array([run.typical("peak") for run in runs])
+
+
+def _variation(runs: Sequence[RunResult]) -> Array:
+    return np.array([run.variation("peak") for run in runs])
+
+
+def _added(runs: Sequence[RunResult], still: RunResult) -> Array:
+    """Return the coefficients of variation of the peaks over those of the nominal run, blow by blow."""
+    return np.array([run.over(still).variation("peak") for run in runs])
+
+
+def _known(values: list[float]) -> list[float]:
+    return [value for value in values if math.isfinite(value)]
+
+
+def _tolerance(one: Tolerance) -> dict[str, Any]:
+    assert one.value.tolerance is not None
+    return {
+        "path": one.path,
+        "nominal": one.value.si,
+        "half_width": one.value.half_width,
+        "unit": one.allowed.unit or "1",
+        "typed": one.value.tolerance.typed,
+        "distribution": one.value.tolerance.distribution,
+        "drawn": "for each striker" if one.strikers else "once a run",
+        "provenance": one.value.provenance,
+        "note": one.value.note,
+    }
+
+
+def _figure(figure: Figure) -> dict[str, Any]:
+    def of(found: Statistic) -> dict[str, float]:
+        names = ("mean", "low", "high", "cv", "cv_low", "cv_high")
+        return {name: getattr(found, name) for name in names} | {"runs": found.n}
+
+    within = {"cv_within": figure.within._asdict(), "cv_within_later": figure.later._asdict()}
+    return {"mean": of(figure.mean), "typical": of(figure.typical), **within}
+
+
+def _shares(shares: Shares) -> dict[str, Any]:
+    rows = [{**dataclasses.asdict(row), "distinct_from_0": row.distinct} for row in shares.rows]
+    rows = [{k: v for k, v in row.items() if v is not None and k != "floor"} for row in rows]
+    bounds = {"sum": shares.sum, "sum_low": shares.sum_low, "sum_high": shares.sum_high}
+    return {"of": shares.of, "runs_each": shares.runs, **bounds, "rows": rows}
+
+
+def _headed(name: str, unit: str) -> str:
+    return f"{name} [{'1' if unit == '' or name.startswith('cv ') else unit}]"
+
+
+def _cell(value: float) -> str:
+    return "" if math.isnan(value) else repr(value)

@@ -1,0 +1,1 @@
+"""Settings of a machine that give the blows asked for."""

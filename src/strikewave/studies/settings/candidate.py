@@ -1,0 +1,348 @@
+"""A setting of the rotary machine as full runs show it: what the blows are, and which limits it keeps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from statistics import median
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.notices import LEDGER_LIMIT
+from strikewave.base.materials import Material, material
+from strikewave.cases.case import Case
+from strikewave.contact import Geometry, first_yield, stiffness_law
+from strikewave.machines import Blow, RotaryRun, Striker, Turntable
+from strikewave.machines._kernels import BELT_TWIST, MOTOR_SPEED
+from strikewave.machines.blows import contact_table
+from strikewave.machines.spans import ChainSpan
+from strikewave.studies.settings.estimate import disc_stress, rim_speed_at_yield
+from strikewave.uncertainty.statistics import variation
+
+Array = NDArray[np.float64]
+
+WITHIN = 0.05
+"""Largest miss of peak, width and interval of a setting that meets the goal."""
+STRETCH_SHARE = 0.1
+"""Largest stretch of the mount by the striker's circling, over the engagement: the reach of the noses grows by it."""
+LARGEST_DROP = 0.05
+"""Largest share of the set speed by which a blow may find the turntable slower."""
+LARGEST_SCATTER = 0.05
+"""Largest standard deviation of the peaks over their mean."""
+SAMPLE_STEP = 20e-6
+"""Step at which the stop's force and the turntable's speed are read between blows, s."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What the blows shall be, SI; ``disc`` carries the strikers, ``stop_limit`` is the largest force of the stop."""
+
+    interval: float
+    peak: float
+    width: float
+    disc: Material
+    stop_limit: float | None = None
+
+
+class Spread(NamedTuple):
+    """A quantity over the blows: that of the typical one, of the first, of the one farthest from the goal; scatter.
+
+    ``typical`` is the median of the later full blows (of all struck ones where no later one is full), ``variation`` the
+    standard deviation (n - 1) of all struck ones over their mean, NaN of one blow alone.
+    """
+
+    typical: float
+    first: float
+    worst: float
+    variation: float
+
+
+class Limit(NamedTuple):
+    """A value beside its limit; one that does not decide is only warned of."""
+
+    name: str
+    value: float
+    limit: float
+    unit: str
+    decides: bool = True
+
+    @property
+    def kept(self) -> bool:
+        """Whether the value is at most the limit."""
+        return bool(self.value <= self.limit)
+
+
+class Supply(NamedTuple):
+    """What stop and drive bear between the first blow and the retraction.
+
+    Largest force of the stop, N; what a blow takes from turntable, motor and belt: energy on the mean, J, and largest
+    loss of speed, rad/s, as if nothing drove meanwhile; speed regained between the last two blows, and slowest speed
+    that a blow found, rad/s.
+    """
+
+    stop_force: float
+    energy_taken: float
+    speed_lost: float
+    speed_regained: float
+    slowest: float
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What a full run of a setting showed; SI."""
+
+    peak: Spread
+    width: Spread
+    interval: Spread
+    kinds: tuple[str, ...]
+    touched_again: int
+    wanted: int
+    approach: float
+    velocity_change: float
+    peak_force: float
+    retreat: float
+    supply: Supply
+    energy_error: float
+
+    @property
+    def odd(self) -> str:
+        """What is wrong with the blows, in words; empty where all wanted ones came and were full."""
+        counts = {kind: self.kinds.count(kind) for kind in ("missed", "double", "glancing") if kind in self.kinds}
+        words = [f"{number} {kind}" for kind, number in counts.items()]
+        again = self.touched_again - counts.get("double", 0)
+        words += [f"{again} touched again on the way back"] if again > 0 else []
+        struck = len(self.kinds) - counts.get("missed", 0)
+        return ", ".join(words + ([f"{struck} blows instead of {self.wanted}"] if struck != self.wanted else []))
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A setting: its case, what its full run showed, the limits, and how many runs were needed.
+
+    ``estimate`` holds the closed forms it began with, ``halt`` what the search stood still at, in words.
+    """
+
+    case: Case
+    chosen: tuple[str, ...]
+    seen: Observation
+    goal: Goal
+    limits: tuple[Limit, ...]
+    estimate: dict[str, float]
+    runs: int
+    halt: str = ""
+
+    @property
+    def misses(self) -> dict[str, float]:
+        """Relative misses of the typical blow."""
+        return misses(self.seen, self.goal)
+
+    @property
+    def largest_miss(self) -> float:
+        """Largest of the misses, infinite where one has no number."""
+        return max((abs(miss) if math.isfinite(miss) else math.inf) for miss in self.misses.values())
+
+    @property
+    def broken(self) -> tuple[Limit, ...]:
+        """Limits that decide and are not kept."""
+        return tuple(limit for limit in self.limits if limit.decides and not limit.kept)
+
+    @property
+    def meets(self) -> bool:
+        """Whether the typical blow is within 5 % of the goal, every blow full, and every limit kept."""
+        return self.largest_miss <= WITHIN and not self.seen.odd and not self.broken
+
+    @property
+    def obstacles(self) -> str:
+        """What stands between the setting and the goal, in words."""
+        words = [f"{name} off by {miss:+.1%}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN]
+        words += [self.seen.odd] if self.seen.odd else []
+        words += [f"{limit.name.replace('_', ' ')} above its limit" for limit in self.broken]
+        return "; ".join(words + ([self.halt] if self.halt and words else []))
+
+
+def misses(seen: Observation, goal: Goal) -> dict[str, float]:
+    """Return the relative misses of the typical blow: peak, width, interval."""
+    return {name: getattr(seen, name).typical / getattr(goal, name) - 1.0 for name in ("peak", "width", "interval")}
+
+
+def rank_key(candidate: Candidate) -> tuple[bool, float, float]:
+    """Return what candidates are ordered by.
+
+    First those that meet the goal, by the scatter of their peaks in steps of 0.1 %, then by the force of the stop; then
+    the others by how far they are from it, a broken limit or odd blows counting as 100 %.
+    """
+    if candidate.meets:
+        scatter = candidate.seen.peak.variation
+        return False, round(scatter, 3) if math.isfinite(scatter) else 0.0, candidate.seen.supply.stop_force
+    far = candidate.largest_miss + len(candidate.broken) + bool(candidate.seen.odd)
+    return True, far, candidate.seen.supply.stop_force
+
+
+def observe_blows(run: RotaryRun, found: Sequence[Blow], goal: Goal) -> Observation | None:
+    """Return what a run showed; None where no striker touched the object."""
+    struck = [blow for blow in found if blow.kind != "missed"]
+    if not struck:
+        return None
+    times = [blow.time for blow in struck]
+    gaps = [later - earlier for earlier, later in pairwise(times)] or [goal.interval]
+    full = [blow.kind == "full" for blow in struck]
+    return Observation(
+        peak=_spread([blow.rigid_peak for blow in struck], full, goal.peak),
+        width=_spread([blow.width for blow in struck], full, goal.width),
+        interval=Spread(median(gaps), gaps[0], _farthest(gaps, goal.interval), variation(gaps)),
+        kinds=tuple(blow.kind for blow in found),
+        touched_again=_touched_again(run, [blow.width for blow in struck]),
+        wanted=run.machine.feed.blows,
+        approach=median(blow.approach_speed for blow in struck),
+        velocity_change=median(blow.velocity_change for blow in struck),
+        peak_force=max(blow.peak_force for blow in struck),
+        retreat=max(blow.retreat for blow in struck),
+        supply=supply(run, times),
+        energy_error=run.energy_error,
+    )
+
+
+def _touched_again(run: RotaryRun, widths: Sequence[float]) -> int:
+    """Return how many blows have a contact more than a pulse width after the one before it.
+
+    Such a blow is called double where that carries a tenth of the impulse; lighter ones count here too.
+    """
+    table = contact_table(run)
+    groups = [table[table[:, 4] == passing, :2] for passing in np.unique(table[:, 4])]
+    late = [np.any(rows[1:, 0] - rows[:-1, 1] > width) for rows, width in zip(groups, widths, strict=True)]
+    return int(sum(late))
+
+
+def _spread(values: Sequence[float], full: Sequence[bool], goal: float) -> Spread:
+    later = [value for value, counts in zip(values[1:], full[1:], strict=True) if counts] or values
+    known = [value for value in later if math.isfinite(value)]
+    return Spread(median(known) if known else math.nan, values[0], _farthest(values, goal), variation(values))
+
+
+def _farthest(values: Sequence[float], goal: float) -> float:
+    return max(values, key=lambda value: abs(value - goal) if math.isfinite(value) else math.inf)
+
+
+def supply(run: RotaryRun, touches: Sequence[float]) -> Supply:
+    """Return what stop and drive bear from the first touch to the retraction; see `Supply`.
+
+    The force of the stop is that of `StruckObject`: k d + c d', never negative, d = compression at rest - (x + q).
+    """
+    return Supply(_stop_force(run, touches), *_taken(run, touches))
+
+
+def _held_until(run: RotaryRun) -> float:
+    """Return when the object is retracted, s."""
+    return dict(run.phases)["retract"]
+
+
+def _stop_force(run: RotaryRun, touches: Sequence[float]) -> float:
+    """Return the largest force of the stop, N."""
+    struck = run.machine.struck
+    times = np.arange(touches[0], max(_held_until(run), touches[-1]) + SAMPLE_STEP, SAMPLE_STEP)
+    moments = run.sample(np.minimum(times, run.end))
+    deep = struck.stop_compression - moments.assembly_place - run.machine.engagement
+    force = struck.stop_stiffness * deep - struck.stop_damping * moments.assembly_speed
+    return float(np.max(force[deep > 0.0], initial=0.0))
+
+
+def _taken(run: RotaryRun, touches: Sequence[float]) -> tuple[float, float, float, float]:
+    """Return what blows take from the drive, and what it makes good; see `Supply`.
+
+    A blow takes what the drive gives until the next one touches, less what stays in turntable, motor and belt and what
+    drag and belt lose: a ripple of the drive, which gives and takes by itself, cancels.
+    """
+    disc, n = run.machine.turntable, len(touches)
+    spacing = (touches[-1] - touches[0]) / (n - 1) if n > 1 else run.machine.pitch / disc.speed
+    after = min(max(_held_until(run), touches[-1]), touches[-1] + 0.9 * spacing)
+    given, stored, speed = _drive(run, np.array([*touches, after]))
+    taken = np.diff(given) - np.diff(stored)
+    lost = taken / (disc.turning * speed[:-1])
+    regained = float(speed[-2] - speed[-3] + lost[-2]) if n > 1 else math.nan
+    return float(np.mean(taken)), float(np.max(lost)), regained, float(np.min(speed[:-1]))
+
+
+def _drive(run: RotaryRun, times: Array) -> tuple[Array, Array, Array]:
+    """Return at some times the work of the drive less drag and slip of the belt (J), energy stored (J), speed (rad/s).
+
+    Stored in turntable, motor and belt; the object is a nose on a frame, so that one span holds the whole run.
+    """
+    disc, span = run.machine.turntable, run.spans[0]
+    assert isinstance(span, ChainSpan)
+    states, _ = span.motion.sample(times)
+    own, driven = span.place.angle, span.place.energies + span.place.links
+    speed, twist, motor = states[:, own + 1], states[:, own + BELT_TWIST], states[:, own + MOTOR_SPEED]
+    given = states[:, driven] - states[:, driven + 1]
+    if disc.rigid_belt:
+        return given, 0.5 * disc.turning * speed**2, speed
+    stored = 0.5 * (disc.inertia * speed**2 + disc.motor_inertia * motor**2 + disc.belt_stiffness * twist**2)
+    return given, stored, speed
+
+
+def limits_of(case: Case, run: RotaryRun, seen: Observation, goal: Goal) -> tuple[Limit, ...]:
+    """Return the values of a setting that have a limit.
+
+    The mean torque is what makes good the energy of a blow, E/(w T), and the drag at set speed. Stretch of the mount
+    and first yield are those of the striker that is worst off.
+    """
+    machine, disc = run.machine, run.machine.turntable
+    strength = goal.disc.yield_strength or math.nan
+    stretch = max(mount_stretch(striker, disc) for striker in machine.strikers.each)
+    torque = seen.supply.energy_taken / (disc.speed * goal.interval) + disc.drag * disc.speed
+    found = [
+        Limit("rim_speed", disc.speed * disc.radius, rim_speed_at_yield(goal.disc, strength), "m/s"),
+        Limit("disc_stress", disc_stress(goal.disc, disc.speed, disc.radius), strength, "Pa"),
+        Limit("mount_stretch", stretch, STRETCH_SHARE * machine.engagement, "m"),
+        Limit("retreat", seen.retreat, machine.feed.stroke, "m"),
+        Limit("mean_torque", torque, disc.torque, "N m"),
+        Limit("speed_drop", 1.0 - seen.supply.slowest / disc.speed, LARGEST_DROP, "1"),
+        Limit("energy_error", seen.energy_error, LEDGER_LIMIT, "1"),
+    ]
+    if math.isfinite(seen.peak.variation):
+        found.append(Limit("peak_scatter", seen.peak.variation, LARGEST_SCATTER, "1"))
+    if goal.stop_limit is not None:
+        found.append(Limit("stop_force", seen.supply.stop_force, goal.stop_limit, "N"))
+    load = yield_load(case)
+    if load is not None:
+        found.append(Limit("contact_force", seen.peak_force, load, "N", decides=False))
+    return tuple(found)
+
+
+def mount_stretch(striker: Striker, disc: Turntable) -> float:
+    """Return how far the mount stretches by the striker's circling, m w^2 R/(k - m w^2), m."""
+    circling = striker.mass * disc.speed**2
+    return circling * (disc.radius + striker.reach_error) / (striker.mount_stiffness - circling)
+
+
+def yield_load(case: Case) -> float | None:
+    """Return the least load at which a striker's contact first yields inside, N.
+
+    None where yielding is modelled, or the load is not known.
+    """
+    rig = case.rig()
+    if rig.contact.yield_pressure is not None:
+        return None
+    pair = material(rig.striker.material), material(rig.object.material)
+    long = "length" in stiffness_law(rig.contact.law).needs
+    loads = []
+    for radius, length in _noses(case):
+        first = first_yield(*pair, Geometry(radius, math.inf, length if long else None))
+        if first is None:
+            return None
+        loads.append(first.load)
+    return min(loads)
+
+
+def _noses(case: Case) -> set[tuple[float, float]]:
+    """Return radius and contact length of the strikers' noses, m: the common ones, and those of single strikers."""
+    table = case.rig().striker
+    own = {
+        ((row.nose_radius or table.nose_radius).si, (row.contact_length or table.contact_length).si)
+        for row in table.each
+    }
+    alike = len(table.each) < case.rig().machine.strikers.si
+    return own | {(table.nose_radius.si, table.contact_length.si)} if alike else own

@@ -1,0 +1,302 @@
+"""Settings of one machine found by full runs: engagement, stiffness and speed by Broyden's method from closed forms."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.errors import InputError, InputErrors, StrikewaveError
+from strikewave.base.quantities import Value
+from strikewave.base.units import in_unit
+from strikewave.cases.case import FORM, Case
+from strikewave.machines import RotaryRun, blows, run_rotary
+from strikewave.studies.settings.candidate import Candidate, Goal, Observation, limits_of, misses, observe_blows
+from strikewave.studies.settings.estimate import (
+    Support,
+    approach_at,
+    approach_speed,
+    engagement,
+    feed_time,
+    largest_engagement,
+    passage_time,
+    pulse_velocity_change,
+    return_arc,
+    settling_time,
+    turntable_speed,
+    width_stiffness,
+)
+
+Array = NDArray[np.float64]
+
+SEARCH_TOLERANCE = 1e-7
+"""Of the runs of a search; the run that is shown has the tolerance of the case."""
+CLOSE = 0.002
+"""Miss of peak, width and interval at which a search ends."""
+MOST_RUNS = 12
+"""Of a search."""
+LONGEST_STEP = 0.6
+"""Of the logarithm of a setting from one run to the next."""
+DIGITS = 4
+"""Significant digits of a chosen value."""
+SLOPES = np.array([[0.5, 0.35, 1.0], [0.0, -0.35, 0.0], [0.0, 0.0, -1.0]])
+"""First guess of d ln(peak, width, interval)/d ln(engagement, stiffness, speed): a half-sine on springs in series."""
+VARIED = {
+    "frame": ("object.frame_stiffness", "object.frame_damping"),
+    "mount": ("striker.mount_stiffness", "striker.mount_damping"),
+}
+"""What gives the width: a stiffness, and the damper beside it, which keeps its damping ratio."""
+UNITS = {
+    "m": "mm", "s": "ms", "kg": "kg", "N": "N", "N/m": "kN/m", "N s/m": "N s/m", "rad/s": "rpm",
+}  # fmt: skip
+"""Units in which chosen values are written; others have none."""
+STIFF = 1e6
+"""Stiffnesses above this, N/m, are written in MN/m."""
+
+
+class Rig(NamedTuple):
+    """What is tried: a case, a number of strikers, their mass (kg), what brings the object back, what is varied.
+
+    ``support`` and ``mass`` are None where the case's own are kept; ``note`` says why a value was chosen.
+    """
+
+    case: Case
+    strikers: int
+    support: Support | None
+    mass: float | None
+    vary: str
+    note: str
+
+
+@dataclass(frozen=True)
+class Design:
+    """A rig with a goal: its first estimates, its bounds, and the case at given settings."""
+
+    rig: Rig
+    goal: Goal
+
+    @cached_property
+    def start(self) -> Array:
+        """First estimates of engagement (m), stiffness (N/m) and speed (rad/s)."""
+        case = self.rig.case.rig()
+        radius, speed = case.machine.radius.si, turntable_speed(self.rig.strikers, self.goal.interval)
+        approach = approach_speed(self.velocity_change, case.contact.restitution.si)
+        depth = engagement(min(approach, approach_at(self.deepest, speed, radius)), speed, radius)
+        mass, other = self.object_mass, math.inf
+        if self.rig.vary == "mount":
+            other = case.object.frame_stiffness.si if case.object.frame_stiffness else math.inf
+        stiffness = width_stiffness(self.goal.width, mass, other)
+        if math.isinf(stiffness):
+            stiffness = 10.0 * width_stiffness(self.goal.width, mass)
+        return np.array([depth, stiffness, speed])
+
+    @property
+    def velocity_change(self) -> float:
+        """Velocity change of the pulse asked for, m/s."""
+        return pulse_velocity_change(self.goal.peak, self.goal.width)
+
+    @property
+    def object_mass(self) -> float:
+        """Mass of the object, kg."""
+        mass = self.rig.case.rig().object.mass
+        assert mass is not None
+        return mass.si
+
+    @property
+    def deepest(self) -> float:
+        """Largest engagement, m."""
+        case = self.rig.case.rig()
+        return largest_engagement(self.rig.strikers, case.machine.radius.si, case.feed.stroke.si)
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Least and largest settings."""
+        least = self.start * np.array([0.02, 0.02, 0.8])
+        return least, np.array([self.deepest, 50.0 * self.start[1], 1.25 * self.start[2]])
+
+    @cached_property
+    def support(self) -> Support:
+        """What brings the object back."""
+        table = self.rig.case.rig().object
+        return self.rig.support or Support(table.spring.si, table.preload.si, table.damper.si)
+
+    def estimates(self) -> dict[str, float]:
+        """Return the closed forms that the search begins with; SI."""
+        table = self.rig.case.rig().object
+        weight = self.object_mass * table.gravity.si
+        depth, stiffness, speed = (float(x) for x in self.start)
+        arc = return_arc(self.support, self.object_mass, self.velocity_change, weight)
+        settled = settling_time(self.support, self.object_mass, self.velocity_change, table.stop_restitution.si, weight)
+        return {
+            "velocity_change": self.velocity_change,
+            "approach": approach_speed(self.velocity_change, self.rig.case.rig().contact.restitution.si),
+            "engagement": depth,
+            "stiffness": stiffness,
+            "turntable_speed": speed,
+            "passage_time": passage_time(depth, speed, self.rig.case.rig().machine.radius.si),
+            "return_time": arc.time,
+            "retreat": arc.retreat,
+            "settling_time": settled,
+        }
+
+    def changes(self, settings: Array) -> dict[str, Value]:
+        """Return the values of the case at settings: engagement, stiffness, speed."""
+        depth, stiffness, speed = (float(x) for x in settings)
+        values = self.rig.case.values()
+        spring, damper = VARIED[self.rig.vary]
+        found: dict[str, float] = {
+            "machine.speed": speed,
+            "machine.strikers": self.rig.strikers,
+            "machine.engagement": depth,
+            spring: stiffness,
+            damper: values[damper].si * math.sqrt(stiffness / values[spring].si),
+        }
+        if self.rig.mass is not None:
+            found["striker.mass"] = self.rig.mass
+        if self.rig.support is not None:
+            found |= {f"object.{name}": value for name, value in self.rig.support._asdict().items()}
+        found |= self._feed_times(depth)
+        return {path: chosen(path, value, self.rig.note) for path, value in found.items()}
+
+    def _feed_times(self, depth: float) -> dict[str, float]:
+        """Return the times of the feed that are too long to clear the strikers before and after the blows."""
+        feed, period = self.rig.case.rig().feed, self.goal.interval
+        longest = {
+            "stroke_time": feed_time(feed.arrival.si * period, depth, feed.stroke.si),
+            "retract_time": feed_time(period - feed.release_delay.si, depth, feed.stroke.si),
+        }
+        return {f"feed.{name}": time for name, time in longest.items() if time < getattr(feed, name).si}
+
+    def case_at(self, settings: Array) -> Case:
+        """Return the case at settings: engagement, stiffness, speed."""
+        return self.rig.case.with_values(self.changes(settings))
+
+    def run(self, settings: Array, tolerance: float) -> tuple[RotaryRun, Observation | None]:
+        """Run the machine at settings.
+
+        Raises
+        ------
+        InputError, InputErrors, IntegrationError, ValueError
+            If it does not fit together, or cannot be followed.
+        """
+        run = run_rotary(build_machine(self.case_at(settings)), tolerance)
+        return run, observe_blows(run, blows(run), self.goal)
+
+
+def chosen(path: str, value: float, note: str) -> Value:
+    """Return a value of a case that was chosen here, rounded to four digits.
+
+    Raises
+    ------
+    InputError
+        If a case may not have it.
+
+    Examples
+    --------
+    >>> chosen("machine.engagement", 0.00512345678, "by hand").typed
+    '5.123 mm'
+    """
+    allowed = FORM.range_at(path.split("."))
+    assert allowed is not None
+    unit = "MN/m" if allowed.unit == "N/m" and value >= STIFF else UNITS.get(allowed.unit, "")
+    number = float(f"{in_unit(value, allowed.unit, unit):.{DIGITS}g}") if unit else value
+    typed = f"{number:.10g} {unit}" if unit else round(value) if allowed.unit == "count" else value
+    try:
+        return allowed.read({"value": typed, "provenance": "assumed", "note": note})
+    except InputError as error:
+        raise InputError(path, error.got, error.allowed, error.hint) from None
+
+
+class Found(NamedTuple):
+    """Where a search ended: settings, runs, and at what it stood still, in words."""
+
+    settings: Array
+    runs: int
+    halt: str
+
+
+def search(design: Design) -> Found | str:
+    """Return the settings that meet a goal most nearly, or why no run could be made.
+
+    Broyden's method on the logarithms, from the closed forms: each run gives the misses of peak, width and interval,
+    and corrects the slopes. A run that cannot be made halves the step.
+    """
+    low, high = (np.log(bound) for bound in design.bounds)
+    x = np.clip(np.log(design.start), low, high)
+    slopes, why, best = SLOPES.copy(), "", None
+    for runs in range(1, MOST_RUNS + 1):
+        missed, reason = _missed(design, np.exp(x))
+        if missed is None:
+            why = reason
+            if best is None:
+                return why
+            x = 0.5 * (x + best[0])
+            continue
+        if best is not None:
+            way = x - best[0]
+            slopes += np.outer(missed - best[1] - slopes @ way, way) / max(float(way @ way), 1e-12)
+        if best is None or np.abs(missed).max() < np.abs(best[1]).max():
+            best = x, missed
+        if np.abs(best[1]).max() < CLOSE:
+            return Found(np.exp(best[0]), runs, "")
+        if not np.linalg.cond(slopes) < 1e4:
+            slopes = SLOPES.copy()
+        step = np.clip(-np.linalg.solve(slopes, best[1]), -LONGEST_STEP, LONGEST_STEP)
+        following = np.clip(best[0] + step, low, high)
+        if np.abs(following - x).max() < 1e-5:
+            break
+        x = following
+    assert best is not None
+    halt = _at_bound(best[0], low, high, design) or _at_bound(x, low, high, design) or why
+    return Found(np.exp(best[0]), runs, halt or f"nothing nearer was found in {runs} runs")
+
+
+def _missed(design: Design, settings: Array) -> tuple[Array | None, str]:
+    """Return the logarithms of peak, width and interval over the goal, or why there are none."""
+    try:
+        _, seen = design.run(settings, SEARCH_TOLERANCE)
+    except (StrikewaveError, ValueError) as error:
+        return None, reason_of(error)
+    if seen is None:
+        return None, "no striker touches the object"
+    missed = np.log1p(list(misses(seen, design.goal).values()))
+    return (missed, "") if np.all(np.isfinite(missed)) else (None, "a pulse has no width at 10 % of its peak")
+
+
+def _at_bound(x: Array, low: Array, high: Array, design: Design) -> str:
+    """Return which setting stands at its bound, in words."""
+    if x[0] > high[0] - 1e-6:
+        return f"the engagement is the largest that strikers and stroke allow, {design.deepest * 1e3:.4g} mm"
+    if x[1] > high[1] - 1e-6:
+        return f"the {design.rig.vary} cannot be stiff enough: mount, frame and contact bend besides"
+    return f"the {design.rig.vary} cannot be soft enough" if x[1] < low[1] + 1e-6 else ""
+
+
+def reason_of(error: Exception) -> str:
+    """Return an error in one short line."""
+    return error.lines[0] if isinstance(error, InputErrors) else str(error)
+
+
+def candidate(design: Design) -> Candidate | str:
+    """Return the setting that a search ends at, as a full run shows it; or why there is none.
+
+    The run has the case's own tolerance and the rounded values, as the case file will hold them.
+    """
+    found = search(design)
+    if isinstance(found, str):
+        return found
+    case = design.case_at(found.settings)
+    try:
+        run, seen = design.run(found.settings, case.solver.tolerance.si)
+    except (StrikewaveError, ValueError) as error:
+        return reason_of(error)
+    if seen is None:
+        return "no striker touches the object"
+    limits = limits_of(case, run, seen, design.goal)
+    paths = tuple(design.changes(found.settings))
+    return Candidate(case, paths, seen, design.goal, limits, design.estimates(), found.runs + 1, found.halt)

@@ -1,0 +1,472 @@
+"""Inverse design of the rotary machine: settings that give blows of an asked peak and width at an asked interval.
+
+Closed forms (`settings_estimate`) say where to begin, full runs of all blows (`settings_search`) correct engagement,
+stiffness and speed, and every candidate is judged by a full run (`settings_candidate`).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from strikewave.analyses.machine.build import face_contact
+from strikewave.analyses.machine.result import Notice
+from strikewave.base.citations import citation
+from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.json_document import head, plain
+from strikewave.base.materials import material
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.cases.case import Case
+from strikewave.contact.law import indentation_under
+from strikewave.signal.pulse import HALF_SINE_WIDTH
+from strikewave.studies.settings.candidate import WITHIN, Candidate, Goal, Spread, rank_key
+from strikewave.studies.settings.estimate import (
+    Support,
+    approach_at,
+    engagement,
+    engagement_sensitivity,
+    largest_engagement,
+    passage_time,
+    pulse_velocity_change,
+    return_arc,
+    settling_time,
+    support_for,
+    turntable_speed,
+)
+from strikewave.studies.settings.search import VARIED, Design, Rig, candidate
+
+STRIKERS = (1, 2, 3, 4, 6, 8, 12)
+"""Numbers of strikers that are tried unless said otherwise, besides that of the case."""
+MOST_STRIKERS = 100
+"""As in a case."""
+MASS_SHARES = (0.5, 2.0)
+"""Masses of a striker over that of the case which are tried besides, on the best support."""
+RETURN_SHARE = (0.12, 0.55)
+"""Least and largest time of the object's return that is tried, over the interval."""
+PASSED = 1.3
+"""Least time of return that is tried, over the passage of a nose by the first estimate, which is too short."""
+WIDTHS = 10.0
+"""Least time of return that is tried, over the width of the pulse: what returns sooner takes part in the pulse."""
+PRELOADS, DAMPINGS, TIMES = (0.3, 1.0), (0.2, 0.4, 0.7), 3
+"""Ladder of supports: preload ratios, damping ratios (see `support_for`), and how many times of return."""
+SUPPORTS = 6
+"""Of the ladder that settle soonest are run, for each number of strikers."""
+SHORTEST = 10.0
+"""Least interval over the width of the pulse."""
+WORKERS = 2
+"""Threads; the compiled runs hold no lock."""
+LEAST_SHARE = 0.9
+"""Of the width of a half-sine on the contact alone: shorter ones are refused."""
+MOST_REASONS = 5
+"""Reasons that are told where no setting can be run."""
+MOST_CANDIDATES = 500
+"""More combinations of strikers, masses and supports than this are refused."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What may be chosen: numbers of strikers, masses of one (empty: ladders about the case), what sets the width."""
+
+    strikers: tuple[int, ...] = ()
+    masses: tuple[float, ...] = ()
+    vary: str = "frame"
+
+
+@dataclass(frozen=True, eq=False)
+class SettingsStudy:
+    """Ranked settings for a goal; see `design_settings`.
+
+    ``left_out`` says of each number of strikers that was not run why, ``failed`` of each setting that gave no result.
+    """
+
+    case: Case
+    goal: Goal
+    choice: Choice
+    candidates: tuple[Candidate, ...]
+    left_out: dict[int, str]
+    failed: tuple[str, ...]
+
+    @property
+    def best(self) -> Candidate | None:
+        """First of the ranking if it meets the goal."""
+        return self.candidates[0] if self.candidates[0].meets else None
+
+    @property
+    def broken(self) -> bool:
+        """Whether no setting meets the goal."""
+        return self.best is None
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """What should be known of the first candidate."""
+        return tuple(_notices(self.candidates[0]))
+
+    def case_of(self, place: int = 0) -> Case:
+        """Return the case of a candidate, under a name of its own and without published numbers to compare with."""
+        update = {"name": self.name, "title": self.title, "published": ()}
+        return self.candidates[place].case.model_copy(update=update)
+
+    @property
+    def name(self) -> str:
+        """Name of the case and of its folder."""
+        return name_of(self.goal)
+
+    @property
+    def masses(self) -> list[Candidate]:
+        """The first candidate, and those that differ from it in the strikers' mass alone, lightest first."""
+        first = self.candidates[0]
+        alike = [one for one in self.candidates if _without_mass(one) == _without_mass(first)]
+        return sorted(alike, key=lambda one: one.case.values()["striker.mass"].si)
+
+    @property
+    def title(self) -> str:
+        """The goal in words, and whether the first candidate only comes near it."""
+        return ("nearest to " if self.broken else "") + goal_words(self.goal)
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document."""
+        warnings = [{k: v for k, v in dataclasses.asdict(n).items() if k != "broken"} for n in self.warnings]
+        rows = [_row(place, one) for place, one in enumerate(self.candidates, 1)]
+        goal = {key: getattr(self.goal, key) for key in ("interval", "peak", "width", "stop_limit")}
+        return dict(
+            plain(
+                {
+                    **head(UNITS, warnings),
+                    "goal": {**goal, "within": WITHIN, "disc": self.goal.disc.name, "vary": self.choice.vary},
+                    "from": self.case.name,
+                    "typical": "median of the later full blows; variation: standard deviation (n - 1) over mean of all",
+                    "sources": [citation("li-ma-2019"), *(citation(key) for key in SOURCES)],
+                    "met": not self.broken,
+                    "best": None if self.broken else rows[0],
+                    "candidates": rows,
+                    "left_out": [{"strikers": n, "why": why} for n, why in self.left_out.items()],
+                    "failed": list(self.failed),
+                }
+            )
+        )
+
+
+SOURCES = ("timoshenko-goodier-1970", "schwager-poschel-2007")
+UNITS = {
+    "interval": "s", "peak": "m/s^2", "width": "s", "within": "1", "variation": "1", "approach": "m/s",
+    "velocity_change": "m/s", "peak_force": "N", "retreat": "m", "stop_force": "N", "energy_taken": "J",
+    "speed_lost": "rad/s", "speed_regained": "rad/s", "slowest": "rad/s", "engagement": "m", "stiffness": "N/m",
+    "turntable_speed": "rad/s", "passage_time": "s", "return_time": "s", "settling_time": "s", "energy_error": "1",
+    "stop_limit": "N", "engagement_sensitivity": "1/m",
+}  # fmt: skip
+"""SI unit of each quantity of the document; ``settings`` and ``limits`` name their own."""
+
+
+def _row(place: int, one: Candidate) -> dict[str, Any]:
+    """Return a candidate as a row of the document."""
+    seen, values = one.seen, one.case.values()
+    spreads: dict[str, Spread] = {"peak": seen.peak, "width": seen.width, "interval": seen.interval}
+    return {
+        "place": place,
+        "meets": one.meets,
+        "obstacles": one.obstacles,
+        "strikers": round(values["machine.strikers"].si),
+        "settings": {path: {"si": values[path].si, "typed": values[path].typed} for path in one.chosen},
+        **{name: {**spread._asdict(), "miss": one.misses[name]} for name, spread in spreads.items()},
+        "blows": {
+            "wanted": seen.wanted,
+            "kinds": list(seen.kinds),
+            "touched_again": seen.touched_again,
+            "odd": seen.odd,
+        },
+        **{key: getattr(seen, key) for key in ("approach", "velocity_change", "peak_force", "retreat", "energy_error")},
+        **seen.supply._asdict(),
+        "engagement_sensitivity": engagement_sensitivity(values["machine.engagement"].si, values["machine.radius"].si),
+        "limits": [{**limit._asdict(), "kept": limit.kept} for limit in one.limits],
+        "estimate": one.estimate,
+        "runs": one.runs,
+    }
+
+
+def _without_mass(one: Candidate) -> tuple[float, ...]:
+    """Return number of strikers and support of a candidate."""
+    values = one.case.values()
+    return tuple(values[path].si for path in ("machine.strikers", "object.spring", "object.preload", "object.damper"))
+
+
+def goal_words(goal: Goal) -> str:
+    """Return a goal in words.
+
+    Examples
+    --------
+    >>> from strikewave.base.materials import material
+    >>> goal_words(Goal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")))
+    'blows of 4000 g and 200 us every 20 ms'
+    """
+    pulse = f"{goal.peak / STANDARD_GRAVITY:.6g} g and {goal.width * 1e6:.6g} us"
+    return f"blows of {pulse} every {goal.interval * 1e3:.6g} ms"
+
+
+def name_of(goal: Goal) -> str:
+    """Return the name of the case and of the folder of a goal.
+
+    Examples
+    --------
+    >>> from strikewave.base.materials import material
+    >>> name_of(Goal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")))
+    'settings-20ms-4000g-200us'
+    """
+    return f"settings-{goal.interval * 1e3:.6g}ms-{goal.peak / STANDARD_GRAVITY:.6g}g-{goal.width * 1e6:.6g}us"
+
+
+def _notices(one: Candidate) -> Iterator[Notice]:
+    """Yield what should be known of a candidate besides its limits."""
+    for limit in one.limits:
+        if not limit.decides and not limit.kept:
+            message = (
+                f"the contact yields below its surface (von Mises) beyond {limit.limit / 1e3:.3g} kN and is loaded "
+                f"with {limit.value / 1e3:.3g} kN: give contact.yield_pressure by --set, or trust peak and width, "
+                "which hang on frame and mount, more than the contact force"
+            )
+            yield Notice("contact-yield", message, limit.value, limit.limit)
+    if not one.meets:
+        yield Notice("not-met", f"the nearest setting misses the goal: {one.obstacles}", one.largest_miss, WITHIN)
+
+
+def check_goal(case: Case, goal: Goal, choice: Choice) -> None:
+    """Refuse what no setting can give, before anything is run.
+
+    Raises
+    ------
+    InputError
+        With the option.
+    """
+    if case.machine is None or case.stack.layer:
+        allowed = "a machine case whose object is a nose on a frame, such as li-ma-2019"
+        raise InputError("--from", case.name, allowed, "a stack of layers has no frame stiffness to choose")
+    angle = getattr(case.machine, "blow_angle", None)
+    if angle is not None and angle.si != 0.0:
+        allowed = "0: noses that strike as a cam"
+        raise InputError("machine.blow_angle", angle.typed, allowed, "remove it, or the first estimates do not hold")
+    for field, value in (("--interval", goal.interval), ("--peak", goal.peak), ("--width", goal.width)):
+        if not 0.0 < value < math.inf:
+            raise InputError(field, value, "above zero")
+    if goal.width * SHORTEST > goal.interval:
+        longest = goal.interval / SHORTEST * 1e6
+        allowed = f"at most {longest:.4g} us, a tenth of the interval"
+        raise InputError("--width", f"{goal.width * 1e6:.4g} us", allowed, "longer pulses run into the next blow")
+    _check_strikers(case, choice)
+    feed, typed = case.rig().feed, f"{goal.interval * 1e3:.4g} ms"
+    if feed.release_delay.si >= goal.interval:
+        allowed = f"less than the interval, {typed}: the next striker comes before the object leaves"
+        raise InputError("feed.release_delay", feed.release_delay.typed, allowed, "shorten it by --set")
+    if feed.arrival.si == 0.0:
+        raise InputError("feed.arrival", feed.arrival.typed, "above 0: the object comes between two strikers")
+    if choice.vary not in VARIED:
+        raise InputError("--vary", choice.vary, " or ".join(VARIED))
+    if goal.disc.yield_strength is None or goal.disc.kind != "metal":
+        raise InputError("--disc", goal.disc.name, "a metal with a yield strength", "see `strikewave materials`")
+    count = len(choice.strikers) * max(len(choice.masses), 1) * (SUPPORTS + 1)
+    if count > MOST_CANDIDATES:
+        raise InputError("--strikers", f"{count} settings to try", f"at most {MOST_CANDIDATES}", "ask for fewer")
+    least = least_width(case, goal, choice)
+    if goal.width < least:
+        allowed = f"at least about {least * 1e6:.3g} us at this peak: object and striker are no stiffer"
+        hint = "a lighter striker or a stiffer contact helps" + ("" if choice.vary == "frame" else ", or --vary frame")
+        raise InputError("--width", f"{goal.width * 1e6:.4g} us", allowed, hint)
+
+
+def _check_strikers(case: Case, choice: Choice) -> None:
+    """Refuse numbers of strikers that cannot be, and what the rows of single strikers speak against."""
+    odd = [number for number in choice.strikers if not 1 <= number <= MOST_STRIKERS]
+    if odd:
+        raise InputError("--strikers", odd[0], f"a whole number from 1 to {MOST_STRIKERS}")
+    rows = {int(row.number.si): row for row in case.rig().striker.each}
+    last = max(rows, default=0)
+    if choice.strikers and min(choice.strikers) < last:
+        allowed = f"at most {min(choice.strikers)}, as --strikers asks"
+        raise InputError(f"striker.each.{last}.number", last, allowed, "remove its row, or ask for more strikers")
+    own = [number for number, row in rows.items() if row.mass is not None]
+    if choice.masses and own:
+        allowed = f"none: striker {own[0]} has a mass of its own"
+        raise InputError("--striker-mass", f"{choice.masses[0]:g} kg", allowed, "remove the masses of [[striker.each]]")
+
+
+def least_width(case: Case, goal: Goal, choice: Choice) -> float:
+    """Return a width that no setting goes below, s: 0.9 times 0.9362 pi sqrt(M/k) for a free striker.
+
+    1/M = 1/m + 1/m_s of object and lightest striker; k is the contact's force over its indentation at the peak, with
+    the frame in series where that is not chosen: mount and drive only make a pulse longer. A tenth is left for what a
+    half-sine is not. 0 where a striker has a nose of its own.
+
+    Source: docs/settings.md.
+    """
+    rig = case.rig()
+    assert rig.object.mass is not None
+    if any(row.nose_radius or row.contact_length for row in rig.striker.each):
+        return 0.0
+    mass, own = rig.object.mass.si, [row.mass.si for row in rig.striker.each if row.mass is not None]
+    lightest = min([*choice.masses, *own], default=min(MASS_SHARES) * rig.striker.mass.si)
+    force = mass * goal.peak
+    contact = face_contact(rig.striker, rig.contact, material(rig.object.material))
+    give = indentation_under(contact, force) / force
+    if choice.vary == "mount" and rig.object.frame_stiffness is not None:
+        give += 1.0 / rig.object.frame_stiffness.si
+    reduced = mass * lightest / (mass + lightest)
+    return LEAST_SHARE * math.pi * HALF_SINE_WIDTH * math.sqrt(reduced * give)
+
+
+def sensible_strikers(case: Case, goal: Goal, choice: Choice) -> tuple[list[int], dict[int, str]]:
+    """Return the numbers of strikers to run, and why each other one is left out.
+
+    Raises
+    ------
+    InputError
+        If none is left; a peak beyond what the largest engagement reaches is named with the largest one.
+    """
+    rig = case.rig()
+    wanted = choice.strikers or tuple(sorted({*STRIKERS, int(rig.machine.strikers.si)}))
+    radius, stroke = rig.machine.radius.si, rig.feed.stroke.si
+    change = pulse_velocity_change(goal.peak, goal.width)
+    last = max((int(row.number.si) for row in rig.striker.each), default=0)
+    reached, kept, left = 0.0, [], {}
+    for number in dict.fromkeys(wanted):
+        if number < last:
+            left[number] = f"the case has a row for striker {last}"
+            continue
+        speed = turntable_speed(number, goal.interval)
+        deepest = largest_engagement(number, radius, stroke)
+        reach = approach_at(deepest, speed, radius)
+        reached = max(reached, reach)
+        if 2.0 * reach < change:
+            left[number] = (
+                f"engaged by the {deepest * 1e3:.3g} mm that strikers and stroke allow, the noses come at {reach:.3g} "
+                f"m/s; even a blow without loss takes {0.5 * change:.3g} m/s"
+            )
+            continue
+        passing = passage_time(engagement(0.5 * change, speed, radius), speed, radius)
+        if passing > RETURN_SHARE[1] * goal.interval:
+            left[number] = f"a nose is in the way for {passing * 1e3:.3g} ms of the {goal.interval * 1e3:.4g} ms"
+            continue
+        kept.append(number)
+    if kept:
+        return kept, left
+    if 2.0 * reached < change:
+        largest = goal.peak * 2.0 * reached / change / STANDARD_GRAVITY
+        allowed = (
+            f"at most {largest:.4g} g with this width, interval and radius, where the noses come at {reached:.3g} m/s "
+            "and nothing is lost"
+        )
+        hint = "a larger machine.radius or feed.stroke (--set), other --strikers, a shorter width or interval help"
+        raise InputError("--peak", f"{goal.peak / STANDARD_GRAVITY:.4g} g", allowed, hint)
+    why = "; ".join(f"{number} strikers: {reason}" for number, reason in left.items())
+    raise InputError("--strikers", ", ".join(map(str, wanted)), "a number that leaves the object time to return", why)
+
+
+def supports(case: Case, goal: Goal, strikers: int) -> list[Support | None]:
+    """Return what may bring the object back: the case's own (None), and those of the ladder that settle soonest.
+
+    The first arc takes between the passage of a nose and about half the interval; what would retreat beyond the stroke,
+    or press the stop by more than half the retreat, comes last.
+    """
+    rig = case.rig()
+    assert rig.object.mass is not None
+    mass, change = rig.object.mass.si, pulse_velocity_change(goal.peak, goal.width)
+    weight, restitution = mass * rig.object.gravity.si, rig.object.stop_restitution.si
+    radius, speed = rig.machine.radius.si, turntable_speed(strikers, goal.interval)
+    passing = passage_time(float(Design(Rig(case, strikers, None, None, "frame", ""), goal).start[0]), speed, radius)
+    longest = RETURN_SHARE[1] * goal.interval
+    shortest = min(max(PASSED * passing, RETURN_SHARE[0] * goal.interval, WIDTHS * goal.width), longest)
+    found: dict[Support, tuple[bool, float]] = {}
+    for time in np.geomspace(shortest, longest, TIMES):
+        for preload in PRELOADS:
+            for damping in DAMPINGS:
+                exact = support_for(float(time), mass, change, preload, damping, weight)
+                support = Support(*(float(f"{value:.3g}") for value in exact))
+                arc = return_arc(support, mass, change, weight)
+                pressed = support.preload / rig.object.stop_stiffness.si
+                fits = arc.retreat < rig.feed.stroke.si and pressed < 0.5 * arc.retreat
+                found[support] = not fits, settling_time(support, mass, change, restitution, weight)
+    return [None, *sorted(found, key=found.__getitem__)[:SUPPORTS]]
+
+
+def design_settings(
+    case: Case, goal: Goal, choice: Choice | None = None, progress: Callable[[float], None] | None = None
+) -> SettingsStudy:
+    """Return settings of a machine for blows of a peak and a width at an interval, ranked.
+
+    Parameters
+    ----------
+    case : Case
+        What is not chosen: geometry, materials, contact, feed, stop.
+    goal : Goal
+        What the blows shall be.
+    choice : Choice, optional
+        What may be chosen.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If no setting can give it, or none could be run: with what each of them failed at.
+    """
+    choice = choice or Choice()
+    check_goal(case, goal, choice)
+    numbers, left = sensible_strikers(case, goal, choice)
+    note = f"chosen by strikewave settings for {goal_words(goal)}"
+    masses: tuple[float | None, ...] = choice.masses or (None,)
+    first = [
+        Design(Rig(case, number, support, mass, choice.vary, note), goal)
+        for number in numbers
+        for mass in masses
+        for support in supports(case, goal, number)
+    ]
+    own = any(row.mass is not None for row in case.rig().striker.each)
+    heavier = 0 if choice.masses or own else len(MASS_SHARES) * len(numbers)
+    whole = len(first) + heavier
+    found = list(_candidates(first, progress, 0, whole))
+    if heavier:
+        found += _candidates(list(_other_masses(found, numbers)), progress, len(first), whole)
+    shown = [one for _, one in found if isinstance(one, Candidate)]
+    failed = tuple(dict.fromkeys(f"{d.rig.strikers} strikers: {one}" for d, one in found if isinstance(one, str)))
+    if not shown:
+        raise InputErrors(list(dict.fromkeys(one for _, one in found if isinstance(one, str)))[:MOST_REASONS])
+    return SettingsStudy(case, goal, choice, tuple(sorted(shown, key=rank_key)), left, failed)
+
+
+def _other_masses(found: Sequence[tuple[Design, Candidate | str]], numbers: Sequence[int]) -> Iterator[Design]:
+    """Yield the first design of each number of strikers with other masses of a striker."""
+    for number in numbers:
+        mine = [(d, one) for d, one in found if d.rig.strikers == number and isinstance(one, Candidate)]
+        if mine:
+            design, _ = min(mine, key=lambda pair: rank_key(pair[1]))
+            mass = design.rig.case.rig().striker.mass.si
+            for share in MASS_SHARES:
+                yield dataclasses.replace(design, rig=design.rig._replace(mass=share * mass))
+
+
+def _candidates(
+    designs: Sequence[Design], progress: Callable[[float], None] | None, done: int, whole: int
+) -> Iterator[tuple[Design, Candidate | str]]:
+    """Yield each design with its candidate, in order; two are run at a time."""
+    with ThreadPoolExecutor(WORKERS) as pool:
+        try:
+            for k, one in enumerate(pool.map(candidate, designs), 1):
+                if progress is not None:
+                    progress((done + k) / whole)
+                yield designs[k - 1], one
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+__all__ = [
+    "Choice",
+    "Goal",
+    "SettingsStudy",
+    "design_settings",
+    "goal_words",
+    "name_of",
+]

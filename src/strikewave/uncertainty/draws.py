@@ -1,0 +1,197 @@
+"""What a case may be within its tolerances: where they stand, what is drawn, and the case that a draw makes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from strikewave.base.errors import MISSING, InputError
+from strikewave.base.quantities import DEVIATIONS, TRUNCATION, Range, Value
+from strikewave.base.units import DIMENSIONS
+from strikewave.cases.case import Case
+from strikewave.cases.paths import Form
+from strikewave.cases.tables import OwnStriker
+
+Array = NDArray[np.float64]
+
+OF_EACH_STRIKER = {
+    **{f"striker.{key}": key for key in OwnStriker.model_fields if key not in ("number", "restitution")},
+    "contact.restitution": "restitution",
+}
+"""What is drawn for each striker separately, and where it stands in a row of [[striker.each]]."""
+FELT = ("machine", "striker", "feed", "object", "contact", "stack")
+"""Tables that a blow feels."""
+EXAMPLE = 'mass = { value = "1 kg", tolerance = "2 %" } in [striker], or --set striker.mass.tolerance="2 %"'
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """A quantity of a case that has a tolerance.
+
+    Attributes
+    ----------
+    path : str
+        In the case.
+    value : Value
+        Nominal, with its tolerance.
+    allowed : Range
+        What it may be.
+    strikers : tuple of int
+        Numbers of the strikers for which it is drawn separately; empty where it is drawn once a run.
+    """
+
+    path: str
+    value: Value
+    allowed: Range
+    strikers: tuple[int, ...] = ()
+
+    @property
+    def count(self) -> int:
+        """How many numbers are drawn in a run."""
+        return len(self.strikers) or 1
+
+    @property
+    def names(self) -> list[str]:
+        """Name of each number drawn."""
+        return [f"{self.path} of {number}" for number in self.strikers] or [self.path]
+
+
+def tolerances_of(case: Case) -> tuple[Tolerance, ...]:
+    """Return the tolerances of a machine case that its blows feel, by path.
+
+    Raises
+    ------
+    InputError
+        If the case is that of a bar alone, or has none.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> case = load_case("li-ma-2019", ["striker.mass.tolerance=2 %", "feed.arrival.tolerance=0.1"])
+    >>> [(one.path, one.count) for one in tolerances_of(case)]
+    [('feed.arrival', 1), ('striker.mass', 4)]
+    """
+    rig = case.rig()
+    numbers = range(1, int(rig.machine.strikers.si) + 1)
+    rows = {int(row.number.si): row for row in rig.striker.each}
+    found = []
+    for path, value in sorted(case.values().items()):
+        if value.tolerance is None or path.partition(".")[0] not in FELT:
+            continue
+        table, *places = path.split(".")
+        allowed = Form(type(getattr(case, table)), table, "").range_at(places)
+        assert allowed is not None
+        key = OF_EACH_STRIKER.get(path)
+        drawn = tuple(n for n in numbers if n not in rows or getattr(rows[n], key) is None) if key else ()
+        if drawn or not key:
+            found.append(Tolerance(path, value, allowed, drawn))
+    if not found:
+        raise InputError("tolerance", MISSING, "a tolerance on at least one quantity that a blow feels", EXAMPLE)
+    return tuple(found)
+
+
+def unfelt(case: Case, tolerances: Sequence[Tolerance]) -> list[str]:
+    """Return the paths of other tolerances: of sensors, recorder, solver, or of what each striker has for itself."""
+    known = {one.path for one in tolerances}
+    return [path for path, value in case.values().items() if value.tolerance is not None and path not in known]
+
+
+def draw(value: Value, allowed: Range, quantile: ArrayLike) -> Array:
+    """Return what a toleranced quantity is at quantiles of its distribution, in SI.
+
+    Uniform: even over the band. Normal: the tolerance is two standard deviations, and the distribution is cut off at
+    three. Either is cut off where the quantity must not be, and keeps its form in between.
+
+    Examples
+    --------
+    >>> share = Range("", 0.0, 1.0)
+    >>> value = share.read({"value": 0.5, "tolerance": 0.2})
+    >>> draw(value, share, [0.0, 0.5, 1.0]).round(12).tolist()
+    [0.2, 0.5, 0.8]
+    """
+    from scipy.special import ndtr, ndtri
+
+    u, half = np.asarray(quantile, dtype=float), value.half_width
+    assert value.tolerance is not None
+    normal = value.tolerance.distribution == "normal"
+    reach = half * TRUNCATION / DEVIATIONS if normal else half
+    low, high = max(value.si - reach, allowed.low), min(value.si + reach, allowed.high)
+    if allowed.open_low and low == allowed.low:
+        low = float(np.nextafter(low, high))
+    if not normal:
+        return np.clip(low + u * (high - low), low, high)
+    deviation = half / DEVIATIONS
+    below, above = ndtr((low - value.si) / deviation), ndtr((high - value.si) / deviation)
+    return np.clip(value.si + deviation * ndtri(below + u * (above - below)), low, high)
+
+
+def quantiles(tolerances: Sequence[Tolerance], runs: int, seed: int) -> Array:
+    """Return quantiles for some runs, shape (runs, numbers drawn).
+
+    Each depends on seed, run and path alone: another tolerance in the case, or more runs, change none of them.
+    """
+    return np.array([np.concatenate([_random(one, run, seed) for one in tolerances]) for run in range(runs)])
+
+
+def _random(one: Tolerance, run: int, seed: int) -> Array:
+    """Return the random numbers of one tolerance in one run; a striker has the same whether others are drawn or not."""
+    source = np.random.Philox(np.random.SeedSequence(seed, spawn_key=(run, *one.path.encode())))
+    numbers = np.random.Generator(source).random(max(one.strikers, default=1))
+    return numbers[np.array(one.strikers) - 1] if one.strikers else numbers
+
+
+def drawn(tolerances: Sequence[Tolerance], points: Array) -> Array:
+    """Return what is drawn at quantiles, shape (runs, numbers drawn), in SI."""
+    columns, place = [], 0
+    for one in tolerances:
+        columns.append(draw(one.value, one.allowed, points[:, place : place + one.count]))
+        place += one.count
+    return np.concatenate(columns, axis=1)
+
+
+def nominal(tolerances: Sequence[Tolerance]) -> Array:
+    """Return the nominal values in the order of what is drawn, shape (1, numbers drawn)."""
+    return np.array([[one.value.si for one in tolerances for _ in range(one.count)]])
+
+
+def drawn_case(case: Case, tolerances: Sequence[Tolerance], numbers: Sequence[float]) -> Case:
+    """Return a case with what was drawn instead of what has a tolerance; strikers get rows of their own.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> case = load_case("li-ma-2019", ["striker.mass.tolerance=2 %"])
+    >>> made = drawn_case(case, tolerances_of(case), [1.01, 0.99, 1.0, 1.02])
+    >>> [row.mass.si for row in made.striker.each]
+    [1.01, 0.99, 1.0, 1.02]
+    """
+    own: dict[int, dict[str, Value]] = {}
+    once: dict[str, Value] = {}
+    left = iter(numbers)
+    for one in tolerances:
+        for number in one.strikers:
+            own.setdefault(number, {})[OF_EACH_STRIKER[one.path]] = _exactly(one, next(left))
+        if not one.strikers:
+            once[one.path] = _exactly(one, next(left))
+    made = case.with_values(once, keep_tolerances=False)
+    return made.model_copy(update={"striker": _with_rows(made.rig().striker, own)}) if own else made
+
+
+def _with_rows(striker: Any, own: dict[int, dict[str, Value]]) -> Any:
+    """Return [striker] with values of single strikers in its rows."""
+    rows = {int(row.number.si): row for row in striker.each}
+    for number, given in own.items():
+        row = rows.get(number) or OwnStriker(number=Value(si=float(number), typed=number))
+        rows[number] = row.model_copy(update=given)
+    return striker.model_copy(update={"each": tuple(rows[number] for number in sorted(rows))})
+
+
+def _exactly(one: Tolerance, number: float) -> Value:
+    """Return a drawn number as a value without tolerance that reads back to the same bits."""
+    number = float(number)
+    typed = f"{number!r} {one.allowed.unit}" if one.allowed.unit in DIMENSIONS else number
+    return one.value.model_copy(update={"si": number, "typed": typed, "tolerance": None})

@@ -1,0 +1,267 @@
+"""Where one-dimensional wave theory ends, and what joints and sensors could not do: notices for runs and bars.
+
+With t the rise time that is left at the stated bandwidth B, t^2 = (rise of the load)^2 + (0.35/B)^2, c the bar
+speed and d the diameter: below t c/d = 2 no peak acceleration is quoted, since the front disperses over lengths
+of the diameter; from 2 to 5 it comes with a warning.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.machine.readings import BlowHistory, BlowReading, Channel, SensorPulse
+from strikewave.analyses.machine.result import Notice
+from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.spans import StackSpan
+from strikewave.signal.pulse import measure_pulse
+from strikewave.waves import BarRun, Grid, Layer, Stack
+
+Array = NDArray[np.float64]
+
+REFUSED, WARNED = 2.0, 5.0
+"""Rise time in diameters of travel below which a peak acceleration is refused, and warned of."""
+DISPERSED_REFUSED, DISPERSED_WARNED = 1.0, 2.0
+"""The same where the first mode of a round bar is followed exactly: what is missing are higher modes near faces."""
+RISE_OF_BANDWIDTH = 0.35
+"""Rise time (10-90 %) times -3 dB bandwidth of a low-pass."""
+MISMATCH_LIMIT = 0.01
+"""Relative error of a transit beyond which the step of a struck stack is warned of."""
+LOSS_HELD = 0.05
+"""Deviation of a loss factor over its band that needs no word."""
+TENSION_SHARE = 0.01
+"""Tension in a joint below this share of the largest force is not worth a word."""
+HEAVY_SENSOR = 0.02
+"""Share of the assembly's mass above which a buffered sensor loads back what it sits on."""
+
+
+def honest_bandwidth(stack: Stack) -> float:
+    """Return the largest bandwidth at which peak accelerations need no warning, whatever the load, Hz.
+
+    B = 0.35 c / (5 d), the smallest of all layers.
+
+    Examples
+    --------
+    >>> from strikewave.waves import Layer
+    >>> round(honest_bandwidth(Stack((Layer("bar", 7820.0, 211e9, 7.0686e-4, 0.07),))))
+    12120
+    """
+    return min(RISE_OF_BANDWIDTH * layer.bar_speed / (WARNED * layer.diameter) for layer in stack.layers)
+
+
+def rise_limits(stack: Stack) -> tuple[float, float]:
+    """Return the rise time in diameters of travel below which a peak acceleration is refused, and warned of."""
+    if all(layer.dispersion == "pochhammer-chree" for layer in stack.layers):
+        return DISPERSED_REFUSED, DISPERSED_WARNED
+    return REFUSED, WARNED
+
+
+def rise_in_diameters(stack: Stack, rise: float, bandwidth: float) -> tuple[float, Layer]:
+    """Return the smallest t c/d of all layers, and that layer."""
+    left = math.hypot(rise, RISE_OF_BANDWIDTH / bandwidth)
+    layer = min(stack.layers, key=lambda x: x.bar_speed / x.diameter)
+    return left * layer.bar_speed / layer.diameter, layer
+
+
+def rise_notices(stack: Stack, rise: float, bandwidth: float, peak: float | None = None) -> Iterator[Notice]:
+    """Yield what the rise of the load means for peak accelerations; ``peak`` is the one that may not be quoted."""
+    ratio, layer = rise_in_diameters(stack, rise, bandwidth)
+    refused, warned = rise_limits(stack)
+    theory = "one-dimensional theory" if refused == REFUSED else "the first mode"
+    at = "" if math.isinf(bandwidth) else f" at {bandwidth / 1e3:.3g} kHz"
+    what = f"a rise of {rise * 1e6:.3g} us{at} is {ratio:.2g} diameters of travel in {layer.name}"
+    if ratio < refused:
+        shown = "" if peak is None else f" ({theory} would say {peak / STANDARD_GRAVITY:.4g} g)"
+        message = (
+            f"{what}: no peak acceleration is quoted below {refused:g}{shown}, and sensor readings are no better "
+            f'founded; state it at a lower bandwidth: --set solver.bandwidth="{_quotable(layer, rise, refused)} kHz"'
+        )
+        yield Notice("rise-too-steep", message, ratio, refused)
+    elif ratio < warned:
+        why = "the front disperses" if refused == REFUSED else "higher modes are missing near the faces"
+        message = f"{what}: below {warned:g} {why}; trust peak accelerations to some 10 % at best"
+        yield Notice("rise-steep", message, ratio, warned)
+
+
+def _quotable(layer: Layer, rise: float, refused: float) -> str:
+    """Return a bandwidth at which a peak acceleration is quoted with a warning, kHz, rounded down."""
+    left = math.sqrt(max((refused * layer.diameter / layer.bar_speed) ** 2 - rise**2, 0.0))
+    highest = RISE_OF_BANDWIDTH / left / 1e3
+    digit = 10.0 ** (math.floor(math.log10(highest)) - 1)
+    return f"{math.floor(highest / digit - 1e-9) * digit:.3g}"
+
+
+def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
+    """Yield layers shorter than thick, and layers whose stress passes yield.
+
+    ``largest_force`` is the largest magnitude of the force in each layer, N.
+    """
+    short = [layer for layer in stack.layers if layer.length < layer.diameter]
+    if short:
+        names = _some([layer.name for layer in short])
+        worst = min(short, key=lambda x: x.length / x.diameter)
+        message = (
+            f"shorter than thick: {names}; one-dimensional theory knows neither their end effects nor their radial "
+            "motion"
+        )
+        yield Notice("short-layer", message, worst.length / worst.diameter, 1.0)
+    for layer, force in zip(stack.layers, largest_force, strict=True):
+        strength, stress = layer.yield_strength, force / layer.area
+        if strength is not None and stress > strength:
+            speed = strength * layer.area / layer.impedance
+            message = (
+                f"the stress in {layer.name} reaches {stress / 1e6:.4g} MPa, beyond its yield strength of "
+                f"{strength / 1e6:.4g} MPa (a wave of {speed:.3g} m/s): elastic waves no longer hold"
+            )
+            yield Notice("stress-yield", message, stress, strength)
+
+
+def _some(names: Sequence[str], most: int = 5) -> str:
+    """Join the first names and count the rest."""
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
+
+
+def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_peak: float = 0.0) -> Iterator[Notice]:
+    """Yield joints that opened, closed their gap, carry tension though bonded, and gaskets that yield.
+
+    ``least_force`` and ``greatest_force`` are those at each joint, N; what is far below ``load_peak`` has not arrived.
+    """
+    most = max(float(np.max(np.abs([least_force, greatest_force]), initial=0.0)), load_peak)
+    pulled = []
+    for k, joint in enumerate(stack.joints):
+        where = f"between {stack.layers[k].name} and {stack.layers[k + 1].name}"
+        least, greatest = float(least_force[k]), float(greatest_force[k])
+        if max(-least, greatest) > joint.yield_force:
+            message = (
+                f"the gasket {where} is loaded with {max(-least, greatest) / 1e3:.3g} kN, beyond its yield at "
+                f"{joint.yield_force / 1e3:.3g} kN: its linear spring no longer holds"
+            )
+            yield Notice("gasket-yield", message, max(-least, greatest), joint.yield_force)
+        if joint.unilateral and joint.gap > 0.0:
+            said = "closes" if greatest > 0.0 else "stays open and transmits nothing"
+            message = f"the gap of {joint.gap * 1e6:.3g} um {where} {said}"
+            yield Notice("joint-gap", message, greatest, 0.0)
+        elif joint.unilateral and joint.preload > 0.0 and least <= -joint.preload * (1.0 - 1e-9):
+            message = f"the joint {where} opens: tension reaches its preload of {joint.preload:.4g} N"
+            yield Notice("joint-opened", message, least, -joint.preload)
+        elif not joint.unilateral and least < -TENSION_SHARE * most:
+            pulled.append((least, where))
+    if pulled:
+        words = _some([f"{where} ({-least / 1e3:.3g} kN)" for least, where in pulled])
+        message = (
+            f"tension in the joint {words}: true only if it is glued, welded or bolted hard enough (a gasket counts as "
+            "glued on both sides); else make it unilateral, with the preload of its bolt"
+        )
+        yield Notice("joint-tension", message, -min(pulled)[0], TENSION_SHARE * most)
+
+
+def loss_notices(losses: Sequence[tuple[str, float, float, float, float]]) -> Iterator[Notice]:
+    """Yield loss factors that are held badly: where, the one asked for, by how much it is missed, band (Hz)."""
+    for where, asked, error, low, high in losses:
+        if error > LOSS_HELD:
+            message = (
+                f"the loss factor {asked:g} of {where} is held to {error:.1%} only from {low / 1e3:g} to "
+                f"{high / 1e3:g} kHz: narrow the band"
+            )
+            yield Notice("loss-fit", message, error, LOSS_HELD)
+
+
+def end_notices(stack: Stack, duration: float) -> Iterator[Notice]:
+    """Yield a matched end whose true echo would be back while the load lasts."""
+    echo = 2.0 * stack.layers[-1].transit
+    if stack.end.kind == "matched" and echo < duration:
+        message = (
+            f"the end is matched, as if {stack.layers[-1].name} were endless; at its length the echo would be back "
+            f"after {echo * 1e6:.3g} us, within the load of {duration * 1e6:.3g} us"
+        )
+        yield Notice("matched-end", message, echo, duration)
+
+
+def bar_extremes(run: BarRun) -> tuple[Array, Array, Array]:
+    """Return largest magnitude of force in each layer, and least and greatest force at each joint, of a bar."""
+    least, greatest = run.face_least.min(axis=1), run.face_greatest.max(axis=1)
+    np.fmin.at(least, run.field_layer, run.field_least)
+    np.fmax.at(greatest, run.field_layer, run.field_greatest)
+    largest = np.nan_to_num(np.fmax(np.abs(least), np.abs(greatest)))
+    behind, before = run.face_least[:-1, 1], run.face_least[1:, 0]
+    above, below = run.face_greatest[:-1, 1], run.face_greatest[1:, 0]
+    return largest, np.nan_to_num(np.fmin(behind, before)), np.nan_to_num(np.fmax(above, below))
+
+
+def field_extremes(stack: Stack, position: Array, force: Array) -> tuple[Array, Array, Array]:
+    """Return largest magnitude of force in each layer, and least and greatest force at each joint, from a field."""
+    ends = np.cumsum([layer.length for layer in stack.layers])
+    which = np.minimum(np.searchsorted(ends * (1.0 + 1e-12), position), len(stack.layers) - 1)
+    largest = np.array([np.abs(force[:, which == k]).max(initial=0.0) for k in range(len(stack.layers))])
+    joints = [int(np.argmin(np.abs(position - end))) for end in ends[:-1]]
+    return largest, force[:, joints].min(axis=0, initial=np.inf), force[:, joints].max(axis=0, initial=-np.inf)
+
+
+def wave_notices(
+    run: RotaryRun,
+    histories: Sequence[BlowHistory | None],
+    readings: Sequence[BlowReading | None],
+    bandwidth: float,
+) -> tuple[Notice, ...]:
+    """Return the notices of the waves: rises of all blows, forces of the first one on a stack."""
+    span = next((span for span in run.spans if isinstance(span, StackSpan)), None)
+    if span is None or run.machine.layered is None:
+        return ()
+    stack = run.machine.layered.stack
+    first = next(reading for reading in readings if reading is not None)
+    fronts = [history.front for history in histories if history is not None]
+    _, force = span.field()
+    largest, least, greatest = field_extremes(stack, span.field_position, force)
+    return (
+        *grid_notices(run.machine.layered.grid),
+        *rise_notices(stack, min(contact_rise(span), *fronts), bandwidth, first.total_peak),
+        *layer_notices(stack, largest),
+        *joint_notices(stack, least, greatest),
+    )
+
+
+def grid_notices(grid: Grid) -> Iterator[Notice]:
+    """Yield a time step that changes a layer noticeably."""
+    if grid.mismatch > MISMATCH_LIMIT:
+        message = (
+            f"the time step of {grid.step * 1e9:.4g} ns changes a transit by {grid.mismatch:.1%}: leave solver.step "
+            "out, or take a finer one"
+        )
+        yield Notice("coarse-step", message, grid.mismatch, MISMATCH_LIMIT)
+
+
+def contact_rise(span: StackSpan) -> float:
+    """Return the rise of the contact force of a blow from 10 to 90 % of its peak, s."""
+    force = np.concatenate([[0.0], span.history[:, 0]])
+    return measure_pulse(force, span.step).rise
+
+
+def channel_notices(
+    channels: Sequence[Channel], pulses: Sequence[dict[str, SensorPulse]], assembly_mass: float
+) -> tuple[Notice, ...]:
+    """Return what clipped, what a slow recorder missed, and which sensor is too heavy for what it sits on.
+
+    ``pulses`` are those of each blow, by name of the sensor.
+    """
+    found = []
+    for channel in channels:
+        name = channel.sensor.name
+        clipped = sum(pulse[name].clipped for pulse in pulses)
+        if clipped:
+            limit = channel.sensor.range
+            message = f"sensor {name} clips in {clipped} of {len(pulses)} pulses: take a larger range"
+            found.append(Notice("sensor-clipped", message, float(clipped), 0.0 if math.isinf(limit) else limit))
+        missed = sum(math.isnan(pulse[name].peak) for pulse in pulses)
+        if missed:
+            message = f"the recorder of sensor {name} takes no sample in {missed} of {len(pulses)} pulses: too slow"
+            found.append(Notice("recorder-slow", message, channel.recorder.sampling_rate, 0.0))
+        share = channel.sensor.mounting.sensor_mass / assembly_mass
+        if share > HEAVY_SENSOR:
+            message = f"sensor {name} weighs {share:.1%} of the assembly: its buffer would load the assembly back"
+            found.append(Notice("heavy-sensor", message, share, HEAVY_SENSOR))
+    return tuple(found)
