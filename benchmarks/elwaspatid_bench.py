@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from timing import best, table, write
 
-from strikewave.analyses.wave.figures.curves import Trace, traces
+from strikewave.reporting.curves import Trace, traces
 from strikewave.reporting.style import save
 from strikewave.waves import End, Joint, Layer, Pulse, Stack, Tap, Wanted, run_bar
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.cases.case import parse_case
 
 BAR = """

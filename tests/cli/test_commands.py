@@ -210,7 +210,7 @@ def test_validate_lists_every_value_with_its_provenance(strikewave):
 
 
 def test_broken_limit_exits_with_3(strikewave, monkeypatch):
-    monkeypatch.setattr("strikewave.analyses.machine.notices.LEDGER_LIMIT", 0.0)
+    monkeypatch.setattr("strikewave.base.result.LEDGER_LIMIT", 0.0)
     code, out, _ = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--json")
     assert code == 3
     assert {"energy-ledger", "momentum-ledger"} <= {w["code"] for w in json.loads(out)["warnings"]}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from strikewave.analyses.impact import identify
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.cli import app
 from strikewave.contact import Contact, exact, impact_history, reduced_mass, solve_impact
 

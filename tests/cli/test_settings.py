@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from strikewave.base.units import STANDARD_GRAVITY as G
+from strikewave.base.constants import STANDARD_GRAVITY as G
 from strikewave.cases.case import load_case
 
 GOAL = ("--interval", "20 ms", "--peak", "4000 g", "--width", "200 us")

@@ -8,9 +8,10 @@ from hypothesis import strategies as st
 
 from strikewave.analyses.check import check
 from strikewave.analyses.machine.build import build_machine
+from strikewave.analyses.wave.build import build_load
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.cases.case import bundled_cases, document_of, dump_case, load_case, parse_case
-from strikewave.cases.stack_of_case import build_load, build_stack
+from strikewave.cases.stack_of_case import build_stack
 
 
 @pytest.mark.parametrize("name", bundled_cases())

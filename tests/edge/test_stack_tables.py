@@ -5,11 +5,12 @@ import math
 import pytest
 
 from strikewave.analyses.check import check
+from strikewave.analyses.wave.build import build_load
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.errors import InputError, InputErrors, StrikewaveError
 from strikewave.base.materials import material
 from strikewave.cases.case import parse_case
-from strikewave.cases.stack_of_case import build_load, build_stack
+from strikewave.cases.stack_of_case import build_stack
 
 pytestmark = pytest.mark.edge
 

@@ -15,8 +15,8 @@ from strikewave.analyses.fem.figures import pictures as fem_pictures
 from strikewave.analyses.fem.figures.pictures import View
 from strikewave.analyses.fem.report import page as fem_page
 from strikewave.analyses.fem.report.page import fem_report
-from strikewave.analyses.machine.result import Notice
 from strikewave.base.errors import InputError
+from strikewave.base.result import Notice
 from strikewave.fem.measures import blow_axis, contact_measure, ledger_measure, near_axis
 from strikewave.fem.mesh import exterior, exterior_faces, joined
 from strikewave.fem.model import Contact, Symmetry

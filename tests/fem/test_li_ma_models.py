@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from strikewave.analyses.fem.run import run_fem
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.cases.case import load_case
 from strikewave.fem.measures import ledger_measure
 from strikewave.fem.model import NonReflecting

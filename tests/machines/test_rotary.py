@@ -11,7 +11,8 @@ from scipy.integrate import solve_ivp
 
 from strikewave import load_case, run_case
 from strikewave.analyses.machine.build import build_machine
-from strikewave.analyses.machine.notices import ledger_notices, notices
+from strikewave.analyses.machine.notices import notices
+from strikewave.base.result import ledger_notices
 from strikewave.machines import blows, run_rotary
 from strikewave.machines.blows import contact_table
 from strikewave.machines.feed import angle_at_valve_signal

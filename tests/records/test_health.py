@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.records import Channel, Record, Request, read_file
 from strikewave.records.finding import FIGURES
 from strikewave.records.health import BLOW, Examined, examine

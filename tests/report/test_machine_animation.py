@@ -29,7 +29,7 @@ from strikewave.analyses.machine.figures.animation import (
 from strikewave.analyses.machine.figures.motion import MOST_DETAILED, detailed
 from strikewave.analyses.machine.figures.motion import machine_motion as motion_of
 from strikewave.analyses.machine.result import load_solution
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.machines._kernels import stroke_profile
 
 HOSTILE = "_</script><img src=x onerror=alert(1)> $\\frac{1}{$ & \u202e\u2028"

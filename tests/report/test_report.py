@@ -12,12 +12,14 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from strikewave.analyses.machine.figures.pulses import MOST_PULSES, chosen, thin
-from strikewave.analyses.machine.result import Notice, load_solution
+from strikewave.analyses.machine.figures.pulses import chosen
+from strikewave.analyses.machine.result import load_solution
 from strikewave.base import citations
 from strikewave.base.quantities import PROVENANCES
+from strikewave.base.result import Notice
 from strikewave.base.units import in_unit
 from strikewave.cases.case import dump_case, parse_case
+from strikewave.reporting.curves import MOST_PULSES, thin
 from strikewave.reporting.inline import inline_svg
 from strikewave.reporting.page import report
 from strikewave.reporting.parts import Code, Flow, Picture, Section, Table, Tag

@@ -13,8 +13,7 @@ import pytest
 
 from strikewave import load_case
 from strikewave.analyses.fem.run import run_fem
-from strikewave.analyses.wave.figures.curves import Trace
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
 from strikewave.papers.li_ma_2019 import reproduce as whole_run
@@ -47,6 +46,7 @@ from strikewave.papers.li_ma_2019.runs import (
     coarser,
     element_cases,
 )
+from strikewave.reporting.curves import Trace
 
 COMMAND = "strikewave reproduce li-ma-2019 --without elements"
 

@@ -8,7 +8,7 @@ import pytest
 
 from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.wave.report import LOSS_FREQUENCIES, loss_table
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.page import bar_report, report
 
 

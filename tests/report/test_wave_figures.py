@@ -27,10 +27,10 @@ from strikewave.analyses.wave.figures.field import (
     shades,
     snapshot_rows,
     snapshots,
-    spread,
     struck_field,
     xt_diagram,
 )
+from strikewave.reporting.curves import spread
 from strikewave.reporting.inline import inline_svg
 from strikewave.reporting.page import bar_report
 from strikewave.waves import BONDED, End, Impactor, Joint, Layer, Pulse, Stack, Tap, Wanted, run_bar

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.analyses.machine.readings import Channel
 from strikewave.analyses.machine.run import observe
 from strikewave.analyses.wave.run import run_wave
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
-from strikewave.base.units import STANDARD_GRAVITY
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.cases.tables import SensorTable
 from strikewave.sensors import Recorder, Sensor
+from strikewave.sensors.channel import Channel
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.signal.srs import srs
 from strikewave.studies.buffer.candidate import RINGING, Goal, assess, look_closer, ranked, withstands

@@ -8,10 +8,10 @@ import pytest
 from scipy.integrate import solve_bvp, solve_ivp
 
 from strikewave.analyses.machine.build import build_machine
+from strikewave.base.constants import STANDARD_GRAVITY as G
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
-from strikewave.base.units import STANDARD_GRAVITY as G
 from strikewave.cases.case import dump_case, load_case, parse_case, read_case_text
 from strikewave.machines import blows, run_rotary
 from strikewave.studies.settings.candidate import Goal, limits_of, observe_blows, supply, yield_load

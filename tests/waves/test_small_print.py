@@ -6,9 +6,10 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.analyses.wave.build import build_load
 from strikewave.base.errors import InputError
 from strikewave.cases.case import parse_case
-from strikewave.cases.stack_of_case import build_load, build_stack
+from strikewave.cases.stack_of_case import build_stack
 from strikewave.contact import Contact
 from strikewave.contact.law import PressureCap
 from strikewave.waves import (

@@ -1,10 +1,12 @@
 """Case in, parts out: machine, stack, load and sensors, with the checks that only the whole case allows."""
 
 from strikewave.analyses.fem.build import build_model, check_elements
-from strikewave.analyses.machine.build import build_machine, contact_stiffness
+from strikewave.analyses.machine.build import build_machine
+from strikewave.analyses.wave.build import build_load, wanted
 from strikewave.cases.case import Case
+from strikewave.cases.contact_of_case import contact_stiffness
 from strikewave.cases.sensors_of_case import build_channels
-from strikewave.cases.stack_of_case import build_load, build_stack, build_taps, check_route, need, wanted
+from strikewave.cases.stack_of_case import build_stack, build_taps, check_route, need
 
 __all__ = [
     "build_channels",

@@ -16,9 +16,6 @@ from typing import Any
 
 from strikewave.base.errors import InputError, nearest
 
-STANDARD_GRAVITY = 9.80665
-"""Standard gravity, m/s^2 (exact, CGPM 1901)."""
-
 DIMENSIONS: dict[str, tuple[str, str]] = {
     "m": ("a length", "0.5 mm"),
     "m^2": ("an area", "700 mm^2"),

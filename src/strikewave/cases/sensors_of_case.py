@@ -6,13 +6,13 @@ import dataclasses
 import math
 from typing import Any
 
-from strikewave.analyses.machine.readings import Channel
 from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import area_of, build_taps, checked, matter_of, once
 from strikewave.cases.tables import SensorTable
 from strikewave.sensors import Gasket, Mounting, Recorder, Sensor, accelerometer, oscilloscope, storage_recorder
+from strikewave.sensors.channel import Channel
 
 
 def build_channels(case: Case) -> tuple[Channel, ...]:

@@ -12,7 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.units import STANDARD_GRAVITY, in_unit
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.units import in_unit
 from strikewave.records.finding import FIGURES, Finding, worst_first
 from strikewave.records.measuring import LOOK_BACK, RecordedPulse
 from strikewave.records.pulses import Line, robust_line, sample_noise

@@ -6,11 +6,15 @@ import base64
 import hashlib
 import json
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from strikewave._version import __version__
+
+if TYPE_CHECKING:
+    pass
 
 
 def moving_page(package: str, document: dict[str, Any], title: str, name: str, **words: Any) -> str:
@@ -79,3 +83,8 @@ def printable(text: str) -> str:
 def _source_hash(text: str) -> str:
     """Return the hash by which a content security policy knows a script or a style sheet."""
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")
+
+
+def even_rows(count: int, most: int) -> NDArray[np.int64]:
+    """Return evenly chosen rows, at most so many, the first and the last one among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))

@@ -355,7 +355,7 @@ def warnings(solution: Solution) -> Section:
 
 def checks(solution: Solution) -> Section:
     """List ledgers, masses and phases."""
-    from strikewave.analyses.machine.notices import LEDGER_LIMIT
+    from strikewave.base.result import LEDGER_LIMIT
 
     ledger: list[list[Cell]] = [
         [

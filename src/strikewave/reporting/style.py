@@ -4,10 +4,16 @@ from __future__ import annotations
 
 import textwrap
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#6E6E6E"
 """Okabe & Ito's colours, and a grey."""
+HALF, WHOLE = (4.9, 3.3), (9.8, 3.4)
+"""Sizes of a picture that shares its line and of one that does not, inches."""
 
 
 def quiet(axes: Any, title: str, x: str, y: str) -> None:
@@ -33,3 +39,24 @@ def sheet_title(figure: Any, title: str) -> None:
     """Put a title over a sheet of several axes; what a user typed is no formula."""
     wrapped = textwrap.fill(title, 95)
     figure.suptitle(wrapped, x=0.01, ha="left", fontsize=12, fontweight="bold", parse_math=False)
+
+
+def legend_below(figure: Figure) -> Figure:
+    """Put one legend of all axes below them, where it hides no curve."""
+    found: dict[str, Any] = {}
+    for axes in figure.axes:
+        new = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+        found |= {label: handle for label, handle in new.items() if label not in found}
+    if found:
+        ncols = 6 if sum(map(len, found)) < 110 else 4
+        figure.legend(
+            list(found.values()), list(found), loc="outside lower left", frameon=False, fontsize=8, ncols=ncols
+        )
+    return figure
+
+
+def new_figure(size: tuple[float, float] = WHOLE) -> Figure:
+    """Return an empty figure of a size in inches."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=size, layout="constrained")

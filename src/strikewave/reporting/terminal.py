@@ -18,9 +18,9 @@ import typer
 from strikewave.base.units import in_unit
 
 if TYPE_CHECKING:
-    from strikewave.analyses.machine.readings import Channel
-    from strikewave.analyses.machine.result import Comparison
+    from strikewave.base.result import Comparison
     from strikewave.cases.losses_of_case import Loss
+    from strikewave.sensors.channel import Channel
 
 CaseName = Annotated[
     str, typer.Argument(metavar="CASE", help="A case file, or the name of a published case.", show_default=False)

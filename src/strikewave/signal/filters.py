@@ -274,3 +274,21 @@ def _history(values: ArrayLike) -> Array:
     if not np.all(np.isfinite(history)):
         raise ValueError("the history holds values that are not finite")
     return history
+
+
+def stated(values: Array, step: float, bandwidth: float) -> Array:
+    """Return histories (rows) at a bandwidth; before the first sample they hold its value.
+
+    Near the end the filter would need what comes after: the last 1/bandwidth, at most half of it all, is NaN.
+
+    Raises
+    ------
+    ValueError
+        If the bandwidth is not below half the sampling rate.
+    """
+    if math.isinf(bandwidth):
+        return values
+    filtered = Filter(bandwidth).apply(values, step)
+    lost = min(math.ceil(1.0 / (bandwidth * step)), values.shape[-1] // 2)
+    filtered[..., values.shape[-1] - lost :] = np.nan
+    return filtered

@@ -121,3 +121,36 @@ def measure_pulse(values: Array, step: float, start: float = 0.0, fraction: floa
     grid = np.concatenate([[first], np.arange(np.ceil(first), np.floor(last) + 1), [last]])
     area = float(np.trapezoid(np.interp(grid, np.arange(values.size), values), grid)) * step
     return Pulse(float(start + place * step), peak, float((end - begin) * step), float((high - low) * step), area)
+
+
+def largest(values: Array) -> float:
+    """Return the value of largest magnitude, with its sign; NaN is passed over, and of nothing it is NaN.
+
+    Examples
+    --------
+    >>> largest(np.array([1.0, -3.0, 2.0, np.nan]))
+    -3.0
+    """
+    known = values[np.isfinite(values)]
+    return float(known[int(np.argmax(np.abs(known)))]) if known.size else math.nan
+
+
+def front(acceleration: Array, step: float) -> float:
+    """Return the rise time (10-90 %) of the steepest front in a history: 0.8 of its time above a tenth of its peak.
+
+    A velocity that rises along a line has a front of 0.8 of that time; one that jumps has one of a few steps.
+
+    Examples
+    --------
+    >>> ramp = np.where((np.arange(100) >= 40) & (np.arange(100) < 60), 1.0, 0.0)
+    >>> round(front(ramp, 1e-6) * 1e6, 1)
+    16.6
+    """
+    values = np.abs(acceleration)
+    place = int(np.argmax(values))
+    if not values[place] > 0.0:
+        return math.inf
+    edges = [crossing(values, place, 0.1 * float(values[place]), side) for side in (-1, 1)]
+    begin = edges[0] if math.isfinite(edges[0]) else 0.0
+    end = edges[1] if math.isfinite(edges[1]) else float(values.size)
+    return 0.8 * (end - begin) * step

@@ -13,12 +13,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.readings import BlowHistory, BlowReading, Channel, SensorPulse
-from strikewave.analyses.machine.result import Notice
-from strikewave.base.units import STANDARD_GRAVITY
-from strikewave.machines.rotary import RotaryRun
-from strikewave.machines.spans import StackSpan
-from strikewave.signal.pulse import measure_pulse
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.result import Notice
 from strikewave.waves import BarRun, Grid, Layer, Stack
 
 Array = NDArray[np.float64]
@@ -35,8 +31,6 @@ LOSS_HELD = 0.05
 """Deviation of a loss factor over its band that needs no word."""
 TENSION_SHARE = 0.01
 """Tension in a joint below this share of the largest force is not worth a word."""
-HEAVY_SENSOR = 0.02
-"""Share of the assembly's mass above which a buffered sensor loads back what it sits on."""
 
 
 def honest_bandwidth(stack: Stack) -> float:
@@ -202,29 +196,6 @@ def field_extremes(stack: Stack, position: Array, force: Array) -> tuple[Array, 
     return largest, force[:, joints].min(axis=0, initial=np.inf), force[:, joints].max(axis=0, initial=-np.inf)
 
 
-def wave_notices(
-    run: RotaryRun,
-    histories: Sequence[BlowHistory | None],
-    readings: Sequence[BlowReading | None],
-    bandwidth: float,
-) -> tuple[Notice, ...]:
-    """Return the notices of the waves: rises of all blows, forces of the first one on a stack."""
-    span = next((span for span in run.spans if isinstance(span, StackSpan)), None)
-    if span is None or run.machine.layered is None:
-        return ()
-    stack = run.machine.layered.stack
-    first = next(reading for reading in readings if reading is not None)
-    fronts = [history.front for history in histories if history is not None]
-    _, force = span.field()
-    largest, least, greatest = field_extremes(stack, span.field_position, force)
-    return (
-        *grid_notices(run.machine.layered.grid),
-        *rise_notices(stack, min(contact_rise(span), *fronts), bandwidth, first.total_peak),
-        *layer_notices(stack, largest),
-        *joint_notices(stack, least, greatest),
-    )
-
-
 def grid_notices(grid: Grid) -> Iterator[Notice]:
     """Yield a time step that changes a layer noticeably."""
     if grid.mismatch > MISMATCH_LIMIT:
@@ -233,35 +204,3 @@ def grid_notices(grid: Grid) -> Iterator[Notice]:
             "out, or take a finer one"
         )
         yield Notice("coarse-step", message, grid.mismatch, MISMATCH_LIMIT)
-
-
-def contact_rise(span: StackSpan) -> float:
-    """Return the rise of the contact force of a blow from 10 to 90 % of its peak, s."""
-    force = np.concatenate([[0.0], span.history[:, 0]])
-    return measure_pulse(force, span.step).rise
-
-
-def channel_notices(
-    channels: Sequence[Channel], pulses: Sequence[dict[str, SensorPulse]], assembly_mass: float
-) -> tuple[Notice, ...]:
-    """Return what clipped, what a slow recorder missed, and which sensor is too heavy for what it sits on.
-
-    ``pulses`` are those of each blow, by name of the sensor.
-    """
-    found = []
-    for channel in channels:
-        name = channel.sensor.name
-        clipped = sum(pulse[name].clipped for pulse in pulses)
-        if clipped:
-            limit = channel.sensor.range
-            message = f"sensor {name} clips in {clipped} of {len(pulses)} pulses: take a larger range"
-            found.append(Notice("sensor-clipped", message, float(clipped), 0.0 if math.isinf(limit) else limit))
-        missed = sum(math.isnan(pulse[name].peak) for pulse in pulses)
-        if missed:
-            message = f"the recorder of sensor {name} takes no sample in {missed} of {len(pulses)} pulses: too slow"
-            found.append(Notice("recorder-slow", message, channel.recorder.sampling_rate, 0.0))
-        share = channel.sensor.mounting.sensor_mass / assembly_mass
-        if share > HEAVY_SENSOR:
-            message = f"sensor {name} weighs {share:.1%} of the assembly: its buffer would load the assembly back"
-            found.append(Notice("heavy-sensor", message, share, HEAVY_SENSOR))
-    return tuple(found)

@@ -12,7 +12,7 @@ import typer
 from strikewave.reporting.terminal import CaseName, Changes, Force, Json, Out, own_mark, print_json, say
 
 if TYPE_CHECKING:
-    from strikewave.analyses.machine.result import Notice
+    from strikewave.base.result import Notice
     from strikewave.cases.case import Case
     from strikewave.exchange.deck import Deck, Heading
     from strikewave.exchange.units import UnitSystem

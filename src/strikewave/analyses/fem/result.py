@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.analyses.fem.sectors import Sector, WholeForce, sectors, whole_forces
-from strikewave.analyses.machine.dataset import quantity
-from strikewave.analyses.machine.result import Comparison, Notice, comparisons
 from strikewave.base.json_document import head, plain, without
+from strikewave.base.result import Comparison, Notice
+from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
+from strikewave.cases.comparisons import comparisons
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.film import Film
 from strikewave.fem.measures import (

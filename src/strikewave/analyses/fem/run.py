@@ -12,10 +12,10 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.field_names import fields_of_case
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.sectors import open_cuts, sectors
-from strikewave.analyses.machine.notices import FEWEST_INTERVALS, LEDGER_LIMIT
-from strikewave.analyses.machine.result import Notice
+from strikewave.analyses.machine.notices import FEWEST_INTERVALS
 from strikewave.base import citations
 from strikewave.base.materials import material
+from strikewave.base.result import LEDGER_LIMIT, Notice
 from strikewave.cases.case import Case
 from strikewave.fem.blow_measures import still_presses
 from strikewave.fem.film import STILLS, film_of

@@ -13,8 +13,8 @@ from strikewave.analyses.hopkinson.notices import citations, constant_notices, d
 from strikewave.analyses.hopkinson.plausibility import strain_notices
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.analyses.hopkinson.setup_file import SplitBarCase
-from strikewave.analyses.machine.result import Notice
 from strikewave.base.materials import material
+from strikewave.base.result import Notice
 from strikewave.cases.hopkinson_tables import SplitBarSetup
 from strikewave.hopkinson import Bar
 from strikewave.waves import BONDED, Layer, Stack

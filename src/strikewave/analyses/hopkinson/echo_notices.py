@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from strikewave.analyses.hopkinson.notices import MISMATCH
-from strikewave.analyses.machine.result import Notice
+from strikewave.base.result import Notice
 from strikewave.hopkinson import Bar
 from strikewave.hopkinson.echoes import Echoes, Way
 

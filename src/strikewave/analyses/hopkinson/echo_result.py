@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
 from strikewave.analyses.hopkinson.result import inputs
-from strikewave.analyses.machine.dataset import quantity
 from strikewave.base.json_document import head, plain, without
+from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.echoes import Echoes
 

@@ -10,14 +10,14 @@ import numpy as np
 from strikewave.analyses.hopkinson.echo_result import EchoSolution
 from strikewave.analyses.hopkinson.result import SplitBarSolution
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
-from strikewave.analyses.machine.figures.pulses import WHOLE, thin
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.hopkinson import ANALYSES, stress_difference
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Reduction
 from strikewave.hopkinson.uniformity import UNIFORM, face_forces
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
+from strikewave.reporting.curves import thin
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, WHOLE, quiet, sheet_title
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

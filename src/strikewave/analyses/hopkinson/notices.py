@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 
 from strikewave.analyses.hopkinson.build import recorded_file
 from strikewave.analyses.hopkinson.setup_file import SplitBarCase
-from strikewave.analyses.machine.result import Notice
 from strikewave.base.errors import InputError
+from strikewave.base.result import Notice
 from strikewave.cases.hopkinson_tables import RecordedTable
 from strikewave.hopkinson import Elastic
 from strikewave.hopkinson.pulses import Quiet

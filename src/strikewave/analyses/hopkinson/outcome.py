@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.analyses.hopkinson.setup_file import SplitBarCase
-from strikewave.analyses.machine.result import Notice
+from strikewave.base.result import Notice
 
 if TYPE_CHECKING:
     import xarray

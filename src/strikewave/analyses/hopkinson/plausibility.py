@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from strikewave.analyses.machine.result import Notice
 from strikewave.base.errors import InputError
+from strikewave.base.result import Notice
 from strikewave.hopkinson import Bar, Curve, Pulses, Reduction, Specimen
 
 BAR_STRAIN = 0.005

@@ -323,7 +323,7 @@ def _integral(value: float, unit: str) -> str:
 
 def _sensitivity(value: float, unit: str, digits: int = 5) -> str:
     """Write reading over reference: volts in mV/g, a ratio as it is."""
-    from strikewave.base.units import STANDARD_GRAVITY
+    from strikewave.base.constants import STANDARD_GRAVITY
 
     return f"{value * STANDARD_GRAVITY * 1e3:.{digits}g} mV/g" if unit == "V" else f"{value:.{digits}g}"
 
@@ -491,7 +491,7 @@ def _page(
 def _figure(draw: Callable[[Any], None], wide: bool = False) -> Figure:
     from matplotlib.figure import Figure
 
-    from strikewave.analyses.machine.figures.pulses import HALF, WHOLE
+    from strikewave.reporting.style import HALF, WHOLE
 
     figure = Figure(figsize=WHOLE if wide else HALF, layout="constrained")
     draw(figure.add_subplot())

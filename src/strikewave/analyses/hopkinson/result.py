@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
 from strikewave.analyses.hopkinson.setup_file import SplitBarCase, values_of
-from strikewave.analyses.machine.dataset import quantity
 from strikewave.base.json_document import head, plain, without
+from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Elastic, Striker
 from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
 from strikewave.hopkinson.pulses import Pulses

@@ -20,8 +20,8 @@ from strikewave.analyses.hopkinson.plausibility import (
 from strikewave.analyses.hopkinson.result import SplitBarSolution
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.analyses.hopkinson.setup_file import SplitBarCase
-from strikewave.analyses.machine.result import Notice
 from strikewave.base.errors import InputError
+from strikewave.base.result import Notice
 from strikewave.cases.hopkinson_tables import LimitsTable
 from strikewave.hopkinson import (
     ANALYSES,

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from strikewave.analyses.hopkinson.bar_end import Comparison, Standing
 from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
 from strikewave.analyses.hopkinson.result import inputs
-from strikewave.analyses.machine.dataset import quantity
 from strikewave.base.json_document import head, plain, without
+from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar, Elastic
 
 if TYPE_CHECKING:

@@ -13,20 +13,12 @@ from strikewave.base.errors import MISSING, InputError, InputErrors, nearest
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case, Rig
-from strikewave.cases.stack_of_case import build_stack, build_taps, checked, need
-from strikewave.cases.tables import POWER, AnyStriker, ContactTable, FeedTable, OwnStriker
+from strikewave.cases.contact_of_case import face_contact, or_else
+from strikewave.cases.stack_of_case import build_stack, build_taps, checked
+from strikewave.cases.tables import FeedTable, OwnStriker
 from strikewave.cases.tables import Machine as MachineTable
 from strikewave.contact import (
     AnyContact,
-    Geometry,
-    LogarithmicStiffness,
-    PressureCap,
-    Stiffness,
-    cap_of,
-    damping_law,
-    named_contact,
-    stiffness_law,
-    stiffness_of,
 )
 from strikewave.machines import Feed, RotaryMachine, Strikers, StruckObject, Turntable
 from strikewave.machines import Striker as BuiltStriker
@@ -40,86 +32,6 @@ FINEST_STEP, COARSEST_STEP = 1e-9, 1e-6
 """Time steps of a struck stack, s: finer ones take minutes, coarser ones lose the contact."""
 MOST_STACK_BLOWS = 100
 """Most blows on a stack: about 1 MB of waves is kept of each."""
-
-
-def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
-    """Return the contact stiffness of a case's striker on its object.
-
-    Raises
-    ------
-    InputError
-        If the law or a material is unknown.
-    """
-    parts = case.impact()
-    face = material(parts.object.material, "object.material")
-    return face_stiffness(parts.striker, parts.contact, face)
-
-
-_OF_POWER = ("reference_force", "reference_depth", "exponent")
-
-
-def _power_stiffness(contact: ContactTable) -> Stiffness:
-    """Return the stiffness of a power law that is given by a force at a depth, K = F/d^n."""
-    hint = f'for the law {POWER}, such as reference_force = "10 kN" at reference_depth = "1 mm"'
-    force = need(contact.reference_force, "contact.reference_force", "a force on the curve", hint)
-    depth = need(contact.reference_depth, "contact.reference_depth", "the depth at that force", hint)
-    exponent = or_else(contact.exponent, 1.0)
-    return Stiffness(force / depth**exponent, exponent, POWER)
-
-
-def _nose_geometry(striker: AnyStriker, contact: ContactTable, depth: float | None) -> Geometry:
-    """Return the sizes of a nose on a plane face, those that the law needs all there."""
-    sizes = {"radius1": striker.nose_radius, "length": striker.contact_length}
-    for (need_of, size), key in zip(sizes.items(), ("nose_radius", "contact_length"), strict=True):
-        if size is None and need_of in stiffness_law(contact.law).needs:
-            raise InputError(f"striker.{key}", MISSING, f"a length, for the law {contact.law}", f'{key} = "10 mm"')
-    length = striker.contact_length.si if striker.contact_length else None
-    return Geometry(or_else(striker.nose_radius, math.inf), math.inf, length, depth)
-
-
-def face_stiffness(striker: AnyStriker, contact: ContactTable, face: Material) -> Stiffness | LogarithmicStiffness:
-    """Return the contact stiffness of a striker on a plane face of a material."""
-    nose = material(striker.material, "striker.material")
-    if contact.law == POWER:
-        return _power_stiffness(contact)
-    given = next((key for key in _OF_POWER if getattr(contact, key) is not None), None)
-    if given is not None:
-        raise InputError(f"contact.{given}", getattr(contact, given).typed, f"only for the law {POWER}", "remove it")
-    needs = stiffness_law(contact.law, "contact.law").needs
-    depth = contact.datum_depth.si if contact.datum_depth else None
-    if contact.datum_depth is not None and "datum_depth" not in needs:
-        raise InputError(
-            "contact.datum_depth", contact.datum_depth.typed, f"none for the law {contact.law}", "remove it"
-        )
-    if depth is None and "datum_depth" in needs:
-        allowed = f"how deep the struck body is, for the law {contact.law} on a plane face"
-        raise InputError("contact.datum_depth", MISSING, allowed, 'such as datum_depth = "30 mm"')
-    geometry = _nose_geometry(striker, contact, depth)
-    return stiffness_of(contact.law, nose, face, geometry, "contact.law")
-
-
-def pressure_cap(striker: AnyStriker, contact: ContactTable, face: Material) -> PressureCap | None:
-    """Return the cap on the pressure of a striker on a face, where the case has one."""
-    if contact.yield_pressure is None:
-        if contact.yields != "face":
-            allowed = "only with contact.yield_pressure: nothing yields without it"
-            raise InputError("contact.yields", contact.yields, allowed, "add the pressure, or remove it")
-        return None
-    if contact.law == POWER or striker.nose_radius is None:
-        allowed = f"only with striker.nose_radius, and not for the law {POWER}"
-        raise InputError("contact.yield_pressure", contact.yield_pressure.typed, allowed, "remove it")
-    nose = material(striker.material, "striker.material")
-    of_line = "length" in stiffness_law(contact.law, "contact.law").needs
-    length = striker.contact_length.si if of_line and striker.contact_length else None
-    geometry = Geometry(striker.nose_radius.si, length=length)
-    return cap_of(nose, face, geometry, contact.yield_pressure.si)
-
-
-def face_contact(striker: AnyStriker, contact: ContactTable, face: Material) -> AnyContact:
-    """Return the contact of a striker on a face: stiffness, damping, and a cap on the pressure."""
-    damping_law(contact.damping, "contact.damping")
-    stiffness, cap = face_stiffness(striker, contact, face), pressure_cap(striker, contact, face)
-    return named_contact(stiffness, contact.damping, contact.restitution.si, cap)
 
 
 def _strikers(rig: Rig) -> Strikers:
@@ -156,11 +68,6 @@ def _striker(rig: Rig, own: OwnStriker | None, common: AnyContact, face: Materia
 def _with_own(table: TableT, given: dict[str, Value]) -> TableT:
     """Return a table with those of some values that are its own."""
     return table.model_copy(update={key: value for key, value in given.items() if key in type(table).model_fields})
-
-
-def or_else(value: Value | None, default: float) -> float:
-    """Return a quantity in SI, or what holds where it is left out."""
-    return default if value is None else value.si
 
 
 def _turntable(table: MachineTable) -> Turntable:

@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.readings import BlowHistory, Channel, Observed, View
+from strikewave.analyses.machine.readings import BlowHistory, Observed, View
 from strikewave.analyses.machine.result import BLOW_UNITS
+from strikewave.base.variables import quantity
 from strikewave.cases.case import Case
 from strikewave.machines import Blow
 from strikewave.machines._kernels import stroke_places
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window
 from strikewave.machines.rotary import RotaryRun
 from strikewave.machines.spans import Moments, StackSpan
+from strikewave.sensors.channel import Channel
 from strikewave.waves.li_ma import ROUTES
 
 if TYPE_CHECKING:
@@ -26,11 +28,6 @@ Array = NDArray[np.float64]
 
 PULSE_STEP = 0.5e-6
 """Sampling of the stored blow windows, s."""
-
-
-def quantity(dimension: Any, values: Any, unit: str, name: str) -> tuple[Any, Any, dict[str, str]]:
-    """Return a variable of a dataset with its unit and name."""
-    return dimension, values, {"units": unit, "long_name": name}
 
 
 def carriage_position(case: Case, phases: Sequence[tuple[str, float]], time: Array) -> Array:

@@ -10,13 +10,15 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.special import ellipk
 
-from strikewave.analyses.machine.build import Bodies, face_contact, layered_object, object_bodies, or_else
+from strikewave.analyses.machine.build import Bodies, layered_object, object_bodies
 from strikewave.analyses.machine.consistency import MOST_SAMPLES
-from strikewave.analyses.machine.result import LineCollision, Notice
+from strikewave.analyses.machine.result import LineCollision
 from strikewave.base.errors import MISSING, InputError, InputErrors
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
+from strikewave.base.result import Notice
 from strikewave.cases.case import Case
+from strikewave.cases.contact_of_case import face_contact, or_else
 from strikewave.cases.machine_tables import Amplifier, AnyLaunched, Drop, FallingBall, GasGun, Machete, Pendulum
 from strikewave.cases.stack_of_case import checked, need
 from strikewave.cases.tables import AnyObject

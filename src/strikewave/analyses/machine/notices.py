@@ -2,30 +2,20 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
-from strikewave.analyses.machine.result import Notice
-from strikewave.base.materials import material
+import numpy as np
+
+from strikewave.analyses.machine.readings import BlowHistory, BlowReading
+from strikewave.base.result import Notice
 from strikewave.cases.case import Case
-from strikewave.cases.tables import POWER, AnyStriker, ContactTable
-from strikewave.contact import (
-    Geometry,
-    damping_law,
-    factor,
-    first_yield,
-    restitution,
-    stiffness_law,
-)
-from strikewave.contact.registry import FROM_MEMORY
+from strikewave.cases.contact_notices import _force, law_notices, yield_notices
 from strikewave.machines import Blow
+from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.spans import StackSpan
+from strikewave.signal.pulse import measure_pulse
+from strikewave.waves.limits import field_extremes, grid_notices, joint_notices, layer_notices, rise_notices
 
-FAR_BEYOND = 100.0
-"""Beyond this many times the load of first yield an elastic law says little about the force."""
-LEDGER_LIMIT = 1e-6
-"""Energy or momentum missing beyond this share breaks a stated limit."""
-SAME_RESTITUTION = 1e-9
-"""Two restitutions that differ by less are the same."""
 FEWEST_INTERVALS = 10.0
 """Sampling intervals a pulse below which the recorder is warned of: the worst loss of peak is then 1.2 %."""
 
@@ -65,38 +55,6 @@ def _changed(case: Case) -> Iterator[Notice]:
         yield Notice("changed-case", message, float(len(changed)), 0.0)
 
 
-def law_notices(case: Case) -> Iterator[Notice]:
-    """Say where a contact law is from memory, or gives two free bodies another restitution than was asked for."""
-    contact = case.contact
-    if contact is None:
-        return
-    laws = [damping_law(contact.damping), *([stiffness_law(contact.law)] if contact.law != POWER else [])]
-    for law in laws:
-        if law.status == FROM_MEMORY:
-            message = f"the contact law {law.name} is from memory: no text that states it could be opened"
-            yield Notice("law-from-memory", message, 1.0, 0.0)
-    asked = contact.restitution.si
-    given = float(restitution(factor(contact.damping, asked)))
-    if abs(given - asked) > SAME_RESTITUTION:
-        message = (
-            f"the damping law {contact.damping} gives two free bodies e = {given:.4f}, not the {asked:g} asked for; "
-            "exact gives it"
-        )
-        yield Notice("restitution-differs", message, given, asked)
-
-
-def ledger_notices(ledger: Mapping[str, float]) -> Iterator[Notice]:
-    """Yield each error of a ledger (``energy_error``, ``momentum_error``, shares) that is beyond the limit."""
-    for key, error in ledger.items():
-        if not error <= LEDGER_LIMIT:
-            name = key.removesuffix("_error")
-            message = (
-                f"the {name} ledger misses {error:.1e}: lower solver.tolerance (solver.step for a stack), or take "
-                "less extreme values"
-            )
-            yield Notice(f"{name}-ledger", message, error, LEDGER_LIMIT, broken=True)
-
-
 def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
     made, wanted = sum(blow.kind != "missed" for blow in found), case.feed.blows.si if case.feed else 1.0
     if made != wanted:
@@ -128,45 +86,6 @@ def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     advice = ", or trust the rigid pulse, which hangs on frame and mount, more than the contact force"
     peak = max(blow.peak_force for blow in struck)
     yield from yield_notices(parts.striker, parts.contact, parts.object.material, peak, advice)
-
-
-def yield_notices(
-    striker: AnyStriker, contact: ContactTable, face: str, peak: float, otherwise: str = ""
-) -> Iterator[Notice]:
-    """Warn where an elastic contact goes beyond its first yield, or a cap lies below it.
-
-    ``face`` is the material that is hit, ``peak`` the largest force, N, ``otherwise`` what to do besides.
-    """
-    if contact.law == POWER or striker.nose_radius is None:
-        return
-    of_line = "length" in stiffness_law(contact.law).needs
-    length = striker.contact_length.si if of_line and striker.contact_length else None
-    first = first_yield(material(striker.material), material(face), Geometry(striker.nose_radius.si, math.inf, length))
-    if first is None:
-        return
-    given = contact.yield_pressure
-    if given is not None:
-        if given.si < first.pressure:
-            message = (
-                f"contact.yield_pressure, {given.typed}, is below the {first.pressure / 1e6:.4g} MPa at which the "
-                "weaker material first yields inside: the contact is taken as softer than it is"
-            )
-            yield Notice("yield-pressure-low", message, given.si, first.pressure)
-        return
-    limit = first.load
-    if peak > limit:
-        message = (
-            f"the contact yields below its surface (von Mises) beyond {_force(limit)} and is loaded with "
-            f"{_force(peak)}, {peak / limit:.3g} times that: the elastic law "
-            f"{'says little about this force' if peak > FAR_BEYOND * limit else 'is stretched'}; give "
-            f"contact.yield_pressure{otherwise}"
-        )
-        yield Notice("contact-yield", message, peak, limit)
-
-
-def _force(newtons: float) -> str:
-    """Return a force in words, N or kN."""
-    return f"{newtons:.3g} N" if newtons < 1e3 else f"{newtons / 1e3:.3g} kN"
 
 
 def _rail(case: Case) -> Iterator[Notice]:
@@ -201,3 +120,32 @@ def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     if intervals < FEWEST_INTERVALS:
         message = f"{intervals:.1f} sampling intervals a pulse: the recorded peak may be more than 1 % low"
         yield Notice("recorder-rate", message, intervals, FEWEST_INTERVALS)
+
+
+def wave_notices(
+    run: RotaryRun,
+    histories: Sequence[BlowHistory | None],
+    readings: Sequence[BlowReading | None],
+    bandwidth: float,
+) -> tuple[Notice, ...]:
+    """Return the notices of the waves: rises of all blows, forces of the first one on a stack."""
+    span = next((span for span in run.spans if isinstance(span, StackSpan)), None)
+    if span is None or run.machine.layered is None:
+        return ()
+    stack = run.machine.layered.stack
+    first = next(reading for reading in readings if reading is not None)
+    fronts = [history.front for history in histories if history is not None]
+    _, force = span.field()
+    largest, least, greatest = field_extremes(stack, span.field_position, force)
+    return (
+        *grid_notices(run.machine.layered.grid),
+        *rise_notices(stack, min(contact_rise(span), *fronts), bandwidth, first.total_peak),
+        *layer_notices(stack, largest),
+        *joint_notices(stack, least, greatest),
+    )
+
+
+def contact_rise(span: StackSpan) -> float:
+    """Return the rise of the contact force of a blow from 10 to 90 % of its peak, s."""
+    force = np.concatenate([[0.0], span.history[:, 0]])
+    return measure_pulse(force, span.step).rise

@@ -8,7 +8,6 @@ magnitude, with its sign.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -19,9 +18,10 @@ from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow
 from strikewave.machines.machine import RotaryMachine
 from strikewave.machines.rotary import RotaryRun
 from strikewave.machines.spans import StackSpan
-from strikewave.sensors import Reading, Recorder, Sensor, read
-from strikewave.signal.filters import Filter
-from strikewave.signal.pulse import crossing, measure_pulse
+from strikewave.sensors import Reading, read
+from strikewave.sensors.channel import Channel, SensorPulse, sensor_pulse
+from strikewave.signal.filters import stated
+from strikewave.signal.pulse import front, largest
 from strikewave.waves.li_ma import ROUTES, superposed
 from strikewave.waves.routes import EXACT, route_history, specimen_of
 
@@ -29,23 +29,6 @@ Array = NDArray[np.float64]
 
 RIGID_STEP = 0.1e-6
 """Spacing of the history that a sensor gets where the object is no stack, s."""
-
-
-class Channel(NamedTuple):
-    """A sensor, the index of the tap it sits at (None: it feels the rigid assembly), and its recorder."""
-
-    sensor: Sensor
-    tap: int | None
-    recorder: Recorder
-
-
-@dataclass(frozen=True)
-class SensorPulse:
-    """What a sensor made of one blow: peak (m/s^2), width at 10 % of the peak (s), and whether it clipped."""
-
-    peak: float
-    width: float
-    clipped: bool
 
 
 @dataclass(frozen=True)
@@ -106,18 +89,6 @@ class BlowHistory(NamedTuple):
     readings: tuple[Reading, ...]
     routes: dict[tuple[int, str], Array]
     front: float
-
-
-def largest(values: Array) -> float:
-    """Return the value of largest magnitude, with its sign; NaN is passed over, and of nothing it is NaN.
-
-    Examples
-    --------
-    >>> largest(np.array([1.0, -3.0, 2.0, np.nan]))
-    -3.0
-    """
-    known = values[np.isfinite(values)]
-    return float(known[int(np.argmax(np.abs(known)))]) if known.size else math.nan
 
 
 def blow_history(run: RotaryRun, blow: Blow, view: View, routes: bool = False) -> BlowHistory:
@@ -183,63 +154,6 @@ def _recorded(channel: Channel, felt: Array, step: float, start: float, touched:
     if phase / rate > (felt.size - 1) * step:
         return Reading(np.empty(0), np.empty(0), False, False, math.nan, 0.0)
     return read(channel.sensor, channel.recorder, felt, step, start, phase)
-
-
-def stated(values: Array, step: float, bandwidth: float) -> Array:
-    """Return histories (rows) at a bandwidth; before the first sample they hold its value.
-
-    Near the end the filter would need what comes after: the last 1/bandwidth, at most half of it all, is NaN.
-
-    Raises
-    ------
-    ValueError
-        If the bandwidth is not below half the sampling rate.
-    """
-    if math.isinf(bandwidth):
-        return values
-    filtered = Filter(bandwidth).apply(values, step)
-    lost = min(math.ceil(1.0 / (bandwidth * step)), values.shape[-1] // 2)
-    filtered[..., values.shape[-1] - lost :] = np.nan
-    return filtered
-
-
-def front(acceleration: Array, step: float) -> float:
-    """Return the rise time (10-90 %) of the steepest front in a history: 0.8 of its time above a tenth of its peak.
-
-    A velocity that rises along a line has a front of 0.8 of that time; one that jumps has one of a few steps.
-
-    Examples
-    --------
-    >>> ramp = np.where((np.arange(100) >= 40) & (np.arange(100) < 60), 1.0, 0.0)
-    >>> round(front(ramp, 1e-6) * 1e6, 1)
-    16.6
-    """
-    values = np.abs(acceleration)
-    place = int(np.argmax(values))
-    if not values[place] > 0.0:
-        return math.inf
-    edges = [crossing(values, place, 0.1 * float(values[place]), side) for side in (-1, 1)]
-    begin = edges[0] if math.isfinite(edges[0]) else 0.0
-    end = edges[1] if math.isfinite(edges[1]) else float(values.size)
-    return 0.8 * (end - begin) * step
-
-
-def sensor_sources(channels: Sequence[Channel]) -> list[str]:
-    """Return the keys of the sources of the sensor models that take part."""
-    if all(channel.sensor == Sensor(channel.sensor.name) for channel in channels):
-        return []
-    buffered = any(not channel.sensor.mounting.direct for channel in channels)
-    return ["smallwood-1981", "van-loan-1978", *(["patera-1984", "emmerich-korn-1987"] if buffered else [])]
-
-
-def sensor_pulse(reading: Reading) -> SensorPulse:
-    """Return peak, width and clipping of a reading."""
-    values = reading.values
-    if values.size == 0:
-        return SensorPulse(math.nan, math.nan, False)
-    interval = float(reading.time[1] - reading.time[0]) if values.size > 1 else math.nan
-    width = measure_pulse(values, interval).width if values.size > 2 and values.max() > 0.0 else math.nan
-    return SensorPulse(largest(values), width, reading.clipped)
 
 
 def without_peaks(reading: BlowReading) -> BlowReading:

@@ -12,27 +12,25 @@ import dataclasses
 import io
 import json
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from strikewave._version import __version__
-from strikewave.analyses.machine.readings import BlowReading, SensorPulse
+from strikewave.analyses.machine.readings import BlowReading
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head, plain, without
+from strikewave.base.result import SCHEMA, Comparison, Notice
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
-from strikewave.waves import Grid, Stack
+from strikewave.sensors.channel import SensorPulse
+from strikewave.waves.setup import LayerUsed, WaveSetup
 
 if TYPE_CHECKING:
     import xarray
 
-    from strikewave.cases.tables import Published
 
-SCHEMA = 3
-"""Of the files of a solution; 2 adds readings and waves, 3 the contact of each blow."""
 LARGEST_LOAD = 4_000_000_000
 """A solution file that would take more bytes than this is refused."""
 
@@ -80,20 +78,6 @@ DETAIL_COLUMNS = ("striker", "contact_impulse", "support_impulse", "momentum_err
 
 
 @dataclass(frozen=True)
-class Notice:
-    """Something the user should know: code, words, the value that raised it, its limit.
-
-    ``broken`` marks a stated limit (ledger, no blow at all) that makes the command exit with 3.
-    """
-
-    code: str
-    message: str
-    value: float
-    limit: float
-    broken: bool = False
-
-
-@dataclass(frozen=True)
 class RigidReference:
     """What the printed contact law would give on a rigid object, SI: see `strikewave.analyses.machine.run`."""
 
@@ -101,42 +85,6 @@ class RigidReference:
     peak_force: float
     peak_acceleration: float
     duration: float
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """A published number beside the computed one; ``difference`` is relative."""
-
-    quantity: str
-    published: float
-    measured_or_simulated: str
-    computed: float | None
-    difference: float | None
-    role: str
-    note: str = ""
-    sensor: str = ""
-
-
-def comparisons(case: Case, computed: Callable[[Published], float | None]) -> tuple[Comparison, ...]:
-    """Set the published numbers of a case beside the computed ones; of a changed case they are only shown."""
-    changed = case.changed_fields()
-    aside = f"the case differs in {', '.join(changed)}" if changed else ""
-    rows = []
-    for entry in case.published:
-        value = computed(entry)
-        rows.append(
-            Comparison(
-                quantity=entry.quantity,
-                published=entry.value.si,
-                measured_or_simulated=entry.origin,
-                computed=value,
-                difference=None if value is None else value / entry.value.si - 1.0,
-                role="shown" if changed else entry.role,
-                note=aside or entry.note,
-                sensor=entry.sensor,
-            )
-        )
-    return tuple(rows)
 
 
 @dataclass(frozen=True)
@@ -156,33 +104,6 @@ class LineCollision:
 
 LAUNCH_UNITS = {"approach_speed": "m/s", "energy_released": "J", "energy_at_touch": "J", "gain": "1"}
 """What is said of a machine without a drive, and its SI unit."""
-
-
-@dataclass(frozen=True)
-class LayerUsed:
-    """A layer as asked for and as the time step made it, m and steps."""
-
-    name: str
-    length_asked: float
-    length_used: float
-    steps: int
-
-
-@dataclass(frozen=True)
-class WaveSetup:
-    """How the waves of a stack were followed: time step (s), largest mismatch of a transit, layers as used."""
-
-    step: float
-    mismatch: float
-    layers: tuple[LayerUsed, ...]
-
-
-def wave_setup(stack: Stack, grid: Grid) -> WaveSetup:
-    """Return how a stack was followed on a grid."""
-    rows = zip(stack.layers, grid.lengths(stack), grid.counts, strict=True)
-    return WaveSetup(
-        grid.step, grid.mismatch, tuple(LayerUsed(layer.name, layer.length, used, n) for layer, used, n in rows)
-    )
 
 
 @dataclass(frozen=True)

@@ -9,32 +9,36 @@ from statistics import median
 
 import numpy as np
 
-from strikewave.analyses.machine.build import build_machine, contact_stiffness
+from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.dataset import build_dataset
 from strikewave.analyses.machine.launched import Release, line_collisions, release
-from strikewave.analyses.machine.notices import ledger_notices, notices
+from strikewave.analyses.machine.notices import notices, wave_notices
 from strikewave.analyses.machine.readings import (
     BlowReading,
     Observed,
     View,
     blow_history,
     blow_reading,
-    sensor_sources,
     without_peaks,
 )
-from strikewave.analyses.machine.result import Comparison, Notice, RigidReference, Solution, comparisons, wave_setup
+from strikewave.analyses.machine.result import RigidReference, Solution
 from strikewave.base import citations
 from strikewave.base.errors import InputError
+from strikewave.base.result import Comparison, Notice, ledger_notices
 from strikewave.cases.case import Case
+from strikewave.cases.comparisons import comparisons
+from strikewave.cases.contact_of_case import contact_stiffness
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import build_taps, check_route
 from strikewave.contact import damping_law, factor, solve_impact
 from strikewave.machines import Blow, RotaryMachine, blows, run_rotary
 from strikewave.machines.spans import StackSpan
 from strikewave.machines.strike import kept_step
+from strikewave.sensors.channel import channel_notices, sensor_sources
 from strikewave.waves import Stack
-from strikewave.waves.limits import channel_notices, honest_bandwidth, wave_notices
+from strikewave.waves.limits import honest_bandwidth
 from strikewave.waves.routes import EXACT
+from strikewave.waves.setup import wave_setup
 
 LOWEST_BANDWIDTH = 1e3
 """Lowest bandwidth of the acceleration of a blow, which lasts a millisecond, Hz."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.analyses.wave.figures.curves import Trace, insertion_loss, staircase_diagram, traces
+from strikewave.analyses.wave.figures.curves import insertion_loss, staircase_diagram
 from strikewave.analyses.wave.figures.field import (
     QUANTITIES,
     WaveField,
@@ -17,7 +17,8 @@ from strikewave.analyses.wave.figures.field import (
     struck_field,
     xt_diagram,
 )
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.reporting.curves import Trace, traces
 from strikewave.reporting.numbers import fixed, listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.sensors import insertion_loss as loss_of
@@ -27,10 +28,11 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from strikewave.analyses.machine.readings import Channel
-    from strikewave.analyses.machine.result import Solution, WaveSetup
+    from strikewave.analyses.machine.result import Solution
     from strikewave.analyses.wave.run import BarSolution
     from strikewave.cases.losses_of_case import Loss
+    from strikewave.sensors.channel import Channel
+    from strikewave.waves.setup import WaveSetup
 
 _SINCE_TOUCH, _SINCE_LOAD = "time after first touch (µs)", "time after the start of the load (µs)"
 

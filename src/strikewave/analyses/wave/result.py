@@ -16,15 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.analyses.machine.dataset import quantity
-from strikewave.analyses.machine.readings import Channel, SensorPulse, largest, sensor_pulse
-from strikewave.analyses.machine.result import SCHEMA, Notice, WaveSetup
 from strikewave.base.json_document import head, plain, without
+from strikewave.base.result import SCHEMA, Notice
+from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import Loss, fitted_losses
 from strikewave.sensors import Reading
+from strikewave.sensors.channel import Channel, SensorPulse, sensor_pulse
+from strikewave.signal.pulse import largest
 from strikewave.waves import BarRun, Impactor, Tap
 from strikewave.waves.routes import EXACT, RouteHistory
+from strikewave.waves.setup import WaveSetup
 
 if TYPE_CHECKING:
     import xarray

@@ -11,21 +11,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.notices import LEDGER_LIMIT, law_notices, yield_notices
-from strikewave.analyses.machine.readings import Channel, front, largest, sensor_sources, stated
-from strikewave.analyses.machine.result import Notice, wave_setup
+from strikewave.analyses.wave.build import build_load, wanted
 from strikewave.analyses.wave.result import BarSolution, load_peak
 from strikewave.base.errors import InputError
+from strikewave.base.result import LEDGER_LIMIT, Notice
 from strikewave.cases.case import Case
+from strikewave.cases.contact_notices import law_notices, yield_notices
 from strikewave.cases.sensors_of_case import build_channels
-from strikewave.cases.stack_of_case import build_load, build_stack, build_taps, check_route, checked, need, wanted
+from strikewave.cases.stack_of_case import build_stack, build_taps, check_route, checked, need
 from strikewave.sensors import read
-from strikewave.signal.pulse import measure_pulse
+from strikewave.sensors.channel import Channel, channel_notices, sensor_sources
+from strikewave.signal.filters import stated
+from strikewave.signal.pulse import front, largest, measure_pulse
 from strikewave.waves import BarRun, Impactor, Pulse, Sampled, Stack, Tap, run_bar
 from strikewave.waves.li_ma import ROUTES
 from strikewave.waves.limits import (
     bar_extremes,
-    channel_notices,
     end_notices,
     grid_notices,
     joint_notices,
@@ -36,6 +37,7 @@ from strikewave.waves.limits import (
     rise_notices,
 )
 from strikewave.waves.routes import EXACT, RouteHistory, route_history, specimen_of
+from strikewave.waves.setup import wave_setup
 
 if TYPE_CHECKING:
     pass

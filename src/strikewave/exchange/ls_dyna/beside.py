@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.result import Notice
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.result import Notice
 from strikewave.exchange.ls_dyna.agreement import Agreement, agreement
 from strikewave.exchange.ls_dyna.ascii import Array
 from strikewave.exchange.ls_dyna.folder import Contact, Extreme, Force, Ledger, LsDynaRun, Pulse, pulse_of, widened

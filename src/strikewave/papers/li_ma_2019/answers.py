@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from strikewave.analyses.fem.result import FemSolution
-from strikewave.analyses.machine.result import Comparison, Solution
+from strikewave.analyses.machine.result import Solution
+from strikewave.base.result import Comparison
 from strikewave.papers.li_ma_2019.element_pulses import BodyPulse, body_pulse, specimen_body, struck_body
 from strikewave.papers.li_ma_2019.result import Computed, NumberRow
 from strikewave.papers.li_ma_2019.runs import NON_REFLECTING, QUIET_WAVE_ELEMENTS, WAVE_ELEMENTS, Runs

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.figures.pulses import HALF, WHOLE, thin
-from strikewave.analyses.wave.figures.curves import Trace, above_right
-from strikewave.base.units import STANDARD_GRAVITY
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.reporting.curves import Trace, above_right, thin
+from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, quiet
 from strikewave.waves.li_ma import arrivals
 from strikewave.waves.routes import EXACT, specimen_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.papers.li_ma_2019.contact_equations import delivered
 from strikewave.papers.li_ma_2019.examples import ContactExample, WaveExample
 from strikewave.papers.li_ma_2019.published import nose, published_number

@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from strikewave.analyses.fem.result import FemSolution
-from strikewave.analyses.machine.result import Notice
 from strikewave.base.json_document import head, plain, without
+from strikewave.base.result import Notice
 from strikewave.base.units import DIMENSIONS, convertible, in_unit
 from strikewave.fem.measures import ledger_measure
 from strikewave.papers.li_ma_2019.assumed import SHARE, DimensionStudy, MeshRow

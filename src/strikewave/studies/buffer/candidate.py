@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.readings import sensor_pulse
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import material
-from strikewave.base.units import STANDARD_GRAVITY
 from strikewave.sensors import Mounting, Reading, Sensor, output
 from strikewave.sensors.bandwidth import Band, band
+from strikewave.sensors.channel import sensor_pulse
 from strikewave.studies.buffer.moduli import SOFTEST, STIFFEST, confined, moduli, spread, variants
 from strikewave.studies.buffer.seat import Motion, Seat, Sheets, loads, read_on, reading_of
 

@@ -248,7 +248,7 @@ def _recorded(path: Path | None, reading: ChannelReading, findings: list[Finding
     """Return the motion about the largest value of a record, its zero line taken off."""
     import numpy as np
 
-    from strikewave.analyses.machine.result import Notice
+    from strikewave.base.result import Notice
     from strikewave.studies.buffer.seat import Blows, Motion
 
     channel = reading.channel

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.analyses.machine.figures.pulses import thin
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.reporting.curves import thin
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
 from strikewave.sensors import transmission
 from strikewave.sensors.mounting import RESOLVED

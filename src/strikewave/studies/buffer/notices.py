@@ -6,14 +6,13 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.machine.readings import sensor_pulse
-from strikewave.analyses.machine.result import Notice
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.materials import material
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.result import Notice
+from strikewave.sensors.channel import channel_notices, sensor_pulse
 from strikewave.studies.buffer.candidate import Candidate, slowest_shown, true_peak
 from strikewave.studies.buffer.moduli import confined, spread
 from strikewave.studies.buffer.seat import reading_of
-from strikewave.waves.limits import channel_notices
 
 if TYPE_CHECKING:
     from strikewave.studies.buffer.study import BufferStudy

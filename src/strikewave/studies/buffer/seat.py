@@ -11,21 +11,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.notices import notices
-from strikewave.analyses.machine.readings import Channel, largest
-from strikewave.analyses.machine.result import Notice
+from strikewave.analyses.machine.notices import notices, wave_notices
 from strikewave.analyses.machine.run import observe
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.materials import material, materials
 from strikewave.base.quantities import Value
+from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import area_of, checked, need
 from strikewave.cases.tables import GasketTable, SensorTable
 from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor, accelerometer, read
-from strikewave.signal.pulse import measure_pulse
-from strikewave.waves.limits import wave_notices
+from strikewave.sensors.channel import Channel
+from strikewave.signal.pulse import largest, measure_pulse
 
 Array = NDArray[np.float64]
 

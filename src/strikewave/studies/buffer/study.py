@@ -17,14 +17,14 @@ from dataclasses import dataclass
 from itertools import groupby, product
 from typing import Any
 
-from strikewave.analyses.machine.readings import Channel, sensor_sources
-from strikewave.analyses.machine.result import Notice
 from strikewave.base.citations import citation
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.json_document import head, plain, without
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
+from strikewave.base.result import Notice
 from strikewave.sensors import Mounting, Reading
+from strikewave.sensors.channel import Channel, sensor_sources
 from strikewave.sensors.mounting import mounting_system
 from strikewave.studies.buffer.candidate import (
     Candidate,

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.dataset import quantity
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError, nearest
 from strikewave.base.json_document import head, plain
 from strikewave.base.quantities import Value
+from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
 from strikewave.machines.rotary import run_rotary

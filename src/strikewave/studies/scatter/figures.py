@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
 from strikewave.studies.scatter.study import ScatterStudy
 from strikewave.uncertainty.shares import Shares

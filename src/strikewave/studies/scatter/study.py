@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.result import Notice
 from strikewave.base.citations import citation
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head, plain
+from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.records.campaign import Statistic, statistic
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult

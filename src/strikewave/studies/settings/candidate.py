@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.notices import LEDGER_LIMIT
 from strikewave.base.materials import Material, material
+from strikewave.base.result import LEDGER_LIMIT
 from strikewave.cases.case import Case
 from strikewave.contact import Geometry, first_yield, stiffness_law
 from strikewave.machines import Blow, RotaryRun, Striker, Turntable

@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from strikewave.analyses.machine.build import face_contact
-from strikewave.analyses.machine.result import Notice
 from strikewave.base.citations import citation
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.json_document import head, plain
 from strikewave.base.materials import material
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.result import Notice
 from strikewave.cases.case import Case
+from strikewave.cases.contact_of_case import face_contact
 from strikewave.contact.law import indentation_under
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.studies.settings.candidate import WITHIN, Candidate, Goal, Spread, rank_key

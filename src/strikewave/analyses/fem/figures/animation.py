@@ -25,14 +25,12 @@ from strikewave.analyses.fem.figures.cut import (
 )
 from strikewave.analyses.fem.figures.pictures import frame_window, instant_words
 from strikewave.analyses.fem.sectors import whole_impulse
-from strikewave.analyses.machine.figures.pulses import thin
-from strikewave.analyses.wave.figures.animation import even_rows
-from strikewave.analyses.wave.figures.field import shortened
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.fem.film import Film, Still
 from strikewave.fem.measures import blow_axis, interval_means, mean_acceleration, mean_force, middles
 from strikewave.fem.skin import Skin
-from strikewave.reporting.animation_page import moving_page, packed, printable
+from strikewave.reporting.animation_page import even_rows, moving_page, packed, printable
+from strikewave.reporting.curves import shortened, thin
 from strikewave.reporting.style import BLUE, GREEN, RED, quiet
 
 if TYPE_CHECKING:

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.analyses.machine.figures.pulses import WHOLE, thin
-from strikewave.analyses.wave.figures.field import shortened
 from strikewave.fem.measures import contact_measure, mean_force, middles
 from strikewave.fem.run import FemRun
-from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet
+from strikewave.reporting.curves import shortened, thin
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, WHOLE, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.figures.pulses import HALF, WHOLE, thin
-from strikewave.analyses.wave.figures.field import shortened
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.fem.measures import ENERGY_LIMIT, blow_axis, contact_measure, mean_acceleration, mean_force, middles
 from strikewave.fem.run import ENERGIES, FemRun
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
+from strikewave.reporting.curves import shortened, thin
+from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, quiet, sheet_title
 
 if TYPE_CHECKING:
     from collections.abc import Callable

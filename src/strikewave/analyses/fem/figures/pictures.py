@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.wave.figures.field import shortened
 from strikewave.base.errors import InputError, nearest
 from strikewave.fem.invariants import pressure, von_mises
 from strikewave.fem.mesh import Index, Mesh, exterior
 from strikewave.fem.model import Contact, Model, Symmetry
 from strikewave.fem.run import Frame
 from strikewave.fem.skin import blow_axis, blow_contact, meeting_place, outward
+from strikewave.reporting.curves import shortened
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
 
 if TYPE_CHECKING:

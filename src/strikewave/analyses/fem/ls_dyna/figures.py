@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.figures.pulses import HALF, WHOLE, thin
-from strikewave.analyses.wave.figures.field import shortened
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
+from strikewave.reporting.curves import shortened, thin
+from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, quiet, sheet_title
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.fem.sectors import blow_of_bodies
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.measures import ledger_measure
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written

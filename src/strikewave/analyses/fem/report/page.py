@@ -15,9 +15,8 @@ from strikewave._version import __version__
 from strikewave.analyses.fem.report.blows import blows_section
 from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.fem.sectors import Sector, WholeForce, blow_of_bodies, sectors, whole_forces
-from strikewave.analyses.machine.notices import LEDGER_LIMIT
-from strikewave.analyses.wave.figures.field import shortened
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.result import LEDGER_LIMIT
 from strikewave.fem.measures import (
     ENERGY_LIMIT,
     HOURGLASS_LIMIT,
@@ -32,6 +31,7 @@ from strikewave.fem.quality import quality_report
 from strikewave.fem.skin import blow_contact
 from strikewave.fem.solids import Bilinear, JohnsonCook
 from strikewave.reporting import chapters
+from strikewave.reporting.curves import shortened
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Picture, Section, Table, Tag, written

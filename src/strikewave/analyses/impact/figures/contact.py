@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.analyses.wave.figures.curves import COLOURS, DASHES
 from strikewave.contact import (
     DampingLaw,
     Geometry,
@@ -26,6 +25,7 @@ from strikewave.contact import (
 from strikewave.contact.law import indentation_under
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.contact.stiffness import ElasticBody
+from strikewave.reporting.curves import COLOURS, DASHES
 from strikewave.reporting.style import BLUE, GREEN, ORANGE, RED, quiet, sheet_title
 
 if TYPE_CHECKING:

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.analyses.record.figures.records import legend_below, new_figure
 from strikewave.contact.identification import Identified
-from strikewave.reporting.style import BLUE, GREY, ORANGE, quiet
+from strikewave.reporting.style import BLUE, GREY, ORANGE, legend_below, new_figure, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from strikewave.analyses.machine.figures.drawing import close_limits, draw_machine, view, whole_limits
 from strikewave.analyses.machine.figures.geometry import LOOKS, Outlines
 from strikewave.analyses.machine.figures.motion import MachineMotion, NearBlow, Trace, machine_motion
-from strikewave.base.units import STANDARD_GRAVITY, in_unit
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.units import in_unit
 from strikewave.reporting.animation_page import moving_page, packed, printable
 from strikewave.reporting.style import BLUE, RED, quiet
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.machine.dataset import carriage_position
 from strikewave.analyses.machine.figures.geometry import Outlines, Pose, outlines
-from strikewave.analyses.machine.figures.pulses import thin
 from strikewave.machines.feed import Feed, angle_at_valve_signal
+from strikewave.reporting.curves import thin
 
 if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from strikewave.analyses.machine.figures.geometry import StrikeGeometry
-from strikewave.analyses.wave.figures.field import shortened
 from strikewave.base.units import in_unit
+from strikewave.reporting.curves import shortened
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
 
 if TYPE_CHECKING:

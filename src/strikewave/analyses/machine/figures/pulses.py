@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.figures.summary import _KIND_COLOURS, _MOST_LABELS, _published_marks, time_words
-from strikewave.base.units import STANDARD_GRAVITY
-from strikewave.reporting.style import BLUE, GREY, quiet
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.reporting.curves import MOST_PULSES, thin
+from strikewave.reporting.style import BLUE, GREY, HALF, WHOLE, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,42 +18,6 @@ if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution
 
 Array = NDArray[np.float64]
-
-HALF, WHOLE = (4.9, 3.3), (9.8, 3.4)
-"""Sizes of a picture that shares its line and of one that does not, inches."""
-MOST_PULSES = 40
-"""Pulses drawn over each other; of more blows the first, the odd ones and an even choice of the rest are drawn."""
-PIXEL_COLUMNS = 1400
-"""Columns of the train into which all samples are gathered."""
-
-
-def thin(time: Array, values: Array, columns: int = PIXEL_COLUMNS) -> tuple[Array, Array]:
-    """Keep the smallest and the largest sample of each column, so that a long history keeps its peaks.
-
-    Parameters
-    ----------
-    time, values : array
-        Samples, shape (N,).
-    columns : int, optional
-        Number of columns; at most twice as many samples are kept, and the last one.
-
-    Examples
-    --------
-    >>> values = np.zeros(10_000)
-    >>> values[1234], values[5678] = 9.0, -3.0
-    >>> _, kept = thin(np.arange(10_000.0), values, 100)
-    >>> kept.size <= 201, kept.max(), kept.min()
-    (True, np.float64(9.0), np.float64(-3.0))
-    """
-    if values.size <= 2 * columns:
-        return time, values
-    length = -(-values.size // columns)
-    starts = np.arange(0, values.size, length)
-    ends = np.append(starts[1:], values.size)
-    low = [start + int(np.argmin(values[start:end])) for start, end in zip(starts, ends, strict=True)]
-    high = [start + int(np.argmax(values[start:end])) for start, end in zip(starts, ends, strict=True)]
-    kept = np.unique([*low, *high, values.size - 1])
-    return time[kept], values[kept]
 
 
 def contact_force(solution: Solution, row: int = 0) -> Figure:

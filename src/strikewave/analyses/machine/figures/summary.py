@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.analyses.machine.result import Solution
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
 
 if TYPE_CHECKING:

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.analyses.machine.figures.pulses import WHOLE
-from strikewave.analyses.record.figures.records import legend_below, new_figure, say, shown
+from strikewave.analyses.record.figures.records import say, shown
 from strikewave.records.campaign import Campaign
-from strikewave.reporting.style import BLUE, RED, quiet
+from strikewave.reporting.style import BLUE, RED, WHOLE, legend_below, new_figure, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.figures.pulses import MOST_PULSES, WHOLE, thin
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.records.finding import Finding
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.pulses import robust_line
 from strikewave.records.reading import ChannelReading
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
+from strikewave.reporting.curves import MOST_PULSES, thin
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -349,20 +349,6 @@ def say(axes: Any, words: str) -> None:
         axes.figure.set_figheight(0.9)
 
 
-def legend_below(figure: Figure) -> Figure:
-    """Put one legend of all axes below them, where it hides no curve."""
-    found: dict[str, Any] = {}
-    for axes in figure.axes:
-        new = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
-        found |= {label: handle for label, handle in new.items() if label not in found}
-    if found:
-        ncols = 6 if sum(map(len, found)) < 110 else 4
-        figure.legend(
-            list(found.values()), list(found), loc="outside lower left", frameon=False, fontsize=8, ncols=ncols
-        )
-    return figure
-
-
 def _clock(duration: float) -> tuple[float, str]:
     """Return factor and unit of a time axis."""
     return (1e6, "µs") if duration < 2e-3 else (1e3, "ms") if duration < 10.0 else (1.0, "s")
@@ -372,10 +358,3 @@ def drawable(reading: ChannelReading) -> bool:
     """Tell whether a record has a clock and finite samples."""
     values = reading.channel.values
     return values.size > 1 and reading.channel.step > 0.0 and bool(np.all(np.abs(values) < LARGEST_DRAWN))
-
-
-def new_figure(size: tuple[float, float] = WHOLE) -> Figure:
-    """Return an empty figure of a size in inches."""
-    from matplotlib.figure import Figure
-
-    return Figure(figsize=size, layout="constrained")

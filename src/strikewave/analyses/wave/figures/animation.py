@@ -21,7 +21,7 @@ from strikewave.analyses.wave.figures.field import (
     shade_layers,
     shades,
 )
-from strikewave.reporting.animation_page import moving_page, packed, printable
+from strikewave.reporting.animation_page import even_rows, moving_page, packed, printable
 from strikewave.waves import Tap
 
 if TYPE_CHECKING:
@@ -120,11 +120,6 @@ def quantised(values: Array) -> tuple[NDArray[np.int16], float]:
     """
     peak = float(np.abs(values).max(initial=0.0)) or 1.0
     return np.rint(values / peak * _LARGEST).astype(np.int16), peak
-
-
-def even_rows(count: int, most: int) -> NDArray[np.int64]:
-    """Return evenly chosen rows, at most so many, the first and the last one among them."""
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
 def _decimals(time: Array) -> int:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.figures.pulses import HALF, WHOLE, thin
-from strikewave.analyses.wave.figures.field import WaveField, shortened
-from strikewave.base.units import STANDARD_GRAVITY
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
+from strikewave.analyses.wave.figures.field import WaveField
+from strikewave.reporting.curves import COLOURS, DASHES, above_right, shortened
+from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, quiet
 from strikewave.waves.li_ma import Sandwich
 from strikewave.waves.staircase import endless_force, first_echoes, staircase
 
@@ -19,82 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-
-COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
-DASHES = ("-", "--", "-.", ":")
-
-
-class Trace(NamedTuple):
-    """A curve: its label, times (s) and values (SI)."""
-
-    label: str
-    time: Array
-    values: Array
-
-
-def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: bool = True) -> Figure:
-    """Draw curves over each other, the first one on top.
-
-    Parameters
-    ----------
-    title : str
-        What they show.
-    curves : sequence of Trace
-        Each with its label; the colours and dashes of a reader who sees no colours.
-    unit : str
-        "g", "kN", "MPa", "m/s": what the axis shows.
-    since : str
-        Label of the time axis, which is in microseconds.
-    wide : bool, optional
-        Whether it fills the width of a page.
-
-    Examples
-    --------
-    >>> t = np.linspace(0, 1e-4, 100)
-    >>> len(traces("speed", [Trace("tap", t, t)], "m/s", "time (us)").axes[0].lines)
-    1
-    """
-    from matplotlib.figure import Figure
-
-    names = {"g": "acceleration (g)", "kN": "force (kN)", "MPa": "stress (MPa)", "m/s": "velocity (m/s)"}
-    scales = {"g": STANDARD_GRAVITY, "kN": 1e3, "MPa": 1e6, "m/s": 1.0}
-    figure = Figure(figsize=WHOLE if wide else HALF, layout="constrained")
-    axes = figure.add_subplot()
-    for k, curve in reversed(list(enumerate(curves))):
-        finite = np.isfinite(curve.values)
-        if not finite.any():
-            continue
-        time, values = thin(curve.time[finite], curve.values[finite])
-        style = DASHES[k % len(DASHES)]
-        axes.plot(
-            time * 1e6,
-            values / scales[unit],
-            style,
-            color=COLOURS[k % len(COLOURS)],
-            linewidth=1.3,
-            label=curve.label,
-            zorder=3 + len(curves) - k,
-        )
-    quiet(axes, title, since, names[unit])
-    if len(curves) > 1:
-        handles, labels = axes.get_legend_handles_labels()
-        above_right(axes, handles[::-1], labels[::-1])
-    return figure
-
-
-def above_right(axes: Any, handles: Sequence[Any] | None = None, labels: Sequence[str] | None = None) -> None:
-    """Put the legend above the axes, where it hides no curve."""
-    given = axes.get_legend_handles_labels() if handles is None else (handles, labels)
-    axes.legend(
-        *given,
-        frameon=False,
-        fontsize=8,
-        loc="lower right",
-        bbox_to_anchor=(1.0, 0.98),
-        ncols=len(given[0]),
-        borderaxespad=0.0,
-        columnspacing=1.2,
-    )
 
 
 def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) -> Figure:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.figures.pulses import WHOLE
-from strikewave.reporting.style import BLUE, GREY, RED
+from strikewave.reporting.curves import shortened, spread
+from strikewave.reporting.style import BLUE, GREY, RED, WHOLE
 from strikewave.waves import Impactor, Stack, Tap
 from strikewave.waves.staircase import first_echoes
 from strikewave.waves.transit import Grid, field_nodes
@@ -57,7 +57,6 @@ _ROUND_TRIPS = 2.0
 _FEWEST_ROWS = 120
 _MOST_NAMES = 22
 """Names beside a diagram; of more layers the longest ones are named."""
-_LONGEST_NAME = 20
 _MOST_SHADED = 200
 """Of more layers neither faces nor shades are drawn, which would hide what happens, and curves are not cut there."""
 SNAPSHOTS = 6
@@ -329,40 +328,6 @@ def _names_beside(axes: Any, field: WaveField) -> int:
         text = {"fontsize": 8, "va": "center", "ha": "left", "parse_math": False}
         axes.text(1.015, place, name, transform=beside, **text)
     return max(len(name) for name in written)
-
-
-def shortened(name: str, longest: int = _LONGEST_NAME) -> str:
-    """Return a name that is not too long for a picture.
-
-    Examples
-    --------
-    >>> shortened("upper"), shortened("a very long name of a layer")
-    ('upper', 'a very long name of…')
-    """
-    return name if len(name) <= longest else name[: longest - 1].rstrip() + "…"
-
-
-def spread(places: Array, least: float, most: float) -> Array:
-    """Return rising places moved apart, each so far from the next, and half that from 0 and from ``most``, if they fit.
-
-    Examples
-    --------
-    >>> print(spread(np.array([1.0, 1.0, 8.0]), 2.0, 10.0))
-    [1. 3. 8.]
-    """
-    step = min(least, most / max(len(places), 1))
-    groups: list[tuple[float, int]] = []  # middle and size
-    for place in places:
-        middle, size = float(place), 1
-        while True:
-            half = 0.5 * step * size
-            middle = min(max(middle, half), most - half)
-            if not groups or middle - groups[-1][0] >= half + 0.5 * step * groups[-1][1]:
-                break
-            other, count = groups.pop()
-            middle, size = (other * count + middle * size) / (count + size), count + size
-        groups.append((middle, size))
-    return np.concatenate([middle + step * (np.arange(size) - 0.5 * (size - 1)) for middle, size in groups])
 
 
 def snapshot_rows(field: WaveField, quantity: str = "stress", count: int = SNAPSHOTS) -> list[tuple[int, str]]:

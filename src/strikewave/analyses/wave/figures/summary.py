@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from strikewave.analyses.machine.figures.pulses import thin
-from strikewave.analyses.wave.figures.curves import COLOURS, DASHES, above_right
 from strikewave.analyses.wave.run import BarSolution
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.reporting.curves import COLOURS, DASHES, above_right, thin
 from strikewave.reporting.style import GREY, quiet, sheet_title
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from strikewave.analyses.fem.report.fields import fields_section
-from strikewave.analyses.wave.figures.curves import Trace, staircase_diagram
+from strikewave.analyses.wave.figures.curves import staircase_diagram
 from strikewave.analyses.wave.figures.field import bar_field, xt_diagram
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
@@ -21,6 +21,7 @@ from strikewave.papers.li_ma_2019.published import half_sine_change
 from strikewave.papers.li_ma_2019.report.tables import ORIGINS, share
 from strikewave.papers.li_ma_2019.result import Computed, NumberRow, Reproduction, si_unit
 from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, QUIET_WAVE_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS
+from strikewave.reporting.curves import Trace
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Part, Picture, Section
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from strikewave.base.units import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.papers.li_ma_2019.assumed import SHARE
 from strikewave.reporting.parts import NONE, Cell, Part, Table, Tag, written

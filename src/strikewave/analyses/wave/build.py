@@ -1,0 +1,87 @@
+"""A layered bar alone: what loads it, and how exactly its waves shall be followed."""
+
+from __future__ import annotations
+
+from strikewave.base.errors import MISSING, InputError
+from strikewave.base.materials import material
+from strikewave.cases.case import Case
+from strikewave.cases.stack_of_case import _typed, checked, need
+from strikewave.cases.tables import LoadTable
+from strikewave.waves import Impactor, Load, Pulse, Sampled, Stack, Wanted
+from strikewave.waves.load import Prescribed
+
+NO_LOAD = 1e-6
+"""Duration of the load of zero that a striker bar stands under, s."""
+
+
+def build_load(case: Case, stack: Stack) -> Load:
+    """Return what loads the stack of a bar alone.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If the load lacks a field, or has one that its shape does not take.
+    """
+    load = case.load
+    if load is None and any(layer.speed for layer in stack.layers):
+        return Pulse("rectangle", 0.0, NO_LOAD)
+    if load is None:
+        hint = "or `strikewave run`, which strikes the stack with the machine" if case.machine else ""
+        raise InputError("load", MISSING, "a [load] with its shape", hint)
+    wants = {"contact": ("speed",), "file": ("file",)}.get(load.shape, ("peak", "duration", "rise"))
+    for key in ("peak", "duration", "rise", "speed", "file"):
+        if getattr(load, key) not in (None, "") and key not in wants:
+            allowed = f"for the shape {load.shape}: {', '.join(wants)}"
+            raise InputError(f"load.{key}", _typed(getattr(load, key)), allowed, "remove it")
+    if load.shape == "contact":
+        if load.applied != "force":
+            raise InputError("load.applied", load.applied, "force, for the shape contact", "remove it")
+        return _impactor(case, load, stack)
+    if load.shape == "file":
+        if not load.file:
+            raise InputError("load.file", MISSING, "a file with time and force", 'add file = "force.csv"')
+        from strikewave.cases.load_file import read_load
+
+        return _as_applied(read_load(load.file), load)
+    peak = need(load.peak, "load.peak", "a force", 'add peak = "20 kN"')
+    duration = need(load.duration, "load.duration", "a time", 'add duration = "100 us"')
+    rise = load.rise.si if load.rise else 0.0
+    return checked("load", lambda: Pulse(load.shape, peak, duration, rise, _APPLIED[load.applied]))
+
+
+_APPLIED: dict[str, Prescribed] = {"force": "force", "incident wave": "incident"}
+
+
+def _as_applied(load: Sampled, table: LoadTable) -> Sampled:
+    """Return a measured force as an incident wave where the case says so."""
+    if table.applied == "force":
+        return load
+    if load.kind != "force":
+        raise InputError("load.applied", table.applied, "force, for a file that holds the motion of the face")
+    return Sampled(load.time, load.values, "incident", load.told)
+
+
+def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
+    from strikewave.cases.contact_of_case import face_contact
+
+    speed = need(load.speed, "load.speed", "the speed of the striker", 'add speed = "5 m/s"')
+    if case.striker is None or case.contact is None:
+        missing = "striker" if case.striker is None else "contact"
+        raise InputError(missing, MISSING, f"a [{missing}] table", "a load by contact needs [striker] and [contact]")
+    face = case.stack.layer[0].material
+    if not face:
+        raise InputError("stack.layer." + stack.layers[0].name + ".material", MISSING, "a material for the contact law")
+    return Impactor(
+        case.striker.mass.si,
+        speed,
+        face_contact(case.striker, case.contact, material(face)),
+        case.contact.slowest_approach.si,
+    )
+
+
+def wanted(case: Case) -> Wanted:
+    """Return how exact the waves of a case shall be; acceleration ten times as coarse as velocity."""
+    step = case.solver.step.si if case.solver.step else None
+    if case.solver.error is None:
+        return Wanted(step=step, method=case.solver.method)
+    return Wanted(case.solver.error.si, 10.0 * case.solver.error.si, step, case.solver.method)

@@ -1,0 +1,171 @@
+"""Curves of a report: sizes, thinning, looks, and panels of histories."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, quiet
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+Array = NDArray[np.float64]
+
+
+MOST_PULSES = 40
+"""Pulses drawn over each other; of more blows the first, the odd ones and an even choice of the rest are drawn."""
+
+
+PIXEL_COLUMNS = 1400
+"""Columns of the train into which all samples are gathered."""
+
+
+def thin(time: Array, values: Array, columns: int = PIXEL_COLUMNS) -> tuple[Array, Array]:
+    """Keep the smallest and the largest sample of each column, so that a long history keeps its peaks.
+
+    Parameters
+    ----------
+    time, values : array
+        Samples, shape (N,).
+    columns : int, optional
+        Number of columns; at most twice as many samples are kept, and the last one.
+
+    Examples
+    --------
+    >>> values = np.zeros(10_000)
+    >>> values[1234], values[5678] = 9.0, -3.0
+    >>> _, kept = thin(np.arange(10_000.0), values, 100)
+    >>> kept.size <= 201, kept.max(), kept.min()
+    (True, np.float64(9.0), np.float64(-3.0))
+    """
+    if values.size <= 2 * columns:
+        return time, values
+    length = -(-values.size // columns)
+    starts = np.arange(0, values.size, length)
+    ends = np.append(starts[1:], values.size)
+    low = [start + int(np.argmin(values[start:end])) for start, end in zip(starts, ends, strict=True)]
+    high = [start + int(np.argmax(values[start:end])) for start, end in zip(starts, ends, strict=True)]
+    kept = np.unique([*low, *high, values.size - 1])
+    return time[kept], values[kept]
+
+
+_LONGEST_NAME = 20
+
+
+def shortened(name: str, longest: int = _LONGEST_NAME) -> str:
+    """Return a name that is not too long for a picture.
+
+    Examples
+    --------
+    >>> shortened("upper"), shortened("a very long name of a layer")
+    ('upper', 'a very long name of…')
+    """
+    return name if len(name) <= longest else name[: longest - 1].rstrip() + "…"
+
+
+def spread(places: Array, least: float, most: float) -> Array:
+    """Return rising places moved apart, each so far from the next, and half that from 0 and from ``most``, if they fit.
+
+    Examples
+    --------
+    >>> print(spread(np.array([1.0, 1.0, 8.0]), 2.0, 10.0))
+    [1. 3. 8.]
+    """
+    step = min(least, most / max(len(places), 1))
+    groups: list[tuple[float, int]] = []  # middle and size
+    for place in places:
+        middle, size = float(place), 1
+        while True:
+            half = 0.5 * step * size
+            middle = min(max(middle, half), most - half)
+            if not groups or middle - groups[-1][0] >= half + 0.5 * step * groups[-1][1]:
+                break
+            other, count = groups.pop()
+            middle, size = (other * count + middle * size) / (count + size), count + size
+        groups.append((middle, size))
+    return np.concatenate([middle + step * (np.arange(size) - 0.5 * (size - 1)) for middle, size in groups])
+
+
+COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
+
+
+DASHES = ("-", "--", "-.", ":")
+
+
+class Trace(NamedTuple):
+    """A curve: its label, times (s) and values (SI)."""
+
+    label: str
+    time: Array
+    values: Array
+
+
+def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: bool = True) -> Figure:
+    """Draw curves over each other, the first one on top.
+
+    Parameters
+    ----------
+    title : str
+        What they show.
+    curves : sequence of Trace
+        Each with its label; the colours and dashes of a reader who sees no colours.
+    unit : str
+        "g", "kN", "MPa", "m/s": what the axis shows.
+    since : str
+        Label of the time axis, which is in microseconds.
+    wide : bool, optional
+        Whether it fills the width of a page.
+
+    Examples
+    --------
+    >>> t = np.linspace(0, 1e-4, 100)
+    >>> len(traces("speed", [Trace("tap", t, t)], "m/s", "time (us)").axes[0].lines)
+    1
+    """
+    from matplotlib.figure import Figure
+
+    names = {"g": "acceleration (g)", "kN": "force (kN)", "MPa": "stress (MPa)", "m/s": "velocity (m/s)"}
+    scales = {"g": STANDARD_GRAVITY, "kN": 1e3, "MPa": 1e6, "m/s": 1.0}
+    figure = Figure(figsize=WHOLE if wide else HALF, layout="constrained")
+    axes = figure.add_subplot()
+    for k, curve in reversed(list(enumerate(curves))):
+        finite = np.isfinite(curve.values)
+        if not finite.any():
+            continue
+        time, values = thin(curve.time[finite], curve.values[finite])
+        style = DASHES[k % len(DASHES)]
+        axes.plot(
+            time * 1e6,
+            values / scales[unit],
+            style,
+            color=COLOURS[k % len(COLOURS)],
+            linewidth=1.3,
+            label=curve.label,
+            zorder=3 + len(curves) - k,
+        )
+    quiet(axes, title, since, names[unit])
+    if len(curves) > 1:
+        handles, labels = axes.get_legend_handles_labels()
+        above_right(axes, handles[::-1], labels[::-1])
+    return figure
+
+
+def above_right(axes: Any, handles: Sequence[Any] | None = None, labels: Sequence[str] | None = None) -> None:
+    """Put the legend above the axes, where it hides no curve."""
+    given = axes.get_legend_handles_labels() if handles is None else (handles, labels)
+    axes.legend(
+        *given,
+        frameon=False,
+        fontsize=8,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 0.98),
+        ncols=len(given[0]),
+        borderaxespad=0.0,
+        columnspacing=1.2,
+    )

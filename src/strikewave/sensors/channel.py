@@ -1,0 +1,77 @@
+"""A sensor where it sits, with its recorder, and what it makes of a pulse."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from strikewave.base.result import Notice
+from strikewave.sensors import Reading, Recorder, Sensor
+from strikewave.signal.pulse import largest, measure_pulse
+
+
+class Channel(NamedTuple):
+    """A sensor, the index of the tap it sits at (None: it feels the rigid assembly), and its recorder."""
+
+    sensor: Sensor
+    tap: int | None
+    recorder: Recorder
+
+
+@dataclass(frozen=True)
+class SensorPulse:
+    """What a sensor made of one blow: peak (m/s^2), width at 10 % of the peak (s), and whether it clipped."""
+
+    peak: float
+    width: float
+    clipped: bool
+
+
+def sensor_sources(channels: Sequence[Channel]) -> list[str]:
+    """Return the keys of the sources of the sensor models that take part."""
+    if all(channel.sensor == Sensor(channel.sensor.name) for channel in channels):
+        return []
+    buffered = any(not channel.sensor.mounting.direct for channel in channels)
+    return ["smallwood-1981", "van-loan-1978", *(["patera-1984", "emmerich-korn-1987"] if buffered else [])]
+
+
+def sensor_pulse(reading: Reading) -> SensorPulse:
+    """Return peak, width and clipping of a reading."""
+    values = reading.values
+    if values.size == 0:
+        return SensorPulse(math.nan, math.nan, False)
+    interval = float(reading.time[1] - reading.time[0]) if values.size > 1 else math.nan
+    width = measure_pulse(values, interval).width if values.size > 2 and values.max() > 0.0 else math.nan
+    return SensorPulse(largest(values), width, reading.clipped)
+
+
+HEAVY_SENSOR = 0.02
+"""Share of the assembly's mass above which a buffered sensor loads back what it sits on."""
+
+
+def channel_notices(
+    channels: Sequence[Channel], pulses: Sequence[dict[str, SensorPulse]], assembly_mass: float
+) -> tuple[Notice, ...]:
+    """Return what clipped, what a slow recorder missed, and which sensor is too heavy for what it sits on.
+
+    ``pulses`` are those of each blow, by name of the sensor.
+    """
+    found = []
+    for channel in channels:
+        name = channel.sensor.name
+        clipped = sum(pulse[name].clipped for pulse in pulses)
+        if clipped:
+            limit = channel.sensor.range
+            message = f"sensor {name} clips in {clipped} of {len(pulses)} pulses: take a larger range"
+            found.append(Notice("sensor-clipped", message, float(clipped), 0.0 if math.isinf(limit) else limit))
+        missed = sum(math.isnan(pulse[name].peak) for pulse in pulses)
+        if missed:
+            message = f"the recorder of sensor {name} takes no sample in {missed} of {len(pulses)} pulses: too slow"
+            found.append(Notice("recorder-slow", message, channel.recorder.sampling_rate, 0.0))
+        share = channel.sensor.mounting.sensor_mass / assembly_mass
+        if share > HEAVY_SENSOR:
+            message = f"sensor {name} weighs {share:.1%} of the assembly: its buffer would load the assembly back"
+            found.append(Notice("heavy-sensor", message, share, HEAVY_SENSOR))
+    return tuple(found)
