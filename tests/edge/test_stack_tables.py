@@ -170,7 +170,7 @@ def test_a_mass_at_the_end_is_not_pushed_twice():
 
 def test_a_film_between_bars_is_run_and_reported_in_seconds():
     """A nanometre between 50 and 80 mm: a wave crosses it a hundred million times in the run."""
-    from strikewave.reporting.page import bar_report
+    from strikewave.analyses.wave.report import bar_report
 
     film = '[[stack.layer]]\nname = "film"\nmaterial = "2A12"\nlength = "1 nm"\ndiameter = "30 mm"\n'
     text = BASE.format(joint="", end="", load="", solver="")

@@ -13,6 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from strikewave.analyses.machine.figures.pulses import chosen
+from strikewave.analyses.machine.report import report
 from strikewave.analyses.machine.result import load_solution
 from strikewave.base import citations
 from strikewave.base.quantities import PROVENANCES
@@ -21,7 +22,6 @@ from strikewave.base.units import in_unit
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.reporting.curves import MOST_PULSES, thin
 from strikewave.reporting.inline import inline_svg
-from strikewave.reporting.page import report
 from strikewave.reporting.parts import Code, Flow, Picture, Section, Table, Tag
 
 VOID = {"meta", "br", "hr", "img", "input", "link", "wbr"}

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from strikewave import load_case, run_case, run_wave
-from strikewave.analyses.wave.report import LOSS_FREQUENCIES, loss_table
+from strikewave.analyses.machine.report import report
+from strikewave.analyses.wave.report import bar_report
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.reporting.page import bar_report, report
+from strikewave.reporting.stack_chapters import LOSS_FREQUENCIES, loss_table
 
 
 @pytest.fixture(scope="module")

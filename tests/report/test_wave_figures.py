@@ -14,25 +14,25 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave import load_case, run_case, run_wave
+from strikewave.analyses.machine.stack_chapters import struck_field
+from strikewave.analyses.wave.field import bar_field
 from strikewave.analyses.wave.figures import animation
 from strikewave.analyses.wave.figures.animation import animation_page, page_data, write_gif
-from strikewave.analyses.wave.figures.curves import staircase_diagram
-from strikewave.analyses.wave.figures.field import (
+from strikewave.analyses.wave.report import bar_report
+from strikewave.reporting.curves import spread
+from strikewave.reporting.inline import inline_svg
+from strikewave.reporting.wave_curves import staircase_diagram
+from strikewave.reporting.wave_field import (
     QUANTITIES,
     SNAPSHOTS,
     WaveField,
-    bar_field,
     cell_edges,
     sandwiched,
     shades,
     snapshot_rows,
     snapshots,
-    struck_field,
     xt_diagram,
 )
-from strikewave.reporting.curves import spread
-from strikewave.reporting.inline import inline_svg
-from strikewave.reporting.page import bar_report
 from strikewave.waves import BONDED, End, Impactor, Joint, Layer, Pulse, Stack, Tap, Wanted, run_bar
 
 STEEL, ALLOY = (7820.0, 211e9), (2780.0, 72e9)

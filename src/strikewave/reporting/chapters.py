@@ -1,48 +1,29 @@
-"""The sections of every report: set-up, inputs, blows, pulses, published numbers, warnings, checks, sources.
+"""The sections that reports of different analyses share: inputs, published numbers, warnings, balances, sources.
 
-Each function takes a solution, whose parts may be empty or None, and returns one `Section`.
+Each function takes what it shows and returns one `Section`.
 """
 
 from __future__ import annotations
 
+import hashlib
 import math
 import re
-from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 from strikewave._version import __version__
-from strikewave.analyses.machine.words import MACHINES, launch_tables, reference_law
+from strikewave.base.result import LEDGER_LIMIT
 from strikewave.base.units import in_unit
-from strikewave.reporting.numbers import (
-    BLOW_COLUMNS,
-    CONTACT_COLUMNS,
-    SHOWN_UNITS,
-    fixed,
-    heads,
-    listed,
-    spelled,
-    with_unit,
-)
-from strikewave.reporting.parts import NONE, Cell, Code, Flow, Link, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.numbers import SHOWN_UNITS, listed, spelled
+from strikewave.reporting.page import Head, whole_page
+from strikewave.reporting.parts import NONE, Cell, Code, Section, Table, Tag, written
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from pydantic import BaseModel
 
-    from strikewave.analyses.machine.result import Solution
+    from strikewave.base.result import Comparison, Notice
     from strikewave.cases.case import Case
 
-_DATA_FLOW = (
-    "case file",
-    "checks of units and fits",
-    "machine",
-    "motion with every contact located in time",
-    "blows",
-    "pulses: peak, width, velocity change",
-    "published beside computed",
-)
-
-_WAVE_FLOW = ("case file", "checks of units and fits", "stack", "stress waves", "taps and sensors")
 
 _PROVENANCE_WORDS = {
     "published": "printed in the source that the note names",
@@ -52,65 +33,42 @@ _PROVENANCE_WORDS = {
     "fitted": "adjusted until a result met a published number, as the note says",
 }
 
-_PUBLISHED_WORDS = {"first": "first blow", "typical": "later full blows, median", "count": "number of blows"}
-_PUBLISHED_WORDS["window"] = "first to last blow"
-
-_WORDS = (
-    "A blow is one pass of one striker, all its re-contacts included. It is glancing when its approach speed is below "
-    "half of the nominal one, double when a second group of contacts, more than a pulse width later, carries a tenth "
-    "of the contact impulse, missed when the striker passed an object in place without touching it, and full "
-    "otherwise. Time counts from {begun}. The rigid peak and its width, taken at 10 % of the peak, belong to "
-    "the rigid-body acceleration: the momentum rate of the assembly over its mass. The velocity change is that of the "
-    "object's centre of mass from first touch to last release. g is standard gravity, 9.80665 m/s²."
-)
+_PUBLISHED_WORDS = {
+    "first": "first blow",
+    "typical": "later full blows, median",
+    "count": "number of blows",
+    "window": "first to last blow",
+}
 
 
-def setup(solution: Solution, moving: str = "") -> Section:
-    """Say what machine it is and how the numbers come about; ``moving`` is the page that shows it in motion."""
-    kind = str(getattr(getattr(solution.case, "machine", None), "kind", ""))
-    words, chain = MACHINES.get(kind, (f"A machine of the kind {kind}.", ()))
-    layers = _layers(solution.case)
-    if not kind:
-        words = "No machine: a stack of layers, loaded at its first face." if layers else "No machine is named."
-    words += _strike_words(solution.case)
-    parts = _drawing(solution.case)
-    if moving:
-        parts.append(Link(moving, "The machine in motion, with its histories: the whole run, or one blow slowed down"))
-    if chain and not layers:
-        parts.append(Flow(chain, "Bodies and links, in the order in which a blow runs through them"))
-    if layers:
-        parts.append(Flow(layers, "The stack, from its loaded face on"))
-    parts.append(Flow(_DATA_FLOW if kind else _WAVE_FLOW, "From the case to this report"))
-    return Section("Set-up", words, parts)
+class CaseResult(Protocol):
+    """What the page of a case takes of its result."""
+
+    @property
+    def case(self) -> Case:
+        """What ran."""
+
+    @property
+    def title(self) -> str:
+        """Of the case, with what was changed."""
+
+    @property
+    def command(self) -> str:
+        """The command that runs it again."""
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """What to know."""
+
+    @property
+    def citations(self) -> tuple[str, ...]:
+        """Keys of the sources of the models used."""
 
 
-def _strike_words(case: Case) -> str:
-    """Say how the nose of a striker of the rotary machine meets the face; nothing for another machine."""
-    from strikewave.analyses.machine.figures.geometry import strike_geometry
-
-    geometry = strike_geometry(case)
-    if geometry is None:
-        return ""
-    if not geometry.blow_angle:
-        return " The nose of a striker acts on the object's face like a cam."
-    return f" The blow stands at {math.degrees(geometry.blow_angle):.4g}° to the radius at the strike position."
-
-
-def _drawing(case: Case) -> list[Part]:
-    """Return the drawing of the machine with its numbers; nothing for a machine that is not drawn."""
-    from strikewave.analyses.machine.figures.drawing import drawing_words, machine_drawing
-
-    figure = machine_drawing(case)
-    if figure is None:
-        return []
-    words = f"The machine with its numbers, at first touch. {drawing_words(case)}"
-    return [Picture(figure, words, f"Drawing of the rotary machine with a list of its parts. {drawing_words(case)}")]
-
-
-def _layers(case: Case) -> list[str]:
+def layer_steps(case: Case) -> list[str]:
     """Return the layers of a stack in their order, with every joint that is not bonded, and the far end."""
-    stack = getattr(case, "stack", None)
-    if stack is None or not stack.layer:
+    stack = case.stack
+    if not stack.layer:
         return []
     joints = {joint.after: joint.kind for joint in stack.joint if joint.kind != "bonded"}
     steps = []
@@ -206,118 +164,17 @@ def _quantities(part: Any) -> bool:
     return any(isinstance(entry, Value) for _, entry in _flat(part, ""))
 
 
-def blow_table(solution: Solution) -> Section:
-    """List the blows, in the units and columns of the command line."""
-    blows = solution.blows or ()
-    columns = [column for column in BLOW_COLUMNS if any(hasattr(blow, column[0]) for blow in blows)]
-    named = ["#", "kind", *heads(columns), "contacts"]
-    rows: list[list[Cell]] = [
-        [
-            str(blow.index),
-            Tag(blow.kind, blow.kind),
-            *(fixed(getattr(blow, name, None), si, unit, decimals) for name, si, unit, decimals in columns),
-            str(blow.contacts),
-        ]
-        for blow in blows
-    ]
-    table = Table("Blows", named, rows, empty="No blow: no striker passed the object.")
-    reference = solution.reference
-    beside = ""
-    if reference is not None:
-        beside = (
-            f"\n\nFor comparison, {reference_law(solution.case)} on a rigid object, at the nominal "
-            f"{written(reference.approach_speed, 3)} m/s and with no frame or mount to bend: "
-            f"{with_unit(reference.duration, 's', 'us', 3)}, {with_unit(reference.peak_force, 'N', 'kN', 3)}, "
-            f"{with_unit(reference.peak_acceleration, 'm/s^2', 'g', 3)}."
-        )
-    words = _WORDS.format(begun=solution.case.time_zero) if rows else ""
-    return Section("Blows", words + beside, [table, *_contacts(solution)])
-
-
-def _contacts(solution: Solution) -> list[Table]:
-    """List the contact of each blow, where its numbers are held."""
-    struck = [blow for blow in solution.blows or () if blow.kind != "missed" and hasattr(blow, "restitution")]
-    rows: list[list[Cell]] = [
-        [str(b.index), *(fixed(getattr(b, name), si, unit, d) for name, si, unit, d in CONTACT_COLUMNS)] for b in struck
-    ]
-    caption = (
-        "Contact, blow by blow. The restitution is that of the contact: the square root of the work it gives back over "
-        "the work it takes; the rebound speed hangs on frame and mount too. The stiffness is the slope of the contact "
-        "force at the largest indentation on the way back; what stays of the indentation, and the radius of the spot "
-        "over that before, change only where the case gives a yield pressure."
-    )
-    return [Table(caption, ["#", *heads(CONTACT_COLUMNS)], rows)] if rows else []
-
-
-def pulse_pictures(solution: Solution) -> Section:
-    """Draw force and acceleration of the first blow, all pulses, the train; say what is missing."""
-    from strikewave.analyses.machine.figures import pulses
-
-    held = solution.data if solution.data is not None else {}
-    struck = [row for row, blow in enumerate(solution.blows or ()) if blow.kind != "missed"]
-    parts: list[Part] = []
-    words = [] if struck else ["No striker touched the object: there is no pulse to show."]
-
-    def add(needs: Sequence[str], draw: Callable[[], Figure], caption: str, label: str) -> None:
-        if all(name in held for name in needs):
-            parts.append(Picture(draw(), caption, label))
-        else:
-            words.append(
-                f"Without the history {listed([n for n in needs if n not in held])} there is no picture: {label}"
-            )
-
-    if struck:
-        first = solution.blows[struck[0]]
-        add(
-            ["pulse_time", "pulse_force"],
-            lambda: pulses.contact_force(solution, struck[0]),
-            f"Contact force between striker and object, blow {first.index}. Each rise from zero is a contact.",
-            f"Contact force over time, blow {first.index}: peak {with_unit(first.peak_force, 'N', 'kN', 3)}, "
-            f"{first.contacts} contacts.",
-        )
-        add(
-            ["pulse_time", "pulse_acceleration"],
-            lambda: pulses.rigid_acceleration(solution, struck[0]),
-            f"Rigid-body acceleration of the assembly, blow {first.index}"
-            + ("; the marks are published peaks and widths." if _marked(solution) else "."),
-            f"Rigid-body acceleration over time, blow {first.index}: peak {with_unit(first.rigid_peak, 'm/s^2', 'g')}, "
-            f"width {with_unit(first.width, 's', 'us')}.",
-        )
-        drawn = pulses.chosen(solution)
-        some = "" if len(drawn) == len(struck) else f" {len(drawn)} of {len(struck)} are drawn."
-        add(
-            ["pulse_time", "pulse_acceleration"],
-            lambda: pulses.overlaid_pulses(solution),
-            f"Rigid-body pulses of all blows over each other, each from its first touch.{some}",
-            f"Rigid-body pulses of {len(drawn)} blows over each other; their peaks and widths stand in the table of "
-            "blows.",
-        )
-    add(
-        ["time", "rigid_acceleration"],
-        lambda: pulses.whole_train(solution),
-        "Rigid-body acceleration over the whole train"
-        + ("; the marks are the peaks of the table of blows, with its numbers." if len(struck) else "."),
-        f"Rigid-body acceleration over the whole train: {len(struck)} blows.",
-    )
-    return Section("Pulses", "\n\n".join(words), parts)
-
-
-def _marked(solution: Solution) -> bool:
-    peaks = any(entry.quantity == "first.rigid_peak" for entry in solution.published or ())
-    return peaks and not solution.case.changed_fields()
-
-
-def published(solution: Solution) -> Section:
+def published(comparisons: Sequence[Comparison]) -> Section:
     """Set published numbers beside computed ones."""
     from strikewave.cases.case import PUBLISHED_QUANTITIES
 
     rows: list[list[Cell]] = []
-    for entry in solution.published or ():
+    for entry in comparisons:
         si = PUBLISHED_QUANTITIES.get(entry.quantity, "")
         unit = SHOWN_UNITS.get(si, si)
         which, _, quantity = entry.quantity.partition(".")
         words = _PUBLISHED_WORDS.get(which, which) + (f": {quantity.replace('_', ' ')}" if quantity else "")
-        words += f" of {entry.sensor}" if getattr(entry, "sensor", "") else ""
+        words += f" of {entry.sensor}" if entry.sensor else ""
         values = [
             NONE if v is None or math.isnan(v) else written(float(in_unit(v, si, unit)) if si else v, 6)
             for v in (entry.published, entry.computed)
@@ -336,7 +193,7 @@ def published(solution: Solution) -> Section:
     return Section("Published beside computed", text if rows else "", [table])
 
 
-def warnings(solution: Solution) -> Section:
+def warnings(notices: Sequence[Notice]) -> Section:
     """List what the user should know, with the number that raised it and its limit."""
     rows: list[list[Cell]] = [
         [
@@ -346,60 +203,25 @@ def warnings(solution: Solution) -> Section:
             f"{notice.limit:.6g}",
             Tag("limit broken", "bad") if notice.broken else Tag("to know"),
         ]
-        for notice in solution.warnings or ()
+        for notice in notices
     ]
     heads = ["code", "message", "number", "limit", "weight"]
     table = Table("Warnings; number and limit in SI units", heads, rows, empty="No warning was raised.")
     return Section("Warnings", "", [table])
 
 
-def checks(solution: Solution) -> Section:
-    """List ledgers, masses and phases."""
-    from strikewave.base.result import LEDGER_LIMIT
-
-    ledger: list[list[Cell]] = [
-        [
-            name.removesuffix("_error"),
-            f"{error:.1e}",
-            f"{LEDGER_LIMIT:.0e}",
-            Tag("closes", "good") if error <= LEDGER_LIMIT else Tag("broken", "bad"),
-        ]
-        for name, error in (solution.ledger or {}).items()
-    ]
-    masses: list[list[Cell]] = [[name, mass] for name, mass in (solution.masses or {}).items()]
-    phases: list[list[Cell]] = [[name, f"{time:.6f}"] for name, time in solution.phases or ()]
-    begun = solution.case.time_zero
-    heads = ["ledger", "error, share", "limit", "result"]
-    kept = Table("Ledgers", heads, ledger, empty="No ledger was kept.")
-    if solution.case.machine is None and not masses and not phases:
-        words = "Momentum: impulses at both ends less the momentum of the stack, over the greater impulse."
-        return Section("Ledger", words, [kept])
-    return Section(
-        "Ledgers, masses and phases",
-        "Energy: what the ledger of work and losses misses, over the energy that flowed. Momentum: impulse of all "
-        "forces less change of momentum, over the contact impulse; the worst blow.",
-        [
-            kept,
-            Table("Masses", ["body", "mass (kg)"], masses, empty="No mass is listed."),
-            *launch_tables(solution),
-            Table(f"Phases, from {begun}", ["phase", "begins (s)"], phases, empty="No phase is listed."),
-        ],
-    )
-
-
-def sources(solution: Solution) -> Section:
-    """List the sources of the models used."""
+def sources(keys: Sequence[str]) -> Section:
+    """List the sources of the models used, by their keys."""
     from strikewave.base.citations import SOURCES
 
-    rows: list[list[Cell]] = [[key, SOURCES.get(key, NONE)] for key in solution.citations or ()]
+    rows: list[list[Cell]] = [[key, SOURCES.get(key, NONE)] for key in keys]
     table = Table("Sources of the models used", ["key", "source"], rows, empty="No source is named.")
     return Section("Sources", "", [table])
 
 
-def reproduction(case: Case, text: str, digest: str) -> Section:
+def reproduction(case: Case, text: str, digest: str, command: str) -> Section:
     """Say how the same numbers come again, with the whole case file."""
     same = _is_published(case, text)
-    command = "run" if getattr(case, "machine", None) is not None else "wave"
     commands = (f"strikewave {command} {case.name}\n" if same else "") + f"strikewave {command} case.toml"
     either = "Either of these commands" if same else "This command"
     words = (
@@ -411,13 +233,54 @@ def reproduction(case: Case, text: str, digest: str) -> Section:
 
 def _is_published(case: Case, text: str) -> bool:
     """Tell whether a case is a published one without any change."""
-    from strikewave.cases.case import bundled_cases, load_case
+    from strikewave.cases.case import bundled_cases, dump_case, load_case
 
-    return case.name in bundled_cases() and case_text(load_case(case.name)) == text
+    return case.name in bundled_cases() and dump_case(load_case(case.name)) == text
 
 
-def case_text(case: Case) -> str:
-    """Return the case as the text of a case file."""
+def case_page(result: CaseResult, told: tuple[str, Sequence[tuple[str, str]]], sections: Sequence[Section]) -> str:
+    """Return the page of a case that ran: its head, its sections, warnings and sources, and how to run it again.
+
+    ``told`` is the summary in words, and the key numbers.
+    """
     from strikewave.cases.case import dump_case
 
-    return dump_case(case)
+    case, (summary, numbers) = result.case, told
+    text = dump_case(case)
+    digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+    head = Head(
+        title=result.title,
+        kicker="Report of a run",
+        subject="Case",
+        name=case.name,
+        digest=digest,
+        status=status(result.warnings),
+        summary=summary,
+        numbers=numbers,
+        foot=f"case {case.name or 'without name'} · SHA-256 of the case text {digest}",
+    )
+    return whole_page(head, [*sections, sources(result.citations), reproduction(case, text, digest, result.command)])
+
+
+def status(notices: Sequence[Notice]) -> Tag:
+    """Say whether a stated limit is broken, and how many warnings there are."""
+    broken = [notice.code for notice in notices if notice.broken]
+    if broken:
+        return Tag(f"stated limit broken: {listed(broken)}", "bad")
+    many = len(notices)
+    warned = f"; {many} warning{'s' if many > 1 else ''}, see below" if many else ""
+    return Tag(f"no stated limit broken{warned}", "warned" if many else "good")
+
+
+def ledger_table(ledger: Mapping[str, float]) -> Table:
+    """List the errors of a ledger beside their limit."""
+    rows: list[list[Cell]] = [
+        [
+            name.removesuffix("_error"),
+            f"{error:.1e}",
+            f"{LEDGER_LIMIT:.0e}",
+            Tag("closes", "good") if error <= LEDGER_LIMIT else Tag("broken", "bad"),
+        ]
+        for name, error in ledger.items()
+    ]
+    return Table("Ledgers", ["ledger", "error, share", "limit", "result"], rows, empty="No ledger was kept.")

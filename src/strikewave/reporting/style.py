@@ -60,3 +60,18 @@ def new_figure(size: tuple[float, float] = WHOLE) -> Figure:
     from matplotlib.figure import Figure
 
     return Figure(figsize=size, layout="constrained")
+
+
+def plain(text: str, most: int = 40) -> str:
+    r"""Return a name of a stranger as a label: shortened in its middle, no mark of TeX, nothing that hides.
+
+    Examples
+    --------
+    >>> plain("board"), plain("a$b\n"), plain("x" * 99, 9)
+    ('board', 'a\\$b�', 'xxxx…xxxx')
+    """
+    text = "".join(letter if letter.isprintable() else "\ufffd" for letter in text)
+    if len(text) > most:
+        text = text[: most // 2] + "…" + text[-((most - 1) // 2) :]
+    text = " " + text if text.startswith("_") else text  # else a legend would leave it out
+    return text.replace("$", r"\$")

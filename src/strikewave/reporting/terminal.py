@@ -176,7 +176,7 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], lef
 
 def print_fits(losses: Sequence[Loss]) -> None:
     """Print how well loss factors are held over their bands."""
-    from strikewave.analyses.wave.report import fit_table
+    from strikewave.reporting.stack_chapters import fit_table
 
     if losses:
         fits = fit_table(losses)
@@ -185,7 +185,7 @@ def print_fits(losses: Sequence[Loss]) -> None:
 
 def print_losses(channels: Sequence[Channel]) -> None:
     """Print the insertion loss of the buffered sensors."""
-    from strikewave.analyses.wave.report import loss_table
+    from strikewave.reporting.stack_chapters import loss_table
 
     losses = loss_table(channels)
     if losses.rows:

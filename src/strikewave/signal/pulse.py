@@ -154,3 +154,7 @@ def front(acceleration: Array, step: float) -> float:
     begin = edges[0] if math.isfinite(edges[0]) else 0.0
     end = edges[1] if math.isfinite(edges[1]) else float(values.size)
     return 0.8 * (end - begin) * step
+
+
+FEWEST_INTERVALS = 10.0
+"""Sampling intervals a pulse below which the recorder is warned of: the worst loss of peak is then 1.2 %."""

@@ -12,7 +12,6 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.field_names import fields_of_case
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.sectors import open_cuts, sectors
-from strikewave.analyses.machine.notices import FEWEST_INTERVALS
 from strikewave.base import citations
 from strikewave.base.materials import material
 from strikewave.base.result import LEDGER_LIMIT, Notice
@@ -24,6 +23,7 @@ from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ledger_measur
 from strikewave.fem.model import Model, NonReflecting, stays
 from strikewave.fem.run import FemRun, Frame
 from strikewave.fem.solids import Bilinear, JohnsonCook
+from strikewave.signal.pulse import FEWEST_INTERVALS
 
 if TYPE_CHECKING:
     from strikewave.fem.solve import Asked, Writer

@@ -10,7 +10,7 @@ from strikewave._version import __version__
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.page import Head, whole_page
-from strikewave.reporting.parts import NONE, Cell, Code, Picture, Section, Table, Tag, written
+from strikewave.reporting.parts import NONE, Cell, Code, Picture, Section, Table, written
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -446,13 +446,6 @@ def _page(
     shown: tuple[list[tuple[str, str]], Section],
 ) -> str:
     numbers, body = shown
-    broken = [notice.code for notice in solution.warnings if notice.broken]
-    many = len(solution.warnings)
-    status = (
-        Tag("stated limit broken: " + ", ".join(broken), "bad") if broken else Tag("no stated limit broken", "good")
-    )
-    if many and not broken:
-        status = Tag(f"no stated limit broken; {many} warning{'s' if many > 1 else ''}", "warned")
     digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
     files: list[list[Cell]] = [[name, value] for name, value in solution.digests.items()]
     again = Section(
@@ -465,12 +458,11 @@ def _page(
         ],
     )
     as_case: Any = solution.case.setup
-    as_solution: Any = solution
     sections = [
         body,
         chapters.inputs(as_case),
-        chapters.warnings(as_solution),
-        chapters.sources(as_solution),
+        chapters.warnings(solution.warnings),
+        chapters.sources(solution.citations),
         again,
     ]
     name = solution.case.setup.name
@@ -480,7 +472,7 @@ def _page(
         subject="Set-up",
         name=name,
         digest=digest,
-        status=status,
+        status=chapters.status(solution.warnings),
         summary=summary,
         numbers=numbers,
         foot=f"set-up {name} · SHA-256 of its text {digest}",

@@ -296,9 +296,8 @@ def _write(result: Result, folder: Path, force: bool) -> None:
     import json
 
     from strikewave.analyses.impact.figures.identified import identified_figure
-    from strikewave.analyses.record.figures.records import plain
     from strikewave.base.output_folder import whole_folder
-    from strikewave.reporting.style import save
+    from strikewave.reporting.style import plain, save
 
     path = Path(result.file)
     text = measured.identity(shlex.join(["strikewave", *sys.argv[1:]]), measured.digests_of([path]))

@@ -57,7 +57,7 @@ def command(
 def write_result(solution: Solution, place: Path, text: str, animate: bool = False) -> None:
     """Write the files of a result into a folder."""
     from strikewave.analyses.machine.figures.summary import summary
-    from strikewave.reporting.page import report
+    from strikewave.analyses.machine.report import report
     from strikewave.reporting.style import save
 
     solution.save(place / "solution.nc")
@@ -107,8 +107,8 @@ def _solve(case: Case) -> Solution:
 
 
 def _print(solution: Solution) -> None:
-    from strikewave.analyses.machine.words import reference_law
-    from strikewave.reporting.numbers import BLOW_COLUMNS, CONTACT_COLUMNS, heads
+    from strikewave.analyses.machine.words import BLOW_COLUMNS, CONTACT_COLUMNS, reference_law
+    from strikewave.reporting.numbers import heads
 
     columns = ["#", "kind", *heads(BLOW_COLUMNS), "contacts"]
     rows = [

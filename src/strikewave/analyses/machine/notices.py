@@ -13,11 +13,8 @@ from strikewave.cases.contact_notices import _force, law_notices, yield_notices
 from strikewave.machines import Blow
 from strikewave.machines.rotary import RotaryRun
 from strikewave.machines.spans import StackSpan
-from strikewave.signal.pulse import measure_pulse
+from strikewave.signal.pulse import FEWEST_INTERVALS, measure_pulse
 from strikewave.waves.limits import field_extremes, grid_notices, joint_notices, layer_notices, rise_notices
-
-FEWEST_INTERVALS = 10.0
-"""Sampling intervals a pulse below which the recorder is warned of: the worst loss of peak is then 1.2 %."""
 
 
 def notices(case: Case, found: Sequence[Blow]) -> tuple[Notice, ...]:

@@ -14,7 +14,7 @@ import json
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave._version import __version__
 from strikewave.analyses.machine.readings import BlowReading
@@ -165,6 +165,8 @@ class Solution:
         more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
         route = "" if self.case.solver.route == "exact" else f"; route {self.case.solver.route}"
         return (self.case.title or self.case.name) + (f"; here {shown}{more}" if changed else "") + route
+
+    command: ClassVar[str] = "run"
 
     @property
     def broken(self) -> bool:

@@ -230,10 +230,9 @@ def _warnings(reading: ChannelReading) -> list[dict[str, Any]]:
 
 
 def _write(result: Result, velocity: Spectrum, out: Path | None, force: bool) -> None:
-    from strikewave.analyses.record.figures.records import plain
     from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
     from strikewave.base.output_folder import whole_folder
-    from strikewave.reporting.style import save
+    from strikewave.reporting.style import plain, save
 
     file, reading, spectra, side, _ = result
     path = Path(file)

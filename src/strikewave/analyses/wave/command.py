@@ -44,8 +44,8 @@ def command(
 
     With --json, files are written only where --out says.
     """
-    from strikewave.analyses.wave.figures.field import QUANTITIES
     from strikewave.base.errors import InputError, nearest
+    from strikewave.reporting.wave_field import QUANTITIES
 
     if field not in QUANTITIES:
         raise InputError("--field", field, "one of " + ", ".join(QUANTITIES), nearest(field, QUANTITIES))
@@ -72,10 +72,11 @@ def write_result(
     solution: BarSolution, place: Path, text: str, quantity: str = "stress", animate: bool = False
 ) -> None:
     """Write the files of a result into a folder; ``quantity`` is what the pictures along the stack show."""
-    from strikewave.analyses.wave.figures.field import bar_field, xt_diagram
+    from strikewave.analyses.wave.field import bar_field
     from strikewave.analyses.wave.figures.summary import bar_summary
-    from strikewave.reporting.page import bar_report
+    from strikewave.analyses.wave.report import bar_report
     from strikewave.reporting.style import save
+    from strikewave.reporting.wave_field import xt_diagram
 
     solution.save(place / "waves.nc")
     (place / "taps.csv").write_text(solution.table(), "utf-8")
@@ -89,8 +90,8 @@ def write_result(
 
 def _animate(solution: BarSolution, place: Path) -> None:
     """Write the animation as a page and as a GIF, which takes a few seconds."""
+    from strikewave.analyses.wave.field import bar_field
     from strikewave.analyses.wave.figures.animation import animation_page, write_gif
-    from strikewave.analyses.wave.figures.field import bar_field
 
     field = bar_field(solution)
     page = animation_page(field, solution.title, solution.case.name)
@@ -100,7 +101,8 @@ def _animate(solution: BarSolution, place: Path) -> None:
 
 
 def _print(solution: BarSolution) -> None:
-    from strikewave.analyses.wave.report import MOST_LAYERS, bar_tables, error_words, tap_rows
+    from strikewave.analyses.wave.report import bar_tables, error_words, tap_rows
+    from strikewave.reporting.stack_chapters import MOST_LAYERS
 
     stack = solution.run.stack
     say(f"{solution.case.name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {stack.transit * 1e6:.4g} us")

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +98,8 @@ class BarSolution:
         """Peak, width and clipping of each sensor's reading."""
         pairs = zip(self.channels, self.readings, strict=True)
         return {channel.sensor.name: sensor_pulse(reading) for channel, reading in pairs}
+
+    command: ClassVar[str] = "wave"
 
     @property
     def broken(self) -> bool:

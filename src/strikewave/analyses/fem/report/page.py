@@ -83,7 +83,6 @@ def fem_report(solution: FemSolution) -> str:
     case: Any = getattr(solution, "case", None)
     text = solution.case_text
     digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
-    as_solution: Any = solution
     found = sectors(case, solution.model)
     wholes = whole_forces(solution.model, solution.run, found)
     bodies = blow_of_bodies(solution.model, solution.run, found)
@@ -93,10 +92,10 @@ def fem_report(solution: FemSolution) -> str:
         fields_section(solution),
         _ledgers(solution.run),
         *([blows_section(solution)] if getattr(solution, "later", ()) else []),
-        *([chapters.published(as_solution)] if case is not None and case.published else []),
+        *([chapters.published(solution.published)] if case is not None and case.published else []),
         *([chapters.inputs(case)] if case is not None else []),
-        chapters.warnings(as_solution),
-        chapters.sources(as_solution),
+        chapters.warnings(solution.warnings),
+        chapters.sources(solution.citations),
         _again(text),
     ]
     name = str(getattr(case, "name", ""))

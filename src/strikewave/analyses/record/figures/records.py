@@ -14,7 +14,7 @@ from strikewave.records.measuring import RecordedPulse
 from strikewave.records.pulses import robust_line
 from strikewave.records.reading import ChannelReading
 from strikewave.reporting.curves import MOST_PULSES, thin
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, quiet
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -80,21 +80,6 @@ def shown(unit: str) -> Shown:
     ('acceleration (g)', "file's own numbers", 'impulse (N s)')
     """
     return _SHOWN.get(unit, Shown("value", unit, 1.0, "integral", f"{unit} s"))
-
-
-def plain(text: str, most: int = 40) -> str:
-    r"""Return a name of a stranger as a label: shortened in its middle, no mark of TeX, nothing that hides.
-
-    Examples
-    --------
-    >>> plain("board"), plain("a$b\n"), plain("x" * 99, 9)
-    ('board', 'a\\$b�', 'xxxx…xxxx')
-    """
-    text = "".join(letter if letter.isprintable() else "\ufffd" for letter in text)
-    if len(text) > most:
-        text = text[: most // 2] + "…" + text[-((most - 1) // 2) :]
-    text = " " + text if text.startswith("_") else text  # else a legend would leave it out
-    return text.replace("$", r"\$")
 
 
 def history(reading: ChannelReading) -> Figure:

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.record.figures import campaigns, records
-from strikewave.analyses.record.figures.records import drawable, plain, say, shown
+from strikewave.analyses.record.figures.records import drawable, say, shown
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.records.campaign import Campaign
 from strikewave.records.finding import STATUSES, worst
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.curves import DASHES
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, quiet
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
 from strikewave.signal.filters import advised_cutoff
 from strikewave.signal.srs import Spectrum, octaves, srs
 

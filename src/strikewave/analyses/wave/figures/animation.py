@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.wave.figures.field import (
+from strikewave.reporting.animation_page import even_rows, moving_page, packed, printable
+from strikewave.reporting.wave_field import (
     DASHED,
     JOINT_STYLES,
     QUANTITIES,
@@ -21,7 +22,6 @@ from strikewave.analyses.wave.figures.field import (
     shade_layers,
     shades,
 )
-from strikewave.reporting.animation_page import even_rows, moving_page, packed, printable
 from strikewave.waves import Tap
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def animation_page(field: WaveField, title: str, name: str = "") -> str:
     Examples
     --------
     >>> from strikewave import load_case, run_wave
-    >>> from strikewave.analyses.wave.figures.field import bar_field
+    >>> from strikewave.analyses.wave.field import bar_field
     >>> page = animation_page(bar_field(run_wave(load_case("li-ma-2019-fig13-bar"))), "a < b")
     >>> "<title>a &lt; b</title>" in page, len(page) < 1.5e6
     (True, True)

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from strikewave.analyses.fem.report.fields import fields_section
-from strikewave.analyses.wave.figures.curves import staircase_diagram
-from strikewave.analyses.wave.figures.field import bar_field, xt_diagram
+from strikewave.analyses.wave.field import bar_field
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
 from strikewave.papers.li_ma_2019.answers import element_pulse
@@ -24,6 +23,8 @@ from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, QUIET_WAVE_ELEMENT
 from strikewave.reporting.curves import Trace
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Part, Picture, Section
+from strikewave.reporting.wave_curves import staircase_diagram
+from strikewave.reporting.wave_field import xt_diagram
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

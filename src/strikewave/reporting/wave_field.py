@@ -12,15 +12,12 @@ from numpy.typing import NDArray
 
 from strikewave.reporting.curves import shortened, spread
 from strikewave.reporting.style import BLUE, GREY, RED, WHOLE
-from strikewave.waves import Impactor, Stack, Tap
+from strikewave.waves import Stack, Tap
 from strikewave.waves.staircase import first_echoes
-from strikewave.waves.transit import Grid, field_nodes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from strikewave.analyses.machine.result import Solution
-    from strikewave.analyses.wave.run import BarSolution
 
 Array = NDArray[np.float64]
 
@@ -157,45 +154,6 @@ class WaveField:
         travel = self.travel()
         sources = [*([0.0] if self.loaded else []), *meeting]
         return np.min([np.full_like(travel, np.inf), *(np.abs(travel - source) for source in sources)], axis=0)
-
-
-def bar_field(solution: BarSolution) -> WaveField:
-    """Return the field of a bar alone, until its load is over and waves have run to and fro twice more."""
-    run = solution.run
-    lasting = float(run.touches[:, 1].max(initial=0.0)) if isinstance(run.load, Impactor) else float(run.load.duration)
-    whole = WaveField(
-        run.stack,
-        run.field_time,
-        run.field_position,
-        run.field_layer,
-        run.field_force,
-        run.field_velocity,
-        solution.taps,
-        "time after the start of the load (µs)",
-    )
-    return whole.up_to(lasting + _ROUND_TRIPS * 2.0 * run.stack.transit)
-
-
-def struck_field(solution: Solution) -> WaveField | None:
-    """Return the field of a machine's first blow on a stack; None where there is none. It holds no velocities."""
-    from strikewave.cases.stack_of_case import build_stack, build_taps
-
-    data = solution.data
-    if "field_force" not in data:
-        return None
-    stack, setup = build_stack(solution.case), solution.waves
-    assert setup is not None
-    nodes, _ = field_nodes(stack, Grid(setup.step, tuple(layer.steps for layer in setup.layers), 0.0))
-    return WaveField(
-        stack,
-        data["field_time"].values,
-        data["field_position"].values,
-        nodes[:, 0],
-        data["field_force"].values,
-        None,
-        build_taps(solution.case),
-        "time after first touch (µs)",
-    )
 
 
 def xt_diagram(field: WaveField, quantity: str = "stress") -> Figure:

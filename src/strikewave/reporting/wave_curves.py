@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.wave.figures.field import WaveField
 from strikewave.reporting.curves import COLOURS, DASHES, above_right, shortened
 from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, quiet
+from strikewave.reporting.wave_field import WaveField
 from strikewave.waves.li_ma import Sandwich
 from strikewave.waves.staircase import endless_force, first_echoes, staircase
 
@@ -39,7 +39,7 @@ def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) ->
     Examples
     --------
     >>> from strikewave import load_case, run_wave
-    >>> from strikewave.analyses.wave.figures.field import bar_field
+    >>> from strikewave.analyses.wave.field import bar_field
     >>> solution = run_wave(load_case("li-ma-2019-fig13-bar"))
     >>> figure = staircase_diagram(bar_field(solution), 1, solution.run.time, solution.run.face_force)
     >>> [axes.get_title(loc="left") for axes in figure.axes]

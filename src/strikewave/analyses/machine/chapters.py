@@ -1,0 +1,192 @@
+"""The sections of a machine's report: set-up, blows, pulses, balances, masses and phases."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from strikewave.analyses.machine.words import BLOW_COLUMNS, CONTACT_COLUMNS, MACHINES, launch_tables, reference_law
+from strikewave.reporting.chapters import layer_steps, ledger_table
+from strikewave.reporting.numbers import fixed, heads, listed, with_unit
+from strikewave.reporting.parts import Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from strikewave.analyses.machine.result import Solution
+    from strikewave.cases.case import Case
+
+
+_DATA_FLOW = (
+    "case file",
+    "checks of units and fits",
+    "machine",
+    "motion with every contact located in time",
+    "blows",
+    "pulses: peak, width, velocity change",
+    "published beside computed",
+)
+
+
+_WORDS = (
+    "A blow is one pass of one striker, all its re-contacts included. It is glancing when its approach speed is below "
+    "half of the nominal one, double when a second group of contacts, more than a pulse width later, carries a tenth "
+    "of the contact impulse, missed when the striker passed an object in place without touching it, and full "
+    "otherwise. Time counts from {begun}. The rigid peak and its width, taken at 10 % of the peak, belong to "
+    "the rigid-body acceleration: the momentum rate of the assembly over its mass. The velocity change is that of the "
+    "object's centre of mass from first touch to last release. g is standard gravity, 9.80665 m/s²."
+)
+
+
+def setup(case: Case, moving: str = "") -> Section:
+    """Say what machine it is and how the numbers come about; ``moving`` is the page that shows it in motion."""
+    words, chain = MACHINES[case.machine.kind if case.machine else ""]
+    layers = layer_steps(case)
+    parts = _drawing(case)
+    if moving:
+        parts.append(Link(moving, "The machine in motion, with its histories: the whole run, or one blow slowed down"))
+    if chain and not layers:
+        parts.append(Flow(chain, "Bodies and links, in the order in which a blow runs through them"))
+    if layers:
+        parts.append(Flow(layers, "The stack, from its loaded face on"))
+    parts.append(Flow(_DATA_FLOW, "From the case to this report"))
+    return Section("Set-up", words + _strike_words(case), parts)
+
+
+def _strike_words(case: Case) -> str:
+    """Say how the nose of a striker of the rotary machine meets the face; nothing for another machine."""
+    from strikewave.analyses.machine.figures.geometry import strike_geometry
+
+    geometry = strike_geometry(case)
+    if geometry is None:
+        return ""
+    if not geometry.blow_angle:
+        return " The nose of a striker acts on the object's face like a cam."
+    return f" The blow stands at {math.degrees(geometry.blow_angle):.4g}° to the radius at the strike position."
+
+
+def _drawing(case: Case) -> list[Part]:
+    """Return the drawing of the machine with its numbers; nothing for a machine that is not drawn."""
+    from strikewave.analyses.machine.figures.drawing import drawing_words, machine_drawing
+
+    figure = machine_drawing(case)
+    if figure is None:
+        return []
+    words = f"The machine with its numbers, at first touch. {drawing_words(case)}"
+    return [Picture(figure, words, f"Drawing of the rotary machine with a list of its parts. {drawing_words(case)}")]
+
+
+def blow_table(solution: Solution) -> Section:
+    """List the blows, in the units and columns of the command line."""
+    named = ["#", "kind", *heads(BLOW_COLUMNS), "contacts"]
+    rows: list[list[Cell]] = [
+        [
+            str(blow.index),
+            Tag(blow.kind, blow.kind),
+            *(fixed(getattr(blow, name), si, unit, decimals) for name, si, unit, decimals in BLOW_COLUMNS),
+            str(blow.contacts),
+        ]
+        for blow in solution.blows
+    ]
+    table = Table("Blows", named, rows, empty="No blow: no striker passed the object.")
+    reference = solution.reference
+    beside = (
+        f"\n\nFor comparison, {reference_law(solution.case)} on a rigid object, at the nominal "
+        f"{written(reference.approach_speed, 3)} m/s and with no frame or mount to bend: "
+        f"{with_unit(reference.duration, 's', 'us', 3)}, {with_unit(reference.peak_force, 'N', 'kN', 3)}, "
+        f"{with_unit(reference.peak_acceleration, 'm/s^2', 'g', 3)}."
+    )
+    words = _WORDS.format(begun=solution.case.time_zero) if rows else ""
+    return Section("Blows", words + beside, [table, *_contacts(solution)])
+
+
+def _contacts(solution: Solution) -> list[Table]:
+    """List the contact of each blow, where its numbers are held."""
+    struck = [blow for blow in solution.blows if blow.kind != "missed"]
+    rows: list[list[Cell]] = [
+        [str(b.index), *(fixed(getattr(b, name), si, unit, d) for name, si, unit, d in CONTACT_COLUMNS)] for b in struck
+    ]
+    caption = (
+        "Contact, blow by blow. The restitution is that of the contact: the square root of the work it gives back over "
+        "the work it takes; the rebound speed hangs on frame and mount too. The stiffness is the slope of the contact "
+        "force at the largest indentation on the way back; what stays of the indentation, and the radius of the spot "
+        "over that before, change only where the case gives a yield pressure."
+    )
+    return [Table(caption, ["#", *heads(CONTACT_COLUMNS)], rows)] if rows else []
+
+
+def pulse_pictures(solution: Solution) -> Section:
+    """Draw force and acceleration of the first blow, all pulses, the train; say what is missing."""
+    from strikewave.analyses.machine.figures import pulses
+
+    held = solution.data
+    struck = [row for row, blow in enumerate(solution.blows) if blow.kind != "missed"]
+    parts: list[Part] = []
+    words = [] if struck else ["No striker touched the object: there is no pulse to show."]
+
+    def add(needs: Sequence[str], draw: Callable[[], Figure], caption: str, label: str) -> None:
+        if all(name in held for name in needs):
+            parts.append(Picture(draw(), caption, label))
+        else:
+            words.append(
+                f"Without the history {listed([n for n in needs if n not in held])} there is no picture: {label}"
+            )
+
+    if struck:
+        first = solution.blows[struck[0]]
+        add(
+            ["pulse_time", "pulse_force"],
+            lambda: pulses.contact_force(solution, struck[0]),
+            f"Contact force between striker and object, blow {first.index}. Each rise from zero is a contact.",
+            f"Contact force over time, blow {first.index}: peak {with_unit(first.peak_force, 'N', 'kN', 3)}, "
+            f"{first.contacts} contacts.",
+        )
+        add(
+            ["pulse_time", "pulse_acceleration"],
+            lambda: pulses.rigid_acceleration(solution, struck[0]),
+            f"Rigid-body acceleration of the assembly, blow {first.index}"
+            + ("; the marks are published peaks and widths." if _marked(solution) else "."),
+            f"Rigid-body acceleration over time, blow {first.index}: peak {with_unit(first.rigid_peak, 'm/s^2', 'g')}, "
+            f"width {with_unit(first.width, 's', 'us')}.",
+        )
+        drawn = pulses.chosen(solution)
+        some = "" if len(drawn) == len(struck) else f" {len(drawn)} of {len(struck)} are drawn."
+        add(
+            ["pulse_time", "pulse_acceleration"],
+            lambda: pulses.overlaid_pulses(solution),
+            f"Rigid-body pulses of all blows over each other, each from its first touch.{some}",
+            f"Rigid-body pulses of {len(drawn)} blows over each other; their peaks and widths stand in the table of "
+            "blows.",
+        )
+    add(
+        ["time", "rigid_acceleration"],
+        lambda: pulses.whole_train(solution),
+        "Rigid-body acceleration over the whole train"
+        + ("; the marks are the peaks of the table of blows, with its numbers." if len(struck) else "."),
+        f"Rigid-body acceleration over the whole train: {len(struck)} blows.",
+    )
+    return Section("Pulses", "\n\n".join(words), parts)
+
+
+def _marked(solution: Solution) -> bool:
+    peaks = any(entry.quantity == "first.rigid_peak" for entry in solution.published)
+    return peaks and not solution.case.changed_fields()
+
+
+def checks(solution: Solution) -> Section:
+    """List ledgers, masses and phases."""
+    masses: list[list[Cell]] = [[name, mass] for name, mass in solution.masses.items()]
+    phases: list[list[Cell]] = [[name, f"{time:.6f}"] for name, time in solution.phases]
+    begun = solution.case.time_zero
+    return Section(
+        "Ledgers, masses and phases",
+        "Energy: what the ledger of work and losses misses, over the energy that flowed. Momentum: impulse of all "
+        "forces less change of momentum, over the contact impulse; the worst blow.",
+        [
+            ledger_table(solution.ledger),
+            Table("Masses", ["body", "mass (kg)"], masses, empty="No mass is listed."),
+            *launch_tables(solution),
+            Table(f"Phases, from {begun}", ["phase", "begins (s)"], phases, empty="No phase is listed."),
+        ],
+    )

@@ -1,0 +1,28 @@
+"""The whole wave field of a layered bar."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from strikewave.reporting.wave_field import _ROUND_TRIPS, WaveField
+from strikewave.waves import Impactor
+
+if TYPE_CHECKING:
+    from strikewave.analyses.wave.run import BarSolution
+
+
+def bar_field(solution: BarSolution) -> WaveField:
+    """Return the field of a bar alone, until its load is over and waves have run to and fro twice more."""
+    run = solution.run
+    lasting = float(run.touches[:, 1].max(initial=0.0)) if isinstance(run.load, Impactor) else float(run.load.duration)
+    whole = WaveField(
+        run.stack,
+        run.field_time,
+        run.field_position,
+        run.field_layer,
+        run.field_force,
+        run.field_velocity,
+        solution.taps,
+        "time after the start of the load (µs)",
+    )
+    return whole.up_to(lasting + _ROUND_TRIPS * 2.0 * run.stack.transit)
