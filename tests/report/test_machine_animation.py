@@ -368,5 +368,5 @@ def test_missing_blows_and_no_duration_have_frames(motion):
 def test_gravity_is_the_standard_one_in_script_and_package():
     from importlib import resources
 
-    script = (resources.files("strikewave.figures") / "machine.js").read_text("utf-8")
+    script = (resources.files("strikewave.analyses.machine.figures") / "animation.js").read_text("utf-8")
     assert f"GRAVITY = {STANDARD_GRAVITY}" in script
