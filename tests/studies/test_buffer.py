@@ -21,6 +21,7 @@ from strikewave.sensors.channel import Channel
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.signal.srs import srs
 from strikewave.studies.buffer.candidate import RINGING, Goal, assess, look_closer, ranked, withstands
+from strikewave.studies.buffer.choice import Choice, stacks
 from strikewave.studies.buffer.moduli import confined, confinement
 from strikewave.studies.buffer.seat import (
     Blows,
@@ -34,7 +35,7 @@ from strikewave.studies.buffer.seat import (
     seat_of,
     usual_materials,
 )
-from strikewave.studies.buffer.study import Choice, design_buffer, stacks
+from strikewave.studies.buffer.study import design_buffer
 
 G = STANDARD_GRAVITY
 BAR = """

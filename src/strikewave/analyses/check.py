@@ -1,25 +1,11 @@
-"""Case in, parts out: machine, stack, load and sensors, with the checks that only the whole case allows."""
+"""All parts of a case built, whichever analyses it is for, so that what does not fit together is said."""
 
-from strikewave.analyses.fem.build import build_model, check_elements
+from strikewave.analyses.fem.build import check_elements
 from strikewave.analyses.machine.build import build_machine
-from strikewave.analyses.wave.build import build_load, wanted
+from strikewave.analyses.wave.build import build_load
 from strikewave.cases.case import Case
-from strikewave.cases.contact_of_case import contact_stiffness
 from strikewave.cases.sensors_of_case import build_channels
-from strikewave.cases.stack_of_case import build_stack, build_taps, check_route, need
-
-__all__ = [
-    "build_channels",
-    "build_load",
-    "build_machine",
-    "build_model",
-    "build_stack",
-    "build_taps",
-    "check",
-    "check_route",
-    "contact_stiffness",
-    "wanted",
-]
+from strikewave.cases.stack_of_case import build_stack, build_taps, need
 
 
 def check(case: Case) -> None:

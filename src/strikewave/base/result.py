@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    pass
-
 
 SCHEMA = 3
 """Of the files of a solution; 2 adds readings and waves, 3 the contact of each blow."""
+LEDGER_LIMIT = 1e-6
+"""Energy or momentum missing beyond this share breaks a stated limit."""
 
 
 @dataclass(frozen=True)
@@ -40,10 +37,6 @@ class Comparison:
     role: str
     note: str = ""
     sensor: str = ""
-
-
-LEDGER_LIMIT = 1e-6
-"""Energy or momentum missing beyond this share breaks a stated limit."""
 
 
 def ledger_notices(ledger: Mapping[str, float]) -> Iterator[Notice]:

@@ -73,14 +73,14 @@ def yield_notices(
     limit = first.load
     if peak > limit:
         message = (
-            f"the contact yields below its surface (von Mises) beyond {_force(limit)} and is loaded with "
-            f"{_force(peak)}, {peak / limit:.3g} times that: the elastic law "
+            f"the contact yields below its surface (von Mises) beyond {force_words(limit)} and is loaded with "
+            f"{force_words(peak)}, {peak / limit:.3g} times that: the elastic law "
             f"{'says little about this force' if peak > FAR_BEYOND * limit else 'is stretched'}; give "
             f"contact.yield_pressure{otherwise}"
         )
         yield Notice("contact-yield", message, peak, limit)
 
 
-def _force(newtons: float) -> str:
+def force_words(newtons: float) -> str:
     """Return a force in words, N or kN."""
     return f"{newtons:.3g} N" if newtons < 1e3 else f"{newtons / 1e3:.3g} kN"

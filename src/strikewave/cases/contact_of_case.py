@@ -23,6 +23,8 @@ from strikewave.contact import (
     stiffness_of,
 )
 
+_OF_POWER = ("reference_force", "reference_depth", "exponent")
+
 
 def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
     """Return the contact stiffness of a case's striker on its object.
@@ -35,9 +37,6 @@ def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
     parts = case.impact()
     face = material(parts.object.material, "object.material")
     return face_stiffness(parts.striker, parts.contact, face)
-
-
-_OF_POWER = ("reference_force", "reference_depth", "exponent")
 
 
 def _power_stiffness(contact: ContactTable) -> Stiffness:

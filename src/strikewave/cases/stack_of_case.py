@@ -138,7 +138,7 @@ def _joint(table: JointTable, before: LayerTable, after: LayerTable) -> Joint:
     if foreign:
         allowed = ", ".join(_JOINT_FIELDS[table.kind]) or "no other field"
         raise InputError(
-            f"{path}.{foreign[0]}", _typed(getattr(table, foreign[0])), f"for a joint of kind {table.kind}: {allowed}"
+            f"{path}.{foreign[0]}", typed(getattr(table, foreign[0])), f"for a joint of kind {table.kind}: {allowed}"
         )
     damping = table.damping.si if table.damping else 0.0
     if table.kind == "compliant":
@@ -228,7 +228,8 @@ def checked(path: str, make: Callable[[], T]) -> T:
         raise InputErrors([f"{path}: {error}"]) from None
 
 
-def _typed(value: Any) -> Any:
+def typed(value: Any) -> Any:
+    """Return a quantity as it was typed; words stay."""
     return value.typed if isinstance(value, Value) else value
 
 
@@ -271,7 +272,7 @@ def _end(case: Case) -> End:
     for key in every:
         if getattr(end, key) is not None and key not in takes:
             allowed = ", ".join(takes) or "no other field"
-            raise InputError(f"stack.end.{key}", _typed(getattr(end, key)), f"for the kind {end.kind}: {allowed}")
+            raise InputError(f"stack.end.{key}", typed(getattr(end, key)), f"for the kind {end.kind}: {allowed}")
     if end.kind == "oscillator":
         hung = _hung(end, "stack.end")
         return End(end.kind, *hung)

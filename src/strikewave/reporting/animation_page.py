@@ -6,15 +6,12 @@ import base64
 import hashlib
 import json
 from importlib import resources
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-
-if TYPE_CHECKING:
-    pass
 
 
 def moving_page(package: str, document: dict[str, Any], title: str, name: str, **words: Any) -> str:

@@ -18,12 +18,13 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
+DASHES = ("-", "--", "-.", ":")
 MOST_PULSES = 40
 """Pulses drawn over each other; of more blows the first, the odd ones and an even choice of the rest are drawn."""
-
-
 PIXEL_COLUMNS = 1400
 """Columns of the train into which all samples are gathered."""
+_LONGEST_NAME = 20
 
 
 def thin(time: Array, values: Array, columns: int = PIXEL_COLUMNS) -> tuple[Array, Array]:
@@ -53,9 +54,6 @@ def thin(time: Array, values: Array, columns: int = PIXEL_COLUMNS) -> tuple[Arra
     high = [start + int(np.argmax(values[start:end])) for start, end in zip(starts, ends, strict=True)]
     kept = np.unique([*low, *high, values.size - 1])
     return time[kept], values[kept]
-
-
-_LONGEST_NAME = 20
 
 
 def shortened(name: str, longest: int = _LONGEST_NAME) -> str:
@@ -90,12 +88,6 @@ def spread(places: Array, least: float, most: float) -> Array:
             middle, size = (other * count + middle * size) / (count + size), count + size
         groups.append((middle, size))
     return np.concatenate([middle + step * (np.arange(size) - 0.5 * (size - 1)) for middle, size in groups])
-
-
-COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
-
-
-DASHES = ("-", "--", "-.", ":")
 
 
 class Trace(NamedTuple):

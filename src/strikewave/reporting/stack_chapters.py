@@ -26,23 +26,21 @@ if TYPE_CHECKING:
     from strikewave.waves.setup import WaveSetup
 
 
-_PEAKS = (
+MOST_LAYERS = 50
+"""Layers that a table lists."""
+LOSS_FREQUENCIES = (1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5)
+"""Where the insertion loss of a buffer is listed, Hz."""
+PEAK_WORDS = (
     "A peak is the value of largest magnitude, with its sign. Rigid is the momentum rate of the assembly over its "
     "mass; total is what a perfect sensor at the section would read; wave is total less rigid, so that nothing is "
     "counted twice."
 )
-
-
 _ROUTES = (
     "The routes of Li & Ma 2019 take the neighbours of the specimen as endless, and are driven by the force on the "
     "loaded face. As printed, echoes come back too early and a backward wave moves its section the wrong way; "
     "corrected, both are mended. The paper then adds the wave to the rigid acceleration (superposed), which counts the "
     "rigid motion twice. Exact is the finite stack itself."
 )
-
-
-MOST_LAYERS = 50
-"""Layers that a table lists."""
 
 
 def fit_table(losses: Sequence[Loss]) -> Table:
@@ -94,7 +92,7 @@ def field_pictures(field: WaveField, quantity: str = "stress") -> list[Part]:
     ]
 
 
-def _route_section(name: str, quoted: bool, time: Any, exact: Any, rigid: Any, waves: Any, since: str) -> Section:
+def route_section(name: str, quoted: bool, time: Any, exact: Any, rigid: Any, waves: Any, since: str) -> Section:
     """Set the paper's three routes beside the exact solution at one tap; peaks only where they may be quoted."""
     printed, corrected = waves
     curves = [
@@ -120,14 +118,15 @@ def _largest(values: Any) -> float:
     return float(finite[np.argmax(np.abs(finite))]) if finite.size else math.nan
 
 
-def _mismatch_words(setup: WaveSetup) -> str:
+def mismatch_words(setup: WaveSetup) -> str:
+    """Say how waves ran on delay lines, and by how much a transit was rounded."""
     return (
         "Waves run on delay lines: exact but for the rounding of each transit to whole time steps. The largest "
         f"relative difference of a transit is {setup.mismatch:.1e}."
     )
 
 
-def _sensors(channels: Sequence[Channel], picture: Figure, readings: Table) -> Section:
+def sensor_part(channels: Sequence[Channel], picture: Figure, readings: Table) -> Section:
     """Describe the sensors, show what they read, and what their buffers take off."""
     described: list[list[Cell]] = []
     for sensor, _, recorder in channels:
@@ -152,10 +151,6 @@ def _sensors(channels: Sequence[Channel], picture: Figure, readings: Table) -> S
         words = "What the buffer takes off the motion of the surface below it; below 0 it amplifies."
         parts += [Picture(insertion_loss(curves), words), loss_table(channels)]
     return Section("Sensors", "", parts)
-
-
-LOSS_FREQUENCIES = (1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5)
-"""Where the insertion loss of a buffer is listed, Hz."""
 
 
 def loss_table(channels: Sequence[Channel]) -> Table:

@@ -11,6 +11,9 @@ from strikewave.base.result import Notice
 from strikewave.sensors import Reading, Recorder, Sensor
 from strikewave.signal.pulse import largest, measure_pulse
 
+HEAVY_SENSOR = 0.02
+"""Share of the assembly's mass above which a buffered sensor loads back what it sits on."""
+
 
 class Channel(NamedTuple):
     """A sensor, the index of the tap it sits at (None: it feels the rigid assembly), and its recorder."""
@@ -45,10 +48,6 @@ def sensor_pulse(reading: Reading) -> SensorPulse:
     interval = float(reading.time[1] - reading.time[0]) if values.size > 1 else math.nan
     width = measure_pulse(values, interval).width if values.size > 2 and values.max() > 0.0 else math.nan
     return SensorPulse(largest(values), width, reading.clipped)
-
-
-HEAVY_SENSOR = 0.02
-"""Share of the assembly's mass above which a buffered sensor loads back what it sits on."""
 
 
 def channel_notices(

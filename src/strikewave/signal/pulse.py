@@ -10,12 +10,15 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+
 WIDTH_FRACTION = 0.1
 """Share of the peak at which a pulse's width is taken unless said otherwise."""
 HALF_SINE_WIDTH = 1.0 - 2.0 * math.asin(0.1) / math.pi
 """Width at 10 % of the peak of a half-sine, over its duration."""
 HALF_SINE_RISE = (math.asin(0.9) - math.asin(0.1)) / math.pi
 """Rise from 10 to 90 % of a half-sine, over its duration."""
+FEWEST_INTERVALS = 10.0
+"""Sampling intervals a pulse below which the recorder is warned of: the worst loss of peak is then 1.2 %."""
 
 
 class Pulse(NamedTuple):
@@ -154,7 +157,3 @@ def front(acceleration: Array, step: float) -> float:
     begin = edges[0] if math.isfinite(edges[0]) else 0.0
     end = edges[1] if math.isfinite(edges[1]) else float(values.size)
     return 0.8 * (end - begin) * step
-
-
-FEWEST_INTERVALS = 10.0
-"""Sampling intervals a pulse below which the recorder is warned of: the worst loss of peak is then 1.2 %."""

@@ -10,9 +10,9 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.special import ellipk
 
-from strikewave.analyses.machine.build import Bodies, layered_object, object_bodies
 from strikewave.analyses.machine.consistency import MOST_SAMPLES
 from strikewave.analyses.machine.result import LineCollision
+from strikewave.analyses.machine.struck_object import Bodies, layered_object, object_bodies
 from strikewave.base.errors import MISSING, InputError, InputErrors
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value

@@ -9,7 +9,7 @@ import numpy as np
 from strikewave.analyses.machine.readings import BlowHistory, BlowReading
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
-from strikewave.cases.contact_notices import _force, law_notices, yield_notices
+from strikewave.cases.contact_notices import force_words, law_notices, yield_notices
 from strikewave.machines import Blow
 from strikewave.machines.rotary import RotaryRun
 from strikewave.machines.spans import StackSpan
@@ -93,8 +93,9 @@ def _rail(case: Case) -> Iterator[Notice]:
     holds = max((value.si for value in (o.friction, o.stiction) if value is not None), default=0.0)
     if holds > o.preload.si:
         message = (
-            f"the rail holds with up to {_force(holds)} what the preload pulls back with {_force(o.preload.si)}: the "
-            "object need not come back to its stop; give it more preload, or less friction"
+            f"the rail holds with up to {force_words(holds)} what the preload pulls back with "
+            f"{force_words(o.preload.si)}: the object need not come back to its stop; give it more preload, or less "
+            "friction"
         )
         yield Notice("rail-holds", message, holds, o.preload.si)
 

@@ -10,19 +10,22 @@ from strikewave.reporting.curves import Trace, traces
 from strikewave.reporting.numbers import fixed, listed, with_unit
 from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag
 from strikewave.reporting.stack_chapters import (
-    _PEAKS,
-    _mismatch_words,
-    _route_section,
-    _sensors,
+    PEAK_WORDS,
     field_pictures,
     fit_table,
     layer_table,
+    mismatch_words,
+    route_section,
+    sensor_part,
 )
 from strikewave.reporting.wave_field import WaveField
 from strikewave.waves.transit import Grid, field_nodes
 
 if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution
+
+
+_SINCE_TOUCH = "time after first touch (µs)"
 
 
 def struck_field(solution: Solution) -> WaveField | None:
@@ -47,9 +50,6 @@ def struck_field(solution: Solution) -> WaveField | None:
     )
 
 
-_SINCE_TOUCH = "time after first touch (µs)"
-
-
 def stack_section(solution: Solution) -> list[Section]:
     """Show rigid, total and wave acceleration of each blow, and the waves of the first one; nothing without a stack."""
     setup = solution.waves
@@ -70,7 +70,7 @@ def stack_section(solution: Solution) -> list[Section]:
         assert seen is not None
         numbers = (blow.rigid_peak, seen.total_peak, seen.wave_peak)
         rows.append([str(blow.index), *(fixed(number, "m/s^2", "g", 0) for number in numbers)])
-    text = f"{_PEAKS} Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
+    text = f"{PEAK_WORDS} Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
     if refused:
         text += " No peak of total and wave is quoted: see the warning on the rise."
     table = Table("Rigid, total and wave acceleration", ["blow", "rigid (g)", "total (g)", "wave (g)"], rows)
@@ -109,7 +109,7 @@ def stack_section(solution: Solution) -> list[Section]:
 
     losses = fitted_losses(solution.case)
     tables: list[Part] = [layer_table(setup), *([fit_table(losses)] if losses else [])]
-    sections.append(Section("Accuracy of the waves", _mismatch_words(setup), tables))
+    sections.append(Section("Accuracy of the waves", mismatch_words(setup), tables))
     return sections
 
 
@@ -126,7 +126,7 @@ def _run_routes(solution: Solution, first: int, tap: int, until: int) -> Section
     reading = solution.readings[first]
     quoted = reading is not None and reading.total_peak is not None
     waves = data["route_acceleration"].values[:, tap, :until]
-    return _route_section(name, quoted, time, exact, rigid, waves, _SINCE_TOUCH)
+    return route_section(name, quoted, time, exact, rigid, waves, _SINCE_TOUCH)
 
 
 def sensor_section(solution: Solution) -> list[Section]:
@@ -154,7 +154,7 @@ def sensor_section(solution: Solution) -> list[Section]:
     index = solution.blows[struck[0]].index
     picture = traces(f"What the sensors read, blow {index}", curves, "g", _SINCE_TOUCH)
     table = Table("Sensor readings", ["blow", "sensor", "peak (g)", "width (µs)", "clipped"], rows)
-    return [_sensors(channels, picture, table)]
+    return [sensor_part(channels, picture, table)]
 
 
 def felt_words(solution: Solution) -> list[str]:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.materials import material
 from strikewave.cases.case import Case
-from strikewave.cases.stack_of_case import _typed, checked, need
+from strikewave.cases.stack_of_case import checked, need, typed
 from strikewave.cases.tables import LoadTable
 from strikewave.waves import Impactor, Load, Pulse, Sampled, Stack, Wanted
 from strikewave.waves.load import Prescribed
 
 NO_LOAD = 1e-6
 """Duration of the load of zero that a striker bar stands under, s."""
+_APPLIED: dict[str, Prescribed] = {"force": "force", "incident wave": "incident"}
 
 
 def build_load(case: Case, stack: Stack) -> Load:
@@ -32,7 +33,7 @@ def build_load(case: Case, stack: Stack) -> Load:
     for key in ("peak", "duration", "rise", "speed", "file"):
         if getattr(load, key) not in (None, "") and key not in wants:
             allowed = f"for the shape {load.shape}: {', '.join(wants)}"
-            raise InputError(f"load.{key}", _typed(getattr(load, key)), allowed, "remove it")
+            raise InputError(f"load.{key}", typed(getattr(load, key)), allowed, "remove it")
     if load.shape == "contact":
         if load.applied != "force":
             raise InputError("load.applied", load.applied, "force, for the shape contact", "remove it")
@@ -47,9 +48,6 @@ def build_load(case: Case, stack: Stack) -> Load:
     duration = need(load.duration, "load.duration", "a time", 'add duration = "100 us"')
     rise = load.rise.si if load.rise else 0.0
     return checked("load", lambda: Pulse(load.shape, peak, duration, rise, _APPLIED[load.applied]))
-
-
-_APPLIED: dict[str, Prescribed] = {"force": "force", "incident wave": "incident"}
 
 
 def _as_applied(load: Sampled, table: LoadTable) -> Sampled:

@@ -14,11 +14,11 @@ from strikewave.reporting.numbers import fixed
 from strikewave.reporting.parts import NONE, Cell, Flow, Part, Picture, Section, Table, Tag
 from strikewave.reporting.stack_chapters import (
     MOST_LAYERS,
-    _route_section,
-    _sensors,
     field_pictures,
     fit_table,
     layer_table,
+    route_section,
+    sensor_part,
 )
 from strikewave.reporting.wave_curves import staircase_diagram
 from strikewave.reporting.wave_field import WaveField, sandwiched
@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 
 
 _SINCE_LOAD = "time after the start of the load (µs)"
+_DATA_FLOW = ("case file", "checks of units and fits", "stack", "stress waves", "taps and sensors")
+CONTACT_HEADS = ["contact of the striker", "value"]
+HUNG_HEADS = ["mass on a spring", "mass (gram)", "largest acceleration (g)"]
+JOINT_HEADS = ["after", "kind", "preload (N)", "opens at (us)", "closes at (us)"]
 
 
 def tap_rows(solution: BarSolution) -> list[list[str]]:
@@ -110,21 +114,12 @@ def contact_rows(solution: BarSolution) -> list[list[str]]:
     ]
 
 
-CONTACT_HEADS = ["contact of the striker", "value"]
-
-
 def hung_rows(solution: BarSolution) -> list[list[str]]:
     """List the masses on springs and their largest acceleration, without any filter."""
     return [
         [row["where"], f"{row['mass'] * 1e3:.4g}", f"{row['peak'] / STANDARD_GRAVITY:.5g}"]
         for row in solution.oscillators()
     ]
-
-
-HUNG_HEADS = ["mass on a spring", "mass (gram)", "largest acceleration (g)"]
-
-
-JOINT_HEADS = ["after", "kind", "preload (N)", "opens at (us)", "closes at (us)"]
 
 
 def _staircase(field: WaveField, layer: int, solution: BarSolution) -> Picture:
@@ -199,13 +194,13 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
         ]
         picture = traces("What the sensors read", read, "g", _SINCE_LOAD)
         table = Table("Sensor readings", ["sensor", "peak (g)", "width (µs)", "clipped"], pulses)
-        sections.append(_sensors(solution.channels, picture, table))
+        sections.append(sensor_part(solution.channels, picture, table))
     tap = next((k for k, (name, _) in enumerate(solution.taps) if (name, "corrected") in solution.routes), None)
     if tap is not None:
         name = solution.taps[tap][0]
         waves = [solution.routes[name, route].acceleration for route in ("as printed", "corrected")]
         sections.append(
-            _route_section(name, solution.quoted, time, run.acceleration[:, tap], solution.rigid, waves, _SINCE_LOAD)
+            route_section(name, solution.quoted, time, run.acceleration[:, tap], solution.rigid, waves, _SINCE_LOAD)
         )
     words = error_words(solution)
     words = words[0].upper() + words[1:]
@@ -248,6 +243,3 @@ def _setup(case: Case) -> Section:
         Flow(_DATA_FLOW, "From the case to this report"),
     ]
     return Section("Set-up", "No machine: a stack of layers, loaded at its first face.", flows)
-
-
-_DATA_FLOW = ("case file", "checks of units and fits", "stack", "stress waves", "taps and sensors")

@@ -6,7 +6,6 @@ import dataclasses
 import functools
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,9 +37,6 @@ from strikewave.waves.limits import (
 )
 from strikewave.waves.routes import EXACT, RouteHistory, route_history, specimen_of
 from strikewave.waves.setup import wave_setup
-
-if TYPE_CHECKING:
-    pass
 
 Array = NDArray[np.float64]
 

@@ -36,8 +36,9 @@ if TYPE_CHECKING:
     from strikewave.cases.tables import SensorTable
     from strikewave.records import ChannelReading, Finding
     from strikewave.studies.buffer.candidate import Candidate
+    from strikewave.studies.buffer.choice import Choice
+    from strikewave.studies.buffer.result import BufferStudy
     from strikewave.studies.buffer.seat import Blows, Seat
-    from strikewave.studies.buffer.study import BufferStudy, Choice
 
 THICKNESSES = ("0.5 mm", "1 mm", "2 mm")
 """Of the gaskets unless said otherwise."""
@@ -173,8 +174,8 @@ def _quantity(text: str, si: str, highest: float, field: str) -> Value:
 
 
 def _choice(names: list[str] | None, sizes: list[str] | None, layers: int) -> Choice:
+    from strikewave.studies.buffer.choice import Choice, stacks
     from strikewave.studies.buffer.seat import usual_materials
-    from strikewave.studies.buffer.study import Choice, stacks
 
     thicknesses = tuple(_quantity(text, "m", 0.1, "--thickness") for text in sizes or THICKNESSES)
     choice = Choice(tuple(names or usual_materials()), thicknesses, layers)

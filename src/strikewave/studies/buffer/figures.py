@@ -14,7 +14,7 @@ from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
 from strikewave.sensors import transmission
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.studies.buffer.candidate import Candidate, distinct
-from strikewave.studies.buffer.study import BufferStudy
+from strikewave.studies.buffer.result import BufferStudy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,7 +15,7 @@ from strikewave.studies.buffer.moduli import confined, spread
 from strikewave.studies.buffer.seat import reading_of
 
 if TYPE_CHECKING:
-    from strikewave.studies.buffer.study import BufferStudy
+    from strikewave.studies.buffer.result import BufferStudy
 
 LARGE_STRAIN = 0.1
 """Compression of a gasket over its thickness beyond which small-strain values are stretched."""

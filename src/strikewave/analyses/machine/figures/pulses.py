@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.figures.summary import _KIND_COLOURS, _MOST_LABELS, _published_marks, time_words
+from strikewave.analyses.machine.figures.summary import KIND_COLOURS, MOST_LABELS, published_marks, time_words
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.curves import MOST_PULSES, thin
 from strikewave.reporting.style import BLUE, GREY, HALF, WHOLE, quiet
@@ -45,7 +45,7 @@ def rigid_acceleration(solution: Solution, row: int = 0) -> Figure:
     acceleration = values / STANDARD_GRAVITY
     axes.plot(time, acceleration, color=BLUE, linewidth=1.4, label="computed")
     if row == _first_struck(solution) and not solution.case.changed_fields():
-        _published_marks(solution, axes, time, acceleration)
+        published_marks(solution, axes, time, acceleration)
     title = f"Rigid-body acceleration, blow {blow.index}"
     quiet(axes, title, "time after first touch (µs)", "acceleration (g)")
     if len(axes.get_legend_handles_labels()[0]) > 1:
@@ -68,7 +68,7 @@ def overlaid_pulses(solution: Solution) -> Figure:
         elif blow.kind == "full":
             colour, label, width = GREY, "later full blows", 0.9
         else:
-            colour, label, width = _KIND_COLOURS.get(blow.kind, GREY), f"{blow.kind} blows", 1.2
+            colour, label, width = KIND_COLOURS.get(blow.kind, GREY), f"{blow.kind} blows", 1.2
         axes.plot(time, values / STANDARD_GRAVITY, color=colour, linewidth=width, label="_" if label in seen else label)
         seen.add(label)
     quiet(axes, "Rigid-body pulses, overlaid", "time after first touch of each blow (µs)", "acceleration (g)")
@@ -85,13 +85,13 @@ def whole_train(solution: Solution) -> Figure:
     axes.plot(time * 1e3, values / STANDARD_GRAVITY, color=BLUE, linewidth=0.8)
     quiet(axes, "Rigid-body acceleration, whole train", f"{time_words(solution)} (ms)", "acceleration (g)")
     kinds = {blow.kind for blow in solution.blows}
-    for kind, colour in _KIND_COLOURS.items():
+    for kind, colour in KIND_COLOURS.items():
         blows = [blow for blow in solution.blows if blow.kind == kind]
         if blows:
             heights = [0.0 if kind == "missed" else blow.rigid_peak / STANDARD_GRAVITY for blow in blows]
             shape = "o" if kind == "full" else "D" if kind == "double" else "s" if kind == "glancing" else "x"
             axes.plot([blow.time * 1e3 for blow in blows], heights, shape, color=colour, markersize=4, label=kind)
-    if len(solution.blows) <= _MOST_LABELS:
+    if len(solution.blows) <= MOST_LABELS:
         for blow in solution.blows:
             height = 0.0 if blow.kind == "missed" else blow.rigid_peak / STANDARD_GRAVITY
             place = (blow.time * 1e3, height)

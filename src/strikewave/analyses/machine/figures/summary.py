@@ -14,8 +14,8 @@ from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_tit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_KIND_COLOURS = {"full": BLUE, "glancing": ORANGE, "double": RED, "missed": GREY}
-_MOST_LABELS = 16
+KIND_COLOURS = {"full": BLUE, "glancing": ORANGE, "double": RED, "missed": GREY}
+MOST_LABELS = 16
 
 
 def summary(solution: Solution) -> Figure:
@@ -62,12 +62,12 @@ def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes
         "acceleration (g)",
     )
     if not solution.case.changed_fields():
-        _published_marks(solution, acceleration_axes, time[shown], acceleration[shown])
+        published_marks(solution, acceleration_axes, time[shown], acceleration[shown])
     if len(acceleration_axes.get_legend_handles_labels()[0]) > 1:
         acceleration_axes.legend(frameon=False, fontsize=8, loc="upper right")
 
 
-def _published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any) -> None:
+def published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any) -> None:
     """Mark published peak and width of the first blow: numbers, not curves, and only where they belong."""
     styles = {"measured": (RED, "o"), "simulated": (GREY, "s"), "specified": (ORANGE, "D")}
     values = {(c.quantity, c.measured_or_simulated): c.published for c in solution.published}
@@ -99,12 +99,12 @@ def _train(solution: Solution, axes: Any) -> None:
     acceleration = data["rigid_acceleration"].values / STANDARD_GRAVITY
     axes.plot(time, acceleration, color=BLUE, linewidth=0.8)
     quiet(axes, "Rigid-body acceleration, whole train", f"{time_words(solution)} (ms)", "acceleration (g)")
-    labelled = len(solution.blows) <= _MOST_LABELS
+    labelled = len(solution.blows) <= MOST_LABELS
     room = 0.06 * (time[-1] - time[0]) * 1e-3 if time.size else 0.0
     free = -math.inf
     for blow in solution.blows:
         height = 0.0 if blow.kind == "missed" else blow.rigid_peak / STANDARD_GRAVITY
-        axes.plot([blow.time * 1e3], [height], "o", color=_KIND_COLOURS[blow.kind], markersize=4)
+        axes.plot([blow.time * 1e3], [height], "o", color=KIND_COLOURS[blow.kind], markersize=4)
         if (labelled and blow.kind == "full") or (blow.kind != "full" and blow.time >= free):
             free = blow.time + (room if blow.kind != "full" else 0.0)
             text = str(blow.index) if blow.kind == "full" else f"{blow.index} {blow.kind}"

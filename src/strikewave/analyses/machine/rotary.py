@@ -1,0 +1,123 @@
+"""Case in, rotary machine out."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from strikewave.analyses.machine.consistency import misfits
+from strikewave.analyses.machine.struck_object import layered_object, object_bodies
+from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.materials import Material, material
+from strikewave.base.quantities import Value
+from strikewave.cases.case import Case, Rig
+from strikewave.cases.contact_of_case import face_contact, or_else
+from strikewave.cases.tables import FeedTable, OwnStriker
+from strikewave.cases.tables import Machine as MachineTable
+from strikewave.contact import (
+    AnyContact,
+)
+from strikewave.machines import Feed, RotaryMachine, Strikers, StruckObject, Turntable
+from strikewave.machines import Striker as BuiltStriker
+
+T = TypeVar("T")
+
+
+TableT = TypeVar("TableT", bound=BaseModel)
+
+
+def _strikers(rig: Rig) -> Strikers:
+    """Return the strikers, each with what it has for itself.
+
+    Raises
+    ------
+    InputError
+        If a row names a striker that there is not, or one twice.
+    """
+    face, count = material(rig.object.material, "object.material"), int(rig.machine.strikers.si)
+    own: dict[int, OwnStriker] = {}
+    for row in rig.striker.each:
+        number = int(row.number.si)
+        if number > count or number in own:
+            allowed = f"each of the strikers 1 to {count} once at most"
+            raise InputError(f"striker.each.{number}.number", row.number.typed, allowed)
+        own[number] = row
+    common = face_contact(rig.striker, rig.contact, face)
+    each = tuple(_striker(rig, own.get(number), common, face) for number in range(1, count + 1))
+    return Strikers(each, rig.contact.slowest_approach.si, rig.contact.yields == "face")
+
+
+def _striker(rig: Rig, own: OwnStriker | None, common: AnyContact, face: Material) -> BuiltStriker:
+    """Return one striker, as all are or with what it has for itself."""
+    given = {key: value for key, value in own or () if isinstance(value, Value)}
+    table, pair = _with_own(rig.striker, given), _with_own(rig.contact, given)
+    its_own = bool({"nose_radius", "contact_length", "restitution"} & given.keys())
+    contact = face_contact(table, pair, face) if its_own else common
+    errors = {key: or_else(getattr(table, key), 0.0) for key in ("angle_error", "reach_error")}
+    return _filled(BuiltStriker, table, contact=contact, **errors)
+
+
+def _with_own(table: TableT, given: dict[str, Value]) -> TableT:
+    """Return a table with those of some values that are its own."""
+    return table.model_copy(update={key: value for key, value in given.items() if key in type(table).model_fields})
+
+
+def _turntable(table: MachineTable) -> Turntable:
+    """Return the turntable; motor and belt as it would have them."""
+    return _filled(
+        Turntable,
+        table,
+        motor_inertia=or_else(table.motor_inertia, 0.0) * or_else(table.belt_ratio, 1.0) ** 2,
+        belt_stiffness=or_else(table.belt_stiffness, math.inf),
+        belt_damping=or_else(table.belt_damping, 0.0),
+        ripple=or_else(table.speed_ripple, 0.0),
+        ripple_order=or_else(table.ripple_order, 1.0),
+        ripple_phase=or_else(table.ripple_phase, 0.0),
+    )
+
+
+def build_rotary(case: Case) -> RotaryMachine:
+    """Turn a case of the rotary machine into the machine that runs; see `build_machine`."""
+    rig = case.rig()
+    layered = layered_object(case)
+    bodies = object_bodies(case, layered)
+    machine = RotaryMachine(
+        turntable=_turntable(rig.machine),
+        strikers=_strikers(rig),
+        feed=_feed(rig.feed),
+        struck=_filled(
+            StruckObject,
+            rig.object,
+            **bodies._asdict(),
+            friction=or_else(rig.object.friction, 0.0),
+            stiction=None if rig.object.stiction is None else rig.object.stiction.si,
+        ),
+        engagement=rig.machine.engagement.si,
+        layered=layered,
+        blow_angle=or_else(rig.machine.blow_angle, 0.0),
+        face_width=or_else(rig.machine.face_width, math.inf),
+    )
+    lines = [str(error) for error in misfits(case, machine)]
+    if lines:
+        raise InputErrors(lines)
+    return machine
+
+
+def _filled(kind: type[T], table: BaseModel, **others: Any) -> T:
+    """Return a part whose fields are the SI values of the same names in a table of the case, or ``others``."""
+    names = [field.name for field in dataclasses.fields(kind)]  # type: ignore[arg-type]
+    return kind(**{name: others[name] if name in others else getattr(table, name).si for name in names})
+
+
+def _feed(table: FeedTable) -> Feed:
+    return _filled(
+        Feed,
+        table,
+        blows=int(table.blows.si),
+        acceleration=or_else(table.acceleration, 0.5),
+        cushion=or_else(table.cushion, 0.5),
+        hold=or_else(table.hold, math.inf),
+    )
