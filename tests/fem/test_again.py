@@ -24,7 +24,6 @@ from strikewave.fem.solve import Asked, Keep, solve_blows
 
 from .bodies import STEEL, Ball, ball_on_base, rod_on_wall
 
-pytestmark = pytest.mark.fem
 SOFT = Bilinear(7820.0, 211e9, 0.288, yield_strength=500e6, tangent_modulus=2e9)
 CONTACT = "ball.round-base.top"
 WALL = "rod.z--wall"

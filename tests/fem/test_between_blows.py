@@ -35,7 +35,6 @@ from strikewave.fem.solve import Asked, solve_blows
 
 from .bodies import STEEL
 
-pytestmark = pytest.mark.fem
 SOFT = Bilinear(7820.0, 211e9, 0.288, yield_strength=200e6, tangent_modulus=2e9)
 SIZE = 2e-3
 

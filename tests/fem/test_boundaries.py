@@ -34,8 +34,6 @@ from strikewave.fem.solve import solve
 
 from .bodies import STEEL
 
-pytestmark = pytest.mark.fem
-
 
 def cube(name="cube", side=4e-3, size=1e-3):
     return block(name, (side, side, side), size, size, size)

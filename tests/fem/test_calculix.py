@@ -1,6 +1,6 @@
 """The explicit elements beside CalculiX 2.20, an independent code: same mesh, same loads, fields at all instants.
 
-`STRIKEWAVE_VERIFY=1` runs it (about two minutes). Both codes discretise the same equations with elements, time steps and
+`make verify` runs it (about two minutes). Both codes discretise the same equations with elements, time steps and
 numerical damping of their own, so that what they differ by has to vanish with the size of the elements. Contact is
 another matter: CalculiX's is a linear penalty that has to be soft enough to stay quiet, and 1/penalty is a gap that
 closes; there the differences are those of the penalty, which the tests show by varying it.
@@ -20,10 +20,7 @@ from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic
 from strikewave.fem.solve import Asked, solve
 
-pytestmark = [
-    pytest.mark.fem,
-    pytest.mark.skipif(os.environ.get("STRIKEWAVE_VERIFY") != "1", reason="STRIKEWAVE_VERIFY=1 runs it"),
-]
+pytestmark = pytest.mark.verify
 
 STEEL = Elastic(7820.0, 211e9, 0.29)
 YIELDING = Bilinear(7820.0, 211e9, 0.29, yield_strength=200e6, tangent_modulus=20e9)

@@ -26,8 +26,6 @@ from strikewave.fem.solve import solve
 
 from .blocks import Lattice, block, nodal_mass
 
-pytestmark = pytest.mark.fem
-
 
 @dataclass
 class Run:

@@ -16,8 +16,6 @@ from strikewave.fem.surfaces import extents, neighbours, surface_of, thickness
 
 from .blocks import block
 
-pytestmark = pytest.mark.fem
-
 SQUARE = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
 coordinate = st.floats(-3.0, 3.0)
 

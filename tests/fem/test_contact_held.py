@@ -19,8 +19,6 @@ from strikewave.fem.solve import solve
 
 from . import blocks
 
-pytestmark = pytest.mark.fem
-
 STEEL = Elastic(7820.0, 211e9, 0.288)
 LIGHT, HEAVY = Elastic(1200.0, 3e9, 0.3), Elastic(19000.0, 400e9, 0.2)
 MM = 1e-3

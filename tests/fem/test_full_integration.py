@@ -19,7 +19,6 @@ from strikewave.fem.solve import Asked, Keep, solve
 from .blocks import block
 from .driven import SORTS, elements, mesh_of, moved, nodal_mass, random_hexahedra, stiffness
 
-pytestmark = pytest.mark.fem
 SOLID = Elastic(7800.0, 200e9, 0.3)
 
 

@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 from strikewave.base.errors import InputError
 from strikewave.fem.grading import Grading, nodes_between, nodes_through
 
-pytestmark = pytest.mark.fem
-
 size = st.floats(1e-5, 1e-2)
 
 

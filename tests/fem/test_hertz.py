@@ -1,7 +1,6 @@
 """Balls and cylinders against Hertz (Johnson 1985, Contact Mechanics, ch. 4 and 11.4)."""
 
 import math
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -12,9 +11,6 @@ from strikewave.fem.solve import Asked, solve
 
 from .bodies import THICK, Ball, Roller, ball_on_base, roller_on_block
 from .test_bars import tensors
-
-pytestmark = pytest.mark.fem
-VERIFY = os.environ.get("STRIKEWAVE_VERIFY") == "1"
 
 
 def peak_of(time, values):
@@ -116,7 +112,7 @@ OTHERS = [
 ]
 
 
-@pytest.mark.skipif(not VERIFY, reason="long: STRIKEWAVE_VERIFY=1 runs it (make verify)")
+@pytest.mark.verify
 @pytest.mark.parametrize("case", OTHERS)
 def test_other_balls_speeds_moduli_and_angles(case):
     """Peak force and indentation of Hertz to 2 % for another radius, speed, ratio of moduli, and a turned mesh.
@@ -130,7 +126,7 @@ def test_other_balls_speeds_moduli_and_angles(case):
     assert_balanced(run)
 
 
-@pytest.mark.skipif(not VERIFY, reason="long: STRIKEWAVE_VERIFY=1 runs it (make verify)")
+@pytest.mark.verify
 def test_ball_converges_to_hertz():
     """Indentation on meshes of 0.4, 0.2, 0.1 mm: within 1 % on the finest, at a rate above 1.
 

@@ -20,7 +20,6 @@ from strikewave.fem.solids import Bilinear, Elastic
 from .blocks import block
 from .driven import CUBE, SORTS, elements, mesh_of, moved, nodal_mass, random_hexahedra, stiffness
 
-pytestmark = pytest.mark.fem
 SOLID = Elastic(7800.0, 200e9, 0.3)
 INNER = np.array(
     [

@@ -11,8 +11,6 @@ from strikewave.fem.round_shapes import cylinder
 from strikewave.fem.sections import FLIPPED
 from strikewave.fem.shapes import block, moved
 
-pytestmark = pytest.mark.fem
-
 
 @pytest.fixture(scope="module")
 def meshio():

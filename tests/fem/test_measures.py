@@ -16,8 +16,6 @@ from strikewave.fem.solve import Asked, solve
 
 from .bodies import BAR_SPEED, STEEL, THIN_STEEL, WIDTH, Bar, two_bars
 
-pytestmark = pytest.mark.fem
-
 SPEED = 5.0
 
 

@@ -14,8 +14,6 @@ from strikewave.fem.quality import FLAT, check_mesh, quality_report, scaled_jaco
 from strikewave.fem.sections import FLIPPED
 from strikewave.fem.shapes import block, moved
 
-pytestmark = pytest.mark.fem
-
 
 @pytest.fixture
 def pair():

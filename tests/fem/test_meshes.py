@@ -15,8 +15,6 @@ from strikewave.fem.round_shapes import TubeSize, ball, cylinder, half_cylinder,
 from strikewave.fem.sections import BULGE, disc_section, edges
 from strikewave.fem.shapes import FrameSize, block, frame, mirrored, moved, renamed, turned
 
-pytestmark = pytest.mark.fem
-
 SHARES = {"whole": 1.0, "half": 0.5, "quarter": 0.25}
 TUBE = TubeSize(0.02, 0.024, 0.03)
 CUP = TubeSize(0.02, 0.026, 0.03, bottom=0.004)

@@ -17,7 +17,6 @@ from strikewave.fem.solve import Asked, Keep, solve
 
 from .bodies import STEEL
 
-pytestmark = pytest.mark.fem
 CONTACT = "contact/low.z+-up.z-"
 
 

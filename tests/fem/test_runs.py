@@ -20,7 +20,6 @@ from strikewave.fem.solve import Asked, Keep, solve
 
 from .bodies import STEEL, Ball, ball_on_base, two_bars
 
-pytestmark = pytest.mark.fem
 YIELDING = Bilinear(7820.0, 211e9, 0.288, yield_strength=430e6, tangent_modulus=21e9)
 
 

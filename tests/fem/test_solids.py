@@ -10,7 +10,6 @@ from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
 
 from .driven import XX, XY, YY, Points
 
-pytestmark = pytest.mark.fem
 E, NU, YIELD, TANGENT = 200e9, 0.3, 400e6, 10e9
 ELASTIC = (7800.0, E, NU)
 OFHC = {"A": 90e6, "B": 292e6, "n": 0.31, "C": 0.025, "m": 1.09, "melting_temperature": 1356.0}

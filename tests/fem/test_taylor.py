@@ -1,7 +1,5 @@
 """Copper bar on a rigid wall (Taylor 1948) as computed by many (Wilkins & Guinan 1973; Kamoulakos 1990): 80 us."""
 
-import os
-
 import numpy as np
 import pytest
 
@@ -10,8 +8,6 @@ from strikewave.fem.round_shapes import cylinder
 from strikewave.fem.solids import Bilinear
 from strikewave.fem.solve import Asked, solve
 
-pytestmark = pytest.mark.fem
-VERIFY = os.environ.get("STRIKEWAVE_VERIFY") == "1"
 COPPER = Bilinear(8930.0, 117e9, 0.35, 400e6, 100e6)
 FULL = "full"
 
@@ -54,7 +50,7 @@ def test_copper_bar_ends_as_long_and_wide_as_published(hourglass):
     assert 7.0 < radius < 7.5
 
 
-@pytest.mark.skipif(not VERIFY, reason="a table of runs: STRIKEWAVE_VERIFY=1")
+@pytest.mark.verify
 def test_copper_bar_hangs_little_on_hourglass_coefficient_and_mesh(capsys):
     """Sizes of 0.8, 0.53 and 0.4 mm by coefficients from 0.01 to 0.2, and full integration.
 

@@ -12,8 +12,6 @@ from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepa
 
 from .blocks import Lattice, block, nodal_mass
 
-pytestmark = pytest.mark.fem
-
 TIE = Tie("b.bottom", "a.top")
 
 

@@ -15,8 +15,6 @@ from strikewave.fem.vtkhdf import FIELDS, FieldWriter, stored_frames
 
 from . import synthetic
 
-pytestmark = pytest.mark.fem
-
 
 @pytest.fixture(scope="module")
 def mesh():

@@ -1,16 +1,14 @@
 """Blows planted in noise, offset, drift, ringing and clipping, against what is found in them."""
 
-import os
-
 import numpy as np
 import planted_bench
 import pytest
 
 
-@pytest.fixture(scope="module")
-def tallies():
-    # a seed of its own, not that of the table in the docs; all 200 in `make verify`
-    return planted_bench.tallied(seed=7_001, count=200 if os.environ.get("STRIKEWAVE_VERIFY") else 60)
+@pytest.fixture(scope="module", params=[60, pytest.param(200, marks=pytest.mark.verify)])
+def tallies(request):
+    # a seed of its own, not that of the table in the docs
+    return planted_bench.tallied(seed=7_001, count=request.param)
 
 
 def total(tallies, name, lowest=0):

@@ -10,8 +10,6 @@ from scipy import optimize, special
 
 from strikewave.waves.dispersion import THEORIES, Rod, group_speed, phase_speed, wave_number
 
-pytestmark = pytest.mark.waves
-
 TABLE = {
     0.1: (0.998428, 0.997891, 0.997744, 0.996941),
     0.2: (0.993331, 0.991129, 0.990535, 0.987324),

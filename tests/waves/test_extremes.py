@@ -8,8 +8,6 @@ import pytest
 
 from strikewave.waves import BONDED, End, Joint, Layer, Pulse, Stack, Tap, Wanted, run_bar
 
-pytestmark = pytest.mark.waves
-
 
 def timed(name, impedance, transit, **more):
     return Layer(name, 1.0, impedance * impedance, 1.0, transit * impedance, **more)

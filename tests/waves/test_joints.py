@@ -16,8 +16,6 @@ from strikewave.contact.law import Damper, PressureCap
 from strikewave.waves import BONDED, End, Impactor, Joint, Layer, Pulse, Sampled, Stack, Tap, Wanted, _kernels, run_bar
 from strikewave.waves.transit import grid_of, state_at_rest, tables_of
 
-pytestmark = pytest.mark.waves
-
 STEP = 1e-7
 Z1, Z2 = 8e3, 5e3
 

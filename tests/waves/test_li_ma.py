@@ -24,8 +24,6 @@ from strikewave.waves.li_ma import (
     velocity,
 )
 
-pytestmark = pytest.mark.waves
-
 PRINTED, CORRECTED = ROUTES
 PEAK, WIDTH = 19.7e3, 220e-6  # N, s: the simulated contact force of the text
 G = STANDARD_GRAVITY

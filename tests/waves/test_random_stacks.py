@@ -14,8 +14,6 @@ from strikewave.waves import BONDED, End, Joint, Layer, Sampled, Stack, Tap, Wan
 from strikewave.waves.loss import fit_loss
 from strikewave.waves.spectral import Spectrum
 
-pytestmark = pytest.mark.waves
-
 STEP = 1e-7
 LINEAR = ("bonded", "compliant", "damped", "gasket", "mass", "hung mass")
 EVERY = (*LINEAR, "bolted", "gap", "contact")

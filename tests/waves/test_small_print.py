@@ -31,8 +31,6 @@ from strikewave.waves.spectral import Spectrum
 from strikewave.waves.times import shortest_time
 from strikewave.waves.transit import grid_of, state_at_rest, tables_of
 
-pytestmark = pytest.mark.waves
-
 STEP, Z1, Z2 = 1e-7, 8e3, 5e3
 PULSE = Pulse("sine-squared", 2e4, 60e-6, kind="incident")
 

@@ -29,8 +29,6 @@ from strikewave.waves.layers import LossFit
 from strikewave.waves.loss import fit_loss
 from strikewave.waves.spectral import Spectrum
 
-pytestmark = pytest.mark.waves
-
 STEP = 1e-7
 STEEL = material("65Mn")
 

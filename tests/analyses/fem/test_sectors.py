@@ -17,8 +17,6 @@ from strikewave.fem.measures import part_measure
 from strikewave.fem.model import Fixed, Guided, Rigid
 from strikewave.fem.run import PartHistory
 
-pytestmark = pytest.mark.fem
-
 BARS = """
 schema = 1
 {striker}

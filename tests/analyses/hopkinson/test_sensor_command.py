@@ -6,7 +6,7 @@ import os
 import numpy as np
 import pytest
 
-from .bench import sensor_bench
+from ...hopkinson.bench import sensor_bench
 
 SENSOR = """
 schema = 1

@@ -20,8 +20,6 @@ from strikewave.analyses.fem.run import run_model
 from strikewave.cli.app import app
 from strikewave.fem.measures import mean_force
 
-pytestmark = pytest.mark.fem
-
 COARSE = ["mesh.part.striker.size=3 mm", "mesh.part.bar.size=3 mm", "fem.duration=40 us", "fem.interval=0.4 us"]
 HOSTILE = 'a <b> & "c" </script><script>alert(1)</script>'
 

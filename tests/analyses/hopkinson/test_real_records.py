@@ -13,7 +13,7 @@ from strikewave.hopkinson.echoes import calibrate_bar
 from strikewave.records import read_record
 from strikewave.records.clock import even
 
-SHARED = Path(__file__).parents[3] / "shared" / "data"
+SHARED = Path(__file__).parents[4] / "shared" / "data"
 pytestmark = pytest.mark.skipif(not SHARED.is_dir(), reason="the real records are not here: ../shared/data")
 
 ROD_SPEED, REFLECTED_SPEED = 4974.964141, 4865.900383

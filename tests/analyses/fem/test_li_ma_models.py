@@ -2,7 +2,6 @@
 
 import functools
 import math
-import os
 
 import numpy as np
 import pytest
@@ -15,10 +14,8 @@ from strikewave.fem.model import NonReflecting
 from strikewave.papers.li_ma_2019.assumed import FRAME, answer, changed, dimensions, mesh_rows, seats, studied
 from strikewave.papers.li_ma_2019.runs import coarser
 
-pytestmark = pytest.mark.fem
 RIGID, WAVE = "li-ma-2019-fem-rigid", "li-ma-2019-fem-wave"
 MODELS = (RIGID, f"{RIGID}-quiet", WAVE, f"{WAVE}-quiet")
-VERIFY = os.environ.get("STRIKEWAVE_VERIFY") == "1"
 PUBLISHED_MASS = 19_685.34 / (4_374.52 * STANDARD_GRAVITY)
 """kg: the paper's contact force over its rigid-body acceleration."""
 
@@ -141,7 +138,7 @@ def test_the_model_builds_with_no_face_reflecting_but_those_named():
         assert len(quiet) == (3 if name.endswith("quiet") else 0)
 
 
-@pytest.mark.skipif(not VERIFY, reason="minutes: STRIKEWAVE_VERIFY=1 runs it (make verify)")
+@pytest.mark.verify
 def test_rigid_model_meets_what_it_was_fitted_to_and_converges():
     rows = mesh_rows(RIGID, 2)
     finest = rows[-1].answer
@@ -159,7 +156,7 @@ def test_rigid_model_meets_what_it_was_fitted_to_and_converges():
     assert shares[-1] < 0.03
 
 
-@pytest.mark.skipif(not VERIFY, reason="minutes: STRIKEWAVE_VERIFY=1 runs it (make verify)")
+@pytest.mark.verify
 def test_wave_model_converges():
     rows = mesh_rows(WAVE, 2)
     peaks = np.array([row.answer.body_peak for row in rows])

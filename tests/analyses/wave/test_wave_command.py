@@ -377,7 +377,7 @@ def test_the_cases_of_the_docs_run(strikewave, tmp_path):
     """The examples of docs/waves.md as they stand there: the first one without a warning, and under its striker."""
     from pathlib import Path
 
-    text = (Path(__file__).parents[2] / "docs" / "waves.md").read_text("utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "waves.md").read_text("utf-8")
     first, struck = (part.partition("```")[0] for part in text.split("```toml\n")[1:3])
     (tmp_path / "docs.toml").write_text(first)
     code, out, _ = strikewave("wave", "docs.toml", "--json")

@@ -20,7 +20,6 @@ from strikewave.papers.li_ma_2019.further import STAGES
 from strikewave.papers.li_ma_2019.report.studies import blow_table, dimension_table, mesh_table
 from strikewave.papers.li_ma_2019.result import dimension_document, mesh_document
 
-pytestmark = pytest.mark.studies
 BASE = Answer(20e3, 2e-4, 2.0, 4e4, 0.01)
 ROW = DimensionRow("top wall", "mesh.part.frame.top", 0.005, "assumed", BASE._replace(width=2.2e-4), BASE)
 

@@ -1,7 +1,6 @@
 """The same bodies as elements, masses and layers: beam theory, momentum, and where all of them must agree."""
 
 import math
-import os
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -44,7 +43,6 @@ from strikewave.waves import Impactor, Sampled, Stack, Tap, round_bar, run_bar
 RIGID, WAVE = "li-ma-2019-fem-rigid", "li-ma-2019-fem-wave"
 STEEL = Elastic(7820.0, 211e9, 0.288)
 SPAN, WIDTH, THICKNESS = 0.0665, 0.0315, 0.0046
-long_run = pytest.mark.skipif(os.environ.get("STRIKEWAVE_VERIFY") != "1", reason="STRIKEWAVE_VERIFY=1 runs it")
 
 
 def coarse_elastic(name, duration):
@@ -202,7 +200,7 @@ def test_rows_leave_out_what_is_no_blow_on_a_free_frame():
     assert body_rows(others) == []
 
 
-@long_run
+@pytest.mark.verify
 def test_wall_clamped_by_thick_sides_has_the_stiffness_of_a_clamped_beam():
     """Side walls of 10 mm make it a fifth softer, of 40 mm 13 %: a wall has no firm root, but gives way in its corner.
 
@@ -216,7 +214,7 @@ def test_wall_clamped_by_thick_sides_has_the_stiffness_of_a_clamped_beam():
     assert 0.85 < ratios[1] < 0.9
 
 
-@long_run
+@pytest.mark.verify
 @pytest.mark.parametrize("length", [0.06, 0.24])
 def test_solid_bars_of_other_lengths(length):
     case = load_case(RIGID)
@@ -302,7 +300,7 @@ class Timing(NamedTuple):
     interval: float
 
 
-@long_run
+@pytest.mark.verify
 def test_reasons_of_a_column_in_a_frame():
     """Yielding takes some of the force, slices that move as one make it half as large again, a solid bar agrees."""
     found = {reason.cause: reason for reason in reasons(load_case(WAVE))}

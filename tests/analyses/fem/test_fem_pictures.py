@@ -18,9 +18,7 @@ from strikewave.fem.mesh import joined, volumes
 from strikewave.fem.model import Contact, Fixed, Symmetry, Wall
 from strikewave.fem.skin import blow_contact, cut_of, faces_on, meeting_place, skin_of, symmetry_planes
 
-from . import synthetic
-
-pytestmark = pytest.mark.fem
+from ...fem import synthetic
 
 BAR = {"diameter": 12e-3, "length": 180e-3}
 

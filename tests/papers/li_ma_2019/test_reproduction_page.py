@@ -398,7 +398,7 @@ def test_the_struck_bar_of_two_bars_meets_the_closed_form():
     assert gained == pytest.approx(pulse.measure.velocity_change, rel=0.05)
 
 
-@pytest.mark.skipif(os.environ.get("STRIKEWAVE_VERIFY") != "1", reason="minutes: STRIKEWAVE_VERIFY=1 runs it")
+@pytest.mark.verify
 def test_the_whole_reproduction_runs_its_elements():
     whole = reproduce(Effort(threads=os.cpu_count() or 1))
     assert [solution.case.name for solution in whole.runs.elements] == list(ELEMENT_CASES)

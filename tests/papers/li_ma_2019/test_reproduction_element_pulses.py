@@ -21,8 +21,6 @@ from strikewave.papers.li_ma_2019.runs import (
     within,
 )
 
-pytestmark = pytest.mark.studies
-
 
 @functools.lru_cache
 def coarse(name):

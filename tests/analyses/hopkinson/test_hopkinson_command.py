@@ -1,6 +1,5 @@
 """``strikewave hopkinson``: a shot and a calibration from set-up to files, and what bad input is told."""
 
-import importlib.util
 import json
 import os
 from pathlib import Path
@@ -8,9 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-SPEC = importlib.util.spec_from_file_location("bench", Path(__file__).parents[1] / "hopkinson" / "bench.py")
-bench = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(bench)
+from ...hopkinson import bench
 
 SETUP = """
 schema = 1
@@ -267,7 +264,7 @@ def test_set_ups_of_the_docs_are_read():
 
     from strikewave.analyses.hopkinson.setup_file import parse_setup
 
-    text = (Path(__file__).parents[2] / "docs" / "hopkinson.md").read_text("utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "hopkinson.md").read_text("utf-8")
     blocks = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
     assert [parse_setup(block).setup.kind for block in blocks] == ["shot", "echoes", "sensor"]
 
@@ -421,7 +418,7 @@ def test_new_writes_the_example_of_the_docs_and_validate_takes_it(strikewave, tm
 
     code, _, err = strikewave("new", "mine", "--from", "hopkinson")
     assert code == 0, err
-    docs = (Path(__file__).parents[2] / "docs" / "hopkinson.md").read_text("utf-8")
+    docs = (Path(__file__).parents[3] / "docs" / "hopkinson.md").read_text("utf-8")
     assert (tmp_path / "mine.toml").read_text("utf-8") == re.findall(r"```toml\n(.*?)```", docs, re.DOTALL)[0]
     assert strikewave("new", "mine", "--from", "hopkinson")[0] == 2
     code, out, err = strikewave("validate", "mine.toml")

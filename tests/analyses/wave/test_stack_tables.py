@@ -12,8 +12,6 @@ from strikewave.base.materials import material
 from strikewave.cases.case import parse_case
 from strikewave.cases.stack_of_case import build_stack
 
-pytestmark = pytest.mark.edge
-
 BASE = """
 schema = 1
 name = "probe"

@@ -21,9 +21,7 @@ from strikewave.fem.measures import blow_axis, contact_measure, ledger_measure, 
 from strikewave.fem.mesh import exterior, exterior_faces, joined
 from strikewave.fem.model import Contact, Symmetry
 
-from . import synthetic
-
-pytestmark = pytest.mark.fem
+from ...fem import synthetic
 
 CUT = View(toward=(-0.35, -1.0, 0.45), cut=((0.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
 

@@ -44,7 +44,7 @@ material = "PTFE"
 thickness = "1 mm"
 diameter = "15 mm"
 """
-IMPACTS = Path(__file__).parents[3] / "shared" / "data" / "smd-5kg-impacts"
+IMPACTS = Path(__file__).parents[4] / "shared" / "data" / "smd-5kg-impacts"
 FEW = ("--material", "rubber", "--material", "PTFE", "--thickness", "1 mm", "--layers", "2")
 
 
