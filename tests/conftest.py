@@ -1,6 +1,8 @@
 """Markers by folder, fixed seeds, and one run of the published case shared by all tests."""
 
+import lzma
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -32,6 +34,24 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(SEED)
+
+
+@pytest.fixture(scope="session")
+def measured(tmp_path_factory):
+    """Return the unpacked copy of a folder of tests/data: one a session, so tests write elsewhere."""
+    unpacked = {}
+
+    def folder(name):
+        if name not in unpacked:
+            unpacked[name] = tmp_path_factory.mktemp(name, numbered=False)
+            for file in (HERE / "data" / name).iterdir():
+                if file.suffix == ".xz":
+                    (unpacked[name] / file.stem).write_bytes(lzma.decompress(file.read_bytes()))
+                else:
+                    shutil.copy(file, unpacked[name])
+        return unpacked[name]
+
+    return folder
 
 
 @pytest.fixture(scope="session")
