@@ -5,6 +5,7 @@ VENV ?= .venv
 PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN = $(VENV)/bin
+BENCH = .bench/venv
 JOBS ?= 2
 CASES ?= li-ma-2019 li-ma-2019-fig13
 
@@ -16,7 +17,7 @@ help:
 	@echo "make test    set up, then run all tests"
 	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the whole reproduction"
 	@echo "make lint    set up, then style, types and import contract"
-	@echo "make bench   set up, then time everything beside its peers (writes docs/benchmarks.md)"
+	@echo "make bench   set up with the peers ($(BENCH)), then time everything beside them (writes docs/benchmarks.md)"
 	@echo "make clean   remove the environment and caches"
 
 demo: $(VENV)/core
@@ -27,7 +28,7 @@ test: $(VENV)/dev
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 
 verify: $(VENV)/dev
-	STRIKEWAVE_VERIFY=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal tests/records/test_fuzz.py tests/records/test_planted.py tests/studies/test_scatter.py tests/fem tests/report/test_reproduction_page.py tests/studies/test_reproduction_bodies.py
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -m verify
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check .
@@ -35,18 +36,18 @@ lint: $(VENV)/dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-bench: $(VENV)/dev
-	$(BIN)/python benchmarks/bench.py
+bench: $(BENCH)/peers
+	$(BENCH)/bin/python benchmarks/bench.py
 
-$(VENV)/core: pyproject.toml constraints.txt
+%/core: pyproject.toml constraints.txt
 	@if [ -z "$(PYTHON)" ]; then \
 		echo "strikewave needs Python 3.11 or newer: install it (Debian: apt-get install python3 python3-venv), or name it: make demo PYTHON=/path/to/python3"; exit 1; fi
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { \
 		echo "$(PYTHON) lacks the module venv: install it (Debian, Ubuntu: apt-get install python3-venv; Fedora: dnf install python3), then run make again"; exit 1; }
-	@echo "setting up $(VENV) (once; about a minute)"
-	@rm -f $(VENV)/core $(VENV)/dev
-	@$(PYTHON) -m venv $(VENV)
-	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	@echo "setting up $* (once; about a minute)"
+	@rm -f $*/core $*/dev $*/peers
+	@$(PYTHON) -m venv $*
+	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $*/bin/python -m pip install --quiet --disable-pip-version-check -e .
 	@touch $@
 
 $(VENV)/dev: $(VENV)/core
@@ -54,5 +55,16 @@ $(VENV)/dev: $(VENV)/core
 	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,formats,mesh]'
 	@touch $@
 
+# one after the other, so that one that cannot be had keeps no other away; what failed is tried again next time
+$(BENCH)/peers: $(BENCH)/core benchmarks/requirements.txt benchmarks/constraints.txt
+	@echo "adding the peers (once; about a minute)"
+	@failed=; while read -r peer; do \
+		case "$$peer" in "#"* | "") continue ;; esac; \
+		$(BENCH)/bin/python -m pip install --quiet --disable-pip-version-check \
+			-c constraints.txt -c benchmarks/constraints.txt "$$peer" < /dev/null \
+			|| { failed=1; echo "$$peer could not be installed: the tables will say so"; }; \
+	done < benchmarks/requirements.txt; \
+	[ -n "$$failed" ] || touch $@
+
 clean:
-	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) .bench .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

@@ -1,18 +1,20 @@
 """Times of strikewave beside its peers and beside the floor: ``make bench`` prints and writes docs/benchmarks.md.
 
-Every peer runs in the same process on the same case at the same tolerance. A peer that is not installed is named.
+Every peer runs in the same process on the same case at the same tolerance. A peer that cannot be run is named.
 """
 
 import os
 import platform
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import elements_bench
 import machine_bench
 import numba
 import numpy as np
+import peers
 import peers_bench
 import planted_bench
 import reading_bench
@@ -100,7 +102,7 @@ def impacts():
         ("scipy solve_ivp DOP853 at 1e-8", peer, misses((end[3] - end[2]) / SPEED, force)),
     ]
     made = [(how, write(t), *(miss or ("exact", "exact")), f"{peer / t:.0f} x") for how, t, miss in timed]
-    return made + [(*row, "") for row in peers_bench.rows(best, write)]
+    return made + [(*row, "") for row in peers_bench.rows()]
 
 
 def laws():
@@ -140,20 +142,15 @@ def processes():
     def process(*words):
         return best(lambda: subprocess.run([python, *words], check=True, capture_output=True), 3)
 
-    folder = ROOT / ".bench"
-    rows = [
+    with tempfile.TemporaryDirectory() as folder:
+        whole = process("-m", "strikewave", "run", "li-ma-2019", "--out", folder)
+    return [
         ("run_case of li-ma-2019, 11 blows, warm", write(best(lambda: run_case(case))), "< 0.5 s"),
         ("run_case of li-ma-2019-fig13: 11 blows, stack of 5 layers, sensor, taps", write(stacked), "< 0.5 s"),
-        (
-            "whole process with all files",
-            write(process("-m", "strikewave", "run", "li-ma-2019", "--out", str(folder))),
-            "< 3 s",
-        ),
+        ("whole process with all files", write(whole), "< 3 s"),
         ("import strikewave", write(process("-c", "import strikewave") - process("-c", "pass")), "< 0.3 s"),
         ("strikewave --help", write(process("-m", "strikewave", "--help")), "< 0.5 s"),
     ]
-    subprocess.run(["rm", "-rf", str(folder)], check=True)
-    return rows
 
 
 def processor():
@@ -203,8 +200,9 @@ def main():
             "Clipped records are left out of the errors.",
             planted_bench.table(),
             "## Peers",
-            "scipy, pyyeti, endaq, elwaspatid, Exudyn and MuJoCo run above where they are installed "
-            "(`pip install pyyeti endaq elwaspatid exudyn mujoco`); one that is not is named.",
+            "`make bench` installs scipy, pyyeti, endaq, elwaspatid, Exudyn and MuJoCo beside strikewave in `.bench/venv`, in the "
+            "versions of benchmarks/requirements.txt, and runs CalculiX where the system has it. One that cannot be run is named.",
+            table(("peer", "version"), peers.rows()),
         ]
     )
     print(text)

@@ -27,6 +27,15 @@ OURS = [0, 1, 2, 3, 5, 4]
 BLOCK = re.compile(rb"^ *(displacements|velocities|stresses) \([^)]*\) for set \w+ and time +(\S+)\s*$", re.MULTILINE)
 
 
+def version():
+    """Return the version of CalculiX; None where it is not installed."""
+    if CCX is None:
+        return None
+    said = subprocess.run([CCX, "-v"], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False).stdout
+    found = re.search(r"Version +(\S+)", said)
+    return found[1] if found else "of unknown version"
+
+
 @dataclass(frozen=True)
 class Deck:
     """A model for CalculiX, and what CalculiX needs besides.

@@ -186,9 +186,9 @@ def calculix_rows():
     ours = [elements / one_body(counts, STEEL, threads) for threads in (1, 2)]
     found = [("strikewave", *(f"{each / 1e6:.2f} M/s" for each in ours))]
     if calculix.CCX is None:
-        return [*found, ("CalculiX", "not installed", "")]
+        return [*found, ("CalculiX", "not installed", "not installed")]
     model = Model(body(counts), {"body": STEEL}, Controls(1e-6), velocity={"body": (0.0, 0.0, 1.0)})
-    row = ["CalculiX 2.20, C3D8R, explicit"]
+    row = [f"CalculiX {calculix.version()}, C3D8R, explicit"]
     for threads in (1, 2):
         runs = []
         for duration in (1e-6, 5e-6):

@@ -1,13 +1,13 @@
-"""strikewave beside elwaspatid (where it is installed): its own example, and a loaded short bar, where it is wrong.
+"""strikewave beside elwaspatid: its own example, and a loaded short bar, where it is wrong.
 
 elwaspatid 2 takes the loaded end as anechoic while the load lasts: a load is an incident wave there, and both give the
 same. A force that lasts beyond the first echo is not kept; the picture shows what becomes of a short bar.
 """
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
+from peers import absent
 from timing import best, table, write
 
 from strikewave.reporting.curves import Trace, traces
@@ -15,7 +15,6 @@ from strikewave.reporting.style import save
 from strikewave.waves import End, Joint, Layer, Pulse, Stack, Tap, Wanted, run_bar
 
 PICTURE = Path(__file__).parents[1] / "docs" / "images" / "loaded-short-bar.svg"
-INSTALLED = importlib.util.find_spec("elwaspatid") is not None
 FORCE, LENGTH, DIAMETER, MODULUS, DENSITY = 19685.0, 0.07, 0.03, 211e9, 7820.0
 
 
@@ -69,7 +68,7 @@ def short_bar(steps=400):
     arrived = np.floor((run.time / bar.transit + 1.0 + 1e-9) / 2.0)
     closed = 2.0 * FORCE / bar.impedance * arrived
     peer = None
-    if INSTALLED:
+    if not absent("elwaspatid"):
         from elwaspatid import BarSet
 
         made = BarSet(E=[MODULUS], rho=[DENSITY], L=[LENGTH], d=[DIAMETER], nmin=50)
@@ -91,8 +90,8 @@ def draw():
 
 def section():
     """Return the part of the page of benchmarks."""
-    if not INSTALLED:
-        return "elwaspatid is not installed: its own example and the loaded short bar were not run."
+    if absent("elwaspatid"):
+        return f"elwaspatid: {absent('elwaspatid')}; its own example and the loaded short bar were not run."
     peer, ours, miss = own_example()
     off = draw()
     rows = [

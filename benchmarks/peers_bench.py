@@ -1,4 +1,4 @@
-"""One impact of two free bodies by the peers, Exudyn and MuJoCo, where they are installed.
+"""One impact of two free bodies by the peers, Exudyn and MuJoCo.
 
 Each solves it by the contact it offers, asked for the same restitution, and with our force law given to it. Exudyn's
 contact is told how fast it is struck: it learns that after a step, and bodies that touch at the start have none before.
@@ -7,12 +7,13 @@ stores the same energy at the same depth. The largest force is that of a spline 
 """
 
 import contextlib
-import importlib.util
 import math
 import tempfile
 
 import numpy as np
+from peers import absent
 from scipy.interpolate import CubicSpline
+from timing import best, write
 
 from strikewave.contact import Contact, exact, solve_impact
 from strikewave.contact.dampers import cut_off_damping_ratio
@@ -34,7 +35,7 @@ def summit(times, forces):
     return CubicSpline(times, forces)(np.linspace(times[0], times[-1], 20_001)).max()
 
 
-def timed(write, solving, building):
+def timed(solving, building):
     """Write the time of a solve, and of the solve with the building before it."""
     return f"{write(solving)} ({write(solving + building)} with building)"
 
@@ -125,7 +126,7 @@ def exudyn_settings(solver, step, tolerance=None):
     return settings
 
 
-def exudyn_row(best, write, how, contact, *numbers):
+def exudyn_row(how, contact, *numbers):
     """Return the row of one contact of Exudyn with one solver."""
     system, sensor, _kept = exudyn_system(contact)
     settings = exudyn_settings(*numbers)
@@ -136,13 +137,13 @@ def exudyn_row(best, write, how, contact, *numbers):
     system.SolveDynamic(settings)
     record = system.GetSensorStoredData(sensor)
     peak = summit(record[:, 0], -M1 * record[:, 1])
-    return (f"Exudyn, {how}", timed(write, solving, building), *misses(speeds[1] - speeds[0], peak))
+    return (f"Exudyn, {how}", timed(solving, building), *misses(speeds[1] - speeds[0], peak))
 
 
-def exudyn_rows(best, write):
+def exudyn_rows():
     """Return the rows of Exudyn."""
-    if importlib.util.find_spec("exudyn") is None:
-        return [("Exudyn", "not installed", "-", "-")]
+    if absent("exudyn"):
+        return [("Exudyn", absent("exudyn"), "-", "-")]
     import exudyn
 
     cases = (
@@ -154,7 +155,7 @@ def exudyn_rows(best, write):
         ("our law symbolic, DOPRI5 at 1e-8", "symbolic", "DOPRI5", 2e-6, 1e-8),
     )
     with quiet(exudyn):
-        return [exudyn_row(best, write, *case) for case in cases]
+        return [exudyn_row(*case) for case in cases]
 
 
 def force_law(state):
@@ -218,7 +219,7 @@ def mujoco_called(model, state, count):
         mujoco.set_mjcb_passive(None)
 
 
-def mujoco_row(best, write, how, advance, step, integrator):
+def mujoco_row(how, advance, step, integrator):
     """Return the row of one way through the impact in MuJoCo."""
     import mujoco
 
@@ -242,13 +243,13 @@ def mujoco_row(best, write, how, advance, step, integrator):
         advance(model, state, 1)
         forces.append(-state.qfrc_constraint[0] if soft else law)
     peak = summit(step * np.arange(count), np.array(forces))
-    return (f"MuJoCo, {how}", timed(write, solving, building), *misses(parting, peak))
+    return (f"MuJoCo, {how}", timed(solving, building), *misses(parting, peak))
 
 
-def mujoco_rows(best, write):
+def mujoco_rows():
     """Return the rows of MuJoCo."""
-    if importlib.util.find_spec("mujoco") is None:
-        return [("MuJoCo", "not installed", "-", "-")]
+    if absent("mujoco"):
+        return [("MuJoCo", absent("mujoco"), "-", "-")]
     cases = (
         ("its soft contact, Euler, 1 us", mujoco_soft, 1e-6, "Euler"),
         ("its soft contact, Euler, 10 ns", mujoco_soft, 1e-8, "Euler"),
@@ -256,21 +257,14 @@ def mujoco_rows(best, write):
         ("our law applied at each step, Euler, 0.3 us", mujoco_applied, 3e-7, "Euler"),
         ("our law in a callback, RK4, 1 us", mujoco_called, 1e-6, "RK4"),
     )
-    return [mujoco_row(best, write, *case) for case in cases]
+    return [mujoco_row(*case) for case in cases]
 
 
-def rows(best, write):
+def rows():
     """Return the rows of the table: how, time, miss of the restitution, miss of the largest force."""
-    return exudyn_rows(best, write) + mujoco_rows(best, write)
-
-
-def main():
-    """Print the rows."""
-    from bench import best, write
-
-    for row in rows(best, write):
-        print(" | ".join(row))
+    return exudyn_rows() + mujoco_rows()
 
 
 if __name__ == "__main__":
-    main()
+    for row in rows():
+        print(" | ".join(row))

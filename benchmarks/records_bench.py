@@ -1,10 +1,9 @@
-"""Shock response spectra: time and accuracy beside pyyeti and endaq, where they are installed, and the floor."""
-
-import importlib.util
+"""Shock response spectra: time and accuracy beside pyyeti and endaq, and the floor."""
 
 import mpmath as mp
 import numba
 import numpy as np
+from peers import absent
 from timing import best, table
 
 from strikewave.signal.srs import Scope, srs
@@ -68,11 +67,6 @@ def endaq(values, rate, frequencies, q, kind):
 PEERS = {"pyyeti.srs.srs, one process": pyyeti, "endaq.calc.shock.shock_spectrum": endaq}
 
 
-def installed(peer):
-    """Tell whether a peer can be run."""
-    return importlib.util.find_spec(peer.__name__) is not None
-
-
 def half_sine(fT, q):
     """Return the largest relative displacement and absolute acceleration under a half-sine of 1, at 50 digits.
 
@@ -121,11 +115,11 @@ def times():
     mine = best(lambda: ours(*case))
     rows = [("strikewave, one core", f"{1e3 * mine:.0f} ms", "1", f"{mine / limit:.1f} x")]
     for name, peer in PEERS.items():
-        if installed(peer):
-            took = best(lambda peer=peer: peer(*case), 2)
-            rows.append((name, f"{1e3 * took:.0f} ms", f"{took / mine:.0f} x", f"{took / limit:.0f} x"))
-        else:
-            rows.append((name, "not installed", "", ""))
+        if absent(peer.__name__):
+            rows.append((name, absent(peer.__name__), "", ""))
+            continue
+        took = best(lambda peer=peer: peer(*case), 2)
+        rows.append((name, f"{1e3 * took:.0f} ms", f"{took / mine:.0f} x", f"{took / limit:.0f} x"))
     return [*rows, ("floor: the arithmetic alone", f"{1e3 * limit:.0f} ms", "", "1")]
 
 
@@ -133,10 +127,10 @@ def accuracy(rates=(20.5, 203.0, 1e4, 1e6, 1e7)):
     """Return heading and rows of the table of accuracy."""
     rows = []
     for kind in ("absolute", "pseudo-velocity"):
-        for name, peer in {"strikewave": ours, **PEERS}.items():
-            if installed(peer) or peer is ours:
-                last = misses(ours, kind, [1e8])[0] if peer is ours else "not run"
-                rows.append((kind, name, *misses(peer, kind, rates), last))
+        rows.append((kind, "strikewave", *misses(ours, kind, (*rates, 1e8))))
+        for name, peer in PEERS.items():
+            found = [absent(peer.__name__)] * len(rates) if absent(peer.__name__) else misses(peer, kind, rates)
+            rows.append((kind, name, *found, "not run"))
     return ("kind", "how", *(f"fs/fn = {rate:g}" for rate in rates), "1e8"), rows
 
 

@@ -1,10 +1,10 @@
-"""Layered bars: layer steps and layer frequencies a second, beside elwaspatid (where it is installed) and the floor."""
+"""Layered bars: layer steps and layer frequencies a second, beside elwaspatid and the floor."""
 
-import importlib.util
 import time
 
 import elwaspatid_bench
 import numpy as np
+from peers import absent
 from timing import best, table, write
 
 from strikewave.base.materials import material
@@ -53,8 +53,8 @@ def floor():
 
 
 def peer(layers=3, steps=2000):
-    """Return layer steps a second of elwaspatid on the same bar; None where it is not installed."""
-    if importlib.util.find_spec("elwaspatid") is None:
+    """Return layer steps a second of elwaspatid on the same bar; None where it cannot be run."""
+    if absent("elwaspatid"):
         return None
     from elwaspatid import WP2, BarSet
 
@@ -83,7 +83,7 @@ def rows():
         against = f"{ours / other:.0f} x" if other and layers == 3 else ""
         found.append((f"{layers} layers", f"{ours / 1e6:.0f} M/s", target, f"{limit / ours:.1f} x", against))
     named = "elwaspatid 2 (WP2, same bar, its own step of 50 a layer)"
-    found.append((named, f"{other / 1e6:.3f} M/s" if other else "not installed", "", "", "1" if other else ""))
+    found.append((named, f"{other / 1e6:.3f} M/s" if other else absent("elwaspatid"), "", "", "1" if other else ""))
     return found
 
 

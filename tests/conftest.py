@@ -1,6 +1,8 @@
 """Markers by folder, fixed seeds, and one run of the published case shared by all tests."""
 
+import lzma
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -23,15 +25,39 @@ def pytest_report_header() -> str:
     return f"strikewave: numpy seed {SEED}; hypothesis derandomized (its examples follow from the test's source)"
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    for name in sorted({part for folder in HERE.rglob("*/") for part in folder.relative_to(HERE).parts}):
+        config.addinivalue_line("markers", f"{name}: what lies in folders of that name")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.path.is_relative_to(HERE):
-            item.add_marker(item.path.relative_to(HERE).parts[0])
+            for folder in item.path.relative_to(HERE).parts[:-1]:
+                item.add_marker(folder)
 
 
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(SEED)
+
+
+@pytest.fixture(scope="session")
+def measured(tmp_path_factory):
+    """Return the unpacked copy of a folder of tests/data: one a session, so tests write elsewhere."""
+    unpacked = {}
+
+    def folder(name):
+        if name not in unpacked:
+            unpacked[name] = tmp_path_factory.mktemp(name, numbered=False)
+            for file in (HERE / "data" / name).iterdir():
+                if file.suffix == ".xz":
+                    (unpacked[name] / file.stem).write_bytes(lzma.decompress(file.read_bytes()))
+                else:
+                    shutil.copy(file, unpacked[name])
+        return unpacked[name]
+
+    return folder
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,6 @@
 """Identification from force pulses: integrated independently, with noise, with ringing, and those it must refuse."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from strikewave.contact.force_pulse import ForcePulse, cut_out
 from strikewave.contact.identification import COMBINATIONS, identify
 from strikewave.contact.pulse_fit import SCALES, VALUES
 
-IMPACTS = Path(__file__).parents[3] / "shared" / "data" / "smd-5kg-impacts"
 STEP = 0.5e-6
 PULSE = ForcePulse(1e-4, 2e4, 60e-6, 1.5, 0.6)
 TIME = np.arange(800) * STEP
@@ -249,10 +247,9 @@ def test_a_record_that_begins_with_the_blow_has_its_noise_from_the_residual(rng)
     assert found.noise == pytest.approx(100.0, rel=0.1)
 
 
-@pytest.mark.skipif(not IMPACTS.is_dir(), reason="the real records are not here: ../shared/data")
 @pytest.mark.parametrize("number", ["13", "25", "41"])
-def test_a_real_board_that_rings_is_not_described_by_the_law(number):
-    time, values = np.genfromtxt(IMPACTS / f"impact_{number}.lvm", usecols=(0, 1)).T
+def test_a_real_board_that_rings_is_not_described_by_the_law(measured, number):
+    time, values = np.genfromtxt(measured("smd-5kg-impacts") / f"impact_{number}.lvm", usecols=(0, 1)).T
     found = identify(time, values)
     assert not found.described
     assert "does not describe this pulse" in found.words[-1]

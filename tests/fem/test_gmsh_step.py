@@ -33,6 +33,8 @@ RECIPES = dict(re.findall(r"```geo\n// (\w+)\.geo: (.*?)```", SECTION, re.DOTALL
 CASE = re.search(r"```toml\n(.*?)```", SECTION, re.DOTALL)[1]
 STEEL = Elastic(7800.0, 210e9, 0.3)
 
+pytestmark = pytest.mark.verify
+
 
 @pytest.fixture(autouse=True)
 def tools():

@@ -1,5 +1,7 @@
 """The project itself: what it promises about its files."""
 
+import ast
+import graphlib
 import re
 import tomllib
 from pathlib import Path
@@ -9,6 +11,7 @@ import pytest
 import strikewave
 
 ROOT = Path(__file__).parents[2]
+BENCHMARKS = ROOT / "benchmarks"
 SOURCES = sorted((ROOT / "src").rglob("*.py"))
 
 
@@ -28,6 +31,34 @@ def test_constraints_pin_every_dependency_and_name_no_host():
     wanted = project["dependencies"] + extras["dev"] + extras["formats"]
     for requirement in wanted:
         assert re.split("[>=<]", requirement)[0].lower().replace("_", "-") in pinned
+
+
+def test_the_peers_of_the_benchmarks_are_pinned_and_name_no_host():
+    lines = [
+        line
+        for name in ("requirements.txt", "constraints.txt")
+        for line in (BENCHMARKS / name).read_text("utf-8").splitlines()
+        if not line.startswith("#")
+    ]
+    assert lines
+    for line in lines:
+        assert re.fullmatch(r"[\w.-]+==[\w.]+", line)
+
+
+def test_no_module_of_the_benchmarks_needs_itself():
+    """Imports within functions count too: no module may wait for one that waits for it."""
+    needed = {}
+    for path in BENCHMARKS.glob("*.py"):
+        found = [
+            node
+            for node in ast.walk(ast.parse(path.read_text("utf-8")))
+            if isinstance(node, ast.Import | ast.ImportFrom)
+        ]
+        names = [
+            node.module if isinstance(node, ast.ImportFrom) else alias.name for node in found for alias in node.names
+        ]
+        needed[path.stem] = {name for name in names if (BENCHMARKS / f"{name}.py").exists()}
+    list(graphlib.TopologicalSorter(needed).static_order())
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))

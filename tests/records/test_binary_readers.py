@@ -4,7 +4,6 @@ import struct
 import sys
 import tracemalloc
 import zipfile
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,8 +23,6 @@ from .samples import (
     TIME,
     uff_set,
 )
-
-SHARED = Path(__file__).parents[2].parent / "shared" / "data"
 
 
 @pytest.fixture
@@ -308,12 +305,9 @@ def test_excel_sheets_units_below_names_and_gaps(tmp_path):
     assert np.array_equal(channel.values, [1.0, np.nan, 3.0], equal_nan=True)
 
 
-def test_excel_of_a_split_hopkinson_bar():
+def test_excel_of_a_split_hopkinson_bar(measured):
     pytest.importorskip("openpyxl")
-    path = SHARED / "steel945-shpb" / "yao_945steel_03.xlsx"
-    if not path.exists():
-        pytest.skip("no measured files beside the repository")
-    record = read_record(path)
+    record = read_record(measured("steel945-shpb") / "yao_945steel_03.xlsx")
     assert names(record) == ["incident_bar_signal", "transmission_bar_signal"]
     assert {channel.unit for channel in record.channels} == {"με"}
     assert record.channels[0].values.size == 20000

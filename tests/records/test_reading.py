@@ -27,7 +27,6 @@ from strikewave.records import (
 )
 from strikewave.signal.filters import Filter
 
-IMPACTS = Path(__file__).parents[3] / "shared" / "data" / "smd-5kg-impacts"
 STEP = 1e-6
 SHAPES = ("constant", "spike", "alternating", "step", "steps", "noise", "ramp", "coarse", "sparse", "chirp", "pulse")
 
@@ -170,12 +169,9 @@ def test_a_blow_is_the_same_in_another_sign_start_and_scale():
 
 
 @pytest.fixture(scope="module")
-def impacts():
+def impacts(measured):
     """Published records of 50 consecutive shocks: "about 5 000 g, 190 us"; the first two before the sensor settled."""
-    files = sorted(IMPACTS.glob("*.lvm"))
-    if not files:
-        pytest.skip("the published impact records are not here")
-    return [read_record(file) for file in files]
+    return [read_record(file) for file in sorted(measured("smd-5kg-impacts").glob("*.lvm"))]
 
 
 def first_channels(records):

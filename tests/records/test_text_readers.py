@@ -4,7 +4,6 @@ import itertools
 import math
 import re
 import tracemalloc
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,8 +15,6 @@ from strikewave.records.readers import Options, text
 from strikewave.records.readers.clock import step_of
 from strikewave.records.record import Record
 
-SHARED = Path(__file__).parents[2] / ".." / "shared" / "data"
-real = pytest.mark.skipif(not SHARED.is_dir(), reason="the real records are not here: ../shared/data")
 LINES = "0.00,1.5,-2\n0.01,2.5,-3\n0.02,4.5,-5\n0.03,8.5,-9\n"
 FIRST = [1.5, 2.5, 4.5, 8.5]
 SECOND = [-2.0, -3.0, -5.0, -9.0]
@@ -445,9 +442,8 @@ def test_files_with_bytes_changed_give_a_record_or_an_input_error(tmp_path_facto
 # Real records
 
 
-@real
-def test_shocks_of_a_circuit_board_have_two_channels_at_200_khz():
-    record = text.read(SHARED / "smd-5kg-impacts" / "impact_05.lvm")
+def test_shocks_of_a_circuit_board_have_two_channels_at_200_khz(measured):
+    record = text.read(measured("smd-5kg-impacts") / "impact_05.lvm")
     assert [channel.values.size for channel in record.channels] == [20_000, 20_000]
     assert record.channels[0].step == pytest.approx(5e-6, rel=1e-9)
     assert record.channels[0].values[0] == 146.646210
@@ -455,18 +451,16 @@ def test_shocks_of_a_circuit_board_have_two_channels_at_200_khz():
     assert codes(record) == ["column-dropped"]
 
 
-@real
-def test_a_split_hopkinson_record_of_an_oscilloscope_is_read_with_its_settings_beside_it():
-    record = text.read(SHARED / "lanl-kolsky" / "lanl_PMMA13_Ch1.csv")
+def test_a_split_hopkinson_record_of_an_oscilloscope_is_read_with_its_settings_beside_it(measured):
+    record = text.read(measured("lanl-kolsky") / "lanl_PMMA13_Ch1.csv")
     (channel,) = record.channels
     assert channel.values.size == 50_000
     assert (channel.step, channel.start) == (pytest.approx(8e-9, rel=1e-9), -8e-5)
     assert channel.values[[0, -1]].tolist() == [-2.08124998e-2, -1.16812501e-1]
 
 
-@real
-def test_a_split_hopkinson_record_with_start_and_step_on_top_is_read_at_10_mhz():
-    record = text.read(SHARED / "lanl-kolsky" / "lanl_Cu_20061201_1148HE.raw")
+def test_a_split_hopkinson_record_with_start_and_step_on_top_is_read_at_10_mhz(measured):
+    record = text.read(measured("lanl-kolsky") / "lanl_Cu_20061201_1148HE.raw")
     assert [channel.name for channel in record.channels] == ["Incident/Reflected Waveform", "Transmitted Waveform"]
     assert record.channels[0].values.tolist()[:2] == [-0.011292, -0.012207]
     assert (record.channels[0].step, record.channels[0].start) == (1e-7, -5e-5)

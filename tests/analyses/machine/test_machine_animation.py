@@ -36,7 +36,7 @@ HOSTILE = "_</script><img src=x onerror=alert(1)> $\\frac{1}{$ & \u202e\u2028"
 LARGEST = 500_000
 """Bytes of a page, so that it can be sent by mail."""
 CHROMIUM = shutil.which("chromium-headless-shell") or shutil.which("chromium") or shutil.which("google-chrome")
-needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="no chromium here to open the page with")
+HOW_TO_GET = "chromium is not installed; Debian, Ubuntu: apt-get install --no-install-recommends chromium-headless-shell"
 
 
 class Page(HTMLParser):
@@ -310,7 +310,7 @@ def numbers(text):
     return [float(number) for number in found.groups()]
 
 
-@needs_chromium
+@pytest.mark.verify
 def test_the_browser_shows_the_numbers_of_the_solution(solution, motion, page, tmp_path):
     """At kept samples, to the decimals that are written: half of the last one, and the 32 bits of a value."""
     place = tmp_path / "machine.html"
@@ -334,7 +334,7 @@ def test_the_browser_shows_the_numbers_of_the_solution(solution, motion, page, t
             assert carriage == pytest.approx(motion.carriage[row] * 1e3, abs=5.1e-3)
 
 
-@needs_chromium
+@pytest.mark.verify
 def test_the_browser_obeys_reduced_motion_and_hostile_addresses(page, tmp_path):
     place = tmp_path / "machine.html"
     place.write_text(page, "utf-8")
@@ -344,7 +344,7 @@ def test_the_browser_obeys_reduced_motion_and_hostile_addresses(page, tmp_path):
     assert numbers(text)[0] == 0.0
 
 
-@needs_chromium
+@pytest.mark.verify
 def test_nothing_is_wider_than_a_narrow_screen(page, tmp_path):
     """The policy is taken out of the copy that is measured, for a script that measures it."""
     measured = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page)

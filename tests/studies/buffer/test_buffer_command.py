@@ -5,7 +5,6 @@ import json
 import math
 import os
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,7 +43,6 @@ material = "PTFE"
 thickness = "1 mm"
 diameter = "15 mm"
 """
-IMPACTS = Path(__file__).parents[4] / "shared" / "data" / "smd-5kg-impacts"
 FEW = ("--material", "rubber", "--material", "PTFE", "--thickness", "1 mm", "--layers", "2")
 
 
@@ -292,10 +290,9 @@ def test_a_record_that_its_examination_calls_bad_is_refused(strikewave):
     assert "no-pulse" in err
 
 
-@pytest.mark.skipif(not IMPACTS.is_dir(), reason="the real records are not here: ../shared/data")
-def test_a_real_record_without_a_blow_is_refused(strikewave):
+def test_a_real_record_without_a_blow_is_refused(strikewave, measured):
     words = ("--unit", "g", "--mass", "5 gram", "--diameter", "15 mm", "--limit", "5000 g", *FEW, "--json")
-    code, _, err = strikewave("buffer", "--record", str(IMPACTS / "impact_00.lvm"), *words)
+    code, _, err = strikewave("buffer", "--record", str(measured("smd-5kg-impacts") / "impact_00.lvm"), *words)
     assert code == 2
     assert "no-pulse" in err
     assert "not-settled" in err
