@@ -14,7 +14,7 @@ def heads(columns: Sequence[tuple[str, str, str, int]]) -> list[str]:
 
     Examples
     --------
-    >>> heads(CONTACT_COLUMNS)[2:4]
+    >>> heads([("restitution", "1", "1", 4), ("indentation", "m", "um", 2)])
     ['restitution', 'indentation (µm)']
     """
     return [name.replace("_", " ") + (f" ({spelled(unit)})" if unit != "1" else "") for name, _, unit, _ in columns]

@@ -171,6 +171,7 @@ def xt_diagram(field: WaveField, quantity: str = "stress") -> Figure:
     Examples
     --------
     >>> from strikewave import load_case, run_wave
+    >>> from strikewave.analyses.wave.field import bar_field
     >>> figure = xt_diagram(bar_field(run_wave(load_case("li-ma-2019-fig13-bar"))))
     >>> figure.axes[1].get_ylabel()
     'stress (MPa), compression above 0'
@@ -356,6 +357,7 @@ def snapshots(field: WaveField, quantity: str = "stress") -> Figure:
     Examples
     --------
     >>> from strikewave import load_case, run_wave
+    >>> from strikewave.analyses.wave.field import bar_field
     >>> len(snapshots(bar_field(run_wave(load_case("li-ma-2019-fig13-bar")))).axes)
     6
     """

@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.machine.words import BLOW_COLUMNS, CONTACT_COLUMNS, MACHINES, launch_tables, reference_law
+from strikewave.analyses.machine.columns import shown_in
+from strikewave.analyses.machine.words import MACHINES, launch_tables, reference_law
 from strikewave.reporting.chapters import layer_steps, ledger_table
 from strikewave.reporting.numbers import fixed, heads, listed, with_unit
 from strikewave.reporting.parts import Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
@@ -79,12 +80,12 @@ def _drawing(case: Case) -> list[Part]:
 
 def blow_table(solution: Solution) -> Section:
     """List the blows, in the units and columns of the command line."""
-    named = ["#", "kind", *heads(BLOW_COLUMNS), "contacts"]
+    named = ["#", "kind", *heads(shown_in("blows")), "contacts"]
     rows: list[list[Cell]] = [
         [
             str(blow.index),
             Tag(blow.kind, blow.kind),
-            *(fixed(getattr(blow, name), si, unit, decimals) for name, si, unit, decimals in BLOW_COLUMNS),
+            *(fixed(getattr(blow, name), si, unit, decimals) for name, si, unit, decimals in shown_in("blows")),
             str(blow.contacts),
         ]
         for blow in solution.blows
@@ -103,9 +104,9 @@ def blow_table(solution: Solution) -> Section:
 
 def _contacts(solution: Solution) -> list[Table]:
     """List the contact of each blow, where its numbers are held."""
-    struck = [blow for blow in solution.blows if blow.kind != "missed"]
+    columns, struck = shown_in("contact"), [blow for blow in solution.blows if blow.kind != "missed"]
     rows: list[list[Cell]] = [
-        [str(b.index), *(fixed(getattr(b, name), si, unit, d) for name, si, unit, d in CONTACT_COLUMNS)] for b in struck
+        [str(b.index), *(fixed(getattr(b, name), si, unit, d) for name, si, unit, d in columns)] for b in struck
     ]
     caption = (
         "Contact, blow by blow. The restitution is that of the contact: the square root of the work it gives back over "
@@ -113,7 +114,7 @@ def _contacts(solution: Solution) -> list[Table]:
         "force at the largest indentation on the way back; what stays of the indentation, and the radius of the spot "
         "over that before, change only where the case gives a yield pressure."
     )
-    return [Table(caption, ["#", *heads(CONTACT_COLUMNS)], rows)] if rows else []
+    return [Table(caption, ["#", *heads(columns)], rows)] if rows else []
 
 
 def pulse_pictures(solution: Solution) -> Section:

@@ -107,19 +107,20 @@ def _solve(case: Case) -> Solution:
 
 
 def _print(solution: Solution) -> None:
-    from strikewave.analyses.machine.words import BLOW_COLUMNS, CONTACT_COLUMNS, reference_law
+    from strikewave.analyses.machine.columns import shown_in
+    from strikewave.analyses.machine.words import reference_law
     from strikewave.reporting.numbers import heads
 
-    columns = ["#", "kind", *heads(BLOW_COLUMNS), "contacts"]
+    columns = shown_in("blows")
     rows = [
-        [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in BLOW_COLUMNS), str(b.contacts)]
+        [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns), str(b.contacts)]
         for b in solution.blows
     ]
     say(_header(solution))
-    table(solution.title, columns, rows, left=2)
-    struck = [blow for blow in solution.blows if blow.kind != "missed"]
-    rows = [[str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in CONTACT_COLUMNS)] for b in struck]
-    table("Contact, blow by blow", ["#", *heads(CONTACT_COLUMNS)], rows)
+    table(solution.title, ["#", "kind", *heads(columns), "contacts"], rows, left=2)
+    columns, struck = shown_in("contact"), [blow for blow in solution.blows if blow.kind != "missed"]
+    rows = [[str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns)] for b in struck]
+    table("Contact, blow by blow", ["#", *heads(columns)], rows)
     _print_waves(solution)
     print_published(solution.published)
     _print_collisions(solution)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.analyses.machine.columns import BLOW_UNITS
 from strikewave.analyses.machine.readings import BlowHistory, Observed, View
-from strikewave.analyses.machine.result import BLOW_UNITS
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case
 from strikewave.machines import Blow

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave._version import __version__
+from strikewave.analyses.machine.columns import BLOW_UNITS, HIDDEN
 from strikewave.analyses.machine.readings import BlowReading
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head, plain, without
@@ -33,26 +34,6 @@ if TYPE_CHECKING:
 
 LARGEST_LOAD = 4_000_000_000
 """A solution file that would take more bytes than this is refused."""
-
-BLOW_UNITS = {
-    "time": "s",
-    "approach_speed": "m/s",
-    "rebound_speed": "m/s",
-    "indentation": "m",
-    "residual_indentation": "m",
-    "contact_stiffness": "N/m",
-    "impulse": "N s",
-    "contact_impulse": "N s",
-    "support_impulse": "N s",
-    "peak_force": "N",
-    "rigid_peak": "m/s^2",
-    "width": "s",
-    "rise": "s",
-    "velocity_change": "m/s",
-    "retreat": "m",
-    "turntable_speed": "rad/s",
-}
-"""SI unit of each column of the table of blows that has one."""
 
 HISTORIES = (
     "contact_force",
@@ -71,10 +52,6 @@ HISTORIES = (
 def histories_of(case: Case) -> set[str]:
     """Return the histories of a solution: without a turntable there is no speed of one."""
     return set(HISTORIES) - (set() if case.launched() is None else {"turntable_speed"})
-
-
-DETAIL_COLUMNS = ("striker", "contact_impulse", "support_impulse", "momentum_error", "rise", "retreat")
-"""Columns of blows.csv that the JSON document leaves out."""
 
 
 @dataclass(frozen=True)
@@ -175,13 +152,12 @@ class Solution:
 
     def document(self) -> dict[str, Any]:
         """Return the JSON document of the run; values that do not exist are null."""
-        hidden = set(DETAIL_COLUMNS)
         rows = []
         nothing = BlowReading(None, None, None, {})
         for blow, reading in zip(self.blows, self.readings, strict=True):
-            row = {k: v for k, v in dataclasses.asdict(blow).items() if k not in hidden}
+            row = {k: v for k, v in dataclasses.asdict(blow).items() if k not in HIDDEN}
             rows.append({**row, **dataclasses.asdict(reading or nothing)})
-        units = {k: u for k, u in BLOW_UNITS.items() if k not in hidden}
+        units = {k: u for k, u in BLOW_UNITS.items() if k not in HIDDEN}
         units |= {"wave_peak": "m/s^2", "total_peak": "m/s^2", "bandwidth": "Hz", "peak": "m/s^2", "masses": "kg"}
         units |= {"step": "s", "mismatch": "1", "length_asked": "m", "length_used": "m"}
         units |= LAUNCH_UNITS | {"lower_before": "m/s", "upper_before": "m/s"}

@@ -139,28 +139,3 @@ def collision_rows(solution: Solution) -> list[list[str]]:
         ]
         for c in solution.collisions
     ]
-
-
-BLOW_COLUMNS = (
-    ("time", "s", "ms", 3),
-    ("approach_speed", "m/s", "m/s", 3),
-    ("impulse", "N s", "N s", 3),
-    ("peak_force", "N", "kN", 2),
-    ("rigid_peak", "m/s^2", "g", 1),
-    ("width", "s", "us", 1),
-    ("velocity_change", "m/s", "m/s", 3),
-    ("retreat", "m", "mm", 2),
-)
-"""Columns of the table of blows: attribute, SI unit, unit shown, decimals."""
-
-
-CONTACT_COLUMNS = (
-    ("approach_speed", "m/s", "m/s", 3),
-    ("rebound_speed", "m/s", "m/s", 3),
-    ("restitution", "1", "1", 4),
-    ("indentation", "m", "um", 2),
-    ("residual_indentation", "m", "um", 2),
-    ("contact_stiffness", "N/m", "MN/m", 1),
-    ("flattening", "1", "1", 4),
-)
-"""Columns of the table of contacts, blow by blow: the same."""

@@ -1,0 +1,75 @@
+"""The columns of the tables of blows: where each is shown, in which unit.
+
+A new column is a field of `strikewave.machines.Blow` and a line here.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Column(NamedTuple):
+    """A column of the tables of blows.
+
+    Attributes
+    ----------
+    name : str
+        Field of `Blow`.
+    unit : str
+        SI unit; "1" where there is none.
+    shown : str
+        Unit on screen and page.
+    decimals : int
+        Decimals on screen and page.
+    tables : str
+        Where it is shown: ``blows``, ``contact``, both or neither.
+    document : bool
+        Whether the JSON document holds it; blows.csv and the histories hold all.
+    """
+
+    name: str
+    unit: str
+    shown: str = ""
+    decimals: int = 0
+    tables: str = ""
+    document: bool = True
+
+
+COLUMNS = (
+    Column("striker", "1", document=False),
+    Column("time", "s", "ms", 3, "blows"),
+    Column("approach_speed", "m/s", "m/s", 3, "blows, contact"),
+    Column("rebound_speed", "m/s", "m/s", 3, "contact"),
+    Column("restitution", "1", "1", 4, "contact"),
+    Column("indentation", "m", "um", 2, "contact"),
+    Column("residual_indentation", "m", "um", 2, "contact"),
+    Column("contact_stiffness", "N/m", "MN/m", 1, "contact"),
+    Column("flattening", "1", "1", 4, "contact"),
+    Column("impulse", "N s", "N s", 3, "blows"),
+    Column("contact_impulse", "N s", document=False),
+    Column("support_impulse", "N s", document=False),
+    Column("momentum_error", "1", document=False),
+    Column("peak_force", "N", "kN", 2, "blows"),
+    Column("rigid_peak", "m/s^2", "g", 1, "blows"),
+    Column("width", "s", "us", 1, "blows"),
+    Column("rise", "s", document=False),
+    Column("velocity_change", "m/s", "m/s", 3, "blows"),
+    Column("retreat", "m", "mm", 2, "blows", document=False),
+    Column("turntable_speed", "rad/s"),
+)
+
+BLOW_UNITS = {column.name: column.unit for column in COLUMNS if column.unit != "1"}
+"""SI unit of each column that has one."""
+HIDDEN = frozenset(column.name for column in COLUMNS if not column.document)
+"""Columns that the JSON document leaves out."""
+
+
+def shown_in(table: str) -> list[tuple[str, str, str, int]]:
+    """Return name, SI unit, unit shown and decimals of the columns of a table, ``blows`` or ``contact``.
+
+    Examples
+    --------
+    >>> shown_in("contact")[1]
+    ('rebound_speed', 'm/s', 'm/s', 3)
+    """
+    return [column[:4] for column in COLUMNS if table in column.tables]
