@@ -191,18 +191,14 @@ def rotary_rates(system, t, y, mode, memory, dy):
 
 
 @leaf_kernel
-def motor_speed(system, y):
-    """Return the speed that the controller sees, rad/s: that of the motor, as the turntable would have it."""
-    at = layout_of(system)
-    return y[at.turntable_speed] if system.settings[BELT_STIFFNESS] == np.inf else y[at.motor_speed]
-
-
-@leaf_kernel
 def own_switches(system, t, y, mode, memory, g):
-    """Fill the machine's own switch functions: drive, feed, passing strikers, and seats at the edges of the face."""
+    """Fill the machine's own switch functions: drive, feed, passing strikers, and seats at the edges of the face.
+
+    The controller sees the speed of the motor, as the turntable would have it.
+    """
     at, settings = layout_of(system), system.settings
     drive, limit = mode[at.drive], settings[TORQUE]
-    wanted = wanted_torque(settings, motor_speed(system, y))
+    wanted = wanted_torque(settings, y[at.turntable_speed if settings[BELT_STIFFNESS] == np.inf else at.motor_speed])
     g[FULL_TORQUE_SWITCH], g[NO_TORQUE_SWITCH] = 1.0, 1.0
     if drive == REGULATED:
         g[FULL_TORQUE_SWITCH], g[NO_TORQUE_SWITCH] = limit - wanted, wanted
@@ -213,20 +209,21 @@ def own_switches(system, t, y, mode, memory, g):
     phase, since = mode[at.feed], t - memory[at.feed_start]
     g[FEED_SWITCH] = settings[FEED_TIMES[phase]] - since
     g[APEX_SWITCH] = memory[at.next_apex] - y[at.angle]
-    half = settings[HALF_FACE]
+    half, edges, on_face = settings[HALF_FACE], g[at.edges], mode[at.on_face]
     for i in range(at.carriage):
         inside = half - abs(system.chain.bases[ACROSS, i]) if half < np.inf else 1.0
-        g[at.edges][i] = inside if mode[at.on_face][i] else -inside
+        edges[i] = inside if on_face[i] else -inside
 
 
 @leaf_kernel
 def rotary_switches(system, t, y, mode, memory, g):
     """Fill the switch functions of links, drive, feed, passing strikers and edges of the face."""
     at = layout_of(system)
+    on_face = mode[at.on_face]
     place_bases(system, t, y, mode, memory)
     link_switches(system.chain, y, mode, memory, g)
     for i in range(at.carriage):
-        if mode[at.on_face][i] == 0:
+        if on_face[i] == 0:
             never_touches(i, g)
     own_switches(system, t, y, mode, memory, g[at.own_switches])
 
@@ -245,15 +242,16 @@ def cross_edge(system, i, y, mode, memory):
     Coming at a place behind the face it meets the edge: that stops the run.
     """
     at, chain = layout_of(system), system.chain
-    if mode[at.on_face][i] == 0:
-        mode[at.on_face][i] = 1
+    on_face = mode[at.on_face]
+    if on_face[i] == 0:
+        on_face[i] = 1
         d, _ = link_motion(chain, i, y)
         deepest, s = spot_of(chain, memory, i)
         if d > residual(deepest, s):
             mode[at.edge] = i + 1
             return STOP
         return CONTINUE
-    mode[at.on_face][i] = 0
+    on_face[i] = 0
     if mode[i] == OPEN:
         return CONTINUE
     y[at.dissipated][i] += let_go(chain, i, y, mode, memory)

@@ -188,15 +188,14 @@ def coast_switches(system, t, y, mode, memory, g):
     link_switches(system.chain, y, mode, memory, g)
     own = g[at.own_switches]
     own_switches(system, t, y, mode, memory, own)
-    half = system.settings[HALF_FACE]
+    half, on_face, touches, edges = system.settings[HALF_FACE], mode[at.on_face], own[at.touches], own[at.edges]
     for i in range(system.seats.shape[0]):
-        before = mode[at.on_face][i]
         place, _, across = nose_motion(system, i, y[at.angle], y[at.turntable_speed])
-        own[at.touches][i] = face + system.left[i] - place if before else 1.0
-        own[at.edges][i] = 1.0
+        touches[i] = face + system.left[i] - place if on_face[i] else 1.0
+        edges[i] = 1.0
         if half < np.inf:
             inside = half - abs(across)
-            own[at.edges][i] = inside if before else -inside
+            edges[i] = inside if on_face[i] else -inside
 
 
 @called_kernel
@@ -213,10 +212,10 @@ def coast_switch(system, k, t, y, mode, memory):
         mode[at.touched] = 1
         mode[at.touching] = own - at.touches.start
         return STOP
-    i = own - at.edges.start
-    mode[at.on_face][i] = 1 - mode[at.on_face][i]
+    i, on_face = own - at.edges.start, mode[at.on_face]
+    on_face[i] = 1 - on_face[i]
     place, _, _ = nose_motion(system, i, y[at.angle], y[at.turntable_speed])
-    if mode[at.on_face][i] and place > face + system.left[i]:
+    if on_face[i] and place > face + system.left[i]:
         mode[at.edge] = i + 1
         return STOP
     return CONTINUE
@@ -366,10 +365,10 @@ def end_blow(coast, blow, strikers, going, struck, t):
     copy(y[at.held_energies], z[riding.held_energies])
     copy(struck.mode[at.held_modes], mode[riding.held_modes])
     copy(struck.memory[at.own_memory], going.memory[riding.own_memory])
-    half = coast.settings[HALF_FACE]
+    half, on_face = coast.settings[HALF_FACE], mode[riding.on_face]
     for j in range(coast.seats.shape[0]):
         _, _, across = nose_motion(coast, j, z[riding.angle], z[riding.turntable_speed])
-        mode[riding.on_face][j] = 1 if abs(across) <= half else 0
+        on_face[j] = 1 if abs(across) <= half else 0
     deepest, growth = spot_of(blow.chain, struck.memory, at.contacts.start)
     _keep_spot(strikers, coast.left, i, deepest, growth)
     place_bases(coast, t, z, mode, going.memory)
