@@ -34,10 +34,11 @@ from strikewave.compiled import LEAF
 from strikewave.contact._chain_kernels import SWITCHES
 
 FULL_TORQUE_SWITCH, NO_TORQUE_SWITCH, FEED_SWITCH, APEX_SWITCH = 0, 1, 2, 3
-"""Places of drive, feed and apex among the machine's own switch functions."""
+"""Places of drive, feed and apex among the machine's own switch functions: the same in every system."""
+_DRIVE_FEED_APEX = 4
+"""How many those are."""
 STRIKER, OBJECT = 0, 0
 """Numbers of the bodies of a fast run: of the one striker in a blow, and of the object while it coasts."""
-_DRIVE_FEED_APEX = 4
 
 
 class Layout(NamedTuple):
