@@ -16,8 +16,9 @@ from strikewave.base.errors import StrikewaveError
 from strikewave.machines import _stack_kernels as column
 from strikewave.machines import blows, rotary, run_rotary
 from strikewave.machines import strike as one_blow
+from strikewave.machines._layout import layout_of
 from strikewave.machines.layered import LayeredObject, machine_grid
-from strikewave.machines.spans import Places, StackSpan
+from strikewave.machines.spans import StackSpan
 from strikewave.waves import BONDED, Branch, Joint, Layer, Stack
 
 CASE = "li-ma-2019-fig5"
@@ -202,9 +203,8 @@ def run_and_book_the_frame(machine):
 
     def strike(layered, struck, system, start, **others):
         span, end = one_blow.strike(layered, struck, system, start, **others)
-        place = Places(machine.strikers.count)
-        at = place.energies + place.frame
-        booked.append(end.y[at] - start.y[at])
+        at = layout_of(system)
+        booked.append((end.y - start.y)[at.dissipated][at.frame])
         return span, end
 
     with mock.patch.object(rotary, "strike", strike):

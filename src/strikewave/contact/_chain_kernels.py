@@ -28,6 +28,7 @@ from strikewave.contact._law_kernels import (
     hysteresis,
     push,
     residual,
+    stored,
     unyielding_force,
     yielding,
 )
@@ -67,13 +68,28 @@ class Links(NamedTuple):
     values: np.ndarray
 
 
-class ChainSystem(NamedTuple):
-    """Bodies on bases that stand still or shake; state = positions, speeds, energy dissipated in each link."""
+class ChainTables(NamedTuple):
+    """Bodies (one row each), bases (one column each, scratch), and the links that join them, as of `Links`.
+
+    The state of a system with such a chain begins with the positions of the bodies and their speeds, its modes with
+    those of the links, its switch functions with three for each link; its memory is that of `Links`.
+    """
 
     bodies: np.ndarray
     bases: np.ndarray
     joins: np.ndarray
     values: np.ndarray
+
+    @property
+    def links(self) -> Links:
+        """The links alone."""
+        return Links(self.joins, self.values)
+
+
+class ChainSystem(NamedTuple):
+    """A chain on bases that stand still or shake; state = positions, speeds, energy dissipated in each link."""
+
+    chain: ChainTables
     shakes: np.ndarray
 
 
@@ -90,16 +106,16 @@ def shake(shakes, bases, t):
 
 
 @leaf_kernel
-def deepest_place(joins, memory, i):
+def deepest_place(chain, memory, i):
     """Return the place in the memory of the depth to which link i has yielded; s follows so many links later."""
-    return memory.shape[0] - 2 * joins.shape[0] + i
+    return memory.shape[0] - 2 * chain.joins.shape[0] + i
 
 
 @leaf_kernel
-def spot_of(joins, memory, i):
+def spot_of(chain, memory, i):
     """Return the depth to which link i has yielded, and s."""
-    place = deepest_place(joins, memory, i)
-    return memory[place], memory[place + joins.shape[0]]
+    place = deepest_place(chain, memory, i)
+    return memory[place], memory[place + chain.joins.shape[0]]
 
 
 @leaf_kernel
@@ -131,8 +147,9 @@ def link_force(kind, value, d, rate, mode, approach, deepest, s):
 
 
 @leaf_kernel
-def link_motion(joins, values, i, y, bases, bodies):
+def link_motion(chain, i, y):
     """Return indentation d and its rate d' of link i."""
+    joins, bases, bodies = chain.joins, chain.bases, chain.bodies.shape[0]
     a, b = joins[i, BEHIND], joins[i, AHEAD]
     if a < bodies:
         d, rate = y[a], y[bodies + a]
@@ -144,32 +161,50 @@ def link_motion(joins, values, i, y, bases, bodies):
     else:
         d -= bases[PLACE, b - bodies]
         rate -= bases[SPEED, b - bodies]
-    return d - values[i, OFFSET], rate
+    return d - chain.values[i, OFFSET], rate
 
 
 @leaf_kernel
-def frictionless(joins, values, table, y, bases, mode, memory, node):
+def press(chain, i, y, mode, memory):
+    """Return the force of link i, which is no friction, its elastic part, N, and the rate d', m/s."""
+    d, rate = link_motion(chain, i, y)
+    deepest, s = spot_of(chain, memory, i)
+    force, elastic = link_force(chain.joins[i, KIND], chain.values[i], d, rate, mode[i], memory[i], deepest, s)
+    return force, elastic, rate
+
+
+@leaf_kernel
+def spring_energy(chain, i, y):
+    """Return the energy that spring or stop i stores, J."""
+    values = chain.values[i]
+    d, _ = link_motion(chain, i, y)
+    if chain.joins[i, KIND] == STOP_LINK:
+        d = max(d, 0.0)
+    return values[PRELOAD] * d + 0.5 * values[STIFFNESS] * d * d
+
+
+@leaf_kernel
+def frictionless(chain, node, y, mode, memory):
     """Return the acceleration of a node without friction, m/s^2."""
+    joins, table = chain.joins, chain.bodies
     bodies = table.shape[0]
     if node >= bodies:
-        return bases[ACCELERATION, node - bodies]
-    push = 0.0
+        return chain.bases[ACCELERATION, node - bodies]
+    pushed = 0.0
     for j in range(joins.shape[0]):
         if joins[j, KIND] == FRICTION or (joins[j, BEHIND] != node and joins[j, AHEAD] != node):
             continue
-        d, rate = link_motion(joins, values, j, y, bases, bodies)
-        deepest, s = spot_of(joins, memory, j)
-        force, _ = link_force(joins[j, KIND], values[j], d, rate, mode[j], memory[j], deepest, s)
-        push += force if joins[j, AHEAD] == node else -force
-    return push / table[node, MASS] + table[node, GRAVITY]
+        force, _, _ = press(chain, j, y, mode, memory)
+        pushed += force if joins[j, AHEAD] == node else -force
+    return pushed / table[node, MASS] + table[node, GRAVITY]
 
 
 @leaf_kernel
-def holding_force(joins, values, table, y, bases, mode, memory, i):
+def holding_force(chain, i, y, mode, memory):
     """Return the force with which friction link i would keep its nodes together, N: equal accelerations."""
-    a, b = joins[i, BEHIND], joins[i, AHEAD]
-    apart = frictionless(joins, values, table, y, bases, mode, memory, a)
-    apart -= frictionless(joins, values, table, y, bases, mode, memory, b)
+    a, b, table = chain.joins[i, BEHIND], chain.joins[i, AHEAD], chain.bodies
+    apart = frictionless(chain, a, y, mode, memory)
+    apart -= frictionless(chain, b, y, mode, memory)
     give = 0.0
     if a < table.shape[0]:
         give += 1.0 / table[a, MASS]
@@ -179,28 +214,34 @@ def holding_force(joins, values, table, y, bases, mode, memory, i):
 
 
 @leaf_kernel
-def friction_force(joins, values, table, y, bases, mode, memory, i):
+def friction_force(chain, i, y, mode, memory):
     """Return the force of friction link i, N."""
     if mode[i] == STICKING:
-        return holding_force(joins, values, table, y, bases, mode, memory, i)
-    return values[i, SLIDING_FORCE] if mode[i] == SLIDING else -values[i, SLIDING_FORCE]
+        return holding_force(chain, i, y, mode, memory)
+    sliding = chain.values[i, SLIDING_FORCE]
+    return sliding if mode[i] == SLIDING else -sliding
 
 
 @leaf_kernel
-def chain_forces(joins, values, table, y, bases, mode, memory, out):
+def link_push(chain, i, y, mode, memory):
+    """Return the force of link i, its elastic part, N, and the rate d', m/s."""
+    if chain.joins[i, KIND] == FRICTION:
+        _, rate = link_motion(chain, i, y)
+        return friction_force(chain, i, y, mode, memory), 0.0, rate
+    return press(chain, i, y, mode, memory)
+
+
+@leaf_kernel
+def chain_forces(chain, y, mode, memory, out):
     """Fill out with the force of each link."""
-    for i in range(joins.shape[0]):
-        if joins[i, KIND] == FRICTION:
-            out[i] = friction_force(joins, values, table, y, bases, mode, memory, i)
-            continue
-        d, rate = link_motion(joins, values, i, y, bases, table.shape[0])
-        deepest, s = spot_of(joins, memory, i)
-        out[i], _ = link_force(joins[i, KIND], values[i], d, rate, mode[i], memory[i], deepest, s)
+    for i in range(chain.joins.shape[0]):
+        out[i], _, _ = link_push(chain, i, y, mode, memory)
 
 
 @leaf_kernel
-def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
-    """Fill speeds, accelerations, dissipated powers (from index ``first``) and the forces on bases."""
+def chain_rates(chain, y, mode, memory, dy, power):
+    """Fill speeds and accelerations, the power that each link dissipates, W, and the forces on bases."""
+    joins, table, bases = chain.joins, chain.bodies, chain.bases
     bodies = table.shape[0]
     for i in range(bodies):
         dy[i] = y[bodies + i]
@@ -208,17 +249,11 @@ def chain_rates(joins, values, table, y, bases, mode, memory, dy, first):
     for i in range(bases.shape[1]):
         bases[FORCE, i] = 0.0
     for i in range(joins.shape[0]):
-        dy[first + i] = 0.0
-        kind = joins[i, KIND]
-        if kind in (STOP_LINK, CONTACT) and mode[i] == OPEN:
+        power[i] = 0.0
+        if joins[i, KIND] in (STOP_LINK, CONTACT) and mode[i] == OPEN:
             continue
-        d, rate = link_motion(joins, values, i, y, bases, bodies)
-        if kind == FRICTION:
-            force, elastic = friction_force(joins, values, table, y, bases, mode, memory, i), 0.0
-        else:
-            deepest, s = spot_of(joins, memory, i)
-            force, elastic = link_force(kind, values[i], d, rate, mode[i], memory[i], deepest, s)
-        dy[first + i] = (force - elastic) * rate
+        force, elastic, rate = link_push(chain, i, y, mode, memory)
+        power[i] = (force - elastic) * rate
         a, b = joins[i, BEHIND], joins[i, AHEAD]
         if a < bodies:
             dy[bodies + a] -= force / table[a, MASS]
@@ -247,35 +282,36 @@ def contact_switches(law, d, rate, mode, approach, deepest, s, g):
 
 
 @leaf_kernel
-def friction_switch(joins, values, table, y, bases, mode, memory, i, rate):
+def friction_switch(chain, i, y, mode, memory, rate):
     """Return the switch function of friction link i: it still holds, or still slides the same way.
 
     What has just broken loose has no slip yet: it slides until the slip is a little below zero, so that neither
     rounding nor a short excess of the force can toss it to and fro.
     """
     if mode[i] == STICKING:
-        return values[i, STICKING_FORCE] - abs(holding_force(joins, values, table, y, bases, mode, memory, i))
+        return chain.values[i, STICKING_FORCE] - abs(holding_force(chain, i, y, mode, memory))
     return (rate if mode[i] == SLIDING else -rate) + _AT_REST
 
 
 @leaf_kernel
-def link_switches(joins, values, table, y, bases, mode, memory, g):
+def link_switches(chain, y, mode, memory, g):
     """Fill the switch functions of each link.
 
     A force lost while the link is still compressed comes back only above a small share, so that rounding
     cannot toss it to and fro.
     """
-    for i in range(joins.shape[0]):
+    values = chain.values
+    for i in range(chain.joins.shape[0]):
         own = g[SWITCHES * i : SWITCHES * (i + 1)]
         own[0], own[1], own[2] = 1.0, 1.0, 1.0
-        kind = joins[i, KIND]
+        kind = chain.joins[i, KIND]
         if kind == SPRING:
             continue
-        d, rate = link_motion(joins, values, i, y, bases, table.shape[0])
+        d, rate = link_motion(chain, i, y)
         if kind == FRICTION:
-            own[0] = friction_switch(joins, values, table, y, bases, mode, memory, i, rate)
+            own[0] = friction_switch(chain, i, y, mode, memory, rate)
         elif kind == CONTACT:
-            deepest, s = spot_of(joins, memory, i)
+            deepest, s = spot_of(chain, memory, i)
             contact_switches(values[i], d, rate, mode[i], memory[i], deepest, s, own)
         elif mode[i] == OPEN:
             own[0] = -d
@@ -286,22 +322,47 @@ def link_switches(joins, values, table, y, bases, mode, memory, g):
 
 
 @leaf_kernel
-def remember(joins, values, memory, i, deepest):
-    """Keep the depth to which contact i has yielded, for all contacts of its spot: the deepest of any."""
-    for j in range(joins.shape[0]):
-        if j == i or (values[j, SPOT] > 0.0 and values[j, SPOT] == values[i, SPOT]):
-            place = deepest_place(joins, memory, j)
-            memory[place] = max(memory[place], deepest)
-            memory[place + joins.shape[0]] = flattening(values[j], memory[place])
+def never_touches(i, g):
+    """Take from contact i the switch function of its first touch."""
+    g[SWITCHES * i] = 1.0
 
 
 @leaf_kernel
-def slip(joins, values, table, y, bases, mode, memory, i):
+def link_of(k):
+    """Return the link that switch k belongs to."""
+    return k // SWITCHES
+
+
+@leaf_kernel
+def remember(chain, i, memory, deepest):
+    """Keep the depth to which contact i has yielded, for all contacts of its spot: the deepest of any."""
+    values = chain.values
+    for j in range(values.shape[0]):
+        if j == i or (values[j, SPOT] > 0.0 and values[j, SPOT] == values[i, SPOT]):
+            place = deepest_place(chain, memory, j)
+            memory[place] = max(memory[place], deepest)
+            memory[place + values.shape[0]] = flattening(values[j], memory[place])
+
+
+@leaf_kernel
+def let_go(chain, i, y, mode, memory):
+    """Open contact i while it is pressed: return what it stores, J, which is lost; what yields is remembered."""
+    d, _ = link_motion(chain, i, y)
+    if mode[i] == YIELDING:
+        remember(chain, i, memory, d)
+    deepest, _ = spot_of(chain, memory, i)
+    mode[i] = OPEN
+    return stored(chain.values[i], d, deepest)
+
+
+@leaf_kernel
+def slip(chain, i, y, mode, memory):
     """Let friction link i stick or slide, as the force that would hold it says; what comes to rest has no slip left.
 
     The speeds of the two bodies become that of their common momentum: they differ by rounding only.
     """
-    a, b, bodies = joins[i, BEHIND], joins[i, AHEAD], table.shape[0]
+    table, bases = chain.bodies, chain.bases
+    a, b, bodies = chain.joins[i, BEHIND], chain.joins[i, AHEAD], table.shape[0]
     if mode[i] != STICKING:
         if a < bodies and b < bodies:
             both = table[a, MASS] + table[b, MASS]
@@ -311,29 +372,29 @@ def slip(joins, values, table, y, bases, mode, memory, i):
             y[bodies + a] = bases[SPEED, b - bodies]
         else:
             y[bodies + b] = bases[SPEED, a - bodies]
-    held = holding_force(joins, values, table, y, bases, mode, memory, i)
-    if mode[i] != STICKING and abs(held) <= values[i, STICKING_FORCE]:
+    held = holding_force(chain, i, y, mode, memory)
+    if mode[i] != STICKING and abs(held) <= chain.values[i, STICKING_FORCE]:
         mode[i] = STICKING
     else:
         mode[i] = SLIDING if held > 0.0 else SLIDING_BACK
 
 
 @leaf_kernel
-def link_switch(joins, values, table, k, y, bases, mode, memory):
+def link_switch(chain, k, y, mode, memory):
     """Change the mode of the link that switch k belongs to; remember approach speed and yielded depth."""
-    i, which, bodies = k // SWITCHES, k % SWITCHES, table.shape[0]
-    if joins[i, KIND] == FRICTION:
-        slip(joins, values, table, y, bases, mode, memory, i)
+    i, which = link_of(k), k % SWITCHES
+    if chain.joins[i, KIND] == FRICTION:
+        slip(chain, i, y, mode, memory)
     elif which == 1:
         mode[i] = SLACK if mode[i] == PUSHING else PUSHING
     elif which == 2 and mode[i] == PUSHING:
         mode[i] = YIELDING
     elif which == 2:
-        d, _ = link_motion(joins, values, i, y, bases, bodies)
-        remember(joins, values, memory, i, d)
+        d, _ = link_motion(chain, i, y)
+        remember(chain, i, memory, d)
         mode[i] = PUSHING
     elif mode[i] == OPEN:
-        _, rate = link_motion(joins, values, i, y, bases, bodies)
+        _, rate = link_motion(chain, i, y)
         mode[i] = PUSHING
         memory[i] = max(rate, 0.0)
         return RESTART
@@ -350,9 +411,9 @@ def is_a(system, kind):
 @overload(_integrator.derivatives, jit_options=LEAF)
 def _derivatives(system, t, y, mode, memory, dy):
     def rates(system, t, y, mode, memory, dy):
-        s = system
-        shake(s.shakes, s.bases, t)
-        chain_rates(s.joins, s.values, s.bodies, y, s.bases, mode, memory, dy, 2 * s.bodies.shape[0])
+        chain = system.chain
+        shake(system.shakes, chain.bases, t)
+        chain_rates(chain, y, mode, memory, dy, dy[2 * chain.bodies.shape[0] :])
 
     return rates if is_a(system, ChainSystem) else None
 
@@ -360,8 +421,8 @@ def _derivatives(system, t, y, mode, memory, dy):
 @overload(_integrator.forces, jit_options=LEAF)
 def _forces(system, t, y, mode, memory, out):
     def fill(system, t, y, mode, memory, out):
-        shake(system.shakes, system.bases, t)
-        chain_forces(system.joins, system.values, system.bodies, y, system.bases, mode, memory, out)
+        shake(system.shakes, system.chain.bases, t)
+        chain_forces(system.chain, y, mode, memory, out)
 
     return fill if is_a(system, ChainSystem) else None
 
@@ -369,8 +430,8 @@ def _forces(system, t, y, mode, memory, out):
 @overload(_integrator.switches, jit_options=LEAF)
 def _switches(system, t, y, mode, memory, g):
     def fill(system, t, y, mode, memory, g):
-        shake(system.shakes, system.bases, t)
-        link_switches(system.joins, system.values, system.bodies, y, system.bases, mode, memory, g)
+        shake(system.shakes, system.chain.bases, t)
+        link_switches(system.chain, y, mode, memory, g)
 
     return fill if is_a(system, ChainSystem) else None
 
@@ -386,8 +447,7 @@ def _horizon(system, t, y, mode, memory):
 @overload(_integrator.switch, jit_options=LEAF)
 def _switch(system, k, t, y, mode, memory):
     def change(system, k, t, y, mode, memory):
-        s = system
-        shake(s.shakes, s.bases, t)
-        return link_switch(s.joins, s.values, s.bodies, k, y, s.bases, mode, memory)
+        shake(system.shakes, system.chain.bases, t)
+        return link_switch(system.chain, k, y, mode, memory)
 
     return change if is_a(system, ChainSystem) else None

@@ -33,6 +33,7 @@ from strikewave.contact._chain_kernels import (
     STOP_LINK,
     SWITCHES,
     ChainSystem,
+    ChainTables,
     Links,
     shake,
 )
@@ -345,7 +346,7 @@ def simulate(
     bases = _bases_at(shakes, 0.0)
     base = bases[PLACE]
     table = np.column_stack([masses, np.full(masses.size, float(chain.gravity))])
-    system = ChainSystem(table, bases, links.joins, links.values, shakes)
+    system = ChainSystem(ChainTables(table, bases, links.joins, links.values), shakes)
     unknown = [name for name in (*positions, *speeds) if name not in names]
     if unknown:
         raise ValueError(f"no body {unknown[0]!r}; {nearest(unknown[0], names)}")

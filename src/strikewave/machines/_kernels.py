@@ -1,9 +1,6 @@
 """Compiled rotary machine: turntable, strikers on mounts, fed carriage and struck object as one system.
 
-State: positions and speeds of the bodies (strikers, then the chain of the object), turntable angle and
-speed, belt twist and motor speed, then energies: dissipated in each link, work of the drive, lost in drag and
-belt, work of the feed.
-Bases: one a striker (where the turntable carries its mount), then the carriage.
+The seats on the turntable and the carriage are the bases of the chain of bodies; `_layout` says where what stands.
 
 With u = theta - (own angle of the striker) - (angle of the blow from the radius), a striker on its circle of radius
 R stands at f = R cos u - R0 cos(blow angle) along the blow and s = R sin u + R0 sin(blow angle) across it, both 0 at
@@ -30,31 +27,26 @@ from strikewave.contact._chain_kernels import (
     OPEN,
     PLACE,
     SPEED,
-    SWITCHES,
-    YIELDING,
+    ChainTables,
     chain_forces,
     chain_rates,
     is_a,
+    let_go,
     link_motion,
+    link_of,
     link_switch,
     link_switches,
-    remember,
+    never_touches,
     spot_of,
 )
 from strikewave.contact._integrator import CONTINUE, RESTART, STOP
-from strikewave.contact._law_kernels import residual, stored
-
-DRIVE, FEED, PASSES, TOUCHED, EDGE, ON_FACE = 0, 1, 2, 3, 4, 5
-"""Places of the machine's own modes, after those of the links; EDGE holds the striker (from 1) that met the edge of the
-face, and from ON_FACE on there is one a striker: whether it is before the face."""
-FEED_START, NEXT_APEX = 0, 1
-"""Places of the machine's own memory, between the approach speeds of the links and their yielded depths."""
+from strikewave.contact._law_kernels import residual
+from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, FULL_TORQUE_SWITCH, NO_TORQUE_SWITCH, layout_of
 
 REGULATED, FULL_TORQUE, NO_TORQUE = 0, 1, 2
+"""Modes of the drive."""
 WAITING, FEEDING, HELD, RELEASED, RETRACTING = 0, 1, 2, 3, 4
-
-DRIVE_SWITCH, FEED_SWITCH, APEX_SWITCH, FACE_SWITCH = 0, 2, 3, 4
-"""Places of the machine's own switch functions, after those of the links; from FACE_SWITCH on one a striker."""
+"""Modes of the feed: its phases."""
 
 CARRIED = 2
 """Column of the table of bodies: mass that the turntable carries there, kg (0 for the object)."""
@@ -63,8 +55,6 @@ FIRST, SECOND, ACROSS = 4, 5, 6
 BASE_ROWS = 7
 COSINE, SINE, REACH = 0, 1, 2
 """Columns of the table of seats: of the angle at which a striker stands, and its radius, m."""
-BELT_TWIST, MOTOR_SPEED, OWN_STATES = 2, 3, 4
-"""Places in the state after the turntable's angle; the energies follow."""
 
 SETTINGS = (
     *("inertia", "drag", "set_speed", "gain", "torque", "ripple", "ripple_order", "ripple_phase"),
@@ -82,12 +72,9 @@ FEED_TIMES = (VALVE_DELAY, STROKE_TIME, HOLD, RELEASE_DELAY, RETRACT_TIME)
 
 
 class RotarySystem(NamedTuple):
-    """The rotary machine as tables: bodies, bases (scratch), links, seats and settings."""
+    """The rotary machine as tables: chain of bodies, seats and settings."""
 
-    bodies: np.ndarray
-    bases: np.ndarray
-    joins: np.ndarray
-    values: np.ndarray
+    chain: ChainTables
     seats: np.ndarray
     settings: np.ndarray
 
@@ -161,101 +148,91 @@ def drive_torque(settings, drive, angle, speed):
 @leaf_kernel
 def place_bases(system, t, y, mode, memory):
     """Fill the table of bases from turntable angle, turntable speed and feed phase."""
-    bases, settings, seats = system.bases, system.settings, system.seats
-    links, angle = system.joins.shape[0], 2 * system.bodies.shape[0]
-    strikers = bases.shape[1] - 1
-    theta, speed = y[angle], y[angle + 1]
+    at, bases, settings, seats = layout_of(system), system.chain.bases, system.settings, system.seats
+    theta, speed = y[at.angle], y[at.turntable_speed]
     sine, cosine = math.sin(theta), math.cos(theta)
-    for i in range(strikers):
+    for i in range(at.carriage):
         radius = seats[i, REACH]
         along = radius * (cosine * seats[i, COSINE] + sine * seats[i, SINE])
         across = radius * (sine * seats[i, COSINE] - cosine * seats[i, SINE])
         bases[PLACE, i], bases[SPEED, i] = along - settings[ALONG], -across * speed
         bases[FIRST, i], bases[SECOND, i], bases[ACROSS, i] = -across, -along, across + settings[ASIDE]
-    since = t - memory[links + FEED_START]
-    place, rate, acceleration = carriage(settings, mode[links + FEED], since)
-    bases[PLACE, strikers], bases[SPEED, strikers], bases[ACCELERATION, strikers] = place, rate, acceleration
+    place, rate, acceleration = carriage(settings, mode[at.feed], t - memory[at.feed_start])
+    bases[PLACE, at.carriage], bases[SPEED, at.carriage], bases[ACCELERATION, at.carriage] = place, rate, acceleration
 
 
 @leaf_kernel
 def rotary_rates(system, t, y, mode, memory, dy):
     """Fill the time derivative of the whole state."""
-    bodies, bases, settings = system.bodies, system.bases, system.settings
-    links, angle = system.joins.shape[0], 2 * bodies.shape[0]
-    strikers = bases.shape[1] - 1
-    energies = angle + OWN_STATES
+    at, bodies, bases, settings = layout_of(system), system.chain.bodies, system.chain.bases, system.settings
     place_bases(system, t, y, mode, memory)
-    chain_rates(system.joins, system.values, bodies, y, bases, mode, memory, dy, energies)
-    theta, speed, motor = y[angle], y[angle + 1], y[angle + MOTOR_SPEED]
+    chain_rates(system.chain, y, mode, memory, dy, dy[at.dissipated])
+    theta, speed, motor = y[at.angle], y[at.turntable_speed], y[at.motor_speed]
     stiffness = settings[BELT_STIFFNESS]
     rigid = stiffness == np.inf
-    torque = drive_torque(settings, mode[links + DRIVE], theta, speed if rigid else motor)
+    torque = drive_torque(settings, mode[at.drive], theta, speed if rigid else motor)
     drag = settings[DRAG] * speed
     pull, slip = torque, 0.0
     if not rigid:
         slip = motor - speed
-        pull = stiffness * y[angle + BELT_TWIST] + settings[BELT_DAMPING] * slip
+        pull = stiffness * y[at.belt_twist] + settings[BELT_DAMPING] * slip
     inertia = settings[INERTIA]
     moment = pull - drag - settings[WEIGHT_MOMENT] * math.sin(theta)
-    for i in range(strikers):
+    for i in range(at.carriage):
         first = bases[FIRST, i]
         inertia -= bodies[i, CARRIED] * first * first
         moment += first * (bases[FORCE, i] + speed * speed * bodies[i, CARRIED] * bases[SECOND, i])
-    links_end = energies + links
-    dy[angle], dy[angle + 1] = speed, moment / inertia
-    dy[angle + BELT_TWIST] = slip
-    dy[angle + MOTOR_SPEED] = 0.0 if rigid else (torque - pull) / settings[MOTOR_INERTIA]
-    dy[links_end] = torque * (speed if rigid else motor)
-    dy[links_end + 1] = drag * speed + settings[BELT_DAMPING] * slip * slip
-    dy[links_end + 2] = -bases[FORCE, strikers] * bases[SPEED, strikers]
+    dy[at.angle], dy[at.turntable_speed] = speed, moment / inertia
+    dy[at.belt_twist] = slip
+    dy[at.motor_speed] = 0.0 if rigid else (torque - pull) / settings[MOTOR_INERTIA]
+    dy[at.driven] = torque * (speed if rigid else motor)
+    dy[at.dragged] = drag * speed + settings[BELT_DAMPING] * slip * slip
+    dy[at.fed] = -bases[FORCE, at.carriage] * bases[SPEED, at.carriage]
 
 
 @leaf_kernel
-def own_switches(system, t, angle, speed, mode, memory, g):
-    """Fill the switch functions of drive, feed, passing strikers and edges of the face; ``speed`` is the motor's."""
-    settings, links = system.settings, system.joins.shape[0]
-    drive, limit = mode[links + DRIVE], settings[TORQUE]
-    wanted = wanted_torque(settings, speed)
-    g[0], g[1] = 1.0, 1.0
+def own_switches(system, t, y, mode, memory, g):
+    """Fill the machine's own switch functions: drive, feed, passing strikers, and seats at the edges of the face.
+
+    The controller sees the speed of the motor, as the turntable would have it.
+    """
+    at, settings = layout_of(system), system.settings
+    drive, limit = mode[at.drive], settings[TORQUE]
+    wanted = wanted_torque(settings, y[at.turntable_speed if settings[BELT_STIFFNESS] == np.inf else at.motor_speed])
+    g[FULL_TORQUE_SWITCH], g[NO_TORQUE_SWITCH] = 1.0, 1.0
     if drive == REGULATED:
-        g[0], g[1] = limit - wanted, wanted
+        g[FULL_TORQUE_SWITCH], g[NO_TORQUE_SWITCH] = limit - wanted, wanted
     elif drive == FULL_TORQUE:
-        g[0] = wanted - limit
+        g[FULL_TORQUE_SWITCH] = wanted - limit
     else:
-        g[1] = -wanted
-    phase, since = mode[links + FEED], t - memory[links + FEED_START]
+        g[NO_TORQUE_SWITCH] = -wanted
+    phase, since = mode[at.feed], t - memory[at.feed_start]
     g[FEED_SWITCH] = settings[FEED_TIMES[phase]] - since
-    g[APEX_SWITCH] = memory[links + NEXT_APEX] - angle
-    half = settings[HALF_FACE]
-    for i in range(system.seats.shape[0]):
-        inside = half - abs(system.bases[ACROSS, i]) if half < np.inf else 1.0
-        g[FACE_SWITCH + i] = inside if mode[links + ON_FACE + i] else -inside
-
-
-@leaf_kernel
-def motor_speed(system, y):
-    """Return the speed that the controller sees, rad/s: that of the motor, as the turntable would have it."""
-    angle = 2 * system.bodies.shape[0]
-    return y[angle + 1] if system.settings[BELT_STIFFNESS] == np.inf else y[angle + MOTOR_SPEED]
+    g[APEX_SWITCH] = memory[at.next_apex] - y[at.angle]
+    half, edges, on_face = settings[HALF_FACE], g[at.edges], mode[at.on_face]
+    for i in range(at.carriage):
+        inside = half - abs(system.chain.bases[ACROSS, i]) if half < np.inf else 1.0
+        edges[i] = inside if on_face[i] else -inside
 
 
 @leaf_kernel
 def rotary_switches(system, t, y, mode, memory, g):
     """Fill the switch functions of links, drive, feed, passing strikers and edges of the face."""
-    links, angle = system.joins.shape[0], 2 * system.bodies.shape[0]
+    at = layout_of(system)
+    on_face = mode[at.on_face]
     place_bases(system, t, y, mode, memory)
-    link_switches(system.joins, system.values, system.bodies, y, system.bases, mode, memory, g)
-    for i in range(system.seats.shape[0]):
-        if mode[links + ON_FACE + i] == 0:
-            g[SWITCHES * i] = 1.0
-    own_switches(system, t, y[angle], motor_speed(system, y), mode, memory, g[SWITCHES * links :])
+    link_switches(system.chain, y, mode, memory, g)
+    for i in range(at.carriage):
+        if on_face[i] == 0:
+            never_touches(i, g)
+    own_switches(system, t, y, mode, memory, g[at.own_switches])
 
 
 @leaf_kernel
-def _release_when_done(settings, t, mode, memory, links):
-    if mode[links + FEED] == HELD and mode[links + PASSES] >= settings[BLOWS]:
-        mode[links + FEED] = RELEASED
-        memory[links + FEED_START] = t
+def _release_when_done(settings, t, mode, memory, at):
+    if mode[at.feed] == HELD and mode[at.passes] >= settings[BLOWS]:
+        mode[at.feed] = RELEASED
+        memory[at.feed_start] = t
 
 
 @leaf_kernel
@@ -264,23 +241,20 @@ def cross_edge(system, i, y, mode, memory):
 
     Coming at a place behind the face it meets the edge: that stops the run.
     """
-    links, bodies = system.joins.shape[0], system.bodies.shape[0]
-    d, _ = link_motion(system.joins, system.values, i, y, system.bases, bodies)
-    deepest, s = spot_of(system.joins, memory, i)
-    if mode[links + ON_FACE + i] == 0:
-        mode[links + ON_FACE + i] = 1
+    at, chain = layout_of(system), system.chain
+    on_face = mode[at.on_face]
+    if on_face[i] == 0:
+        on_face[i] = 1
+        d, _ = link_motion(chain, i, y)
+        deepest, s = spot_of(chain, memory, i)
         if d > residual(deepest, s):
-            mode[links + EDGE] = i + 1
+            mode[at.edge] = i + 1
             return STOP
         return CONTINUE
-    mode[links + ON_FACE + i] = 0
+    on_face[i] = 0
     if mode[i] == OPEN:
         return CONTINUE
-    if mode[i] == YIELDING:
-        remember(system.joins, system.values, memory, i, d)
-        deepest, s = spot_of(system.joins, memory, i)
-    y[2 * bodies + OWN_STATES + i] += stored(system.values[i], d, deepest)
-    mode[i] = OPEN
+    y[at.dissipated][i] += let_go(chain, i, y, mode, memory)
     return RESTART
 
 
@@ -290,26 +264,26 @@ def own_switch(system, own, t, y, mode, memory):
 
     A pass counts once the object is held in place, or earlier if the striker touched it.
     """
-    settings, links = system.settings, system.joins.shape[0]
-    if own < FEED_SWITCH:
-        if mode[links + DRIVE] != REGULATED:
-            mode[links + DRIVE] = REGULATED
+    at, settings = layout_of(system), system.settings
+    if own in (FULL_TORQUE_SWITCH, NO_TORQUE_SWITCH):
+        if mode[at.drive] != REGULATED:
+            mode[at.drive] = REGULATED
         else:
-            mode[links + DRIVE] = FULL_TORQUE if own == DRIVE_SWITCH else NO_TORQUE
+            mode[at.drive] = FULL_TORQUE if own == FULL_TORQUE_SWITCH else NO_TORQUE
         return CONTINUE
-    if own >= FACE_SWITCH:
-        return cross_edge(system, own - FACE_SWITCH, y, mode, memory)
+    if own >= at.edges.start:
+        return cross_edge(system, own - at.edges.start, y, mode, memory)
     if own == FEED_SWITCH:
-        if mode[links + FEED] == RETRACTING or settings[STROKE] == 0.0:
+        if mode[at.feed] == RETRACTING or settings[STROKE] == 0.0:
             return STOP
-        mode[links + FEED] += 1
-        memory[links + FEED_START] = t
+        mode[at.feed] += 1
+        memory[at.feed_start] = t
     else:
-        memory[links + NEXT_APEX] += settings[PITCH]
-        if mode[links + TOUCHED] == 1 or mode[links + FEED] == HELD:
-            mode[links + PASSES] += 1
-        mode[links + TOUCHED] = 0
-    _release_when_done(settings, t, mode, memory, links)
+        memory[at.next_apex] += settings[PITCH]
+        if mode[at.touched] == 1 or mode[at.feed] == HELD:
+            mode[at.passes] += 1
+        mode[at.touched] = 0
+    _release_when_done(settings, t, mode, memory, at)
     return CONTINUE
 
 
@@ -319,16 +293,16 @@ def rotary_switch(system, k, t, y, mode, memory):
 
     Where the struck object is a stack of layers, the first touch stops the integration.
     """
-    links, strikers = system.joins.shape[0], system.seats.shape[0]
+    at = layout_of(system)
     place_bases(system, t, y, mode, memory)
-    if k < SWITCHES * links:
-        code = link_switch(system.joins, system.values, system.bodies, k, y, system.bases, mode, memory)
-        if k // SWITCHES < strikers and code == RESTART:
-            mode[links + TOUCHED] = 1
-            if system.settings[LAYERED] > 0.0:
-                return STOP
-        return code
-    return own_switch(system, k - SWITCHES * links, t, y, mode, memory)
+    if k >= at.own_switches.start:
+        return own_switch(system, k - at.own_switches.start, t, y, mode, memory)
+    code = link_switch(system.chain, k, y, mode, memory)
+    if link_of(k) < at.contacts.stop and code == RESTART:
+        mode[at.touched] = 1
+        if system.settings[LAYERED] > 0.0:
+            return STOP
+    return code
 
 
 @overload(_integrator.derivatives, jit_options=LEAF)
@@ -343,7 +317,7 @@ def _derivatives(system, t, y, mode, memory, dy):
 def _forces(system, t, y, mode, memory, out):
     def fill(system, t, y, mode, memory, out):
         place_bases(system, t, y, mode, memory)
-        chain_forces(system.joins, system.values, system.bodies, y, system.bases, mode, memory, out)
+        chain_forces(system.chain, y, mode, memory, out)
 
     return fill if is_a(system, RotarySystem) else None
 

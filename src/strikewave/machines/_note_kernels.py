@@ -5,22 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.compiled import called_kernel, leaf_kernel
-from strikewave.contact._chain_kernels import (
-    CONTACT,
-    FRICTION,
-    GRAVITY,
-    KIND,
-    MASS,
-    OPEN,
-    PUSHING,
-    STOP_LINK,
-    friction_force,
-    link_force,
-    link_motion,
-    spot_of,
-)
+from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, PUSHING, link_push, press
 from strikewave.contact._integrator import evaluate
-from strikewave.machines._kernels import FEED, FEED_START, HELD, ON_FACE, PITCH, RELEASED, RETRACTING, place_bases
+from strikewave.machines._kernels import HELD, PITCH, RELEASED, RETRACTING, place_bases
+from strikewave.machines._layout import OBJECT, layout_of
 
 (
     PASS,
@@ -59,8 +47,6 @@ LEVEL = 0.1
 """Share of the peak at which the width is taken."""
 _NODES, _WEIGHTS = (0.5 * v for v in np.polynomial.legendre.leggauss(5))
 _STOP_SAMPLES = 8
-_STOP = 4
-"""Which join of a blow is the stop."""
 
 
 class Notes(NamedTuple):
@@ -82,9 +68,8 @@ def open_row(coast, blow, going, struck, notes, t):
 
     Returns False where no row is left.
     """
-    counts, numbers = notes.counts, notes.numbers
-    links, noses = coast.joins.shape[0], coast.noses.shape[0]
-    number = round(struck.y[6] / coast.settings[PITCH])
+    counts, numbers, at, y = notes.counts, notes.numbers, layout_of(blow), struck.y
+    number = round(y[at.angle] / coast.settings[PITCH])
     other = counts[CURRENT] < 0 or notes.table[counts[CURRENT], PASS] != number
     if other and not _next_row(notes):
         return False
@@ -92,13 +77,14 @@ def open_row(coast, blow, going, struck, notes, t):
         counts[SAMPLES] = counts[CONTACTS_SEEN] = counts[FALLEN] = 0
         numbers[TOP] = -np.inf
         row = notes.table[counts[CURRENT]]
-        row[PASS], row[STRIKER], row[TIME] = number, going.mode[links + ON_FACE + noses], t
-        row[APPROACH], row[PEAK], row[WIDTH] = struck.memory[0], np.nan, np.nan
+        row[PASS], row[STRIKER], row[TIME] = number, going.mode[layout_of(coast).touching], t
+        row[APPROACH], row[PEAK], row[WIDTH] = struck.memory[at.contacts.start], np.nan, np.nan
         row[CONTACTS] = row[IMPULSE] = row[LATER] = row[VELOCITY_CHANGE] = row[LAST_CHANGE] = 0.0
-        row[FACE], row[FACE_SPEED], row[DISC_SPEED] = struck.y[1], struck.y[4], struck.y[7]
-        row[ANGLE] = struck.y[6] - number * coast.settings[PITCH]
-        numbers[FIRST_PLACE] = numbers[HIGHEST] = struck.y[2]
-        numbers[SPEED_BEFORE] = struck.y[4]
+        row[FACE], row[FACE_SPEED] = y[at.positions][at.nose], y[at.speeds][at.nose]
+        row[DISC_SPEED] = y[at.turntable_speed]
+        row[ANGLE] = y[at.angle] - number * coast.settings[PITCH]
+        numbers[FIRST_PLACE] = numbers[HIGHEST] = y[at.positions][at.assembly]
+        numbers[SPEED_BEFORE] = y[at.speeds][at.nose]
     _open_contact(notes, t)
     return True
 
@@ -132,19 +118,19 @@ def missed_row(coast, going, notes, t, face):
 
     Returns False where no row is left.
     """
-    links, counts = coast.joins.shape[0], notes.counts
-    phase = going.mode[links + FEED]
-    held = phase == HELD or (phase == RELEASED and going.memory[links + FEED_START] == t)
-    number = round(going.y[2] / coast.settings[PITCH])
+    at, counts = layout_of(coast), notes.counts
+    phase = going.mode[at.feed]
+    held = phase == HELD or (phase == RELEASED and going.memory[at.feed_start] == t)
+    number = round(going.y[at.angle] / coast.settings[PITCH])
     last = notes.table[counts[ROWS_USED] - 1, PASS] if counts[ROWS_USED] > 0 else -1.0
     if not held or number <= last:
         return True
     if not _next_row(notes):
         return False
     row = notes.table[counts[CURRENT]]
-    row[PASS], row[STRIKER], row[TIME], row[FACE] = number, number % coast.noses.shape[0], t, face
+    row[PASS], row[STRIKER], row[TIME], row[FACE] = number, number % coast.seats.shape[0], t, face
     row[CONTACTS] = row[VELOCITY_CHANGE] = row[LAST_CHANGE] = 0.0
-    row[DISC_SPEED] = going.y[3]
+    row[DISC_SPEED] = going.y[at.turntable_speed]
     return True
 
 
@@ -152,22 +138,22 @@ def missed_row(coast, going, notes, t, face):
 def note_blow(coast, blow, struck, notes, steps, work):
     """Write down what the last steps of a blow show: rigid acceleration, impulse of the contact, its end, the stop."""
     record, counts, numbers = struck.record, notes.counts, notes.numbers
-    row = notes.table[counts[CURRENT]]
+    row, at = notes.table[counts[CURRENT]], layout_of(blow)
+    contact, speeds, share = at.contacts.start, work[at.speeds], coast.frame.share
     counts[BLOW_STEPS] += steps
-    share = coast.frame[3]
     for r in range(steps):
-        closed = record.mode[r, 0] != OPEN
+        closed = record.mode[r, contact] != OPEN
         if closed and counts[IN_TOUCH] == 0:
             _open_contact(notes, record.time[r])
         _note_support(blow, record, r, notes, work)
         for k in range(_NODES.size):
             if counts[FALLEN] == 0 or closed:
-                _sample_blow(coast, blow, record, r, 0.5 + _NODES[k], closed * _WEIGHTS[k], notes, work)
-        after = record.mode[r + 1, 0] if r + 1 < steps else struck.mode[0]
+                _sample_blow(blow, record, r, 0.5 + _NODES[k], closed * _WEIGHTS[k], notes, work)
+        after = record.mode[r + 1, contact] if r + 1 < steps else struck.mode[contact]
         if closed and after == OPEN:
             counts[IN_TOUCH] = 0
             evaluate(record.dense[r], 1.0, work)
-            row[LAST_CHANGE] = share * work[4] + (1.0 - share) * work[5] - numbers[SPEED_BEFORE]
+            row[LAST_CHANGE] = share * speeds[at.nose] + (1.0 - share) * speeds[at.assembly] - numbers[SPEED_BEFORE]
             notes.contacts[counts[CONTACTS_SEEN] - 1, 1] = record.time[r] + record.step[r]
             notes.contacts[counts[CONTACTS_SEEN] - 1, 3] = row[LAST_CHANGE]
 
@@ -175,47 +161,39 @@ def note_blow(coast, blow, struck, notes, steps, work):
 @called_kernel
 def _note_support(blow, record, r, notes, work):
     """Write down retreat and force of the stop at begin, middle and end of a step of a blow."""
-    numbers, row = notes.numbers, notes.table[notes.counts[CURRENT]]
+    numbers, row, at = notes.numbers, notes.table[notes.counts[CURRENT]], layout_of(blow)
+    mode, memory = record.mode[r], record.memory[r]
     for k in range(3):
         evaluate(record.dense[r], 0.5 * k, work)
-        numbers[HIGHEST] = max(numbers[HIGHEST], work[2])
-        if record.mode[r, _STOP] == PUSHING:
-            place_bases(blow, record.time[r] + 0.5 * k * record.step[r], work, record.mode[r], record.memory[r])
-            d, rate = link_motion(blow.joins, blow.values, _STOP, work, blow.bases, 3)
-            force, _ = link_force(STOP_LINK, blow.values[_STOP], d, rate, PUSHING, 0.0, 0.0, 1.0)
+        numbers[HIGHEST] = max(numbers[HIGHEST], work[at.positions][at.assembly])
+        if mode[at.stop] == PUSHING:
+            place_bases(blow, record.time[r] + 0.5 * k * record.step[r], work, mode, memory)
+            force, _, _ = press(blow.chain, at.stop, work, mode, memory)
             row[STOP_FORCE] = max(row[STOP_FORCE], force)
     row[RETREAT] = numbers[HIGHEST] - numbers[FIRST_PLACE]
 
 
 @called_kernel
-def _sample_blow(coast, blow, record, r, x, weight, notes, work):
+def _sample_blow(blow, record, r, x, weight, notes, work):
     """Write down one sample of a step of a blow, at the fraction x of the step."""
-    counts, numbers = notes.counts, notes.numbers
-    row = notes.table[counts[CURRENT]]
+    counts, numbers, at, chain = notes.counts, notes.numbers, layout_of(blow), blow.chain
+    row, mode, memory = notes.table[counts[CURRENT]], record.mode[r], record.memory[r]
     t = record.time[r] + x * record.step[r]
     evaluate(record.dense[r], x, work)
-    place_bases(blow, t, work, record.mode[r], record.memory[r])
+    place_bases(blow, t, work, mode, memory)
     pushed = 0.0
-    for j in range(2, blow.joins.shape[0]):
-        d, rate = link_motion(blow.joins, blow.values, j, work, blow.bases, 3)
-        if blow.joins[j, KIND] == FRICTION:
-            pushed -= friction_force(
-                blow.joins, blow.values, blow.bodies, work, blow.bases, record.mode[r], record.memory[r], j
-            )
-            continue
-        force, _ = link_force(blow.joins[j, KIND], blow.values[j], d, rate, record.mode[r, j], 0.0, 0.0, 1.0)
-        pushed += -force if j == 3 else force
+    for j in range(at.frame, chain.joins.shape[0]):
+        force, _, _ = link_push(chain, j, work, mode, memory)
+        pushed += force if j in (at.frame, at.stop) else -force
     if counts[SAMPLES] < notes.samples.shape[1]:
         notes.samples[0, counts[SAMPLES]] = t
-        a = pushed / blow.bodies[2, MASS] + blow.bodies[2, GRAVITY]
+        a = pushed / chain.bodies[at.assembly, MASS] + chain.bodies[at.assembly, GRAVITY]
         notes.samples[1, counts[SAMPLES]] = a
         counts[SAMPLES] += 1
         numbers[TOP] = max(numbers[TOP], a)
         counts[FALLEN] = 1 if weight == 0.0 and a < LEVEL * numbers[TOP] else 0
     if weight > 0.0:
-        d, rate = link_motion(blow.joins, blow.values, 0, work, blow.bases, 3)
-        deepest, s = spot_of(blow.joins, record.memory[r], 0)
-        force, _ = link_force(CONTACT, blow.values[0], d, rate, record.mode[r, 0], record.memory[r, 0], deepest, s)
+        force, _, _ = press(chain, at.contacts.start, work, mode, memory)
         row[IMPULSE] += weight * record.step[r] * force
         notes.contacts[counts[CONTACTS_SEEN] - 1, 2] += weight * record.step[r] * force
 
@@ -260,44 +238,44 @@ def measure_row(notes):
 def note_coast(coast, going, notes, steps, work):
     """Write down retreat and force of the stop of the steps after a pass, until the next touch or the retraction."""
     record, counts, numbers = going.record, notes.counts, notes.numbers
-    links = coast.joins.shape[0]
+    at = layout_of(coast)
+    place, speed, speed_before = work[at.positions], work[at.speeds], record.dense[:, 0, at.speeds]
     counts[COAST_STEPS] += steps
     if counts[CURRENT] < 0:
         return
     row = notes.table[counts[CURRENT]]
     for r in range(steps):
-        if record.mode[r, links + FEED] == RETRACTING:
+        mode, memory, dense = record.mode[r], record.memory[r], record.dense[r]
+        if mode[at.feed] == RETRACTING:
             break
-        dense = record.dense[r]
         evaluate(dense, 1.0, work)
-        numbers[HIGHEST] = max(numbers[HIGHEST], work[0])
-        if dense[0, 1] > 0.0 > work[1]:
-            numbers[HIGHEST] = max(numbers[HIGHEST], _turning_place(dense, work))
+        numbers[HIGHEST] = max(numbers[HIGHEST], place[OBJECT])
+        if speed_before[r, OBJECT] > 0.0 > speed[OBJECT]:
+            numbers[HIGHEST] = max(numbers[HIGHEST], _turning_place(at, dense, work))
         for k in range(_STOP_SAMPLES + 1):
-            if record.mode[r, 1] != PUSHING:
+            if mode[at.stop] != PUSHING:
                 break
             evaluate(dense, k / _STOP_SAMPLES, work)
             t = record.time[r] + k / _STOP_SAMPLES * record.step[r]
-            place_bases(coast, t, work, record.mode[r], record.memory[r])
-            d, rate = link_motion(coast.joins, coast.values, 1, work, coast.bases, 1)
-            force, _ = link_force(STOP_LINK, coast.values[1], d, rate, PUSHING, 0.0, 0.0, 1.0)
+            place_bases(coast, t, work, mode, memory)
+            force, _, _ = press(coast.chain, at.stop, work, mode, memory)
             row[STOP_FORCE] = max(row[STOP_FORCE], force)
     if row[CONTACTS] > 0.0:
         row[RETREAT] = numbers[HIGHEST] - numbers[FIRST_PLACE]
 
 
 @leaf_kernel
-def _turning_place(dense, work):
+def _turning_place(at, dense, work):
     """Return the place at which the object turns back within a step: its speed falls through zero there."""
     low, high = 0.0, 1.0
     for _ in range(30):
         x = 0.5 * (low + high)
         evaluate(dense, x, work)
-        if work[1] > 0.0:
+        if work[at.speeds][OBJECT] > 0.0:
             low = x
         else:
             high = x
-    return work[0]
+    return work[at.positions][OBJECT]
 
 
 @called_kernel

@@ -16,7 +16,6 @@ from strikewave.base.compiled import LEAF, called_kernel, kernel, leaf_kernel
 from strikewave.contact import _integrator
 from strikewave.contact._chain_kernels import (
     GRAVITY,
-    KIND,
     MASS,
     OPEN,
     PLACE,
@@ -25,44 +24,37 @@ from strikewave.contact._chain_kernels import (
     SLIDING_BACK,
     SPEED,
     STICKING,
-    STOP_LINK,
-    SWITCHES,
+    ChainTables,
     chain_forces,
     frictionless,
     is_a,
-    link_force,
-    link_motion,
     link_switch,
     link_switches,
+    press,
+    spot_of,
+    spring_energy,
 )
 from strikewave.contact._integrator import CONTINUE, END, FULL, STOP, STOPPED, Record, advance
-from strikewave.contact._law_kernels import PRELOAD, SPOT, STIFFNESS, residual
+from strikewave.contact._law_kernels import SPOT, STIFFNESS, residual
 from strikewave.machines._kernels import (
     ALONG,
-    APEX_SWITCH,
     ASIDE,
     BELT_STIFFNESS,
+    CARRIED,
     COSINE,
-    EDGE,
-    FACE_SWITCH,
-    FEED_SWITCH,
     FIRST,
     HALF_FACE,
     INERTIA,
-    ON_FACE,
-    OWN_STATES,
-    PASSES,
     REACH,
     SECOND,
     SINE,
-    TOUCHED,
     RotarySystem,
-    motor_speed,
     own_switch,
     own_switches,
     place_bases,
     rotary_rates,
 )
+from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, OBJECT, STRIKER, layout_of
 from strikewave.machines._note_kernels import (
     LET_GO,
     ROWS_USED,
@@ -80,21 +72,26 @@ another striker touched while a blow still rang; more blows than rows; longer th
 
 RECORD_ROWS = 8
 _STRETCH = 3
-"""Column of the table of noses after those of the seats: m/k of a striker on its mount, s^2."""
+"""Column of the table of seats after those that `_kernels` knows: m/k of a striker on its mount, s^2."""
+
+
+class Frame(NamedTuple):
+    """The frame of an object that coasts: mass of its nose, kg, stiffness, N/m, gravity, m/s^2, share of the nose."""
+
+    nose_mass: float
+    stiffness: float
+    gravity: float
+    share: float
 
 
 class CoastSystem(NamedTuple):
-    """Object as one body on the carriage, and the noses that ride before it; `_kernels` knows the other tables."""
+    """Object as one body on the carriage, the strikers that ride before it, and what is left of their spots, m."""
 
-    bodies: np.ndarray
-    bases: np.ndarray
-    joins: np.ndarray
-    values: np.ndarray
+    chain: ChainTables
     seats: np.ndarray
     settings: np.ndarray
-    noses: np.ndarray
     left: np.ndarray
-    frame: np.ndarray
+    frame: Frame
 
 
 class Riders(NamedTuple):
@@ -139,10 +136,10 @@ class Machine(NamedTuple):
 
 
 @leaf_kernel
-def copy(source, begin, target, place, count):
-    """Copy so many entries of one array from a place to a place of another."""
-    for k in range(count):
-        target[place + k] = source[begin + k]
+def copy(source, target):
+    """Copy the entries of one array into another."""
+    for k in range(target.size):
+        target[k] = source[k]
 
 
 @leaf_kernel
@@ -154,27 +151,28 @@ def larger(settings_speed, stretch):
 @leaf_kernel
 def nose_motion(system, i, theta, speed):
     """Return place and speed along the blow and place across it of a nose that rides, m, m/s, m."""
-    nose, settings = system.noses[i], system.settings
+    seat, settings = system.seats[i], system.settings
     sine, cosine = math.sin(theta), math.cos(theta)
-    along = nose[REACH] * (cosine * nose[COSINE] + sine * nose[SINE])
-    across = nose[REACH] * (sine * nose[COSINE] - cosine * nose[SINE])
-    circle = larger(speed, nose[_STRETCH])
+    along = seat[REACH] * (cosine * seat[COSINE] + sine * seat[SINE])
+    across = seat[REACH] * (sine * seat[COSINE] - cosine * seat[SINE])
+    circle = larger(speed, seat[_STRETCH])
     return circle * along - settings[ALONG], -circle * across * speed, across + settings[ASIDE]
 
 
 @leaf_kernel
 def bend_of(frame, acceleration):
     """Return how far a frame is bent that pushes its nose steadily, m: m (g - a)/k."""
-    return frame[0] * (frame[2] - acceleration) / frame[1]
+    return frame.nose_mass * (frame.gravity - acceleration) / frame.stiffness
 
 
 @called_kernel
 def face_of(system, t, y, mode, memory):
     """Return place of the struck face of the coasting object, m: the frame bends as its acceleration wants."""
+    at, frame = layout_of(system), system.frame
     place_bases(system, t, y, mode, memory)
-    a = frictionless(system.joins, system.values, system.bodies, y, system.bases, mode, memory, 0)
-    frame = system.frame
-    return y[0] + bend_of(frame, 0.0) * frame[3] + bend_of(frame, a) * (1.0 - frame[3])
+    a = frictionless(system.chain, OBJECT, y, mode, memory)
+    mean = y[at.positions][OBJECT] + bend_of(frame, 0.0) * frame.share
+    return mean + bend_of(frame, a) * (1.0 - frame.share)
 
 
 @called_kernel
@@ -186,42 +184,39 @@ def coast_rates(system, t, y, mode, memory, dy):
 @called_kernel
 def coast_switches(system, t, y, mode, memory, g):
     """Fill the switch functions of links, drive, feed, apexes; then of each nose: first touch, edge of the face."""
-    links, count = system.joins.shape[0], system.noses.shape[0]
-    face = face_of(system, t, y, mode, memory)
-    link_switches(system.joins, system.values, system.bodies, y, system.bases, mode, memory, g)
-    own_switches(system, t, y[2], motor_speed(system, y), mode, memory, g[SWITCHES * links :])
-    first = SWITCHES * links + FACE_SWITCH
-    half = system.settings[HALF_FACE]
-    for i in range(count):
-        before = mode[links + ON_FACE + i]
-        place, _, across = nose_motion(system, i, y[2], y[3])
-        g[first + i] = face + system.left[i] - place if before else 1.0
-        g[first + count + i] = 1.0
+    at, face = layout_of(system), face_of(system, t, y, mode, memory)
+    link_switches(system.chain, y, mode, memory, g)
+    own = g[at.own_switches]
+    own_switches(system, t, y, mode, memory, own)
+    half, on_face, touches, edges = system.settings[HALF_FACE], mode[at.on_face], own[at.touches], own[at.edges]
+    for i in range(system.seats.shape[0]):
+        place, _, across = nose_motion(system, i, y[at.angle], y[at.turntable_speed])
+        touches[i] = face + system.left[i] - place if on_face[i] else 1.0
+        edges[i] = 1.0
         if half < np.inf:
             inside = half - abs(across)
-            g[first + count + i] = inside if before else -inside
+            edges[i] = inside if on_face[i] else -inside
 
 
 @called_kernel
 def coast_switch(system, k, t, y, mode, memory):
     """Change the mode at switch k; a first touch, an apex and an edge met stop the integration."""
-    links, count = system.joins.shape[0], system.noses.shape[0]
-    face = face_of(system, t, y, mode, memory)
-    if k < SWITCHES * links:
-        return link_switch(system.joins, system.values, system.bodies, k, y, system.bases, mode, memory)
-    own = k - SWITCHES * links
-    if own < FACE_SWITCH:
+    at, face = layout_of(system), face_of(system, t, y, mode, memory)
+    own = k - at.own_switches.start
+    if own < 0:
+        return link_switch(system.chain, k, y, mode, memory)
+    if own < at.touches.start:
         code = own_switch(system, own, t, y, mode, memory)
         return STOP if own == APEX_SWITCH else code
-    i = (own - FACE_SWITCH) % count
-    place, _, _ = nose_motion(system, i, y[2], y[3])
-    if own < FACE_SWITCH + count:
-        mode[links + TOUCHED] = 1
-        mode[links + ON_FACE + count] = i
+    if own < at.edges.start:
+        mode[at.touched] = 1
+        mode[at.touching] = own - at.touches.start
         return STOP
-    mode[links + ON_FACE + i] = 1 - mode[links + ON_FACE + i]
-    if mode[links + ON_FACE + i] and place > face + system.left[i]:
-        mode[links + EDGE] = i + 1
+    i, on_face = own - at.edges.start, mode[at.on_face]
+    on_face[i] = 1 - on_face[i]
+    place, _, _ = nose_motion(system, i, y[at.angle], y[at.turntable_speed])
+    if on_face[i] and place > face + system.left[i]:
+        mode[at.edge] = i + 1
         return STOP
     return CONTINUE
 
@@ -238,7 +233,7 @@ def _derivatives(system, t, y, mode, memory, dy):
 def _forces(system, t, y, mode, memory, out):
     def fill(system, t, y, mode, memory, out):
         place_bases(system, t, y, mode, memory)
-        chain_forces(system.joins, system.values, system.bodies, y, system.bases, mode, memory, out)
+        chain_forces(system.chain, y, mode, memory, out)
 
     return fill if is_a(system, CoastSystem) else None
 
@@ -267,66 +262,59 @@ def _switch(system, k, t, y, mode, memory):
     return change if is_a(system, CoastSystem) else None
 
 
-@leaf_kernel
-def spring_energy(joins, values, i, y, bases, bodies):
-    """Return the energy that spring or stop i stores, J."""
-    d, _ = link_motion(joins, values, i, y, bases, bodies)
-    if joins[i, KIND] == STOP_LINK:
-        d = max(d, 0.0)
-    return values[i, PRELOAD] * d + 0.5 * values[i, STIFFNESS] * d * d
-
-
 @called_kernel
 def rigid_energy(coast, t, part):
     """Return the energy of object and turntable while they coast, J; belt and motor keep theirs."""
-    y = part.y
+    y, at, frame = part.y, layout_of(coast), coast.frame
     place_bases(coast, t, y, part.mode, part.memory)
-    mass, gravity, frame = coast.bodies[0, MASS], coast.bodies[0, GRAVITY], coast.frame
-    centre = y[0] + frame[3] * bend_of(frame, 0.0)
-    out = 0.5 * mass * y[1] * y[1] - mass * gravity * centre + 0.5 * coast.settings[INERTIA] * y[3] * y[3]
-    for i in range(2):
-        out += spring_energy(coast.joins, coast.values, i, y, coast.bases, 1)
+    mass, gravity = coast.chain.bodies[OBJECT, MASS], coast.chain.bodies[OBJECT, GRAVITY]
+    centre, speed = y[at.positions][OBJECT] + frame.share * bend_of(frame, 0.0), y[at.speeds][OBJECT]
+    turning = y[at.turntable_speed]
+    out = 0.5 * mass * speed * speed - mass * gravity * centre + 0.5 * coast.settings[INERTIA] * turning * turning
+    for i in (at.support, at.stop):
+        out += spring_energy(coast.chain, i, y)
     return out
 
 
 @called_kernel
 def blow_energy(blow, t, part):
     """Return the energy of striker, object and turntable in a blow, J, less what the contact stores."""
-    y, bodies = part.y, blow.bodies
+    y, at, bodies = part.y, layout_of(blow), blow.chain.bodies
+    x, v, turning = y[at.positions], y[at.speeds], y[at.turntable_speed]
     place_bases(blow, t, y, part.mode, part.memory)
-    first = blow.bases[FIRST, 0]
-    out = 0.5 * (blow.settings[INERTIA] - bodies[0, MASS] * first * first) * y[7] * y[7]
-    for i in range(3):
-        out += 0.5 * bodies[i, MASS] * y[3 + i] * y[3 + i] - bodies[i, MASS] * bodies[i, GRAVITY] * y[i]
-    for i in range(1, 5):
-        out += spring_energy(blow.joins, blow.values, i, y, blow.bases, 3)
+    first = blow.chain.bases[FIRST, STRIKER]
+    out = 0.5 * (blow.settings[INERTIA] - bodies[STRIKER, MASS] * first * first) * turning * turning
+    for i in range(x.size):
+        out += 0.5 * bodies[i, MASS] * v[i] * v[i] - bodies[i, MASS] * bodies[i, GRAVITY] * x[i]
+    for i in range(at.mounts.start, at.rail):
+        out += spring_energy(blow.chain, i, y)
     return out
 
 
 @called_kernel
 def begin_blow(coast, blow, strikers, going, struck, t):
     """Set the bodies of a blow from what coasts to the first touch of the striker that the coasting mode names."""
-    links, many, noses = coast.joins.shape[0], blow.joins.shape[0], coast.noses.shape[0]
-    i = going.mode[links + ON_FACE + noses]
-    y, z = struck.y, going.y
-    copy(strikers.laws[i], 0, blow.values[0], 0, blow.values.shape[1])
-    copy(strikers.mounts[i], 0, blow.values[1], 0, blow.values.shape[1])
-    copy(strikers.seats[i], 0, blow.seats[0], 0, 3)
-    blow.bodies[0, 0] = blow.bodies[0, 2] = strikers.masses[i]
-    struck.mode[0] = struck.mode[1] = struck.mode[2] = PUSHING
-    copy(going.mode, 0, struck.mode, 3, links + ON_FACE)
-    struck.mode[many + ON_FACE] = 1
-    copy(going.memory, links, struck.memory, many, 2)
-    struck.memory[many + 2], struck.memory[2 * many + 2] = strikers.deepest[i], strikers.growth[i]
+    riding, at, chain, frame = layout_of(coast), layout_of(blow), blow.chain, coast.frame
+    i = going.mode[riding.touching]
+    y, z, mode, memory = struck.y, going.y, struck.mode, struck.memory
+    copy(strikers.laws[i], chain.values[at.contacts.start])
+    copy(strikers.mounts[i], chain.values[at.mounts.start])
+    copy(strikers.seats[i], blow.seats[STRIKER])
+    chain.bodies[STRIKER, MASS] = chain.bodies[STRIKER, CARRIED] = strikers.masses[i]
+    mode[at.contacts][STRIKER] = mode[at.mounts][STRIKER] = mode[at.frame] = PUSHING
+    copy(going.mode[riding.held_modes], mode[at.held_modes])
+    mode[at.on_face][STRIKER] = 1
+    copy(going.memory[riding.own_memory], memory[at.own_memory])
+    memory[at.depths][STRIKER], memory[at.growths][STRIKER] = strikers.deepest[i], strikers.growth[i]
     face = face_of(coast, t, z, going.mode, going.memory)
-    place, speed, _ = nose_motion(coast, i, z[2], z[3])
-    frame = coast.frame
-    y[0], y[1] = place, face
-    y[2] = (z[0] + frame[3] * bend_of(frame, 0.0) - frame[3] * face) / (1.0 - frame[3])
-    y[3], y[4], y[5] = speed, z[1], z[1]
-    copy(z, 2, y, 6, OWN_STATES)
-    copy(z, 6, y, 13, links + 3)
-    struck.memory[0] = max(speed - z[1], 0.0)
+    place, speed, _ = nose_motion(coast, i, z[riding.angle], z[riding.turntable_speed])
+    centre, fast = z[riding.positions][OBJECT] + frame.share * bend_of(frame, 0.0), z[riding.speeds][OBJECT]
+    x, v = y[at.positions], y[at.speeds]
+    x[STRIKER], x[at.nose], x[at.assembly] = place, face, (centre - frame.share * face) / (1.0 - frame.share)
+    v[STRIKER], v[at.nose], v[at.assembly] = speed, fast, fast
+    copy(z[riding.turntable], y[at.turntable])
+    copy(z[riding.held_energies], y[at.held_energies])
+    memory[at.contacts][STRIKER] = max(speed - fast, 0.0)
     return rigid_energy(coast, t, going) - blow_energy(blow, t, struck)
 
 
@@ -337,63 +325,59 @@ def ringing(coast, blow, struck, t):
     The frame rings about the bend with which it carries its nose; the striker rings about its steady circle. The
     distance is less what both swing; a nose that has left the face is far from it.
     """
-    y, bases, frame = struck.y, blow.bases, coast.frame
-    place_bases(blow, t, y, struck.mode, struck.memory)
-    held = 0.0
-    for i in range(3, 5):
-        d, rate = link_motion(blow.joins, blow.values, i, y, bases, 3)
-        force, _ = link_force(blow.joins[i, KIND], blow.values[i], d, rate, struck.mode[i], 0.0, 0.0, 1.0)
-        held += force if blow.joins[i, KIND] == STOP_LINK else -force
-    mass = coast.bodies[0, MASS]
-    bend = y[1] - y[2] - bend_of(frame, held / mass + frame[2])
-    reduced = frame[0] * (1.0 - frame[3])
-    of_frame = 0.5 * frame[1] * bend * bend + 0.5 * reduced * (y[4] - y[5]) ** 2
-    stiffness, striker = blow.values[1, STIFFNESS], blow.bodies[0, MASS]
-    circle = larger(y[7], striker / stiffness)
-    rides = bases[PLACE, 0] - (circle - 1.0) * bases[SECOND, 0]
-    of_striker = 0.5 * stiffness * (y[0] - rides) ** 2 + 0.5 * striker * (y[3] - circle * bases[SPEED, 0]) ** 2
-    swing = math.sqrt(2.0 * of_frame / frame[1]) + math.sqrt(2.0 * of_striker / stiffness)
-    apart = (
-        y[1]
-        - max(rides, y[0])
-        + residual(struck.memory[blow.joins.shape[0] + 2], struck.memory[2 * blow.joins.shape[0] + 2])
-    )
-    before = struck.mode[blow.joins.shape[0] + ON_FACE]
-    return of_frame, apart - swing if before else np.inf
+    at, chain, bases, frame = layout_of(blow), blow.chain, blow.chain.bases, coast.frame
+    y, mode, memory = struck.y, struck.mode, struck.memory
+    x, v = y[at.positions], y[at.speeds]
+    place_bases(blow, t, y, mode, memory)
+    pulled, _, _ = press(chain, at.support, y, mode, memory)
+    pushed, _, _ = press(chain, at.stop, y, mode, memory)
+    carried = bend_of(frame, (pushed - pulled) / coast.chain.bodies[OBJECT, MASS] + frame.gravity)
+    bend = x[at.nose] - x[at.assembly] - carried
+    reduced = frame.nose_mass * (1.0 - frame.share)
+    of_frame = 0.5 * frame.stiffness * bend * bend + 0.5 * reduced * (v[at.nose] - v[at.assembly]) ** 2
+    stiffness, striker = chain.values[at.mounts.start, STIFFNESS], chain.bodies[STRIKER, MASS]
+    circle = larger(y[at.turntable_speed], striker / stiffness)
+    rides = bases[PLACE, STRIKER] - (circle - 1.0) * bases[SECOND, STRIKER]
+    swings = v[STRIKER] - circle * bases[SPEED, STRIKER]
+    of_striker = 0.5 * stiffness * (x[STRIKER] - rides) ** 2 + 0.5 * striker * swings**2
+    swing = math.sqrt(2.0 * of_frame / frame.stiffness) + math.sqrt(2.0 * of_striker / stiffness)
+    deepest, growth = spot_of(chain, memory, at.contacts.start)
+    apart = x[at.nose] - max(rides, x[STRIKER]) + residual(deepest, growth)
+    return of_frame, apart - swing if mode[at.on_face][STRIKER] else np.inf
 
 
 @called_kernel
 def end_blow(coast, blow, strikers, going, struck, t):
     """Let object and striker coast again, with their momentum and mean places; return the energy let go, J."""
-    links, many, noses = coast.joins.shape[0], blow.joins.shape[0], coast.noses.shape[0]
-    i = going.mode[links + ON_FACE + noses]
-    y, z, frame = struck.y, going.y, coast.frame
+    riding, at, frame = layout_of(coast), layout_of(blow), coast.frame
+    i, share = going.mode[riding.touching], frame.share
+    y, z, mode = struck.y, going.y, going.mode
+    x, v = y[at.positions], y[at.speeds]
     before = blow_energy(blow, t, struck)
-    share = frame[3]
-    z[0] = share * y[1] + (1.0 - share) * y[2] - share * bend_of(frame, 0.0)
-    z[1] = share * y[4] + (1.0 - share) * y[5]
-    copy(y, 6, z, 2, OWN_STATES)
-    first = blow.bases[FIRST, 0]
-    inertia = coast.settings[INERTIA]
-    own = inertia - blow.bodies[0, MASS] * first * first
-    z[3] = (own * y[7] + first * blow.bodies[0, MASS] * y[3]) / inertia
+    z[riding.positions][OBJECT] = share * x[at.nose] + (1.0 - share) * x[at.assembly] - share * bend_of(frame, 0.0)
+    z[riding.speeds][OBJECT] = share * v[at.nose] + (1.0 - share) * v[at.assembly]
+    copy(y[at.turntable], z[riding.turntable])
+    first, inertia, mass = blow.chain.bases[FIRST, STRIKER], coast.settings[INERTIA], blow.chain.bodies[STRIKER, MASS]
+    own = inertia - mass * first * first
+    z[riding.turntable_speed] = (own * y[at.turntable_speed] + first * mass * v[STRIKER]) / inertia
     if coast.settings[BELT_STIFFNESS] == np.inf:
-        z[5] = z[3]
-    copy(y, 13, z, 6, links + 3)
-    copy(struck.mode, 3, going.mode, 0, links + ON_FACE)
-    copy(struck.memory, many, going.memory, links, 2)
-    half = coast.settings[HALF_FACE]
-    for j in range(noses):
-        _, _, across = nose_motion(coast, j, z[2], z[3])
-        going.mode[links + ON_FACE + j] = 1 if abs(across) <= half else 0
-    _keep_spot(strikers, coast.left, i, struck.memory[many + 2], struck.memory[2 * many + 2])
-    place_bases(coast, t, z, going.mode, going.memory)
-    if links > 2:
-        slips = z[1] - coast.bases[SPEED, 0]
-        if going.mode[2] == STICKING:
-            z[1] = coast.bases[SPEED, 0]
+        z[riding.motor_speed] = z[riding.turntable_speed]
+    copy(y[at.held_energies], z[riding.held_energies])
+    copy(struck.mode[at.held_modes], mode[riding.held_modes])
+    copy(struck.memory[at.own_memory], going.memory[riding.own_memory])
+    half, on_face = coast.settings[HALF_FACE], mode[riding.on_face]
+    for j in range(coast.seats.shape[0]):
+        _, _, across = nose_motion(coast, j, z[riding.angle], z[riding.turntable_speed])
+        on_face[j] = 1 if abs(across) <= half else 0
+    deepest, growth = spot_of(blow.chain, struck.memory, at.contacts.start)
+    _keep_spot(strikers, coast.left, i, deepest, growth)
+    place_bases(coast, t, z, mode, going.memory)
+    if riding.rubs:
+        slips = z[riding.speeds][OBJECT] - coast.chain.bases[SPEED, riding.carriage]
+        if mode[riding.rail] == STICKING:
+            z[riding.speeds][OBJECT] = coast.chain.bases[SPEED, riding.carriage]
         else:
-            going.mode[2] = SLIDING if slips > 0.0 else SLIDING_BACK
+            mode[riding.rail] = SLIDING if slips > 0.0 else SLIDING_BACK
     return before - rigid_energy(coast, t, going)
 
 
@@ -407,12 +391,13 @@ def _keep_spot(strikers, left, i, deepest, growth):
 
 
 @called_kernel
-def crowded(coast, struck, i):
+def crowded(coast, blow, struck, i):
     """Tell whether another striker than i, which rides, is behind the face while a blow lasts."""
-    half = coast.settings[HALF_FACE]
-    for j in range(coast.noses.shape[0]):
-        place, _, across = nose_motion(coast, j, struck.y[6], struck.y[7])
-        if j != i and abs(across) <= half and place > struck.y[1] + coast.left[j]:
+    at, y, half = layout_of(blow), struck.y, coast.settings[HALF_FACE]
+    face = y[at.positions][at.nose]
+    for j in range(coast.seats.shape[0]):
+        place, _, across = nose_motion(coast, j, y[at.angle], y[at.turntable_speed])
+        if j != i and abs(across) <= half and place > face + coast.left[j]:
             return True
     return False
 
@@ -421,25 +406,25 @@ def crowded(coast, struck, i):
 def follow_blow(machine, going, struck, control, train, notes, t):
     """Follow one blow from first touch until all is quiet; return why it came back, and when."""
     coast, blow, riders = machine.coast, machine.blow, machine.riders
-    links, noses, many = coast.joins.shape[0], coast.noses.shape[0], blow.joins.shape[0]
-    i = going.mode[links + ON_FACE + noses]
-    work = np.empty(struck.y.size)
+    at, y, mode, memory = layout_of(blow), struck.y, struck.mode, struck.memory
+    i = going.mode[layout_of(coast).touching]
+    work = np.empty(y.size)
     notes.numbers[LET_GO] += begin_blow(coast, blow, riders, going, struck, t)
     if not open_row(coast, blow, going, struck, notes, t):
         return TOO_MANY, t
-    h, count = control.first_step, SWITCHES * many + FACE_SWITCH + 1
+    h = control.first_step
     while True:
-        why, t, h, steps, _ = advance(blow, control, t, h, struck.y, struck.mode, struck.memory, struck.record, count)
+        why, t, h, steps, _ = advance(blow, control, t, h, y, mode, memory, struck.record, at.switches)
         note_blow(coast, blow, struck, notes, steps, work)
         if why in (_integrator.STUCK, END):
             return STUCK if why == _integrator.STUCK else LATE, t
-        if why == STOPPED and struck.mode[many + EDGE]:
+        if why == STOPPED and mode[at.edge]:
             return AT_EDGE, t
         if why == STOPPED:
             break
-        if crowded(coast, struck, i):
+        if crowded(coast, blow, struck, i):
             return CROWDED, t
-        if struck.mode[0] != OPEN:
+        if mode[at.contacts][STRIKER] != OPEN:
             continue
         of_frame, apart = ringing(coast, blow, struck, t)
         if apart > 0.0 and of_frame <= train.share * train.energy:
@@ -452,40 +437,36 @@ def follow_blow(machine, going, struck, control, train, notes, t):
 @kernel
 def run_train(machine, going, struck, controls, train, notes):
     """Run a machine from the valve signal; return why it ended, and when."""
-    coast = machine.coast
-    links, noses = coast.joins.shape[0], coast.noses.shape[0]
-    count = SWITCHES * links + FACE_SWITCH + 2 * noses
-    work = np.empty(going.y.size)
-    control = controls[0]
+    coast, control = machine.coast, controls[0]
+    at, y, mode, memory = layout_of(coast), going.y, going.mode, going.memory
+    work = np.empty(y.size)
     t, h, looked = 0.0, control.first_step, 0
     while True:
-        going.mode[links + ON_FACE + noses] = -1
-        why, t, h, steps, events = advance(
-            coast, controls[0], t, h, going.y, going.mode, going.memory, going.record, count
-        )
+        mode[at.touching] = -1
+        why, t, h, steps, events = advance(coast, control, t, h, y, mode, memory, going.record, at.switches)
         note_coast(coast, going, notes, steps, work)
         if why in (_integrator.STUCK, END):
             return STUCK if why == _integrator.STUCK else LATE, t
         if why == FULL:
             continue
-        if going.mode[links + EDGE]:
+        if mode[at.edge]:
             return AT_EDGE, t
-        if going.mode[links + ON_FACE + noses] >= 0:
+        if mode[at.touching] >= 0:
             code, t = follow_blow(machine, going, struck, controls[1], train, notes, t)
             if code != QUIET:
                 return code, t
             h = control.first_step
-        elif going.record.event[events - 1, 0] == SWITCHES * links + FEED_SWITCH:
+        elif going.record.event[events - 1, 0] - at.own_switches.start == FEED_SWITCH:
             return DONE, t
-        elif not missed_row(coast, going, notes, t, face_of(coast, t, going.y, going.mode, going.memory)):
+        elif not missed_row(coast, going, notes, t, face_of(coast, t, y, mode, memory)):
             return TOO_MANY, t
         rows = notes.counts[ROWS_USED]
-        if train.most and going.mode[links + PASSES] >= train.most:
+        if train.most and mode[at.passes] >= train.most:
             return DONE, t
         if (
             train.repeats > 0.0
             and rows > max(looked, train.least)
-            and repeats(notes.table, rows - 1, train.repeats, noses)
+            and repeats(notes.table, rows - 1, train.repeats, coast.seats.shape[0])
         ):
             return DONE, t
         looked = rows

@@ -14,20 +14,14 @@ from strikewave.contact._chain_kernels import MASS, PLACE, SPEED
 from strikewave.contact._law_kernels import stored
 from strikewave.machines._kernels import (
     ACROSS,
-    APEX_SWITCH,
-    BELT_TWIST,
-    FEED,
-    FEED_SWITCH,
     HALF_FACE,
-    MOTOR_SPEED,
-    OWN_STATES,
     RETRACTING,
     STROKE,
-    motor_speed,
     own_switch,
     own_switches,
     rotary_rates,
 )
+from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, layout_of
 from strikewave.waves._kernels import (
     END_BETA,
     END_OWN,
@@ -158,24 +152,25 @@ def move_machine(system, t, dt, y, mode, memory, push, rates):
 
     ``rates`` holds the rates a step ago and takes the new ones.
     """
-    strikers = system.bodies.shape[0]
-    angle = 2 * strikers
+    at, bodies = layout_of(system), system.chain.bodies
     old, new = rates[0], rates[1]
-    for i in range(strikers):
-        old[strikers + i] -= push[i] / system.bodies[i, MASS]
-        y[i] += dt * (y[strikers + i] + 0.5 * dt * old[strikers + i])
-        y[strikers + i] += dt * old[strikers + i]
-    y[angle] += dt * (y[angle + 1] + 0.5 * dt * old[angle + 1])
-    y[angle + 1] += dt * old[angle + 1]
-    y[angle + BELT_TWIST] += dt * old[angle + BELT_TWIST]
-    y[angle + MOTOR_SPEED] += dt * old[angle + MOTOR_SPEED]
+    x, v, old_v, new_v = y[at.positions], y[at.speeds], old[at.speeds], new[at.speeds]
+    for i in range(x.size):
+        old_v[i] -= push[i] / bodies[i, MASS]
+        x[i] += dt * (v[i] + 0.5 * dt * old_v[i])
+        v[i] += dt * old_v[i]
+    y[at.angle] += dt * (y[at.turntable_speed] + 0.5 * dt * old[at.turntable_speed])
+    y[at.turntable_speed] += dt * old[at.turntable_speed]
+    y[at.belt_twist] += dt * old[at.belt_twist]
+    y[at.motor_speed] += dt * old[at.motor_speed]
     rotary_rates(system, t, y, mode, memory, new)
-    for i in range(strikers):
-        y[strikers + i] += 0.5 * dt * (new[strikers + i] - push[i] / system.bodies[i, MASS] - old[strikers + i])
-    for i in range(angle + 1, angle + OWN_STATES):
+    for i in range(x.size):
+        v[i] += 0.5 * dt * (new_v[i] - push[i] / bodies[i, MASS] - old_v[i])
+    for i in (at.turntable_speed, at.belt_twist, at.motor_speed):
         y[i] += 0.5 * dt * (new[i] - old[i])
-    for i in range(angle + OWN_STATES, y.size):
-        y[i] += 0.5 * dt * (old[i] + new[i])
+    energies, old_power, new_power = y[at.energies], old[at.energies], new[at.energies]
+    for i in range(energies.size):
+        energies[i] += 0.5 * dt * (old_power[i] + new_power[i])
     for i in range(y.size):
         old[i] = new[i]
 
@@ -183,11 +178,12 @@ def move_machine(system, t, dt, y, mode, memory, push, rates):
 @leaf_kernel
 def switch_machine(system, t, y, mode, memory, g, switches, changed):
     """Let drive, feed and passing strikers change their modes; list the changes; return how many there are."""
-    strikers, links = system.bodies.shape[0], system.joins.shape[0]
-    own_switches(system, t, y[2 * strikers], motor_speed(system, y), mode, memory, g)
+    at = layout_of(system)
+    own = g[at.own_switches]
+    own_switches(system, t, y, mode, memory, own)
     for k in range(APEX_SWITCH + 1):
-        ends = k == FEED_SWITCH and (mode[links + FEED] == RETRACTING or system.settings[STROKE] == 0.0)
-        if g[k] < 0.0 and not ends:
+        ends = k == FEED_SWITCH and (mode[at.feed] == RETRACTING or system.settings[STROKE] == 0.0)
+        if own[k] < 0.0 and not ends:
             own_switch(system, k, t, y, mode, memory)
             if changed < switches.shape[0]:
                 switches[changed, 0], switches[changed, 1] = k, t
@@ -212,7 +208,7 @@ def another_touches(system, y, striker, face):
     """Tell whether another striker than this one reaches beyond the face, and is before it."""
     found, half = False, system.settings[HALF_FACE]
     for i in range(system.seats.shape[0]):
-        found = found or (i != striker and y[i] > face and abs(system.bases[ACROSS, i]) <= half)
+        found = found or (i != striker and y[i] > face and abs(system.chain.bases[ACROSS, i]) <= half)
     return found
 
 
@@ -227,10 +223,11 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
     and the deepest indentation.
     """
     system, y, mode, memory = machine
-    dt, z, g = tables.step, tables.impedance[0], np.empty(APEX_SWITCH + 1 + system.seats.shape[0])
-    last, strikers, s = tables.nodes.size - 1, system.bodies.shape[0], blow.striker
-    rates, push, contact = np.empty((2, y.size)), np.zeros(strikers), np.empty(CONTACT_SIZE)
-    mass = system.bodies[s, MASS]
+    at, bases, s = layout_of(system), system.chain.bases, blow.striker
+    speeds, g = y[at.speeds], np.empty(at.switches)
+    dt, z, last = tables.step, tables.impedance[0], tables.nodes.size - 1
+    rates, push, contact = np.empty((2, y.size)), np.zeros(speeds.size), np.empty(CONTACT_SIZE)
+    mass = system.chain.bodies[s, MASS]
     rotary_rates(system, blow.time, y, mode, memory, rates[0])
     begin_contact(law, contact, blow.approach, blow.deepest)
     u_face, u_end, u_nose, u_assembly, v_face, v_end = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -249,15 +246,15 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
             inertia, half = 0.5 * dt / mass, 0.5 * dt
             push[s] = contact[FORCE]
             move_machine(system, t, dt, y, mode, memory, push, rates)
-        free = y[strikers + s] + inertia * contact[FORCE]
+        free = speeds[s] + inertia * contact[FORCE]
         force = 0.0
-        if abs(system.bases[ACROSS, s]) <= system.settings[HALF_FACE]:
+        if abs(bases[ACROSS, s]) <= system.settings[HALF_FACE]:
             force = press(law, contact, touches, t, dt, free - frame + 2.0 * m / z, inertia + 1.0 / z)
         else:
             slip_off(law, contact, touches, t, dt)
-        y[strikers + s] = free - inertia * force
+        speeds[s] = free - inertia * force
 
-        carriage, carriage_speed = system.bases[PLACE, strikers], system.bases[SPEED, strikers]
+        carriage, carriage_speed = bases[PLACE, at.carriage], bases[SPEED, at.carriage]
         place = blow.end + fallen + u_end + dt * v_end
         spring, friction = hold(supports, tables, state, place, frame, v_end, carriage, carriage_speed)
         f_end = advance(tables, state, force - m)
@@ -300,8 +297,8 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
             row[FACE_PLACE], row[FACE_SPEED] = blow.face + fallen + u_face, frame + v_face
             row[NOSE_PLACE], row[NOSE_SPEED] = blow.face + fallen + u_nose, frame + v_nose
             row[ASSEMBLY_PLACE], row[ASSEMBLY_SPEED] = blow.end + fallen + u_assembly, frame + v_assembly
-            row[TURNTABLE_ANGLE], row[TURNTABLE_SPEED] = y[2 * strikers], y[2 * strikers + 1]
-            row[STRIKER_SPEED] = y[strikers + s]
+            row[TURNTABLE_ANGLE], row[TURNTABLE_SPEED] = y[at.angle], y[at.turntable_speed]
+            row[STRIKER_SPEED] = speeds[s]
             row[CONTACT_IMPULSE], row[END_IMPULSE] = entered, through
             row[INDENTATION] = max(contact[DEPTH], 0.0)
         changed = switch_machine(system, t, y, mode, memory, g, switches, changed)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from strikewave.contact.elastoplastic import spot_after
 from strikewave.contact.law import check_end
-from strikewave.machines._kernels import APEX_SWITCH
+from strikewave.machines._layout import APEX_SWITCH
 from strikewave.machines.rotary import RotaryRun
 from strikewave.signal.pulse import measure_pulse
 

@@ -19,22 +19,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, PLACE, SPEED, Links
+from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, PLACE, SPEED, ChainTables
 from strikewave.contact.chain import Link, Spring, Touch, first_depths, first_modes, link_arrays, stored_energy
 from strikewave.contact.law import AnyContact
 from strikewave.contact.motion import State
 from strikewave.machines._kernels import (
     ACROSS,
     BASE_ROWS,
-    BELT_TWIST,
     CARRIED,
-    FEED,
     FIRST,
     HELD,
     INERTIA,
-    MOTOR_SPEED,
-    NEXT_APEX,
-    ON_FACE,
     SECOND,
     SETTINGS,
     WAITING,
@@ -42,9 +37,9 @@ from strikewave.machines._kernels import (
     RotarySystem,
     place_bases,
 )
+from strikewave.machines._layout import layout_of
 from strikewave.machines.feed import Feed, angle_at_valve_signal
 from strikewave.machines.layered import LayeredObject
-from strikewave.machines.spans import Places
 from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, StruckObject
 from strikewave.machines.turntable import Turntable, speed_after_wait
 
@@ -248,7 +243,8 @@ def rotary_system(machine: RotaryMachine) -> RotarySystem:
         seats[i] = math.cos(stands), math.sin(stands), disc.radius + striker.reach_error
     bodies[count] = struck.nose_mass, struck.gravity, 0.0
     bodies[count + 1] = struck.assembly_mass, struck.gravity, 0.0
-    tables = link_arrays(links, nodes)
+    joins, of_links = link_arrays(links, nodes)
+    chain = ChainTables(bodies, np.zeros((BASE_ROWS, count + 1)), joins, of_links)
     settings = {
         "inertia": disc.turning if disc.rigid_belt else disc.inertia,
         "drag": disc.drag,
@@ -278,95 +274,94 @@ def rotary_system(machine: RotaryMachine) -> RotarySystem:
         "pitch": machine.pitch,
     }
     values = np.array([settings[name] for name in SETTINGS], dtype=float)
-    return RotarySystem(bodies, np.zeros((BASE_ROWS, count + 1)), tables.joins, tables.values, seats, values)
+    return RotarySystem(chain, seats, values)
 
 
 def start_state(machine: RotaryMachine, system: RotarySystem) -> State:
     """Return the state at the valve signal: at speed, object at rest on its stop, carriage retracted."""
     if machine.launch is not None:
         return _launched_state(machine, machine.launch, system)
-    place, disc, struck = places_of(machine), machine.turntable, machine.struck
-    count, feed = place.strikers, machine.feed
+    at, disc, struck, feed = layout_of(system), machine.turntable, machine.struck, machine.feed
+    start = _blank_state(system)
+    _, y, modes, memory = start
+    x, v = y[at.positions], y[at.speeds]
+    modes[at.feed] = WAITING
+    memory[at.next_apex] = machine.pitch + machine.leaves
+    y[at.angle] = angle_at_valve_signal(feed, disc.speed, machine.pitch) + machine.leaves
+    swing = disc.ripple * math.sin(disc.ripple_order * y[at.angle] + disc.ripple_phase)
     speed = speed_after_wait(disc, feed.wait)
-    y = np.zeros(place.energies + place.links + 3)
-    modes = np.zeros(place.own_modes.stop, dtype=np.int64)
-    modes[place.links + FEED] = WAITING
-    memory = np.zeros(place.growths.stop)
-    memory[place.growths] = 1.0
-    memory[place.links + NEXT_APEX] = machine.pitch + machine.leaves
-    memory[place.depths] = first_depths(Links(system.joins, system.values))
-    y[place.angle] = angle_at_valve_signal(feed, disc.speed, machine.pitch) + machine.leaves
-    swing = disc.ripple * math.sin(disc.ripple_order * y[place.angle] + disc.ripple_phase)
     speed += swing * disc.speed
-    y[place.angle + 1] = y[place.angle + MOTOR_SPEED] = speed
+    y[at.turntable_speed] = y[at.motor_speed] = speed
     if not disc.rigid_belt:
-        y[place.angle + BELT_TWIST] = disc.drag * speed / disc.belt_stiffness
+        y[at.belt_twist] = disc.drag * speed / disc.belt_stiffness
     place_bases(system, 0.0, y, modes, memory)
-    bases = system.bases
+    bases = system.chain.bases
     # on its mount a striker runs steadily on the larger circle R / (1 - m w^2 / k)
     for i, striker in enumerate(machine.strikers.each):
         larger = 1.0 / (1.0 - striker.mass * speed**2 / striker.mount_stiffness)
-        y[i] = bases[PLACE, i] - (larger - 1.0) * bases[SECOND, i]
-        y[place.bodies + i] = larger * bases[SPEED, i]
-    rest = -machine.engagement + feed.stroke
-    y[place.assembly] = rest
-    y[place.nose] = rest + struck.nose_mass * struck.gravity / struck.frame_stiffness
-    nodes = np.concatenate([y[: place.bodies], bases[PLACE]])
-    modes[: place.links] = first_modes(Links(system.joins, system.values), nodes)
-    before = np.abs(bases[ACROSS, :count]) <= 0.5 * machine.face_width
-    modes[place.links + ON_FACE :] = before
-    modes[place.contacts] = np.where(before, modes[place.contacts], OPEN)
-    return State(0.0, y, modes, memory)
+        x[i] = bases[PLACE, i] - (larger - 1.0) * bases[SECOND, i]
+        v[i] = larger * bases[SPEED, i]
+    x[at.assembly] = -machine.engagement + feed.stroke
+    x[at.nose] = x[at.assembly] + struck.nose_mass * struck.gravity / struck.frame_stiffness
+    modes[at.link_modes] = modes_at(system, y)
+    before = np.abs(bases[ACROSS, at.strikers]) <= 0.5 * machine.face_width
+    modes[at.on_face] = before
+    modes[at.contacts] = np.where(before, modes[at.contacts], OPEN)
+    return start
+
+
+def _blank_state(system: RotarySystem) -> State:
+    """Return a state with nothing in it but that no link has yielded."""
+    at = layout_of(system)
+    memory = np.zeros(at.memories)
+    memory[at.depths], memory[at.growths] = first_depths(system.chain.links), 1.0
+    return State(0.0, np.zeros(at.states), np.zeros(at.modes, dtype=np.int64), memory)
 
 
 def _launched_state(machine: RotaryMachine, launch: Launch, system: RotarySystem) -> State:
     """Return the state `BEFORE_TOUCH` of a launched machine: striker or arm moving, object in place."""
-    place, struck = places_of(machine), machine.struck
-    y = np.zeros(place.energies + place.links + 3)
-    modes = np.zeros(place.own_modes.stop, dtype=np.int64)
-    modes[place.links + FEED] = HELD
-    memory = np.zeros(place.growths.stop)
-    memory[place.growths] = 1.0
-    memory[place.links + NEXT_APEX] = FOREVER
-    memory[place.depths] = first_depths(Links(system.joins, system.values))
-    y[place.angle], y[place.angle + 1] = machine.first_touch - launch.arm_speed * BEFORE_TOUCH, launch.arm_speed
+    at, struck, start = layout_of(system), machine.struck, _blank_state(system)
+    _, y, modes, memory = start
+    x, v = y[at.positions], y[at.speeds]
+    modes[at.feed], modes[at.on_face] = HELD, 1
+    memory[at.next_apex] = FOREVER
+    y[at.angle], y[at.turntable_speed] = machine.first_touch - launch.arm_speed * BEFORE_TOUCH, launch.arm_speed
     place_bases(system, 0.0, y, modes, memory)
-    bases, rest = system.bases, -machine.engagement
+    bases, rest = system.chain.bases, -machine.engagement
     if machine.strikers.first.mount_stiffness > 0.0:
-        y[0], y[place.bodies] = bases[PLACE, 0], bases[SPEED, 0]
+        x[0], v[0] = bases[PLACE, 0], bases[SPEED, 0]
     else:
-        y[0], y[place.bodies] = rest - launch.striker_speed * BEFORE_TOUCH, launch.striker_speed
-    y[place.assembly] = rest - launch.object_speed * BEFORE_TOUCH
-    y[place.nose] = y[place.assembly]
+        x[0], v[0] = rest - launch.striker_speed * BEFORE_TOUCH, launch.striker_speed
+    x[at.nose] = x[at.assembly] = rest - launch.object_speed * BEFORE_TOUCH
     if launch.object_speed == 0.0:
-        y[place.nose] += struck.nose_mass * struck.gravity / struck.frame_stiffness
-    y[place.bodies + place.nose] = y[place.bodies + place.assembly] = launch.object_speed
-    nodes = np.concatenate([y[: place.bodies], bases[PLACE]])
-    speeds = np.concatenate([y[place.bodies : place.angle], bases[SPEED]])
-    modes[: place.links] = first_modes(Links(system.joins, system.values), nodes, speeds=speeds)
-    modes[place.links + ON_FACE :] = 1
-    return State(0.0, y, modes, memory)
+        x[at.nose] += struck.nose_mass * struck.gravity / struck.frame_stiffness
+    v[at.nose] = v[at.assembly] = launch.object_speed
+    modes[at.link_modes] = modes_at(system, y)
+    return start
 
 
-def places_of(machine: RotaryMachine) -> Places:
-    """Return where the state and the links of a machine stand."""
-    return Places(machine.strikers.count, machine.struck.rubs)
+def nodes_at(system: RotarySystem, y: Array) -> Array:
+    """Return where bodies and bases stand, m; the bases as placed last."""
+    return np.concatenate([y[layout_of(system).positions], system.chain.bases[PLACE]])
+
+
+def modes_at(system: RotarySystem, y: Array, deepest: Array | None = None) -> NDArray[np.int64]:
+    """Return the mode of each link in a state, the bases as placed last; see `first_modes`."""
+    speeds = np.concatenate([y[layout_of(system).speeds], system.chain.bases[SPEED]])
+    return first_modes(system.chain.links, nodes_at(system, y), deepest, speeds)
 
 
 def energy(machine: RotaryMachine, system: RotarySystem, state: State) -> float:
     """Return kinetic energy of turntable, motor and bodies, energy stored in links and belt, and of height, J."""
-    place, disc = places_of(machine), machine.turntable
-    x, v = state.y[: place.bodies], state.y[place.bodies : place.angle]
-    speed, twist, motor = state.y[place.angle + 1 : place.energies]
-    place_bases(system, state.time, state.y, state.mode, state.memory)
-    bases = system.bases
-    inertia = system.settings[INERTIA] - float(
-        system.bodies[: place.strikers, CARRIED] @ bases[FIRST, : place.strikers] ** 2
-    )
-    nodes = np.concatenate([x, bases[PLACE]])
-    stored = stored_energy(Links(system.joins, system.values), nodes, state.memory[place.depths], state.mode)
+    at, disc, y, bodies = layout_of(system), machine.turntable, state.y, system.chain.bodies
+    place_bases(system, state.time, y, state.mode, state.memory)
+    first = system.chain.bases[FIRST, at.strikers]
+    inertia = system.settings[INERTIA] - float(bodies[at.strikers, CARRIED] @ first**2)
+    stored = stored_energy(system.chain.links, nodes_at(system, y), state.memory[at.depths], state.mode)
     if not disc.rigid_belt:
+        twist, motor = y[at.belt_twist], y[at.motor_speed]
         stored += 0.5 * disc.belt_stiffness * twist**2 + 0.5 * disc.motor_inertia * motor**2
-    height = -float(np.sum(system.bodies[:, MASS] * system.bodies[:, GRAVITY] * x))
-    height -= float(system.settings[WEIGHT_MOMENT]) * math.cos(state.y[place.angle])
-    return 0.5 * inertia * speed**2 + 0.5 * float(system.bodies[:, MASS] @ v**2) + stored + height
+    height = -float(np.sum(bodies[:, MASS] * bodies[:, GRAVITY] * y[at.positions]))
+    height -= float(system.settings[WEIGHT_MOMENT]) * math.cos(y[at.angle])
+    moving = 0.5 * inertia * y[at.turntable_speed] ** 2 + 0.5 * float(bodies[:, MASS] @ y[at.speeds] ** 2)
+    return moving + stored + height

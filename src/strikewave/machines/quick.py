@@ -15,16 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import IntegrationError
+from strikewave.contact._chain_kernels import AHEAD, BEHIND, MASS, ChainTables
 from strikewave.contact._integrator import Control, empty_record
 from strikewave.contact.law import elastic_indentation
 from strikewave.machines import _note_kernels as column
 from strikewave.machines import _quick_kernels as kernels
-from strikewave.machines._kernels import BASE_ROWS, LAYERED, ON_FACE, OWN_STATES, RotarySystem
+from strikewave.machines._kernels import BASE_ROWS, LAYERED, RotarySystem
+from strikewave.machines._layout import OBJECT, layout_of
 from strikewave.machines._note_kernels import Notes
-from strikewave.machines._quick_kernels import CoastSystem, Machine, Part, Riders, Train
+from strikewave.machines._quick_kernels import CoastSystem, Frame, Machine, Part, Riders, Train
 from strikewave.machines.blows import DOUBLE_SHARE, GLANCING_SHARE
 from strikewave.machines.feed import expected_time
-from strikewave.machines.machine import RotaryMachine, places_of, rotary_system, start_state
+from strikewave.machines.machine import RotaryMachine, rotary_system, start_state
 
 Array = NDArray[np.float64]
 
@@ -233,14 +235,17 @@ def quick_run(
     approach = machine.nominal_approach
     train = Train(quiet, 0.5 * machine.struck.mass * approach**2, 0 if blows is None else blows, repeats, least)
     before = _energy(machine, tables, going, 0.0)
-    why, end = kernels.run_train(tables, going, struck, controls(machine, tolerance, going, struck), train, notes)
+    why, end = kernels.run_train(tables, going, struck, controls(machine, tolerance, tables), train, notes)
     if why != kernels.DONE:
         raise IntegrationError(f"at {end:.4g} s {WHY[why]}")
     gained = _energy(machine, tables, going, end) - before
     lost = float(notes.numbers[column.LET_GO])
-    energies = going.y[2 + OWN_STATES :]
-    dissipated = np.concatenate([energies[:-3], struck.y[6 + OWN_STATES : 9 + OWN_STATES]])
-    driven, dragged, fed = energies[-3:]
+    riding, at = layout_of(tables.coast), layout_of(tables.blow)
+    of_blow = struck.y[at.dissipated]
+    dissipated = np.concatenate(
+        [going.y[riding.dissipated], of_blow[at.contacts], of_blow[at.mounts], of_blow[at.frame : at.support]]
+    )
+    driven, dragged, fed = going.y[riding.ledger]
     flowed = abs(driven) + dragged + np.abs(dissipated).sum() + abs(lost)
     missing = gained - (driven - dragged - dissipated.sum() - lost + fed)
     table = _finished(machine, notes.table[: notes.counts[column.ROWS_USED]])
@@ -250,9 +255,11 @@ def quick_run(
 
 def _energy(machine: RotaryMachine, tables: Machine, going: Part, time: float) -> float:
     """Return the energy of object, turntable, belt and motor, J."""
-    energy, disc, y = float(kernels.rigid_energy(tables.coast, time, going)), machine.turntable, going.y
+    energy, disc = float(kernels.rigid_energy(tables.coast, time, going)), machine.turntable
     if not disc.rigid_belt:
-        energy += 0.5 * disc.belt_stiffness * float(y[4]) ** 2 + 0.5 * disc.motor_inertia * float(y[5]) ** 2
+        at = layout_of(tables.coast)
+        twist, motor = float(going.y[at.belt_twist]), float(going.y[at.motor_speed])
+        energy += 0.5 * disc.belt_stiffness * twist**2 + 0.5 * disc.motor_inertia * motor**2
     return energy
 
 
@@ -264,79 +271,75 @@ def empty_notes(rows: int) -> Notes:
     return Notes(np.full((rows, column.BLOW_COLUMNS), np.nan), samples, contacts, counts, np.zeros(column.NUMBERS))
 
 
-def controls(machine: RotaryMachine, tolerance: float, going: Part, struck: Part) -> tuple[Control, Control]:
+def controls(machine: RotaryMachine, tolerance: float, tables: Machine) -> tuple[Control, Control]:
     """Return how to integrate what coasts and a blow."""
     approach, radius, q = machine.nominal_approach, machine.turntable.radius, machine.engagement
     depth = elastic_indentation(machine.strikers.first.contact, machine.struck.nose_mass, approach)
     pitch_time = machine.pitch / machine.turntable.speed
     end = 3.0 * expected_time(machine.feed, pitch_time)
 
-    def scaled(states: int, bodies: int, place: float) -> Array:
-        scale = np.zeros(states)
-        scale[:bodies], scale[bodies : 2 * bodies] = place, approach
-        own = scale[2 * bodies : 2 * bodies + OWN_STATES]
-        own[::2], own[1::2] = place / radius, approach / radius
+    def scaled(system: CoastSystem | RotarySystem, place: float) -> Array:
+        at = layout_of(system)
+        scale = np.zeros(at.states)
+        scale[at.positions], scale[at.speeds] = place, approach
+        scale[[at.angle, at.belt_twist]] = place / radius
+        scale[[at.turntable_speed, at.motor_speed]] = approach / radius
         return scale
 
-    coast = Control(tolerance, scaled(going.y.size, 1, q), 5e-3 * pitch_time, 0.1 * pitch_time, end)
-    blow = Control(tolerance, scaled(struck.y.size, 3, depth), 2e-3 * depth / approach, 0.02 * pitch_time, end)
+    coast = Control(tolerance, scaled(tables.coast, q), 5e-3 * pitch_time, 0.1 * pitch_time, end)
+    blow = Control(tolerance, scaled(tables.blow, depth), 2e-3 * depth / approach, 0.02 * pitch_time, end)
     return coast, blow
 
 
 def quick_tables(machine: RotaryMachine) -> tuple[Machine, Part, Part]:
     """Return a machine as the tables that the kernels take, and its two parts at the valve signal."""
-    full, place, struck = rotary_system(machine), places_of(machine), machine.struck
-    start, count = start_state(machine, full), machine.strikers.count
+    full, struck = rotary_system(machine), machine.struck
+    at, chain, start = layout_of(full), full.chain, start_state(machine, full)
     full.settings[LAYERED] = 0.0
-    held = slice(place.support, place.links)
-    of_blow = np.r_[0, count, place.frame : place.links]
-    nodes = {0: 0, place.nose: 1, place.assembly: 2, place.bodies: 3, place.bodies + count: 4}
-    blow = RotarySystem(
-        full.bodies[[0, place.nose, place.assembly]],
-        np.zeros((BASE_ROWS, 2)),
-        _renamed(full.joins[of_blow], nodes),
-        full.values[of_blow],
-        full.seats[:1].copy(),
-        full.settings,
-    )
-    stretches = full.bodies[:count, 0] / np.array([s.mount_stiffness for s in machine.strikers.each])
-    frame = np.array([struck.nose_mass, struck.frame_stiffness, struck.gravity, struck.nose_mass / struck.mass])
+    nodes, links = np.arange(len(chain.bodies) + chain.bases.shape[1]), np.arange(len(chain.joins))
+    of_bodies, of_bases = nodes[: len(chain.bodies)], nodes[len(chain.bodies) :]
+    carriage, held = of_bases[at.carriage], links[at.support :]
+    one = np.r_[of_bodies[at.strikers][0], of_bodies[at.object]]
+    of_blow = np.r_[links[at.contacts][0], links[at.mounts][0], links[at.frame], held]
+    in_blow = [*one, of_bases[0], carriage]
+    blow = RotarySystem(_part_of(chain, chain.bodies[one], of_blow, in_blow), full.seats[:1].copy(), full.settings)
+    masses = chain.bodies[at.strikers, MASS]
+    stretches = masses / np.array([s.mount_stiffness for s in machine.strikers.each])
     coast = CoastSystem(
-        np.array([[struck.mass, struck.gravity, 0.0]]),
-        np.zeros((BASE_ROWS, 1)),
-        _renamed(full.joins[held], {place.assembly: 0, place.bodies + count: 1}),
-        full.values[held].copy(),
-        np.zeros((0, 3)),
-        full.settings,
+        _part_of(chain, np.array([[struck.mass, struck.gravity, 0.0]]), held, [at.assembly, carriage]),
         np.column_stack([full.seats, stretches]),
-        np.zeros(count),
-        frame,
+        full.settings,
+        np.zeros(machine.strikers.count),
+        Frame(struck.nose_mass, struck.frame_stiffness, struck.gravity, struck.nose_mass / struck.mass),
     )
     riders = Riders(
-        full.values[place.contacts].copy(),
-        full.values[place.mounts].copy(),
+        chain.values[at.contacts].copy(),
+        chain.values[at.mounts].copy(),
         full.seats,
-        full.bodies[:count, 0].copy(),
-        start.memory[place.depths][:count].copy(),
-        np.ones(count),
+        masses.copy(),
+        start.memory[at.depths][at.contacts].copy(),
+        np.ones(machine.strikers.count),
     )
-    going = _part(1, len(coast.joins), count + 1)
-    going.y[0] = start.y[place.assembly]
-    going.y[2 : 2 + OWN_STATES] = start.y[place.angle : place.energies]
-    going.mode[:-1] = start.mode[place.support :]
-    going.memory[len(coast.joins) : len(coast.joins) + 2] = start.memory[place.own_memory]
-    return Machine(coast, blow, riders), going, _part(3, len(blow.joins), 1)
+    going, riding = _at_rest(coast), layout_of(coast)
+    going.y[riding.positions][OBJECT] = start.y[at.positions][at.assembly]
+    going.y[riding.turntable] = start.y[at.turntable]
+    going.mode[riding.held_modes], going.mode[riding.on_face] = start.mode[at.held_modes], start.mode[at.on_face]
+    going.memory[riding.own_memory] = start.memory[at.own_memory]
+    return Machine(coast, blow, riders), going, _at_rest(blow)
 
 
-def _renamed(joins: NDArray[np.int64], nodes: dict[int, int]) -> NDArray[np.int64]:
-    """Return joins with other numbers for their nodes."""
-    return np.array([[kind, nodes[int(behind)], nodes[int(ahead)]] for kind, behind, ahead in joins], dtype=np.int64)
+def _part_of(chain: ChainTables, bodies: Array, links: NDArray[np.int64], nodes: list[int]) -> ChainTables:
+    """Return some links of a chain between other bodies and bases; of the nodes, those kept, in their new order."""
+    joins = chain.joins[links].copy()
+    for end in (BEHIND, AHEAD):
+        joins[:, end] = [nodes.index(node) for node in joins[:, end]]
+    return ChainTables(bodies, np.zeros((BASE_ROWS, len(nodes) - len(bodies))), joins, chain.values[links].copy())
 
 
-def _part(bodies: int, links: int, more_modes: int) -> Part:
-    """Return a part of so many bodies and links at rest; what has not yielded has not grown."""
-    states, modes, memories = 2 * bodies + OWN_STATES + links + 3, links + ON_FACE + more_modes, 3 * links + 2
-    memory = np.zeros(memories)
-    memory[-links:] = 1.0
-    record = empty_record(kernels.RECORD_ROWS, states, modes, memories)
-    return Part(np.zeros(states), np.zeros(modes, dtype=np.int64), memory, record)
+def _at_rest(system: CoastSystem | RotarySystem) -> Part:
+    """Return a part at rest; what has not yielded has not grown."""
+    at = layout_of(system)
+    memory = np.zeros(at.memories)
+    memory[at.growths] = 1.0
+    record = empty_record(kernels.RECORD_ROWS, at.states, at.modes, at.memories)
+    return Part(np.zeros(at.states), np.zeros(at.modes, dtype=np.int64), memory, record)

@@ -15,10 +15,11 @@ from strikewave.contact._integrator import Control
 from strikewave.contact._law_kernels import DAMPER
 from strikewave.contact.law import elastic_indentation, striking_law
 from strikewave.contact.motion import State, integrate
-from strikewave.machines._kernels import EDGE, FEED, FEED_SWITCH, PASSES, RETRACTING
+from strikewave.machines._kernels import RETRACTING
+from strikewave.machines._layout import FEED_SWITCH, Layout, layout_of
 from strikewave.machines.feed import expected_time
-from strikewave.machines.machine import BEFORE_TOUCH, RotaryMachine, energy, places_of, rotary_system, start_state
-from strikewave.machines.spans import ChainSpan, Moments, Places, Span, StackSpan
+from strikewave.machines.machine import BEFORE_TOUCH, RotaryMachine, energy, rotary_system, start_state
+from strikewave.machines.spans import ChainSpan, Moments, Span, StackSpan
 from strikewave.machines.strike import strike
 from strikewave.machines.turntable import braking_time, spin_up_time
 
@@ -134,31 +135,31 @@ def run_rotary(
     ValueError
         If the drive cannot hold the set speed.
     """
-    disc, feed, place = machine.turntable, machine.feed, places_of(machine)
+    disc, feed = machine.turntable, machine.feed
     contacts = [striker.contact for striker in machine.strikers.each]
     if machine.layered is not None and any(striking_law(contact)[DAMPER] for contact in contacts):
         raise ValueError("a machine's striker takes a contact with hysteresis, not with a damper")
     system = rotary_system(machine)
+    at = layout_of(system)
     start = state = start_state(machine, system)
     approach = machine.nominal_approach
     expected, longest = _pace(machine)
     depth = elastic_indentation(machine.strikers.first.contact, machine.struck.nose_mass, approach)
     scale = np.full(start.y.size, 0.5 * machine.struck.mass * approach**2)
-    scale[: place.bodies] = depth
-    scale[place.bodies : place.angle] = approach
-    scale[place.angle : place.energies : 2] = depth / disc.radius
-    scale[place.angle + 1 : place.energies : 2] = approach / disc.radius
+    scale[at.positions], scale[at.speeds] = depth, approach
+    scale[[at.angle, at.belt_twist]] = depth / disc.radius
+    scale[[at.turntable_speed, at.motor_speed]] = approach / disc.radius
     control = Control(tolerance, scale, 2e-3 * depth / approach, longest, 3.0 * expected)
     report = None if progress is None else (lambda t: progress(min(t / expected, 1.0)))
     spans: list[Span] = []
     while True:
-        motion = integrate(system, state, control, (place.links, place.switches), report)
+        motion = integrate(system, state, control, (len(system.chain.joins), at.switches), report)
         if motion.record.time.size:  # none where the next striker touches at once
-            spans.append(ChainSpan(machine.struck, place, motion))
+            spans.append(ChainSpan(machine.struck, at, motion))
         state = motion.end
-        if state.mode[place.links + EDGE]:
-            raise IntegrationError(_at_the_edge(machine, state, place))
-        untouched = not np.any(state.mode[place.contacts] != OPEN)
+        if state.mode[at.edge]:
+            raise IntegrationError(_at_the_edge(machine, state, at))
+        untouched = not np.any(state.mode[at.contacts] != OPEN)
         if machine.layered is None or untouched or state.time >= control.end:
             break
         first = not any(isinstance(span, StackSpan) for span in spans)
@@ -166,22 +167,21 @@ def run_rotary(
         spans.append(blow)
         if machine.launch is not None and state.time >= expected:
             break
-    finished = state.mode[place.links + FEED] == RETRACTING and state.time < control.end
+    finished = state.mode[at.feed] == RETRACTING and state.time < control.end
     if machine.launch is None and not finished:
-        done = int(state.mode[place.links + PASSES])
+        done = int(state.mode[at.passes])
         raise IntegrationError(
             f"after {state.time:.3g} s only {done} of {feed.blows} passes were made and the turntable turns at "
-            f"{state.y[place.angle + 1]:.3g} rad/s: give it more inertia or torque, or less engagement"
+            f"{state.y[at.turntable_speed]:.3g} rad/s: give it more inertia or torque, or less engagement"
         )
-    dissipated = state.y[place.energies : place.energies + place.links]
-    driven, dragged, fed = state.y[place.energies + place.links :]
+    dissipated, (driven, dragged, fed) = state.y[at.dissipated], state.y[at.ledger]
     gained = energy(machine, system, state) - energy(machine, system, start)
     flowed = abs(driven) + dragged + np.abs(dissipated).sum()
     if machine.launch is not None:
-        flowed += 0.5 * float(system.bodies[:, MASS] @ start.y[place.bodies : place.angle] ** 2)
+        flowed += 0.5 * float(system.chain.bodies[:, MASS] @ start.y[at.speeds] ** 2)
     missing = gained - (driven - dragged - dissipated.sum() + fed)
     run = RotaryRun(machine, tuple(spans), (), float(abs(missing) / flowed))
-    last_speed = float(state.y[place.angle + 1])
+    last_speed = float(state.y[at.turntable_speed])
     return replace(run, phases=_phases(run, last_speed))
 
 
@@ -194,10 +194,10 @@ def _pace(machine: RotaryMachine) -> tuple[float, float]:
     return expected_time(machine.feed, pitch_time), 0.02 * pitch_time
 
 
-def _at_the_edge(machine: RotaryMachine, state: State, place: Places) -> str:
+def _at_the_edge(machine: RotaryMachine, state: State, at: Layout) -> str:
     """Return in words that a striker met the edge of the face."""
-    striker = int(state.mode[place.links + EDGE])
-    deep = float(state.y[striker - 1] - state.y[place.nose])
+    striker, x = int(state.mode[at.edge]), state.y[at.positions]
+    deep = float(x[striker - 1] - x[at.nose])
     return (
         f"at {state.time:.4g} s striker {striker} met the edge of the face {deep * 1e3:.3g} mm behind it: make "
         f"machine.face_width ({machine.face_width * 1e3:.4g} mm) larger, or machine.engagement "

@@ -13,11 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.contact._chain_kernels import SWITCHES
 from strikewave.contact.chain import contacts
 from strikewave.contact.motion import Motion
 from strikewave.machines import _stack_kernels as column
-from strikewave.machines._kernels import FACE_SWITCH, ON_FACE, OWN_STATES
+from strikewave.machines._layout import Layout
 from strikewave.machines.struck_object import StruckObject
 from strikewave.waves._kernels import Recording
 
@@ -39,109 +38,11 @@ class Moments(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Places:
-    """Indices into the state and the links for a number of strikers, on rails that rub or not."""
-
-    strikers: int
-    rubs: bool = False
-
-    @property
-    def bodies(self) -> int:
-        """Number of bodies."""
-        return self.strikers + 2
-
-    @property
-    def nose(self) -> int:
-        """Body index of the nose."""
-        return self.strikers
-
-    @property
-    def assembly(self) -> int:
-        """Body index of the assembly."""
-        return self.strikers + 1
-
-    @property
-    def angle(self) -> int:
-        """State index of the turntable's angle; its speed, the belt's twist and the motor's speed follow."""
-        return 2 * self.bodies
-
-    @property
-    def energies(self) -> int:
-        """State index of the energy dissipated in the first link; drive, drag and feed follow the last."""
-        return self.angle + OWN_STATES
-
-    @property
-    def contacts(self) -> slice:
-        """Links between strikers and nose."""
-        return slice(0, self.strikers)
-
-    @property
-    def mounts(self) -> slice:
-        """Links between seats and strikers."""
-        return slice(self.strikers, 2 * self.strikers)
-
-    @property
-    def frame(self) -> int:
-        """Link of the frame."""
-        return 2 * self.strikers
-
-    @property
-    def support(self) -> int:
-        """Link of the heavy-load spring."""
-        return 2 * self.strikers + 1
-
-    @property
-    def stop(self) -> int:
-        """Link of the stop."""
-        return 2 * self.strikers + 2
-
-    @property
-    def rail(self) -> int:
-        """Link of the rail's friction, where there is any."""
-        return 2 * self.strikers + 3
-
-    @property
-    def links(self) -> int:
-        """Number of links."""
-        return 2 * self.strikers + 3 + self.rubs
-
-    @property
-    def own_memory(self) -> slice:
-        """What the machine itself remembers, after the approach speeds of the links."""
-        return slice(self.links, self.links + 2)
-
-    @property
-    def depths(self) -> slice:
-        """How deep each link has yielded."""
-        return slice(self.links + 2, 2 * self.links + 2)
-
-    @property
-    def growths(self) -> slice:
-        """How much the radius of each link has grown by yielding, at the end of the memory."""
-        return slice(2 * self.links + 2, 3 * self.links + 2)
-
-    @property
-    def own_switches(self) -> int:
-        """Place of the machine's own switch functions, after those of the links."""
-        return SWITCHES * self.links
-
-    @property
-    def own_modes(self) -> slice:
-        """The machine's own modes, after those of the links."""
-        return slice(self.links, self.links + ON_FACE + self.strikers)
-
-    @property
-    def switches(self) -> int:
-        """Number of switch functions."""
-        return self.own_switches + FACE_SWITCH + self.strikers
-
-
-@dataclass(frozen=True)
 class ChainSpan:
     """A span in which the object is nose, frame and assembly."""
 
     struck: StruckObject
-    place: Places
+    layout: Layout
     motion: Motion
 
     @property
@@ -157,38 +58,38 @@ class ChainSpan:
     def sample(self, times: Array) -> Moments:
         """Return what the machine does at times within the span."""
         states, forces = self.motion.sample(times)
-        place, struck = self.place, self.struck
-        v = states[:, place.bodies : place.angle]
-        pushed = forces[:, place.frame] + self._held(forces)
-        momentum = v[:, place.nose] * struck.nose_mass + v[:, place.assembly] * struck.assembly_mass
+        at, struck = self.layout, self.struck
+        x, v = states[:, at.positions], states[:, at.speeds]
+        pushed = forces[:, at.frame] + self._held(forces)
+        momentum = v[:, at.nose] * struck.nose_mass + v[:, at.assembly] * struck.assembly_mass
         return Moments(
-            forces[:, place.contacts].sum(axis=1),
+            forces[:, at.contacts].sum(axis=1),
             pushed / struck.assembly_mass + struck.gravity,
-            states[:, place.nose],
-            states[:, place.assembly],
-            v[:, place.assembly],
+            x[:, at.nose],
+            x[:, at.assembly],
+            v[:, at.assembly],
             momentum / struck.mass,
-            states[:, place.angle],
-            states[:, place.angle + 1],
-            self._indentation(states, forces[:, place.contacts]),
+            states[:, at.angle],
+            states[:, at.turntable_speed],
+            self._indentation(x, forces[:, at.contacts]),
         )
 
-    def _indentation(self, states: Array, contact_forces: Array) -> Array:
+    def _indentation(self, x: Array, contact_forces: Array) -> Array:
         """Return the deepest indentation of a striker that pushes, m; one off the face may stand beyond it."""
-        deep = states[:, : self.place.strikers] - states[:, [self.place.nose]]
+        deep = x[:, self.layout.strikers] - x[:, [self.layout.nose]]
         return np.asarray(np.where(contact_forces > 0.0, deep, 0.0).max(axis=1))
 
     def _held(self, forces: Array) -> Array:
         """Return the force of spring, stop and rail on the assembly, of link forces (N, links)."""
-        place = self.place
-        rail = forces[:, place.rail] if place.rubs else 0.0
-        return np.asarray(forces[:, place.stop] - forces[:, place.support] - rail)
+        at = self.layout
+        rail = forces[:, at.rail] if at.rubs else 0.0
+        return np.asarray(forces[:, at.stop] - forces[:, at.support] - rail)
 
     def contacts(self) -> Array:
         """Return begin, end, approach speed and striker (from 0) of each contact, shape (N, 4)."""
         rows = []
-        for striker in range(self.place.strikers):
-            found = contacts(self.motion, striker)
+        for striker, link in enumerate(np.arange(self.motion.links)[self.layout.contacts]):
+            found = contacts(self.motion, link)
             # a contact that only stopped this span belongs to the next one
             found = found[found[:, 0] < self.end]
             rows.append(np.column_stack([found, np.full(len(found), striker, dtype=float)]))
@@ -197,7 +98,7 @@ class ChainSpan:
     def switches(self) -> Array:
         """Return which of the machine's own switches changed, and when, shape (N, 2)."""
         record = self.motion.record
-        rows = np.column_stack([record.event[:, 0] - self.place.own_switches, record.event_time])
+        rows = np.column_stack([record.event[:, 0] - self.layout.own_switches.start, record.event_time])
         return rows[rows[:, 0] >= 0]
 
     @cached_property
@@ -206,26 +107,26 @@ class ChainSpan:
 
     def impulses(self, begin: float, end: float) -> tuple[float, float]:
         """Return the impulses of contacts and supports between two switches or the span's ends, N s."""
-        record, place = self.motion.record, self.place
+        record = self.motion.record
         low, high = max(begin, self.begin), min(end, self.end)
         if high <= low:
             return 0.0, 0.0
         within = (record.time >= low - 1e-15) & (record.time + record.step <= high + 1e-15)
         links = self._per_step[within].sum(axis=0, keepdims=True)
         weight = self.struck.mass * self.struck.gravity * (high - low)
-        return float(links[:, place.contacts].sum()), float(self._held(links)[0]) + weight
+        return float(links[:, self.layout.contacts].sum()), float(self._held(links)[0]) + weight
 
     def deepest(self, time: float, striker: int) -> float:
         """Return the depth to which the spot of a striker has yielded by a time, m."""
         row = int(np.searchsorted(self.motion.record.time, time, side="right")) - 1
         last = time >= self.end or row < 0
         memory = self.motion.end.memory if last else self.motion.record.memory[row]
-        return float(memory[self.place.depths][striker])
+        return float(memory[self.layout.depths][striker])
 
     def parting_speed(self, time: float, striker: int) -> float:
         """Return how much faster the nose is than a striker, m/s."""
-        state = self.motion.sample(np.array([time]))[0][0]
-        return float(state[self.place.bodies + self.place.nose] - state[self.place.bodies + striker])
+        speeds = self.motion.sample(np.array([time]))[0][0][self.layout.speeds]
+        return float(speeds[self.layout.nose] - speeds[striker])
 
 
 @dataclass(frozen=True)

@@ -15,23 +15,28 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import IntegrationError
 from strikewave.contact._chain_kernels import (
+    AHEAD,
+    BEHIND,
     MASS,
     OPEN,
     PLACE,
     SLIDING_FORCE,
     SPEED,
     STICKING_FORCE,
+    ChainTables,
     Links,
     remember,
 )
 from strikewave.contact._law_kernels import DAMPING, OFFSET, PRELOAD, STIFFNESS, YIELD_LOAD
-from strikewave.contact.chain import first_modes, stored_energy
+from strikewave.contact.chain import stored_energy
 from strikewave.contact.motion import State
 from strikewave.machines import _stack_kernels as column
-from strikewave.machines._kernels import ACROSS, HALF_FACE, ON_FACE, OWN_STATES, RotarySystem, place_bases
+from strikewave.machines._kernels import ACROSS, HALF_FACE, RotarySystem, place_bases
+from strikewave.machines._layout import layout_of
 from strikewave.machines._stack_kernels import COLUMNS, CROWDED, ENDLESS, Blow, Supports, follow
 from strikewave.machines.layered import LayeredObject
-from strikewave.machines.spans import Places, StackSpan
+from strikewave.machines.machine import modes_at, nodes_at
+from strikewave.machines.spans import StackSpan
 from strikewave.machines.struck_object import StruckObject
 from strikewave.waves import _kernels as waves
 from strikewave.waves._kernels import ELASTIC, LOST, RESISTANCE, Recording, Tables
@@ -89,7 +94,7 @@ def strike(
     taps, whole, places = going.recordings(rows, every, field)
     history, touches, switches = np.zeros((rows, COLUMNS)), np.zeros((_MOST_TOUCHES, 3)), np.zeros((_MOST_SWITCHES, 2))
     machine, blow = going.strikers_alone(), going.blow(every)
-    law, supports = system.values[going.striker], going.supports
+    law, supports = system.chain.values[going.striker], going.supports
     why, steps, contacts, changed, u_end, net, energies, deepest = follow(
         going.tables, going.waves, law, machine, supports, blow, (taps, whole), history, touches, switches
     )
@@ -123,9 +128,13 @@ def strike(
     )
     end = going.state_after(start.time + (steps - 1) * step, last, machine)
     if math.isfinite(law[YIELD_LOAD]):
-        remember(system.joins, system.values, end.memory, going.striker, deepest)
-    going.settle_accounts(end, last, machine[1], u_end, energies)
+        remember(system.chain, going.striker, end.memory, deepest)
+    going.settle_accounts(end, last, machine, u_end, energies)
     return span, end
+
+
+Alone = tuple[RotarySystem, Array, NDArray[np.int64], Array]
+"""The machine without the object: system, state, modes, memory."""
 
 
 class _Strike:
@@ -133,21 +142,20 @@ class _Strike:
 
     def __init__(self, layered: LayeredObject, struck: StruckObject, system: RotarySystem, start: State) -> None:
         self.layered, self.struck, self.system, self.start = layered, struck, system, start
-        self.count = system.bodies.shape[0] - 2
-        self.place = place = Places(self.count, system.joins.shape[0] > 2 * self.count + 3)
+        self.layout = at = layout_of(system)
         place_bases(system, start.time, start.y, start.mode, start.memory)
-        self.striker = int(np.flatnonzero(start.mode[place.contacts] != OPEN)[0])
-        self.x, self.v = start.y[: place.bodies], start.y[place.bodies : place.angle]
+        self.striker = int(np.flatnonzero(start.mode[at.contacts] != OPEN)[0])
+        self.x, self.v = start.y[at.positions], start.y[at.speeds]
         masses = np.array([layered.nose_mass, layered.assembly_mass])
-        self.speed = float(masses @ self.v[place.nose :] / masses.sum())
-        self.relative = self.v[place.nose :] - self.speed
-        self.supports = _supports(system, place)
+        self.speed = float(masses @ self.v[at.object] / masses.sum())
+        self.relative = self.v[at.object] - self.speed
+        self.supports = _supports(system)
         self.tables, self.waves = tables_of(layered.stack, layered.grid), state_at_rest(layered.stack, layered.grid)
-        carriage, carriage_speed = (float(system.bases[row, self.count]) for row in (PLACE, SPEED))
-        held = _end_force(self.supports, float(self.x[place.assembly]) - carriage, self.speed - carriage_speed)
+        carriage, carriage_speed = (float(system.chain.bases[row, at.carriage]) for row in (PLACE, SPEED))
+        held = _end_force(self.supports, float(self.x[at.assembly]) - carriage, self.speed - carriage_speed)
         _settle_in(layered, self.tables, self.waves, held, self.relative)
         self.momentum = waves.momentum(self.tables, self.waves)
-        self.ringing = self._beyond_bodies(start, self.speed, float(self.x[place.assembly]), self.relative)
+        self.ringing = self._beyond_bodies(start, self.speed, float(self.x[at.assembly]), self.relative)
 
     def recordings(self, rows: int, every: int, field: bool) -> tuple[Recording, Recording, Array]:
         """Return empty recordings of the taps and of the x-t field, and the places of the field, m."""
@@ -162,13 +170,17 @@ class _Strike:
         whole = Recording(watched, coarse, np.zeros((size, len(watched))), np.zeros((size, len(watched), 3)))
         return taps, whole, places
 
-    def strikers_alone(self) -> tuple[RotarySystem, Array, NDArray[np.int64], Array]:
+    def strikers_alone(self) -> Alone:
         """Return the machine without the object: system, state, modes, memory."""
-        place, start, n = self.place, self.start, self.count
-        y = [self.x[:n], self.v[:n], start.y[place.angle : place.energies], np.zeros(n + 3)]
-        mode = np.concatenate([start.mode[place.mounts], start.mode[place.links :]])
-        memory = np.concatenate([start.memory[place.mounts], start.memory[place.own_memory], np.zeros(n), np.ones(n)])
-        return _strikers_only(self.system, n), np.concatenate(y), mode, memory
+        whole, start, system = self.layout, self.start, _strikers_only(self.system)
+        at = layout_of(system)
+        y, mode, memory = np.zeros(at.states), np.empty(at.modes, dtype=np.int64), np.zeros(at.memories)
+        y[at.positions], y[at.speeds] = self.x[whole.strikers], self.v[whole.strikers]
+        y[at.turntable] = start.y[whole.turntable]
+        mode[at.mounts], mode[at.own_modes] = start.mode[whole.mounts], start.mode[whole.own_modes]
+        memory[at.approaches], memory[at.own_memory] = start.memory[whole.mounts], start.memory[whole.own_memory]
+        memory[at.growths] = 1.0
+        return system, y, mode, memory
 
     def blow(self, every: int) -> Blow:
         """Return the blow as the kernel takes it."""
@@ -178,8 +190,8 @@ class _Strike:
             time=self.start.time,
             speed=self.speed,
             gravity=self.struck.gravity,
-            face=float(self.x[self.place.nose]),
-            end=float(self.x[self.place.assembly]),
+            face=float(self.x[self.layout.nose]),
+            end=float(self.x[self.layout.assembly]),
             first_of_assembly=self.layered.first_of_assembly,
             nose_mass=self.layered.nose_mass,
             assembly_mass=self.layered.assembly_mass,
@@ -187,54 +199,51 @@ class _Strike:
             assembly_speed=float(self.relative[1]),
             settle=SETTLE,
             every=every,
-            deepest=float(self.start.memory[self.place.depths][self.striker]),
+            deepest=float(self.start.memory[self.layout.depths][self.striker]),
         )
 
-    def state_after(
-        self, time: float, last: Array, machine: tuple[RotarySystem, Array, NDArray[np.int64], Array]
-    ) -> State:
+    def state_after(self, time: float, last: Array, machine: Alone) -> State:
         """Return the state of the machine with two bodies, its modes and energies still those of before."""
-        place, n, (_, moved, mode, memory) = self.place, self.count, machine
+        at, (alone, moved, mode, memory) = self.layout, machine
+        of = layout_of(alone)
         end = State(time, self.start.y.copy(), self.start.mode.copy(), self.start.memory.copy())
-        end.y[:n], end.y[place.bodies : place.bodies + n] = moved[:n], moved[n : 2 * n]
-        end.y[place.nose], end.y[place.assembly] = last[column.NOSE_PLACE], last[column.ASSEMBLY_PLACE]
-        end.y[place.bodies + place.nose] = last[column.NOSE_SPEED]
-        end.y[place.bodies + place.assembly] = last[column.ASSEMBLY_SPEED]
-        end.y[place.angle : place.energies] = moved[2 * n : 2 * n + OWN_STATES]
-        end.mode[place.links :], end.memory[place.own_memory] = mode[n:], memory[n : memory.size - 2 * n]
+        x, v = end.y[at.positions], end.y[at.speeds]
+        x[at.strikers], v[at.strikers] = moved[of.positions], moved[of.speeds]
+        x[at.nose], x[at.assembly] = last[column.NOSE_PLACE], last[column.ASSEMBLY_PLACE]
+        v[at.nose], v[at.assembly] = last[column.NOSE_SPEED], last[column.ASSEMBLY_SPEED]
+        end.y[at.turntable] = moved[of.turntable]
+        end.mode[at.own_modes], end.memory[at.own_memory] = mode[of.own_modes], memory[of.own_memory]
         place_bases(self.system, time, end.y, end.mode, end.memory)
         half = self.system.settings[HALF_FACE]
-        end.mode[place.links + ON_FACE :] = np.abs(self.system.bases[ACROSS, :n]) <= half
+        end.mode[at.on_face] = np.abs(self.system.chain.bases[ACROSS, at.strikers]) <= half
         return end
 
-    def settle_accounts(self, end: State, last: Array, moved: Array, u_end: float, energies: tuple[float, ...]) -> None:
+    def settle_accounts(
+        self, end: State, last: Array, machine: Alone, u_end: float, energies: tuple[float, ...]
+    ) -> None:
         """Let the stack's ringing go, set the modes of the links, and book every energy of the blow."""
-        place, n, gravity = self.place, self.count, self.struck.gravity
+        at, gravity, (alone, moved, _, _) = self.layout, self.struck.gravity, machine
         lost_stop, lost_damper, lost_rail, lost, fed, push_ends = energies
         since = end.time - self.start.time
         frame = self.speed + gravity * since
-        stands = float(self.x[place.assembly]) + (self.speed + 0.5 * gravity * since) * since + u_end
+        stands = float(self.x[at.assembly]) + (self.speed + 0.5 * gravity * since) * since + u_end
         relative = last[[column.NOSE_SPEED, column.ASSEMBLY_SPEED]] - frame
         left = self._beyond_bodies(end, frame, stands, relative)
         if left < 0.0:
-            _ease(self.system, place, end, -left)
+            _ease(self.system, end, -left)
             left = self._beyond_bodies(end, frame, stands, relative)
-        nodes = np.concatenate([end.y[: place.bodies], self.system.bases[PLACE]])
-        links = Links(self.system.joins, self.system.values)
-        speeds = np.concatenate([end.y[place.bodies : place.angle], self.system.bases[SPEED]])
-        end.mode[: place.links] = first_modes(links, nodes, end.memory[place.depths], speeds)
-        end.mode[place.contacts] = OPEN
-        at = place.energies
-        end.y[at + self.striker] += lost
-        mounts = 2 * n + OWN_STATES
-        end.y[at + n : at + 2 * n] += moved[mounts : mounts + n]
-        end.y[at + place.frame] += left + push_ends - self.ringing + float(self.waves.joint[:, LOST].sum())
-        end.y[at + place.support] += lost_damper
-        end.y[at + place.stop] += lost_stop
-        if place.rubs:
-            end.y[at + place.rail] += lost_rail
-        end.y[at + place.links :] += moved[mounts + n :]
-        end.y[-1] += fed
+        end.mode[at.link_modes] = modes_at(self.system, end.y, end.memory[at.depths])
+        end.mode[at.contacts] = OPEN
+        of, dissipated = layout_of(alone), end.y[at.dissipated]
+        dissipated[at.contacts][self.striker] += lost
+        dissipated[at.mounts] += moved[of.dissipated]
+        dissipated[at.frame] += left + push_ends - self.ringing + float(self.waves.joint[:, LOST].sum())
+        dissipated[at.support] += lost_damper
+        dissipated[at.stop] += lost_stop
+        if at.rubs:
+            dissipated[at.rail] += lost_rail
+        end.y[at.ledger] += moved[of.ledger]
+        end.y[at.fed] += fed
 
     def _beyond_bodies(self, bodies: State, speed: float, stands: float, relative: Array) -> float:
         """Return the energy of the object as a stack less that as two bodies, J.
@@ -243,35 +252,37 @@ class _Strike:
         assembly in the frame. Both views have the same momentum and height; they differ in ringing, and in
         where the end stands.
         """
-        place, system = self.place, self.system
-        masses = system.bodies[place.nose :, MASS]
-        of_object = [place.frame, place.support, place.stop]
-        frame_too, held = (Links(system.joins[k], system.values[k]) for k in (of_object, of_object[1:]))
-        nodes = np.concatenate([bodies.y[: place.bodies], system.bases[PLACE]])
-        v = bodies.y[place.bodies + place.nose : place.angle]
+        at, chain = self.layout, self.system.chain
+        masses = chain.bodies[at.object, MASS]
+        of_object = [at.frame, at.support, at.stop]
+        frame_too, held = (Links(chain.joins[k], chain.values[k]) for k in (of_object, of_object[1:]))
+        nodes = nodes_at(self.system, bodies.y)
+        v = bodies.y[at.speeds][at.object]
         as_bodies = 0.5 * float(masses @ v**2) + stored_energy(frame_too, nodes)
-        nodes[place.assembly] = stands
+        nodes[at.assembly] = stands
         moving = 0.5 * float(masses.sum()) * speed**2 + speed * float(masses @ relative)
         return waves.energy(self.tables, self.waves) + moving + stored_energy(held, nodes) - as_bodies
 
 
-def _ease(system: RotarySystem, place: Places, bodies: State, energy: float) -> None:
+def _ease(system: RotarySystem, bodies: State, energy: float) -> None:
     """Take an energy out of the frame's bend, as far as there is any; the centre of mass stays.
 
     Parts that an open joint let fly apart stand farther from each other than the frame is bent.
     """
-    masses = system.bodies[place.nose :, MASS]
-    bend = bodies.y[place.nose] - bodies.y[place.assembly]
-    kept = 1.0 - energy / (0.5 * system.values[place.frame, STIFFNESS] * bend**2) if bend else 0.0
+    at, chain = layout_of(system), system.chain
+    masses, x = chain.bodies[at.object, MASS], bodies.y[at.positions]
+    bend = x[at.nose] - x[at.assembly]
+    kept = 1.0 - energy / (0.5 * chain.values[at.frame, STIFFNESS] * bend**2) if bend else 0.0
     less = bend * (1.0 - math.sqrt(max(kept, 0.0)))
-    bodies.y[place.nose] -= less * masses[1] / masses.sum()
-    bodies.y[place.assembly] += less * masses[0] / masses.sum()
+    x[at.nose] -= less * masses[1] / masses.sum()
+    x[at.assembly] += less * masses[0] / masses.sum()
 
 
-def _supports(system: RotarySystem, place: Places) -> Supports:
+def _supports(system: RotarySystem) -> Supports:
     """Return what holds the end, from the links of the machine."""
-    spring, stop = system.values[place.support], system.values[place.stop]
-    rail = system.values[place.rail, [SLIDING_FORCE, STICKING_FORCE]] if place.rubs else (0.0, 0.0)
+    at, values = layout_of(system), system.chain.values
+    spring, stop = values[at.support], values[at.stop]
+    rail = values[at.rail, [SLIDING_FORCE, STICKING_FORCE]] if at.rubs else (0.0, 0.0)
     numbers = [*spring[[STIFFNESS, PRELOAD, DAMPING, OFFSET]], *stop[[STIFFNESS, DAMPING, OFFSET]], *rail]
     return Supports(*(float(number) for number in numbers))
 
@@ -284,20 +295,14 @@ def _end_force(supports: Supports, place: float, speed: float) -> float:
     return spring - stop
 
 
-def _strikers_only(system: RotarySystem, strikers: int) -> RotarySystem:
+def _strikers_only(system: RotarySystem) -> RotarySystem:
     """Return the machine with its strikers on their mounts alone; nodes are strikers, then bases."""
-    mounts = slice(strikers, 2 * strikers)
-    joins = system.joins[mounts].copy()
-    joins[:, 1] -= np.where(joins[:, 1] >= strikers, 2, 0)
-    joins[:, 2] -= np.where(joins[:, 2] >= strikers, 2, 0)
-    return RotarySystem(
-        system.bodies[:strikers].copy(),
-        system.bases.copy(),
-        joins,
-        system.values[mounts].copy(),
-        system.seats,
-        system.settings,
-    )
+    at, chain = layout_of(system), system.chain
+    bodies, joins = chain.bodies[at.strikers].copy(), chain.joins[at.mounts].copy()
+    nodes = joins[:, [BEHIND, AHEAD]]
+    joins[:, [BEHIND, AHEAD]] = np.where(nodes >= len(bodies), nodes - (len(chain.bodies) - len(bodies)), nodes)
+    alone = ChainTables(bodies, chain.bases.copy(), joins, chain.values[at.mounts].copy())
+    return RotarySystem(alone, system.seats, system.settings)
 
 
 def _settle_in(layered: LayeredObject, tables: Tables, state: Waves, held: float, relative: Array) -> None:

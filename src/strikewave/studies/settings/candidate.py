@@ -17,7 +17,6 @@ from strikewave.base.result import LEDGER_LIMIT
 from strikewave.cases.case import Case
 from strikewave.contact import Geometry, first_yield, stiffness_law
 from strikewave.machines import Blow, RotaryRun, Striker, Turntable
-from strikewave.machines._kernels import BELT_TWIST, MOTOR_SPEED
 from strikewave.machines.blows import contact_table
 from strikewave.machines.spans import ChainSpan
 from strikewave.studies.settings.estimate import disc_stress, rim_speed_at_yield
@@ -274,9 +273,9 @@ def _drive(run: RotaryRun, times: Array) -> tuple[Array, Array, Array]:
     disc, span = run.machine.turntable, run.spans[0]
     assert isinstance(span, ChainSpan)
     states, _ = span.motion.sample(times)
-    own, driven = span.place.angle, span.place.energies + span.place.links
-    speed, twist, motor = states[:, own + 1], states[:, own + BELT_TWIST], states[:, own + MOTOR_SPEED]
-    given = states[:, driven] - states[:, driven + 1]
+    at = span.layout
+    speed, twist, motor = states[:, at.turntable_speed], states[:, at.belt_twist], states[:, at.motor_speed]
+    given = states[:, at.driven] - states[:, at.dragged]
     if disc.rigid_belt:
         return given, 0.5 * disc.turning * speed**2, speed
     stored = 0.5 * (disc.inertia * speed**2 + disc.motor_inertia * motor**2 + disc.belt_stiffness * twist**2)
