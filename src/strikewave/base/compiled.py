@@ -18,11 +18,12 @@ from typing import Any, TypeVar, cast
 
 import numba
 import platformdirs
+from numba.core.caching import UserProvidedCacheLocator
 
 from strikewave.base.errors import StrikewaveWarning
 
 F = TypeVar("F", bound=Callable[..., Any])
-PACKAGE = Path(__file__).parents[1]
+PACKAGE = Path(__file__).absolute().parents[1]
 
 
 def kernel_key(package: Path) -> str:
@@ -113,18 +114,35 @@ LEAF: Any = {"_nrt": False, "forceinline": True}
 """Numba's options of a small kernel that makes no array."""
 
 
+class KernelLocator(UserProvidedCacheLocator):
+    """Tells numba where a kernel is kept: by its place within the package, not by where the package lies.
+
+    The folder's own key holds the source of all kernels, so that a second environment, or a fresh clone with the same
+    kernels, takes what the first one compiled.
+    """
+
+    @classmethod
+    def get_suitable_cache_subpath(cls, py_file: str) -> str:
+        """Return the folder of a module's kernels; of one outside the package what numba takes."""
+        path = Path(py_file).absolute()
+        if not path.is_relative_to(PACKAGE):
+            return str(super().get_suitable_cache_subpath(py_file))
+        return ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
+
+
 def _compiled(function: F, options: dict[str, Any]) -> F:
     folder = cache_folder()
     settings: Any = numba.config
-    before = settings.CACHE_DIR
+    before = settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES
     compiled: Any
     try:
         if folder is not None:
             settings.CACHE_DIR = folder
+            settings.CACHE_LOCATOR_CLASSES = f"{__name__}.{KernelLocator.__name__}"
         try:
             compiled = numba.njit(cache=folder is not None, error_model="numpy", nogil=True, **options)(function)
         except RuntimeError:  # a function without a source file (typed into a console) has no cache
             compiled = numba.njit(error_model="numpy", nogil=True, **options)(function)
     finally:
-        settings.CACHE_DIR = before
+        settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES = before
     return cast(F, compiled)

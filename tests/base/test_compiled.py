@@ -1,0 +1,43 @@
+"""Whether kernels have to be compiled, by the files of the cache."""
+
+import shutil
+import subprocess
+import sys
+
+from strikewave.base import compiled
+
+
+def test_cold_without_a_kernel_of_that_name(tmp_path, monkeypatch):
+    monkeypatch.setattr(compiled, "cache_folder", lambda: str(tmp_path))
+    assert compiled.is_cold()
+    assert compiled.is_cold("run_train")
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "_kernels.advance-12.py311.nbi").write_bytes(b"")
+    assert not compiled.is_cold()
+    assert not compiled.is_cold("advance")
+    assert compiled.is_cold("run_train")
+
+
+def test_a_package_that_lies_elsewhere_takes_the_same_compiled_kernels(tmp_path, environment):
+    """A fresh clone, or a second environment, compiles nothing that this machine has compiled."""
+    program = (
+        "from strikewave.contact import _kernels, factor\n"
+        "import strikewave\n"
+        "factor('exact', 0.5)\n"
+        "found = [f for f in vars(_kernels).values() if hasattr(f, 'stats') and f.signatures]\n"
+        "print(strikewave.__file__, sum(sum(f.stats.cache_hits.values()) for f in found), "
+        "sum(sum(f.stats.cache_misses.values()) for f in found))\n"
+    )
+    copy = tmp_path / "elsewhere" / "strikewave"
+    shutil.copytree(compiled.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    counts = []
+    for place in (compiled.PACKAGE.parent, copy.parent):
+        own = {**environment, "PYTHONPATH": str(place), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+        done = subprocess.run([sys.executable, "-c", program], env=own, capture_output=True, text=True, check=True)
+        file, hits, misses = done.stdout.split()
+        assert file.startswith(str(place))
+        counts.append((int(hits), int(misses)))
+    (_, compiled_first), (taken, compiled_again) = counts
+    assert compiled_first > 0
+    assert taken > 0
+    assert compiled_again == 0
