@@ -1,12 +1,10 @@
 """The commands as a user types them: exit codes, JSON, files, one line an error."""
 
 import json
-import math
 import os
 import signal
 import subprocess
 import sys
-import time
 from xml.etree import ElementTree
 
 import pytest
@@ -259,15 +257,6 @@ def test_interrupt_leaves_nothing_half_written(tmp_path, environment):
     assert child.returncode == 130
     assert "nothing was written" in err
     assert os.listdir(tmp_path) == []
-
-
-def seconds(program, environment, tries=5):
-    best = math.inf
-    for _ in range(tries):
-        begun = time.perf_counter()
-        subprocess.run(program, env=environment, check=True, capture_output=True)
-        best = min(best, time.perf_counter() - begun)
-    return best
 
 
 def test_help_and_version(environment):

@@ -230,15 +230,10 @@ def test_numbers_out_of_range_are_refused(change, field):
         prepare(Contact("a.top", "b.bottom", **change), mesh)
 
 
-def test_search_of_300_000_faces_is_quick():
-    """It takes about 0.08 s on one core; the limit leaves room for a busy machine, a search of all pairs takes minutes."""
-    import time
-
+def test_search_of_300_000_faces_finds_what_lies_on_what():
+    """A search of all pairs would take minutes and gigabytes; how long it takes stands in the benchmarks."""
     counts = (387, 387, 1)
     mesh = joined([block("a", counts), block("b", counts, origin=(1e-4, 1e-4, 1.0))])
     state = two_surfaces(Contact("a.top", "b.bottom"), mesh)
-    searched(state, mesh.points)
-    begin = time.perf_counter()
     state = searched(state, mesh.points)
     assert len(state.faces) == 2 * 387**2
-    assert time.perf_counter() - begin < 1.0

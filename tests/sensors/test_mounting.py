@@ -1,7 +1,6 @@
 """Buffers: closed forms of layers and masses, and time against frequency domain."""
 
 import math
-import time
 
 import numpy as np
 import pytest
@@ -202,18 +201,6 @@ def test_slow_motion_passes_as_it_is(mounting):
     assert abs(transmission(mounting, 1.0) - 1.0) < 2e-6
     assert transmission(mounting, 0.0) == 1.0
     assert output(Sensor(mounting=mounting), np.ones(40001), 1e-6)[-1] == pytest.approx(1.0, abs=1e-6)
-
-
-def test_a_hundred_thousand_samples_take_less_than_a_tenth_of_a_second():
-    sensor = Sensor(mounting=Mounting((RUBBER, ALUMINIUM, RUBBER), 5e-3), resonance=350e3)
-    history = np.sin(np.arange(100_000) / 50.0)
-    output(sensor, history, 2e-7)
-    times = []
-    for _ in range(5):
-        begin = time.perf_counter()
-        output(sensor, history, 2e-7)
-        times.append(time.perf_counter() - begin)
-    assert min(times) < 0.1
 
 
 @pytest.mark.parametrize(

