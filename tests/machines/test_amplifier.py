@@ -9,6 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.optimize import brentq, minimize
 
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.contact import Contact
 from strikewave.machines.amplifier import (
     Line,
@@ -20,7 +21,7 @@ from strikewave.machines.amplifier import (
     next_speed,
     resting_ratio,
 )
-from strikewave.machines.launch import STANDARD_GRAVITY, fall_speed
+from strikewave.machines.launch import fall_speed
 
 INF = math.inf
 

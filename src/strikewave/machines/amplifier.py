@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.contact.chain import Chain, ChainMotion, Touch, simulate
 from strikewave.contact.law import AnyContact, not_negative, positive, refuse
-from strikewave.machines.launch import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 

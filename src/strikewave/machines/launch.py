@@ -15,14 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 from scipy.special import lambertw
 
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.contact.dampers import cut_off_damping_ratio
 from strikewave.contact.impact import solve_impact
 from strikewave.contact.law import AnyContact, Contact, Damper, not_negative, positive, refuse
 
 Array = NDArray[np.float64]
 
-STANDARD_GRAVITY = 9.80665
-"""m/s^2."""
 STANDARD_ATMOSPHERE = 101325.0
 """Pa."""
 _NEAR_BRANCH = 0.02

@@ -13,6 +13,7 @@ from scipy.special import ellipk
 from strikewave.analyses.machine.consistency import MOST_SAMPLES
 from strikewave.analyses.machine.result import LineCollision
 from strikewave.analyses.machine.struck_object import Bodies, layered_object, object_bodies
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import MISSING, InputError, InputErrors
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
@@ -26,7 +27,6 @@ from strikewave.machines import Feed, Launch, RotaryMachine, Strikers, StruckObj
 from strikewave.machines import Striker as BuiltStriker
 from strikewave.machines import launch as laws
 from strikewave.machines.amplifier import Collisions, Line, collide
-from strikewave.machines.launch import STANDARD_GRAVITY
 from strikewave.machines.machine import BEFORE_TOUCH
 
 SAME_MASS = 0.01
