@@ -51,6 +51,7 @@ def test_quiet_models_differ_in_their_non_reflecting_faces_alone(name):
     assert quiet.fem.model_copy(update={"boundary": free.fem.boundary}) == free.fem
 
 
+@pytest.mark.verify
 def test_the_object_weighs_what_the_paper_implies():
     # faces of the shell are flat: 0.05 % of its 13 g; the depth of the frame is given to 1 um of 31 mm, 0.003 %
     whole = 4.0 * coarse(RIGID).groups["object"].mass
@@ -58,6 +59,7 @@ def test_the_object_weighs_what_the_paper_implies():
     assert math.isclose(whole, 0.459, rel_tol=2e-4)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("name", [RIGID, f"{RIGID}-quiet", WAVE, f"{WAVE}-quiet"])
 def test_energy_and_momentum_of_the_blow(name):
     solution = coarse(name)
@@ -71,6 +73,7 @@ def test_energy_and_momentum_of_the_blow(name):
     assert math.isclose(-run.impulse[contact][-1, 2], given, rel_tol=1e-6)
 
 
+@pytest.mark.verify
 def test_non_reflecting_faces_take_the_momentum_of_the_blow():
     # free: what the striker gives the object keeps, but for gravity (0.3 ms x 9.8 m/s^2 = 3 mm/s of 4.3 m/s)
     for name, share in ((RIGID, (0.995, 1.005)), (f"{RIGID}-quiet", (-0.05, 0.5))):
@@ -80,12 +83,14 @@ def test_non_reflecting_faces_take_the_momentum_of_the_blow():
         assert share[0] < kept < share[1], (name, kept)
 
 
+@pytest.mark.verify
 def test_with_non_reflecting_faces_force_over_mass_is_no_acceleration():
     solution = coarse(f"{RIGID}-quiet")
     found = {row.quantity: row.computed for row in solution.published}
     assert found["first.force_over_mass"] > 1.8 * found["first.rigid_peak"]
 
 
+@pytest.mark.verify
 def test_published_numbers_stand_beside_forces_of_whole_bodies():
     solution = coarse(RIGID, "mesh.part.striker.velocity.z=-2 m/s")
     rows = {(row.quantity, row.measured_or_simulated): row for row in solution.published}
@@ -124,6 +129,7 @@ def test_every_assumed_length_of_the_models_is_changed_or_follows():
         assert [path for path in left if path.rpartition(".")[2] not in meshes] == []
 
 
+@pytest.mark.verify
 def test_larger_speed_gives_a_larger_pulse():
     faster = coarse(RIGID, *changed(load_case(RIGID), FRAME[0], 0.1))
     base = answer(coarse(RIGID))
@@ -132,6 +138,7 @@ def test_larger_speed_gives_a_larger_pulse():
     assert 0.05 < changes[2] < 0.12
 
 
+@pytest.mark.verify
 def test_the_model_builds_with_no_face_reflecting_but_those_named():
     for name in MODELS:
         quiet = [b for b in coarse(name).model.boundaries if isinstance(b, NonReflecting)]
