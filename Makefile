@@ -25,6 +25,7 @@ demo: $(VENV)/core
 	@for case in $(CASES); do echo "open in a browser: out/$$case/report.html"; done
 
 test: $(VENV)/dev
+	@$(BIN)/python scripts/compile_kernels.py $(JOBS)
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 
 verify: $(VENV)/dev

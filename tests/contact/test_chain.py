@@ -101,6 +101,7 @@ def scipy_chain(masses, kf, cf, contact, speed, duration):
     return (kf * (y[1] - y[2]) + cf * (y[4] - y[5])) / ma
 
 
+@pytest.mark.verify
 @given(
     m1=st.floats(0.05, 5.0),
     mn=st.floats(0.03, 0.2),

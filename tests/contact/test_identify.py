@@ -110,6 +110,7 @@ def test_a_force_pulse_is_the_history_of_its_impact(n, e):
     assert pulse.duration == pytest.approx(float(contact.duration), rel=1e-9)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("known", [("mass",), ("speed", "exponent"), ("mass", "speed"), ("mass", "restitution")])
 def test_standard_errors_are_the_scatter_of_noisy_records(known, rng):
     truth = {name: x.value for name, x in identify(TIME, PULSE.force(TIME), {"mass": 0.1}).values.items()}

@@ -67,6 +67,7 @@ def test_elastic_bodies_give_the_same_blow_again(elastic):
     assert [run.blow for run in elastic] == [1, 2]
 
 
+@pytest.mark.verify
 def test_the_second_blow_nears_the_first_as_the_root_of_the_energy_left(monkeypatch):
     """Vibration of the energy e moves nodes by sqrt(e): slope 1/2 over the share that was reached, here to 0.1.
 
@@ -162,6 +163,7 @@ def dented():
     return blows(ball_on_base(Ball(size=6e-4, base=SOFT, speed=3.0), reach=15.0), 4, frames=2)
 
 
+@pytest.mark.verify
 def test_each_blow_of_the_same_speed_yields_less_and_rebounds_more(dented):
     """Towards elastic shakedown (Johnson 1985, ch. 9.2): the dent conforms, and the solid has hardened."""
     taken = [run.plastic_work["base"] for run in dented]

@@ -37,6 +37,7 @@ def assert_balanced(run):
     assert run.momentum_error < 1e-9
 
 
+@pytest.mark.verify
 def test_steel_ball_of_10_mm_at_1_m_s_strikes_with_1744_n_and_goes_in_by_23_um():
     """Johnson's 1744 N, 23.5 um to 2 % with elements of 0.2 mm (contact radius 0.485 mm), half-space cut at 20 mm."""
     case = Ball(size=2e-4)

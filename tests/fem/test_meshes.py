@@ -379,6 +379,7 @@ def test_a_renamed_part_takes_its_sides_with_it():
         renamed(mesh, {"b1": "striker"})
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     "make",
     [

@@ -41,6 +41,7 @@ def assert_sound(run):
     assert run.energy["plastic"][-1] > 0.98 * run.initial_energy - rest
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("hourglass", [0.05, FULL])
 def test_copper_bar_ends_as_long_and_wide_as_published(hourglass):
     """Four elements over the radius: length 21.4 to 21.6 mm, foot radius 7.0 to 7.5 mm, the range of published codes."""

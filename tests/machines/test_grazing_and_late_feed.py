@@ -14,6 +14,7 @@ def machine_of(*changes):
     return build_machine(load_case("li-ma-2019", changes))
 
 
+@pytest.mark.verify
 def test_grazing_approach_goes_as_the_root_of_the_overlap():
     """Nordmark 1991 (J. Sound Vib. 145, 279): near grazing the speed of impact is a square root of the overlap.
 

@@ -20,6 +20,7 @@ def machine_of(*changes):
     return build_machine(load_case("li-ma-2019", changes))
 
 
+@pytest.mark.verify
 @settings(max_examples=12)
 @given(angle=st.floats(0.0, 90.0), engagement=st.floats(0.2e-3, 4e-3), speed=st.floats(20.0, 90.0))
 def test_first_touch_is_where_circle_and_plane_cross(angle, engagement, speed):

@@ -211,6 +211,7 @@ def run_and_book_the_frame(machine):
         return run_rotary(machine), booked
 
 
+@pytest.mark.verify
 @settings(max_examples=25)
 @given(drawn=struck_stacks())
 def test_object_never_gains_energy_by_a_blow_of_its_own(base, drawn):

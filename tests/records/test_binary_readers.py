@@ -404,6 +404,7 @@ def big_hdf(path, count):
             file["b"][k : k + 2**22] = 1.0
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     ("write", "count"),
     [(big_wav, 100 * 2**20), (big_tdms, 25 * 2**20), (big_hdf, 50 * 2**20)],

@@ -120,7 +120,7 @@ class Reader:
             self.child = None
 
 
-@pytest.mark.parametrize("examples", [40, pytest.param(2000, marks=pytest.mark.verify)])
+@pytest.mark.parametrize("examples", [12, pytest.param(2000, marks=pytest.mark.verify)])
 @pytest.mark.parametrize("form", FORMATS)
 def test_mutated_files(form, examples, tmp_path_factory):
     needed = NEEDS.get(form)

@@ -71,6 +71,7 @@ def half_sine(peak=1000.0, size=4000, length=100, begin=1500.3):
     return np.where((u > 0.0) & (u < 1.0), peak * np.sin(np.pi * u), 0.0) + noise
 
 
+@pytest.mark.verify
 @settings(max_examples=150)
 @given(histories(scales=(5e-324, 1e-310, 1e-160, 1e-9, 1.0, 1e20, 1e29, 1e31, 1e160, 1e300, 1.7e308)))
 def test_any_samples_give_a_reading_without_a_warning(values):
@@ -85,6 +86,7 @@ def test_any_samples_give_a_reading_without_a_warning(values):
     json.dumps(record_document([file], [], None), allow_nan=False)
 
 
+@pytest.mark.verify
 @settings(max_examples=100)
 @given(histories(scales=(1e-9, 1.0, 1e20)))
 def test_any_samples_that_bend_give_pulses_without_a_warning(values):

@@ -16,6 +16,7 @@ def timed(name, impedance, transit, **more):
 PULSE = Pulse("sine-squared", 1e3, 20e-6)
 
 
+@pytest.mark.verify
 def test_ten_thousand_layers_are_an_effective_medium():
     """A long pulse in layers of two impedances runs as in a bar of their mean compliance and mass.
 
@@ -36,6 +37,7 @@ def test_ten_thousand_layers_are_an_effective_medium():
     assert force.max() == pytest.approx(1e3 * 2 * effective / (effective + 1e4), rel=0.01)
 
 
+@pytest.mark.verify
 def test_many_layers_without_a_common_step_go_to_the_spectrum():
     """Three hundred random layers keep the wanted errors; delay lines in reach cannot."""
     rng = np.random.default_rng(1)

@@ -156,6 +156,7 @@ def test_pictures_that_are_too_large_are_compressed_more(movie, monkeypatch):
     assert sum(map(len, fem_animation._encoded(movie.images))) < 0.8 * usual
 
 
+@pytest.mark.verify
 def test_the_command_writes_both_and_refuses_without_a_folder(tmp_path):
     runner = CliRunner()
     sets = [word for change in [*COARSE, "fem.duration=4 us"] for word in ("--set", change)]

@@ -37,6 +37,7 @@ def rod(strikewave, tmp_path):
     return "rod.toml"
 
 
+@pytest.mark.verify
 def test_each_blow_has_its_files_and_its_row(strikewave, rod):
     from strikewave import load_case
 

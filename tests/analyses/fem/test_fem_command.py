@@ -488,6 +488,7 @@ def test_a_run_names_the_sources_that_it_rests_on(bars):
     assert all(citation(key) for key in sources(model))
 
 
+@pytest.mark.verify
 def test_the_bundled_taylor_bar_ends_as_published():
     """Kamoulakos 1990: codes find a length of 21.4 to 21.6 mm and a foot of 7.0 to 7.5 mm in radius after 80 us."""
     from strikewave import load_case

@@ -409,6 +409,7 @@ def solution(mesh, run, **more):
     return SimpleNamespace(**{**held, **more})
 
 
+@pytest.mark.verify
 def test_the_report_stands_alone_and_says_the_numbers(mesh, run):
     page = fem_report(solution(mesh, run))
     assert len(page.encode()) < 3e6

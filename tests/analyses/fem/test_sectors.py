@@ -78,6 +78,7 @@ def test_sectors_come_to_the_numbers_of_the_whole_bodies(tmp_path, sector, piece
     assert "whole_peak" not in whole.document()["contacts"][name]
 
 
+@pytest.mark.verify
 def test_the_report_says_what_is_a_sector_and_names_no_other_solver(tmp_path):
     from strikewave.analyses.fem.report.page import fem_report
 

@@ -77,6 +77,7 @@ def test_json_has_the_modulus_of_the_specimen_and_writes_nothing(strikewave, sho
     assert sorted(os.listdir(tmp_path)) == ["shot.csv", "shot.toml"]
 
 
+@pytest.mark.verify
 def test_files_are_whole_and_the_saved_case_gives_them_again(strikewave, shot, tmp_path):
     code, out, err = strikewave("hopkinson", shot)
     assert code == 0, err
@@ -100,6 +101,7 @@ def test_files_are_whole_and_the_saved_case_gives_them_again(strikewave, shot, t
         assert list(data["analysis"].values) == ["1-wave", "2-wave", "3-wave"]
 
 
+@pytest.mark.verify
 def test_a_result_of_other_data_is_not_replaced_without_force(strikewave, shot, tmp_path):
     assert strikewave("hopkinson", shot, "--out", "kept")[0] == 0
     assert strikewave("hopkinson", shot, "--out", "kept")[0] == 0

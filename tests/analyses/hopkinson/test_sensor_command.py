@@ -82,6 +82,7 @@ def test_a_stated_sensitivity_makes_it_a_ratio(strikewave, sensor):
     assert json.loads(out)["sensitivity"]["value"] * 9.80665 == pytest.approx(-VOLTS_PER_G / 10.0, rel=1e-5), err
 
 
+@pytest.mark.verify
 def test_files_of_a_sensor_are_whole_and_read_again(strikewave, sensor, tmp_path):
     code, out, err = strikewave("hopkinson", sensor)
     assert code == 0, err

@@ -180,6 +180,7 @@ def test_a_broken_law_is_told_and_left_out(strikewave, install):
     assert "'number' of an installed package is left out (it is a float" in err
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("function", [lambda e: 1.0 / 0.0, lambda e: -1.0, lambda e: "much"])
 def test_a_law_that_fails_is_told_and_left_out(strikewave, install, function):
     install(own=replace(OWN, function=function))
@@ -203,6 +204,7 @@ def test_out_holds_the_document_and_two_pictures(strikewave, tmp_path):
             assert open(f"a/{name}", "rb").read(4) == b"\x89PNG"
 
 
+@pytest.mark.verify
 def test_out_is_replaced_by_force(strikewave):
     assert strikewave("laws", "--out", "a")[0] == 0
     assert strikewave("laws", "hertz", "--out", "a")[0] == 2

@@ -273,6 +273,7 @@ def test_only_a_rotary_machine_is_shown(solution, monkeypatch, tmp_path):
         write_machine_gif(solution, tmp_path / "m.gif")
 
 
+@pytest.mark.verify
 def test_run_animate_writes_page_gif_and_link_and_may_be_repeated(strikewave, monkeypatch):
     for name in ("BEFORE_BLOW", "IN_BLOW", "AFTER_BLOW"):
         monkeypatch.setattr(machine_animation, name, 2)

@@ -292,6 +292,7 @@ def test_what_starts_the_command_is_light(environment, tmp_path):
     assert done.stdout.endswith("False False\n")
 
 
+@pytest.mark.verify
 def test_a_folder_appears_whole_and_is_the_same_again(strikewave, volts):
     words = ("record", volts, "--channel", "board", "--sensitivity", "1.2 mV/g")
     code, out, err = strikewave(*words)
@@ -314,6 +315,7 @@ def test_a_folder_appears_whole_and_is_the_same_again(strikewave, volts):
     assert open("out/record-shot/pulses.csv").read() == first
 
 
+@pytest.mark.verify
 def test_json_with_out_writes_too_and_never_over_other_files(strikewave, volts):
     words = ("record", volts, "--unit", "g", "--json", "--out", "there")
     assert strikewave(*words)[0] == 0

@@ -55,6 +55,7 @@ KINDS = {
 }
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_record_has_its_pictures(kind):
     """Well-formed, small, the same bytes each time, and with words where there is nothing to draw."""
@@ -107,6 +108,7 @@ def drawn_texts(figure):
     return found
 
 
+@pytest.mark.verify
 def test_nothing_that_is_written_overlaps(train):
     reading = train.channels[0]
     campaign = summed([train, *(blows(5, peaks, path=str(peaks)) for peaks in (4000.0, 5000.0, 5500.0))])

@@ -98,6 +98,7 @@ def page(files):
     return record_report(files, [summed(files)], FACTS, [{"code": "few", "message": "too few", "value": 2}])
 
 
+@pytest.mark.verify
 def test_page_is_well_formed_offline_and_the_same_each_time(files, page):
     found = Page(page)
     assert len(found.ids) == len(set(found.ids))
@@ -237,6 +238,7 @@ def test_one_file_and_no_file_and_nothing_but_bad_ones():
         assert words in text
 
 
+@pytest.mark.verify
 def test_units_that_are_not_known_or_differ_are_said():
     unknown = read(record(unit="", peak=-5000.0))
     page = record_report(unknown, [summed(unknown)], FACTS)
@@ -248,6 +250,7 @@ def test_units_that_are_not_known_or_differ_are_said():
     assert "it is in N, the other files in m/s^2" in Page(page).text
 
 
+@pytest.mark.verify
 def test_two_channels_stand_apart():
     other = record(3000.0, name="frame").channels
     files = read(*(record(5000.0 + k, path=f"{k}.csv", extra=other) for k in range(3)))
@@ -268,6 +271,7 @@ def test_a_long_list_of_blows_is_cut_and_says_so():
     assert f"The first {MOST_ROWS} of 320 blows are listed." in Page(page).text
 
 
+@pytest.mark.verify
 def test_findings_that_files_share_stand_once():
     files = read(*(record(unit="", path=f"{k}.csv") for k in range(6)))
     rows = tables(record_report(files, [summed(files)], FACTS))["Findings, the worst first"][1:]

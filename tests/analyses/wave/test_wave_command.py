@@ -88,6 +88,7 @@ def test_free_end_moves_twice_as_fast_as_the_wave_that_comes(strikewave, bar):
     assert max(abs(f) for f in end["force"]) < 1e-9 * 19685.0
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("route", ["as printed", "corrected"])
 def test_a_route_of_the_paper_is_named_in_every_output(strikewave, bar, route):
     code, out, _ = strikewave("wave", bar, "--json", "--set", f"solver.route={route}")
@@ -112,6 +113,7 @@ def test_wave_writes_a_whole_result(strikewave, bar):
     assert strikewave("wave", "w/case.toml", "--json")[0] == 0
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     ("field", "label"),
     [
@@ -133,6 +135,7 @@ def test_an_unknown_field_names_the_nearest_and_nothing_runs(strikewave, bar, tm
     assert os.listdir(tmp_path) == ["bar.toml"]
 
 
+@pytest.mark.verify
 def test_an_animation_comes_as_a_page_and_a_gif_and_may_be_replaced(strikewave, bar, monkeypatch):
     from PIL import Image
 
@@ -345,6 +348,7 @@ def test_the_paper_by_choice_superposes_rigid_and_wave():
     assert np.isnan(total[1]).all()  # the far end has one neighbour only: no route knows it
 
 
+@pytest.mark.verify
 def test_a_route_runs_through_to_the_report_though_a_tap_has_none(strikewave):
     """The far end of the two cylinders has one neighbour only: its columns are empty, the rest is there."""
     words = ("--set", "solver.route=as printed", "--set", "feed.blows=1", "--out", "r")

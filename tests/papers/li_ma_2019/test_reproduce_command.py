@@ -44,6 +44,7 @@ def test_the_document_has_its_keys_and_numbers_that_agree_with_themselves(strike
     assert not list(tmp_path.iterdir())  # with --json nothing is written unasked
 
 
+@pytest.mark.verify
 def test_the_folder_is_whole_and_its_table_holds_the_document(strikewave, tmp_path):
     code, out, _ = strikewave(*QUICK, "--out", "result")
     assert code == 0

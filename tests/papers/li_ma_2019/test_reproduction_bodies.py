@@ -150,6 +150,7 @@ def test_solid_bar_short_beside_the_pulse_elements_layers_masses():
         assert answer.impulse == pytest.approx(elements.impulse, rel=0.03)
 
 
+@pytest.mark.verify
 def test_solid_bar_long_beside_the_pulse_elements_and_layers():
     """A bar of 120 mm sends its echo back during the pulse: layers follow, two masses do not."""
     case = load_case(RIGID)
@@ -265,6 +266,7 @@ boundary = [
 """
 
 
+@pytest.mark.verify
 def test_ball_on_a_bar_by_hertz():
     """Elements, a layer and two masses with the ball as heavy as its mesh: force, width, impulse, far end."""
     solution = run_fem(parse_case(BALL))

@@ -106,6 +106,7 @@ def heads(page, columns):
     return [row[0].strip() for row in Tables(page).rows if len(row) == columns]
 
 
+@pytest.mark.verify
 def test_every_equation_stands_once_among_the_formulas_and_once_among_the_numbers(result, page):
     printed = [str(n) for n in range(1, 41)]
     assert sorted(re.findall(r"\d+", row.number)[0] for row in result.equations) == sorted([*printed, "35"])
@@ -255,6 +256,7 @@ def test_force_over_mass_is_that_of_whole_bodies(struck, chapters):
     assert {"machine model", "elements", "elements, non-reflecting faces"} < set(lines)
 
 
+@pytest.mark.verify
 def test_pictures_are_named_after_the_figures_of_the_paper(struck):
     names = [name for name, _ in pictures(struck)]
     assert len(names) == len(set(names))
@@ -341,6 +343,7 @@ def test_materials_are_judged_against_the_printed_ones(result):
     assert [row[-1].text for row in materials_section(swapped).parts[0].rows] == ["differs", "the same", "the same"]
 
 
+@pytest.mark.verify
 def test_the_page_stands_alone_and_nothing_escapes(result, page):
     evil = '<script>alert(1)</script>"&'
     equation = dataclasses.replace(result.equations[0], what=evil, formula=evil, note=evil, quantity=evil)

@@ -51,6 +51,7 @@ def test_documents_are_plain_json():
     assert found[1]["rows"][0]["share"] == SHARE
 
 
+@pytest.mark.verify
 def test_meshes_report_their_progress_and_grow_finer():
     seen = []
     rows = mesh_rows("li-ma-2019-fem-rigid", 2, (4.0, 3.0), lambda share, words: seen.append((share, words)))
@@ -60,6 +61,7 @@ def test_meshes_report_their_progress_and_grow_finer():
     assert dataclasses.astuple(rows[0])[0] == 4.0
 
 
+@pytest.mark.verify
 def test_blows_are_those_of_whole_bodies():
     from strikewave.analyses.fem.run import run_fem
     from strikewave.papers.li_ma_2019.assumed import studied

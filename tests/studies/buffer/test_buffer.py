@@ -143,6 +143,7 @@ def test_a_slow_blow_passes_and_loads_each_gasket_with_what_lies_above_it():
     assert found.sag == pytest.approx(sum(sags), rel=1e-12)
 
 
+@pytest.mark.verify
 def test_the_direct_mounting_reads_the_surface(study):
     assert study.direct.peak == study.motion.peak
     assert study.direct.velocity_error == pytest.approx(0.0, abs=1e-12)
@@ -161,6 +162,7 @@ def test_thicker_gaskets_and_heavier_sensors_pass_less(name):
     assert by_mass == sorted(by_mass, reverse=True)
 
 
+@pytest.mark.verify
 def test_a_higher_limit_keeps_all_that_a_lower_one_keeps():
     held, motion = seat(), half_sine(duration=60e-6, step=5e-7)
     kept = [
@@ -270,6 +272,7 @@ def test_robust_means_that_every_variant_keeps_the_limit(study):
     assert "not-robust" in {n.code for n in study.warnings}
 
 
+@pytest.mark.verify
 def test_a_robust_stack_keeps_the_limit_over_the_whole_spread_of_its_modulus():
     """Rubber of 5 mm: 0.5 to 5 times the modulus, free and confined, on a grid five times as dense as the search's."""
     held, motion, goal = seat(), half_sine(duration=60e-6, step=2e-7), Goal(9.9e3 * G)
@@ -297,6 +300,7 @@ def test_a_peak_between_the_ends_of_the_spread_is_not_robust():
     assert np.abs(reading_of(held, sheets, motion, [2.9]).values).max() > goal.limit
 
 
+@pytest.mark.verify
 def test_ranking_by_robust_puts_a_robust_stack_first():
     blows, goal = Blows((half_sine(duration=60e-6, step=2e-7),)), Goal(9.9e3 * G, "robust")
     study = design_buffer(seat(), blows, Choice(("PTFE", "rubber"), (mm(1), mm(5)), 1), goal)

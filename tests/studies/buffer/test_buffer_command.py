@@ -111,6 +111,7 @@ def test_the_written_case_reads_what_the_study_said(strikewave, bar):
     assert json.loads(out)["sensors"]["acc"]["peak"] == pytest.approx(first["peak"], rel=1e-9)
 
 
+@pytest.mark.verify
 def test_a_result_is_replaced_by_force_and_other_files_never(strikewave, bar):
     words = ("buffer", bar, *FEW, "--out", "there")
     assert strikewave(*words, "--limit", "5000 g")[0] == 0
@@ -155,6 +156,7 @@ def test_a_record_at_the_mounting_surface(strikewave, shot):
     assert {"record-bandwidth"} <= {w["code"] for w in found["warnings"]}
 
 
+@pytest.mark.verify
 def test_the_sensor_that_a_record_leaves_fits_into_a_case(strikewave, shot):
     words = ("--mass", "5 gram", "--diameter", "15 mm", "--model", "Endevco 7270A-20K", "--record", shot)
     assert strikewave("buffer", *words, "--limit", "5000 g", *FEW, "--out", "there")[0] == 0
@@ -241,6 +243,7 @@ def test_neither_case_nor_record(strikewave):
     assert "--record" in err
 
 
+@pytest.mark.verify
 def test_the_robust_rank_leaves_a_robust_stack_in_the_case(strikewave, bar):
     thick = ("--material", "rubber", "--thickness", "1 mm", "--thickness", "5 mm", "--layers", "1")
     firsts = {}
@@ -256,6 +259,7 @@ def test_the_robust_rank_leaves_a_robust_stack_in_the_case(strikewave, bar):
     assert not firsts["bandwidth"]["robust"]
 
 
+@pytest.mark.verify
 def test_the_screen_begins_with_words_and_its_rows_are_in_order(strikewave, bar, monkeypatch):
     for columns in ("160", "80"):
         monkeypatch.setenv("COLUMNS", columns)

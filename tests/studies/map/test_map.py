@@ -221,6 +221,7 @@ def test_hold_ends_the_own_blows_as_in_full():
         in_full(case, 6)
 
 
+@pytest.mark.verify
 def test_two_processes_give_what_one_gives():
     plan = small()
     one, two = make_map(plan, 0.02, 1), make_map(plan, 0.02, 2)

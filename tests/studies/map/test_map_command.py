@@ -147,6 +147,7 @@ def test_interrupt_ends_all_processes_at_once(strikewave, environment, after):
     assert "Traceback" not in err
 
 
+@pytest.mark.verify
 def test_interrupted_map_says_what_is_kept(strikewave, environment):
     going = begun(environment, "map", "li-ma-2019", "--points", "8x400", "--train", "0", "--out", "here")
     wait_for(rows_beside(Path("here")), going)
@@ -156,6 +157,7 @@ def test_interrupted_map_says_what_is_kept(strikewave, environment):
     assert "nothing was written" not in err
 
 
+@pytest.mark.verify
 def test_full_disk_is_told_and_the_same_command_goes_on(strikewave, environment):
     """Files of 4 kB at most, a row being 1.3: told in words, and with room again the rows that stand are not run."""
     words = ("map", "li-ma-2019", "--points", "12x9", "--workers", "1", "--train", "0", "--blows", "3", "--out", "here")

@@ -108,6 +108,7 @@ SETTLED = ["object.damper=120 N s/m", "object.stop_restitution=0.2", *FEW_BLOWS]
 """The object is at rest again when the next striker comes."""
 
 
+@pytest.mark.verify
 def test_intervals_scatter_as_the_angles_of_the_strikers():
     """Interval = (pitch + error of one - error of the next)/w: sd = sqrt(2) sd_angle / w, cut off at three.
 

@@ -71,6 +71,7 @@ def test_json_alone_writes_no_files(strikewave):
     assert {row["path"] for one in document["shares"]["of"] for row in one["rows"]} == set(drawn)
 
 
+@pytest.mark.verify
 def test_sobol_indices_come_with_totals(strikewave):
     code, out, _ = strikewave(*QUICK, *TWO, "--shares", "sobol", "--json")
     document = json.loads(out)
@@ -100,6 +101,7 @@ def test_no_more_processes_than_cores(strikewave, monkeypatch):
     assert asked == [3]
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("shares", ["alone", "sobol"])
 def test_narrow_screen_folds_no_row(strikewave, monkeypatch, shares):
     """At 80 characters each number stands whole on one line, and so does each path."""

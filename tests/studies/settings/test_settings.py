@@ -217,6 +217,7 @@ def studies(machine):
     return [design_settings(machine, wanted, Choice(n, (1.0,), vary)) for wanted, n, vary in GOALS]
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("which", range(len(GOALS)), ids=["20 ms", "10 ms", "50 ms", "mount"])
 def test_written_case_meets_the_goal(studies, which):
     """The text of the case is read and run anew; median of the later blows within 0.5 % (5 % is what is promised)."""
@@ -266,6 +267,7 @@ def test_chosen_values_say_so_and_nothing_else_changes(machine, studies):
     assert case.published == ()
 
 
+@pytest.mark.verify
 def test_higher_peaks_need_higher_approaches(machine):
     """And deeper engagements; in a nearly linear chain the approach grows as the peak."""
     found = []

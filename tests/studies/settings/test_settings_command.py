@@ -13,6 +13,7 @@ GOAL = ("--interval", "20 ms", "--peak", "4000 g", "--width", "200 us")
 FEW = ("--strikers", "4", "--striker-mass", "1 kg")
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     ("interval", "peak", "width", "strikers"),
     [("20 ms", "4000 g", "200 us", 4), ("12 ms", "3000 g", "180 us", 3), ("25 ms", "2000 g", "400 us", 2)],
@@ -75,6 +76,7 @@ def test_folder_holds_case_document_and_picture(strikewave):
     assert "<svg" in Path("found/settings.svg").read_text("utf-8")
 
 
+@pytest.mark.verify
 def test_narrow_screen_leaves_out_columns(strikewave, monkeypatch):
     """At 80 characters no number is folded: every row of the first table is one line."""
     monkeypatch.setenv("COLUMNS", "80")
@@ -88,6 +90,7 @@ def test_narrow_screen_leaves_out_columns(strikewave, monkeypatch):
     assert all(len(row.split()) == 10 for row in rows if row.rstrip().endswith(("yes", "no")))
 
 
+@pytest.mark.verify
 def test_goal_that_no_setting_meets_exits_with_3(strikewave):
     """Six strikers leave the nose in the way: the nearest is written, and what stands in its way is said."""
     code, out, err = strikewave(
@@ -157,6 +160,7 @@ def test_folder_with_other_files_is_refused_before_the_work(strikewave):
     assert [path.name for path in Path("mine").iterdir()] == ["notes.txt"]
 
 
+@pytest.mark.verify
 def test_same_goal_again_replaces_its_own_result(strikewave):
     for _ in range(2):
         assert strikewave("settings", *GOAL, *FEW, "--blows", "3", "--out", "found")[0] == 0
@@ -173,6 +177,7 @@ def test_other_question_is_refused_before_the_work(strikewave, monkeypatch):
         assert "--force" in err
 
 
+@pytest.mark.verify
 def test_changed_case_gets_a_folder_of_its_own(strikewave):
     for change in ((), ("--set", "machine.inertia=5 kg m^2")):
         assert strikewave("settings", *GOAL, *FEW, "--blows", "3", *change)[0] == 0
