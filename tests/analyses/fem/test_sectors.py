@@ -11,7 +11,8 @@ import pytest
 
 from strikewave import load_case
 from strikewave.analyses.fem.build import build_model
-from strikewave.analyses.fem.run import model_notices, run_fem
+from strikewave.analyses.fem.notices import model_notices
+from strikewave.analyses.fem.run import run_fem
 from strikewave.analyses.fem.sectors import Sector, blow_of_bodies, open_cuts, sectors, whole_forces
 from strikewave.fem.measures import part_measure
 from strikewave.fem.model import Fixed, Guided, Rigid

@@ -104,7 +104,8 @@ def command(
     hourglass modes hold more than 5 % of the internal energy.
     """
     from strikewave.analyses.fem.build import build_model
-    from strikewave.analyses.fem.run import check_model, model_notices
+    from strikewave.analyses.fem.notices import model_notices
+    from strikewave.analyses.fem.run import check_model
     from strikewave.base.errors import InputError
     from strikewave.cases.case import dump_case, load_case
     from strikewave.fem.quality import quality_report
@@ -552,7 +553,8 @@ def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
 
 def _check_document(case: Case, model: Model, quality: Sequence[PartQuality]) -> dict[str, Any]:
     """Return the JSON document of a model that was checked."""
-    from strikewave.analyses.fem.run import first_step, model_notices
+    from strikewave.analyses.fem.notices import model_notices
+    from strikewave.analyses.fem.run import first_step
 
     units = {"volume": "m^3", "shortest_edge": "m", "longest_edge": "m", "warpage": "rad", "worst_at": "m", "step": "s"}
     counted = {"elements": len(model.mesh.hexahedra), "nodes": len(model.mesh.points), "step": first_step(model)}

@@ -37,7 +37,7 @@ def command(
     """
     from strikewave.analyses.fem.build import build_model
     from strikewave.analyses.fem.field_names import fields_of_case
-    from strikewave.analyses.fem.run import model_notices
+    from strikewave.analyses.fem.notices import model_notices
     from strikewave.base.errors import InputError, nearest
     from strikewave.cases.case import dump_case, load_case
     from strikewave.exchange.ls_dyna.deck import ls_dyna_deck

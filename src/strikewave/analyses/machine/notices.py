@@ -6,7 +6,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from strikewave.analyses.machine.readings import BlowHistory, BlowReading
+from strikewave.analyses.machine.launched import Release
+from strikewave.analyses.machine.readings import (
+    BlowHistory,
+    BlowReading,
+    Observed,
+)
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import force_words, law_notices, yield_notices
@@ -14,7 +19,13 @@ from strikewave.machines import Blow
 from strikewave.machines.rotary import RotaryRun
 from strikewave.machines.spans import StackSpan
 from strikewave.signal.pulse import FEWEST_INTERVALS, measure_pulse
-from strikewave.waves.limits import field_extremes, grid_notices, joint_notices, layer_notices, rise_notices
+from strikewave.waves.limits import (
+    field_extremes,
+    grid_notices,
+    joint_notices,
+    layer_notices,
+    rise_notices,
+)
 
 
 def notices(case: Case, found: Sequence[Blow]) -> tuple[Notice, ...]:
@@ -147,3 +158,21 @@ def contact_rise(span: StackSpan) -> float:
     """Return the rise of the contact force of a blow from 10 to 90 % of its peak, s."""
     force = np.concatenate([[0.0], span.history[:, 0]])
     return measure_pulse(force, span.step).rise
+
+
+def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notice]:
+    """Say what a user of a machine without a drive should know."""
+    yield from start.told
+    machine, touched = case.launched(), seen.run.contacts()
+    if machine is None or not len(touched):
+        return
+    message = (
+        f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): unless "
+        "something catches it, what rebounds comes again"
+    )
+    yield Notice("first-blow-only", message, machine.follow.si, 0.0)
+    if touched[-1, 1] >= seen.run.end:
+        message = (
+            "striker and object still touch at the end: width, impulse and rebound are not those of the whole blow"
+        )
+        yield Notice("contact-not-over", f"{message}; raise machine.follow", seen.run.end, machine.follow.si)

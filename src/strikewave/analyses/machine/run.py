@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from statistics import median
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.dataset import build_dataset
 from strikewave.analyses.machine.launched import Release, line_collisions, release
-from strikewave.analyses.machine.notices import notices, wave_notices
+from strikewave.analyses.machine.notices import launch_notices, notices, wave_notices
 from strikewave.analyses.machine.readings import (
     BlowReading,
     Observed,
@@ -24,7 +24,7 @@ from strikewave.analyses.machine.readings import (
 from strikewave.analyses.machine.result import RigidReference, Solution
 from strikewave.base import citations
 from strikewave.base.errors import InputError
-from strikewave.base.result import Comparison, Notice, ledger_notices
+from strikewave.base.result import Comparison, ledger_notices
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import comparisons
 from strikewave.cases.contact_of_case import contact_stiffness
@@ -128,24 +128,6 @@ def launch_of(machine: RotaryMachine, start: Release) -> dict[str, float]:
         + (0.5 * arm.inertia * start.arm**2 if start.arm else 0.0),
     }
     return said if start.line is None else {**said, "gain": start.line.gain}
-
-
-def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notice]:
-    """Say what a user of a machine without a drive should know."""
-    yield from start.told
-    machine, touched = case.launched(), seen.run.contacts()
-    if machine is None or not len(touched):
-        return
-    message = (
-        f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): unless "
-        "something catches it, what rebounds comes again"
-    )
-    yield Notice("first-blow-only", message, machine.follow.si, 0.0)
-    if touched[-1, 1] >= seen.run.end:
-        message = (
-            "striker and object still touch at the end: width, impulse and rebound are not those of the whole blow"
-        )
-        yield Notice("contact-not-over", f"{message}; raise machine.follow", seen.run.end, machine.follow.si)
 
 
 def observe(case: Case, progress: Callable[[float], None] | None = None) -> Observed:

@@ -1,0 +1,137 @@
+"""What a user should know of a layered bar: its load, what was not reached, and with which error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from strikewave.analyses.wave.build import wanted
+from strikewave.analyses.wave.result import BarSolution, load_peak
+from strikewave.base.result import LEDGER_LIMIT, Notice
+from strikewave.cases.case import Case
+from strikewave.cases.contact_notices import law_notices, yield_notices
+from strikewave.sensors.channel import channel_notices
+from strikewave.waves import BarRun, Impactor, Sampled, Tap
+from strikewave.waves.limits import (
+    bar_extremes,
+    end_notices,
+    grid_notices,
+    joint_notices,
+    layer_notices,
+    loss_notices,
+    rise_notices,
+)
+
+LOAD_OFFSET = 0.005
+"""Share of its largest value with which a measured load may begin without a word."""
+
+
+class Front(NamedTuple):
+    """The steepest front: its rise, s; the largest acceleration before any filter, m/s^2; the bandwidth stated, Hz."""
+
+    rise: float
+    peak: float
+    bandwidth: float
+
+
+def bar_notices(solution: BarSolution, front: Front, lasting: float) -> Iterator[Notice]:
+    """Yield all that a user should know of a layered bar under a load that lasts so long, s."""
+    case, run, stack, accuracy = solution.case, solution.run, solution.run.stack, solution.accuracy
+    most, least, greatest = bar_extremes(run)
+    yield from _ledger(run)
+    yield from grid_notices(run.grid)
+    yield from _file_notices(run)
+    yield from _jump(front.rise)
+    if front.rise > 0.0:
+        yield from rise_notices(stack, front.rise, front.bandwidth, front.peak)
+    yield from layer_notices(stack, most)
+    yield from _not_reached(run, solution.taps, accuracy)
+    yield from joint_notices(stack, least, greatest, load_peak(run))
+    yield from loss_notices(solution.losses)
+    yield from end_notices(stack, lasting)
+    yield from channel_notices(solution.channels, [solution.sensors], stack.mass)
+    yield from _missed_accuracy(case, run, accuracy)
+    yield from _contact_notices(case, run)
+
+
+def _jump(rise: float) -> list[Notice]:
+    if rise > 0.0:
+        return []
+    message = "the load jumps: velocities jump with it, and no finite peak acceleration exists; none is quoted"
+    return [Notice("discontinuous-load", message, rise, 0.0)]
+
+
+def _file_notices(run: BarRun) -> list[Notice]:
+    """Say where a measured load may not be what it is taken for."""
+    load = run.load
+    if not isinstance(load, Sampled):
+        return []
+    found = []
+    if not load.told:
+        message = f"the load file names no unit: taken as N and s, {load.largest:.4g} N over {load.duration:.4g} s"
+        found.append(Notice("load-unit", message, load.largest, 0.0))
+    if load.duration > 10.0 * run.duration:
+        message = f"the load lasts {load.duration:.4g} s, the run {run.duration:.4g} s: most of it is not followed"
+        found.append(Notice("load-long", message, load.duration, run.duration))
+    begins = abs(float(load.values[0]))
+    if load.kind != "speed" and begins > LOAD_OFFSET * load.largest:
+        message = (
+            f"the load begins with {begins:.4g} N, {begins / load.largest:.1%} of its largest: it jumps there; take "
+            "off its zero line, and cut away what lies before the blow"
+        )
+        found.append(Notice("load-offset", message, begins, LOAD_OFFSET * load.largest))
+    return found
+
+
+def _ledger(run: BarRun) -> list[Notice]:
+    if run.momentum_error <= LEDGER_LIMIT:
+        return []
+    message = f"the momentum ledger misses {run.momentum_error:.1e}"
+    return [Notice("momentum-ledger", message, run.momentum_error, LEDGER_LIMIT, broken=True)]
+
+
+def _not_reached(run: BarRun, taps: Sequence[tuple[str, Tap]], accuracy: tuple[float, float]) -> list[Notice]:
+    """Name the taps that the waves of the load do not reach within the run."""
+    if isinstance(run.load, Impactor) or not math.isfinite(max(accuracy)) or any(x.speed for x in run.stack.layers):
+        return []
+    transits = [layer.transit for layer in run.stack.layers]
+    late = [(name, sum(transits[: tap.layer]) + tap.position * transits[tap.layer]) for name, tap in taps]
+    late = [(name, time) for name, time in late if time > run.duration]
+    if not late:
+        return []
+    names = ", ".join(f"{name} ({time * 1e6:.4g} us)" for name, time in late)
+    message = f"the run of {run.duration * 1e6:.4g} us ends before the wave comes to {names}"
+    return [Notice("not-reached", message, run.duration, max(time for _, time in late))]
+
+
+def _contact_notices(case: Case, run: BarRun) -> list[Notice]:
+    """Say what the contact of a striker with the first face does beyond its law."""
+    if not isinstance(run.load, Impactor) or case.striker is None or case.contact is None:
+        return []
+    face = case.stack.layer[0].material
+    return [*law_notices(case), *yield_notices(case.striker, case.contact, face, load_peak(run))]
+
+
+def _missed_accuracy(case: Case, run: BarRun, accuracy: tuple[float, float]) -> list[Notice]:
+    """Say where the wanted error could not be promised."""
+    asked, (velocity, acceleration) = wanted(case), accuracy
+    if velocity <= asked.velocity and acceleration > asked.acceleration and case.solver.bandwidth is None:
+        message = (
+            f"the error bound of acceleration is {acceleration:.2g} of its peak instead of {asked.acceleration:g}: "
+            "where the load has a corner it jumps, and no step bounds it; round the load, or state a solver.bandwidth"
+        )
+        return [Notice("error-bound", message, acceleration, asked.acceleration)]
+    if velocity <= asked.velocity:
+        return []
+    if math.isinf(velocity):
+        if not np.any(run.velocity):
+            message = "nothing moves at the taps: the load is zero, or has not reached them by the end"
+        else:
+            message = "no error bound: a striker, joints that open, and layers with a speed are beyond its theorem"
+        return [Notice("no-error-bound", message, math.inf, asked.velocity)]
+    why = "the step is that of the case" if asked.step else "a finer step would take too long, or the load jumps"
+    message = f"the error bound of velocity is {velocity:.2g} of its peak instead of {asked.velocity:g}: {why}"
+    return [Notice("error-bound", message, velocity, asked.velocity)]
