@@ -63,13 +63,13 @@ COMMANDS = (
     "srs drifting.csv --kind pseudo-velocity --q 25",
     "identify force.csv --mass 0.14 --speed 2",
     "hopkinson setup.toml",
-    "buffer li-ma-2019-fig5 --limit 5000g",
+    "buffer li-ma-2019-fig5 --sensor buffered --limit 5000g --layers 1",
     "scatter li-ma-2019-equal-blows --runs 12",
     "map li-ma-2019 --points 4x4 --train 20",
     "settings --interval 20ms --peak 4000g --width 200us --blows 5 --strikers 4 --striker-mass 0.2kg",
     "reproduce li-ma-2019 --without elements",
     "deck two-bars-fem",
-    "deck li-ma-2019-fem-wave --format radioss",
+    "deck two-bars-fem --code openradioss",
 )
 
 
