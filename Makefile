@@ -14,7 +14,7 @@ CASES ?= li-ma-2019 li-ma-2019-fig13
 
 help:
 	@echo "make demo    set up, then run the published machine into out/ with a report each ($(CASES))"
-	@echo "make test    set up, then run all tests"
+	@echo "make test    set up, then run the tests but for those of make verify"
 	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the whole reproduction"
 	@echo "make lint    set up, then style, types and import contract"
 	@echo "make bench   set up with the peers ($(BENCH)), then time everything beside them (writes docs/benchmarks.md)"

@@ -74,14 +74,17 @@ FAMILIES = (fast_train, machine, struck_stack, elements, waves, impacts_and_spec
 """The longest first."""
 
 
-def timed(family: int) -> tuple[str, float]:
-    """Run a family; return its name and how long it took, s."""
+def timed(family: int) -> tuple[str, str]:
+    """Run a family; return its name, and how long it took or why it failed: the tests will say more of that."""
     begun = time.perf_counter()
-    FAMILIES[family]()
-    return FAMILIES[family].__name__, time.perf_counter() - begun
+    try:
+        FAMILIES[family]()
+    except Exception as error:
+        return FAMILIES[family].__name__, f"{type(error).__name__}: {error}"
+    return FAMILIES[family].__name__, f"{time.perf_counter() - begun:.1f} s"
 
 
 if __name__ == "__main__":
     with ProcessPoolExecutor(int(sys.argv[1]) if len(sys.argv) > 1 else 2, get_context("spawn")) as pool:
-        for name, seconds in pool.map(timed, range(len(FAMILIES))):
-            print(f"kernels of {name.replace('_', ' ')}: {seconds:.1f} s", flush=True)
+        for name, outcome in pool.map(timed, range(len(FAMILIES))):
+            print(f"kernels of {name.replace('_', ' ')}: {outcome}", flush=True)

@@ -1,5 +1,7 @@
 """Whether kernels have to be compiled, by the files of the cache."""
 
+import ast
+import os
 import shutil
 import subprocess
 import sys
@@ -30,6 +32,8 @@ def test_a_package_that_lies_elsewhere_takes_the_same_compiled_kernels(tmp_path,
     )
     copy = tmp_path / "elsewhere" / "strikewave"
     shutil.copytree(compiled.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    for path in copy.rglob("*.py"):
+        os.utime(path)  # a clone writes its files anew
     counts = []
     for place in (compiled.PACKAGE.parent, copy.parent):
         own = {**environment, "PYTHONPATH": str(place), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
@@ -41,3 +45,28 @@ def test_a_package_that_lies_elsewhere_takes_the_same_compiled_kernels(tmp_path,
     assert compiled_first > 0
     assert taken > 0
     assert compiled_again == 0
+
+
+def test_all_that_is_compiled_stands_in_files_whose_text_is_the_key_of_the_cache():
+    """What a kernel is made of stands in ``_*.py`` or here: a change elsewhere would be answered from an old cache."""
+    own = {path.relative_to(compiled.PACKAGE.parent) for path in compiled.PACKAGE.rglob("_[a-z]*.py")}
+    modules = {".".join(path.with_suffix("").parts) for path in own} | {"strikewave.base.compiled"}
+    for path in compiled.PACKAGE.rglob("*.py"):
+        imports = [node for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.ImportFrom)]
+        makes = {
+            name.name
+            for node in imports
+            if node.module == "strikewave.base.compiled"
+            for name in node.names
+            if name.name.endswith("kernel")
+        }
+        key = path.relative_to(compiled.PACKAGE.parent)
+        assert not makes or key in own, key
+        if makes:
+            used = {
+                f"{node.module}.{name.name}" if f"{node.module}.{name.name}" in modules else node.module
+                for node in imports
+                if (node.module or "").startswith("strikewave")
+                for name in node.names
+            }
+            assert used <= modules, (key, used - modules)

@@ -237,3 +237,11 @@ def test_search_of_300_000_faces_finds_what_lies_on_what():
     state = two_surfaces(Contact("a.top", "b.bottom"), mesh)
     state = searched(state, mesh.points)
     assert len(state.faces) == 2 * 387**2
+    count = len(state.touch.nodes)
+    assert len(state.candidates) < 20 * count  # of 1e11 pairs
+    state.place[:] = mesh.points[state.touch.nodes]
+    face, shape, distance = np.zeros(count, np.int32), np.zeros((count, 4)), np.full(count, np.inf)
+    contact_kernels.nearest_faces(state, face, shape, distance)
+    # the sides lie in one plane, shifted by 1e-4 both ways: two rims look beyond the other side by that much
+    assert distance.max() == pytest.approx(1e-4 * 2**0.5, rel=1e-6)
+    assert np.count_nonzero(distance > 1e-9) == 2 * (2 * 388 - 1)

@@ -34,7 +34,7 @@ def rooms_of_the_table():
 
 
 def test_the_table_of_rooms_is_that_of_the_folders():
-    top = {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__"}
+    top = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
     members = {
         f"{family}/{path.name}"
         for family in FAMILIES

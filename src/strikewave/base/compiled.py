@@ -129,6 +129,20 @@ class KernelLocator(UserProvidedCacheLocator):
             return str(super().get_suitable_cache_subpath(py_file))
         return ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
 
+    def get_source_stamp(self) -> Any:
+        """Return what tells one text of a module from another: its content, not when a clone wrote the file."""
+        path = Path(self._py_file).absolute()
+        return _content(path) if path.is_relative_to(PACKAGE) else super().get_source_stamp()
+
+
+@functools.cache
+def _content(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
+"""Numba's own, for kernels that come from no plain file: a frozen program, a notebook, a zipped package."""
+
 
 def _compiled(function: F, options: dict[str, Any]) -> F:
     folder = cache_folder()
@@ -138,7 +152,9 @@ def _compiled(function: F, options: dict[str, Any]) -> F:
     try:
         if folder is not None:
             settings.CACHE_DIR = folder
-            settings.CACHE_LOCATOR_CLASSES = f"{__name__}.{KernelLocator.__name__}"
+            settings.CACHE_LOCATOR_CLASSES = ",".join(
+                [f"{__name__}.{KernelLocator.__name__}", *(f"numba.core.caching.{name}" for name in LOCATORS)]
+            )
         try:
             compiled = numba.njit(cache=folder is not None, error_model="numpy", nogil=True, **options)(function)
         except RuntimeError:  # a function without a source file (typed into a console) has no cache

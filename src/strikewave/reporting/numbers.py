@@ -1,4 +1,4 @@
-"""Columns and units in which a blow and a published number are shown, on the screen and in the report."""
+"""Numbers and units as they are shown, on the screen and in the report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page: solution and further sections in, HTML text out.
+"""The page: head and sections in, HTML text out.
 
 Everything on it is a `Section`; the template knows four kinds of parts and nothing of machines.
 """

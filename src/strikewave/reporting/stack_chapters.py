@@ -17,8 +17,6 @@ from strikewave.reporting.wave_field import QUANTITIES, WaveField, snapshots, xt
 from strikewave.sensors import insertion_loss as loss_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.figure import Figure
 
     from strikewave.cases.losses_of_case import Loss

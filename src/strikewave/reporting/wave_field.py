@@ -49,8 +49,6 @@ QUANTITIES = {
 }
 """What the pictures of a field can show, by name."""
 
-_ROUND_TRIPS = 2.0
-"""Round trips through the stack that are shown after the load has ended."""
 _FEWEST_ROWS = 120
 _MOST_NAMES = 22
 """Names beside a diagram; of more layers the longest ones are named."""

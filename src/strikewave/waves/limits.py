@@ -1,4 +1,4 @@
-"""Where one-dimensional wave theory ends, and what joints and sensors could not do: notices for runs and bars.
+"""Where one-dimensional wave theory ends, and what joints could not do: notices for runs and bars.
 
 With t the rise time that is left at the stated bandwidth B, t^2 = (rise of the load)^2 + (0.35/B)^2, c the bar
 speed and d the diameter: below t c/d = 2 no peak acceleration is quoted, since the front disperses over lengths

@@ -36,9 +36,7 @@ HOSTILE = "_</script><img src=x onerror=alert(1)> $\\frac{1}{$ & \u202e\u2028"
 LARGEST = 500_000
 """Bytes of a page, so that it can be sent by mail."""
 CHROMIUM = shutil.which("chromium-headless-shell") or shutil.which("chromium") or shutil.which("google-chrome")
-HOW_TO_GET = (
-    "chromium is not installed; Debian, Ubuntu: apt-get install --no-install-recommends chromium-headless-shell"
-)
+HOW_TO_GET = "chromium is not installed; Debian: apt-get install --no-install-recommends chromium-headless-shell"
 
 
 class Page(HTMLParser):

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from strikewave.reporting.wave_field import _ROUND_TRIPS, WaveField
+from strikewave.reporting.wave_field import WaveField
 from strikewave.waves import Impactor
 
 if TYPE_CHECKING:
     from strikewave.analyses.wave.run import BarSolution
+
+_ROUND_TRIPS = 2.0
+"""Round trips through the stack that are shown after the load has ended."""
 
 
 def bar_field(solution: BarSolution) -> WaveField:

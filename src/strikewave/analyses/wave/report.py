@@ -24,8 +24,6 @@ from strikewave.reporting.wave_curves import staircase_diagram
 from strikewave.reporting.wave_field import WaveField, sandwiched
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from strikewave.analyses.wave.result import BarSolution
     from strikewave.cases.case import Case
 

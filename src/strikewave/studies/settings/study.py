@@ -1,7 +1,7 @@
 """Inverse design of the rotary machine: settings that give blows of an asked peak and width at an asked interval.
 
-Closed forms (`settings_estimate`) say where to begin, full runs of all blows (`settings_search`) correct engagement,
-stiffness and speed, and every candidate is judged by a full run (`settings_candidate`).
+Closed forms (`estimate`) say where to begin, full runs of all blows (`search`) correct engagement,
+stiffness and speed, and every candidate is judged by a full run (`candidate`).
 """
 
 from __future__ import annotations
