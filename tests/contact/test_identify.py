@@ -77,6 +77,7 @@ def test_without_stiffness_mass_and_speed_only_their_combinations_are_told():
     assert np.diag(found.correlation) == pytest.approx(np.ones(3))
 
 
+@pytest.mark.verify
 @given(
     st.floats(0.7, 4.0), st.floats(0.03, 1.0), st.floats(-4.0, 4.0), st.floats(-6.0, 2.0), st.floats(-1.0, 1.0),
     st.sampled_from(SCALES), st.integers(30, 400),

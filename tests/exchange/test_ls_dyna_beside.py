@@ -261,6 +261,7 @@ def test_a_result_of_ours_that_is_damaged_is_refused(tmp_path, folder, damage):
         read_ours(tmp_path)
 
 
+@pytest.mark.verify
 def test_the_command_writes_report_picture_and_numbers(strikewave, written, folder, solution):
     home = written(factor=1.07)
     code, said, told = strikewave("ls-dyna", home, "--units", "mm-t-s", "--beside", folder, "--out", "here")
@@ -372,6 +373,7 @@ def test_of_several_blows_the_first_is_laid_beside_and_that_is_said(tmp_path, fo
     assert "the first alone is laid beside" in notice.message
 
 
+@pytest.mark.verify
 def test_runs_of_the_same_name_do_not_overwrite_each_other(strikewave, written, tmp_path):
     home = written(fields=False)
     other = tmp_path / "further" / "dyna"

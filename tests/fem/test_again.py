@@ -51,6 +51,7 @@ def elastic():
     return blows(ball_on_base(Ball(size=6e-4), reach=15.0), 2)
 
 
+@pytest.mark.verify
 def test_elastic_bodies_give_the_same_blow_again(elastic):
     """Peak and impulse within 1e-6, every mean force within 3e-6 of the peak.
 

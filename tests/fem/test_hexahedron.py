@@ -263,6 +263,7 @@ def lame_frequency(count, sort, hourglass):
     return np.sqrt((mode @ stiff @ mode) / (mode @ mass @ mode) / square)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(("sort", "hourglass"), [("one point", 0.05), ("one point", 0.17), ("full", 0.0)])
 def test_free_plate_vibrates_in_lames_mode_by_the_second_order(sort, hourglass):
     """u = (cos a sin b, -sin a cos b, 0), a = pi x / L, b = pi y / L, leaves all sides free, of a cube or a plate.
@@ -383,6 +384,7 @@ def test_critical_step_of_a_cube_is_side_over_wave_speed(sort):
     assert fastest(mesh, solid, sort) == pytest.approx(2.0 * solid.wave_speed / 2e-3, rel=1e-8)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("sort", SORTS)
 @given(seed=st.integers(0, 10**6), share=st.floats(0.0, 0.3), ratio=st.floats(0.0, 0.49), flat=st.floats(0.1, 1.0))
 def test_no_mesh_vibrates_faster_than_the_bound(sort, seed, share, ratio, flat):
@@ -408,6 +410,7 @@ def test_saddle_is_faster_than_the_cube_by_the_root_of_one_and_a_ninth_of_its_wa
     assert bound(mesh, solid, "one point") == pytest.approx(2.0 / np.sqrt(1.0 + 2.0 * warp**2 / 9.0), rel=1e-12)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("sort", SORTS)
 @given(seed=st.integers(0, 10**6))
 def test_kernels_and_numpy_have_one_critical_step_for_any_order_of_the_nodes(sort, seed):

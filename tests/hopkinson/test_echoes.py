@@ -114,6 +114,7 @@ def test_least_squares_by_one_column_is_a_mean_with_its_standard_error():
     assert Estimate(0.0, 1.0, 1).student == pytest.approx(math.tan(0.475 * math.pi), rel=1e-9)  # of Cauchy
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("bar", [BAR, UNKNOWN], ids=["length known", "length unknown"])
 def test_standard_errors_are_the_scatter_of_records_with_noise(bar, rng):
     """120 records in noise of 1 %: what is true lies within Student's 95 % in 87 % of them at least.

@@ -15,6 +15,7 @@ def total(tallies, name, lowest=0):
     return sum(getattr(tally, name) for (band, _), tally in tallies.items() if band[0] >= lowest)
 
 
+@pytest.mark.verify
 def test_every_blow_that_stands_15_db_out_of_the_noise_is_found(tallies):
     planted = total(tallies, "planted", 15)
     assert planted > 200

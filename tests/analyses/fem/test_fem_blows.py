@@ -72,6 +72,7 @@ def test_the_document_tells_each_blow(strikewave, rod):
     assert only == first
 
 
+@pytest.mark.verify
 def test_one_blow_has_no_word_of_others(strikewave, rod):
     _, out, _ = strikewave("fem", rod, "--out", "one")
     assert "Blow after blow" not in out + Path("one/report.html").read_text()
@@ -85,6 +86,7 @@ def test_a_number_of_blows_that_cannot_be_is_refused(strikewave, rod, wrong):
     assert "fem.blows" in err
 
 
+@pytest.mark.verify
 def test_a_run_interrupted_in_its_second_blow_goes_on_to_the_same_files(strikewave, rod, monkeypatch):
     import h5py
 

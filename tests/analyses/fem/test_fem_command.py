@@ -332,6 +332,7 @@ def test_the_step_that_is_said_before_is_the_one_that_is_taken(bars):
     assert first_step(bars.model) == pytest.approx(bars.run.step, rel=0.01)  # the mesh hardly deforms
 
 
+@pytest.mark.verify
 def test_an_interrupted_run_goes_on_to_the_same_numbers(strikewave, small, monkeypatch):
     import h5py
 

@@ -373,6 +373,7 @@ def test_the_zone_of_a_contact_is_where_its_sides_are_nearest(mesh):
     assert fem_pictures.contact_zone(dataclasses.replace(synthetic.model(mesh), contacts=())) is None
 
 
+@pytest.mark.verify
 def test_pyvista_shows_the_same_and_its_absence_is_told(mesh, monkeypatch):
     frame = synthetic.frame(mesh, 3e-5)
 
@@ -431,6 +432,7 @@ def test_the_report_stands_alone_and_says_the_numbers(mesh, run):
     assert page == fem_report(solution(mesh, run))
 
 
+@pytest.mark.verify
 def test_the_report_says_what_is_broken(mesh):
     page = fem_report(
         solution(

@@ -93,6 +93,7 @@ def test_the_report_says_what_is_a_sector_and_names_no_other_solver(tmp_path):
     assert "whole bodies" not in whole
 
 
+@pytest.mark.verify
 def test_the_report_begins_with_the_force_of_whole_bodies_and_a_named_body(tmp_path):
     """Cards and summary: four times the force of a quarter."""
     from strikewave.analyses.fem.report.page import fem_report
@@ -223,6 +224,7 @@ def test_a_group_moves_as_the_sum_of_its_parts(tmp_path, strikewave):
         assert said in err
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(("finest", "coarse", "within"), [("0.8 mm", True, 0.1), ("0.3 mm", False, 0.02)])
 def test_a_contact_of_few_faces_is_said_and_one_of_enough_is_near_hertz(finest, coarse, within):
     """Johnson 1985, ch. 11.4: a contact radius of 0.48 mm at the peak."""

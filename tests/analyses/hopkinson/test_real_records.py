@@ -82,6 +82,7 @@ def test_steel_keeps_impulse_and_loses_energy(measured, name):
     assert work.deformation > 0.9 * work.absorbed
 
 
+@pytest.mark.verify
 def test_both_steel_shots_blame_the_same_distance(measured):
     """What geometry gets wrong is the set-up's, not the shot's: both shots are late by the same, to 0.5 us."""
     late = [

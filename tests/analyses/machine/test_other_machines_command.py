@@ -67,6 +67,7 @@ def test_files_and_report_of_an_amplifier(strikewave, tmp_path):
     assert solution.data["time"].attrs["long_name"] == "time after the start"
 
 
+@pytest.mark.verify
 def test_new_run_and_diff_of_a_drop(strikewave):
     assert strikewave("new", "mine", "--from", "jesd22-b111-b")[0] == 0
     assert strikewave("run", "mine.toml", "--out", "a")[0] == 0

@@ -185,6 +185,7 @@ def test_what_a_filter_did_stands_beside_what_was_before():
     assert len(half_sine) == 2
 
 
+@pytest.mark.verify
 def test_calibration_options_and_command_are_told(files, page):
     found = tables(page)
     assert found["Where it was stated"][1:] == [["--unit", "g"]]

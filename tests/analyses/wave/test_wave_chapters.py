@@ -23,6 +23,7 @@ def bar():
     return run_wave(load_case("li-ma-2019-fig13-bar"))
 
 
+@pytest.mark.verify
 def test_every_peak_of_taps_and_sensors_stands_in_the_report(struck):
     page = report(struck)
     for blow, reading in zip(struck.blows, struck.readings, strict=True):
@@ -47,6 +48,7 @@ def test_the_summary_says_what_the_specimen_and_the_sensors_felt(struck, bar):
     )
 
 
+@pytest.mark.verify
 def test_a_gap_and_a_refused_peak_are_said_in_the_report():
     page = report(run_case(load_case("li-ma-2019-fig13", ["feed.blows=1"])))
     assert "rise-too-steep" in page
@@ -86,5 +88,6 @@ def test_names_of_layers_and_taps_are_text_in_the_report(bar):
     assert "&lt;script&gt;" in page
 
 
+@pytest.mark.verify
 def test_the_same_run_gives_the_same_page(bar):
     assert bar_report(bar) == bar_report(run_wave(load_case("li-ma-2019-fig13-bar")))

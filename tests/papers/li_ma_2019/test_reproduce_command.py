@@ -17,6 +17,7 @@ def document_cases(out):
     return json.loads(out)["cases"]
 
 
+@pytest.mark.verify
 def test_the_document_has_its_keys_and_numbers_that_agree_with_themselves(strikewave, tmp_path):
     code, out, err = strikewave(*QUICK, "--json")
     assert code == 0

@@ -139,6 +139,7 @@ def test_layers_take_the_momentum_and_weigh_what_the_object_weighs(name, sides):
     assert answer.rigid_peak * blow.mass == pytest.approx(answer.peak, rel=1e-12)
 
 
+@pytest.mark.verify
 def test_solid_bar_short_beside_the_pulse_elements_layers_masses():
     """A bar of 30 mm, half a pulse of 30 us: meshes end 1 % short of convergence, impulse holds their lighter striker."""
     case = load_case(RIGID)

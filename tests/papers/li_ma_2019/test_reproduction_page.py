@@ -218,6 +218,7 @@ def test_the_head_has_predictions_alone(result, struck):
     assert len(key_numbers(dataclasses.replace(struck, numbers=tuple(rows)))) == 3
 
 
+@pytest.mark.verify
 def test_what_the_buffer_does_is_said_from_the_readings(result, chapters):
     """Peaks by those of the solution, ringing by the raw reading: its step, its start, the first blow."""
     solution = result.runs.comparison

@@ -284,6 +284,7 @@ def test_a_robust_stack_keeps_the_limit_over_the_whole_spread_of_its_modulus():
             assert np.abs(reading_of(held, sheets, motion, [stiffer]).values).max() <= goal.limit
 
 
+@pytest.mark.verify
 def test_a_peak_between_the_ends_of_the_spread_is_not_robust():
     """Ten cycles at sqrt(2.9) times the resonance: rubber of 0.5, 1 or 5 times its modulus is off it, of 2.9 on it."""
     held, sheets = seat(), (Sheet("rubber", mm(5)),)
@@ -315,6 +316,7 @@ def test_ranking_by_robust_puts_a_robust_stack_first():
     assert "--rank robust" in notice.message
 
 
+@pytest.mark.verify
 def test_where_none_keeps_the_limit_the_lowest_peak_is_first_and_named():
     study = design_buffer(seat(), Blows((half_sine(),)), RUBBERS, Goal(100 * G))
     assert study.broken
@@ -440,6 +442,7 @@ def test_a_stronger_blow_of_the_run_that_breaks_the_limit_is_named(reach, peak, 
     assert notice.limit == min(5e3 * G, reach)
 
 
+@pytest.mark.verify
 def test_steps_of_the_recorder_that_are_coarse_for_the_limit_are_named():
     """8 bits over 60 000 g have steps of 472 g."""
     held = dataclasses.replace(seat(), channel=Channel(Sensor(range=6e4 * G), None, Recorder(bits=8)))
@@ -502,6 +505,7 @@ def _designed(case, blow="worst", goal=5e3 * G):
     return study, parse_case(dump_case(case_with(case, held, study.candidates[0].sheets)))
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("recorder", ["ideal", "storage"])
 def test_machine_case_with_the_first_stack_reads_the_same(recorder):
     case = load_case("li-ma-2019-fig5", [f"sensor.buffered.recorder={recorder}", "feed.blows=2"])

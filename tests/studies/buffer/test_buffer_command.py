@@ -95,6 +95,7 @@ def test_json_ranks_every_stack_and_writes_nothing(strikewave, bar):
     assert "done in" in err
 
 
+@pytest.mark.verify
 def test_the_written_case_reads_what_the_study_said(strikewave, bar):
     code, out, err = strikewave("buffer", bar, "--limit", "5000 g", *FEW, "--out", "there")
     assert code == 0
@@ -302,6 +303,7 @@ def test_a_real_record_without_a_blow_is_refused(strikewave, measured):
     assert "not-settled" in err
 
 
+@pytest.mark.verify
 def test_what_is_suspect_in_a_record_is_among_the_warnings(strikewave):
     t = np.arange(3000)
     _write("downwards.csv", np.where((t > 500) & (t < 560), -1e4 * np.sin(np.pi * (t - 500) / 60.0), 0.0))

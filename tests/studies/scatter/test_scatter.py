@@ -315,6 +315,7 @@ def test_the_number_of_processes_changes_no_bit():
     assert scatter(case, Plan(12, 5, "none")).table() != one.table()
 
 
+@pytest.mark.verify
 def test_progress_ends_at_one():
     seen = []
     case = case_with(*ANGLES, "feed.blows=1")

@@ -435,6 +435,7 @@ def test_what_no_setting_can_do_names_the_field(published):
     assert all(line.startswith("object.frame_stiffness: got") for line in told.value.lines)
 
 
+@pytest.mark.verify
 def test_stop_limit_is_kept_or_named(machine, studies):
     """The least stop force without a limit becomes the limit: only what keeps it meets the goal."""
     least = min(one.seen.supply.stop_force for one in studies[0].candidates if one.meets)

@@ -38,6 +38,7 @@ def test_run_of_the_written_case_meets_the_goal(strikewave, interval, peak, widt
     assert span == pytest.approx(float(interval.split()[0]) * 1e-3, rel=0.05)
 
 
+@pytest.mark.verify
 def test_document_says_goal_best_and_limits(strikewave):
     code, out, _ = strikewave("settings", *GOAL, *FEW, "--stop-limit", "1 kN", "--blows", 4, "--json")
     assert code == 0
@@ -60,6 +61,7 @@ def test_document_says_goal_best_and_limits(strikewave):
     assert {"peak", "stop_force", "interval"} <= set(document["units"])
 
 
+@pytest.mark.verify
 def test_folder_holds_case_document_and_picture(strikewave):
     code, out, err = strikewave("settings", *GOAL, *FEW, "--blows", "3", "--out", "found")
     assert code == 0
@@ -107,6 +109,7 @@ def test_goal_that_no_setting_meets_exits_with_3(strikewave):
     assert "nearest to blows of 4000 g" in Path("found/settings.svg").read_text("utf-8")
 
 
+@pytest.mark.verify
 def test_on_a_larger_turntable_six_strikers_leave_in_time(strikewave):
     """What is set reaches the search: at twice the radius a nose is half as long in the way."""
     code, out, _ = strikewave(
@@ -166,6 +169,7 @@ def test_same_goal_again_replaces_its_own_result(strikewave):
         assert strikewave("settings", *GOAL, *FEW, "--blows", "3", "--out", "found")[0] == 0
 
 
+@pytest.mark.verify
 def test_other_question_is_refused_before_the_work(strikewave, monkeypatch):
     """Another goal or another choice is another result: nothing is searched before --force is asked for."""
     assert strikewave("settings", *GOAL, *FEW, "--blows", "3", "--out", "found")[0] == 0
