@@ -122,6 +122,7 @@ def independent_duration(n, chi):
         return float(mpmath.quad(first, cuts) + mpmath.quad(last, cuts) + ends)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("n", [1.0, 1.094, 10 / 9, 1.5, 2.0])
 @pytest.mark.parametrize("e", [0.001, 0.1, 0.5, 0.99])
 def test_duration_against_independent_quadrature(n, e):

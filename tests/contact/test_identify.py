@@ -41,6 +41,7 @@ def integrated(K, n, e, m, v, samples=200):
     return t + 1e-3, np.where(inside, force(made.sol(np.clip(t, 0.0, end))), 0.0)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     "known", [("mass",), ("speed",), ("stiffness",), ("mass", "speed"), ("mass", "stiffness"), SCALES]
 )

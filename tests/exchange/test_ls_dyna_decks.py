@@ -65,6 +65,7 @@ def assert_same(first, second, rel):
         assert one == pytest.approx(other, rel=rel, abs=0.0)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("system", SYSTEMS)
 @pytest.mark.parametrize("name", BUNDLED)
 def test_masses_and_critical_steps_of_bundled_cases_come_back(name, system):

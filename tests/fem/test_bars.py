@@ -103,6 +103,7 @@ BARS = [
 ]
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(("striking", "struck"), BARS)
 @pytest.mark.parametrize("angle", [0.0, math.radians(30.0)])
 def test_two_bars_share_the_speed_by_their_impedances(striking, struck, angle):

@@ -51,6 +51,12 @@ def test_every_room_of_the_layers_contract_is_a_folder_and_every_folder_stands_t
     assert named == {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
 
 
+def test_no_analysis_is_left_out_of_the_independence_contract():
+    text = (ROOT / "pyproject.toml").read_text("utf-8")
+    named = set(re.findall(r'"strikewave\.analyses\.([a-z_]+)"', text.partition('type = "independence"')[2]))
+    assert named == {path.name for path in (PACKAGE / "analyses").iterdir() if (path / "__init__.py").exists()}
+
+
 def test_nothing_but_rooms_lies_at_the_top():
     loose = {path.name for path in PACKAGE.glob("*.py")}
     assert loose == {"__init__.py", "__main__.py", "_version.py"}

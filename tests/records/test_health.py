@@ -58,6 +58,7 @@ def codes(values, **more):
     return [(finding.code, finding.severity) for finding in read(values, **more).findings]
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("bits", [8, 12, 24])
 def test_a_clean_record_raises_nothing(shape, bits):

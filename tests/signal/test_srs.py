@@ -119,6 +119,7 @@ def test_straight_lines_are_exact_at_every_rate(shape, part, kind, q):
         assert got == pytest.approx(wanted, rel=1e-7, abs=1e-8 * max(wanted)), rate
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("part", ["primary", "residual", "total"])
 @pytest.mark.parametrize("q", [0.5, 10.0, math.inf])

@@ -204,6 +204,7 @@ def test_soft_joints_that_open_keep_the_ledger_but_for_their_corner(stack, load)
     assert np.all(np.abs(np.diff(missing, prepend=0.0)) <= allowed * (1 + 1e-9) + 1e-12 * flowed)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("damping", [0.0, 2e3])
 @pytest.mark.parametrize(("gap", "preload"), [(0.0, 0.0), (2e-6, 0.0), (0.0, 5e3)])
 def test_ledger_of_a_joint_that_opens_closes_with_the_step(damping, gap, preload):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias, get_args
 
 from pydantic import BeforeValidator, Field
 
@@ -146,10 +146,7 @@ class Amplifier(Launched):
 
 
 AnyLaunched: TypeAlias = FallingBall | Drop | Pendulum | Machete | GasGun | Amplifier
-KINDS = {
-    str(table.model_fields["kind"].annotation.__args__[0]): table  # type: ignore[union-attr]
-    for table in (Machine, FallingBall, Drop, Pendulum, Machete, GasGun, Amplifier)
-}
+KINDS = {str(table.model_fields["kind"].annotation.__args__[0]): table for table in (Machine, *get_args(AnyLaunched))}
 """Every machine that there is: its kind and its table."""
 BAR_ALONE = "a bar is no machine: give [[stack.layer]] and [load], and `strikewave wave` runs it"
 

@@ -171,6 +171,7 @@ def test_the_drawing_writes_its_numbers_and_marks(published):
     assert set(MARKS) >= {"published", "measured", "inferred", "assumed", "fitted"}
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     "changes",
     [

@@ -111,6 +111,7 @@ def field_like(kind):
     return KINDS[kind]()
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_field_has_its_pictures(kind):
     """Well-formed and small; no name becomes an element, or mathematics."""

@@ -130,12 +130,13 @@ def test_killed_map_goes_on_to_the_same_end(strikewave, environment):
         assert one.identical(other)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("after", [0.0, 0.3, 1.0])
 def test_interrupt_ends_all_processes_at_once(strikewave, environment, after):
     """Ctrl-C goes to the whole group, while workers start or run rows of minutes: no traceback, and no process
     left, whose stderr would be waited for."""
     strikewave(*FEW, "--out", "warm")
-    words = ("map", "li-ma-2019", "--points", "4000x40", "--workers", "2", "--train", "60", "--out", "here")
+    words = ("map", "li-ma-2019", "--points", "1000x40", "--workers", "2", "--train", "240", "--out", "here")
     going = begun(environment, *words)
     line = going.stderr.readline()
     assert "machines" in line, line

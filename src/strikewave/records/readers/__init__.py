@@ -1,6 +1,6 @@
 """Read a measured file of any known format; the format is found by content, never by name.
 
-Each module of this folder reads one format, and has ``NAMES`` (what the format is called), ``sniff`` (do these
+Each module of this folder reads one format, and has ``sniff`` (do these
 first bytes begin such a file?) and ``read`` (path and options in, record out). Every file is taken as hostile:
 nothing in it is run, sizes it claims are checked against its true size before memory is taken, and whatever is
 wrong with it ends in an `InputError`.
@@ -16,7 +16,21 @@ from typing import NamedTuple
 from strikewave.base.errors import InputError, StrikewaveError, show
 from strikewave.records.record import Record
 
-FORMATS = ("tdms", "mdf", "ide", "rigol", "hdf", "mat", "netcdf", "parquet", "wav", "uff", "excel", "lvm", "text")
+FORMATS = (
+    "tdms",
+    "mdf",
+    "ide",
+    "rigol",
+    "hdf",
+    "mat",
+    "netcdf",
+    "parquet",
+    "wav",
+    "uff",
+    "excel",
+    "lvm",
+    "text",
+)
 """Modules, in the order in which they are asked; text, which takes almost anything, comes last."""
 HEAD = 8192
 """Bytes shown to ``sniff``."""

@@ -17,7 +17,6 @@ from strikewave.records.readers.common import Column, assemble, damaged, extra, 
 from strikewave.records.readers.headings import is_unit, name_and_unit
 from strikewave.records.record import Record
 
-NAMES = ("Excel",)
 MOST_ROWS = 2**20
 """What Excel itself can hold."""
 MOST_CELLS = 20_000_000

@@ -31,7 +31,6 @@ from strikewave.records.readers.common import (
 from strikewave.records.readers.headings import is_time
 from strikewave.records.record import Record
 
-NAMES = ("HDF5", "NetCDF-4", "MATLAB 7.3")
 DEEPEST = 16
 """Groups in groups."""
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"

@@ -16,7 +16,6 @@ from strikewave.records.readers.child import isolated
 from strikewave.records.readers.common import MOST_ARRAYS, Column, assemble, damaged, extra, guard, left_out, text
 from strikewave.records.record import Record
 
-NAMES = ("IDE",)
 _MICROSECOND = 1e-6
 
 

@@ -34,7 +34,6 @@ from strikewave.records.readers.headings import name_and_unit
 from strikewave.records.readers.text import odd_cells, one_each
 from strikewave.records.record import Array, Channel, Record
 
-NAMES = ("lvm", "LabVIEW measurement")
 _BEGIN = b"LabVIEW Measurement"
 _MARK = b"***End_of_Header***"
 _LARGEST_HEADER = 2**20

@@ -27,7 +27,6 @@ from strikewave.records.readers.common import (
 )
 from strikewave.records.record import Record
 
-NAMES = ("MATLAB",)
 DEEPEST = 8
 """Structs in structs."""
 _TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}

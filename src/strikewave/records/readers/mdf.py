@@ -17,7 +17,6 @@ from strikewave.records.readers.child import isolated
 from strikewave.records.readers.common import MOST_ARRAYS, Column, assemble, damaged, extra, floats, left_out, text
 from strikewave.records.record import Record
 
-NAMES = ("MDF", "MF4")
 _PLAIN = {3: {0, 1, 2, 6, 7, 8, 9, 65535}, 4: {0, 1, 2, 4, 5, 6}}
 """Conversions from numbers to numbers, without text or formulas, by version."""
 

@@ -12,8 +12,6 @@ from strikewave.records.readers import Options
 from strikewave.records.readers.common import Column, assemble, columns_of, grid_of, left_out, number, text
 from strikewave.records.record import Record
 
-NAMES = ("NetCDF",)
-
 
 def sniff(head: bytes) -> bool:
     """Return whether a file begins like classic NetCDF."""

@@ -12,8 +12,6 @@ from strikewave.records.readers import Options
 from strikewave.records.readers.common import Column, assemble, floats, grid_of, left_out, text
 from strikewave.records.record import Record
 
-NAMES = ("Parquet",)
-
 
 def sniff(head: bytes) -> bool:
     """Return whether a file begins like Parquet."""

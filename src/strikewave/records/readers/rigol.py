@@ -16,7 +16,6 @@ from strikewave.records.readers.child import isolated
 from strikewave.records.readers.common import Column, assemble, damaged, extra, guard
 from strikewave.records.record import Record
 
-NAMES = ("Rigol",)
 _MAGIC = {
     b"\xa5\xa5\xa4\x01": ("B", "wfm1000b"),
     b"\xa1\xa5\x00\x00": ("C", "wfm1000c"),

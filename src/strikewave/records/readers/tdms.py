@@ -10,8 +10,6 @@ from strikewave.records.readers import Options
 from strikewave.records.readers.common import Column, assemble, extra, guard, left_out, number, text
 from strikewave.records.record import Record
 
-NAMES = ("TDMS",)
-
 
 def sniff(head: bytes) -> bool:
     """Return whether a file begins like TDMS."""

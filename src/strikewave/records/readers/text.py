@@ -34,7 +34,6 @@ from strikewave.records.readers.headings import is_counter, is_time
 from strikewave.records.readers.layout import Layout, Look, is_cut, lay_out, look_at
 from strikewave.records.record import Array, Channel, Record
 
-NAMES = ("text", "CSV", "TSV")
 _SHOWN = 1000
 
 

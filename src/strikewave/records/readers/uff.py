@@ -16,7 +16,6 @@ from strikewave.records.readers import Options
 from strikewave.records.readers.common import MOST_ARRAYS, Column, assemble, damaged, left_out, text
 from strikewave.records.record import Record
 
-NAMES = ("UFF", "universal file")
 TIME_RESPONSE = 1
 _HEAD = re.compile(rb"\A[ \r\n]*-1 *\r?\n *\d{1,5}[bB \r\n]")
 

@@ -13,7 +13,6 @@ from strikewave.records.readers import Options
 from strikewave.records.readers.common import Column, assemble, damaged
 from strikewave.records.record import Record
 
-NAMES = ("WAV",)
 BLOCK = 2**18
 """Frames of 24-bit samples that are unpacked at a time."""
 _INTEGERS = {8: "u1", 16: "i2", 32: "i4"}
