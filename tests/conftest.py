@@ -36,9 +36,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             for folder in item.path.relative_to(HERE).parts[:-1]:
                 item.add_marker(folder)
     if "verify" not in config.option.markexpr:
-        long = [item for item in items if item.get_closest_marker("verify")]
-        config.hook.pytest_deselected(items=long)
-        items[:] = [item for item in items if item not in long]
+        config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("verify")])
+        items[:] = [item for item in items if not item.get_closest_marker("verify")]
 
 
 @pytest.fixture

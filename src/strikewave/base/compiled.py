@@ -130,14 +130,9 @@ class KernelLocator(UserProvidedCacheLocator):
         return ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
 
     def get_source_stamp(self) -> Any:
-        """Return what tells one text of a module from another: its content, not when a clone wrote the file."""
-        path = Path(self._py_file).absolute()
-        return _content(path) if path.is_relative_to(PACKAGE) else super().get_source_stamp()
-
-
-@functools.cache
-def _content(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+        """Return nothing for a module of the package, whose text is in the folder's key: a clone's files are newer."""
+        within = Path(self._py_file).absolute().is_relative_to(PACKAGE)
+        return "" if within else super().get_source_stamp()
 
 
 LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from strikewave.analyses.wave.build import wanted
 from strikewave.analyses.wave.result import BarSolution, load_peak
@@ -16,7 +17,6 @@ from strikewave.cases.contact_notices import law_notices, yield_notices
 from strikewave.sensors.channel import channel_notices
 from strikewave.waves import BarRun, Impactor, Sampled, Tap
 from strikewave.waves.limits import (
-    bar_extremes,
     end_notices,
     grid_notices,
     joint_notices,
@@ -24,6 +24,8 @@ from strikewave.waves.limits import (
     loss_notices,
     rise_notices,
 )
+
+Array = NDArray[np.float64]
 
 LOAD_OFFSET = 0.005
 """Share of its largest value with which a measured load may begin without a word."""
@@ -37,10 +39,12 @@ class Front(NamedTuple):
     bandwidth: float
 
 
-def bar_notices(solution: BarSolution, front: Front, lasting: float) -> Iterator[Notice]:
-    """Yield all that a user should know of a layered bar under a load that lasts so long, s."""
+def bar_notices(
+    solution: BarSolution, front: Front, extremes: tuple[Array, Array, Array], lasting: float
+) -> Iterator[Notice]:
+    """Yield all that a user should know of a layered bar under a load that lasts so long, s; see `bar_extremes`."""
     case, run, stack, accuracy = solution.case, solution.run, solution.run.stack, solution.accuracy
-    most, least, greatest = bar_extremes(run)
+    most, least, greatest = extremes
     yield from _ledger(run)
     yield from grid_notices(run.grid)
     yield from _file_notices(run)

@@ -1,4 +1,4 @@
-"""The sections on stress waves and sensors: of a machine's first blow on a stack, and of a bar alone."""
+"""The report of a layered bar alone as one HTML page, and its tables for the screen."""
 
 from __future__ import annotations
 

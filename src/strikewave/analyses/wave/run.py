@@ -74,7 +74,7 @@ def run_wave(case: Case) -> BarSolution:
     run = dataclasses.replace(run, acceleration=_from_rest(run.acceleration.T, step, bandwidth).T)
     for key, wave in routes.items():
         routes[key] = wave._replace(acceleration=_from_rest(wave.acceleration, step, bandwidth))
-    most, _, _ = bar_extremes(run)
+    extremes = bar_extremes(run)
     lasting = load.duration if isinstance(load, Pulse | Sampled) else float(run.touches[:, 1].max(initial=0.0))
     solution = BarSolution(
         case=case,
@@ -86,12 +86,14 @@ def run_wave(case: Case) -> BarSolution:
         channels=channels,
         readings=readings,
         accuracy=accuracy,
-        layer_stress=tuple(float(force / layer.area) for force, layer in zip(most, stack.layers, strict=True)),
+        layer_stress=tuple(float(force / layer.area) for force, layer in zip(extremes[0], stack.layers, strict=True)),
         quoted=rise > 0.0 and rise_in_diameters(stack, rise, bandwidth)[0] >= rise_limits(stack)[0],
         warnings=(),
         citations=_citations(case, stack, channels),
     )
-    return dataclasses.replace(solution, warnings=tuple(bar_notices(solution, Front(rise, peak, bandwidth), lasting)))
+    return dataclasses.replace(
+        solution, warnings=tuple(bar_notices(solution, Front(rise, peak, bandwidth), extremes, lasting))
+    )
 
 
 def _of_the_paper(case: Case) -> bool:
