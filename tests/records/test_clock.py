@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
 from strikewave.records.clock import even
-from strikewave.records.finding import FIGURES
+from strikewave.records.health_notice import FIGURES
 from strikewave.records.record import Channel
 
 STEP = 1e-5

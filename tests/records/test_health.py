@@ -8,7 +8,7 @@ import pytest
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.records import Channel, Record, Request, read_file
-from strikewave.records.finding import FIGURES
+from strikewave.records.health_notice import FIGURES
 from strikewave.records.health import BLOW, Examined, examine
 
 STEP, PEAK, LENGTH = 1e-6, 1000.0, 100

@@ -1,9 +1,20 @@
-"""What every result is made of: what the user should know, and published numbers beside computed ones."""
+"""What every command comes to: one `Result` for pages, screens, files and JSON, and one `Notice` for all warnings."""
 
 from __future__ import annotations
 
+import dataclasses
+import hashlib
+import json
+import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from strikewave.base.json_document import head, plain, without
+
+if TYPE_CHECKING:
+    import xarray
 
 SCHEMA = 3
 """Of the files of a solution; 2 adds readings and waves, 3 the contact of each blow."""
@@ -13,16 +24,41 @@ LEDGER_LIMIT = 1e-6
 
 @dataclass(frozen=True)
 class Notice:
-    """Something the user should know: code, words, the value that raised it, its limit.
+    """Something the user should know.
 
-    ``broken`` marks a stated limit (ledger, no blow at all) that makes the command exit with 3.
+    Attributes
+    ----------
+    code : str
+        Short name, such as ``contact-yield``.
+    message : str
+        What, where and how much, and what to do.
+    value : float
+        The number that raised it, SI; NaN where there is none.
+    limit : float
+        What the number is held against; NaN where there is no limit.
+    broken : bool
+        Whether it is a stated limit (a balance, no blow at all) that makes the command exit with 3.
+    case : str
+        Name of the case, where a result is made of several.
     """
 
     code: str
     message: str
-    value: float
-    limit: float
+    value: float = math.nan
+    limit: float = math.nan
     broken: bool = False
+    case: str = ""
+
+    def document(self) -> dict[str, Any]:
+        """Return the row of the JSON document.
+
+        Examples
+        --------
+        >>> Notice("clipped", "the sensor clips", 3.0, 2.0).document()
+        {'code': 'clipped', 'message': 'the sensor clips', 'value': 3.0, 'limit': 2.0}
+        """
+        row = {"code": self.code, "message": self.message, "value": self.value, "limit": self.limit}
+        return {"case": self.case, **row} if self.case else row
 
 
 @dataclass(frozen=True)
@@ -37,6 +73,135 @@ class Comparison:
     role: str
     note: str = ""
     sensor: str = ""
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where the inputs of a result come from.
+
+    Attributes
+    ----------
+    kind : str
+        What they are: case, set-up, record, command.
+    name : str
+        What they are called.
+    text : str
+        TOML that gives the result again or, of measured files, names them by their SHA-256. It marks the folder of
+        the result, and tells it from others.
+    file : str
+        Name of the file that holds the text there.
+    digests : mapping of str to str
+        SHA-256 of the files that were read, by their names.
+    asked : str
+        Command line that gives the result again, as it is to be typed, where the text alone does not.
+    """
+
+    kind: str
+    name: str
+    text: str
+    file: str = "case.toml"
+    digests: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    asked: str = ""
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the text or, of measured files, of their digests in their order; empty where one is missing."""
+        if not self.asked:
+            return hashlib.sha256(self.text.encode("utf-8", "replace")).hexdigest()
+        known = bool(self.digests) and all(self.digests.values())
+        return hashlib.sha256("\n".join(self.digests.values()).encode()).hexdigest() if known else ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result(ABC):
+    """What a command came to: what page, screen, files and JSON take of it.
+
+    Attributes
+    ----------
+    notices : tuple of Notice
+        What the user should know.
+    comparisons : tuple of Comparison
+        Published numbers beside computed ones.
+    citations : tuple of str
+        Keys of the sources of the models used.
+    """
+
+    command: ClassVar[str]
+    """The command that gives it."""
+    data_file: ClassVar[str] = ""
+    """Name of the file that keeps its data."""
+
+    notices: tuple[Notice, ...] = ()
+    comparisons: tuple[Comparison, ...] = ()
+    citations: tuple[str, ...] = ()
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """What page, tables and pictures are headed with."""
+
+    @property
+    @abstractmethod
+    def source(self) -> Source:
+        """Where the inputs come from."""
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """The notices, by the key of the JSON document."""
+        return self.notices
+
+    @property
+    def published(self) -> tuple[Comparison, ...]:
+        """The comparisons, by the key of the JSON document."""
+        return self.comparisons
+
+    @property
+    def broken(self) -> bool:
+        """Whether a stated limit was broken, or a goal missed: the command exits with 3."""
+        return any(notice.broken for notice in self.notices)
+
+    @abstractmethod
+    def units(self) -> Mapping[str, str]:
+        """Return the unit of each key of the JSON document."""
+
+    @abstractmethod
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
+
+    def document(self) -> dict[str, Any]:
+        """Return the JSON document; values that do not exist are null."""
+        warnings = [notice.document() for notice in self.notices]
+        return dict(plain({**head(dict(self.units()), warnings), **self.content()}))
+
+    def tables(self) -> dict[str, str]:
+        """Return its tables as CSV text, by the names of their files."""
+        return {}
+
+    @property
+    def data(self) -> xarray.Dataset | None:
+        """Its histories with units; None where there are none."""
+        return None
+
+    def datasets(self) -> dict[str, xarray.Dataset]:
+        """Return what is kept as NetCDF, by the names of the files."""
+        return {} if self.data is None else {self.data_file: self.data}
+
+    def texts(self) -> dict[str, str]:
+        """Return further text files, by name."""
+        return {}
+
+    def files(self) -> dict[str, str | xarray.Dataset]:
+        """Return everything that is kept of it, but for page and pictures, by the names of the files."""
+        return {**self.datasets(), **self.tables(), **self.texts(), self.source.file: self.source.text}
+
+    def document_text(self, indent: int | None = None) -> str:
+        """Return the JSON document as the text of a file."""
+        return json.dumps(self.document(), indent=indent, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def comparison_document(comparison: Comparison, *left_out: str) -> dict[str, Any]:
+    """Return a comparison as a row of the JSON document."""
+    return without(dataclasses.asdict(comparison), *left_out)
 
 
 def ledger_notices(ledger: Mapping[str, float]) -> Iterator[Notice]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from strikewave.records.calibration import Calibration, calibrations_beside
     from strikewave.records.campaign import Campaign, Statistic, Trend, compare, summed
-    from strikewave.records.finding import Finding, unreadable, worst
+    from strikewave.records.health_notice import HealthNotice, unreadable, worst
     from strikewave.records.measuring import RecordedPulse, find_pulses
     from strikewave.records.readers import Options, read_record
     from strikewave.records.reading import ChannelReading, FileReading, Request, read_file
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _ROOMS = {
     "calibration": ("Calibration", "calibrations_beside"),
     "campaign": ("Campaign", "Statistic", "Trend", "compare", "summed"),
-    "finding": ("Finding", "unreadable", "worst"),
+    "finding": ("HealthNotice", "unreadable", "worst"),
     "measuring": ("RecordedPulse", "find_pulses"),
     "readers": ("Options", "read_record"),
     "reading": ("ChannelReading", "FileReading", "Request", "read_file"),
@@ -29,7 +29,7 @@ __all__ = [
     "Channel",
     "ChannelReading",
     "FileReading",
-    "Finding",
+    "HealthNotice",
     "Options",
     "Record",
     "RecordedPulse",

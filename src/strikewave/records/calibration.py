@@ -21,7 +21,7 @@ import numpy as np
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.units import convertible, parse_quantity
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.record import Channel
 
 MEASURED = ("m/s^2", "m/s", "m", "N", "Pa", "1")
@@ -150,7 +150,9 @@ def known_unit(text: str) -> tuple[str, float] | None:
     return convertible(_SPELLINGS.get(plain, _SPELLINGS.get(plain.lower(), plain)), (*MEASURED, "V"))
 
 
-def calibrated(channel: Channel, calibration: Calibration, field: str = "calibration") -> tuple[Channel, list[Finding]]:
+def calibrated(
+    channel: Channel, calibration: Calibration, field: str = "calibration"
+) -> tuple[Channel, list[HealthNotice]]:
     """Return a channel in SI; its unit stays empty where nobody says what the file holds.
 
     Raises
@@ -170,10 +172,10 @@ def calibrated(channel: Channel, calibration: Calibration, field: str = "calibra
     if not scale.unit:
         said = f'its unit "{channel.unit}" is not known' if channel.unit else "the file names no unit"
         message = f"{said}: figures are in the file's own numbers; say what they are, such as --unit g"
-        findings.append(Finding("unit-unknown", message, severity="good"))
+        findings.append(HealthNotice("unit-unknown", message, severity="good"))
     elif scale.unit == "V":
         message = 'the file holds volts: figures are in V; say what one volt is, such as --sensitivity "1.2 mV/g"'
-        findings.append(Finding("not-calibrated", message, severity="good"))
+        findings.append(HealthNotice("not-calibrated", message, severity="good"))
     with np.errstate(over="ignore"):
         values = channel.values if scale.factor == 1.0 else channel.values * scale.factor
     return dataclasses.replace(channel, values=values, unit=scale.unit), findings

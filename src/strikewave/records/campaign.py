@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from strikewave.base.errors import show
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.record import Array
 
@@ -185,7 +185,7 @@ def compare(files: Sequence[FileReading]) -> list[FileReading]:
     return changed
 
 
-def _strangers(found: list[tuple[int, ChannelReading]]) -> list[tuple[tuple[int, ChannelReading], Finding]]:
+def _strangers(found: list[tuple[int, ChannelReading]]) -> list[tuple[tuple[int, ChannelReading], HealthNotice]]:
     if len(found) < 2:
         return []
     strange = []
@@ -202,21 +202,30 @@ def _strangers(found: list[tuple[int, ChannelReading]]) -> list[tuple[tuple[int,
     for one, sign, last in zip(found, signs, lasts, strict=True):
         if len(found) > 2 and sign == -usual_sign and abs(sum(signs)) > 0.0:
             words = "its blows have the other sign than those of the other files: --polarity turns a channel"
-            strange.append((one, Finding("polarity-differs", words, sign, "suspect", ("peak", "velocity_change"))))
+            strange.append(
+                (
+                    one,
+                    HealthNotice(
+                        "polarity-differs", words, sign, severity="suspect", harms=("peak", "velocity_change")
+                    ),
+                )
+            )
         if len(found) > 2 and fixed and last < SHORTER * usual:
             words = f"it lasts {last:.4g} s, the other files {usual:.4g} s: it may have been cut off"
-            strange.append((one, Finding("truncated", words, last, "suspect")))
+            strange.append((one, HealthNotice("truncated", words, last, severity="suspect")))
         if one[1].channel.unit != usual_unit:
             words = (
                 f"it is in {one[1].channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"
             )
-            strange.append((one, Finding("unit-differs", words, severity="suspect", harms=("peak", "velocity_change"))))
+            strange.append(
+                (one, HealthNotice("unit-differs", words, severity="suspect", harms=("peak", "velocity_change")))
+            )
         if one[1].channel.name != usual_name and names.count(usual_name) > 1 - (len(names) == 2):
             words = f"channel {one[1].number} is {show(one[1].channel.name)}, in the other files {show(usual_name)}"
-            strange.append((one, Finding("name-differs", words, severity="suspect", harms=SUMMED)))
+            strange.append((one, HealthNotice("name-differs", words, severity="suspect", harms=SUMMED)))
         if abs(one[1].channel.step / rate - 1.0) > 0.01:
             words = f"sampled at {1.0 / one[1].channel.step:.6g} Hz, the other files at {1.0 / rate:.6g} Hz"
-            strange.append((one, Finding("rate-differs", words, 1.0 / one[1].channel.step, "good")))
+            strange.append((one, HealthNotice("rate-differs", words, 1.0 / one[1].channel.step, severity="good")))
     return strange
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
-from strikewave.records.finding import FIGURES, Finding
+from strikewave.records.health_notice import FIGURES, HealthNotice
 from strikewave.records.record import Channel
 
 Array = NDArray[np.float64]
@@ -24,7 +24,7 @@ SENSELESS = 1e30
 """No time, and no sample, is as large: instruments write such numbers for none (9.9e37)."""
 
 
-def even(channel: Channel) -> tuple[Channel, list[Finding]]:
+def even(channel: Channel) -> tuple[Channel, list[HealthNotice]]:
     """Return a channel on an even clock without missing samples, and what had to be mended.
 
     Raises
@@ -42,20 +42,20 @@ def even(channel: Channel) -> tuple[Channel, list[Finding]]:
     if channel.stamps is None and not channel.step > 0.0:
         hint = 'such as --rate "200 kHz"; or name the column that holds time with --time'
         raise InputError("--rate", f"nothing for {channel.name}", "a sampling rate: the file gives no time", hint)
-    findings: list[Finding] = []
+    findings: list[HealthNotice] = []
     if channel.stamps is not None:
         channel, findings = _on_even_clock(channel, channel.stamps)
     channel, missing = _filled(channel)
     return channel, findings + missing
 
 
-def _on_even_clock(channel: Channel, stamps: Array) -> tuple[Channel, list[Finding]]:
+def _on_even_clock(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNotice]]:
     findings = []
     here = np.abs(stamps) < SENSELESS
     if not here.all():
         share = 1.0 - float(here.mean())
         words = f"{share:.2%} of the time stamps are no times; their samples are left out"
-        findings.append(Finding("time-missing", words, share))
+        findings.append(HealthNotice("time-missing", words, share))
     values, stamps = channel.values[here], stamps[here]
     steps = np.diff(stamps)
     rounded = _rounded(stamps, steps)
@@ -67,14 +67,14 @@ def _on_even_clock(channel: Channel, stamps: Array) -> tuple[Channel, list[Findi
     if back:
         where = float(stamps[int(np.argmax(steps < 0.0))])
         words = f"time runs backwards {_times(back)}, first after {where:g} s: are these several records in one file?"
-        findings.append(Finding("time-backwards", words, back, "bad", FIGURES, where))
+        findings.append(HealthNotice("time-backwards", words, back, severity="bad", harms=FIGURES, start=where))
     if back or same:
         order = np.argsort(stamps, kind="stable")
         stamps, first = np.unique(stamps[order], return_index=True)
         values = values[order][first]
         if same:
             words = f"{same} time stamps stand twice; the first sample of each is kept"
-            findings.append(Finding("time-twice", words, same))
+            findings.append(HealthNotice("time-twice", words, same))
         steps = np.diff(stamps)
     if stamps.size < 2:
         return dataclasses.replace(channel, values=values, stamps=None), findings
@@ -92,7 +92,13 @@ def _on_even_clock(channel: Channel, stamps: Array) -> tuple[Channel, list[Findi
         if not any(f.code == "gap" for f in findings):
             words = f"time stamps stray by up to {stray / step:.1%} of a step; the record is put on an even clock"
             findings.append(
-                Finding("time-uneven", words, stray, "suspect" if stray > 0.1 * step else "good", ("spectrum",))
+                HealthNotice(
+                    "time-uneven",
+                    words,
+                    stray,
+                    severity="suspect" if stray > 0.1 * step else "good",
+                    harms=("spectrum",),
+                )
             )
         grid = stamps[0] + step * np.arange(grid_size)
         values = np.interp(grid, stamps, values)
@@ -135,7 +141,7 @@ def _last_digit(stamps: Array) -> float:
     return float(np.spacing(largest))
 
 
-def _gaps(stamps: Array, steps: Array, clock: tuple[float, float], bridged: bool) -> list[Finding]:
+def _gaps(stamps: Array, steps: Array, clock: tuple[float, float], bridged: bool) -> list[HealthNotice]:
     step, rounding = clock
     wide = np.flatnonzero(steps > GAP * step + rounding)
     if not wide.size:
@@ -149,10 +155,20 @@ def _gaps(stamps: Array, steps: Array, clock: tuple[float, float], bridged: bool
         + ("bridged by straight lines" if bridged else "too long to be bridged")
     )
     severity, harms = ("bad", FIGURES) if share > MOST_LOST else ("suspect", ("spectrum",))
-    return [Finding("gap", words, lost, severity, harms, float(stamps[longest]), float(stamps[longest + 1]))]
+    return [
+        HealthNotice(
+            "gap",
+            words,
+            lost,
+            severity=severity,
+            harms=harms,
+            start=float(stamps[longest]),
+            end=float(stamps[longest + 1]),
+        )
+    ]
 
 
-def _filled(channel: Channel) -> tuple[Channel, list[Finding]]:
+def _filled(channel: Channel) -> tuple[Channel, list[HealthNotice]]:
     values = channel.values
     missing = ~(np.abs(values) < SENSELESS)
     count = int(np.count_nonzero(missing))
@@ -161,14 +177,14 @@ def _filled(channel: Channel) -> tuple[Channel, list[Finding]]:
     first = channel.start + channel.step * int(np.argmax(missing))
     if count == values.size:
         words = "no sample is a number"
-        return channel, [Finding("not-a-number", words, count, "bad", FIGURES)]
+        return channel, [HealthNotice("not-a-number", words, count, severity="bad", harms=FIGURES)]
     places = np.arange(values.size)
     filled = values.copy()
     filled[missing] = np.interp(places[missing], places[~missing], values[~missing])
     share = count / values.size
     words = f"{count} samples ({share:.2%}) are no finite numbers, the first at {first:g} s; bridged by straight lines"
     severity, harms = ("bad", FIGURES) if share > MOST_LOST else ("suspect", ("spectrum",))
-    finding = Finding("not-a-number", words, count, severity, harms, first)
+    finding = HealthNotice("not-a-number", words, count, severity=severity, harms=harms, start=first)
     return dataclasses.replace(channel, values=filled), [finding]
 
 

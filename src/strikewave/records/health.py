@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.units import in_unit
-from strikewave.records.finding import FIGURES, Finding, worst_first
+from strikewave.records.health_notice import FIGURES, HealthNotice, worst_first
 from strikewave.records.measuring import LOOK_BACK, RecordedPulse
 from strikewave.records.pulses import Line, robust_line, sample_noise
 from strikewave.signal.pulse import HALF_SINE_WIDTH
@@ -82,7 +82,7 @@ class Examined:
         return min(max(round((time - self.start) / self.step), 0), self.values.size - 1)
 
 
-def examine(record: Examined) -> list[Finding]:
+def examine(record: Examined) -> list[HealthNotice]:
     """Return everything that is wrong with a record, the worst first.
 
     Examples
@@ -92,11 +92,11 @@ def examine(record: Examined) -> list[Finding]:
     """
     if float(np.ptp(record.values)) == 0.0:
         words = f"every sample is {record.said(record.values[0])}: the channel is dead or not connected"
-        return [Finding("dead", words, float(record.values[0]), "bad", FIGURES)]
+        return [HealthNotice("dead", words, float(record.values[0]), severity="bad", harms=FIGURES)]
     return worst_first(finding for check in CHECKS for finding in check(record))
 
 
-def no_pulse(record: Examined) -> list[Finding]:
+def no_pulse(record: Examined) -> list[HealthNotice]:
     """Find that nothing in the record is a blow."""
     if record.pulses:
         return []
@@ -105,10 +105,10 @@ def no_pulse(record: Examined) -> list[Finding]:
         words = f"the record spans {record.said(reach)}, but no one-sided blow stands out: it drifts, or swings"
     else:
         words = "no blow stands out of the noise"
-    return [Finding("no-pulse", words, 0.0, "bad", (*BLOW, "interval"))]
+    return [HealthNotice("no-pulse", words, 0.0, severity="bad", harms=(*BLOW, "interval"))]
 
 
-def not_settled(record: Examined) -> list[Finding]:
+def not_settled(record: Examined) -> list[HealthNotice]:
     """Find a zero that is far off or drifts, or a record that begins while something still swings."""
     line = record.line
     noise = record.noise
@@ -125,16 +125,18 @@ def not_settled(record: Examined) -> list[Finding]:
         if begin > 20.0 * max(noise, 0.25 * end) and over and min(above, below) < 0.1 * max(above, below):
             peak = above if above > below else -below
             words = f"the record begins in a blow, at {record.said(peak)}: it is cut; record some time before the blow"
-            findings.append(Finding("cut", words, record.start, "bad", FIGURES, record.start))
+            findings.append(HealthNotice("cut", words, record.start, severity="bad", harms=FIGURES, start=record.start))
         elif begin > 5.0 * end and begin > 20.0 * noise:
             words = (
                 f"the record begins while something still swings ({record.said(begin)} from top to bottom, at its end "
                 f"{record.said(end)})"
             )
-            findings.append(Finding("not-settled", words, begin, "bad", FIGURES, record.start))
+            findings.append(
+                HealthNotice("not-settled", words, begin, severity="bad", harms=FIGURES, start=record.start)
+            )
         elif abs(drift) > 20.0 * max(noise, spread) or abs(middle) > 100.0 * max(spread, noise):
             words = f"the zero stands at {record.said(middle)} and drifts by {record.said(drift)}: it has not settled"
-            findings.append(Finding("not-settled", words, middle, "bad", FIGURES))
+            findings.append(HealthNotice("not-settled", words, middle, severity="bad", harms=FIGURES))
         return findings
     share = max(abs(drift), abs(pulse.offset)) / abs(pulse.peak)
     missed = 0.5 * LOOK_BACK * abs(line.slope) * max(pulse.width, record.step) / record.step / abs(pulse.peak)
@@ -143,7 +145,7 @@ def not_settled(record: Examined) -> list[Finding]:
             f"the zero drifts by {record.said(drift)} over the record, so that the peak above it may be wrong by "
             f"{missed:.1%}: let the sensor settle"
         )
-        return [Finding("not-settled", words, pulse.offset, "suspect", (*BLOW, "spectrum"))]
+        return [HealthNotice("not-settled", words, pulse.offset, severity="suspect", harms=(*BLOW, "spectrum"))]
     if not share > 0.05:
         return []
     words = (
@@ -151,10 +153,12 @@ def not_settled(record: Examined) -> list[Finding]:
         f"drifts by {record.said(drift)} over the record; it is taken off"
     )
     severity = "suspect" if share > 0.5 else "good"
-    return [Finding("not-settled", words, pulse.offset, severity, ("spectrum",) if share > 0.5 else ())]
+    return [
+        HealthNotice("not-settled", words, pulse.offset, severity=severity, harms=("spectrum",) if share > 0.5 else ())
+    ]
 
 
-def clipped(record: Examined) -> list[Finding]:
+def clipped(record: Examined) -> list[HealthNotice]:
     """Find where the record stops at one value again and again: the recorder's range ended there.
 
     A plateau of a rounded top in a coarse recorder is no clipping: there the steps beside it are long too. Neither is
@@ -175,11 +179,11 @@ def clipped(record: Examined) -> list[Finding]:
         )
         severity, harms = ("bad", BLOW) if struck else ("suspect", ("ringing_frequency", "spectrum"))
         begin, end = record.time(int(at[0])), record.time(int(at[-1]))
-        findings.append(Finding("clipped", words, level, severity, harms, begin, end))
+        findings.append(HealthNotice("clipped", words, level, severity=severity, harms=harms, start=begin, end=end))
     return findings
 
 
-def saturated(record: Examined) -> list[Finding]:
+def saturated(record: Examined) -> list[HealthNotice]:
     """Find a top flatter than that of any smooth pulse: an amplifier at its limit, or a pulse meant to be flat."""
     findings = []
     for pulse in record.pulses:
@@ -195,11 +199,15 @@ def saturated(record: Examined) -> list[Finding]:
                 f"the top is flat for {flat:.0%} of the width (a half-sine's for {usual:.0%}): the sensor or an "
                 "amplifier may have saturated, unless the pulse is meant to be flat"
             )
-            findings.append(Finding("flat-top", words, flat, "suspect", ("peak",), pulse.begin, pulse.end))
+            findings.append(
+                HealthNotice(
+                    "flat-top", words, flat, severity="suspect", harms=("peak",), start=pulse.begin, end=pulse.end
+                )
+            )
     return findings[:1]
 
 
-def zero_shift(record: Examined) -> list[Finding]:
+def zero_shift(record: Examined) -> list[HealthNotice]:
     """Find a zero after the blows that is not that before them."""
     step = level_step(record.values)
     if step is not None:
@@ -208,7 +216,7 @@ def zero_shift(record: Examined) -> list[Finding]:
             f"at {record.time(place):.6g} s the zero shifts by {record.said(shift)} and stays there: the sensor was "
             "overloaded or came loose"
         )
-        return [Finding("zero-shift", words, shift, "bad", FIGURES, record.time(place))]
+        return [HealthNotice("zero-shift", words, shift, severity="bad", harms=FIGURES, start=record.time(place))]
     if not record.pulses:
         return []
     last = record.pulses[-1]
@@ -229,10 +237,14 @@ def zero_shift(record: Examined) -> list[Finding]:
         return []
     severity = "suspect" if share > 0.03 else "good"
     words = f"after the blows the zero has shifted by {record.said(shift)}, {share:.1%} of the peak: velocities drift"
-    return [Finding("zero-shift", words, shift, severity, ("velocity_change", "spectrum"), last.end)]
+    return [
+        HealthNotice(
+            "zero-shift", words, shift, severity=severity, harms=("velocity_change", "spectrum"), start=last.end
+        )
+    ]
 
 
-def velocity_drift(record: Examined) -> list[Finding]:
+def velocity_drift(record: Examined) -> list[HealthNotice]:
     """Find an integrated velocity that still wanders off long after the last blow, when nothing moves any more."""
     if not record.pulses:
         return []
@@ -251,10 +263,19 @@ def velocity_drift(record: Examined) -> list[Finding]:
         f"long after the last blow the record stands {record.said(float(np.mean(tail)))} off its zero: the integrated "
         f"velocity drifts by {share:.0%} of the velocity change until the record ends"
     )
-    return [Finding("velocity-drift", words, drift, "suspect" if share > 2.0 else "good", ("spectrum",), pulse.end)]
+    return [
+        HealthNotice(
+            "velocity-drift",
+            words,
+            drift,
+            severity="suspect" if share > 2.0 else "good",
+            harms=("spectrum",),
+            start=pulse.end,
+        )
+    ]
 
 
-def few_samples(record: Examined) -> list[Finding]:
+def few_samples(record: Examined) -> list[HealthNotice]:
     """Find blows of few samples: a half-sine that lasts n of them may lose 1 - cos(pi / (2 n)) of its peak."""
     widths = [p.width for p in record.pulses if p.width > 0.0]
     if not widths:
@@ -265,10 +286,14 @@ def few_samples(record: Examined) -> list[Finding]:
     loss = 1.0 - math.cos(math.pi / (2.0 * max(count, 1.0)))
     severity = "bad" if count < 5.0 else "suspect" if count < 10.0 else "good"
     words = f"a blow has {count:.1f} samples: its peak may be missed by {loss:.1%}; sample faster"
-    return [Finding("few-samples", words, count, severity, ("peak", "rise", "width") if count < 10.0 else ())]
+    return [
+        HealthNotice(
+            "few-samples", words, count, severity=severity, harms=("peak", "rise", "width") if count < 10.0 else ()
+        )
+    ]
 
 
-def aliased(record: Examined) -> list[Finding]:
+def aliased(record: Examined) -> list[HealthNotice]:
     """Find a spectrum that has not fallen off at half the sampling rate: what lies above is folded into it."""
     pulse = record.largest
     if pulse is None or not pulse.width > 0.0:
@@ -289,18 +314,18 @@ def aliased(record: Examined) -> list[Finding]:
         f"at half the sampling rate the spectrum still has {level:.1%} of its largest value: what lies above was "
         "folded into the record; sample faster or filter before"
     )
-    return [Finding("alias", words, level, "suspect", ("peak", "rise", "spectrum"))]
+    return [HealthNotice("alias", words, level, severity="suspect", harms=("peak", "rise", "spectrum"))]
 
 
-def polarity(record: Examined) -> list[Finding]:
+def polarity(record: Examined) -> list[HealthNotice]:
     """Find blows that are negative."""
     if not record.pulses or record.pulses[0].peak > 0.0:
         return []
     words = "the blows are negative: is the sensor mounted the other way? --polarity -1 turns it"
-    return [Finding("polarity", words, -1.0, "suspect")]
+    return [HealthNotice("polarity", words, -1.0, severity="suspect")]
 
 
-def cut(record: Examined) -> list[Finding]:
+def cut(record: Examined) -> list[HealthNotice]:
     """Find a blow that runs into the begin or the end of the record."""
     findings = []
     for pulse in record.pulses:
@@ -308,11 +333,13 @@ def cut(record: Examined) -> list[Finding]:
         if at_end or math.isnan(pulse.width):
             where = "end" if at_end else "begin"
             words = f"the blow at {pulse.time:.6g} s is cut by the {where} of the record"
-            findings.append(Finding("cut", words, pulse.time, "suspect", BLOW, pulse.begin, pulse.end))
+            findings.append(
+                HealthNotice("cut", words, pulse.time, severity="suspect", harms=BLOW, start=pulse.begin, end=pulse.end)
+            )
     return findings
 
 
-def no_foot(record: Examined) -> list[Finding]:
+def no_foot(record: Examined) -> list[HealthNotice]:
     """Find blows after or before which the record does not come back to 2 % of the peak."""
     open_ = [p for p in record.pulses if p.method == "record" and p.begin == p.smooth.begin and p.width > 0.0]
     if not open_:
@@ -321,10 +348,20 @@ def no_foot(record: Examined) -> list[Finding]:
         f"the record does not come back to 2 % of the peak beside the blow at {open_[0].time:.6g} s: the velocity "
         "change is that of the smooth pulse"
     )
-    return [Finding("no-foot", words, len(open_), "suspect", ("velocity_change",), open_[0].begin, open_[0].end)]
+    return [
+        HealthNotice(
+            "no-foot",
+            words,
+            len(open_),
+            severity="suspect",
+            harms=("velocity_change",),
+            start=open_[0].begin,
+            end=open_[0].end,
+        )
+    ]
 
 
-def noisy(record: Examined) -> list[Finding]:
+def noisy(record: Examined) -> list[HealthNotice]:
     """Find noise that hides a tenth of the peak: the figures are then those of a fitted smooth pulse."""
     fitted = [p for p in record.pulses if p.method == "fit"]
     if not fitted:
@@ -332,10 +369,10 @@ def noisy(record: Examined) -> list[Finding]:
     ratio = min(20.0 * math.log10(abs(p.peak) / p.noise) for p in fitted if p.noise > 0.0)
     severity = "suspect" if ratio < 15.0 else "good"
     words = f"the noise is only {ratio:.0f} dB below the peak: figures are those of a fitted smooth pulse"
-    return [Finding("noisy", words, ratio, severity, ("rise",))]
+    return [HealthNotice("noisy", words, ratio, severity=severity, harms=("rise",))]
 
 
-def larger_elsewhere(record: Examined) -> list[Finding]:
+def larger_elsewhere(record: Examined) -> list[HealthNotice]:
     """Find a record that goes higher outside the blows than in them: it swings rather than being struck."""
     pulse = record.largest
     if pulse is None:
@@ -352,10 +389,10 @@ def larger_elsewhere(record: Examined) -> list[Finding]:
         f"outside the blows the record reaches {record.said(highest)}, more than their peak "
         f"{record.said(abs(pulse.peak))}: it swings; take the shock response spectrum rather than the pulse"
     )
-    return [Finding("swings", words, highest, "suspect", BLOW)]
+    return [HealthNotice("swings", words, highest, severity="suspect", harms=BLOW)]
 
 
-def beyond_drop_height(record: Examined) -> list[Finding]:
+def beyond_drop_height(record: Examined) -> list[HealthNotice]:
     """Find a velocity change that a fall from the stated height cannot give: sqrt(2 g h) to twice that."""
     if not (record.drop_height > 0.0 and record.unit == "m/s^2" and record.pulses):
         return []
@@ -363,14 +400,20 @@ def beyond_drop_height(record: Examined) -> list[Finding]:
     change = max(abs(p.velocity_change) for p in record.pulses)
     if change > 2.0 * speed:
         words = f"the velocity change, {change:.3g} m/s, is above twice the speed of the fall, {2.0 * speed:.3g} m/s"
-        return [Finding("drop-height", words, change, "bad", ("peak", "velocity_change", "spectrum"))]
+        return [
+            HealthNotice("drop-height", words, change, severity="bad", harms=("peak", "velocity_change", "spectrum"))
+        ]
     if change < 0.9 * speed:
         words = f"the velocity change, {change:.3g} m/s, is below the speed of the fall, {speed:.3g} m/s"
-        return [Finding("drop-height", words, change, "suspect", ("peak", "velocity_change", "spectrum"))]
+        return [
+            HealthNotice(
+                "drop-height", words, change, severity="suspect", harms=("peak", "velocity_change", "spectrum")
+            )
+        ]
     return []
 
 
-def ringing(record: Examined) -> list[Finding]:
+def ringing(record: Examined) -> list[HealthNotice]:
     """Find a blow after which the record swings by much of its peak: its peak and width hold that ringing too."""
     pulse = record.largest
     if pulse is None or not pulse.width > 0.0:
@@ -391,7 +434,7 @@ def ringing(record: Examined) -> list[Finding]:
         "see the smooth pulse, or filter"
     )
     severity, harms = ("suspect", ("peak", "rise", "width")) if share > 0.6 else ("good", ())
-    return [Finding("ringing", words, share, severity, harms, pulse.end)]
+    return [HealthNotice("ringing", words, share, severity=severity, harms=harms, start=pulse.end)]
 
 
 CHECKS = (

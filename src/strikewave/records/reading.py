@@ -14,8 +14,8 @@ import numpy as np
 from strikewave.base.errors import InputError, nearest, show
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
-from strikewave.records.finding import FIGURES, Finding, worst, worst_first
 from strikewave.records.health import Examined, examine, level_step
+from strikewave.records.health_notice import FIGURES, HealthNotice, worst, worst_first
 from strikewave.records.measuring import RecordedPulse, find_pulses
 from strikewave.records.record import Array, Channel, Record
 from strikewave.signal.filters import Filter
@@ -60,7 +60,7 @@ class ChannelReading:
         Place in the file, from 1.
     pulses : tuple of RecordedPulse
         Its blows.
-    findings : tuple of Finding
+    findings : tuple of HealthNotice
         Its health.
     calibration : Calibration
         What made SI of the file's numbers.
@@ -71,7 +71,7 @@ class ChannelReading:
     channel: Channel
     number: int
     pulses: tuple[RecordedPulse, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[HealthNotice, ...]
     calibration: Calibration
     unfiltered: tuple[RecordedPulse, ...] = ()
 
@@ -93,7 +93,7 @@ class ChannelReading:
         values = self.intervals if name == "interval" else [float(getattr(pulse, name)) for pulse in self.pulses]
         return [value for value in values if math.isfinite(value)]
 
-    def with_finding(self, finding: Finding) -> ChannelReading:
+    def with_finding(self, finding: HealthNotice) -> ChannelReading:
         """Return the reading with one finding more."""
         return dataclasses.replace(self, findings=(*self.findings, finding))
 
@@ -105,10 +105,10 @@ class FileReading:
     path: str
     format: str
     channels: tuple[ChannelReading, ...]
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[HealthNotice, ...] = ()
 
     @property
-    def all_findings(self) -> list[Finding]:
+    def all_findings(self) -> list[HealthNotice]:
         """Those of the file and of its channels, the worst first."""
         return worst_first([*self.findings, *(f for channel in self.channels for f in channel.findings)])
 
@@ -138,7 +138,7 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
     if channel.values.size < FEWEST or any(f.severity == "bad" and f.code == "not-a-number" for f in mended):
         if channel.values.size < FEWEST:
             words = f"{channel.values.size} samples; a record needs at least {FEWEST}"
-            findings.append(Finding("too-short", words, channel.values.size, "bad", FIGURES))
+            findings.append(HealthNotice("too-short", words, channel.values.size, severity="bad", harms=FIGURES))
         return ChannelReading(channel, number, (), tuple(findings), calibration)
     pulses = _blows(channel)
     examined = Examined(channel.values, channel.step, channel.start, channel.unit, pulses, request.drop_height)
@@ -169,26 +169,30 @@ def _holes(channel: Channel) -> Array:
     return np.asarray(channel.start + channel.step * missing, dtype=np.float64)
 
 
-def _in_blows(holes: Array, pulses: Sequence[RecordedPulse]) -> list[Finding]:
+def _in_blows(holes: Array, pulses: Sequence[RecordedPulse]) -> list[HealthNotice]:
     """Find blows that lack samples: what bridges them is no measurement."""
     for pulse in pulses:
         count = int(np.count_nonzero((holes >= pulse.begin) & (holes <= pulse.end)))
         if count:
             words = f"{count} samples of the blow at {pulse.time:.6g} s are no numbers: its figures are not measured"
-            return [Finding("blow-incomplete", words, count, "bad", FIGURES, pulse.begin, pulse.end)]
+            return [
+                HealthNotice(
+                    "blow-incomplete", words, count, severity="bad", harms=FIGURES, start=pulse.begin, end=pulse.end
+                )
+            ]
     return []
 
 
-def _changed(before: Sequence[RecordedPulse], after: Sequence[RecordedPulse]) -> list[Finding]:
+def _changed(before: Sequence[RecordedPulse], after: Sequence[RecordedPulse]) -> list[HealthNotice]:
     """Find a filter that takes much off the blows, or takes some away."""
     if len(before) != len(after):
         words = f"the filter leaves {len(after)} of {len(before)} blows: take a higher cutoff"
-        return [Finding("filter-changes", words, len(after) - len(before), "suspect")]
+        return [HealthNotice("filter-changes", words, len(after) - len(before), severity="suspect")]
     left = min((two.peak / one.peak for one, two in zip(before, after, strict=True)), default=1.0)
     if left > MUCH:
         return []
     words = f"the filter leaves {left:.0%} of a peak: quote it with the filter, or take a higher cutoff"
-    return [Finding("filter-changes", words, left, "suspect" if left < HALF else "good")]
+    return [HealthNotice("filter-changes", words, left, severity="suspect" if left < HALF else "good")]
 
 
 def _blows(channel: Channel) -> tuple[RecordedPulse, ...]:
@@ -248,7 +252,7 @@ def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: 
 
 def _by_number(
     record: Record, tables: Mapping[str, Mapping[str, Any]]
-) -> tuple[dict[str, dict[str, Any]], list[Finding]]:
+) -> tuple[dict[str, dict[str, Any]], list[HealthNotice]]:
     """Return calibrations by the numbers of their channels, and a finding for each channel that the file lacks."""
     known = record.keys
     found: dict[str, dict[str, Any]] = {}
@@ -256,7 +260,7 @@ def _by_number(
     for name, table in tables.items():
         if name != "all" and name not in known:
             words = f"a calibration is for {show(name)}, which the file does not have: {nearest(name, known)}"
-            unused.append(Finding("calibration-unused", words))
+            unused.append(HealthNotice("calibration-unused", words))
             continue
         key = name if name == "all" else str(known[name] + 1)
         found[key] = {**found.get(key, {}), **table}

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 
 Array = NDArray[np.float64]
 
@@ -69,14 +69,14 @@ class Record:
         What the file turned out to be, such as ``text`` or ``tdms``.
     channels : tuple of Channel
         In the order of the file, without its time column.
-    findings : tuple of Finding
+    findings : tuple of HealthNotice
         What reading it showed: a last line cut off, a column left out.
     """
 
     path: str
     format: str
     channels: tuple[Channel, ...]
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[HealthNotice, ...] = ()
 
     def channel(self, wanted: str | int = 1) -> Channel:
         """Return a channel by its name, or by its number counted from 1.

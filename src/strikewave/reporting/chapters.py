@@ -5,11 +5,10 @@ Each function takes what it shows and returns one `Section`.
 
 from __future__ import annotations
 
-import hashlib
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from strikewave._version import __version__
 from strikewave.base.result import LEDGER_LIMIT
@@ -21,7 +20,7 @@ from strikewave.reporting.parts import NONE, Cell, Code, Section, Table, Tag, wr
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-    from strikewave.base.result import Comparison, Notice
+    from strikewave.base.result import Comparison, Notice, Result, Source
     from strikewave.cases.case import Case
 
 
@@ -41,30 +40,6 @@ _PUBLISHED_WORDS = {
 }
 
 
-class CaseResult(Protocol):
-    """What the page of a case takes of its result."""
-
-    @property
-    def case(self) -> Case:
-        """What ran."""
-
-    @property
-    def title(self) -> str:
-        """Of the case, with what was changed."""
-
-    @property
-    def command(self) -> str:
-        """The command that runs it again."""
-
-    @property
-    def warnings(self) -> tuple[Notice, ...]:
-        """What to know."""
-
-    @property
-    def citations(self) -> tuple[str, ...]:
-        """Keys of the sources of the models used."""
-
-
 def layer_steps(case: Case) -> list[str]:
     """Return the layers of a stack in their order, with every joint that is not bonded, and the far end."""
     stack = case.stack
@@ -77,11 +52,10 @@ def layer_steps(case: Case) -> list[str]:
     return [*steps, f"{stack.end.kind} end"]
 
 
-def inputs(case: Case) -> Section:
-    """List every value of the case, as typed, with provenance and note."""
+def inputs(case: BaseModel, unused: str = "") -> Section:
+    """List every value of a case or a set-up, as typed, with provenance and note; but for those of an unused table."""
     from strikewave.base.quantities import PROVENANCES, Value
 
-    unused = "solver" if getattr(case, "command", "") == "fem" else ""
     groups = [group for group in _groups(case) if group[0] != unused]
     found = [(f"{path}.{key}", entry) for path, _, rows in groups for key, entry in rows if isinstance(entry, Value)]
     counts: list[list[Cell]] = [
@@ -194,18 +168,19 @@ def published(comparisons: Sequence[Comparison]) -> Section:
 
 
 def warnings(notices: Sequence[Notice]) -> Section:
-    """List what the user should know, with the number that raised it and its limit."""
+    """List what the user should know, with the number that raised it, its limit, and the case if there are several."""
+    of_cases = any(notice.case for notice in notices)
     rows: list[list[Cell]] = [
         [
+            *([notice.case] if of_cases else []),
             Tag(notice.code, "bad" if notice.broken else "warned"),
             notice.message,
-            f"{notice.value:.6g}",
-            f"{notice.limit:.6g}",
-            Tag("limit broken", "bad") if notice.broken else Tag("to know"),
+            *(NONE if math.isnan(number) else f"{number:.6g}" for number in (notice.value, notice.limit)),
+            Tag("limit broken", "bad") if notice.broken else Tag("info"),
         ]
         for notice in notices
     ]
-    heads = ["code", "message", "number", "limit", "weight"]
+    heads = [*(["case"] if of_cases else []), "code", "message", "number", "limit", "severity"]
     table = Table("Warnings; number and limit in SI units", heads, rows, empty="No warning was raised.")
     return Section("Warnings", "", [table])
 
@@ -219,47 +194,70 @@ def sources(keys: Sequence[str]) -> Section:
     return Section("Sources", "", [table])
 
 
-def reproduction(case: Case, text: str, digest: str, command: str) -> Section:
-    """Say how the same numbers come again, with the whole case file."""
-    same = _is_published(case, text)
-    commands = (f"strikewave {command} {case.name}\n" if same else "") + f"strikewave {command} case.toml"
-    either = "Either of these commands" if same else "This command"
+def reproduction(result: Result) -> Section:
+    """Say how the same numbers come again: the command, the whole text of the inputs, the files that were read."""
+    source = result.source
+    files: list[list[Cell]] = [[name, digest] for name, digest in source.digests.items()]
+    read = [Table("Files read", ["file", "SHA-256"], files)] if files else []
+    if source.asked:
+        words = f"This command gives the same numbers again with strikewave {__version__}, from the same files."
+        return Section("How to run this again", words, [*read, Code(source.asked)])
+    names = ([source.name] if _is_published(source) else []) + [source.file]
+    either = "Either of these commands" if len(names) > 1 else "This command"
     words = (
-        f"{either} gives the same numbers again with strikewave {__version__}; case.toml is the text below, which also "
-        f"lies beside this report. The text has the SHA-256 {digest}."
+        f"{either} gives the same numbers again with strikewave {__version__}; {source.file} is the text below, which "
+        f"also lies beside this report. The text has the SHA-256 {source.digest}."
     )
-    return Section("How to run this again", words, [Code(commands), Code(text, "The whole case file, case.toml")])
+    commands = "\n".join(f"strikewave {result.command} {name}" for name in names)
+    text = Code(source.text, f"The whole {source.kind}, {source.file}")
+    return Section("How to run this again", words, [*read, Code(commands), text])
 
 
-def _is_published(case: Case, text: str) -> bool:
-    """Tell whether a case is a published one without any change."""
+def _is_published(source: Source) -> bool:
+    """Tell whether the inputs are a bundled case without any change."""
     from strikewave.cases.case import bundled_cases, dump_case, load_case
 
-    return case.name in bundled_cases() and dump_case(load_case(case.name)) == text
+    return source.name in bundled_cases() and dump_case(load_case(source.name)) == source.text
 
 
-def case_page(result: CaseResult, told: tuple[str, Sequence[tuple[str, str]]], sections: Sequence[Section]) -> str:
-    """Return the page of a case that ran: its head, its sections, warnings and sources, and how to run it again.
+class Summary(NamedTuple):
+    """What stands above the sections of a page.
 
-    ``told`` is the summary in words, and the key numbers.
+    Attributes
+    ----------
+    kicker : str
+        What kind of report it is.
+    words : str
+        What happened.
+    numbers : sequence of (str, str)
+        Key numbers: label and value with its unit.
+    status : Tag or None
+        How it went, where that is more than what `status` says of the notices.
     """
-    from strikewave.cases.case import dump_case
 
-    case, (summary, numbers) = result.case, told
-    text = dump_case(case)
-    digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+    kicker: str
+    words: str
+    numbers: Sequence[tuple[str, str]] = ()
+    status: Tag | None = None
+
+
+def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -> str:
+    """Return the page of a result: its head, its sections, sources, and how to run it again."""
+    source = result.source
+    sealed = "files, taken together," if source.asked else f"{source.kind} text"
     head = Head(
         title=result.title,
-        kicker="Report of a run",
-        subject="Case",
-        name=case.name,
-        digest=digest,
-        status=status(result.warnings),
-        summary=summary,
-        numbers=numbers,
-        foot=f"case {case.name or 'without name'} · SHA-256 of the case text {digest}",
+        kicker=summary.kicker,
+        subject=source.kind.capitalize(),
+        name=source.name,
+        digest=source.digest,
+        status=summary.status or status(result.notices),
+        summary=summary.words,
+        numbers=summary.numbers,
+        foot=f"{source.kind} {source.name or 'without name'}"
+        + (f" · SHA-256 of the {sealed} {source.digest}" if source.digest else ""),
     )
-    return whole_page(head, [*sections, sources(result.citations), reproduction(case, text, digest, result.command)])
+    return whole_page(head, [*sections, sources(result.citations), reproduction(result)])
 
 
 def status(notices: Sequence[Notice]) -> Tag:

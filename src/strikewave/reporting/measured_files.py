@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import os
+import shlex
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,7 +15,7 @@ import typer
 from strikewave.reporting.terminal import say
 
 if TYPE_CHECKING:
-    from strikewave.records import Options, Record
+    from strikewave.records import ChannelReading, Options, Record
 
 Files = Annotated[
     list[str], typer.Argument(metavar="FILE...", help="Measured files of any known format.", show_default=False)
@@ -177,6 +179,42 @@ def read_all(files: Sequence[str], options: Options) -> list[Record | Exception]
     return results
 
 
+def examined_channel(
+    file: str, stated: dict[str, dict[str, Any]], options: Options, figure: str, what: str
+) -> ChannelReading:
+    """Read one channel of a file and examine it; a bad one is named on stderr, and used all the same.
+
+    Parameters
+    ----------
+    file : str
+        A measured file.
+    stated : dict
+        What was typed of the calibration; see `stated_of`.
+    options : Options
+        What the user says of the file; its first channel is taken unless one is named.
+    figure : str
+        What is wanted of the channel, one of `strikewave.records.health_notice.FIGURES`: what harms it is named.
+    what : str
+        The same in words, such as "the spectrum".
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or has no such channel.
+    """
+    from strikewave.records import Request, calibrations_beside, read_file, read_record
+
+    record = read_record(file, options)
+    check_channels(stated, [record])
+    reading = read_file(record, calibrations_beside(Path(file)), Request(options.channels or ("1",), stated))
+    for notice in reading.all_findings:
+        if notice.severity != "good" and figure in notice.harms:
+            say(f"{notice.severity} [{notice.code}]: {notice.message}")
+    if len(reading.channels) > 1 or (not options.channels and len(record.channels) > 1):
+        say(f"{what} is that of {reading.channels[0].channel.name}; --channel takes another")
+    return reading.channels[0]
+
+
 def digests_of(paths: Sequence[Path]) -> dict[str, str]:
     """Return the SHA-256 of files, by their paths."""
     import hashlib
@@ -187,6 +225,11 @@ def digests_of(paths: Sequence[Path]) -> dict[str, str]:
             with path.open("rb") as file:
                 digests[str(path)] = hashlib.file_digest(file, "sha256").hexdigest()
     return digests
+
+
+def asked() -> str:
+    """Return the command line that runs now, as it is to be typed."""
+    return shown(shlex.join(["strikewave", *sys.argv[1:]]))
 
 
 def identity(asked: str, digests: Mapping[str, str]) -> str:

@@ -1,70 +1,155 @@
-"""How a command that solves a case comes to its result: read, check the place, solve, write whole, print."""
+"""How a command comes to its result: check the place, solve, write whole, print."""
 
 from __future__ import annotations
 
+import contextlib
 import time
-from collections.abc import Callable
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import ClassVar, Generic, TypeVar
 
-from strikewave.reporting.terminal import own_mark, print_json, say
-
-if TYPE_CHECKING:
-    from strikewave.cases.case import Case
+from strikewave.base.errors import InputError
+from strikewave.base.output_folder import check_place, whole_folder
+from strikewave.base.result import Notice, Result
+from strikewave.reporting.terminal import case_hash, most_memory, print_json, say, show_notices
 
 BROKEN = 3
-"""Exit code of a run that broke a stated limit."""
+"""Exit code of a run that broke a stated limit, or missed its goal."""
+
+R = TypeVar("R", bound=Result)
 
 
-class Work(NamedTuple):
-    """What a command does with a case.
+class Command(ABC, Generic[R]):
+    """What a command does: how it comes to its result, prints it, and draws it.
+
+    `run_and_write` calls these in their order; what the result keeps of itself (`Result.files`) it writes by itself.
+    """
+
+    indent: ClassVar[int | None] = 2
+    """Of the JSON document; None where it holds long histories."""
+
+    @abstractmethod
+    def solve(self) -> R:
+        """Return the result."""
+
+    @abstractmethod
+    def show(self, result: R) -> None:
+        """Print the result, without its notices."""
+
+    def printed_notices(self, result: R) -> Sequence[Notice]:
+        """Return the notices that are printed."""
+        return result.notices
+
+    def draw(self, result: R, folder: Path) -> Sequence[str]:
+        """Write page and pictures into a folder, and return the names of the files, the first ones first."""
+        return ()
+
+    def under_way(self, folder: Path) -> contextlib.AbstractContextManager[object]:
+        """Return the context in which it solves and writes: what keeps unfinished work, and drops it at the end."""
+        return contextlib.nullcontext()
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where a result goes.
 
     Attributes
     ----------
-    solve : callable
-        Case in, solution out.
-    write : callable
-        Writes the files of a solution into a folder, given the text of the case.
-    show : callable
-        Prints a solution.
-    files : str
-        The files that it writes, in words.
-    indent : int or None
-        Of the JSON document.
+    out : Path or None
+        The folder asked for.
+    force : bool
+        Whether it may replace the result of something else.
+    json : bool
+        Whether one JSON document goes to stdout; files are then written only to ``out``.
     """
 
-    solve: Callable[[Case], Any]
-    write: Callable[[Any, Path, str], None]
-    show: Callable[[Any], None]
-    files: str
-    indent: int | None = 2
+    out: Path | None = None
+    force: bool = False
+    json: bool = False
+
+    def check_animation(self, animate: bool) -> None:
+        """Refuse an animation that has no folder to go to.
+
+        Raises
+        ------
+        InputError
+            If there is none.
+        """
+        if animate and self.json and self.out is None:
+            raise InputError("--animate", "--json without --out", "a folder for the animation", "add --out DIR")
+
+    def place(self, usual: str | None) -> Place:
+        """Return the folder: the one asked for, or ``out/USUAL``, which always holds the last result of that name."""
+        if self.out is None and usual is not None and not self.json:
+            return Place(Path("out") / usual, True)
+        return Place(self.out, self.force)
 
 
-def carry_out(work: Work, name: str, changes: list[str] | None, out: Path | None, force: bool, json: bool) -> int:
-    """Solve a case, write and print its result, and return the exit code.
+@dataclass(frozen=True)
+class Place:
+    """The folder of a result, None where none is written, and whether it may replace another one there."""
 
-    out/NAME always holds the last run of that name; a changed case gets a name of its own, so that it never
-    meets the unchanged one. With JSON, files are written only to ``out``.
+    folder: Path | None
+    replace: bool
+
+
+def case_folder(name: str, text: str, changes: Sequence[str]) -> str:
+    """Return the usual folder of a case: its name; a changed case gets one of its own beside the unchanged one."""
+    return f"{name or 'case'}{case_hash(text, changes)}"
+
+
+def run_and_write(
+    command: Command[R], output: Output, usual: str | None, identity: str | None, own: Sequence[str] = ()
+) -> int:
+    """Solve, write and print, and return the exit code.
+
+    Parameters
+    ----------
+    command : Command
+        What is done.
+    output : Output
+        Where the result goes.
+    usual : str or None
+        Name of the folder below ``out`` where none is asked for; None where files are written only on request.
+    identity : str or None
+        The text that will mark the folder, so that a place which holds something else is refused before the work;
+        None where only the result knows it, and another result is refused after it.
+    own : sequence of str, optional
+        Names of files of this result beside the usual ones.
+
+    Raises
+    ------
+    InputError
+        If the place is taken, or what `Command.solve` raises.
     """
-    from strikewave.base.output_folder import check_place, whole_folder
-    from strikewave.cases.case import dump_case, load_case
-
     begun = time.perf_counter()
-    case = load_case(name, changes or ())
-    text, folder = dump_case(case), out
-    if out is None and not json:
-        folder, force = Path("out") / f"{case.name or 'case'}{own_mark(text, changes)}", True
-    if folder is not None:
-        check_place(folder, text, force)
-    solution = work.solve(case)
-    if folder is not None:
-        with whole_folder(folder, text, force) as place:
-            work.write(solution, place, text)
-    if json:
-        print_json(solution.document(), indent=work.indent)
+    place, names = output.place(usual), list[str]()
+    if place.folder is None:
+        result = command.solve()
     else:
-        work.show(solution)
-    if folder is not None:
-        say(f"written: {folder}{'/' if str(folder)[-1] != '/' else ''} ({work.files})")
-    say(f"done in {time.perf_counter() - begun:.2f} s")
-    return BROKEN if solution.broken else 0
+        check_place(place.folder, identity or "", place.replace or identity is None, own)
+        with command.under_way(place.folder):
+            result = command.solve()
+            with whole_folder(place.folder, result.source.text, place.replace, own) as folder:
+                names = [*command.draw(result, folder), *write_files(result, folder)]
+    if output.json:
+        print_json(result.document(), indent=command.indent)
+    else:
+        command.show(result)
+        show_notices(command.printed_notices(result))
+    if place.folder is not None:
+        say(f"written: {str(place.folder).rstrip('/')}/ ({', '.join(names)})")
+    say(f"done in {time.perf_counter() - begun:.2f} s{most_memory()}")
+    return BROKEN if result.broken else 0
+
+
+def write_files(result: Result, folder: Path) -> list[str]:
+    """Write what a result keeps of itself into a folder, and return the names of the files."""
+    for name, content in result.files().items():
+        if isinstance(content, str):
+            (folder / name).write_text(content, "utf-8", newline="\n")
+        else:
+            content.to_netcdf(folder / name, engine="h5netcdf")
+    return list(result.files())

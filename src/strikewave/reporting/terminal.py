@@ -18,7 +18,7 @@ import typer
 from strikewave.base.units import in_unit
 
 if TYPE_CHECKING:
-    from strikewave.base.result import Comparison
+    from strikewave.base.result import Comparison, Notice
     from strikewave.cases.losses_of_case import Loss
     from strikewave.sensors.channel import Channel
 
@@ -52,12 +52,20 @@ def say(text: str) -> None:
     sys.stderr.write(text + "\n")
 
 
-def own_mark(text: str, changes: Sequence[str] | None) -> str:
+def show_notices(notices: Sequence[Notice]) -> None:
+    """Print what the user should know."""
+    for notice in notices:
+        about = f" {notice.case}" if notice.case else ""
+        limit = f" (limit {significant(notice.limit, 3)})" if notice.broken and notice.limit == notice.limit else ""
+        say(f"warning [{notice.code}]{about}: {notice.message}{limit}")
+
+
+def case_hash(text: str, changes: Sequence[str] | None) -> str:
     """Return what tells the default folder of a changed case from that of the case itself; ``text`` is the case.
 
     Examples
     --------
-    >>> own_mark("schema = 1", []), own_mark("schema = 1", ["machine.speed=500 rpm"])
+    >>> case_hash("schema = 1", []), case_hash("schema = 1", ["machine.speed=500 rpm"])
     ('', '-20982c99')
     """
     return "-" + hashlib.sha256(text.encode()).hexdigest()[:8] if changes else ""

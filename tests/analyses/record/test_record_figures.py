@@ -9,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave.analyses.record.figures import campaigns, records, spectra
 from strikewave.records.campaign import summed
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import Request, read_file
 from strikewave.records.record import Channel, Record
 from strikewave.reporting.inline import inline_svg
@@ -163,7 +163,7 @@ def test_findings_are_marked_where_they_are():
     assert {"clipped", "blow", "peak", "zero line", "smooth pulse"} <= set(labels)
     hatched = [patch for patch in figure.axes[0].patches if patch.get_hatch()]
     assert hatched
-    drift = blows(1).channels[0].with_finding(Finding("zero-shift", "", start=3e-3))
+    drift = blows(1).channels[0].with_finding(HealthNotice("zero-shift", "", start=3e-3))
     assert "zero-shift" in [text.get_text() for text in records.history(drift).legends[0].get_texts()]
 
 
@@ -271,7 +271,7 @@ def test_a_bad_channel_does_not_spoil_another():
     assert file.status == "bad"
     assert spectra.best_of([dead(3.0), file]) is good
     assert [reading for _, reading in spectra.usable([file])] == [good]
-    spoilt = dataclasses.replace(file, findings=(Finding("time-backwards", "", severity="bad"),))
+    spoilt = dataclasses.replace(file, findings=(HealthNotice("time-backwards", "", severity="bad"),))
     assert spectra.usable([spoilt]) == []
     assert spectra.best_of([spoilt]) is good
     assert spectra.best_of([]) is None

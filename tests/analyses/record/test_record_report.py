@@ -10,7 +10,7 @@ import pytest
 from strikewave.analyses.record.chapters import MOST_ROWS
 from strikewave.analyses.record.report import RecordFacts, record_report
 from strikewave.records.campaign import compare, summed
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import FileReading, Request, read_file
 from strikewave.records.record import Channel, Record
 from strikewave.signal.filters import Filter
@@ -206,7 +206,7 @@ def test_calibration_options_and_command_are_told(files, page):
 def test_hostile_names_come_out_as_text():
     extra = (Channel(HOSTILE + "2", np.full(500, np.nan), STEP),)
     files = read(record(path=HOSTILE, name=HOSTILE, unit=HOSTILE[:20], extra=extra))
-    said = Finding(HOSTILE, HOSTILE, severity="suspect", start=0.01)
+    said = HealthNotice(HOSTILE, HOSTILE, severity="suspect", start=0.01)
     files = [dataclasses.replace(files[0], format=HOSTILE, findings=(said,))]
     facts = RecordFacts(HOSTILE, HOSTILE, [(HOSTILE, HOSTILE)], [(HOSTILE, HOSTILE)], digests={HOSTILE: HOSTILE})
     page = record_report(files, [summed(files, 1), summed(files, 2)], facts, [{"code": HOSTILE, "message": HOSTILE}])

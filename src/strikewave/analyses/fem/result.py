@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import functools
 import io
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.analyses.fem.sectors import Sector, WholeForce, sectors, whole_forces
-from strikewave.base.json_document import head, plain, without
-from strikewave.base.result import Comparison, Notice
+from strikewave.base.result import Comparison, Result, Source, comparison_document
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.comparisons import comparisons
@@ -50,8 +49,8 @@ STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 
 
 @dataclass(frozen=True)
-class FemSolution:
-    """What a model of hexahedra did.
+class FemSolution(Result):
+    """What a model of hexahedra did; see `Result` for what it shares with others.
 
     Attributes
     ----------
@@ -63,22 +62,19 @@ class FemSolution:
         Histories and ledger.
     frames : tuple of Frame
         Fields to be shown.
-    warnings : tuple of Notice
-        What to know.
-    citations : tuple of str
-        Keys of the sources of the models used.
     film : Film, optional
         Instants that pictures are made of.
     later : tuple of FemRun
         The blows after the first, which is ``run``.
     """
 
+    command: ClassVar[str] = "fem"
+    data_file: ClassVar[str] = "histories.nc"
+
     case: Case
     model: Model = field(repr=False)
     run: FemRun = field(repr=False)
     frames: tuple[Frame, ...] = field(repr=False)
-    warnings: tuple[Notice, ...]
-    citations: tuple[str, ...]
     film: Film | None = field(default=None, repr=False)
     later: tuple[FemRun, ...] = field(default=(), repr=False)
 
@@ -93,14 +89,9 @@ class FemSolution:
         return self.case.title or self.case.name
 
     @property
-    def case_text(self) -> str:
-        """The case as TOML."""
-        return dump_case(self.case)
-
-    @property
-    def broken(self) -> bool:
-        """Whether a stated limit was broken."""
-        return any(notice.broken for notice in self.warnings)
+    def source(self) -> Source:
+        """The case."""
+        return Source("case", self.case.name, dump_case(self.case))
 
     @property
     def parts(self) -> dict[str, PartMeasure]:
@@ -129,9 +120,8 @@ class FemSolution:
         """What each contact and wall came to; None where nothing touched."""
         return {name: contact_measure(self.run, name) for name in self.run.force}
 
-    @property
-    def published(self) -> tuple[Comparison, ...]:
-        """The published numbers of the case beside what the first blow came to."""
+    def compared(self) -> tuple[Comparison, ...]:
+        """Return the published numbers of the case beside what the first blow came to."""
         return comparisons(self.case, self._computed)
 
     def _computed(self, entry: Published) -> float | None:
@@ -163,36 +153,37 @@ class FemSolution:
         """Largest mean force of any contact over an interval of the histories, N."""
         return max((found.peak for found in self.contacts.values() if found is not None), default=0.0)
 
-    def document(self) -> dict[str, Any]:
-        """Return the JSON document."""
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return UNITS
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
         run, ledger = self.run, ledger_measure(self.run)
         energy = {name: float(run.energy[name][-1]) for name in ENERGIES}
         wholes, found = self.wholes, self.sectors
         contacts = {name: None if x is None else _contact(x, wholes[name]) for name, x in self.contacts.items()}
-        return plain(
-            {
-                **head(UNITS, [without(dataclasses.asdict(notice), "broken") for notice in self.warnings]),
-                "case": self.case.name,
-                "elements": run.elements,
-                "nodes": len(self.model.mesh.points),
-                "steps": run.steps,
-                "step": run.step,
-                "added_mass": run.added_mass,
-                "seconds": run.seconds,
-                "element_steps_per_second": run.speed,
-                "contact_force_peak": self.contact_force_peak,
-                "contacts": contacts,
-                "parts": {name: _part(part, found[name]) for name, part in self.parts.items()},
-                "groups": {name: _part(part, found[name]) for name, part in self.groups.items()},
-                "energy": {"initial": run.initial_energy, **energy, "error": ledger.energy},
-                "hourglass_share": ledger.hourglass,
-                "momentum_error": ledger.momentum,
-                "published": [without(dataclasses.asdict(row), "note") for row in self.published],
-                "fitted_fields": self.case.fitted_fields(),
-                "stopped": run.stopped or None,
-                "blows": [_blow(each) for each in self.blows],
-            }
-        )
+        return {
+            "case": self.case.name,
+            "elements": run.elements,
+            "nodes": len(self.model.mesh.points),
+            "steps": run.steps,
+            "step": run.step,
+            "added_mass": run.added_mass,
+            "seconds": run.seconds,
+            "element_steps_per_second": run.speed,
+            "contact_force_peak": self.contact_force_peak,
+            "contacts": contacts,
+            "parts": {name: _part(part, found[name]) for name, part in self.parts.items()},
+            "groups": {name: _part(part, found[name]) for name, part in self.groups.items()},
+            "energy": {"initial": run.initial_energy, **energy, "error": ledger.energy},
+            "hourglass_share": ledger.hourglass,
+            "momentum_error": ledger.momentum,
+            "published": [comparison_document(row, "note") for row in self.comparisons],
+            "fitted_fields": self.case.fitted_fields(),
+            "stopped": run.stopped or None,
+            "blows": [_blow(each) for each in self.blows],
+        }
 
     def _columns(self) -> Iterator[tuple[str, str, Array]]:
         """Yield name, unit and values of every history but the time; means are those of the interval before."""
@@ -220,8 +211,12 @@ class FemSolution:
             yield f"{name} energy", "J", run.energy[name]
         yield "energy error", "1", run.energy_error
 
-    def table(self) -> str:
-        """Return all histories as CSV text, every column with its unit."""
+    def tables(self) -> dict[str, str]:
+        """Return all histories of each blow as CSV text, every column with its unit."""
+        return {of_blow("histories.csv", blow.run.blow): blow.history_table() for blow in self.blows}
+
+    def history_table(self) -> str:
+        """Return all histories of the first blow as CSV text, every column with its unit."""
         columns = list(self._columns())
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
@@ -230,8 +225,13 @@ class FemSolution:
             writer.writerow(["" if math.isnan(value) else f"{value:.9g}" for value in row])
         return text.getvalue()
 
-    def dataset(self) -> xarray.Dataset:
-        """Return all histories with units: vectors by ``axis``, stresses by ``component``, by the names of the case."""
+    def datasets(self) -> dict[str, xarray.Dataset]:
+        """Return the histories of each blow, by the names of the files."""
+        return {of_blow(self.data_file, blow.run.blow): blow.data for blow in self.blows}
+
+    @functools.cached_property
+    def data(self) -> xarray.Dataset:
+        """Histories of the first blow by the names of the case: vectors by ``axis``, stresses by ``component``."""
         import xarray
 
         run, vector, means = self.run, ("time", "axis"), ("interval", "axis")
@@ -270,12 +270,8 @@ class FemSolution:
             "axis": ("axis", np.array(["x", "y", "z"], dtype=object)),
             "component": ("component", np.array(STRESS, dtype=object)),
         }
-        attributes = {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.case_text}
+        attributes = {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.source.text}
         return xarray.Dataset(variables, coordinates, attributes)
-
-    def save(self, path: Path) -> None:
-        """Write all histories as NetCDF."""
-        self.dataset().to_netcdf(path, engine="h5netcdf")
 
 
 MOTION = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
@@ -317,6 +313,18 @@ UNITS = {
     "plastic_before": "J",
 }
 """Of the JSON document."""
+
+
+def of_blow(name: str, blow: int) -> str:
+    """Return the name of a file of a blow: the first blow's has no number.
+
+    Examples
+    --------
+    >>> of_blow("histories.csv", 1), of_blow("histories.csv", 3)
+    ('histories.csv', 'histories-3.csv')
+    """
+    stem, _, ending = name.partition(".")
+    return name if blow == 1 else f"{stem}-{blow}.{ending}"
 
 
 def _blow(solution: FemSolution) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -95,16 +96,17 @@ def run_model(case: Case, model: Model, asked: Asked | None = None, stills: int 
         asked = asked._replace(writer=watch, later=later or (lambda _: Watch()), film=film, frames=frames)
         run, *others = solve_blows(model, asked)
     origin = [key for key in citations.SOURCES if case.source.startswith(key)][:1]
-    return FemSolution(
+    solution = FemSolution(
         case=case,
         model=model,
         run=run,
         frames=watch.shown,
         film=film,
-        warnings=tuple(all_notices(case, model, (run, *others))),
+        notices=tuple(all_notices(case, model, (run, *others))),
         citations=(*origin, *sources(model)),
         later=tuple(others),
     )
+    return dataclasses.replace(solution, comparisons=solution.compared())
 
 
 def check_model(model: Model) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 from pathlib import Path
@@ -28,8 +29,8 @@ from strikewave.hopkinson.pulses import Trace, quieten
 from strikewave.records import Channel, Options, read_record
 from strikewave.records.calibration import Calibration, known_unit
 from strikewave.records.clock import even
-from strikewave.records.finding import Finding
 from strikewave.records.health import Examined, clipped
+from strikewave.records.health_notice import HealthNotice
 from strikewave.waves import Layer
 
 LARGEST_SAMPLES = 20_000_000
@@ -186,7 +187,7 @@ class Gauged(NamedTuple):
     """The strain of a gauge, what reading it showed, and file and name of the channel that it came from."""
 
     trace: Trace
-    findings: list[Finding]
+    findings: list[HealthNotice]
     source: tuple[Path, str]
 
 
@@ -208,7 +209,7 @@ class Reading(NamedTuple):
 
     trace: Trace
     unit: str
-    findings: list[Finding]
+    findings: list[HealthNotice]
 
 
 def build_reading(case: SplitBarCase, table: AccelerometerTable) -> Reading:
@@ -252,7 +253,7 @@ def _calibration(table: AccelerometerTable) -> Calibration:
     return Calibration(table.unit, table.sensitivity, gain, **stated)
 
 
-def _channel(case: SplitBarCase, table: RecordedTable, path: str) -> tuple[Channel, list[Finding]]:
+def _channel(case: SplitBarCase, table: RecordedTable, path: str) -> tuple[Channel, list[HealthNotice]]:
     """Read a channel on an even clock, and what reading it showed."""
     options = Options(_si(table.rate), table.time, (table.channel,))
     try:
@@ -268,7 +269,9 @@ def _channel(case: SplitBarCase, table: RecordedTable, path: str) -> tuple[Chann
     if bad:
         raise InputError(f"{path}.file", f"{bad} samples that are no numbers", "finite samples")
     findings += [
-        found._replace(message=f"{path}: the record stops at {found.value:.4g} again and again: its range ended there")
+        dataclasses.replace(
+            found, message=f"{path}: the record stops at {found.value:.4g} again and again: its range ended there"
+        )
         for found in clipped(Examined(channel.values, channel.step, channel.start))
     ]
     return channel, findings

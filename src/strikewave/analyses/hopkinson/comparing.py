@@ -68,8 +68,8 @@ def compare_accelerometer(case: SplitBarCase) -> SensorSolution:
         rise_diameters=(ratio := rise_in_diameters(stack, rise, found.bandwidth.value)[0]),
         quoted=ratio >= REFUSED,
         constants={"incident": constants},
-        digests=digests(case, [table.gauge, sensor]),
-        warnings=tuple(notices),
+        digests=digests(case),
+        notices=tuple(notices),
         citations=citations(setup.solver.dispersion, ["togami-1996", "maeda-1985"]),
     )
 

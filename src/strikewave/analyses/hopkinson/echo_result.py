@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
+import functools
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
 from strikewave.analyses.hopkinson.result import inputs
-from strikewave.base.json_document import head, plain, without
 from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.echoes import Echoes
@@ -40,6 +39,8 @@ class EchoSolution(Outcome):
         What was found.
     """
 
+    data_file: ClassVar[str] = "echoes.nc"
+
     bar: Bar
     echoes: Echoes = field(repr=False)
 
@@ -48,39 +49,40 @@ class EchoSolution(Outcome):
         """Speed found over the stated one, less 1."""
         return self.echoes.speed.value / self.bar.speed - 1.0
 
-    def document(self) -> dict[str, Any]:
-        """Return the JSON document."""
-        found = self.echoes
-        return plain(
-            {
-                **head(UNITS, [without(dataclasses.asdict(n), "broken") for n in self.warnings]),
-                "setup": self.case.setup.name,
-                "inputs": inputs(self.case),
-                "passes": found.times,
-                "first_pass": found.first,
-                "window": found.window,
-                "speed": {**found.speed._asdict(), "student": found.speed.student},
-                "stated_speed": self.bar.speed,
-                "difference": self.difference,
-                "length": found.length._asdict(),
-                "round_trip": found.round_trip._asdict(),
-                "attenuation": found.attenuation._asdict(),
-                "odd_pass": None if found.odd is None else found.odd._asdict(),
-                "other_way": found.other_way.speed,
-                "dispersion": found.theory,
-                "frequency": found.frequency,
-                "phase_speed": found.phase_speed,
-                "phase_speed_error": found.phase_speed_error,
-                "theory_speed": found.theory_speed,
-                "losses": found.losses,
-                "losses_error": found.losses_error,
-            }
-        )
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return UNITS
 
-    def table(self) -> str:
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
+        found = self.echoes
+        return {
+            "setup": self.case.setup.name,
+            "inputs": inputs(self.case),
+            "passes": found.times,
+            "first_pass": found.first,
+            "window": found.window,
+            "speed": {**found.speed._asdict(), "student": found.speed.student},
+            "stated_speed": self.bar.speed,
+            "difference": self.difference,
+            "length": found.length._asdict(),
+            "round_trip": found.round_trip._asdict(),
+            "attenuation": found.attenuation._asdict(),
+            "odd_pass": None if found.odd is None else found.odd._asdict(),
+            "other_way": found.other_way.speed,
+            "dispersion": found.theory,
+            "frequency": found.frequency,
+            "phase_speed": found.phase_speed,
+            "phase_speed_error": found.phase_speed_error,
+            "theory_speed": found.theory_speed,
+            "losses": found.losses,
+            "losses_error": found.losses_error,
+        }
+
+    def tables(self) -> dict[str, str]:
         """Return speed and attenuation over frequency as CSV text."""
         found = self.echoes
-        return csv_text(
+        table = csv_text(
             {
                 "frequency [Hz]": found.frequency,
                 "phase speed [m/s]": found.phase_speed,
@@ -90,9 +92,11 @@ class EchoSolution(Outcome):
                 "standard error [1/m]": found.losses_error,
             }
         )
+        return {"echoes.csv": table}
 
-    def dataset(self) -> xarray.Dataset:
-        """Return speed and attenuation over frequency, and the trace, with units."""
+    @functools.cached_property
+    def data(self) -> xarray.Dataset:
+        """Speed and attenuation over frequency, and the trace, with units."""
         import xarray
 
         found, trace = self.echoes, self.echoes.quiet.trace

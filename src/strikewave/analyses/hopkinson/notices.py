@@ -12,7 +12,7 @@ from strikewave.base.result import Notice
 from strikewave.cases.hopkinson_tables import RecordedTable
 from strikewave.hopkinson import Elastic
 from strikewave.hopkinson.pulses import Quiet
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 
 MISMATCH = 0.005
 """Share by which stated density, modulus and speed may disagree without a word."""
@@ -23,10 +23,14 @@ DRIFT_SHARE = 1e-3
 """Share of the largest strain of the record below which such a difference is not worth one."""
 
 
-def digests(case: SplitBarCase, records: Iterable[RecordedTable]) -> dict[str, str]:
-    """Return the SHA-256 of the files of records, by their names in the set-up."""
-    found = {}
+def digests(case: SplitBarCase) -> dict[str, str]:
+    """Return the SHA-256 of the files that a set-up is read from, by their names in it."""
+    setup, found = case.setup, {}
+    records: list[RecordedTable | None] = [setup.bar.incident.gauge, setup.accelerometer]
+    records.append(None if setup.bar.transmitted is None else setup.bar.transmitted.gauge)
     for record in records:
+        if record is None:
+            continue
         try:
             with recorded_file(case, record).open("rb") as file:
                 found[record.file] = hashlib.file_digest(file, "sha256").hexdigest()
@@ -40,7 +44,7 @@ def citations(theory: str, others: list[str]) -> tuple[str, ...]:
     return tuple(others if theory == "none" else [*others, "follansbee-frantz-1983"])
 
 
-def reading_notices(findings: Iterable[Finding]) -> Iterator[Notice]:
+def reading_notices(findings: Iterable[HealthNotice]) -> Iterator[Notice]:
     """Yield what reading the records showed."""
     for finding in findings:
         if finding.severity != "good":

@@ -1,19 +1,18 @@
-"""What every result of a split-bar set-up is: its set-up, files, warnings and sources."""
+"""What every result of a split-bar set-up is: its set-up and the files it names."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.analyses.hopkinson.setup_file import SplitBarCase
-from strikewave.base.result import Notice
+from strikewave.base.result import Result, Source
 
 if TYPE_CHECKING:
     import xarray
@@ -24,8 +23,8 @@ SCHEMA = 1
 
 
 @dataclass(frozen=True, kw_only=True)
-class Outcome(ABC):
-    """What a set-up came to.
+class Outcome(Result):
+    """What a set-up came to; see `Result` for what it shares with others.
 
     Attributes
     ----------
@@ -33,16 +32,12 @@ class Outcome(ABC):
         Set-up, its text, its folder.
     digests : mapping
         SHA-256 of the files, by their names.
-    warnings : tuple of Notice
-        What to know.
-    citations : tuple of str
-        Keys of the sources.
     """
+
+    command: ClassVar[str] = "hopkinson"
 
     case: SplitBarCase
     digests: Mapping[str, str]
-    warnings: tuple[Notice, ...]
-    citations: tuple[str, ...]
 
     @property
     def title(self) -> str:
@@ -50,21 +45,23 @@ class Outcome(ABC):
         return self.case.setup.title or self.case.setup.name
 
     @property
-    def broken(self) -> bool:
-        """Whether a stated limit was broken."""
-        return any(notice.broken for notice in self.warnings)
+    def source(self) -> Source:
+        """The set-up, with the files that it names."""
+        return Source("set-up", self.case.setup.name, marked_text(self.case, self.digests), digests=self.digests)
 
+    @property
     @abstractmethod
-    def dataset(self) -> xarray.Dataset:
-        """Return the histories with units."""
-
-    def save(self, path: Path) -> None:
-        """Write the histories as NetCDF."""
-        self.dataset().to_netcdf(path, engine="h5netcdf")
+    def data(self) -> xarray.Dataset:
+        """The histories with units."""
 
     def attributes(self) -> dict[str, Any]:
         """Return what stands at the head of a dataset."""
         return {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.case.text}
+
+
+def marked_text(case: SplitBarCase, digests: Mapping[str, str]) -> str:
+    """Return the text of a set-up with the SHA-256 of its files below: other files are another result."""
+    return case.text + "".join(f"# SHA-256 {digest} {name}\n" for name, digest in digests.items())
 
 
 def csv_text(columns: Mapping[str, NDArray[np.float64]]) -> str:

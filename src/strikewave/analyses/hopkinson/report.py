@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 from typing import TYPE_CHECKING, Any
 
-from strikewave._version import __version__
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.page import Head, whole_page
-from strikewave.reporting.parts import NONE, Cell, Code, Picture, Section, Table, written
+from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -18,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from strikewave.analyses.hopkinson.echo_result import EchoSolution
+    from strikewave.analyses.hopkinson.outcome import Outcome
     from strikewave.analyses.hopkinson.result import SplitBarSolution
     from strikewave.analyses.hopkinson.sensor_result import SensorSolution
     from strikewave.hopkinson.checks import Equilibrium, Slope
@@ -328,7 +326,7 @@ def _sensitivity(value: float, unit: str, digits: int = 5) -> str:
     return f"{value * STANDARD_GRAVITY * 1e3:.{digits}g} mV/g" if unit == "V" else f"{value:.{digits}g}"
 
 
-def shot_report(solution: SplitBarSolution, text: str) -> str:
+def shot_report(solution: SplitBarSolution) -> str:
     """Return the report of a reduced shot as one HTML page."""
     from strikewave.analyses.hopkinson.figures import (
         draw_curves,
@@ -366,14 +364,14 @@ def shot_report(solution: SplitBarSolution, text: str) -> str:
         (f"impulse {_closing(solution)}", f"{abs(solution.momentum.closure):.2%}"),
     ]
     body = Section("Result", f"{_SHOT}\n\n{_SLOPE}", [*shot_tables(solution), *pictures])
-    return _page(solution, text, "Report of a split-Hopkinson shot", words, (numbers, body))
+    return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", words, numbers), body)
 
 
 def _closing(solution: SplitBarSolution) -> str:
     return "missing" if solution.momentum.closure >= 0.0 else "in surplus"
 
 
-def sensor_report(solution: SensorSolution, text: str) -> str:
+def sensor_report(solution: SensorSolution) -> str:
     """Return the report of an accelerometer on the end of a bar as one HTML page."""
     from strikewave.analyses.hopkinson.figures import (
         draw_accelerations,
@@ -411,10 +409,10 @@ def sensor_report(solution: SensorSolution, text: str) -> str:
         ("delay", f"{found.agreement.delay * 1e6:+.2f} µs"),
     ]
     body = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", [*sensor_tables(solution), *pictures])
-    return _page(solution, text, "Report of an accelerometer on the end of a bar", words, (numbers, body))
+    return _page(solution, chapters.Summary("Report of an accelerometer on the end of a bar", words, numbers), body)
 
 
-def echo_report(solution: EchoSolution, text: str) -> str:
+def echo_report(solution: EchoSolution) -> str:
     """Return the report of a bar calibrated by its echoes as one HTML page."""
     from strikewave.analyses.hopkinson.figures import draw_losses, draw_passes, draw_speed
 
@@ -435,49 +433,12 @@ def echo_report(solution: EchoSolution, text: str) -> str:
         ("attenuation", f"{found.attenuation.value:.3g} 1/m"),
     ]
     body = Section("Result", _ECHOES, [*echo_tables(solution), *pictures])
-    return _page(solution, text, "Report of a bar calibrated by its echoes", words, (numbers, body))
+    return _page(solution, chapters.Summary("Report of a bar calibrated by its echoes", words, numbers), body)
 
 
-def _page(
-    solution: SplitBarSolution | SensorSolution | EchoSolution,
-    text: str,
-    kicker: str,
-    summary: str,
-    shown: tuple[list[tuple[str, str]], Section],
-) -> str:
-    numbers, body = shown
-    digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
-    files: list[list[Cell]] = [[name, value] for name, value in solution.digests.items()]
-    again = Section(
-        "How to run this again",
-        f"This command gives the same numbers again with strikewave {__version__}; case.toml is the text below.",
-        [
-            Table("Files read", ["file", "SHA-256"], files),
-            Code("strikewave hopkinson case.toml"),
-            Code(text, "The whole set-up, case.toml"),
-        ],
-    )
-    as_case: Any = solution.case.setup
-    sections = [
-        body,
-        chapters.inputs(as_case),
-        chapters.warnings(solution.warnings),
-        chapters.sources(solution.citations),
-        again,
-    ]
-    name = solution.case.setup.name
-    head = Head(
-        title=solution.title,
-        kicker=kicker,
-        subject="Set-up",
-        name=name,
-        digest=digest,
-        status=chapters.status(solution.warnings),
-        summary=summary,
-        numbers=numbers,
-        foot=f"set-up {name} · SHA-256 of its text {digest}",
-    )
-    return whole_page(head, sections)
+def _page(solution: Outcome, summary: chapters.Summary, body: Section) -> str:
+    sections = [body, chapters.inputs(solution.case.setup), chapters.warnings(solution.notices)]
+    return chapters.result_page(solution, summary, sections)
 
 
 def _figure(draw: Callable[[Any], None], wide: bool = False) -> Figure:

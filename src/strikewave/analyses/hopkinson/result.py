@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import dataclasses
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
 from strikewave.analyses.hopkinson.setup_file import SplitBarCase, values_of
-from strikewave.base.json_document import head, plain, without
+from strikewave.base.json_document import without
 from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Elastic, Striker
 from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
@@ -57,6 +57,8 @@ class SplitBarSolution(Outcome):
         Which of density, modulus and speed of each bar is derived.
     """
 
+    data_file: ClassVar[str] = "reduction.nc"
+
     pulses: Pulses = field(repr=False)
     reduction: Reduction = field(repr=False)
     equilibrium: Equilibrium = field(repr=False)
@@ -84,50 +86,52 @@ class SplitBarSolution(Outcome):
             "rate": float(np.median(true.rate[on])),
         }
 
-    def document(self) -> dict[str, Any]:
-        """Return the JSON document."""
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return UNITS
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
         waves, pulses, setup = self.reduction.waves, self.pulses, self.case.setup
         alike = without(self.equilibrium._asdict(), "ratio")
         names = ("reflected", "transmitted")
         curves = {name: self.reduction.curve(name)._asdict() for name in ANALYSES}
-        return plain(
-            {
-                **head(UNITS, [without(dataclasses.asdict(n), "broken") for n in self.warnings]),
-                "setup": setup.name,
-                "inputs": inputs(self.case),
-                "bars": {name: constants._asdict() for name, constants in self.constants.items()},
-                "pulses": {
-                    "onset": pulses.onset,
-                    "end": pulses.end,
-                    "rise": pulses.rise,
-                    "width": pulses.width,
-                    "plateau": pulses.plateau,
-                    "starts": pulses.starts,
-                    "noise": waves.noise,
-                },
-                "alignment": {
-                    "method": waves.method,
-                    "dispersion": waves.theory,
-                    "band": waves.band,
-                    "window": waves.window,
-                    "late_onset": dict(zip(names, waves.late_onset, strict=True)),
-                    "late_balance": dict(zip(names, waves.late_balance, strict=True)),
-                    "applied": dict(zip(names, waves.applied, strict=True)),
-                },
-                "equilibrium": alike,
-                "momentum": self.momentum._asdict(),
-                "energy": self.energy._asdict(),
-                "striker": None if self.striker_check is None else self.striker_check._asdict(),
-                "rise_slope": {name: slope._asdict() for name, slope in self.slopes().items()},
-                "largest_true": self.summary(),
-                "analysis": setup.solver.analysis,
-                "time": self.reduction.time,
-                "curves": {name: without(curve, "time") for name, curve in curves.items()},
-            }
-        )
+        return {
+            "setup": setup.name,
+            "inputs": inputs(self.case),
+            "bars": {name: constants._asdict() for name, constants in self.constants.items()},
+            "pulses": {
+                "onset": pulses.onset,
+                "end": pulses.end,
+                "rise": pulses.rise,
+                "width": pulses.width,
+                "plateau": pulses.plateau,
+                "starts": pulses.starts,
+                "noise": waves.noise,
+            },
+            "alignment": {
+                "method": waves.method,
+                "dispersion": waves.theory,
+                "band": waves.band,
+                "window": waves.window,
+                "late_onset": dict(zip(names, waves.late_onset, strict=True)),
+                "late_balance": dict(zip(names, waves.late_balance, strict=True)),
+                "applied": dict(zip(names, waves.applied, strict=True)),
+            },
+            "equilibrium": alike,
+            "momentum": self.momentum._asdict(),
+            "energy": self.energy._asdict(),
+            "striker": None if self.striker_check is None else self.striker_check._asdict(),
+            "rise_slope": {name: slope._asdict() for name, slope in self.slopes().items()},
+            "largest_true": self.summary(),
+            "analysis": setup.solver.analysis,
+            "time": self.reduction.time,
+            "curves": {name: without(curve, "time") for name, curve in curves.items()},
+        }
 
-    def dataset(self) -> xarray.Dataset:
-        """Return waves, forces, velocities and curves at the specimen with units."""
+    @functools.cached_property
+    def data(self) -> xarray.Dataset:
+        """Waves, forces, velocities and curves at the specimen with units."""
         import xarray
 
         r, w = self.reduction, self.reduction.waves
@@ -151,6 +155,10 @@ class SplitBarSolution(Outcome):
             "analysis": ("analysis", np.array(ANALYSES, dtype=object)),
         }
         return xarray.Dataset(variables, coordinates, self.attributes())
+
+    def tables(self) -> dict[str, str]:
+        """Return the histories at the specimen and the pulses at the gauges as CSV text."""
+        return {"reduction.csv": self.reduction_table(), "pulses.csv": self.pulses_table()}
 
     def reduction_table(self) -> str:
         """Return the histories at the specimen, with the curve of the chosen analysis, as CSV text."""

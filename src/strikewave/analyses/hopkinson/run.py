@@ -104,8 +104,8 @@ def _reduce(case: SplitBarCase) -> SplitBarSolution:
         striker=striker,
         striker_check=checked,
         constants={"incident": constants, "transmitted": others},
-        digests=digests(case, [gauge for gauge, _ in gauges]),
-        warnings=tuple(notices),
+        digests=digests(case),
+        notices=tuple(notices),
         citations=citations(setup.solver.dispersion, ["kolsky-1963", "gray-2000", "maeda-1985", *_theory(specimen)]),
     )
 
@@ -126,8 +126,8 @@ def _calibrate(case: SplitBarCase) -> EchoSolution:
         case=case,
         bar=bar,
         echoes=found,
-        digests=digests(case, [table.gauge]),
-        warnings=tuple(notices),
+        digests=digests(case),
+        notices=tuple(notices),
         citations=citations(setup.solver.dispersion, ["bacon-1998", "maeda-1985"]),
     )
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
+import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from strikewave.analyses.hopkinson.bar_end import Comparison, Standing
 from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
 from strikewave.analyses.hopkinson.result import inputs
-from strikewave.base.json_document import head, plain, without
 from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar, Elastic
 
@@ -86,6 +85,8 @@ class SensorSolution(Outcome):
         Which of density, modulus and speed of the bar is derived.
     """
 
+    data_file: ClassVar[str] = "reduction.nc"
+
     bar: Bar
     standing: Standing
     unit: str
@@ -137,54 +138,55 @@ class SensorSolution(Outcome):
         period = 1.0 / self.comparison.bandwidth.value
         return slice(None, None, max(int(period / (KEPT_PER_PERIOD * float(np.diff(self.comparison.time[:2])[0]))), 1))
 
-    def document(self) -> dict[str, Any]:
-        """Return the JSON document."""
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return UNITS
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
         found, parts, kept = self.comparison, self.uncertainty, self.kept
         agreement, pulses = found.agreement, found.pulses
         velocities, peaks = found.velocities, self.peaks
         layer = self.standing.disk
-        return plain(
-            {
-                **head(UNITS, [without(dataclasses.asdict(n), "broken") for n in self.warnings]),
-                "setup": self.case.setup.name,
-                "inputs": inputs(self.case),
-                "bars": {name: constants._asdict() for name, constants in self.constants.items()},
-                "end": {"mass": self.standing.mass, "disk_mass": None if layer is None else layer.mass},
-                "pulse": {"onset": pulses.onset, "rise": pulses.rise, "width": pulses.width, "plateau": pulses.plateau},
-                "bandwidth": found.bandwidth.value,
-                "bandwidth_by": found.bandwidth.reason,
-                "noise_limit": found.bandwidth.noise,
-                "rise_diameters": self.rise_diameters,
-                "quoted": self.quoted,
-                "reading_unit": self.unit,
-                "sensitivity_unit": self.sensitivity_unit,
-                "sensitivity": {
-                    "value": self.sensitivity,
-                    "standard_uncertainty": abs(self.sensitivity) * parts.combined,
-                    "relative": parts.combined,
-                    "scatter": parts.scatter,
-                    "bias": parts.bias,
-                    "strain_uncertainty": parts.strain,
-                    "speed_uncertainty": parts.speed,
-                    "by_peaks": peaks[1] / peaks[0],
-                    "by_velocity": velocities[1] / velocities[0],
-                },
-                "peak": {"acceleration": peaks[0], "reading": peaks[1], "reading_noise": found.reading_noise},
-                "velocity_change": {"velocity": velocities[0], "reading_integral": velocities[1]},
-                "reference_noise": found.reference_noise,
-                "delay": agreement.delay,
-                "correlation": found.correlation,
-                "residual": agreement.residual,
-                "reflected_misfit": found.reflected_misfit,
-                "time": found.time[kept],
-                "reference_acceleration": found.motion.acceleration[kept],
-                "reading": found.reading[kept],
-                "reference_velocity": found.motion.velocity[kept],
-                "velocity_by_both_waves": found.both_waves[kept],
-            }
-        )
+        return {
+            "setup": self.case.setup.name,
+            "inputs": inputs(self.case),
+            "bars": {name: constants._asdict() for name, constants in self.constants.items()},
+            "end": {"mass": self.standing.mass, "disk_mass": None if layer is None else layer.mass},
+            "pulse": {"onset": pulses.onset, "rise": pulses.rise, "width": pulses.width, "plateau": pulses.plateau},
+            "bandwidth": found.bandwidth.value,
+            "bandwidth_by": found.bandwidth.reason,
+            "noise_limit": found.bandwidth.noise,
+            "rise_diameters": self.rise_diameters,
+            "quoted": self.quoted,
+            "reading_unit": self.unit,
+            "sensitivity_unit": self.sensitivity_unit,
+            "sensitivity": {
+                "value": self.sensitivity,
+                "standard_uncertainty": abs(self.sensitivity) * parts.combined,
+                "relative": parts.combined,
+                "scatter": parts.scatter,
+                "bias": parts.bias,
+                "strain_uncertainty": parts.strain,
+                "speed_uncertainty": parts.speed,
+                "by_peaks": peaks[1] / peaks[0],
+                "by_velocity": velocities[1] / velocities[0],
+            },
+            "peak": {"acceleration": peaks[0], "reading": peaks[1], "reading_noise": found.reading_noise},
+            "velocity_change": {"velocity": velocities[0], "reading_integral": velocities[1]},
+            "reference_noise": found.reference_noise,
+            "delay": agreement.delay,
+            "correlation": found.correlation,
+            "residual": agreement.residual,
+            "reflected_misfit": found.reflected_misfit,
+            "time": found.time[kept],
+            "reference_acceleration": found.motion.acceleration[kept],
+            "reading": found.reading[kept],
+            "reference_velocity": found.motion.velocity[kept],
+            "velocity_by_both_waves": found.both_waves[kept],
+        }
 
-    def table(self) -> str:
+    def tables(self) -> dict[str, str]:
         """Return the histories as CSV text; the delay of the reading is taken out."""
         found, kept = self.comparison, self.kept
         columns = {
@@ -197,10 +199,11 @@ class SensorSolution(Outcome):
             "reading integrated [m/s]": self.shown_velocity,
             "end velocity by both waves [m/s]": found.both_waves,
         }
-        return csv_text({name: values[kept] for name, values in columns.items()})
+        return {"reduction.csv": csv_text({name: values[kept] for name, values in columns.items()})}
 
-    def dataset(self) -> xarray.Dataset:
-        """Return the histories with units."""
+    @functools.cached_property
+    def data(self) -> xarray.Dataset:
+        """The histories with units."""
         import xarray
 
         found, kept = self.comparison, self.kept

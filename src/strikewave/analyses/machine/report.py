@@ -45,11 +45,12 @@ def report(solution: Solution, sections: Sequence[Section] = (), moving: str = "
         *stack_section(solution),
         *sensor_section(solution),
         *sections,
-        shared.published(solution.published),
-        shared.warnings(solution.warnings),
+        shared.published(solution.comparisons),
+        shared.warnings(solution.notices),
         chapters.checks(solution),
     ]
-    return shared.case_page(solution, (_summary(solution), _key_numbers(solution)), parts)
+    summary = shared.Summary("Report of a run", _summary(solution), _key_numbers(solution))
+    return shared.result_page(solution, summary, parts)
 
 
 def _struck(solution: Solution) -> list[Blow]:

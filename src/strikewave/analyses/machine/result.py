@@ -20,8 +20,7 @@ from strikewave._version import __version__
 from strikewave.analyses.machine.columns import BLOW_UNITS, HIDDEN
 from strikewave.analyses.machine.readings import BlowReading
 from strikewave.base.errors import InputError
-from strikewave.base.json_document import head, plain, without
-from strikewave.base.result import SCHEMA, Comparison, Notice
+from strikewave.base.result import SCHEMA, Comparison, Notice, Result, Source, comparison_document
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
@@ -84,8 +83,8 @@ LAUNCH_UNITS = {"approach_speed": "m/s", "energy_released": "J", "energy_at_touc
 
 
 @dataclass(frozen=True)
-class Solution:
-    """What a run gave.
+class Solution(Result):
+    """What a run gave; see `Result` for what it shares with others.
 
     Attributes
     ----------
@@ -97,19 +96,13 @@ class Solution:
         kg; errors as shares.
     phases : tuple of (str, float)
         Name and time (s) from the valve signal.
-    published : tuple of Comparison
-        Published beside computed.
-    warnings : tuple of Notice
-        What to know.
     reference : RigidReference
         The printed law on a rigid object.
     readings : tuple of (BlowReading or None)
         What taps and sensors show, one a blow; None where it missed.
     waves : WaveSetup or None
         How the waves were followed; None where the object is no stack.
-    citations : tuple of str
-        Keys of the sources of the models used.
-    data : xarray.Dataset
+    histories : xarray.Dataset
         Histories and the table of blows, with units in their attributes.
     launch : dict
         Of a machine without a drive, SI: see `LAUNCH_UNITS`.
@@ -117,18 +110,17 @@ class Solution:
         Of the bodies of an amplifier, that of striker and object among them, by restitution alone.
     """
 
+    command: ClassVar[str] = "run"
+
     case: Case
     blows: tuple[Blow, ...]
     masses: dict[str, float]
     phases: tuple[tuple[str, float], ...]
     ledger: dict[str, float]
-    published: tuple[Comparison, ...]
-    warnings: tuple[Notice, ...]
     reference: RigidReference
     readings: tuple[BlowReading | None, ...]
     waves: WaveSetup | None
-    citations: tuple[str, ...]
-    data: xarray.Dataset = field(repr=False, compare=False)
+    histories: xarray.Dataset = field(repr=False, compare=False)
     launch: dict[str, float] = field(default_factory=dict)
     collisions: tuple[LineCollision, ...] = ()
 
@@ -143,49 +135,55 @@ class Solution:
         route = "" if self.case.solver.route == "exact" else f"; route {self.case.solver.route}"
         return (self.case.title or self.case.name) + (f"; here {shown}{more}" if changed else "") + route
 
-    command: ClassVar[str] = "run"
+    @property
+    def source(self) -> Source:
+        """The case."""
+        return Source("case", self.case.name, dump_case(self.case))
 
     @property
-    def broken(self) -> bool:
-        """Whether a stated limit was broken."""
-        return any(notice.broken for notice in self.warnings)
+    def data(self) -> xarray.Dataset:
+        """Histories and the table of blows, with units in their attributes."""
+        return self.histories
 
-    def document(self) -> dict[str, Any]:
-        """Return the JSON document of the run; values that do not exist are null."""
-        rows = []
-        nothing = BlowReading(None, None, None, {})
-        for blow, reading in zip(self.blows, self.readings, strict=True):
-            row = {k: v for k, v in dataclasses.asdict(blow).items() if k not in HIDDEN}
-            rows.append({**row, **dataclasses.asdict(reading or nothing)})
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
         units = {k: u for k, u in BLOW_UNITS.items() if k not in HIDDEN}
         units |= {"wave_peak": "m/s^2", "total_peak": "m/s^2", "bandwidth": "Hz", "peak": "m/s^2", "masses": "kg"}
         units |= {"step": "s", "mismatch": "1", "length_asked": "m", "length_used": "m"}
         units |= LAUNCH_UNITS | {"lower_before": "m/s", "upper_before": "m/s"}
         units |= {"lower_after": "m/s", "upper_after": "m/s", "energy_lost": "J"}
-        units |= {"ledger": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
-        return plain(
-            {
-                **head(units, [without(dataclasses.asdict(n), "broken") for n in self.warnings]),
-                "case": self.case.name,
-                "route": self.case.solver.route,
-                "blows": rows,
-                "masses": self.masses,
-                "phases": [{"name": name, "time": time} for name, time in self.phases],
-                "ledger": self.ledger,
-                **self._launched(),
-                "waves": dataclasses.asdict(self.waves) if self.waves else None,
-                "published": [without(dataclasses.asdict(c), "note", "sensor") for c in self.published],
-                "fitted_fields": self.case.fitted_fields(),
-            }
-        )
+        return units | {"ledger": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
+        rows = []
+        nothing = BlowReading(None, None, None, {})
+        for blow, reading in zip(self.blows, self.readings, strict=True):
+            row = {k: v for k, v in dataclasses.asdict(blow).items() if k not in HIDDEN}
+            rows.append({**row, **dataclasses.asdict(reading or nothing)})
+        return {
+            "case": self.case.name,
+            "route": self.case.solver.route,
+            "blows": rows,
+            "masses": self.masses,
+            "phases": [{"name": name, "time": time} for name, time in self.phases],
+            "ledger": self.ledger,
+            **self._launched(),
+            "waves": dataclasses.asdict(self.waves) if self.waves else None,
+            "published": [comparison_document(c, "note", "sensor") for c in self.comparisons],
+            "fitted_fields": self.case.fitted_fields(),
+        }
 
     def _launched(self) -> dict[str, Any]:
         """Return what the JSON document says of a machine without a drive; nothing of one with a drive."""
         rows = [dataclasses.asdict(collision) for collision in self.collisions]
         return {"launch": self.launch, "collisions": rows} if self.launch else {}
 
-    def table(self) -> str:
+    def tables(self) -> dict[str, str]:
         """Return the table of blows as CSV text, every column with its unit."""
+        return {"blows.csv": self._blow_table()}
+
+    def _blow_table(self) -> str:
         text = io.StringIO()
         names = [f.name for f in dataclasses.fields(Blow)]
         writer = csv.writer(text, lineterminator="\n")
@@ -205,12 +203,19 @@ class Solution:
 
     def save(self, path: Path) -> None:
         """Write the whole solution as NetCDF; `load_solution` reads it back."""
+        self._stored().to_netcdf(path, engine="h5netcdf")
+
+    def datasets(self) -> dict[str, xarray.Dataset]:
+        """Return the histories and, in its attributes, everything else that `load_solution` reads back."""
+        return {"solution.nc": self._stored()}
+
+    def _stored(self) -> xarray.Dataset:
         state = {
             "masses": self.masses,
             "phases": self.phases,
             "ledger": self.ledger,
-            "published": [dataclasses.asdict(c) for c in self.published],
-            "warnings": [dataclasses.asdict(n) for n in self.warnings],
+            "published": [dataclasses.asdict(c) for c in self.comparisons],
+            "warnings": [dataclasses.asdict(n) for n in self.notices],
             "reference": dataclasses.asdict(self.reference),
             "readings": [dataclasses.asdict(r) if r else None for r in self.readings],
             "waves": dataclasses.asdict(self.waves) if self.waves else None,
@@ -224,7 +229,7 @@ class Solution:
             "case": dump_case(self.case),
             "tables": json.dumps(state),
         }
-        self.data.assign_attrs(attributes).to_netcdf(path, engine="h5netcdf")
+        return self.data.assign_attrs(attributes)
 
 
 def load_solution(path: Path | str) -> Solution:
@@ -264,13 +269,13 @@ def load_solution(path: Path | str) -> Solution:
             masses=state["masses"],
             phases=tuple((name, time) for name, time in state["phases"]),
             ledger=state["ledger"],
-            published=tuple(Comparison(**row) for row in state["published"]),
-            warnings=tuple(Notice(**row) for row in state["warnings"]),
+            comparisons=tuple(Comparison(**row) for row in state["published"]),
+            notices=tuple(Notice(**row) for row in state["warnings"]),
             reference=RigidReference(**state["reference"]),
             readings=tuple(_reading(row) for row in state["readings"]),
             waves=_waves(state["waves"]),
             citations=tuple(state["citations"]),
-            data=data.drop_attrs(deep=False),
+            histories=data.drop_attrs(deep=False),
             launch=state.get("launch", {}),
             collisions=tuple(LineCollision(**row) for row in state.get("collisions", ())),
         )

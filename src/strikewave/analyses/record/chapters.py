@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from statistics import mean, median
-from typing import Any
 
-from strikewave._version import __version__
 from strikewave.analyses.record.figures import campaigns as campaign_figures
 from strikewave.analyses.record.figures import records
 from strikewave.analyses.record.figures.campaigns import figure_unit
-from strikewave.analyses.record.pictures import shown_response
 from strikewave.analyses.record.tables import (
     Columns,
     Names,
@@ -23,13 +20,12 @@ from strikewave.analyses.record.tables import (
     unit_of,
     units_of,
 )
-from strikewave.base.citations import SOURCES
 from strikewave.records.campaign import SUMMED, Campaign
-from strikewave.records.finding import STATUSES, worst
+from strikewave.records.health_notice import STATUSES, worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.numbers import listed, spelled
-from strikewave.reporting.parts import NONE, Cell, Code, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
@@ -294,8 +290,6 @@ def calibration_section(
     files: Sequence[FileReading],
     names: Names,
     stated: Sequence[tuple[str, str]],
-    options: Sequence[tuple[str, str]],
-    digests: Mapping[str, str],
 ) -> Section:
     """Say what made SI of the files' numbers, and where all of it comes from."""
     groups: dict[tuple[str, str, str], list[str]] = {}
@@ -312,46 +306,9 @@ def calibration_section(
             "What each channel was taken as", ["channel", "stated", "SI unit", "files"], rows, "No channel was read."
         ),
         Table("Where it was stated", ["where", "what"], [list(pair) for pair in stated], "No calibration was stated."),
-        Table("Other options", ["option", "value"], [list(pair) for pair in options], "None was given."),
     ]
-    lines = [f"{digests.get(file.path, '')}  {file.path}".strip().replace("\n", "\\n") for file in files]
-    if lines:
-        what = "Paths of the files" + (" and their SHA-256" if any(digests.get(file.path) for file in files) else "")
-        parts.append(Code("\n".join(lines), what))
     return Section("Calibration and provenance", "", parts)
 
 
 def _several(names: Sequence[str]) -> str:
     return listed(list(names)) if len(names) <= 4 else f"{len(names)} files, {names[0]} to {names[-1]}"
-
-
-def warning_section(warnings: Sequence[Mapping[str, Any]]) -> Section:
-    """List what the reader should know."""
-    rows: list[list[Cell]] = []
-    for one in warnings:
-        values = (one.get("value"), one.get("limit"))
-        numbers = [f"{v:.6g}" if isinstance(v, int | float) and math.isfinite(v) else NONE for v in values]
-        rows.append([Tag(str(one.get("code", "note")), "warned"), str(one.get("message", "")), *numbers])
-    heads = ["code", "message", "number", "limit"]
-    return Section("Warnings", "", [Table("Warnings", heads, rows, "No warning was raised.")])
-
-
-def source_section(files: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> Section:
-    """List the sources of the methods used."""
-    keys = ["siegel-1982"] if rows_of(files) else []
-    keys += ["vangel-1996"] if any(campaign.statistics for campaign in campaigns) else []
-    keys += ["smallwood-1981", "iso-18431-4"] if shown_response(files) is not None else []
-    j211 = filter_ is None or "J211" in str(filter_)
-    keys += ["sae-j211"] if j211 and rows_of(files) else []
-    rows: list[list[Cell]] = [[key, SOURCES[key]] for key in keys]
-    return Section(
-        "Sources", "", [Table("Sources of the methods used", ["key", "source"], rows, "No source is named.")]
-    )
-
-
-def again_section(command: str) -> Section:
-    """Say how the same numbers come again."""
-    if not command:
-        return Section("How to run this again", "The command was not handed down.")
-    words = f"This command gives the same numbers again with strikewave {__version__}, from the same files."
-    return Section("How to run this again", words, [Code(command)])

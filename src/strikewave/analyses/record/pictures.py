@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from strikewave.analyses.record.chosen import shown_response
 from strikewave.analyses.record.figures import records, spectra
-from strikewave.analyses.record.tables import Names, Row, amount, called
-from strikewave.records.finding import STATUSES
+from strikewave.analyses.record.tables import Names, amount, called
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Part, Picture, Section
@@ -111,14 +111,3 @@ def response_section(files: Sequence[FileReading], names: Names) -> Section:
         )
         parts.append(Picture(spectra.tripartite(pseudo), words))
     return Section(title, text, parts)
-
-
-def shown_response(files: Sequence[FileReading]) -> Row | None:
-    """Return the record whose spectrum is shown: the first good acceleration, else a suspect one."""
-    fit = [
-        (file, reading)
-        for file, reading in spectra.usable(files)
-        if reading.pulses and reading.channel.unit in ("m/s^2", "")
-    ]
-    fit.sort(key=lambda row: row[1].channel.unit == "")
-    return min(fit, key=lambda row: STATUSES.index(row[1].status), default=None)

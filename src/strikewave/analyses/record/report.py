@@ -2,80 +2,34 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
 
 from strikewave.analyses.record import chapters as chapters
 from strikewave.analyses.record import pictures as pictures
+from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import amount, between, called, percent, rows_of, short_names, unit_of
 from strikewave.records.campaign import Campaign
-from strikewave.records.finding import STATUSES
+from strikewave.records.health_notice import STATUSES
 from strikewave.records.reading import FileReading
+from strikewave.reporting import chapters as shared
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import Tag
-from strikewave.signal.filters import Filter
 
 MOST_REASONS = 4
 """Bad records whose reason the summary gives."""
 
 
-@dataclass(frozen=True)
-class RecordFacts:
-    """What the report tells besides the readings.
-
-    Attributes
-    ----------
-    title : str
-        Of the report.
-    command : str
-        Command line that gives the same again, as it is to be typed.
-    calibrations : sequence of (str, str)
-        Where a calibration was stated (an option, a file), and what.
-    options : sequence of (str, str)
-        Other options, and what they were.
-    filter : Filter or None
-        Low-pass that was taken before the blows were measured.
-    digests : mapping
-        SHA-256 of each file, by its path; may be empty.
-    """
-
-    title: str
-    command: str = ""
-    calibrations: Sequence[tuple[str, str]] = ()
-    options: Sequence[tuple[str, str]] = ()
-    filter: Filter | None = None
-    digests: Mapping[str, str] = field(default_factory=dict)
-
-
-def record_report(
-    files: Sequence[FileReading],
-    campaigns: Sequence[Campaign],
-    facts: RecordFacts,
-    warnings: Sequence[Mapping[str, Any]] = (),
-) -> str:
+def record_report(result: RecordResult) -> str:
     """Return the report of measured records as one HTML page: no script, nothing fetched, the same bytes each time.
-
-    Parameters
-    ----------
-    files : sequence of FileReading
-        In the order of the test; may be empty.
-    campaigns : sequence of Campaign
-        One a channel, as `strikewave.records.campaign.summed` gives them.
-    facts : RecordFacts
-        Title, calibrations, options, and how to get the same again.
-    warnings : sequence of mapping, optional
-        What the reader should know, each with ``code`` and ``message``, where they have one ``value`` and ``limit``.
 
     Examples
     --------
-    >>> page = record_report([], [], RecordFacts("Nothing yet"))
+    >>> page = record_report(RecordResult([]))
     >>> page.splitlines()[0], "No file was read." in page, "<script" in page
     ('<!doctype html>', True, False)
     """
+    files, campaigns = result.readings, result.campaigns
     names = short_names([file.path for file in files])
     sections = [
         chapters.file_section(files, names),
@@ -84,32 +38,14 @@ def record_report(
         *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns),
         pictures.picture_section(files, names),
         pictures.response_section(files, names),
-        chapters.filter_section(files, names, facts.filter),
-        chapters.calibration_section(files, names, facts.calibrations, facts.options, facts.digests),
-        chapters.warning_section(warnings),
-        chapters.source_section(files, campaigns, facts.filter),
-        chapters.again_section(facts.command),
+        chapters.filter_section(files, names, result.filter),
+        chapters.calibration_section(files, names, result.calibrations),
+        shared.warnings(result.notices),
     ]
-    digest = _digest(files, facts.digests)
-    many = f"{len(files)} file{'' if len(files) == 1 else 's'}"
-    head = Head(
-        title=facts.title,
-        kicker="Report of measured records",
-        subject="Files",
-        name=str(len(files)),
-        digest=digest,
-        status=_status(files),
-        summary=_summary(files, campaigns, names),
-        numbers=_key_numbers(files, campaigns),
-        foot=many + (f" · SHA-256 of the files, taken together, {digest}" if digest else ""),
+    summary = shared.Summary(
+        "Report of measured records", _summary(files, campaigns, names), _key_numbers(files, campaigns), _status(files)
     )
-    return whole_page(head, sections)
-
-
-def _digest(files: Sequence[FileReading], digests: Mapping[str, str]) -> str:
-    """Return one digest of the digests of all files, in their order; empty where one is missing."""
-    found = [digests.get(file.path, "") for file in files]
-    return hashlib.sha256("\n".join(found).encode()).hexdigest() if found and all(found) else ""
+    return shared.result_page(result, summary, sections)
 
 
 def _counts(files: Sequence[FileReading]) -> list[str]:
@@ -184,6 +120,3 @@ def _campaign_words(campaign: Campaign, unit: str, several: bool) -> str:
         return text + ". Over the files no trend of the peak stands out of the scatter."
     grows = "grows" if (line.slope > 0.0) == (one.mean > 0.0) else "falls"
     return f"{text}. Over the files the peak {grows} by {percent(abs(line.change), 2)} along its trend."
-
-
-__all__ = ["RecordFacts", "record_report"]

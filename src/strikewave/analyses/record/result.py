@@ -1,18 +1,22 @@
-"""Readings and campaigns as JSON documents and tables."""
+"""What measured records say: files, campaigns, JSON document and tables."""
 
 from __future__ import annotations
 
 import csv
 import io
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar
 
-from strikewave.base.json_document import head, plain
+from strikewave.analyses.record.chosen import sources_of
+from strikewave.base.result import Notice, Result, Source
 from strikewave.records.campaign import Campaign
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.reporting.measured_files import identity
 from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
@@ -22,28 +26,88 @@ OWN = "as in the file"
 """Stands for the unit of figures whose file does not say it."""
 
 
-def record_document(
-    files: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None
-) -> dict[str, Any]:
-    """Return the JSON document of records.
+@dataclass(frozen=True)
+class RecordResult(Result):
+    """What measured records say, file by file and together; see `Result` for what it shares with others.
 
-    Parameters
+    Attributes
     ----------
-    files : sequence of FileReading
-        In the order given.
+    readings : sequence of FileReading
+        In the order of the test.
     campaigns : sequence of Campaign
-        One a channel; the first stands under ``campaign``.
-    filter_ : Filter or None
-        What was applied before measuring.
+        One a channel; the first stands under ``campaign`` in the JSON document.
+    filter : Filter or None
+        Low-pass that was taken before the blows were measured.
+    calibrations : sequence of (str, str)
+        Where a calibration was stated (an option, a file), and what.
+    asked : str
+        Command line that gives the same again, as it is to be typed.
+    digests : mapping
+        SHA-256 of each file, by its path; may be empty.
     """
-    document = {
-        **head(units_of(files), warnings_of(files)),
-        "files": [_file(file, filter_) for file in files],
-        "campaign": _campaign(campaigns[0]) if campaigns else {},
-    }
-    if len(campaigns) > 1:
-        document["campaigns"] = [_campaign(one) for one in campaigns]
-    return dict(plain(document))
+
+    command: ClassVar[str] = "record"
+
+    readings: Sequence[FileReading]
+    campaigns: Sequence[Campaign] = ()
+    filter: Filter | None = None
+    calibrations: Sequence[tuple[str, str]] = ()
+    asked: str = ""
+    digests: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Name of the only file without its ending, or of the folder of several."""
+        paths = [Path(reading.path) for reading in self.readings]
+        if len(paths) == 1:
+            return paths[0].stem
+        return paths[0].absolute().parent.name or "records" if paths else "records"
+
+    @property
+    def title(self) -> str:
+        """Name of the only file, or how many there are of which folder."""
+        only = len(self.readings) == 1
+        return Path(self.readings[0].path).name if only else f"{len(self.readings)} records of {self.name}"
+
+    @property
+    def source(self) -> Source:
+        """The files by their SHA-256, and what was asked of them."""
+        text = identity(self.asked, self.digests)
+        return Source("records", self.name, text, "record.toml", self.digests, self.asked)
+
+    @property
+    def broken(self) -> bool:
+        """Whether some files could not be read."""
+        return any(notice.code == "unreadable" for file in self.readings for notice in file.findings)
+
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return units_of(self.readings)
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
+        content = {
+            "files": [_file(file, self.filter) for file in self.readings],
+            "campaign": _campaign(self.campaigns[0]) if self.campaigns else {},
+        }
+        if len(self.campaigns) > 1:
+            content["campaigns"] = [_campaign(one) for one in self.campaigns]
+        return content
+
+    def tables(self) -> dict[str, str]:
+        """Return all pulses as CSV text."""
+        return {"pulses.csv": pulse_table(self.readings)}
+
+
+def record_result(
+    readings: Sequence[FileReading],
+    campaigns: Sequence[Campaign] = (),
+    filter: Filter | None = None,
+    **asked: Any,
+) -> RecordResult:
+    """Return the result of records with its notices and sources; ``asked`` are further attributes of `RecordResult`."""
+    citations = sources_of(readings, campaigns, filter)
+    return RecordResult(readings, campaigns, filter, notices=notices_of(readings), citations=citations, **asked)
 
 
 def units_of(files: Sequence[FileReading]) -> dict[str, str]:
@@ -60,22 +124,17 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
     }
 
 
-def warnings_of(files: Sequence[FileReading]) -> list[dict[str, Any]]:
+def notices_of(files: Sequence[FileReading]) -> tuple[Notice, ...]:
     """Return what holds for all files, each word once."""
-    found: dict[str, tuple[Finding, int]] = {}
+    found: dict[str, tuple[HealthNotice, int]] = {}
     for file in files:
         for code in {f.code for f in file.all_findings if f.code in ("unit-unknown", "not-calibrated", "unreadable")}:
             first = next(f for f in file.all_findings if f.code == code)
             found[code] = (found[code][0] if code in found else first, found.get(code, (first, 0))[1] + 1)
-    return [
-        {
-            "code": code,
-            "message": f.message if count == 1 else f"{f.message} ({count} files)",
-            "value": count,
-            "limit": 0,
-        }
+    return tuple(
+        Notice(code, f.message if count == 1 else f"{f.message} ({count} files)", count, 0)
         for code, (f, count) in found.items()
-    ]
+    )
 
 
 def _file(file: FileReading, filter_: Filter | None) -> dict[str, Any]:
@@ -84,14 +143,9 @@ def _file(file: FileReading, filter_: Filter | None) -> dict[str, Any]:
         "format": file.format,
         "status": file.status,
         "reasons": file.reasons,
-        "health": [finding_row(f) for f in file.findings],
+        "health": [f.health_document() for f in file.findings],
         "channels": [_channel(reading, filter_) for reading in file.channels],
     }
-
-
-def finding_row(finding: Finding) -> dict[str, Any]:
-    """Return a finding as a row."""
-    return {**finding._asdict(), "harms": list(finding.harms)}
 
 
 def _channel(reading: ChannelReading, filter_: Filter | None) -> dict[str, Any]:
@@ -104,7 +158,7 @@ def _channel(reading: ChannelReading, filter_: Filter | None) -> dict[str, Any]:
         "unit": channel.unit or None,
         "status": reading.status,
         "calibration": reading.calibration.stated(),
-        "health": [finding_row(f) for f in reading.findings],
+        "health": [f.health_document() for f in reading.findings],
         "pulses": [pulse_row(pulse) for pulse in reading.pulses],
         "advised_cutoff": cutoff_for(reading),
         "filter": None if filter_ is None else filter_effect(reading, filter_),

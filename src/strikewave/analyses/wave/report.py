@@ -225,14 +225,14 @@ def bar_report(solution: BarSolution, quantity: str = "stress") -> str:
         _setup(case),
         chapters.inputs(case),
         *bar_sections(solution, quantity),
-        chapters.warnings(solution.warnings),
+        chapters.warnings(solution.notices),
         Section(
             "Ledger",
             "Momentum: impulses at both ends less the momentum of the stack, over the greater impulse.",
             [chapters.ledger_table(solution.ledger)],
         ),
     ]
-    return chapters.case_page(solution, (bar_words(solution), ()), parts)
+    return chapters.result_page(solution, chapters.Summary("Report of a run", bar_words(solution)), parts)
 
 
 def _setup(case: Case) -> Section:

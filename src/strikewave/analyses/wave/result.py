@@ -9,15 +9,13 @@ import io
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.base.json_document import head, plain, without
-from strikewave.base.result import SCHEMA, Notice
+from strikewave.base.result import SCHEMA, Result, Source
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import Loss, fitted_losses
@@ -40,8 +38,8 @@ def load_peak(run: BarRun) -> float:
 
 
 @dataclass(frozen=True)
-class BarSolution:
-    """What a bar under its load did.
+class BarSolution(Result):
+    """What a bar under its load did; see `Result` for what it shares with others.
 
     Attributes
     ----------
@@ -67,11 +65,10 @@ class BarSolution:
         Largest magnitude of the stress in each layer, Pa.
     quoted : bool
         Whether one-dimensional theory allows peak accelerations to be quoted.
-    warnings : tuple of Notice
-        What to know.
-    citations : tuple of str
-        Keys of the sources of the models used.
     """
+
+    command: ClassVar[str] = "wave"
+    data_file: ClassVar[str] = "waves.nc"
 
     case: Case
     run: BarRun = field(repr=False)
@@ -84,8 +81,6 @@ class BarSolution:
     accuracy: tuple[float, float]
     layer_stress: tuple[float, ...]
     quoted: bool
-    warnings: tuple[Notice, ...]
-    citations: tuple[str, ...]
 
     @property
     def title(self) -> str:
@@ -99,12 +94,10 @@ class BarSolution:
         pairs = zip(self.channels, self.readings, strict=True)
         return {channel.sensor.name: sensor_pulse(reading) for channel, reading in pairs}
 
-    command: ClassVar[str] = "wave"
-
     @property
-    def broken(self) -> bool:
-        """Whether a stated limit was broken."""
-        return any(notice.broken for notice in self.warnings)
+    def source(self) -> Source:
+        """The case."""
+        return Source("case", self.case.name, dump_case(self.case))
 
     @property
     def ledger(self) -> dict[str, float]:
@@ -179,16 +172,8 @@ class BarSolution:
             return RouteHistory(self.run.force[:, k], self.run.velocity[:, k], self.run.acceleration[:, k])
         return self.routes.get((self.taps[k][0], route))
 
-    def document(self) -> dict[str, Any]:
-        """Return the JSON document: each tap by the route of the case."""
-        velocity, acceleration = self.accuracy
-        taps = []
-        for k, (name, tap) in enumerate(self.taps):
-            layer, found = self.run.stack.layers[tap.layer], self.by_route(k, self.route)
-            if found is not None:
-                place = {"name": name, "layer": layer.name, "position": tap.position, "route": self.route}
-                place["peaks"] = self.peaks(k, self.route)
-                taps.append({**place, "time": self.run.time, **found._asdict(), "stress": found.force / layer.area})
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
         units = {"step": "s", "length_asked": "m", "length_used": "m", "position": "1", "time": "s", "force": "N"}
         units |= {"stress": "Pa", "velocity": "m/s", "acceleration": "m/s^2", "error_bound": "1", "bandwidth": "Hz"}
         units |= {
@@ -216,31 +201,40 @@ class BarSolution:
             "max_indentation": "m",
             "energy_lost": "J",
         }
-        return plain(
-            {
-                **head(units, [without(dataclasses.asdict(n), "broken") for n in self.warnings]),
-                "case": self.case.name,
-                "step": float(self.run.time[1]) if self.run.time.size > 1 else self.waves.step,
-                "solver_step": self.waves.step,
-                "mismatch": self.waves.mismatch,
-                "bandwidth": self.case.solver.bandwidth.si if self.case.solver.bandwidth else None,
-                "error_bound": velocity,
-                "acceleration_error_bound": acceleration,
-                "momentum_error": self.run.momentum_error,
-                "method": self.method,
-                "dispersion": self.case.solver.dispersion,
-                "losses": [loss._asdict() for loss in self.losses],
-                "contact": self.contact(),
-                "oscillators": self.oscillators(),
-                "joints": self.joints(),
-                "layers": [
-                    {**dataclasses.asdict(layer), "stress": stress}
-                    for layer, stress in zip(self.waves.layers, self.layer_stress, strict=True)
-                ],
-                "taps": taps,
-                "sensors": {name: dataclasses.asdict(pulse) for name, pulse in self.sensors.items()},
-            }
-        )
+        return units
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head: each tap by the route of the case."""
+        velocity, acceleration = self.accuracy
+        taps = []
+        for k, (name, tap) in enumerate(self.taps):
+            layer, found = self.run.stack.layers[tap.layer], self.by_route(k, self.route)
+            if found is not None:
+                place = {"name": name, "layer": layer.name, "position": tap.position, "route": self.route}
+                place["peaks"] = self.peaks(k, self.route)
+                taps.append({**place, "time": self.run.time, **found._asdict(), "stress": found.force / layer.area})
+        return {
+            "case": self.case.name,
+            "step": float(self.run.time[1]) if self.run.time.size > 1 else self.waves.step,
+            "solver_step": self.waves.step,
+            "mismatch": self.waves.mismatch,
+            "bandwidth": self.case.solver.bandwidth.si if self.case.solver.bandwidth else None,
+            "error_bound": velocity,
+            "acceleration_error_bound": acceleration,
+            "momentum_error": self.run.momentum_error,
+            "method": self.method,
+            "dispersion": self.case.solver.dispersion,
+            "losses": [loss._asdict() for loss in self.losses],
+            "contact": self.contact(),
+            "oscillators": self.oscillators(),
+            "joints": self.joints(),
+            "layers": [
+                {**dataclasses.asdict(layer), "stress": stress}
+                for layer, stress in zip(self.waves.layers, self.layer_stress, strict=True)
+            ],
+            "taps": taps,
+            "sensors": {name: dataclasses.asdict(pulse) for name, pulse in self.sensors.items()},
+        }
 
     def _histories(self) -> Iterator[tuple[Array, Array, Array, Array]]:
         """Yield force, stress, velocity, acceleration at each tap by the route of the case; NaN where it has none."""
@@ -250,8 +244,9 @@ class BarSolution:
             stress = found.force / self.run.stack.layers[tap.layer].area
             yield found.force, stress, found.velocity, found.acceleration
 
-    def dataset(self) -> xarray.Dataset:
-        """Return all histories and the x-t field with units."""
+    @functools.cached_property
+    def data(self) -> xarray.Dataset:
+        """All histories and the x-t field with units."""
         import xarray
 
         run, where = self.run, ("time", "tap")
@@ -289,8 +284,11 @@ class BarSolution:
         }
         return xarray.Dataset(variables, coordinates, attributes)
 
-    def table(self) -> str:
+    def tables(self) -> dict[str, str]:
         """Return the histories of all taps as CSV text, every column with its unit."""
+        return {"taps.csv": self._tap_table()}
+
+    def _tap_table(self) -> str:
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         units = (("force", "N"), ("stress", "Pa"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
@@ -303,7 +301,3 @@ class BarSolution:
         for row in zip(*columns, strict=True):
             writer.writerow(["" if math.isnan(value) else f"{value:.9g}" for value in row])
         return text.getvalue()
-
-    def save(self, path: Path) -> None:
-        """Write all histories as NetCDF."""
-        self.dataset().to_netcdf(path, engine="h5netcdf")

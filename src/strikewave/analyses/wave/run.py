@@ -88,11 +88,10 @@ def run_wave(case: Case) -> BarSolution:
         accuracy=accuracy,
         layer_stress=tuple(float(force / layer.area) for force, layer in zip(extremes[0], stack.layers, strict=True)),
         quoted=rise > 0.0 and rise_in_diameters(stack, rise, bandwidth)[0] >= rise_limits(stack)[0],
-        warnings=(),
         citations=_citations(case, stack, channels),
     )
     return dataclasses.replace(
-        solution, warnings=tuple(bar_notices(solution, Front(rise, peak, bandwidth), extremes, lasting))
+        solution, notices=tuple(bar_notices(solution, Front(rise, peak, bandwidth), extremes, lasting))
     )
 
 

@@ -10,7 +10,7 @@ from strikewave.papers.li_ma_2019.equations import equation_rows
 from strikewave.papers.li_ma_2019.findings import ELASTIC, QUIET, REFLECTING, WAVE, findings
 from strikewave.papers.li_ma_2019.further import Further, run_further
 from strikewave.papers.li_ma_2019.published import consistency_checks, published_numbers
-from strikewave.papers.li_ma_2019.result import NumberRow, Reproduction
+from strikewave.papers.li_ma_2019.result import PAPER, NumberRow, Reproduction, notices_of
 from strikewave.papers.li_ma_2019.runs import (
     QUIET_ELEMENTS,
     QUIET_WAVE_ELEMENTS,
@@ -47,7 +47,9 @@ def reproduce(effort: Effort, report: Report = lambda share, words: None) -> Rep
     measured = {name: None if found is None else element_numbers(found) for name, found in solutions.items()}
     numbers = number_rows(published_numbers(), runs)
     found = findings(equations, checks, measured, _read_ratio(numbers))
-    return Reproduction(runs, equations, numbers, checks, found, further)
+    return Reproduction(
+        runs, equations, numbers, checks, found, further, effort, notices=notices_of(runs), citations=(PAPER,)
+    )
 
 
 def _read_ratio(numbers: Sequence[NumberRow]) -> float | None:

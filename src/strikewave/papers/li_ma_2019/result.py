@@ -5,19 +5,18 @@ from __future__ import annotations
 import csv
 import functools
 import io
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, ClassVar
 
 from strikewave.analyses.fem.result import FemSolution
-from strikewave.base.json_document import head, plain, without
-from strikewave.base.result import Notice
+from strikewave.base.json_document import without
+from strikewave.base.result import Notice, Result, Source
 from strikewave.base.units import DIMENSIONS, convertible, in_unit
 from strikewave.fem.measures import ledger_measure
 from strikewave.papers.li_ma_2019.assumed import SHARE, DimensionStudy, MeshRow
 from strikewave.papers.li_ma_2019.body_rows import BodyRow, body_rows
 from strikewave.papers.li_ma_2019.further import Further
-from strikewave.papers.li_ma_2019.runs import Runs
+from strikewave.papers.li_ma_2019.runs import Effort, Runs
 from strikewave.papers.li_ma_2019.types import Consistency, EquationRow, Finding, PublishedNumber
 
 PAPER = "li-ma-2019"
@@ -68,8 +67,8 @@ class NumberRow:
 
 
 @dataclass(frozen=True)
-class Reproduction:
-    """Everything that a reproduction came to.
+class Reproduction(Result):
+    """Everything that a reproduction came to; see `Result` for what it shares with others.
 
     Attributes
     ----------
@@ -81,7 +80,11 @@ class Reproduction:
     findings : tuple of Finding
     further : Further
         Studies of the models of hexahedra.
+    effort : Effort
+        How much was run.
     """
+
+    command: ClassVar[str] = "reproduce"
 
     runs: Runs
     equations: tuple[EquationRow, ...]
@@ -89,33 +92,29 @@ class Reproduction:
     checks: tuple[Consistency, ...]
     findings: tuple[Finding, ...]
     further: Further = field(default_factory=Further)
+    effort: Effort = field(default_factory=Effort)
 
     def row(self, name: str) -> NumberRow:
         """Return a published number by its name."""
         return next(row for row in self.numbers if row.number.name == name)
 
     @property
-    def broken(self) -> bool:
-        """Whether a run broke a stated limit."""
-        return any(notice.broken for _, notice in self.notices)
+    def title(self) -> str:
+        """What is reproduced."""
+        return "Li & Ma 2019, reproduced: equations, figures and published numbers"
+
+    @property
+    def source(self) -> Source:
+        """What was asked."""
+        return Source("paper", PAPER, marked_text(self.effort), "record.toml", asked=asked_command(self.effort))
 
     @functools.cached_property
     def bodies(self) -> list[BodyRow]:
         """Masses on springs and layers for the bodies of the models of hexahedra, beside these."""
         return body_rows(self.runs.elements)
 
-    @property
-    def notices(self) -> list[tuple[str, Notice]]:
-        """What the runs warn of, each with the name of its case."""
-        runs = self.runs
-        named: list[tuple[str, Sequence[Notice]]] = [(one.case.name, one.warnings) for one in runs.impacts]
-        named.append((runs.bar.case.name, runs.bar.warnings))
-        named += [(one.case.name, one.warnings) for one in runs.elements]
-        return [(name, notice) for name, rows in named for notice in rows]
-
-    def document(self) -> dict[str, Any]:
-        """Return the JSON document; numbers are SI."""
-        runs = self.runs
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
         units = {
             "exact": "SI, see unit",
             "printed": "SI, see printed_unit, else unit",
@@ -130,26 +129,35 @@ class Reproduction:
             "step": "s",
             "seconds": "s",
         }
-        units |= {"energy_error": "1", "hourglass_share": "1", "momentum_error": "1"}
-        return plain(
-            {
-                **head(units, [{"case": name, **without(asdict(notice), "broken")} for name, notice in self.notices]),
-                "paper": PAPER,
-                "quick": runs.quick,
-                "cases": [case.name for case in runs.cases],
-                "equations": [equation_document(row) for row in self.equations],
-                "published": [number_document(row) for row in self.numbers],
-                "consistency": [asdict(row) for row in self.checks],
-                "elements": [element_document(solution) for solution in runs.elements],
-                "meshes": {name: [mesh_document(row) for row in rows] for name, rows in self.further.meshes.items()},
-                "bodies": [body_document(row) for row in self.bodies],
-                "reasons": [{**asdict(row), "off": row.off} for row in self.further.reasons],
-                "dimensions": [dimension_document(study) for study in self.further.dimensions],
-                "findings": [asdict(row) for row in self.findings],
-            }
-        )
+        return units | {"energy_error": "1", "hourglass_share": "1", "momentum_error": "1"}
 
-    def table(self) -> str:
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head; numbers are SI."""
+        runs = self.runs
+        return {
+            "paper": PAPER,
+            "quick": runs.quick,
+            "cases": [case.name for case in runs.cases],
+            "equations": [equation_document(row) for row in self.equations],
+            "published": [number_document(row) for row in self.numbers],
+            "consistency": [asdict(row) for row in self.checks],
+            "elements": [element_document(solution) for solution in runs.elements],
+            "meshes": {name: [mesh_document(row) for row in rows] for name, rows in self.further.meshes.items()},
+            "bodies": [body_document(row) for row in self.bodies],
+            "reasons": [{**asdict(row), "off": row.off} for row in self.further.reasons],
+            "dimensions": [dimension_document(study) for study in self.further.dimensions],
+            "findings": [asdict(row) for row in self.findings],
+        }
+
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document as a file."""
+        return {"reproduction.json": self.document_text(2)}
+
+    def tables(self) -> dict[str, str]:
+        """Return the table of published numbers."""
+        return {"published.csv": self._number_table()}
+
+    def _number_table(self) -> str:
         """Return published numbers and what was computed as CSV text, SI; a row an answer."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
@@ -162,6 +170,28 @@ class Reproduction:
                 cells = [one.value, one.difference(number.value), one.role, one.by, one.note or number.note]
                 writer.writerow([*begin, *("" if cell is None else cell for cell in cells)])
         return text.getvalue()
+
+
+def notices_of(runs: Runs) -> tuple[Notice, ...]:
+    """Return what the runs warn of, each with the name of its case."""
+    results: list[Result] = [*runs.impacts, runs.bar, *runs.elements]
+    return tuple(replace(notice, case=one.source.name) for one in results for notice in one.notices)
+
+
+def marked_text(effort: Effort) -> str:
+    """Return what was asked as TOML: another effort is another result."""
+    switches = {"quick": effort.quick, "elements": effort.elements, "studies": effort.studies}
+    return f'paper = "{PAPER}"\n' + "".join(f"{name} = {str(on).lower()}\n" for name, on in switches.items())
+
+
+def asked_command(effort: Effort) -> str:
+    """Return the command that gives the same result again."""
+    chosen = (
+        " --quick" * effort.quick
+        + " --without elements" * (not effort.elements)
+        + " --without studies" * (not effort.studies)
+    )
+    return f"strikewave reproduce {PAPER}{chosen}"
 
 
 def si_unit(unit: str) -> str:
@@ -240,8 +270,3 @@ def dimension_document(study: DimensionStudy) -> dict[str, Any]:
         for row in study.rows
     ]
     return {"case": study.case, "base": study.base._asdict(), "rows": rows}
-
-
-def by_role(rows: Sequence[NumberRow], role: str) -> list[tuple[PublishedNumber, Computed]]:
-    """Return the answers of a role, each with its published number."""
-    return [(row.number, one) for row in rows for one in row.computed if one.role == role and one.value is not None]

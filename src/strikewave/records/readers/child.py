@@ -6,6 +6,7 @@ more file that cannot be read. Samples come back as plain float64 files, the res
 
 from __future__ import annotations
 
+import dataclasses
 import importlib
 import json
 import os
@@ -18,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.base.errors import InputError
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
 from strikewave.records.record import Channel, Record
 
@@ -84,7 +85,7 @@ def _record(path: Path, reader: str, folder: Path, said: dict[str, Any]) -> Reco
         values = np.fromfile(file, np.float64) if size is None else np.broadcast_to(np.float64(np.nan), (size,))
         file.unlink(missing_ok=True)
         channels.append(Channel(values=values, stamps=None if held is None else stamps[held], **channel))
-    findings = (Finding(**{**one, "harms": tuple(one["harms"])}) for one in said["findings"])
+    findings = (HealthNotice(**{**one, "harms": tuple(one["harms"])}) for one in said["findings"])
     return Record(str(path), reader, tuple(channels), tuple(findings))
 
 
@@ -143,4 +144,8 @@ def _written(record: Record, folder: Path) -> dict[str, Any]:
                 "held": held.get(id(channel.stamps)) if channel.stamps is not None else None,
             }
         )
-    return {"channels": channels, "stamps": len(held), "findings": [finding._asdict() for finding in record.findings]}
+    return {
+        "channels": channels,
+        "stamps": len(held),
+        "findings": [dataclasses.asdict(finding) for finding in record.findings],
+    }

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
 from strikewave.records.readers.clock import seconds_in, step_of, to_seconds
 from strikewave.records.readers.headings import is_time, name_and_unit
@@ -195,7 +195,7 @@ def assemble(
     columns: Sequence[Column],
     options: Options,
     said: tuple[float, float] = (math.nan, math.nan),
-    findings: Iterable[Finding] = (),
+    findings: Iterable[HealthNotice] = (),
 ) -> Record:
     """Make a record of a file's arrays.
 
@@ -212,7 +212,7 @@ def assemble(
         ``rate`` overrules every time, ``time`` names the time array.
     said : tuple of float
         Step and start, s, that hold for the whole file; NaN where it does not say.
-    findings : iterable of Finding
+    findings : iterable of HealthNotice
         What reading showed so far.
     """
     columns = [column for column in columns if column.size]
@@ -233,12 +233,14 @@ def assemble(
     return Record(str(path), form, tuple(channels), (*findings, *left_out([c.name for c in ignored])))
 
 
-def left_out(names: Sequence[str]) -> tuple[Finding, ...]:
+def left_out(names: Sequence[str]) -> tuple[HealthNotice, ...]:
     """Return the word on arrays that are no channels."""
     if not names:
         return ()
     listed = ", ".join(str(name)[:40] for name in names[:8]) + (", ..." if len(names) > 8 else "")
-    return (Finding("array-ignored", f"{len(names)} arrays are no channels: {listed}", len(names), "good"),)
+    return (
+        HealthNotice("array-ignored", f"{len(names)} arrays are no channels: {listed}", len(names), severity="good"),
+    )
 
 
 def _clocks(columns: Sequence[Column], options: Options) -> list[Column]:

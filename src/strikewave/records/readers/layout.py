@@ -7,7 +7,7 @@ from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers.columns import (
     LONGEST_LINE,
     MOST_COLUMNS,
@@ -55,7 +55,7 @@ class Layout(NamedTuple):
     full: list[int]
     headings: Headings
     above: list[str]
-    findings: list[Finding]
+    findings: list[HealthNotice]
 
 
 def look_at(path: Path) -> Look:
@@ -120,13 +120,17 @@ def lay_out(look: Look) -> Layout:
     if width > MOST_COLUMNS:
         raise refuse(look.path, f"at most {MOST_COLUMNS} columns", f"it has {width}")
     filled, full, findings = _columns_with_numbers([row for row in rows if len(row) == width], look.path)
-    findings = sorted(findings + _labels(body, marks, width, filled, findings))
+    findings = sorted(
+        findings + _labels(body, marks, width, filled, findings), key=lambda notice: (notice.code, notice.message)
+    )
     first = _first_line(look, marks, width, full)
     above = look.head[:first]
     return Layout(marks, width, first, filled, full, find_headings(above, marks, width, filled), above, findings)
 
 
-def _columns_with_numbers(rows: list[list[float | None]], path: Path) -> tuple[list[int], list[int], list[Finding]]:
+def _columns_with_numbers(
+    rows: list[list[float | None]], path: Path
+) -> tuple[list[int], list[int], list[HealthNotice]]:
     filled, full, findings = [], [], []
     for k, column in enumerate(zip(*rows, strict=True)):
         here = [value is not None and value == value for value in column]
@@ -137,19 +141,23 @@ def _columns_with_numbers(rows: list[list[float | None]], path: Path) -> tuple[l
             full += [k] if 2 * numbers >= len(rows) else []
         elif numbers or words:
             what = "holds words" if words >= numbers else f"has a value in {numbers} of {len(rows)} lines looked at"
-            findings.append(Finding("column-dropped", f"column {k + 1} is left out: it {what}", k + 1.0, "good"))
+            findings.append(
+                HealthNotice("column-dropped", f"column {k + 1} is left out: it {what}", k + 1.0, severity="good")
+            )
     if not filled:
         raise refuse(path, "columns of numbers", "no column of it holds numbers in most lines")
     return filled, full or filled, findings
 
 
-def _labels(body: list[str], marks: Marks, width: int, filled: list[int], known: list[Finding]) -> list[Finding]:
+def _labels(
+    body: list[str], marks: Marks, width: int, filled: list[int], known: list[HealthNotice]
+) -> list[HealthNotice]:
     """Say which columns hold settings beside the first lines of the data."""
     rows = [cells for cells in (cells_of(line, marks) for line in body) if len(cells) == width]
     numbers = [row for row in rows if all(number(row[k], marks.decimal) is not None for k in filled)]
     said = {finding.value for finding in known}
     return [
-        Finding("column-dropped", f"column {k + 1} is left out: it holds settings", k + 1.0, "good")
+        HealthNotice("column-dropped", f"column {k + 1} is left out: it holds settings", k + 1.0, severity="good")
         for k in range(width)
         if k not in filled and k + 1.0 not in said and any(row[k] for row in numbers)
     ]

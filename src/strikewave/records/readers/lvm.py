@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import Options
 from strikewave.records.readers.clock import last_digit, step_of
 from strikewave.records.readers.columns import (
@@ -58,7 +58,7 @@ class Read(NamedTuple):
     stamps: list[Array | None]
     steps: list[float]
     starts: list[float]
-    findings: list[Finding]
+    findings: list[HealthNotice]
 
 
 def sniff(head: bytes) -> bool:
@@ -124,10 +124,10 @@ def _runs(
     asked: list[bool],
     options: Options,
     ended: bool,
-) -> tuple[list[Read], list[Finding]]:
+) -> tuple[list[Read], list[HealthNotice]]:
     """Read segments as long as their clock goes on."""
     runs: list[Read] = []
-    findings: list[Finding] = []
+    findings: list[HealthNotice] = []
     for k, segment in enumerate(segments):
         alike = segment.columns == segments[0].columns
         run = (
@@ -138,7 +138,7 @@ def _runs(
         if run is None or (runs and not _goes_on(runs[-1], run, asked, options)):
             what = "the clock starts anew in" if alike else "other channels begin in"
             message = f"it holds {len(segments)} segments; {what} number {k + 1}: read up to there"
-            findings.append(Finding("segments", message, float(len(segments))))
+            findings.append(HealthNotice("segments", message, float(len(segments))))
             break
         runs.append(run)
         findings += run.findings
@@ -261,7 +261,7 @@ def _run(
         steps.append(step)
         starts.append(start if math.isfinite(start) else 0.0)
     findings = odd_cells(Table([], table.words, table.first_word))
-    findings += [Finding("truncated", "the last line is cut: it is left out")] if cut else []
+    findings += [HealthNotice("truncated", "the last line is cut: it is left out")] if cut else []
     return Read(values, stamps, steps, starts, findings)
 
 

@@ -11,7 +11,7 @@ import logging
 from pathlib import Path
 from typing import Any
 
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import Options
 from strikewave.records.readers.child import isolated
 from strikewave.records.readers.common import MOST_ARRAYS, Column, assemble, damaged, extra, floats, left_out, text
@@ -52,7 +52,7 @@ def parse(path: Path, options: Options) -> Record:
         findings = [*left_out(skipped)]
         if raw:
             listed = ", ".join(raw[:8])
-            findings.append(Finding("not-converted", f"their conversion is text or a formula: {listed}", len(raw)))
+            findings.append(HealthNotice("not-converted", f"their conversion is text or a formula: {listed}", len(raw)))
         return assemble(path, "mdf", columns, options, findings=findings)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import Options
 from strikewave.records.readers.clock import (
     last_digit,
@@ -90,14 +90,14 @@ def _wanted(path: str, shown: dict[int, tuple[str, str]], asked: Sequence[str]) 
     return {columns[channel.name] for channel in blank.only(asked).channels}
 
 
-def _numbers(look: Look, layout: Layout, columns: set[int]) -> tuple[dict[int, Array], list[Finding]]:
+def _numbers(look: Look, layout: Layout, columns: set[int]) -> tuple[dict[int, Array], list[HealthNotice]]:
     """Read columns of numbers; say which cells are none, and whether the last line was cut."""
     kept, cut = tuple(sorted(columns)), is_cut(look, layout)
     region = Region(look.path, look.encoding, skip=layout.first, cut=cut, lone_returns=look.lone_returns)
     table = parse(region, Grid(layout.marks, layout.width, kept, layout.headings.header), _expected(look))
     findings = odd_cells(table)
     if cut:
-        findings.append(Finding("truncated", "the last line is cut: it is left out"))
+        findings.append(HealthNotice("truncated", "the last line is cut: it is left out"))
     return dict(zip(kept, table.columns, strict=True)), findings
 
 
@@ -162,7 +162,7 @@ def _coarsest(cells: Sequence[str]) -> float:
     return max(last_digit(cells[:50]), last_digit(cells[-50:]))
 
 
-def _channels(look: Look, layout: Layout, time: int | None) -> tuple[dict[int, tuple[str, str]], list[Finding]]:
+def _channels(look: Look, layout: Layout, time: int | None) -> tuple[dict[int, tuple[str, str]], list[HealthNotice]]:
     """Name the channels by column; leave out time, and a column that counts samples."""
     names, units, _ = layout.headings
     findings = list(layout.findings)
@@ -172,7 +172,7 @@ def _channels(look: Look, layout: Layout, time: int | None) -> tuple[dict[int, t
             continue
         if is_counter(names[k], units[k]) and np.all(np.diff(_values(look, layout, k)[1]) == 1.0):
             findings.append(
-                Finding("column-dropped", f"column {k + 1} is left out: it counts the samples", severity="good")
+                HealthNotice("column-dropped", f"column {k + 1} is left out: it counts the samples", severity="good")
             )
             continue
         shown[k] = (names[k] or f"channel {len(shown) + 1}", units[k])
@@ -203,16 +203,16 @@ def _expected(look: Look) -> int:
     return int(1.05 * look.size / (letters * (1 + sum(map(len, lines)) / len(lines)))) + 100
 
 
-def odd_cells(table: Table) -> list[Finding]:
+def odd_cells(table: Table) -> list[HealthNotice]:
     """Say how many cells are no numbers."""
     if not table.words:
         return []
     many = "1 cell is no number" if table.words == 1 else f"{table.words} cells are no numbers"
     message = f"{many}, the first in line {table.first_word}: taken as missing"
-    return [Finding("not-a-number", message, float(table.words))]
+    return [HealthNotice("not-a-number", message, float(table.words))]
 
 
-def _with_time(found: dict[int, Array], clock: int | None, layout: Layout) -> tuple[Array | None, list[Finding]]:
+def _with_time(found: dict[int, Array], clock: int | None, layout: Layout) -> tuple[Array | None, list[HealthNotice]]:
     """Return the stamps, s; leave out lines without time."""
     if clock is None:
         return None, []
@@ -222,13 +222,13 @@ def _with_time(found: dict[int, Array], clock: int | None, layout: Layout) -> tu
         for k, values in found.items():
             found[k] = values[here]
     message = f"{lost} lines have no time: they are left out"
-    said = [Finding("time-missing", message, float(lost))] if lost else []
+    said = [HealthNotice("time-missing", message, float(lost))] if lost else []
     return to_seconds(found[clock], layout.headings.units[clock]), said
 
 
 def _grid(
     look: Look, layout: Layout, clock: int | None, stamps: Array | None, loose: list[int]
-) -> tuple[float, float, int, list[Finding]]:
+) -> tuple[float, float, int, list[HealthNotice]]:
     """Return step, start, how many first lines are no samples, and what is to be said of it."""
     if clock is not None and stamps is not None and stamps.size:
         unit = seconds_in(layout.headings.units[clock]) or 1.0
@@ -237,7 +237,7 @@ def _grid(
         said = []
         if not layout.headings.named and digit == 1.0 and np.all(np.diff(stamps[:_SHOWN]) == 1.0):
             message = f"column {clock + 1} rises by 1 a line, taken as time in s: if it counts samples, give --rate"
-            said = [Finding("counter", message)]
+            said = [HealthNotice("counter", message)]
         return step_of(stamps, digit), float(stamps[0]), 0, said
     step, start = said_step([re.sub(r"^[#%/\s]+", "", line) for line in look.head[: layout.first + 40]])
     names, units, _ = layout.headings
@@ -251,7 +251,7 @@ def _grid(
     if np.isnan(step) and _begins_with_a_clock(rows, loose, layout.marks.decimal):
         begun = [number(rows[k][loose[0]], layout.marks.decimal) or 0.0 for k in (0, 1)]
         message = "the first two lines are start and step of all columns: they are no samples"
-        return begun[1], begun[0], 2, [Finding("start-and-step", message, begun[1], "good")]
+        return begun[1], begun[0], 2, [HealthNotice("start-and-step", message, begun[1], severity="good")]
     return step, start, 0, []
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import Options
 from strikewave.records.readers.common import Column, assemble, damaged
 from strikewave.records.record import Record
@@ -55,10 +55,12 @@ def read(path: Path, options: Options) -> Record:
         for k in range(layout.channels)
     ]
     findings = [
-        Finding("wav-scale", f"integers of {layout.bits} bits, 1 is full scale: give a sensitivity", scale, "good")
+        HealthNotice(
+            "wav-scale", f"integers of {layout.bits} bits, 1 is full scale: give a sensitivity", scale, severity="good"
+        )
     ] * integer
     if layout.begin + layout.size > path.stat().st_size and layout.size < 2**32 - 1:
-        findings.append(Finding("cut-off", "the file ends before its samples do", float(frames)))
+        findings.append(HealthNotice("cut-off", "the file ends before its samples do", float(frames)))
     return assemble(path, "wav", columns, options, (1.0 / layout.rate if layout.rate else np.nan, 0.0), findings)
 
 

@@ -6,13 +6,20 @@ import csv
 import dataclasses
 import io
 import math
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar
+
+import tomlkit
 
 from strikewave.base.citations import citation
-from strikewave.base.json_document import head, plain, without
+from strikewave.base.json_document import without
 from strikewave.base.materials import material
-from strikewave.base.result import Notice
+from strikewave.base.quantities import Value
+from strikewave.base.result import Result, Source
+from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.measured_files import identity
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import Channel, sensor_sources
 from strikewave.studies.buffer.candidate import (
@@ -21,7 +28,7 @@ from strikewave.studies.buffer.candidate import (
     Leading,
 )
 from strikewave.studies.buffer.moduli import spread
-from strikewave.studies.buffer.seat import Blows, Motion, Seat, reading_of
+from strikewave.studies.buffer.seat import Blows, Motion, Seat, case_with, reading_of, with_sheets
 
 UNITS = {
     "limit": "m/s^2", "mass": "kg", "area": "m^2", "resonance": "Hz", "quality": "1", "range": "m/s^2",
@@ -40,15 +47,58 @@ _OWN = (
 
 
 @dataclass(frozen=True, eq=False)
-class BufferStudy:
-    """Ranked stacks for one sensor and one blow, beside the buffer that the case has now; see `design_buffer`."""
+class BufferStudy(Result):
+    """Ranked stacks for one sensor and one blow, beside the buffer that the case has now; see `design_buffer`.
+
+    See `Result` for what it shares with others.
+
+    Attributes
+    ----------
+    seat : Seat
+        Where the sensor sits.
+    blows : Blows
+        The motion of the surface below it.
+    goal : Goal
+        What the reading must keep.
+    candidates : tuple of Candidate
+        The stacks, the best first.
+    present : Candidate or None
+        The buffer that the case has now.
+    case : Case or None
+        Where sensor and blow come from.
+    record : Path or None
+        The measured blow, where it is no case's.
+    asked : str
+        Command line that gives the same again.
+    digests : mapping
+        SHA-256 of the record, by its path.
+    """
+
+    command: ClassVar[str] = "buffer"
 
     seat: Seat
     blows: Blows
     goal: Goal
     candidates: tuple[Candidate, ...]
-    warnings: tuple[Notice, ...]
     present: Candidate | None = None
+    case: Case | None = None
+    record: Path | None = None
+    asked: str = ""
+    digests: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """Sensor and blow."""
+        return f"{self.seat.table.name}: {self.motion.name}"
+
+    @property
+    def source(self) -> Source:
+        """The case with the first stack under its sensor; of a measured blow, what was asked of which file."""
+        if self.case is not None:
+            held = case_with(self.case, self.seat, self.candidates[0].sheets)
+            return Source("case", self.case.name, dump_case(held))
+        name = "case" if self.record is None else self.record.stem
+        return Source("records", name, identity(self.asked, self.digests), "record.toml", self.digests, self.asked)
 
     @property
     def motion(self) -> Motion:
@@ -85,8 +135,12 @@ class BufferStudy:
         """Return what the recorder keeps with a stack."""
         return reading_of(self.seat, candidate.sheets, self.motion)
 
-    def document(self) -> dict[str, Any]:
-        """Return the JSON document."""
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return UNITS
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
         motion, sensor = self.motion, self.seat.channel.sensor
         blow = {
             "name": motion.name,
@@ -109,27 +163,40 @@ class BufferStudy:
             name: {"status": row.status, "source": row.source, "note": row.note, "moduli": spread(row)}
             for name, row in used.items()
         }
-        warnings = [{k: v for k, v in dataclasses.asdict(n).items() if k != "broken"} for n in self.warnings]
-        return dict(
-            plain(
-                {
-                    **head(UNITS, warnings),
-                    "limit": self.goal.limit,
-                    "rank": self.goal.rank,
-                    "kept": not self.broken,
-                    "robust": None if self.robust is None else self.robust.name,
-                    "back_effect": "none: the motion of the surface is given, the sensor does not load it back",
-                    "sources": [citation(key) for key in (*sensor_sources([self.held]), "gent-lindley-1959")],
-                    "materials": origin,
-                    "sensor": held,
-                    "blow": blow,
-                    "present": None if self.present is None else without(_row(None, self.present), "place", "gaskets"),
-                    "candidates": rows,
-                }
-            )
-        )
+        return {
+            "limit": self.goal.limit,
+            "rank": self.goal.rank,
+            "kept": not self.broken,
+            "robust": None if self.robust is None else self.robust.name,
+            "back_effect": "none: the motion of the surface is given, the sensor does not load it back",
+            "sources": [citation(key) for key in (*sensor_sources([self.held]), "gent-lindley-1959")],
+            "materials": origin,
+            "sensor": held,
+            "blow": blow,
+            "present": None if self.present is None else without(_row(None, self.present), "place", "gaskets"),
+            "candidates": rows,
+        }
 
-    def table(self) -> str:
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document and, where there is no case, the sensor with the first stack under it, as files."""
+        sensor = {} if self.case is not None else {"sensor.toml": self._sensor_text()}
+        return {**sensor, "buffer.json": self.document_text()}
+
+    def _sensor_text(self) -> str:
+        """Return the [[sensor]] of a case with the first stack under it."""
+
+        def typed(fields: Iterable[tuple[str, Any]]) -> dict[str, Any]:
+            return {key: value.typed if isinstance(value, Value) else value for key, value in fields if value}
+
+        table = with_sheets(self.seat, self.candidates[0].sheets)
+        row = {**typed(table), "gasket": [typed(layer) for layer in table.gasket]}
+        return tomlkit.dumps({"sensor": [row]})
+
+    def tables(self) -> dict[str, str]:
+        """Return all candidates as CSV text."""
+        return {"buffers.csv": self._candidate_table()}
+
+    def _candidate_table(self) -> str:
         """Return all candidates as CSV text, every column with its unit; last, without a place, the present buffer."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")

@@ -68,8 +68,8 @@ def design_buffer(
             found.append(assess(seat, sheets, blows.motion, goal))
         if progress is not None:
             progress((k + 1) / len(every))
-    study = BufferStudy(seat, blows, goal, _looked_at(found, seat, blows.motion, goal), (), _present(seat, blows, goal))
-    return dataclasses.replace(study, warnings=(*blows.warnings, *study_notices(study, skipped)))
+    study = BufferStudy(seat, blows, goal, _looked_at(found, seat, blows.motion, goal), _present(seat, blows, goal))
+    return dataclasses.replace(study, notices=(*blows.warnings, *study_notices(study, skipped)))
 
 
 def _present(seat: Seat, blows: Blows, goal: Goal) -> Candidate | None:

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import hashlib
 import io
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError, nearest
-from strikewave.base.json_document import head, plain
 from strikewave.base.quantities import Value
+from strikewave.base.result import Result, Source
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
@@ -80,6 +81,14 @@ class Setting:
     peak: float
 
 
+def marked_text(plan: Plan, wanted: float) -> str:
+    """Return the case as text, and above it what was asked: other axes are another result."""
+    sizes = " x ".join(f"{len(axis.values)} {axis.path}" for axis in plan.axes)
+    key = hashlib.sha256(repr((plan, wanted)).encode()).hexdigest()[:12]
+    asked = f"{sizes}, {plan.blows} blows, trains of {plan.train}, CV within {100.0 * wanted:g} %"
+    return f"# strikewave map of {asked}; plan {key}\n{plan.case}"
+
+
 class Refusal(NamedTuple):
     """An even setting of the map, SI, and what its full run showed instead, in words."""
 
@@ -88,14 +97,14 @@ class Refusal(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class MapStudy:
-    """A map.
+class MapStudy(Result):
+    """A map; see `Result` for what it shares with others.
 
     Attributes
     ----------
     plan : Plan
         What it is of.
-    data : ndarray
+    values : ndarray
         Shape (panels, rows, columns, fields); see `strikewave.studies.map.cells.FIELDS`.
     wanted : float
         Coefficient of variation below which blows count as even.
@@ -107,8 +116,11 @@ class MapStudy:
         Nearer ones whose full runs disagree.
     """
 
+    command: ClassVar[str] = "map"
+    data_file: ClassVar[str] = "map.nc"
+
     plan: Plan
-    data: Array
+    values: Array
     wanted: float
     present: dict[str, float]
     setting: Setting | None = None
@@ -118,6 +130,16 @@ class MapStudy:
     def case(self) -> Case:
         """The case that is mapped."""
         return parse_case(self.plan.case)
+
+    @property
+    def title(self) -> str:
+        """The title of the case."""
+        return self.case.title or self.case.name
+
+    @property
+    def source(self) -> Source:
+        """The case, and above it what was asked."""
+        return Source("case", self.case.name, marked_text(self.plan, self.wanted))
 
     @property
     def paths(self) -> tuple[str, ...]:
@@ -137,7 +159,7 @@ class MapStudy:
 
     def field(self, name: str) -> Array:
         """Return one field, shape (panels, rows, columns)."""
-        return np.asarray(self.data[..., PLACE[name]])
+        return np.asarray(self.values[..., PLACE[name]])
 
     @property
     def shares(self) -> dict[str, float]:
@@ -157,19 +179,22 @@ class MapStudy:
         value = self.case.values()[path]
         return (low * value.si, high * value.si) if value.provenance == "assumed" else None
 
-    def document(self) -> dict[str, Any]:
-        """Return the JSON document."""
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
         units = {name: unit for name, (unit, _) in FIELDS.items()} | {
             axis.path: axis.si_unit for axis in self.plan.axes
         }
+        return units | {"wanted_cv": "1", "distance": "1"}
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
         axes = [{"path": axis.path, "values": list(axis.values), "log": axis.log} for axis in self.plan.axes]
         values = self.case.values()
         published = {
             axis.path: {"value": at, "provenance": values[axis.path].provenance}
             for axis, at in zip(self.plan.axes, self.here, strict=True)
         }
-        made = {
-            **head(units | {"wanted_cv": "1", "distance": "1"}),
+        return {
             "case": self.case.name,
             "blows": self.plan.blows,
             "train": self.plan.train,
@@ -186,7 +211,6 @@ class MapStudy:
             ],
             "cells": {name: self.field(name) for name in FIELDS},
         }
-        return dict(plain(made))
 
     def _nearest(self) -> dict[str, Any] | None:
         if self.setting is None:
@@ -196,8 +220,9 @@ class MapStudy:
         settings = dict(zip(self.paths, found.values, strict=True))
         return {"settings": settings, "distance": found.distance, "result": found.cell, "full_run": full}
 
-    def dataset(self) -> xarray.Dataset:
-        """Return the map with its units; attributes carry the case and the meaning of the codes."""
+    @property
+    def data(self) -> xarray.Dataset:
+        """The map with its units; attributes carry the case and the meaning of the codes."""
         import xarray
 
         axes = self.plan.axes
@@ -214,7 +239,16 @@ class MapStudy:
         words = {"case": self.plan.case, "regimes": " | ".join(NAMES), "reasons": " | ".join(REASONS)}
         return xarray.Dataset(variables, coordinates, {**words, "blows": self.plan.blows, "train": self.plan.train})
 
-    def table(self) -> str:
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document, and the case of the nearest even setting, as files."""
+        texts = {"map.json": self.document_text()}
+        return texts if self.setting is None else {**texts, "equal-blows.toml": dump_case(self.nearest_case())}
+
+    def tables(self) -> dict[str, str]:
+        """Return the table of cells."""
+        return {"map.csv": self._cell_table()}
+
+    def _cell_table(self) -> str:
         """Return all cells as CSV text, settings in the units asked for, results in SI; regimes by name."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
@@ -222,7 +256,7 @@ class MapStudy:
         units = [f"{name} [{unit}]" if unit != "1" else name for name, (unit, _) in FIELDS.items()]
         writer.writerow([f"{axis.path} [{axis.unit or '1'}]" for axis in axes] + units)
         for place in np.ndindex(*self.plan.shape):
-            cell = self.data[place]
+            cell = self.values[place]
             at = [f"{axis.shown(v):.9g}" for axis, v in zip(axes, self._values(place), strict=True)]
             row = [_cell(name, value) for name, value in zip(FIELDS, cell, strict=True)]
             writer.writerow(at + row)
@@ -250,7 +284,7 @@ class MapStudy:
         for place in zip(*np.nonzero(even), strict=True):
             values = self._values(place)
             steps = [(v - at) / scale for v, at, scale in zip(values, self.here, self.scales, strict=True)]
-            cell = dict(zip(FIELDS, self.data[place].tolist(), strict=True))
+            cell = dict(zip(FIELDS, self.values[place].tolist(), strict=True))
             found.append((math.hypot(*steps), values, cell))
         return sorted(found, key=lambda one: one[:2])
 

@@ -13,16 +13,15 @@ import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.citations import citation
 from strikewave.base.errors import InputError
-from strikewave.base.json_document import head, plain
-from strikewave.base.result import Notice
-from strikewave.cases.case import Case
+from strikewave.base.result import Notice, Result, Source
+from strikewave.cases.case import Case, dump_case
 from strikewave.records.campaign import Statistic, statistic
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult
 from strikewave.uncertainty.draws import Tolerance, drawn, nominal, quantiles, tolerances_of, unfelt
@@ -110,8 +109,10 @@ class Figure(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class ScatterStudy:
-    """Runs of a case within its tolerances; see `scatter`."""
+class ScatterStudy(Result):
+    """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others."""
+
+    command: ClassVar[str] = "scatter"
 
     case: Case
     plan: Plan
@@ -120,6 +121,16 @@ class ScatterStudy:
     runs: tuple[RunResult, ...]
     still: RunResult
     shares: tuple[Shares, ...]
+
+    @property
+    def title(self) -> str:
+        """The title of the case."""
+        return self.case.title or self.case.name
+
+    @property
+    def source(self) -> Source:
+        """The case, and above it what was asked."""
+        return Source("case", self.case.name, marked_text(self.case, self.plan))
 
     @property
     def made(self) -> list[RunResult]:
@@ -132,12 +143,12 @@ class ScatterStudy:
         return Figure(
             statistic(_known([run.mean(name) for run in runs])),
             statistic(_known([run.typical(name) for run in runs])),
-            spread([run.variation(name) for run in self.runs], self.broken),
-            spread([run.variation(name, later=True) for run in self.runs], self.broken),
+            spread([run.variation(name) for run in self.runs], self.without_limit),
+            spread([run.variation(name, later=True) for run in self.runs], self.without_limit),
         )
 
     @property
-    def broken(self) -> list[bool]:
+    def without_limit(self) -> list[bool]:
         """Which of the runs keep no limit of the scatter within a run: they failed, or missed a blow."""
         return [bool(run.failure) or "missed" in run.kinds for run in self.runs]
 
@@ -163,9 +174,8 @@ class ScatterStudy:
         """Largest retreat of the object after a blow of any run, m."""
         return max(run.retreat for run in self.made if math.isfinite(run.retreat))
 
-    @property
-    def warnings(self) -> tuple[Notice, ...]:
-        """What should be known."""
+    def found_notices(self) -> tuple[Notice, ...]:
+        """Return what should be known."""
         found = []
         failed = [run.failure for run in self.runs if run.failure]
         if failed:
@@ -184,35 +194,30 @@ class ScatterStudy:
                 found.append(Notice("tolerances-interact", words, one.sum, 1.0))
         return tuple(found)
 
-    def document(self) -> dict[str, Any]:
-        """Return the JSON document."""
-        warnings = [{k: v for k, v in dataclasses.asdict(n).items() if k != "broken"} for n in self.warnings]
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return UNITS
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
         kinds = {kind: {"blows": blows, "runs": runs} for kind, (blows, runs) in self.kinds().items()}
         low, middle, high = self.peaks()
-        return dict(
-            plain(
-                {
-                    **head(UNITS, warnings),
-                    "case": self.case.name,
-                    "runs": self.plan.runs,
-                    "seed": self.plan.seed,
-                    "failed": len(self.runs) - len(self.made),
-                    "without_limit": sum(self.broken),
-                    "statements": STATEMENTS,
-                    "sources": [citation(key) for key in self._sources()],
-                    "tolerances": [_tolerance(one) for one in self.tolerances],
-                    "dynamics_alone": self._dynamics(),
-                    "figures": {name: _figure(self.figure(name)) for name in FIGURES},
-                    "kinds": kinds,
-                    "peaks": {"percentiles": BAND, "low": low, "median": middle, "high": high},
-                    "largest_retreat": self.largest_retreat,
-                    "shares": {"method": self.plan.shares, "of": [_shares(one) for one in self.shares]},
-                }
-            )
-        )
-
-    def _sources(self) -> list[str]:
-        return ["vangel-1996", "wilks-1941", *(["saltelli-2010", "jansen-1999"] if self.plan.shares == "sobol" else [])]
+        return {
+            "case": self.case.name,
+            "runs": self.plan.runs,
+            "seed": self.plan.seed,
+            "failed": len(self.runs) - len(self.made),
+            "without_limit": sum(self.without_limit),
+            "statements": STATEMENTS,
+            "sources": [citation(key) for key in self.citations],
+            "tolerances": [_tolerance(one) for one in self.tolerances],
+            "dynamics_alone": self._dynamics(),
+            "figures": {name: _figure(self.figure(name)) for name in FIGURES},
+            "kinds": kinds,
+            "peaks": {"percentiles": BAND, "low": low, "median": middle, "high": high},
+            "largest_retreat": self.largest_retreat,
+            "shares": {"method": self.plan.shares, "of": [_shares(one) for one in self.shares]},
+        }
 
     def _dynamics(self) -> dict[str, Any]:
         """Return what the blows of the nominal run are."""
@@ -228,7 +233,15 @@ class ScatterStudy:
             for name in FIGURES
         }
 
-    def table(self) -> str:
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document as a file."""
+        return {"scatter.json": self.document_text(2)}
+
+    def tables(self) -> dict[str, str]:
+        """Return the table of runs."""
+        return {"runs.csv": self._run_table()}
+
+    def _run_table(self) -> str:
         """Return all runs as CSV text: what was drawn, and what came of it, SI, every column with its unit."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
@@ -243,6 +256,12 @@ class ScatterStudy:
             cells = [_cell(float(value)) for value in (*values, run.retreat)]
             writer.writerow([number, *(_cell(float(value)) for value in row), *counts, *cells, run.failure])
         return text.getvalue()
+
+
+def marked_text(case: Case, plan: Plan) -> str:
+    """Return the case as text, and above it what was asked: another seed is another result."""
+    asked = f"# strikewave scatter --runs {plan.runs} --seed {plan.seed} --shares {plan.shares}\n"
+    return asked + dump_case(case)
 
 
 KINDS = ("full", "missed", "double", "glancing")
@@ -306,11 +325,14 @@ def scatter(case: Case, plan: Plan | None = None, progress: Callable[[float], No
     advance = None if progress is None else (lambda done: progress((1 + done) / whole))
     with Runner(case, tolerances, plan.workers, advance) as runner:
         runs = runner(numbers)
-        study = ScatterStudy(case, plan, tolerances, numbers, tuple(runs), still, ())
+        sobol = ("saltelli-2010", "jansen-1999") if plan.shares == "sobol" else ()
+        citations = ("vangel-1996", "wilks-1941", *sobol)
+        study = ScatterStudy(case, plan, tolerances, numbers, tuple(runs), still, (), citations=citations)
         if sum(run.struck.any() for run in study.made) < FEWEST:
             reason = next((run.failure for run in runs if run.failure), "no blow struck")
             raise InputError("tolerance", reason, f"tolerances with which at least {FEWEST} runs can be made")
-        return dataclasses.replace(study, shares=_find_shares(study, points, runner))
+        study = dataclasses.replace(study, shares=_find_shares(study, points, runner))
+        return dataclasses.replace(study, notices=study.found_notices())
 
 
 def _find_shares(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Shares, ...]:

@@ -7,21 +7,21 @@ stiffness and speed, and every candidate is judged by a full run (`candidate`).
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from strikewave.base.citations import citation
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.base.json_document import head, plain
 from strikewave.base.materials import material
-from strikewave.base.result import Notice
-from strikewave.cases.case import Case
+from strikewave.base.result import Notice, Result, Source
+from strikewave.cases.case import Case, dump_case
 from strikewave.cases.contact_of_case import face_contact
 from strikewave.contact.law import indentation_under
 from strikewave.signal.pulse import HALF_SINE_WIDTH
@@ -79,11 +79,13 @@ class Choice:
 
 
 @dataclass(frozen=True, eq=False)
-class SettingsStudy:
-    """Ranked settings for a goal; see `design_settings`.
+class SettingsStudy(Result):
+    """Ranked settings for a goal; see `design_settings`, and `Result` for what it shares with others.
 
     ``left_out`` says of each number of strikers that was not run why, ``failed`` of each setting that gave no result.
     """
+
+    command: ClassVar[str] = "settings"
 
     case: Case
     goal: Goal
@@ -103,9 +105,10 @@ class SettingsStudy:
         return self.best is None
 
     @property
-    def warnings(self) -> tuple[Notice, ...]:
-        """What should be known of the first candidate."""
-        return tuple(_notices(self.candidates[0]))
+    def source(self) -> Source:
+        """The case of the first candidate, and above it what was asked."""
+        text = asked_line(self.case, self.goal, self.choice) + dump_case(self.case_of())
+        return Source("case", self.name, text)
 
     def case_of(self, place: int = 0) -> Case:
         """Return the case of a candidate, under a name of its own and without published numbers to compare with."""
@@ -129,30 +132,39 @@ class SettingsStudy:
         """The goal in words, and whether the first candidate only comes near it."""
         return ("nearest to " if self.broken else "") + goal_words(self.goal)
 
-    def document(self) -> dict[str, Any]:
-        """Return the JSON document."""
-        warnings = [{k: v for k, v in dataclasses.asdict(n).items() if k != "broken"} for n in self.warnings]
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return UNITS
+
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document as a file."""
+        return {"settings.json": self.document_text()}
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
         rows = [_row(place, one) for place, one in enumerate(self.candidates, 1)]
         goal = {key: getattr(self.goal, key) for key in ("interval", "peak", "width", "stop_limit")}
-        return dict(
-            plain(
-                {
-                    **head(UNITS, warnings),
-                    "goal": {**goal, "within": WITHIN, "disc": self.goal.disc.name, "vary": self.choice.vary},
-                    "from": self.case.name,
-                    "typical": "median of the later full blows; variation: standard deviation (n - 1) over mean of all",
-                    "sources": [citation("li-ma-2019"), *(citation(key) for key in SOURCES)],
-                    "met": not self.broken,
-                    "best": None if self.broken else rows[0],
-                    "candidates": rows,
-                    "left_out": [{"strikers": n, "why": why} for n, why in self.left_out.items()],
-                    "failed": list(self.failed),
-                }
-            )
-        )
+        return {
+            "goal": {**goal, "within": WITHIN, "disc": self.goal.disc.name, "vary": self.choice.vary},
+            "from": self.case.name,
+            "typical": "median of the later full blows; variation: standard deviation (n - 1) over mean of all",
+            "sources": [citation(key) for key in self.citations],
+            "met": not self.broken,
+            "best": None if self.broken else rows[0],
+            "candidates": rows,
+            "left_out": [{"strikers": n, "why": why} for n, why in self.left_out.items()],
+            "failed": list(self.failed),
+        }
 
 
-SOURCES = ("timoshenko-goodier-1970", "schwager-poschel-2007")
+def asked_line(case: Case, goal: Goal, choice: Choice) -> str:
+    """Return the first line of the written case: what was asked, and a mark of everything that it was asked of."""
+    limits = goal.interval, goal.peak, goal.width, goal.disc.name, goal.stop_limit
+    mark = hashlib.sha256(f"{limits} {choice} {dump_case(case)}".encode()).hexdigest()[:8]
+    return f"# strikewave settings: {goal_words(goal)}, from {case.name or 'case'} ({mark})\n"
+
+
+SOURCES = ("li-ma-2019", "timoshenko-goodier-1970", "schwager-poschel-2007")
 UNITS = {
     "interval": "s", "peak": "m/s^2", "width": "s", "within": "1", "variation": "1", "approach": "m/s",
     "velocity_change": "m/s", "peak_force": "N", "retreat": "m", "stop_force": "N", "energy_taken": "J",
@@ -433,7 +445,10 @@ def design_settings(
     failed = tuple(dict.fromkeys(f"{d.rig.strikers} strikers: {one}" for d, one in found if isinstance(one, str)))
     if not shown:
         raise InputErrors(list(dict.fromkeys(one for _, one in found if isinstance(one, str)))[:MOST_REASONS])
-    return SettingsStudy(case, goal, choice, tuple(sorted(shown, key=rank_key)), left, failed)
+    ranked = tuple(sorted(shown, key=rank_key))
+    return SettingsStudy(
+        case, goal, choice, ranked, left, failed, notices=tuple(_notices(ranked[0])), citations=SOURCES
+    )
 
 
 def _other_masses(found: Sequence[tuple[Design, Candidate | str]], numbers: Sequence[int]) -> Iterator[Design]:

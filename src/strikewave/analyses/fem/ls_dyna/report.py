@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
 from typing import TYPE_CHECKING
 
 from strikewave.exchange.ls_dyna.folder import ENERGIES, pulse_of
+from strikewave.reporting import chapters
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.page import Head, whole_page
-from strikewave.reporting.parts import NONE, Cell, Code, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
 
 if TYPE_CHECKING:
+    from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
     from strikewave.exchange.ls_dyna.beside import Beside, ForcePair
     from strikewave.exchange.ls_dyna.folder import Contact, Extreme, LsDynaRun, Pulse
 
@@ -32,36 +32,15 @@ _COLUMNS = (("peak", 1e3), ("at", 1e-6), ("impulse", 1.0), ("width", 1e-6))
 _FIELDS = (("displacement", 1e-3), ("von_mises", 1e6), ("plastic_strain", 1.0))
 
 
-def ls_dyna_report(beside: Beside, asked: str) -> str:
-    """Return the report as one HTML page: no script, nothing fetched.
-
-    Parameters
-    ----------
-    beside : Beside
-        Both runs, or LS-DYNA's alone.
-    asked : str
-        The command and the files that it read, with their digests.
-    """
+def ls_dyna_report(result: LsDynaResult) -> str:
+    """Return the report as one HTML page: no script, nothing fetched."""
+    beside = result.found
     theirs, ours = beside.theirs, beside.ours
-    digest = hashlib.sha256(asked.encode("utf-8", "replace")).hexdigest()
     sections = [_read(theirs), _forces(beside), _energies(beside)]
     sections += [_fields(beside)] if theirs.fields or (ours and ours.extremes) else []
-    sections += [_warnings(beside), Section("Again", "What was asked, and of which files.", [Code(asked)])]
-    name = theirs.folder.name
-    many = len(beside.warnings)
-    told = f"{many} word{'s' if many > 1 else ''} to read first, see below" if many else "nothing stands out"
-    head = Head(
-        title=f"LS-DYNA beside strikewave: {ours.title}" if ours else f"LS-DYNA: {name}",
-        kicker="Report of a run of LS-DYNA",
-        subject="Folder",
-        name=name,
-        digest=digest,
-        status=Tag(told, "warned" if many else "good"),
-        summary=_summary(beside),
-        numbers=_key_numbers(beside),
-        foot=f"folder {name} · SHA-256 of what was asked {digest}",
-    )
-    return whole_page(head, sections)
+    sections.append(chapters.warnings(result.notices))
+    summary = chapters.Summary("Report of a run of LS-DYNA", _summary(beside), _key_numbers(beside))
+    return chapters.result_page(result, summary, sections)
 
 
 def _summary(beside: Beside) -> str:
@@ -224,8 +203,3 @@ def field_table(beside: Beside) -> Table:
 
 def _extreme(one: Extreme | None, what: str, scale: float) -> str:
     return NONE if one is None else written(getattr(one, what) / scale)
-
-
-def _warnings(beside: Beside) -> Section:
-    rows: list[list[Cell]] = [[Tag(notice.code, "warned"), notice.message] for notice in beside.warnings]
-    return Section("To read first", "", [Table("Warnings", ["code", "message"], rows, empty="Nothing stands out.")])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import math
 import re
 from collections.abc import Sequence
@@ -11,10 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave._version import __version__
 from strikewave.analyses.fem.report.blows import blows_section
 from strikewave.analyses.fem.report.fields import fields_section
-from strikewave.analyses.fem.sectors import Sector, WholeForce, blow_of_bodies, sectors, whole_forces
+from strikewave.analyses.fem.sectors import Sector, WholeForce, blow_of_bodies
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.result import LEDGER_LIMIT
 from strikewave.fem.measures import (
@@ -33,8 +31,7 @@ from strikewave.fem.solids import Bilinear, JohnsonCook
 from strikewave.reporting import chapters
 from strikewave.reporting.curves import shortened
 from strikewave.reporting.numbers import listed, with_unit
-from strikewave.reporting.page import Head, whole_page
-from strikewave.reporting.parts import NONE, Cell, Code, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
@@ -80,37 +77,26 @@ def fem_report(solution: FemSolution) -> str:
     solution : FemSolution
         What ran and what it gave; without frames the page says so.
     """
-    case: Any = getattr(solution, "case", None)
-    text = solution.case_text
-    digest = hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
-    found = sectors(case, solution.model)
-    wholes = whole_forces(solution.model, solution.run, found)
+    found = solution.sectors
+    wholes = solution.wholes
     bodies = blow_of_bodies(solution.model, solution.run, found)
     sections = [
         _result(solution.run, found, wholes),
         _what_ran(solution.model, solution.run),
         fields_section(solution),
         _ledgers(solution.run),
-        *([blows_section(solution)] if getattr(solution, "later", ()) else []),
-        *([chapters.published(solution.published)] if case is not None and case.published else []),
-        *([chapters.inputs(case)] if case is not None else []),
-        chapters.warnings(solution.warnings),
-        chapters.sources(solution.citations),
-        _again(text),
+        *([blows_section(solution)] if solution.later else []),
+        *([chapters.published(solution.comparisons)] if solution.comparisons else []),
+        chapters.inputs(solution.case, unused="solver"),
+        chapters.warnings(solution.notices),
     ]
-    name = str(getattr(case, "name", ""))
-    head = Head(
-        title=solution.title,
+    summary = chapters.Summary(
         kicker="Report of an explicit finite-element run",
-        subject="Case",
-        name=name,
-        digest=digest,
-        status=_status(solution),
-        summary=_summary(solution.run, wholes, bodies) + _sector_words(found),
+        words=_summary(solution.run, wholes, bodies) + _sector_words(found),
         numbers=_key_numbers(solution.run, wholes, bodies),
-        foot=f"case {name or 'without name'} · SHA-256 of the case text {digest}",
+        status=_status(solution),
     )
-    return whole_page(head, sections)
+    return chapters.result_page(solution, summary, sections)
 
 
 def _status(solution: FemSolution) -> Tag:
@@ -119,7 +105,7 @@ def _status(solution: FemSolution) -> Tag:
         return Tag("stopped early" + (f"; stated limit broken: {listed(broken)}" if broken else ""), "bad")
     if broken:
         return Tag(f"stated limit broken: {listed(broken)}", "bad")
-    many = len(solution.warnings)
+    many = len(solution.notices)
     warned = f"; {many} warning{'s' if many > 1 else ''}, see below" if many else ""
     return Tag(f"no stated limit broken{warned}", "warned" if many else "good")
 
@@ -127,13 +113,14 @@ def _status(solution: FemSolution) -> Tag:
 def _broken(solution: FemSolution) -> list[str]:
     """Return the codes of broken limits, each once, with the blows after the first that broke it."""
     found: dict[str, list[str]] = {}
-    for notice in solution.warnings:
+    for notice in solution.notices:
         if notice.broken:
             later = _OF_BLOW.match(notice.message)
             found.setdefault(notice.code, []).append(later[1] if later else "1")
-    many = bool(getattr(solution, "later", ()))
+    if not solution.later:
+        return list(found)
     return [
-        f"{code} (blow{'s' if len(set(blows)) > 1 else ''} {listed(list(dict.fromkeys(blows)))})" if many else code
+        f"{code} (blow{'s' if len(set(blows)) > 1 else ''} {listed(list(dict.fromkeys(blows)))})"
         for code, blows in found.items()
     ]
 
@@ -448,10 +435,3 @@ def _energy_table(run: FemRun) -> Table:
             [name + (" (within internal)" if name == "plastic" else ""), written(most), written(float(values[-1]))]
         )
     return Table("Energies", ["energy", "largest (J)", "at the end (J)"], rows)
-
-
-def _again(text: str) -> Section:
-    words = f"This command gives the same numbers again with strikewave {__version__}; case.toml is the text below."
-    return Section(
-        "How to run this again", words, [Code("strikewave fem case.toml"), Code(text, "The whole case file, case.toml")]
-    )

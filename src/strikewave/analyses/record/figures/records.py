@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.records.finding import Finding
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.pulses import robust_line
 from strikewave.records.reading import ChannelReading
@@ -146,7 +146,7 @@ def _shade(axes: Any, pulses: Sequence[RecordedPulse], factor: float) -> None:
         axes.broken_barh(spans, (0.0, 1.0), transform=across, color=BLUE, alpha=0.13, linewidth=0, label="blow")
 
 
-def _mark_findings(axes: Any, findings: Sequence[Finding], factor: float, last: float) -> None:
+def _mark_findings(axes: Any, findings: Sequence[HealthNotice], factor: float, last: float) -> None:
     """Mark findings that have a time: hatched from begin to end, a dotted line where only one is known."""
     seen: set[str] = set()
     for finding in findings:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.analyses.record.chosen import best_of, usable
 from strikewave.analyses.record.figures import campaigns, records
 from strikewave.analyses.record.figures.records import drawable, say, shown
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.records.campaign import Campaign
-from strikewave.records.finding import STATUSES, worst
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.curves import DASHES
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
@@ -318,19 +318,6 @@ def record_summary(files: Sequence[FileReading], campaign: Campaign | None, titl
     else:
         records.draw_velocity(fourth, best, 0.12)
     return figure
-
-
-def usable(files: Sequence[FileReading]) -> list[tuple[FileReading, ChannelReading]]:
-    """Return the channels that are not bad, of files that are not: a bad channel does not spoil another."""
-    sound = [file for file in files if worst(file.findings) != "bad"]
-    return [(file, reading) for file in sound for reading in file.channels if reading.status != "bad"]
-
-
-def best_of(files: Sequence[FileReading]) -> ChannelReading | None:
-    """Return the first channel of the first file in which it is good; else suspect; else any."""
-    firsts = [file.channels[0] for file in files if file.channels]
-    sound = [reading for file, reading in usable(files) if reading is file.channels[0]]
-    return min(sound, key=lambda reading: STATUSES.index(reading.status), default=next(iter(firsts), None))
 
 
 def hertz(value: float) -> str:

@@ -6,34 +6,21 @@ import shlex
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from strikewave._version import __version__
-from strikewave.base.citations import SOURCES
 from strikewave.cases.case import Case
 from strikewave.papers.li_ma_2019.report import tables as tables
 from strikewave.papers.li_ma_2019.report.figures import figure_sections, fitted_inputs, key_numbers, overview_picture
 from strikewave.papers.li_ma_2019.report.studies import study_tables
-from strikewave.papers.li_ma_2019.result import PAPER
 from strikewave.papers.li_ma_2019.runs import BAR, PASSING, quick_changes
+from strikewave.reporting import chapters
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.page import Head, whole_page
-from strikewave.reporting.parts import Cell, Code, Section, Table, Tag
+from strikewave.reporting.parts import Code, Section, Tag
 
 if TYPE_CHECKING:
     from strikewave.papers.li_ma_2019.result import Reproduction
 
-TITLE = "Li & Ma 2019, reproduced: equations, figures and published numbers"
 
-
-def reproduction_report(result: Reproduction, command: str) -> str:
-    """Return the report as one HTML page: no script, nothing fetched.
-
-    Parameters
-    ----------
-    result : Reproduction
-        What was computed.
-    command : str
-        The command that gives it again.
-    """
+def reproduction_report(result: Reproduction) -> str:
+    """Return the report as one HTML page: no script, nothing fetched."""
     sections = [
         _done(result),
         tables.provenance_section(result.runs.cases),
@@ -43,23 +30,11 @@ def reproduction_report(result: Reproduction, command: str) -> str:
         tables.numbers_section(result.numbers, result.checks),
         tables.elements_section(result.runs.elements, study_tables(result)),
         tables.findings_section(result.findings),
-        _warnings(result),
-        _again(result, command),
+        chapters.warnings(result.notices),
+        _one_by_one(result),
     ]
-    return whole_page(
-        Head(
-            title=TITLE,
-            kicker="Report of a reproduction",
-            subject="Paper",
-            name=PAPER,
-            digest="",
-            status=_status(result),
-            summary=_summary(result),
-            numbers=key_numbers(result),
-            foot=SOURCES[PAPER],
-        ),
-        sections,
-    )
+    summary = chapters.Summary("Report of a reproduction", _summary(result), key_numbers(result), _status(result))
+    return chapters.result_page(result, summary, sections)
 
 
 def _status(result: Reproduction) -> Tag:
@@ -96,23 +71,9 @@ def _done(result: Reproduction) -> Section:
     return Section("What was done", text, [overview_picture(result)])
 
 
-def _warnings(result: Reproduction) -> Section:
-    rows: list[list[Cell]] = [
-        [name, Tag(notice.code, "bad" if notice.broken else "warned"), notice.message]
-        for name, notice in result.notices
-    ]
-    table = Table("Warnings of the runs", ["case", "code", "message"], rows, empty="No warning was raised.")
-    return Section("Warnings", "", [table])
-
-
-def _again(result: Reproduction, command: str) -> Section:
-    text = (
-        f"The first command gives the same page again with strikewave {__version__}; the others run one case each, "
-        "with a report of its own."
-    )
-    lines = [command, *(again(case, result.runs.quick) for case in result.runs.cases), _command("bar", BAR, PASSING)]
-    cite = Table("Source", ["key", "source"], [[PAPER, SOURCES[PAPER]]])
-    return Section("How to run this again", text, [Code("\n".join(lines)), cite])
+def _one_by_one(result: Reproduction) -> Section:
+    lines = [*(again(case, result.runs.quick) for case in result.runs.cases), _command("bar", BAR, PASSING)]
+    return Section("The runs, one by one", "Each has a report of its own.", [Code("\n".join(lines))])
 
 
 def again(case: Case, quick: bool = False) -> str:

@@ -1,0 +1,162 @@
+"""A deck for another code as a command: build the model, write it in the code's words, print what differs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+from strikewave._version import __version__
+from strikewave.analyses.fem.build import build_model
+from strikewave.analyses.fem.field_names import fields_of_case
+from strikewave.analyses.fem.notices import model_notices
+from strikewave.analyses.fem.sectors import sectors
+from strikewave.base.result import Result, Source
+from strikewave.cases.case import Case, dump_case
+from strikewave.exchange.deck import Deck, Heading
+from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
+from strikewave.exchange.radioss.deck import radioss_deck
+from strikewave.exchange.units import UnitSystem
+from strikewave.fem.model import Model
+from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.terminal import say
+
+CODES = {"ls-dyna": (".k",), "openradioss": ("_0000.rad", "_0001.rad")}
+"""Codes, and how the names of their files end."""
+
+
+@dataclass(frozen=True)
+class DeckResult(Result):
+    """A model written for another code; see `Result` for what it shares with others.
+
+    Attributes
+    ----------
+    case : Case
+        What the model was built from.
+    model : Model
+        Of the case.
+    deck : Deck
+        The files, and what differs or is left out.
+    code : str
+        One of `CODES`.
+    system : UnitSystem
+        Units of the deck.
+    stem : str
+        What the names of its files begin with.
+    """
+
+    command: ClassVar[str] = "deck"
+
+    case: Case
+    model: Model
+    deck: Deck
+    code: str
+    system: UnitSystem
+    stem: str
+
+    @property
+    def title(self) -> str:
+        """The title of the case."""
+        return self.case.title or self.case.name
+
+    @property
+    def source(self) -> Source:
+        """The case, with code and units below."""
+        return Source("case", self.case.name, marked_text(self.case, self.code, self.system))
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The names of its files."""
+        return [f"{self.stem}{ending}" for ending in self.deck.files]
+
+    def units(self) -> dict[str, str]:
+        """Return nothing: counts have no unit."""
+        return {}
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
+        mesh = self.model.mesh
+        return {
+            "case": self.case.name,
+            "code": self.code,
+            "system": self.system.name,
+            "files": self.names,
+            "elements": len(mesh.hexahedra),
+            "nodes": len(mesh.points),
+            "parts": list(mesh.names),
+            "left_out": list(self.deck.left_out),
+            "differs": list(self.deck.differs),
+        }
+
+
+def marked_text(case: Case, code: str, system: UnitSystem) -> str:
+    """Return the text of a case with code and units below: another code is another result."""
+    return f"{dump_case(case)}\n# as a deck of {code} in {system.name}\n"
+
+
+def write_deck(case: Case, changes: list[str], code: str, system: UnitSystem, output: Output) -> int:
+    """Write the deck of a case, print what differs, and return the exit code.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If the case has no mesh, parts of it do not fit together, or the code has no word for one.
+    """
+    text = marked_text(case, code, system)
+    model = build_model(case)
+    stem = _heading(case, model).stem
+    own = [f"{stem}{ending}" for endings in CODES.values() for ending in endings]
+    command = DeckCommand(case, model, code, system)
+    return run_and_write(command, output, case_folder(f"{case.name or 'case'}-deck", text, changes), text, own)
+
+
+@dataclass(frozen=True)
+class DeckCommand(Command[DeckResult]):
+    """The deck of an element case for another code."""
+
+    case: Case
+    model: Model
+    code: str
+    system: UnitSystem
+
+    def solve(self) -> DeckResult:
+        """Return the deck."""
+        heading = _heading(self.case, self.model)
+        with fields_of_case(self.model):
+            deck = (ls_dyna_deck if self.code == "ls-dyna" else radioss_deck)(self.model, self.system, heading)
+        notices = tuple(model_notices(self.case, self.model))
+        return DeckResult(self.case, self.model, deck, self.code, self.system, heading.stem, notices=notices)
+
+    def show(self, result: DeckResult) -> None:
+        """Print what differs from the model, and what is left out."""
+        _show(result.model, result.deck, result.system)
+
+    def draw(self, result: DeckResult, folder: Path) -> list[str]:
+        """Write the files of the deck piece by piece, for they may be long."""
+        for name, pieces in zip(result.names, result.deck.files.values(), strict=True):
+            with (folder / name).open("w", encoding="ascii", newline="\n") as file:
+                file.writelines(pieces)
+        return result.names
+
+
+def _heading(case: Case, model: Model) -> Heading:
+    """Return what the deck of a case is called; parts that are sectors are told of."""
+    frames = int(case.fem.frames.si) if case.fem else 0
+    found = sectors(case, model)
+    pieces = {name: found[name].pieces for name in model.mesh.names if found[name].pieces > 1}
+    notes = [
+        f"{', '.join(name for name in pieces if pieces[name] == many)}: 1/{many} of the body is modelled; "
+        f"forces, energies and masses of the whole are {many} times these"
+        for many in sorted(set(pieces.values()))
+    ]
+    return Heading(case.title or case.name or "a case", case.name or "case", __version__, frames, tuple(notes))
+
+
+def _show(model: Model, deck: Deck, system: UnitSystem) -> None:
+    length, mass, time = system.words
+    say(f"{len(model.mesh.hexahedra)} elements, {len(model.mesh.points)} nodes, in {length}, {mass}, {time}")
+    for line in deck.differs:
+        say(f"done in its own way: {line}")
+    for line in deck.left_out or ("nothing",):
+        say(f"left out: {line}")

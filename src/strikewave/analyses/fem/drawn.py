@@ -1,0 +1,34 @@
+"""Page and pictures of an element run as files; a module of its own, for drawing takes long to import."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from strikewave.analyses.fem.figures.animation import fem_page, movie_of, write_fem_gif
+from strikewave.analyses.fem.figures.histories import summary_sheet
+from strikewave.analyses.fem.report.page import fem_report
+from strikewave.analyses.fem.result import FemSolution
+from strikewave.reporting.style import save
+from strikewave.reporting.terminal import progress_bar
+
+
+def draw_result(solution: FemSolution, folder: Path, report: bool = True, animate: bool = False) -> list[str]:
+    """Write page and pictures of a run into a folder, and return their names."""
+    names = ["summary.svg"]
+    save(summary_sheet(solution.run, solution.title), folder / names[0])
+    if report:
+        (folder / "report.html").write_text(fem_report(solution), "utf-8", newline="\n")
+        names.insert(0, "report.html")
+    return names + (animate_run(solution, folder) if animate else [])
+
+
+def animate_run(solution: FemSolution, folder: Path) -> list[str]:
+    """Write the animation as a page and as a GIF, and return their names; nothing where nothing was kept."""
+    with progress_bar("animation", clocks=("left",)) as progress:
+        movie = movie_of(solution, progress=lambda share: progress(0.5 * share))
+        if movie is None:
+            return []
+        page = fem_page(movie, solution.title, solution.case.name)
+        (folder / "animation.html").write_text(page, "utf-8", newline="\n")
+        write_fem_gif(movie, solution.title, folder / "animation.gif", lambda share: progress(0.5 + 0.5 * share))
+    return ["animation.html", "animation.gif"]

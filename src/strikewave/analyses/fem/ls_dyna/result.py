@@ -1,0 +1,124 @@
+"""What a run of LS-DYNA gave, alone or beside a run of ours: JSON document and source."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar
+
+from strikewave.base.result import Result, Source
+from strikewave.exchange.ls_dyna.beside import Beside, ForcePair
+from strikewave.exchange.ls_dyna.folder import Contact, Extreme, Ledger, Pulse, pulse_of
+from strikewave.reporting import measured_files as measured
+
+UNITS = {
+    "peak": "N", "at": "s", "impulse": "N s", "begin": "s", "end": "s", "width": "s", "span": "s", "shift": "s",
+    "angle": "deg", "peak_difference": "1", "impulse_difference": "1", "width_difference": "1",
+    "magnitude": "1", "phase": "1", "combined": "1", "rms": "1", "displacement": "m", "von_mises": "Pa",
+    "plastic_strain": "1", "largest": "J", "last": "J",
+}  # fmt: skip
+"""Of the JSON document."""
+
+
+@dataclass(frozen=True)
+class LsDynaResult(Result):
+    """A run of LS-DYNA, alone or beside one of ours; see `Result` for what it shares with others.
+
+    Attributes
+    ----------
+    found : Beside
+        Both runs, and what they differ in.
+    asked : str
+        Command line that gives the same again.
+    digests : mapping
+        SHA-256 of the files, by their paths.
+    """
+
+    command: ClassVar[str] = "ls-dyna"
+
+    found: Beside
+    asked: str = ""
+    digests: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """The case of ours that it is laid beside, or the name of its folder."""
+        theirs, ours = self.found.theirs, self.found.ours
+        return f"LS-DYNA beside strikewave: {ours.title}" if ours else f"LS-DYNA: {folder_name(theirs.folder)}"
+
+    @property
+    def source(self) -> Source:
+        """The files by their SHA-256, and what was asked of them."""
+        text = measured.identity(self.asked, self.digests)
+        return Source("records", folder_name(self.found.theirs.folder), text, "record.toml", self.digests, self.asked)
+
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return UNITS
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
+        found, theirs, ours = self.found, self.found.theirs, self.found.ours
+        parts = {name: {"number": n, **_extreme(theirs.extremes.get(name))} for name, n in theirs.parts.items()}
+        content = {
+            "folder": str(theirs.folder),
+            "files": [path.name for path in theirs.files],
+            "span": theirs.span,
+            "states": theirs.frames,
+            "contacts": [_contact(contact) for contact in theirs.contacts],
+            "energy": _ledger(theirs.ledger),
+            "parts": parts,
+        }
+        if ours is not None:
+            content["beside"] = {
+                "folder": str(ours.folder),
+                "title": ours.title,
+                "contacts": {pair.name: _pair(pair) for pair in found.forces},
+                "energy": _ledger(ours.ledger),
+                "parts": {name: {"of": found.parts.get(name), **_extreme(one)} for name, one in ours.extremes.items()},
+            }
+        return content
+
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document as a file."""
+        return {"beside.json": self.document_text(2)}
+
+
+def folder_name(folder: Path) -> str:
+    """Return what the run of a folder is called."""
+    return folder.absolute().name or "run"
+
+
+def _contact(contact: Contact) -> dict[str, Any]:
+    sides = {side: _pulse(pulse_of(force)) for side, force in sorted(contact.sides.items())}
+    return {"number": contact.number, "title": contact.title, "sides": sides}
+
+
+def _pulse(pulse: Pulse | None) -> dict[str, float] | None:
+    return None if pulse is None else {**dataclasses.asdict(pulse), "width": pulse.width}
+
+
+def _pair(pair: ForcePair) -> dict[str, Any]:
+    agreements = {"as_they_are": pair.plain, "begun_together": pair.moved}
+    return {
+        "number": pair.contact.number,
+        "side": pair.side,
+        "ls_dyna": _pulse(pair.theirs),
+        "ours": _pulse(pair.ours),
+        **{f"{what}_difference": pair.difference(what) for what in ("peak", "impulse", "width")},
+        "shift": pair.shift,
+        "angle": pair.angle,
+        **{name: {**dataclasses.asdict(one), "combined": one.combined} for name, one in agreements.items()},
+    }
+
+
+def _ledger(ledger: Ledger | None) -> dict[str, dict[str, float]] | None:
+    if ledger is None:
+        return None
+    return {name: {"largest": float(v[abs(v).argmax()]), "last": float(v[-1])} for name, v in ledger.energy.items()}
+
+
+def _extreme(one: Extreme | None) -> dict[str, float]:
+    return {} if one is None else dataclasses.asdict(one)

@@ -1,0 +1,82 @@
+"""A run of LS-DYNA as a command: read, lay beside a run of ours, print, draw."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from strikewave.analyses.fem.ls_dyna.report import contact_table, energy_table, field_table, pair_table
+from strikewave.analyses.fem.ls_dyna.result import LsDynaResult, folder_name
+from strikewave.exchange.ls_dyna.beside import Beside, ForcePair, lay_beside, read_ours
+from strikewave.exchange.ls_dyna.folder import LsDynaRun, read_folder
+from strikewave.exchange.units import UnitSystem
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.terminal import case_hash, number, say, table
+
+
+@dataclass(frozen=True)
+class LsDynaCommand(Command[LsDynaResult]):
+    """A run of LS-DYNA, alone or beside one of ours."""
+
+    folder: Path
+    system: UnitSystem
+    beside: Path | None
+    contacts: dict[str, int]
+    parts: dict[str, int]
+    asked: str
+
+    def solve(self) -> LsDynaResult:
+        """Return both runs, and what they differ in."""
+        ours = None if self.beside is None else read_ours(self.beside)
+        theirs = read_folder(self.folder, self.system)
+        found = lay_beside(theirs, ours, self.contacts, self.parts) if ours else Beside(theirs)
+        read = [*theirs.files, *([ours.folder / "histories.nc", ours.folder / "field.vtkhdf"] if ours else [])]
+        digests = measured.digests_of(read)
+        return LsDynaResult(found, self.asked, digests, notices=found.warnings)
+
+    def show(self, result: LsDynaResult) -> None:
+        """Print contacts, energies, fields, and how far both are apart."""
+        _show(result.found)
+
+    def draw(self, result: LsDynaResult, folder: Path) -> list[str]:
+        """Write page and picture."""
+        from strikewave.analyses.fem.ls_dyna.drawn import draw_result
+
+        return draw_result(result, folder)
+
+
+def read_run(command: LsDynaCommand, output: Output) -> int:
+    """Read a run of LS-DYNA, write and print what it gave, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If a file of either run cannot be used, or a name fits nothing.
+    """
+    beside = str(command.beside.resolve() if command.beside else "")
+    asked = repr((str(command.folder.resolve()), command.system.name, beside, [command.contacts, command.parts]))
+    usual = f"ls-dyna-{folder_name(command.folder)}{case_hash(asked, [asked])}"
+    return run_and_write(command, output, usual, None)
+
+
+def _show(found: Beside) -> None:
+    """Print contacts, energies, fields, and how far both are apart."""
+    _show_read(found.theirs)
+    for pair in found.forces:
+        _show_pair(pair)
+    for made in (contact_table(found.theirs.contacts), energy_table(found), field_table(found)):
+        if made.rows:
+            table(made.caption, list(made.columns), [[str(cell) for cell in row] for row in made.rows], left=2)
+
+
+def _show_read(theirs: LsDynaRun) -> None:
+    first, last = (number(t, "s", "us") for t in theirs.span)
+    fields = theirs.fields
+    solids = f"; {len(fields.mesh.hexahedra)} solids, {theirs.frames} states" if fields else ""
+    say(f"read: {', '.join(path.name for path in theirs.files)}; from {first} to {last} us{solids}")
+
+
+def _show_pair(pair: ForcePair) -> None:
+    made = pair_table(pair)
+    table(made.caption, list(made.columns), [[str(cell) for cell in row] for row in made.rows])

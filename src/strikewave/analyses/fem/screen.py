@@ -1,0 +1,353 @@
+"""A run of explicit finite elements as a command: check, solve, print, draw."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from strikewave.analyses.fem.build import build_model
+from strikewave.analyses.fem.notices import model_notices
+from strikewave.analyses.fem.parts import exact_volume
+from strikewave.analyses.fem.report.fields import largest_words
+from strikewave.analyses.fem.result import FemSolution
+from strikewave.analyses.fem.run import check_model, first_step, run_model
+from strikewave.analyses.fem.sectors import WholeForce, blow_of_bodies, sectors
+from strikewave.analyses.fem.unfinished import STATE, FieldFiles, unfinished
+from strikewave.base.errors import InputError
+from strikewave.base.json_document import head, plain, without
+from strikewave.cases.case import Case, dump_case
+from strikewave.fem.blow_measures import blow_measure
+from strikewave.fem.film import STILLS
+from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ContactMeasure, ledger_measure
+from strikewave.fem.model import Model
+from strikewave.fem.quality import PartQuality, quality_report
+from strikewave.fem.run import ENERGIES
+from strikewave.fem.solve import Asked, Keep, Progress
+from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.terminal import (
+    number,
+    print_json,
+    print_published,
+    progress_bar,
+    say,
+    say_compiling,
+    show_notices,
+    table,
+)
+
+NAMES = {2: "half", 4: "quarter"}
+SHARES = {1: "", 2: " (half of it)", 4: " (quarter of it)"}
+"""Said of a part that is a sector, by how many make the whole."""
+LEAST_OFF = 1e-4
+"""Share of a part's volume that its flat faces take, and is worth a word."""
+MOST_REST, REST_WORDS = 3.5, "1 to 3.5 times"
+"""How many times the steps of a blow the bodies take to come to rest after it, at most as a rule."""
+FLAT = 1e-9
+"""Warpage below which faces are flat but for rounding, rad."""
+USUAL_RATE = 5e6
+"""Element-steps a second of one thread, for the estimate before a run."""
+STATES = 20
+"""How often in a run its state is kept."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was asked for besides the case."""
+
+    threads: int = 1
+    report: bool = True
+    restart: bool = False
+    animate: bool = False
+
+
+def run_element_case(case: Case, changes: Sequence[str], output: Output, choice: Choice | None = None) -> int:
+    """Run an element case, write and print its result, and return the exit code.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If there is no folder for an animation or to go on from, or what the run raises.
+    """
+    choice = choice or Choice()
+    output.check_animation(choice.animate)
+    if choice.restart and output.json and output.out is None:
+        raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
+    model, text = _told_model(case, choice.threads), dump_case(case)
+    command = FemCommand(case, model, choice, output.force)
+    return run_and_write(command, output, case_folder(case.name, text, changes), text)
+
+
+def check_element_case(case: Case, json: bool, threads: int = 1) -> int:
+    """Build the model of an element case and print what it would take; run nothing."""
+    model = _told_model(case, threads)
+    check_model(model)
+    show_notices(tuple(model_notices(case, model)))
+    quality = quality_report(model.mesh)
+    print_json(_check_document(case, model, quality)) if json else _show_quality(model, quality)
+    return 0
+
+
+def _told_model(case: Case, threads: int) -> Model:
+    """Build the model of a case, and say what will be run."""
+    model = build_model(case, min(threads, os.cpu_count() or 1))
+    quality = quality_report(model.mesh)
+    say_model(case, model, quality)
+    say_faceted(case, quality)
+    return model
+
+
+@dataclass
+class FemCommand(Command[FemSolution]):
+    """A run of an element case; one that is stopped may go on where it was."""
+
+    case: Case
+    model: Model
+    choice: Choice
+    anew: bool
+    home: Path | None = field(default=None, init=False)
+    fields: FieldFiles | None = field(default=None, init=False)
+
+    @contextlib.contextmanager
+    def under_way(self, folder: Path) -> Iterator[None]:
+        """Keep state and fields beside the folder until all is written."""
+        restart = self.choice.restart
+        with (
+            unfinished(folder, dump_case(self.case), restart, self.anew) as self.home,
+            FieldFiles(self.home, self.model.mesh, restart) as self.fields,
+        ):
+            yield
+
+    def solve(self) -> FemSolution:
+        """Return the solution, with a bar on stderr."""
+        say_compiling()
+        with progress() as report:
+            return run_model(self.case, self.model, self._asked()._replace(report=report), self._stills())
+
+    def _asked(self) -> Asked:
+        """Return what is asked of the run besides its histories."""
+        if self.home is None or self.fields is None:
+            return Asked()
+        state = self.home / STATE
+        keep = Keep(state, max(1, round(self.model.controls.intervals / STATES)))
+        asked = Asked(keep=keep, resume=state if self.choice.restart else None)
+        return asked._replace(writer=self.fields.of_blow(1), later=self.fields.of_blow)
+
+    def _stills(self) -> int:
+        """Return how many instants the run keeps for its pictures."""
+        if not self.choice.animate:
+            return STILLS
+        from strikewave.analyses.fem.figures import animation
+
+        return animation.STILLS
+
+    def show(self, result: FemSolution) -> None:
+        """Print the tables of a run."""
+        show(result)
+
+    def draw(self, result: FemSolution, folder: Path) -> list[str]:
+        """Write page and pictures, the fields and the animation, which takes some seconds."""
+        from strikewave.analyses.fem.drawn import draw_result
+
+        fields = self.fields.hand_over(folder) if self.fields else []
+        return [*draw_result(result, folder, self.choice.report, self.choice.animate), *fields]
+
+
+@contextlib.contextmanager
+def progress() -> Iterator[Callable[[Progress], None]]:
+    """Show a bar with rate and time left on stderr where that is a terminal."""
+    with progress_bar("", clocks=()) as report:
+
+        def show(seen: Progress) -> None:
+            words = f"{seen.speed / 1e6:.2f} M element-steps/s, {seen.left:.0f} s left" if seen.time > 0.0 else ""
+            report(seen.time / seen.duration, words)
+
+        yield show
+
+
+def say_model(case: Case, model: Model, quality: Sequence[PartQuality]) -> None:
+    """Say what will be run: elements, nodes, masses, the worst element, about how many steps."""
+    mesh, controls, found = model.mesh, model.controls, sectors(case, model)
+    say(f"{len(mesh.hexahedra)} elements, {len(mesh.points)} nodes")
+    masses = {row.part: row.volume * model.solids[row.part].density for row in quality}
+    say("mass: " + ", ".join(f"{name} {_mass_words(mass, found[name].pieces)}" for name, mass in masses.items()))
+    worst = min(quality, key=lambda row: row.scaled_jacobian)
+    place = ", ".join(f"{x * 1e3:.4g}" for x in worst.worst_at)
+    say(f"worst element: scaled Jacobian {worst.scaled_jacobian:.2f} in {worst.part} at ({place}) mm")
+    step = first_step(model)
+    count = controls.duration / step
+    work = len(mesh.hexahedra) * count * controls.blows
+    seconds = work / (USUAL_RATE * controls.threads)
+    least, most = 1.0 + (controls.blows - 1) / controls.blows, 1.0 + MOST_REST * (controls.blows - 1) / controls.blows
+    many = f", in {controls.blows} blows {controls.blows * count:.0f}" if controls.blows > 1 else ""
+    rest = (
+        f" to {brief(seconds * most)} s, the steps to rest between blows included ({REST_WORDS} those of a blow),"
+        if controls.blows > 1
+        else " s"
+    )
+    say(
+        f"step about {step * 1e9:.3g} ns: {count:.0f} steps for {controls.duration * 1e6:.4g} us{many}, "
+        f"{work / 1e6:.3g} M element-steps, about {brief(seconds * least)}{rest} "
+        "or more: compiling, files and elements that are squeezed come on top"
+    )
+
+
+def _mass_words(mass: float, pieces: int) -> str:
+    """Write the mass of a part, and that of the whole body where it is a sector.
+
+    Examples
+    --------
+    >>> _mass_words(0.1655, 4), _mass_words(0.1655, 1)
+    ('0.1655 kg (quarter; 0.662 kg whole)', '0.1655 kg')
+    """
+    whole = f" ({NAMES[pieces]}; {pieces * mass:.4g} kg whole)" if pieces > 1 else ""
+    return f"{mass:.4g} kg{whole}"
+
+
+def brief(value: float) -> str:
+    """Write a number to one digit without an exponent.
+
+    Examples
+    --------
+    >>> brief(73.2), brief(0.042), brief(4.2e-6), brief(0.096), brief(0.0)
+    ('70', '0.04', '0.000004', '0.1', '0')
+    """
+    rounded = float(f"{value:.1g}")
+    return f"{rounded:.{max(0, -math.floor(math.log10(rounded))) if rounded > 0.0 else 0}f}"
+
+
+def say_faceted(case: Case, quality: Sequence[PartQuality]) -> None:
+    """Say how much the flat faces of the elements take from round parts."""
+    exact = {part.name: exact_volume(part) for part in (case.mesh.part if case.mesh else ())}
+    off = {row.part: row.volume / whole - 1.0 for row in quality if (whole := exact.get(row.part))}
+    words = [f"{part} {share:+.2%}" for part, share in off.items() if abs(share) >= LEAST_OFF]
+    if words:
+        say(f"mass against that of the shape, whose round sides have flat faces here: {', '.join(words)}")
+
+
+def show(solution: FemSolution) -> None:
+    """Print parts, contacts, ledger and warnings."""
+    found = solution.sectors
+    rows = [
+        [
+            name + SHARES[found[name].pieces],
+            number(part.mass, "kg", "kg"),
+            number(part.rigid_peak, "m/s^2", "g", 5),
+            number(part.width, "s", "us"),
+            number(part.velocity_change, "m/s", "m/s"),
+            " ".join(f"{x:+.2f}" for x in part.direction),
+        ]
+        for name, part in {**solution.parts, **solution.groups}.items()
+    ]
+    heads = ["part", "mass (kg)", "rigid peak (g)", "width (us)", "velocity change (m/s)", "along"]
+    table(f"{solution.title}: parts as rigid bodies", heads, rows)
+    rows = [
+        [name, number(part.von_mises, "Pa", "MPa"), number(part.plastic_strain, "1", "1", 3)]
+        for name, part in solution.parts.items()
+    ]
+    table("Largest in the elements", ["part", "von Mises stress (MPa)", "plastic strain"], rows)
+    if solution.film is not None and (words := largest_words(solution.film, solution.model.mesh)):
+        say(words)
+    wholes = solution.wholes
+    rows = [
+        [name, *([*"-----"] if one is None else _contact_cells(one)), *_whole_cells(wholes[name] if one else None)]
+        for name, one in solution.contacts.items()
+    ]
+    if rows:
+        heads = ["contact", "peak (kN)", "at (us)", "impulse (N s)", "begins (us)", "lasts (us)"]
+        heads += ["peak, whole bodies (kN)", "impulse, whole bodies (N s)"]
+        many = len(heads) if any(wholes.values()) else len(heads) - 2
+        table("Contacts", heads[:many], [row[:many] for row in rows])
+    print_published(solution.comparisons)
+    _show_ledger(solution)
+    if solution.later:
+        _show_blows(solution)
+
+
+def _contact_cells(found: Any) -> list[str]:
+    times = [number(x, "s", "us") for x in (found.at, found.begin, found.duration)]
+    return [number(found.peak, "N", "kN", 5), times[0], number(found.impulse, "N s", "N s"), *times[1:]]
+
+
+def _whole_cells(whole: WholeForce | None) -> list[str]:
+    return ["-", "-"] if whole is None else [number(whole.peak, "N", "kN", 5), number(whole.impulse, "N s", "N s")]
+
+
+def _show_ledger(solution: FemSolution) -> None:
+    run, ledger = solution.run, ledger_measure(solution.run)
+    kinds = [name for name in ENERGIES if run.energy[name].any()]
+    cells = [number(run.initial_energy, "J", "J"), *(number(float(run.energy[name][-1]), "J", "J") for name in kinds)]
+    table("Energy at the end (J)", ["initial", *kinds], [cells], left=0)
+    say(
+        f"ledger: energy {ledger.energy:+.1e} (limit {ENERGY_LIMIT:g}), hourglass {ledger.hourglass:.1e} of internal "
+        f"(limit {HOURGLASS_LIMIT:g}), momentum {ledger.momentum:.1e}"
+    )
+    say(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
+
+
+def _show_blows(solution: FemSolution) -> None:
+    """Print what each blow came to, and how the bodies came to rest before it."""
+    rows = []
+    for each in solution.blows:
+        found, touched = blow_measure(each.run, each.model.touching), [x for x in each.contacts.values() if x]
+        most = max(touched, key=lambda x: x.peak, default=None)
+        body, pulse = next(iter(blow_of_bodies(each.model, each.run, each.sectors).items()))
+        back = [x for x in found.restitution.values() if x is not None]
+        rows.append(
+            [
+                str(found.blow),
+                *(["-"] * 3 if most is None else _pulse_cells(most)),
+                f"{back[0]:.4f}" if len(back) == 1 else "-",
+                f"{body}: {number(pulse.rigid_peak, 'm/s^2', 'g', 5)}",
+                number(max(found.plastic_strain.values(), default=math.nan), "1", "1", 3),
+                number(sum(found.plastic_energy.values()), "J", "J", 3),
+                f"{ledger_measure(each.run).energy:+.1e}",
+            ]
+        )
+    heads = ["blow", "peak (kN)", "impulse (N s)", "lasts (us)", "restitution", "rigid peak (g)"]
+    table("Blow after blow", [*heads, "plastic strain", "yields with (J)", "energy error"], rows, left=0)
+    for run in solution.later:
+        if run.rest is not None:
+            away = f"; begins {run.rest.retreat * 1e6:.3g} um farther away" if run.rest.retreat else ""
+            say(
+                f"at rest before blow {run.blow}: {run.rest.maxima} maxima, {run.rest.steps} steps, "
+                f"{run.rest.kinetic_share:.1e} of the energy left, {run.rest.plastic_energy:.3g} J of yield{away}"
+            )
+
+
+def _pulse_cells(found: ContactMeasure) -> list[str]:
+    return [number(found.peak, "N", "kN", 5), number(found.impulse, "N s", "N s"), number(found.duration, "s", "us")]
+
+
+def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
+    """Print the quality of the mesh by part."""
+    rows = [
+        [
+            row.part,
+            str(row.elements),
+            str(row.nodes),
+            number(row.volume * model.solids[row.part].density, "kg", "kg"),
+            number(row.shortest_edge, "m", "mm"),
+            number(row.longest_edge, "m", "mm"),
+            f"{row.aspect_ratio:.2f}",
+            f"{row.scaled_jacobian:.3f}",
+            number(row.warpage if row.warpage >= FLAT else 0.0, "rad", "deg", 3),
+        ]
+        for row in quality
+    ]
+    heads = ["part", "elements", "nodes", "mass (kg)", "shortest edge (mm)", "longest (mm)", "aspect ratio"]
+    table("Mesh", [*heads, "scaled Jacobian", "warpage (deg)"], rows)
+
+
+def _check_document(case: Case, model: Model, quality: Sequence[PartQuality]) -> dict[str, Any]:
+    """Return the JSON document of a model that was checked."""
+    units = {"volume": "m^3", "shortest_edge": "m", "longest_edge": "m", "warpage": "rad", "worst_at": "m", "step": "s"}
+    counted = {"elements": len(model.mesh.hexahedra), "nodes": len(model.mesh.points), "step": first_step(model)}
+    rows = {row.part: without(dataclasses.asdict(row), "part", "step") for row in quality}
+    found = [without(dataclasses.asdict(notice), "broken") for notice in model_notices(case, model)]
+    return plain({**head(units, found), "case": case.name, **counted, "parts": rows})

@@ -1,0 +1,66 @@
+"""A split-Hopkinson set-up as a command: read, reduce, print, draw."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from strikewave.analyses.hopkinson.echo_result import EchoSolution
+from strikewave.analyses.hopkinson.notices import digests
+from strikewave.analyses.hopkinson.outcome import marked_text
+from strikewave.analyses.hopkinson.report import echo_tables, sensor_tables, shot_tables
+from strikewave.analyses.hopkinson.result import SplitBarSolution
+from strikewave.analyses.hopkinson.run import run_split_bar
+from strikewave.analyses.hopkinson.sensor_result import SensorSolution
+from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.reporting.parts import Table
+from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.terminal import table
+
+AnySolution = SplitBarSolution | SensorSolution | EchoSolution
+
+
+def run_setup(case: SplitBarCase, changes: Sequence[str], output: Output) -> int:
+    """Reduce a set-up, write and print its result, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If files, channels, units or pulses cannot be used.
+    """
+    text = marked_text(case, digests(case))
+    return run_and_write(SetupCommand(case), output, case_folder(case.setup.name or "shot", text, changes), text)
+
+
+@dataclass(frozen=True)
+class SetupCommand(Command[AnySolution]):
+    """A shot, an accelerometer on the end of a bar, or the calibration of a bar, as the set-up says."""
+
+    indent: ClassVar[int | None] = None
+
+    case: SplitBarCase
+
+    def solve(self) -> AnySolution:
+        """Return the solution."""
+        return run_split_bar(self.case)
+
+    def show(self, result: AnySolution) -> None:
+        """Print the tables of a result."""
+        for shown in _tables(result):
+            rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in shown.cells()]
+            table(shown.caption, shown.columns, rows)
+
+    def draw(self, result: AnySolution, folder: Path) -> list[str]:
+        """Write page and summary."""
+        from strikewave.analyses.hopkinson.drawn import draw_result
+
+        return draw_result(result, folder)
+
+
+def _tables(solution: AnySolution) -> list[Table]:
+    """Return the tables of a result."""
+    if isinstance(solution, SplitBarSolution):
+        return shot_tables(solution)
+    return sensor_tables(solution) if isinstance(solution, SensorSolution) else echo_tables(solution)

@@ -1,0 +1,303 @@
+"""The contact of a measured blow as a command: read, identify, print, draw."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar
+
+from strikewave.base.errors import MISSING, InputError
+from strikewave.base.result import Notice, Result, Source
+from strikewave.base.units import parse_typed
+from strikewave.contact.identification import DESCRIBED, Estimate, Identified, identify
+from strikewave.contact.impact import reduced_mass
+from strikewave.records import ChannelReading, Options
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.terminal import number, say, significant, table
+
+_UNITS = {
+    "stiffness": "N/m^n",
+    "exponent": "1",
+    "restitution": "1",
+    "mass": "kg",
+    "speed": "m/s",
+    "begin": "s",
+    "momentum": "N s",
+    "impulse": "N s",
+    "peak_force": "N",
+    "duration": "s",
+    "stiffness_speed": "N/s^n",
+    "noise": "N",
+    "offset": "N",
+    "residual": "1",
+    "time": "s",
+    "measured": "N",
+    "fitted": "N",
+}
+_SHOWN = {"begin": "us", "duration": "us"}
+_CALLED = {
+    "mass": "reduced mass",
+    "speed": "approach speed",
+    "momentum": "mass x speed",
+    "peak_force": "peak force",
+    "stiffness_speed": "stiffness x speed^n",
+    "begin": "first touch",
+}
+
+
+@dataclass(frozen=True)
+class Given:
+    """What is known of the bodies, as far as it was typed.
+
+    Attributes
+    ----------
+    known : dict
+        Speed, stiffness, exponent, restitution, SI.
+    masses : dict
+        What was typed of the masses, by option.
+    window : (str or None, str or None)
+        From when to when the blow is fitted, as typed.
+    """
+
+    known: dict[str, float]
+    masses: dict[str, str | None]
+    window: tuple[str | None, str | None]
+
+
+@dataclass(frozen=True)
+class IdentifyResult(Result):
+    """What a channel of a file tells of a contact; see `Result` for what it shares with others.
+
+    Attributes
+    ----------
+    file : str
+        The measured file.
+    reading : ChannelReading
+        The channel, examined.
+    found : Identified
+        What was identified.
+    asked : str
+        Command line that gives the same again.
+    digests : mapping
+        SHA-256 of the file, by its path.
+    """
+
+    command: ClassVar[str] = "identify"
+
+    file: str
+    reading: ChannelReading
+    found: Identified
+    asked: str = ""
+    digests: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """File and channel."""
+        return f"{Path(self.file).name}, {self.reading.channel.name}"
+
+    @property
+    def source(self) -> Source:
+        """The file by its SHA-256, and what was asked of it."""
+        text = measured.identity(self.asked, self.digests)
+        return Source("records", Path(self.file).stem, text, "record.toml", self.digests, self.asked)
+
+    @property
+    def broken(self) -> bool:
+        """Whether the law does not describe the blow."""
+        return not self.found.described
+
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return _UNITS
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
+        reading, found = self.reading, self.found
+        return {
+            "file": self.file,
+            "channel": reading.channel.name,
+            "measured_unit": reading.channel.unit,
+            "status": reading.status,
+            "calibration": reading.calibration.stated(),
+            "values": {name: _row(estimate) for name, estimate in found.values.items()},
+            "begin": _row(found.begin),
+            "combinations": {name: _row(estimate) for name, estimate in found.combinations.items()},
+            "correlation": {"names": found.names, "matrix": found.correlation},
+            "noise": found.noise,
+            "offset": found.offset,
+            "residual": found.residual,
+            "described": found.described,
+            "words": found.words,
+            "time": found.time,
+            "measured": found.measured,
+            "fitted": found.fitted,
+        }
+
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document as a file."""
+        return {"identify.json": self.document_text()}
+
+
+def identify_contact(
+    file: str, given: Given, stated: dict[str, dict[str, Any]], options: Options, output: Output
+) -> int:
+    """Identify the contact of the largest blow of a file, write and print it, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If the file, or what is known of the bodies, cannot be used.
+    """
+    digests = measured.digests_of([Path(file)])
+    asked = measured.asked()
+    command = IdentifyCommand(file, given, stated, options, asked, digests)
+    return run_and_write(command, output, None, measured.identity(asked, digests))
+
+
+@dataclass(frozen=True)
+class IdentifyCommand(Command[IdentifyResult]):
+    """The contact of a measured blow."""
+
+    indent: ClassVar[int | None] = None
+
+    file: str
+    given: Given
+    stated: dict[str, dict[str, Any]]
+    options: Options
+    asked: str
+    digests: dict[str, str]
+
+    def solve(self) -> IdentifyResult:
+        """Return what the blow tells."""
+        masses, struck = self.given.masses, self.given.masses["--m2"]
+        struck_mass = None if struck is None else _mass(struck, "--m2")
+        reading = measured.examined_channel(self.file, self.stated, self.options, "peak", "the blow")
+        scale = _newtons(reading, struck_mass)
+        reduced = _reduced(masses, reading.channel.unit == "m/s^2")
+        known = self.given.known if reduced is None else {**self.given.known, "mass": reduced}
+        found = _identified(self.file, reading, scale, known, self.given.window)
+        notices = _notices(reading, found)
+        return IdentifyResult(self.file, reading, found, self.asked, self.digests, notices=notices)
+
+    def show(self, result: IdentifyResult) -> None:
+        """Print what is told of the contact."""
+        _print(result)
+
+    def draw(self, result: IdentifyResult, folder: Path) -> list[str]:
+        """Write the pulse beside the law."""
+        from strikewave.analyses.impact.figures.identified import identified_figure
+        from strikewave.reporting.style import plain, save
+
+        figure = identified_figure(result.found)
+        figure.suptitle(plain(result.title, 90), x=0.01, ha="left", fontsize=11)
+        save(figure, folder / "summary.svg")
+        return ["summary.svg"]
+
+
+def _notices(reading: ChannelReading, found: Identified) -> tuple[Notice, ...]:
+    """Return what harms the peak, and a law that does not describe the blow."""
+    notices: list[Notice] = [
+        notice for notice in reading.findings if notice.severity != "good" and "peak" in notice.harms
+    ]
+    if not found.described:
+        notices.append(Notice("law-misfit", found.words[-1], found.residual, DESCRIBED))
+    return tuple(notices)
+
+
+def _mass(text: str, option: str) -> float:
+    value = parse_typed(text, "kg", option)
+    if not value > 0.0:
+        raise InputError(option, text, "a mass above zero, or inf")
+    return value
+
+
+def _reduced(masses: dict[str, str | None], acceleration: bool) -> float | None:
+    """Return the reduced mass where it is known; the mass of the struck body alone may be for its acceleration."""
+    typed = {option: text for option, text in masses.items() if text is not None}
+    if "--mass" in typed:
+        if "--m1" in typed or ("--m2" in typed and not acceleration):
+            other = "--m1" if "--m1" in typed else "--m2"
+            raise InputError(
+                "--mass", typed["--mass"], f"--mass or {other}", "--mass is the reduced mass of both bodies"
+            )
+        return measured.positive(typed["--mass"], "kg", "--mass")
+    if not typed or (typed.keys() == {"--m2"} and acceleration):
+        return None
+    missing = {"--m1", "--m2"} - typed.keys()
+    if missing:
+        raise InputError(missing.pop(), MISSING, "the mass of the other body, or inf", "or give the reduced --mass")
+    striker, struck = (_mass(typed[option], option) for option in ("--m1", "--m2"))
+    if math.isinf(striker) and math.isinf(struck):
+        raise InputError("--m2", typed["--m2"], "at most one infinite mass")
+    return float(reduced_mass(striker, struck))
+
+
+def _newtons(reading: ChannelReading, struck: float | None) -> float:
+    """Return the newtons in one SI unit of a channel: 1 of a force, the struck mass of its acceleration."""
+    unit, name = reading.channel.unit, reading.channel.name
+    if unit == "N":
+        return 1.0
+    if unit != "m/s^2":
+        allowed = f"a force such as N, or an acceleration such as g, of {name}"
+        raise InputError("--unit", unit or MISSING, allowed, "a voltage needs --sensitivity")
+    if struck is None:
+        hint = f'{name} is an acceleration: such as --m2 "0.459 kg"'
+        raise InputError("--m2", MISSING, "the mass of the struck body, that makes a force of its acceleration", hint)
+    if math.isinf(struck):
+        raise InputError("--m2", "inf", f"a finite mass of the struck body, whose acceleration {name} is")
+    return struck
+
+
+def _identified(
+    file: str, reading: ChannelReading, scale: float, known: dict[str, float], typed: tuple[str | None, str | None]
+) -> Identified:
+    channel, window = reading.channel, None
+    if typed != (None, None):
+        first = -math.inf if typed[0] is None else parse_typed(typed[0], "s", "--from")
+        last = math.inf if typed[1] is None else parse_typed(typed[1], "s", "--to")
+        if not first < last:
+            raise InputError("--to", typed[1], f"a time after --from, {first:g} s")
+        window = (first, last)
+    try:
+        return identify(channel.time, scale * channel.values, known, window=window)
+    except InputError:
+        raise
+    except ValueError as error:
+        ways = {"negative": " (--polarity -1)", "window": " (--from, --to)"}
+        how = next((way for word, way in ways.items() if word in str(error)), "")
+        raise InputError("FILE", file, "a record of one whole blow", f"{error}{how}") from None
+
+
+def _row(estimate: Estimate) -> dict[str, Any]:
+    return {"value": estimate.value, "standard_error": estimate.standard_error, "given": estimate.given}
+
+
+def _print(result: IdentifyResult) -> None:
+    found = result.found
+    rows = [_line(name, estimate) for name, estimate in found.values.items()]
+    rows += [_line(name, estimate) for name, estimate in found.combinations.items()]
+    rows.append(_line("begin", found.begin))
+    title = f"Contact of {Path(result.file).name}, {result.reading.channel.name}: F = K d^n (1 + chi d'/v0)"
+    table(title, ["", "value", "standard error", "unit"], rows)
+    say(f"noise {significant(found.noise, 3)} N, misfit {found.residual:.2%} of the peak, {found.time.size} samples")
+    shared = found.correlated("exponent", "restitution")
+    if shared is not None:
+        say(f"correlation of exponent and restitution: {shared:.2f}")
+    for words in found.words[: None if found.described else -1]:
+        say(words)
+
+
+def _line(name: str, estimate: Estimate) -> tuple[str, str, str, str]:
+    unit = _UNITS[name]
+    shown = _SHOWN.get(name, unit)
+    called = _CALLED.get(name, name)
+    if estimate.value is None:
+        return called, "not told", "-", unit
+    value = number(estimate.value, unit, shown, 5) if shown != unit else significant(estimate.value, 5)
+    if estimate.standard_error is None:
+        return called, value, "given", shown
+    error = estimate.standard_error
+    return called, value, number(error, unit, shown, 2) if shown != unit else significant(error, 2), shown

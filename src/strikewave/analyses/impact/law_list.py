@@ -1,0 +1,293 @@
+"""The list of the contact laws as a command: collect, try, print, draw."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from strikewave.base.errors import InputError, nearest
+from strikewave.base.materials import material
+from strikewave.base.result import Notice, Result, Source
+from strikewave.contact import (
+    CAP_LAWS,
+    CapLaw,
+    DamperLaw,
+    DampingLaw,
+    Geometry,
+    Law,
+    StiffnessLaw,
+    damper_laws,
+    damping_laws,
+    restitution,
+    stiffness_laws,
+)
+from strikewave.contact.registry import FROM_MEMORY
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.terminal import say, table
+
+ASKED = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
+"""Restitutions asked of each law; the overview shows every other."""
+EXPONENT = 1.5
+"""n for the dampers whose restitution depends on it."""
+RADII, LENGTH, LOADS = (0.010, 0.020), 0.040, (100.0, 100e3)
+"""Steel cylinders of the picture of the stiffness laws, m, and its loads, N."""
+
+
+class Laws(NamedTuple):
+    """The laws to show, by kind; ``given`` holds what each damping law and damper makes of `ASKED`."""
+
+    damping: dict[str, DampingLaw]
+    dampers: dict[str, DamperLaw]
+    stiffness: dict[str, StiffnessLaw]
+    caps: dict[str, CapLaw]
+    given: dict[str, list[float] | None]
+
+    @property
+    def kinds(self) -> tuple[tuple[str, Mapping[str, Law]], ...]:
+        """Kind in words, and its laws."""
+        laws: tuple[Mapping[str, Law], ...] = (self.damping, self.dampers, self.stiffness, self.caps)
+        return tuple(zip(("damping law", "damper", "stiffness law", "pressure cap"), laws, strict=True))
+
+
+@dataclass(frozen=True)
+class LawsResult(Result):
+    """The laws that are shown; see `Result` for what it shares with others.
+
+    Attributes
+    ----------
+    laws : Laws
+        Those of the name that was asked for, or all.
+    everything : Laws
+        All laws, which the pictures show.
+    asked : str
+        Command line that gives the same again.
+    """
+
+    command: ClassVar[str] = "laws"
+
+    laws: Laws
+    everything: Laws
+    asked: str = ""
+
+    @property
+    def title(self) -> str:
+        """What it lists."""
+        return "Contact laws"
+
+    @property
+    def source(self) -> Source:
+        """What was asked for."""
+        return Source("command", "laws", measured.identity(self.asked, {}), "record.toml", asked=self.asked)
+
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return {"asked": "1", "given": "1"}
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
+        laws = self.laws
+        return {
+            "exponent": EXPONENT,
+            "damping": [{**_entry(law), **_given(laws, "damping", law)} for law in laws.damping.values()],
+            "dampers": [{**_entry(law), **_given(laws, "damper", law)} for law in laws.dampers.values()],
+            "stiffness": [{**_entry(law), "needs": list(law.needs)} for law in laws.stiffness.values()],
+            "caps": [_entry(law) for law in laws.caps.values()],
+        }
+
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document as a file."""
+        return {"laws.json": self.document_text(2)}
+
+
+def list_laws(name: str | None, output: Output) -> int:
+    """Print the laws of a name, or all of them, write them on request, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If no law has the name.
+    """
+    asked = measured.asked()
+    return run_and_write(LawsCommand(name, asked), output, None, measured.identity(asked, {}))
+
+
+@dataclass(frozen=True)
+class LawsCommand(Command[LawsResult]):
+    """The list of the laws."""
+
+    name: str | None
+    asked: str = ""
+
+    def solve(self) -> LawsResult:
+        """Return the laws, with what each makes of the restitution asked for."""
+        everything = _all_laws()
+        laws = _named(everything, self.name)
+        return LawsResult(laws, everything, self.asked, notices=_notices(laws))
+
+    def show(self, result: LawsResult) -> None:
+        """Print an overview, or the laws of a name in full."""
+        if self.name is not None:
+            _print_each(result.laws)
+            return
+        _print_all(result.laws)
+        say(
+            "one law in full: strikewave laws NAME; a law of your own: name it as an entry point in the "
+            "pyproject.toml of an installed package (strikewave/contact/registry.py shows how)"
+        )
+
+    def draw(self, result: LawsResult, folder: Path) -> list[str]:
+        """Write what the laws give, and the stiffness laws over load."""
+        from strikewave.analyses.impact.figures.contact import asked_given, stiffness_over_load
+        from strikewave.reporting.style import save
+
+        steel, loads = material("65Mn"), np.geomspace(*LOADS, 61)
+        figures = {
+            "asked-given": asked_given(result.everything.damping),
+            "stiffness-laws": stiffness_over_load(steel, steel, Geometry(*RADII, LENGTH), loads),
+        }
+        names = [f"{name}{suffix}" for name in figures for suffix in (".svg", ".png")]
+        for name in names:
+            save(figures[Path(name).stem], folder / name)
+        return names
+
+
+def _notices(laws: Laws) -> tuple[Notice, ...]:
+    """Return a notice that names the laws whose formula was not seen in an opened text."""
+    names = [f"{name} ({kind})" for kind, found in laws.kinds for name, law in found.items() if _unseen(law)]
+    message = f"from memory, the formula not seen in an opened text: {', '.join(names)}"
+    return (Notice("law-from-memory", message),) if names else ()
+
+
+def _all_laws() -> Laws:
+    """Return every law that works; one of an installed package that fails is told and left out."""
+    given: dict[str, list[float] | None] = {}
+    damping = {name: law for name, law in damping_laws().items() if _try(given, "damping", law)}
+    dampers = {name: law for name, law in damper_laws().items() if _try(given, "damper", law)}
+    return Laws(damping, dampers, stiffness_laws(), CAP_LAWS, given)
+
+
+def _try(given: dict[str, list[float] | None], kind: str, law: Any) -> bool:
+    """Put down what a law gives, and tell whether it works."""
+    asked = np.array(ASKED)
+    try:
+        found: Any = None
+        if kind == "damping":
+            found = restitution(law.function(asked))
+        elif law.given is not None:
+            found = law.given(asked, EXPONENT)
+        values = None if found is None else [float(value) for value in np.broadcast_to(found, asked.shape)]
+    except Exception as error:  # whatever a law of a foreign package does wrong
+        say(f"warning: the {kind} law {law.name!r} is left out ({type(error).__name__}: {error})")
+        return False
+    given[f"{kind} {law.name}"] = values
+    return True
+
+
+def _named(laws: Laws, name: str | None) -> Laws:
+    """Return the laws of a name, which may be of several kinds."""
+    if name is None:
+        return laws
+    known = {known for _, found in laws.kinds for known in found}
+    if name not in known:
+        raise InputError("NAME", name, "a contact law", nearest(name, known))
+
+    def of(found: dict[str, Any]) -> dict[str, Any]:
+        return {name: found[name]} if name in found else {}
+
+    return Laws(of(laws.damping), of(laws.dampers), of(laws.stiffness), of(laws.caps), laws.given)
+
+
+def _entry(law: Law) -> dict[str, Any]:
+    return {
+        "name": law.name,
+        "equation": law.equation,
+        "symbols": dict(law.symbols),
+        "limits": law.limits,
+        "status": law.status,
+        "source": law.source,
+        "reference": law.reference,
+        "seen": law.seen,
+        "note": law.note,
+    }
+
+
+def _given(laws: Laws, kind: str, law: Law) -> dict[str, Any]:
+    given = laws.given[f"{kind} {law.name}"]
+    return {"asked": list(ASKED) if given is not None else None, "given": given}
+
+
+def _unseen(law: Law) -> bool:
+    return law.status == FROM_MEMORY
+
+
+def _mark(law: Law) -> str:
+    return f"! {law.status.upper()} !" if _unseen(law) else law.status
+
+
+def _print_all(laws: Laws) -> None:
+    shown = range(0, len(ASKED), 2)
+    columns = ["name", "status", "equation", *(f"e = {ASKED[k]:g}" for k in shown)]
+    rows = []
+    for law in laws.damping.values():
+        given = laws.given[f"damping {law.name}"] or []
+        rows.append([law.name, _mark(law), law.equation, *(f"{given[k]:.4f}" for k in shown)])
+    table("Damping laws, F = K d^n (1 + chi d'/v0), and the restitution that comes out for e", columns, rows, left=3)
+    rows = [
+        [law.name, _mark(law), law.equation, _relation(laws.given[f"damper {law.name}"])]
+        for law in laws.dampers.values()
+    ]
+    table("Dampers, F = K d^n + c d^p d'", ["name", "status", "equation", "restitution"], rows, left=4)
+    rows = [[law.name, _mark(law), law.equation, _needs(law)] for law in laws.stiffness.values()]
+    table("Stiffness laws", ["name", "status", "equation", "needs"], rows, left=4)
+    rows = [[law.name, _mark(law), law.equation] for law in laws.caps.values()]
+    table("Pressure caps: elastic-plastic contacts that remember", ["name", "status", "equation"], rows, left=3)
+
+
+def _relation(given: Sequence[float] | None) -> str:
+    """Say how a damper stands to the restitution asked for.
+
+    Examples
+    --------
+    >>> _relation(ASKED), _relation(None)
+    ('gives e', 'cannot be prescribed')
+    """
+    if given is None:
+        return "cannot be prescribed"
+    if all(abs(value - asked) < 1e-9 for value, asked in zip(given, ASKED, strict=True)):
+        return "gives e"
+    middle = ASKED.index(0.5)
+    return f"0.5 comes out as {given[middle]:.4f}"
+
+
+def _needs(law: Law) -> str:
+    return ", ".join(need.replace("_", " ") for need in getattr(law, "needs", ()))
+
+
+def _print_each(laws: Laws) -> None:
+    for kind, found in laws.kinds:
+        for law in found.values():
+            table(f"{law.name}, {kind}", ["", ""], _rows(law), left=2)
+    for name in laws.damping:
+        _print_given(laws.given[f"damping {name}"], "Restitution of the damping law")
+    for name in laws.dampers:
+        given = laws.given[f"damper {name}"]
+        if given is None:
+            say("its restitution cannot be prescribed: it depends on the speed")
+        else:
+            _print_given(given, f"Restitution of the damper (n = {EXPONENT:g} where it depends on n)")
+
+
+def _rows(law: Law) -> list[tuple[str, str]]:
+    rows = [("equation", law.equation), ("range", law.limits), ("needs", _needs(law)), ("status", _mark(law))]
+    rows += [("source", law.reference), ("seen in", law.seen), ("note", law.note)]
+    return [(what, text) for what, text in rows if text] + list(law.symbols.items())
+
+
+def _print_given(given: Sequence[float] | None, title: str) -> None:
+    columns = ["asked", *(f"{asked:g}" for asked in ASKED)]
+    table(title, columns, [["given", *(f"{value:.4f}" for value in given or ())]])

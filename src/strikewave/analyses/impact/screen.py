@@ -1,0 +1,385 @@
+"""The impact of two free bodies as a command: solve, print, draw."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+from strikewave.analyses.impact import options as options
+from strikewave.base.errors import InputError
+from strikewave.base.result import Notice, Result, Source
+from strikewave.contact import Impact, Stiffness, first_yield, impact_history, reduced_mass, solve_impact
+from strikewave.contact.elastoplastic import cap_law_of
+from strikewave.contact.registry import FROM_MEMORY
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.terminal import number, say, table
+
+LARGEST_INDENTATION = 0.05
+"""Share of the radius beyond which the indentation is warned of."""
+ERRORS = {"closed form": 1e-9, "integrator": 1e-6}
+"""Difference of restitutions, by the method, from which on it is no rounding."""
+LEAST_ENERGY = 1e-100
+"""Smallest m v0^2 solved, J; the largest is its inverse."""
+MOST_ROWS = 20
+MOST_DRAWN = 5
+
+_BLOW_UNITS = {
+    "restitution": "1",
+    "max_indentation": "m",
+    "residual_indentation": "m",
+    "peak_force": "N",
+    "duration": "s",
+    "energy_lost": "J",
+    "flattening": "1",
+}
+_UNITS = {
+    **_BLOW_UNITS,
+    "asked_restitution": "1",
+    "peak_time": "s",
+    "turning_time": "s",
+    "stiffness": "N/m^n",
+    "exponent": "1",
+    "slope": "N/m",
+    "load": "N",
+    "hysteresis_factor": "1",
+    "damper_coefficient": "N s/m^(p+1)",
+    "damper_exponent": "1",
+    "yield_load": "N",
+}
+
+
+@dataclass(frozen=True)
+class ImpactResult(Result):
+    """Blows of two free bodies, and what was asked for; see `Result` for what it shares with others.
+
+    Attributes
+    ----------
+    setup : Setup
+        What was asked for.
+    blows : list of Impact
+        One blow after another on the same spot.
+    asked : str
+        Command line that gives the same again.
+    """
+
+    command: ClassVar[str] = "impact"
+
+    setup: options.Setup
+    blows: list[Impact]
+    asked: str = ""
+
+    @property
+    def title(self) -> str:
+        """The laws, and the restitution that comes out."""
+        setup, first = self.setup, self.blows[0]
+        kind = "damping" if setup.loss.damper is None else "damper"
+        asked = "" if setup.loss.asked is None else f", {setup.loss.asked:g} asked for"
+        where = " in blow 1" if setup.repeat > 1 else ""
+        law = _stiffness_words(setup) if setup.base.stiffness.law == "given" else setup.base.stiffness.law
+        return f"Stiffness {law}, {kind} {setup.loss.law.name}: e = {float(first.restitution):.4g}{where}{asked}"
+
+    @property
+    def source(self) -> Source:
+        """What was asked for."""
+        return Source("command", "impact", measured.identity(self.asked, {}), "record.toml", asked=self.asked)
+
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return _UNITS
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head; its first keys are those of the first blow."""
+        setup, first = self.setup, self.blows[0]
+        return {
+            **_numbers(first),
+            "asked_restitution": setup.loss.asked,
+            "peak_time": float(first.peak_time),
+            "turning_time": float(first.turning_time),
+            "method": first.method,
+            **_law_keys(setup),
+            "blows": [_numbers(blow) for blow in self.blows],
+        }
+
+    @property
+    def drawn(self) -> list[int]:
+        """The blows whose histories are kept and drawn, from 0."""
+        return _drawn(len(self.blows))
+
+    def tables(self) -> dict[str, str]:
+        """Return the drawn blows in time as CSV text."""
+        return {"history.csv": _histories(self, self.drawn)}
+
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document as a file."""
+        return {"impact.json": self.document_text(2)}
+
+
+def solve_setup(setup: options.Setup, output: Output) -> int:
+    """Solve an impact, print it and, on request, write it, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If the numbers are beyond what can be solved.
+    """
+    asked = measured.asked()
+    return run_and_write(ImpactCommand(setup, asked), output, None, measured.identity(asked, {}))
+
+
+@dataclass(frozen=True)
+class ImpactCommand(Command[ImpactResult]):
+    """The impact of two free bodies."""
+
+    setup: options.Setup
+    asked: str = ""
+
+    def solve(self) -> ImpactResult:
+        """Return the blows."""
+        blows = _blows(self.setup)
+        return ImpactResult(self.setup, blows, self.asked, notices=_notices(self.setup, blows[0]))
+
+    def show(self, result: ImpactResult) -> None:
+        """Print the first blow, and the others in a table."""
+        _print(result)
+
+    def draw(self, result: ImpactResult, folder: Path) -> list[str]:
+        """Write force and indentation in time."""
+        from strikewave.analyses.impact.figures.contact import impact_sheet
+        from strikewave.reporting.style import save
+
+        labels = [f"blow {k + 1}" for k in result.drawn]
+        save(impact_sheet([result.blows[k] for k in result.drawn], labels, result.title), folder / "impact.svg")
+        return ["impact.svg"]
+
+
+def _notices(setup: options.Setup, blow: Impact) -> tuple[Notice, ...]:
+    """Return what is odd about the first blow, and the laws that stand here from memory."""
+    found = [_indentation_large(setup, blow), _restitution_differs(setup, blow), _contact_yields(setup, blow)]
+    return (*(notice for notice in found if notice), *_from_memory(setup))
+
+
+def _blows(setup: options.Setup) -> list[Impact]:
+    """Solve the blows; without a cap on the pressure one is as the other."""
+    if not LEAST_ENERGY < float(reduced_mass(*setup.masses)) * setup.speed * setup.speed < 1.0 / LEAST_ENERGY:
+        raise InputError("impact", _given(setup), "masses and a speed whose energy is finite")
+    blows: list[Impact] = []
+    deepest = 0.0
+    for _ in range(setup.repeat if setup.cap is not None else 1):
+        try:
+            blow = solve_impact(setup.contact, *setup.masses, setup.speed, deepest)
+        except ValueError as error:
+            raise InputError("impact", _given(setup), "numbers that the contact can do with", str(error)) from None
+        blows.append(blow)
+        if not all(math.isfinite(value) for value in _numbers(blow).values()):
+            raise InputError("impact", _given(setup), "masses, speed and stiffness whose result is finite")
+        deepest = float(blow.deepest)
+    return blows if setup.cap is not None else blows * setup.repeat
+
+
+def _given(setup: options.Setup) -> str:
+    return f"{setup.masses[0]:g} kg, {setup.masses[1]:g} kg, {setup.speed:g} m/s"
+
+
+def _numbers(blow: Impact) -> dict[str, float]:
+    return {name: float(getattr(blow, name)) for name in _BLOW_UNITS}
+
+
+def _law_keys(setup: options.Setup) -> dict[str, Any]:
+    """Return what the force law is; null where a key does not apply."""
+    stiffness, loss, cap = setup.base.stiffness, setup.loss, setup.cap
+    numbers = {key: getattr(stiffness, key, None) for key in ("stiffness", "exponent", "slope", "load")}
+    of_damping, cap_law = loss.damper is None, cap and cap_law_of(cap)
+    damping, damper = (loss.law, None) if of_damping else (None, loss.law)
+    return {
+        **numbers,
+        "hysteresis_factor": loss.factor if of_damping else None,
+        "law": stiffness.law,
+        "law_status": stiffness.status,
+        "damping": damping and damping.name,
+        "damping_status": damping and damping.status,
+        "damper": damper and damper.name,
+        "damper_status": damper and damper.status,
+        "damper_coefficient": loss.damper and loss.damper.coefficient,
+        "damper_exponent": loss.damper and loss.damper.exponent,
+        "yield_load": cap and cap.yield_load,
+        "shape": cap and cap.shape,
+        "cap": cap_law and cap_law.name,
+        "cap_status": cap_law and cap_law.status,
+    }
+
+
+def _indentation_large(setup: options.Setup, blow: Impact) -> Notice | None:
+    radius = setup.base.sizes.radius1
+    if setup.base.shape != "point" or radius is None:
+        return None
+    share = float(blow.max_indentation) / radius
+    if share <= LARGEST_INDENTATION:
+        return None
+    message = f"the indentation is {share:.0%} of the radius: Hertz's law holds for small indentations"
+    return Notice("indentation-large", message, share, LARGEST_INDENTATION)
+
+
+def _restitution_differs(setup: options.Setup, blow: Impact) -> Notice | None:
+    asked, came = setup.loss.asked, float(blow.restitution)
+    if asked is None or abs(came - asked) <= ERRORS[blow.method]:
+        return None
+    if float(blow.flattening) > 1.0:
+        if asked == 1.0:
+            return None
+        message = (
+            f"the contact yields: e = {came:.4f} comes out, not the {asked:g} asked of {setup.loss.law.name} alone"
+        )
+    elif setup.loss.damper is None:
+        message = f"the law {setup.loss.law.name} gives e = {came:.4f}, not the {asked:g} asked for; exact gives it"
+    else:
+        message = (
+            f"the damper {_expected(setup)}gives e = {came:.4f}, not the {asked:g} asked for; tsuji-cut-off gives it"
+        )
+    return Notice("restitution-differs", message, came, asked)
+
+
+def _expected(setup: options.Setup) -> str:
+    """Return the name of a damper, and what its own relation says where it is something else than asked for."""
+    law: Any = setup.loss.law
+    expected = float(law.given(setup.loss.asked, setup.base.stiffness[1]))
+    told = f"(its relation says {expected:.4f}) " if abs(expected - float(setup.loss.asked or 0.0)) > 1e-9 else ""
+    return f"{law.name} {told}"
+
+
+def _contact_yields(setup: options.Setup, blow: Impact) -> Notice | None:
+    """Warn of a contact solved as elastic whose materials would yield, of a cap below that, or of no check at all."""
+    sizes, bodies, peak = setup.base.sizes, setup.base.bodies, float(blow.peak_force)
+    if bodies is None:
+        return None
+    if sizes.radius1 is None:
+        message = "whether the contact yields is not checked: --radius1 says where"
+        return None if setup.cap else Notice("yield-unchecked", message)
+    first = first_yield(*bodies, sizes if setup.base.shape == "line" else replace(sizes, length=None))
+    if first is None:
+        return None
+    pressure, limit = first
+    if setup.cap is not None:
+        capped = float(setup.cap.yield_load)  # type: ignore[arg-type]
+        if capped >= limit:
+            return None
+        message = f"the contact is let yield from {capped:.4g} N on; the materials first yield inside at {limit:.4g} N"
+        return Notice("yield-pressure-low", message + f" ({pressure / 1e9:.3g} GPa): is the unit right?", capped, limit)
+    if peak <= limit:
+        return None
+    message = (
+        f"the peak force of {peak / 1e3:.4g} kN is above the {limit / 1e3:.4g} kN at which the materials first yield "
+        f"inside; elastic here (--yield-pressure takes yielding in; first yield is at {pressure / 1e9:.3g} GPa)"
+    )
+    return Notice("contact-yield", message, peak, limit)
+
+
+def _from_memory(setup: options.Setup) -> list[Notice]:
+    stiffness, law = setup.base.stiffness, setup.loss.law
+    kind = "damping law" if setup.loss.damper is None else "damper"
+    used = (("stiffness law", stiffness.law, stiffness.status), (kind, law.name, law.status))
+    told = "stands here from memory: its formula was not seen in an opened text"
+    return [Notice("law-from-memory", f"the {k} {name} {told}") for k, name, s in used if s == FROM_MEMORY]
+
+
+def _histories(result: ImpactResult, drawn: list[int]) -> str:
+    """Return the drawn blows in time as CSV, SI."""
+    lines = ["blow,time [s],indentation [m],rate [m/s],force [N]"]
+    for k in drawn:
+        history = impact_history(result.blows[k])
+        columns = zip(history.time, history.indentation, history.rate, history.force, strict=True)
+        lines += [f"{k + 1},{t:.9g},{d:.9g},{rate:.9g},{force:.9g}" for t, d, rate, force in columns]
+    return "\n".join(lines) + "\n"
+
+
+def _drawn(count: int) -> list[int]:
+    """Return the blows to draw, from 0: the first, the last and some between them.
+
+    Examples
+    --------
+    >>> _drawn(3), _drawn(1000)
+    ([0, 1, 2], [0, 5, 31, 177, 999])
+    """
+    if count <= MOST_DRAWN:
+        return list(range(count))
+    return [round(count ** (k / (MOST_DRAWN - 1))) - 1 for k in range(MOST_DRAWN)]
+
+
+def _print(result: ImpactResult) -> None:
+    setup, blows = result.setup, result.blows
+    table("Impact of two free bodies" + (", first blow" if setup.repeat > 1 else ""), ["", ""], _rows(setup, blows[0]))
+    if setup.repeat > 1:
+        _print_blows(blows)
+
+
+def _rows(setup: options.Setup, blow: Impact) -> list[tuple[str, str]]:
+    def shown(value: Any, si: str, unit: str) -> str:
+        return f"{number(float(value), si, unit, 6)} {unit}"
+
+    asked = setup.loss.asked
+    rows = [
+        ("restitution", f"{blow.restitution:.6g}, " + ("none" if asked is None else f"{asked:g}") + " asked for"),
+        ("largest indentation", shown(blow.max_indentation, "m", "um")),
+        ("time of the largest indentation", shown(blow.turning_time, "s", "us")),
+        ("peak force", shown(blow.peak_force, "N", "N")),
+        ("time of the peak force", shown(blow.peak_time, "s", "us")),
+        ("duration", shown(blow.duration, "s", "us")),
+        ("energy lost", shown(blow.energy_lost, "J", "J")),
+        ("stiffness", f"{_stiffness_words(setup)} ({_status(setup.base.stiffness.law, setup.base.stiffness.status)})"),
+        _loss_row(setup.loss),
+        ("solved", blow.method),
+    ]
+    if setup.cap is not None:
+        rows += [
+            ("yield load", f"{shown(setup.cap.yield_load, 'N', 'N')} ({setup.cap.shape})"),
+            ("residual indentation", shown(blow.residual_indentation, "m", "um")),
+            ("flattening", f"{blow.flattening:.6g}"),
+        ]
+    return rows
+
+
+def _loss_row(loss: options.Loss) -> tuple[str, str]:
+    named = _status(loss.law.name, loss.law.status)
+    if loss.damper is None:
+        return "hysteresis factor", f"{loss.factor:.6g} ({named})"
+    c, p = float(loss.damper.coefficient), float(loss.damper.exponent)  # type: ignore[arg-type]
+    return "damper", f"{c:.6g} N s/m^{p + 1.0:.4g} ({named})"
+
+
+def _status(name: str, status: str) -> str:
+    return name if name == status else f"{name}, {status}"
+
+
+def _stiffness_words(setup: options.Setup) -> str:
+    stiffness = setup.base.stiffness
+    if isinstance(stiffness, Stiffness):
+        return f"{stiffness.stiffness:.6g} N/m^{stiffness.exponent:.4g}"
+    return f"slope {stiffness.slope:.6g} N/m, load {stiffness.load:.6g} N"
+
+
+def _print_blows(blows: list[Impact]) -> None:
+    columns = ["blow", "restitution", "largest indentation (um)", "residual (um)", "peak force (kN)", "duration (us)"]
+    columns += ["energy lost (J)", "flattening"]
+    half = MOST_ROWS // 2
+    hidden = range(half, len(blows) - half) if len(blows) > MOST_ROWS else range(0)
+    rows = [_blow_row(k, blow) for k, blow in enumerate(blows) if k not in hidden]
+    if hidden:
+        rows.insert(half, ["..."] * len(columns))
+    table("Blows on the same spot", columns, rows, left=0)
+    if hidden:
+        say(f"the first and last {half} of {len(blows)} blows; --json and --out have them all")
+
+
+def _blow_row(k: int, blow: Impact) -> list[str]:
+    return [
+        str(k + 1),
+        f"{blow.restitution:.4f}",
+        number(float(blow.max_indentation), "m", "um", 5),
+        number(float(blow.residual_indentation), "m", "um", 5),
+        number(float(blow.peak_force), "N", "kN", 5),
+        number(float(blow.duration), "s", "us", 5),
+        number(float(blow.energy_lost), "J", "J", 5),
+        f"{blow.flattening:.4f}",
+    ]

@@ -1,0 +1,33 @@
+"""Page and pictures of a run as files; a module of its own, for drawing takes long to import."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from strikewave.analyses.machine.figures.animation import machine_page, write_machine_gif
+from strikewave.analyses.machine.figures.summary import summary
+from strikewave.analyses.machine.report import report
+from strikewave.analyses.machine.result import Solution
+from strikewave.reporting.style import save
+from strikewave.reporting.terminal import progress_bar, say
+
+
+def draw_result(solution: Solution, folder: Path, animate: bool = False) -> list[str]:
+    """Write page and pictures of a run into a folder, and return their names."""
+    save(summary(solution), folder / "summary.svg")
+    moving = _animate(solution, folder) if animate else []
+    page = report(solution, moving=moving[0] if moving else "")
+    (folder / "report.html").write_text(page, "utf-8", newline="\n")
+    return ["report.html", "summary.svg", *moving]
+
+
+def _animate(solution: Solution, folder: Path) -> list[str]:
+    """Write the machine in motion as a page and as a GIF, and return their names."""
+    page = machine_page(solution)
+    if page is None:
+        say("no animation: only the rotary machine can be shown in motion")
+        return []
+    (folder / "machine.html").write_text(page, "utf-8", newline="\n")
+    with progress_bar("machine.gif", clocks=("left",)) as progress:
+        write_machine_gif(solution, folder / "machine.gif", progress)
+    return ["machine.html", "machine.gif"]

@@ -1,0 +1,138 @@
+"""A run of a machine as a command: solve, print, draw."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from strikewave.analyses.machine.columns import shown_in
+from strikewave.analyses.machine.result import Solution
+from strikewave.analyses.machine.run import run_case
+from strikewave.analyses.machine.words import COLLISION_HEADS, collision_rows, reference_law, settings
+from strikewave.cases.case import Case, dump_case
+from strikewave.cases.losses_of_case import fitted_losses
+from strikewave.cases.sensors_of_case import build_channels
+from strikewave.reporting.numbers import heads
+from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.terminal import (
+    fixed,
+    number,
+    print_fits,
+    print_losses,
+    print_published,
+    progress_bar,
+    say,
+    say_compiling,
+    table,
+)
+
+
+def run_machine_case(case: Case, changes: Sequence[str], output: Output, animate: bool = False) -> int:
+    """Run a machine case, write and print its result, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If there is no folder for an animation, or what the run raises.
+    """
+    output.check_animation(animate)
+    text = dump_case(case)
+    return run_and_write(MachineCommand(case, animate), output, case_folder(case.name, text, changes), text)
+
+
+@dataclass(frozen=True)
+class MachineCommand(Command[Solution]):
+    """A run of a machine case, with the machine in motion where that is wanted."""
+
+    case: Case
+    animate: bool = False
+
+    def solve(self) -> Solution:
+        """Return the solution, with a bar on stderr."""
+        say_compiling()
+        with progress_bar("blows") as report:
+            return run_case(self.case, report)
+
+    def show(self, result: Solution) -> None:
+        """Print the tables of a run."""
+        show(result)
+
+    def draw(self, result: Solution, folder: Path) -> list[str]:
+        """Write page and summary, and the machine in motion, which takes some seconds."""
+        from strikewave.analyses.machine.drawn import draw_result
+
+        return draw_result(result, folder, self.animate)
+
+
+def show(solution: Solution) -> None:
+    """Print the blows, the contact, the waves, published numbers and the balance of a run."""
+    columns = shown_in("blows")
+    rows = [
+        [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns), str(b.contacts)]
+        for b in solution.blows
+    ]
+    say(_header(solution))
+    table(solution.title, ["#", "kind", *heads(columns), "contacts"], rows, left=2)
+    columns, struck = shown_in("contact"), [blow for blow in solution.blows if blow.kind != "missed"]
+    rows = [[str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns)] for b in struck]
+    table("Contact, blow by blow", ["#", *heads(columns)], rows)
+    _print_waves(solution)
+    print_published(solution.comparisons)
+    _print_collisions(solution)
+    r = solution.reference
+    pulse = (
+        number(r.duration, "s", "us", 3) + " us",
+        number(r.peak_force, "N", "kN", 3) + " kN",
+        number(r.peak_acceleration, "m/s^2", "g", 3) + " g",
+    )
+    say(
+        f"for comparison: {reference_law(solution.case)} on a rigid object, at the nominal {r.approach_speed:.3g} m/s "
+        f"and with no frame or mount to bend: {', '.join(pulse)}"
+    )
+    fitted = solution.case.fitted_fields()
+    if fitted:
+        values = solution.case.values()
+        say("fitted: " + ", ".join(f"{path} = {values[path].typed}" for path in fitted))
+    ledger = solution.ledger
+    say(f"ledger: energy {ledger['energy_error']:.1e}, momentum {ledger['momentum_error']:.1e} (limit 1e-6)")
+
+
+def _print_waves(solution: Solution) -> None:
+    """Print what taps and sensors show of each blow, and the insertion loss of the buffers."""
+    found = [(blow, reading) for blow, reading in zip(solution.blows, solution.readings, strict=True) if reading]
+    names = [sensor.name for sensor in solution.case.sensor]
+    if not found or not (solution.waves or names):
+        return
+    band = found[0][1].bandwidth
+    stated = "" if band is None else f", total and wave at {number(band, 'Hz', 'kHz', 3)} kHz"
+    rows = []
+    for blow, reading in found:
+        peaks = [blow.rigid_peak, reading.total_peak, reading.wave_peak] if solution.waves else [blow.rigid_peak]
+        cells = [number(peak, "m/s^2", "g", 5) for peak in peaks]
+        for name in names:
+            pulse = reading.sensors[name]
+            cells.append(number(pulse.peak, "m/s^2", "g", 5) + (" clipped" if pulse.clipped else ""))
+        rows.append([str(blow.index), *cells])
+    waves = ["rigid (g)", "total (g)", "wave (g)"] if solution.waves else ["rigid (g)"]
+    title = f"Peak accelerations, route {solution.case.solver.route}{stated}"
+    setup = solution.waves
+    if setup is not None:
+        say(
+            f"waves: time step {setup.step * 1e9:.4g} ns, which changes a layer's length by {setup.mismatch:.1e} of it "
+            "at most (layer by layer in the report)"
+        )
+    table(title, ["#", *waves, *(f"sensor {name} (g)" for name in names)], rows, left=0)
+    print_losses(build_channels(solution.case))
+    print_fits(fitted_losses(solution.case))
+
+
+def _header(solution: Solution) -> str:
+    """Return the main settings in one line."""
+    return f"{solution.case.name}: " + ", ".join(settings(solution))
+
+
+def _print_collisions(solution: Solution) -> None:
+    """Print the collisions of the bodies of an amplifier."""
+    if solution.collisions:
+        table("Collisions in the line, by restitution alone", COLLISION_HEADS, collision_rows(solution), left=3)

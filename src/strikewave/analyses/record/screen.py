@@ -1,0 +1,228 @@
+"""Records as a command: read, examine, sum up, print, draw."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from strikewave.analyses.record.result import INTEGRALS, RecordResult, cutoff_for, filter_effect, record_result
+from strikewave.analyses.record.tables import short_names
+from strikewave.base.errors import StrikewaveError
+from strikewave.records import (
+    Campaign,
+    ChannelReading,
+    FileReading,
+    Options,
+    Record,
+    Request,
+    calibrations_beside,
+    compare,
+    read_file,
+    summed,
+    unreadable,
+    worst,
+)
+from strikewave.records.campaign import SUMMED
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.terminal import number, say, significant, table
+from strikewave.signal.filters import Filter
+
+MOST_ROWS = 60
+"""Files shown in the table on the screen."""
+
+
+def examine_records(files: Sequence[str], wanted: Request, options: Options, output: Output) -> int:
+    """Examine records, write and print what they say, and return the exit code.
+
+    Raises
+    ------
+    InputError, StrikewaveError
+        If not one file can be read.
+    """
+    digests = measured.digests_of([Path(measured.shown(file)) for file in files])
+    asked = measured.asked()
+    command = RecordCommand(files, wanted, options, asked, digests)
+    name = RecordResult([FileReading(measured.shown(file), "", ()) for file in files]).name
+    return run_and_write(command, output, f"record-{name}", measured.identity(asked, digests))
+
+
+@dataclass(frozen=True)
+class RecordCommand(Command[RecordResult]):
+    """The examination of records."""
+
+    indent: ClassVar[int | None] = None
+
+    files: Sequence[str]
+    wanted: Request
+    options: Options
+    asked: str
+    digests: dict[str, str]
+
+    def solve(self) -> RecordResult:
+        """Return what the records say."""
+        wanted = self.wanted
+        records = measured.read_all(self.files, self.options)
+        measured.check_channels(
+            wanted.calibrations, (record for record in records if not isinstance(record, Exception))
+        )
+        several = len(self.files) > 1
+        read = [_reading(file, record, wanted, several) for file, record in zip(self.files, records, strict=True)]
+        unread = [notice for file in read for notice in file.findings if notice.code == "unreadable"]
+        if len(unread) == len(read):
+            raise StrikewaveError(unread[0].message)
+        readings = compare(read)
+        numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
+        campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
+        calibrations = _calibrations(wanted, [Path(reading.path) for reading in readings])
+        return record_result(
+            readings, campaigns, wanted.filter, calibrations=calibrations, asked=self.asked, digests=self.digests
+        )
+
+    def show(self, result: RecordResult) -> None:
+        """Print files, campaigns, and what the filter did."""
+        _print(result.readings, result.campaigns, result.filter)
+
+    def draw(self, result: RecordResult, folder: Path) -> list[str]:
+        """Write page and summary."""
+        from strikewave.analyses.record.drawn import draw_result
+
+        return draw_result(result, folder)
+
+
+def _reading(file: str, record: Record | Exception, wanted: Request, among: bool) -> FileReading:
+    """Return what a file says; one among several that cannot be used is named, and the others are done."""
+    if isinstance(record, Exception):
+        return FileReading(measured.shown(file), "", (), (unreadable(str(record)),))
+    try:
+        reading = read_file(record, calibrations_beside(Path(file)), wanted)
+        return dataclasses.replace(reading, path=measured.shown(file))
+    except StrikewaveError as error:
+        if not among:
+            raise
+        say(f"left out: {file}: {error}")
+        return FileReading(measured.shown(file), "", (), (unreadable(str(error)),))
+
+
+def _calibrations(wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str]]:
+    """Return where a calibration was stated, and what."""
+    layers = {"command line": wanted.calibrations}
+    layers |= {f"beside {path.name}": stated for path in paths if (stated := calibrations_beside(path))}
+    return [
+        (where, f"{channel}: " + ", ".join(f"{key} = {value}" for key, value in table.items()))
+        for where, stated in layers.items()
+        for channel, table in stated.items()
+    ]
+
+
+def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> None:
+    names = short_names([file.path for file in readings])
+    rows = [row for file in readings for row in _rows(file, names[file.path])]
+    columns = ["file", "channel", "status", "blows", "peak", "rise (us)", "width (us)", "velocity change"]
+    shown = rows[:MOST_ROWS]
+    title = f"{len(readings)} records" if len(readings) > 1 else readings[0].path
+    table(
+        title if len(rows) == len(shown) else f"{title}, the first {MOST_ROWS} of {len(rows)} rows",
+        columns,
+        shown,
+        left=3,
+    )
+    for file in readings:
+        if file.status != "good":
+            say(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}")
+    for campaign in campaigns:
+        _print_campaign(campaign, readings, names)
+    _print_filter([reading for file in readings for reading in file.channels], filter_)
+
+
+def _rows(file: FileReading, name: str) -> list[list[str]]:
+    if not file.channels:
+        return [[name, "-", file.status, "-", "-", "-", "-", "-"]]
+    rows = []
+    for reading in file.channels:
+        unit = reading.channel.unit
+        means = {
+            name: _mean([getattr(pulse, name) for pulse in reading.pulses])
+            for name in ("peak", "rise", "width", "velocity_change")
+        }
+        rows.append(
+            [
+                name,
+                reading.channel.name,
+                worst((*file.findings, *reading.findings)),
+                str(len(reading.pulses)),
+                _value(means["peak"], unit),
+                number(means["rise"], "s", "us"),
+                number(means["width"], "s", "us"),
+                _integral(means["velocity_change"], unit),
+            ]
+        )
+    return rows
+
+
+def _mean(values: Sequence[float]) -> float:
+    finite = [value for value in values if math.isfinite(value)]
+    return sum(finite) / len(finite) if finite else math.nan
+
+
+def _value(value: float, unit: str) -> str:
+    if value != value:
+        return "-"
+    if unit == "1":
+        return f"{significant(1e6 * value, 5)} ustrain"
+    return f"{number(value, 'm/s^2', 'g', 5)} g" if unit == "m/s^2" else f"{significant(value, 5)} {unit}".strip()
+
+
+def _integral(value: float, unit: str) -> str:
+    return "-" if value != value else f"{significant(value, 4)} {INTEGRALS.get(unit, '')}".strip()
+
+
+def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: dict[str, str]) -> None:
+    unit = next(r.channel.unit for file in readings for r in file.channels if r.channel.name == campaign.channel)
+    writers: dict[str, Any] = {
+        "peak": lambda v: _value(v, unit),
+        "velocity_change": lambda v: _integral(v, unit),
+        "interval": lambda v: number(v, "s", "ms") + " ms",
+        "ringing_frequency": lambda v: number(v, "Hz", "Hz") + " Hz",
+    }
+    rows = []
+    for name, found in campaign.statistics.items():
+        write = writers.get(name, lambda v: number(v, "s", "us") + " us")
+        line = campaign.trends.get(name)
+        trend = "-" if line is None else f"{line.change:+.1%}" + ("" if line.low <= 0.0 <= line.high else " *")
+        bounds = "-" if found.n < 2 else f"{write(found.low)} to {write(found.high)}"
+        cv = "-" if found.n < 2 else f"{found.cv:.2%}"
+        rows.append([name.replace("_", " "), write(found.mean), cv, bounds, str(found.n), trend])
+    if not rows:
+        say(f"{campaign.channel}: nothing is left to sum up")
+        return
+    columns = ["figure", "mean", "scatter (CV)", "mean, 95 % bounds", "blows", "trend over the files"]
+    table(f"All blows together: {campaign.channel}", columns, rows)
+    if any(" *" in row[-1] for row in rows):
+        say("* a trend that scatter alone gives in less than 5 % of campaigns")
+    for path, figures, _ in campaign.left_out:
+        what = "all figures" if len(figures) == len(SUMMED) else ", ".join(figures).replace("_", " ")
+        say(f"left out: {what} of {names[path]}")
+
+
+def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) -> None:
+    """Say what the filter did to each channel, or which cutoff would leave the steepest blow of all as it is."""
+    if filter_ is None:
+        cutoffs = [cutoff for cutoff in map(cutoff_for, readings) if cutoff is not None]
+        if cutoffs:
+            kilohertz = significant(max(cutoffs) / 1e3, 3)
+            say(f"a low-pass of {kilohertz} kHz or more (--filter) leaves 98 % of a half-sine as steep as these")
+        return
+    for reading in readings:
+        effect = filter_effect(reading, filter_)
+        said = f"{reading.channel.name}: {effect['name']}"
+        if effect["peak_left"]:
+            peak, width = _mean(effect["peak_left"]), _mean(effect["width_left"])
+            said += f" leaves {peak:.1%} of the peak, {width:.1%} of the width"
+        if effect["half_sine_peak_left"] is not None:
+            said += f" (of a half-sine as wide {effect['half_sine_peak_left']:.1%})"
+        say(said)

@@ -1,0 +1,268 @@
+"""Shock response spectra of a record as a command: read, compute, print, draw."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from strikewave.base.errors import InputError
+from strikewave.base.result import Notice, Result, Source
+from strikewave.base.units import parse_typed
+from strikewave.records import ChannelReading, Options
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.terminal import number, say, significant, table
+from strikewave.signal.srs import Scope, Spectrum, octaves, srs
+
+KIND_UNITS = {"absolute": "m/s^2", "displacement": "m", "pseudo-velocity": "m/s"}
+SIDES = ("maximax", "positive", "negative")
+HIGHEST = 100e3
+"""Highest natural frequency unless said otherwise, Hz; at most 2/5 of the sampling rate."""
+MOST_FREQUENCIES = 1e5
+
+
+class Wanted(NamedTuple):
+    """What was asked of the spectra: quality factor, frequencies, kinds, side, part of the shock and its end."""
+
+    q: float
+    frequencies: list[str] | None
+    grid: tuple[str, str | None, str]
+    kinds: tuple[str, ...]
+    side: str
+    part: str
+    end: str | None
+
+
+@dataclass(frozen=True)
+class SpectrumResult(Result):
+    """Spectra of one channel of a file; see `Result` for what it shares with others.
+
+    Attributes
+    ----------
+    file : str
+        The measured file.
+    reading : ChannelReading
+        The channel, examined.
+    spectra : list of Spectrum
+        One a kind.
+    velocity : Spectrum
+        That of the pseudo-velocity, which the four-coordinate picture shows.
+    side : str
+        maximax, positive or negative.
+    scope : Scope
+        Which part of the shock.
+    asked : str
+        Command line that gives the same again.
+    digests : mapping
+        SHA-256 of the file, by its path.
+    """
+
+    command: ClassVar[str] = "srs"
+
+    file: str
+    reading: ChannelReading
+    spectra: list[Spectrum]
+    velocity: Spectrum
+    side: str
+    scope: Scope
+    asked: str = ""
+    digests: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def title(self) -> str:
+        """File, channel, and the part of the shock where that is not the whole."""
+        part = "" if self.scope.part == "total" else f", {self.scope.part} part"
+        return f"{Path(self.file).name}, {self.reading.channel.name}{part}"
+
+    @property
+    def source(self) -> Source:
+        """The file by its SHA-256, and what was asked of it."""
+        text = measured.identity(self.asked, self.digests)
+        return Source("records", Path(self.file).stem, text, "record.toml", self.digests, self.asked)
+
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        has = self.reading.channel.unit or "the file's own numbers"
+        of = "" if has == "m/s^2" else f" for a record in m/s^2; this one is in {has}"
+        kinds = {spectrum.kind: KIND_UNITS[spectrum.kind] + of for spectrum in self.spectra}
+        return {"frequency": "Hz", "q": "1", "zero_line": has, **kinds}
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
+        first, reading = self.spectra[0], self.reading
+        return {
+            "file": self.file,
+            "channel": reading.channel.name,
+            "status": reading.status,
+            "calibration": reading.calibration.stated(),
+            "zero_line": _zero(reading),
+            "q": first.q if math.isfinite(first.q) else "inf",
+            "side": self.side,
+            "part": first.part,
+            "end": None if self.scope.end is None else self.scope.end + reading.channel.start,
+            "frequency": first.frequency,
+            **{spectrum.kind: spectrum.side(self.side) for spectrum in self.spectra},
+        }
+
+    def tables(self) -> dict[str, str]:
+        """Return the spectra as CSV text."""
+        of = "" if self.reading.channel.unit == "m/s^2" else " for a record in m/s^2"
+        names = ["frequency (Hz)"] + [f"{s.kind} ({KIND_UNITS[s.kind]}{of})" for s in self.spectra]
+        rows = zip(self.spectra[0].frequency, *(s.side(self.side) for s in self.spectra), strict=True)
+        lines = [",".join(names), *(",".join(repr(float(v)) for v in row) for row in rows)]
+        return {"spectrum.csv": "\n".join(lines) + "\n"}
+
+
+def compute_spectra(
+    file: str, wanted: Wanted, stated: dict[str, dict[str, Any]], options: Options, output: Output
+) -> int:
+    """Compute the spectra of a file, write and print them, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If the file, a frequency or the end of the shock cannot be used.
+    """
+    digests = measured.digests_of([Path(file)])
+    asked = measured.asked()
+    command = SrsCommand(file, wanted, stated, options, asked, digests)
+    return run_and_write(command, output, f"srs-{Path(file).stem}", measured.identity(asked, digests))
+
+
+@dataclass(frozen=True)
+class SrsCommand(Command[SpectrumResult]):
+    """The spectra of one channel of a file."""
+
+    indent: ClassVar[int | None] = None
+
+    file: str
+    wanted: Wanted
+    stated: dict[str, dict[str, Any]]
+    options: Options
+    asked: str
+    digests: dict[str, str]
+
+    def solve(self) -> SpectrumResult:
+        """Return the spectra, the baseline of the record taken off."""
+        wanted = self.wanted
+        reading = measured.examined_channel(self.file, self.stated, self.options, "spectrum", "the spectrum")
+        frequencies = _frequencies(wanted.frequencies, wanted.grid, reading.channel.sampling_rate)
+        scope = _scope(wanted.part, wanted.end, reading)
+        values = reading.channel.values - _zero(reading)
+
+        def of(kind: str) -> Spectrum:
+            return srs(values, reading.channel.step, frequencies, wanted.q, kind, scope)
+
+        spectra = [of(kind) for kind in wanted.kinds]
+        velocity = next((s for s in spectra if s.kind == "pseudo-velocity"), None) or of("pseudo-velocity")
+        return SpectrumResult(
+            self.file,
+            reading,
+            spectra,
+            velocity,
+            wanted.side,
+            scope,
+            self.asked,
+            self.digests,
+            notices=_notices(reading),
+        )
+
+    def show(self, result: SpectrumResult) -> None:
+        """Print every so many of the frequencies."""
+        _print(result)
+
+    def draw(self, result: SpectrumResult, folder: Path) -> list[str]:
+        """Write the spectra, and the four-coordinate picture."""
+        from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
+        from strikewave.reporting.style import plain, save
+
+        pictures = {
+            "summary.svg": srs_figure(result.spectra[0], unit=result.reading.channel.unit),
+            "tripartite.svg": tripartite(result.velocity),
+        }
+        for name, figure in pictures.items():
+            figure.suptitle(plain(result.title, 90), x=0.01, ha="left", fontsize=11)
+            save(figure, folder / name)
+        return list(pictures)
+
+
+def _notices(reading: ChannelReading) -> tuple[Notice, ...]:
+    """Return what harms the spectrum, or leaves its unit open."""
+    unit = ("unit-unknown", "not-calibrated")
+    return tuple(notice for notice in reading.findings if "spectrum" in notice.harms or notice.code in unit)
+
+
+def _number(text: str, field: str, allowed: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise InputError(field, text, allowed)
+    return value
+
+
+def _frequencies(given: list[str] | None, grid: tuple[str, str | None, str], rate: float) -> Any:
+    if given:
+        return [_below(measured.positive(text, "Hz", "--frequency"), text, "--frequency", rate) for text in given]
+    low = measured.positive(grid[0], "Hz", "--from")
+    high = min(HIGHEST, 0.4 * rate)
+    if grid[1] is not None:
+        high = _below(measured.positive(grid[1], "Hz", "--to"), grid[1], "--to", rate)
+    per_octave = _number(grid[2], "--per-octave", "a number of frequencies above zero")
+    if not low < high:
+        raise InputError("--to", grid[1] or f"{high:g} Hz", f"a frequency above --from, {low:g} Hz")
+    if per_octave * math.log2(high / low) > 1e5:
+        raise InputError("--per-octave", grid[2], "at most 100 000 frequencies")
+    return octaves(low, high, per_octave)
+
+
+def _below(frequency: float, text: str, field: str, rate: float) -> float:
+    if frequency >= 0.5 * rate:
+        hint = "the record holds nothing above; sample faster"
+        raise InputError(field, text, f"a frequency below half the sampling rate, {0.5 * rate:g} Hz", hint)
+    return frequency
+
+
+def _scope(part: str, end: str | None, reading: ChannelReading) -> Scope:
+    if end is None and part != "total" and reading.pulses:
+        last = reading.pulses[-1].end
+        say(f"the shock is taken to end with its last blow, at {last:.6g} s (--end)")
+        return Scope(part, max(last - reading.channel.start, 2.0 * reading.channel.step))
+    if end is None:
+        return Scope(part)
+    after = parse_typed(end, "s", "--end") - reading.channel.start
+    if not reading.channel.step < after <= reading.channel.duration:
+        last = reading.channel.start + reading.channel.duration
+        raise InputError("--end", end, f"a time from {reading.channel.start:g} s to {last:g} s")
+    return Scope(part, after)
+
+
+def _zero(reading: ChannelReading) -> float:
+    """Return the baseline: before the first blow, or the median of the record without one."""
+    return reading.pulses[0].offset if reading.pulses else float(np.median(reading.channel.values))
+
+
+def _print(result: SpectrumResult) -> None:
+    reading, spectra, side = result.reading, result.spectra, result.side
+    first = spectra[0]
+    step = max(len(first.frequency) // 24, 1)
+    shown = range(0, len(first.frequency), step)
+    in_g = reading.channel.unit == "m/s^2"
+    screen = {"absolute": ("m/s^2", "g"), "displacement": ("m", "mm"), "pseudo-velocity": ("m/s", "m/s")}
+    columns = ["frequency (Hz)"] + [f"{s.kind} ({screen[s.kind][1] if in_g else 'own'})" for s in spectra]
+    rows = [
+        [significant(float(first.frequency[k]), 4)]
+        + [number(float(s.side(side)[k]), *(screen[s.kind] if in_g else (screen[s.kind][0],) * 2)) for s in spectra]
+        for k in shown
+    ]
+    q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g}"
+    title = f"Shock response spectrum of {Path(result.file).name}, {reading.channel.name}: {q}, {side}, {first.part}"
+    table(title, columns, rows, left=0)
+    if step > 1:
+        say(f"every {step}th of {len(first.frequency)} frequencies; --json or spectrum.csv has them all")

@@ -1,0 +1,101 @@
+"""A run of a stack under its load as a command: solve, print, draw."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from strikewave.analyses.wave.report import bar_tables, error_words, tap_rows
+from strikewave.analyses.wave.run import BarSolution, run_wave
+from strikewave.base.errors import MISSING, InputError
+from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.stack_chapters import MOST_LAYERS
+from strikewave.reporting.terminal import number, print_fits, print_losses, say, say_compiling, table
+
+
+def run_wave_case(
+    case: Case, changes: Sequence[str], output: Output, field: str = "stress", animate: bool = False
+) -> int:
+    """Run a stack under its load, write and print its result, and return the exit code.
+
+    ``field`` is what the pictures along the stack show: stress, force or velocity.
+
+    Raises
+    ------
+    InputError
+        If there is no stack, no folder for an animation, or what the run raises.
+    """
+    output.check_animation(animate)
+    if not case.stack.layer:
+        hint = f"this case has none: `strikewave {case.command}` runs it"
+        raise InputError("stack.layer", MISSING, "at least one [[stack.layer]]", hint)
+    text = dump_case(case)
+    return run_and_write(WaveCommand(case, field, animate), output, case_folder(case.name, text, changes), text)
+
+
+@dataclass(frozen=True)
+class WaveCommand(Command[BarSolution]):
+    """A run of a stack under its load."""
+
+    indent: ClassVar[int | None] = None
+
+    case: Case
+    field: str = "stress"
+    animate: bool = False
+
+    def solve(self) -> BarSolution:
+        """Return the solution."""
+        say_compiling()
+        return run_wave(self.case)
+
+    def show(self, result: BarSolution) -> None:
+        """Print the tables of a run."""
+        show(result)
+
+    def draw(self, result: BarSolution, folder: Path) -> list[str]:
+        """Write page and pictures, and the animation, which takes a few seconds."""
+        from strikewave.analyses.wave.drawn import draw_result
+
+        return draw_result(result, folder, self.field, self.animate)
+
+
+def show(solution: BarSolution) -> None:
+    """Print the largest values at the taps, the layers, joints and sensors of a stack, and how exact they are."""
+    stack = solution.run.stack
+    say(f"{solution.case.name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {stack.transit * 1e6:.4g} us")
+    columns = ["tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"]
+    rows = [[str(cell) for cell in row] for row in tap_rows(solution)]
+    table(f"{solution.title}: largest values at the taps", columns, rows, left=3)
+    used = [
+        [
+            layer.name,
+            number(layer.length_asked, "m", "mm", 7),
+            number(layer.length_used, "m", "mm", 7),
+            str(layer.steps),
+        ]
+        for layer in solution.waves.layers[:MOST_LAYERS]
+    ]
+    if solution.method != "spectral":
+        more = len(stack.layers) - MOST_LAYERS
+        title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
+        table(title, ["layer", "asked (mm)", "used (mm)", "steps"], used)
+    print_fits(solution.losses)
+    for caption, columns, rows in bar_tables(solution):
+        table(caption, columns, rows)
+    if solution.channels:
+        read = [
+            [
+                name,
+                number(pulse.peak, "m/s^2", "g", 5),
+                number(pulse.width, "s", "us", 4),
+                "yes" if pulse.clipped else "no",
+            ]
+            for name, pulse in solution.sensors.items()
+        ]
+        table("What the sensors read", ["sensor", "peak (g)", "width (us)", "clipped"], read)
+        print_losses(solution.channels)
+    say(error_words(solution))
+    say(f"ledger: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")

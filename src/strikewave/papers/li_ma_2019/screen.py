@@ -1,0 +1,103 @@
+"""The reproduction of Li & Ma 2019 as a command: run, print, draw."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from strikewave.base.result import Notice
+from strikewave.papers.li_ma_2019.report.tables import findings_table, numbers_table, plain_rows
+from strikewave.papers.li_ma_2019.reproduce import reproduce
+from strikewave.papers.li_ma_2019.result import PAPER, Reproduction, marked_text
+from strikewave.papers.li_ma_2019.runs import Effort
+from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.terminal import progress_bar, say, say_compiling, table
+
+Report = Callable[[float, str], None]
+
+FILES = ("report.html", "reproduction.json", "published.csv")
+PICTURES = re.compile(r"figure-(?:5|7|9|11|13|15)(?:-[a-z])?\.svg")
+"""Names of the pictures: the figure of the paper, and a letter from its second picture on."""
+
+
+def run_reproduction(effort: Effort, output: Output) -> int:
+    """Reproduce the paper, write and print the result, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If the place is taken.
+    """
+    usual = f"{PAPER}-reproduced"
+    folder = output.place(usual).folder
+    return run_and_write(ReproduceCommand(effort), output, usual, marked_text(effort), _own(folder))
+
+
+def _own(folder: Path | None) -> tuple[str, ...]:
+    """Return the names of its files, with those of the pictures that a folder holds."""
+    readable = folder is not None and folder.is_dir() and os.access(folder, os.R_OK)
+    there = [path.name for path in folder.iterdir()] if folder is not None and readable else []
+    return (*FILES, *(name for name in there if PICTURES.fullmatch(name)))
+
+
+@dataclass(frozen=True)
+class ReproduceCommand(Command[Reproduction]):
+    """The reproduction of the paper."""
+
+    effort: Effort
+
+    def solve(self) -> Reproduction:
+        """Return the result, with a bar on stderr."""
+        say_compiling()
+        with progress() as report:
+            return reproduce(self.effort, report)
+
+    def show(self, result: Reproduction) -> None:
+        """Print the published numbers with what was computed, and what was found."""
+        columns = ("published number", "published", "origin", "computed", "difference", "role", "by")
+        heads, rows = plain_rows(numbers_table([row for row in result.numbers if row.computed]), columns)
+        table("Published numbers and what was computed", heads, rows, left=len(heads))
+        heads, rows = plain_rows(findings_table(result.findings), ("topic", "found", "verdict"))
+        table("What the paper gets right, and what not", heads, rows, left=len(heads))
+
+        say(f"{len(result.notices)} warnings of the runs; the report lists them")
+
+    def printed_notices(self, result: Reproduction) -> list[Notice]:
+        """Return the broken limits: a page of warnings of twelve cases says nothing on a screen."""
+        return [notice for notice in result.notices if notice.broken]
+
+    def draw(self, result: Reproduction, folder: Path) -> list[str]:
+        """Write page and pictures."""
+        from strikewave.papers.li_ma_2019.report.figures import pictures
+        from strikewave.papers.li_ma_2019.report.page import reproduction_report
+        from strikewave.reporting.style import save
+
+        names = ["report.html"]
+        (folder / names[0]).write_text(reproduction_report(result), "utf-8", newline="\n")
+        for name, figure in pictures(result):
+            save(figure, folder / f"{name}.svg")
+            names.append(f"{name}.svg")
+        return names
+
+
+@contextlib.contextmanager
+def progress() -> Iterator[Report]:
+    """Show a bar on stderr where that is a terminal, or else a line for each run."""
+    if sys.stderr.isatty():
+        with progress_bar("") as report:
+            yield report
+        return
+    told = [""]
+
+    def line(share: float, words: str) -> None:
+        run = words.partition(":")[0]
+        if run not in ("", told[-1]):
+            say(f"{share:4.0%}  {run}")
+            told.append(run)
+
+    yield line

@@ -1,0 +1,277 @@
+"""A search for gaskets under a sensor as a command: find the blow, rank the stacks, print, draw."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import shlex
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from strikewave.base.errors import MISSING, InputError
+from strikewave.base.result import Notice
+from strikewave.cases.case import Case, load_case
+from strikewave.cases.tables import SensorTable
+from strikewave.records import (
+    ChannelReading,
+    HealthNotice,
+    Options,
+    Request,
+    calibrations_beside,
+    read_file,
+    read_record,
+)
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.terminal import number, progress_bar, say, say_compiling, significant, table
+from strikewave.studies.buffer.candidate import ALIKE, RINGING, Candidate, Goal, distinct
+from strikewave.studies.buffer.choice import Choice
+from strikewave.studies.buffer.result import BufferStudy
+from strikewave.studies.buffer.seat import Blows, Motion, Seat, blows_of, choose_sensor, seat_of
+from strikewave.studies.buffer.study import LEADING, design_buffer
+
+LONGEST = 200_000
+"""Samples of a record that are kept about its largest value."""
+
+COLUMNS = (
+    "#", "stack, from the surface up", "peak\n(g)", "of limit\n(1)", "5 %\n(Hz)", "10 %\n(Hz)", "-3 dB\n(Hz)",
+    "resonance\n(Hz)", "Q", "softer\n(g)", "stiffer\n(g)", "no slip\n(g)", "robust",
+)  # fmt: skip
+LEFT_OUT, WIDE = (4, 6, 7, 8, 9, 11), 150
+"""Columns of the table that a screen with fewer characters does without."""
+NAME, SHORT_NAME = 38, 24
+"""Characters of a line of a stack's name, on a wide and on a narrow screen."""
+
+
+class Source(NamedTuple):
+    """Where sensor and blow come from: the case, the sensor's table, its seat, the record's path and reading."""
+
+    case: Case | None
+    seat: Seat
+    record: Path | None = None
+    reading: ChannelReading | None = None
+    found: Sequence[HealthNotice] = ()
+
+
+def rank_buffers(command: BufferCommand, output: Output) -> int:
+    """Rank the stacks, write and print them, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If the blow cannot be had, or no stack fits the sensor.
+    """
+    return run_and_write(command, output, f"buffer-{_called(command.source)}", None)
+
+
+def source_of_case(name: str | None, sensor: str | None, changes: list[str] | None, given: dict[str, Any]) -> Source:
+    """Return where sensor and blow of a case come from."""
+    return _from_case(name, sensor, changes, given)
+
+
+def source_of_record(
+    file: str,
+    stated: dict[str, dict[str, Any]],
+    options: Options,
+    case: tuple[str | None, str | None, list[str] | None],
+    given: dict[str, Any],
+) -> Source:
+    """Return where the blow of a record, and the sensor of a case or of what was typed, come from."""
+    reading, found = _reading(file, stated, options)
+    return Source(None, _from_case(*case, given, needed=False).seat, Path(file), reading, found)
+
+
+@dataclass(frozen=True)
+class BufferCommand(Command[BufferStudy]):
+    """A search for the gaskets under a sensor.
+
+    Attributes
+    ----------
+    source : Source
+        Where sensor and blow come from.
+    blow : str
+        Which of the blows of a case: worst, first, or a number.
+    choice : Choice
+        Gaskets to choose from.
+    goal : Goal
+        What the reading must keep.
+    """
+
+    indent: ClassVar[int | None] = None
+
+    source: Source
+    blow: str
+    choice: Choice
+    goal: Goal
+
+    def solve(self) -> BufferStudy:
+        """Return the study, with bars on stderr."""
+        source = self.source
+        if source.reading is not None:
+            blows = _recorded(source.record, source.reading, source.found)
+        else:
+            say_compiling()
+            with progress_bar("blows") as report:
+                blows = _blows(source, self.blow, report)
+        with progress_bar("stacks") as report:
+            study = design_buffer(source.seat, blows, self.choice, self.goal, report)
+        digests = measured.digests_of([source.record] if source.record else [])
+        return dataclasses.replace(
+            study, case=source.case, record=source.record, asked=measured.asked(), digests=digests
+        )
+
+    def show(self, result: BufferStudy) -> None:
+        """Print the ranking."""
+        _print(result)
+
+    def draw(self, result: BufferStudy, folder: Path) -> list[str]:
+        """Write peak over bandwidth, histories and transmissibility."""
+        from strikewave.reporting.style import save
+        from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
+
+        save(peak_bandwidth(result), folder / "peak-bandwidth.svg")
+        save(buffer_histories(result), folder / "histories.svg")
+        save(buffer_transmissibility(result), folder / "transmissibility.svg")
+        return ["peak-bandwidth.svg", "histories.svg", "transmissibility.svg"]
+
+
+def _from_case(
+    name: str | None, sensor: str | None, changes: list[str] | None, given: dict[str, Any], needed: bool = True
+) -> Source:
+    """Return case and seat; without a case, where none is needed, the seat stands on what was typed."""
+    typed = {key: value for key, value in given.items() if key != "diameter"}
+    footprint = {"diameter": given["diameter"]} if "diameter" in given else None
+    if name is None:
+        if needed:
+            raise InputError("CASE", MISSING, "a case, or --record with a measured blow", "see `strikewave cases`")
+        if sensor is not None or changes:
+            field = "--set" if sensor is None else "--sensor"
+            hint = "without one, --model, --mass and --diameter describe the sensor"
+            raise InputError(field, sensor or changes, "only with a case", hint)
+        alone: SensorTable = SensorTable(name="sensor").model_copy(update=typed)
+        return Source(None, seat_of(alone, None, footprint))
+    case = load_case(name, changes or ())
+    table = choose_sensor(case, sensor).model_copy(update=typed)
+    return Source(case, seat_of(table, case, footprint))
+
+
+def _blows(source: Source, blow: str, report: Callable[[float], None]) -> Blows:
+    assert source.case is not None
+    return blows_of(source.case, source.seat.table, blow, report)
+
+
+def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> tuple[ChannelReading, list[HealthNotice]]:
+    """Return one channel of a file, and what its examination suspects; one that it calls bad is refused."""
+    record = read_record(file, options)
+    measured.check_channels(stated, [record])
+    reading = read_file(record, calibrations_beside(Path(file)), Request(options.channels or ("1",), stated))
+    channel = reading.channels[0].channel
+    if channel.unit != "m/s^2":
+        has = channel.unit or "the file's own numbers"
+        raise InputError("--unit", has, "an acceleration", 'say --unit g, or --sensitivity "1.2 mV/g"')
+    findings = [finding for finding in reading.all_findings if finding.severity != "good"]
+    if reading.status == "bad":
+        why = "; ".join(f"{f.code}: {f.message}" for f in findings if f.severity == "bad")
+        hint = f"{why}; see `{shlex.join(['strikewave', 'record', file])}`, or take another --channel"
+        raise InputError("--record", file, "a record that its examination does not call bad", hint)
+    return reading.channels[0], findings
+
+
+def _recorded(path: Path | None, reading: ChannelReading, findings: Sequence[HealthNotice]) -> Blows:
+    """Return the motion about the largest value of a record, its zero line taken off."""
+    channel = reading.channel
+    zero = reading.pulses[0].offset if reading.pulses else float(np.median(channel.values))
+    values = channel.values - zero
+    first = max(int(np.argmax(np.abs(values))) - LONGEST // 4, 0)
+    values = values[first : first + LONGEST]
+    message = (
+        f"the record holds nothing above {0.5e-3 * channel.sampling_rate:.4g} kHz, nor what its own sensor and filter "
+        "took off: a stiff buffer may read more than is shown"
+    )
+    warnings = [Notice("record-bandwidth", message, 0.5 * channel.sampling_rate, 0.0)]
+    warnings += [Notice("record-suspect", f"{f.code}: {f.message}", f.value, 0.0) for f in findings]
+    name = f"{path.name if path else ''} {channel.name}".strip()
+    return Blows((Motion(name, values, channel.step, channel.start + first * channel.step),), 0, tuple(warnings))
+
+
+def _called(source: Source) -> str:
+    if source.record is not None:
+        return source.record.stem
+    return (source.case.name if source.case else "") or "case"
+
+
+def _print(study: BufferStudy) -> None:
+    motion, seat = study.motion, study.seat
+    rigid = "" if motion.rigid_peak is None else f", rigid-body peak {number(motion.rigid_peak, 'm/s^2', 'g', 5)} g"
+    say(
+        f"{seat.table.name}, {seat.mass * 1e3:.4g} g of mass, on {seat.area * 1e6:.4g} mm^2 of gasket; {motion.name}: "
+        f"surface {number(motion.peak, 'm/s^2', 'g', 5)} g{rigid}"
+    )
+    say("the motion of the surface is given: the sensor's back-effect on the structure is not modelled")
+    shown = distinct(study.candidates, LEADING)
+    shown += [c for c in (study.robust, study.direct) if c is not None and c not in shown]
+    places = {candidate: place for place, candidate in enumerate(study.candidates, 1)}
+    rows = [_cells(str(places[candidate]), candidate) for candidate in sorted(shown, key=places.__getitem__)]
+    rows += [] if study.present is None else [_cells("", study.present)]
+    kept = sum(candidate.keeps for candidate in study.candidates)
+    first_by = {"robust": "the robust first, then by bandwidth"}.get(study.goal.rank, f"first by {study.goal.rank}")
+    title = (
+        f"{kept} of {len(study.candidates)} stacks keep {number(study.goal.limit, 'm/s^2', 'g', 5)} g; "
+        f"{first_by if kept else 'first by peak'} (* on the front of peak and bandwidth)"
+    )
+    kinds = [k for k in range(len(COLUMNS)) if k not in LEFT_OUT or _wide()]
+    table(title, [COLUMNS[k] for k in kinds], [[row[k] for k in kinds] for row in rows], left=2)
+    if len(study.candidates) > len(shown):
+        say(
+            f"stacks with peak and bandwidth of one above within {ALIKE:.0%} are left out here; --json and the files "
+            "have all"
+        )
+    first = study.candidates[0]
+    words = [f"{first.rigid_ratio:.3g} times the rigid-body peak"] if math.isfinite(first.rigid_ratio) else []
+    if math.isfinite(first.velocity_error):
+        words += [f"velocity change off by {first.velocity_error:+.1%}"]
+    elif first.ringing > RINGING or not first.whole:
+        words += ["velocity change not known: the history ends while it still rings"]
+    words += [f"{first.sag * 1e6:.3g} um of sag", f"loss factors held to {first.loss_error:.1%} from 1 to 100 kHz"]
+    say(f"{first.name}: {', '.join(words)}")
+
+
+def _wide() -> bool:
+    """Return whether the screen holds all columns; without one there is room."""
+    return shutil.get_terminal_size((160, 24)).columns >= WIDE
+
+
+def _cells(place: str, candidate: Candidate) -> list[str]:
+    """Return a row of the table on the screen."""
+    band, found = candidate.band, candidate.leading if candidate.sheets else None
+    passed = [
+        "-" if not math.isfinite(f) else significant(f, 3)
+        for f in (band.within_5, band.within_10, band.half_power, band.resonance)
+    ]
+    spread = (found.softer, found.stiffer, found.confined) if found else (None,) * 3
+    return [
+        f"{place}{'*' if candidate.pareto else ''}",
+        _folded(candidate.name),
+        number(candidate.true_peak, "m/s^2", "g", 5) + (" cut" if candidate.clipped else ""),
+        "-" if math.isnan(candidate.margin) else f"{1.0 - candidate.margin:.3g}",
+        *passed,
+        "-" if math.isnan(band.quality) else significant(band.quality, 3),
+        *(number(peak, "m/s^2", "g", 4) for peak in spread),
+        "-" if found is None or not candidate.keeps else "yes" if found.robust else "no",
+    ]
+
+
+def _folded(name: str) -> str:
+    """Return the name of a stack in lines that end between gaskets."""
+    lines, longest = [""], NAME if _wide() else SHORT_NAME
+    for part in name.split(" | "):
+        if lines[-1] and len(lines[-1]) + len(part) > longest - 5:
+            lines.append(part)
+        else:
+            lines[-1] += f" | {part}" if lines[-1] else part
+    return " |\n".join(lines)

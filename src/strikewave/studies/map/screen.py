@@ -1,0 +1,165 @@
+"""A map as a command: run its rows, print, draw."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar
+
+from strikewave.base.compiled import is_cold
+from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.terminal import number, progress_bar, say, table
+from strikewave.studies.map.cells import Axis, Plan
+from strikewave.studies.map.store import Store, rows_beside
+from strikewave.studies.map.study import MapStudy, make_map, marked_text
+
+_PEAK = ("m/s^2", "g")
+SHOWN = (
+    ("CV (%)", "cv", "1", "%"),
+    ("CV from 2nd blow (%)", "cv_later", "1", "%"),
+    ("mean peak (g)", "peak", *_PEAK),
+    ("missed (1)", "missed", "1", "1"),
+    ("largest retreat (mm)", "retreat", "m", "mm"),
+    ("stop force (kN)", "stop_force", "N", "kN"),
+    ("train (ms)", "train_time", "s", "ms"),
+)
+"""What is told of a setting: words, name of the field, SI unit and unit."""
+INTERRUPTED = 128 + signal.SIGINT
+"""Exit code of a map that was stopped."""
+
+
+def run_map(plan: Plan, name: str, changes: Sequence[str], command: MapCommand, output: Output) -> int:
+    """Make a map, write and print it, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If the place is taken.
+    """
+    usual = f"map-{case_folder(name, plan.case, changes)}"
+    return run_and_write(command, output, usual, marked_text(plan, command.wanted))
+
+
+@dataclass
+class MapCommand(Command[MapStudy]):
+    """A map; one that is stopped goes on where it was.
+
+    Attributes
+    ----------
+    plan : Plan
+        What is mapped.
+    wanted : float
+        Coefficient of variation below which blows count as even.
+    workers : int
+        Processes.
+    seconds : float
+        About how long it takes.
+    colour : str
+        What the picture shows.
+    fresh : bool
+        Whether finished rows of a stopped map are run anew.
+    """
+
+    indent: ClassVar[int | None] = None
+
+    plan: Plan
+    wanted: float
+    workers: int
+    seconds: float
+    colour: str
+    fresh: bool
+    store: Store | None = field(default=None, init=False)
+
+    @contextlib.contextmanager
+    def under_way(self, folder: Path) -> Iterator[None]:
+        """Keep finished rows beside the folder until all is written."""
+        self.store = Store(self.plan, rows_beside(folder.absolute()), self.fresh)
+        yield
+        self.store.remove()
+
+    def solve(self) -> MapStudy:
+        """Return the map, with a bar on stderr; where it is stopped, finished rows are kept, and said to be."""
+        store = self.store or Store(self.plan, None, self.fresh)
+        if is_cold("run_train"):
+            say("compiling the kernels of the fast run: once after install, a minute or more")
+        say(_words(self.plan, self.seconds, store))
+        try:
+            with progress_bar("map", float(store.done.mean()), ("left",)) as report:
+                return make_map(self.plan, self.wanted, self.workers, store, report)
+        except KeyboardInterrupt:
+            kept = (
+                f"{store.done.sum()} of {store.done.size} rows are kept in {store.path}: the same command goes on there"
+            )
+            say("stopped; " + (kept if store.path is not None and store.done.any() else "nothing was written"))
+            raise SystemExit(INTERRUPTED) from None
+
+    def show(self, result: MapStudy) -> None:
+        """Print regimes, the case, and the nearest even setting."""
+        _print(result)
+
+    def draw(self, result: MapStudy, folder: Path) -> list[str]:
+        """Write the picture in two formats."""
+        from strikewave.reporting.style import save
+        from strikewave.studies.map.figures import map_figure
+
+        figure = map_figure(result, self.colour)
+        save(figure, folder / "map.svg")
+        save(figure, folder / "map.png")
+        return ["map.svg", "map.png"]
+
+
+def _words(plan: Plan, seconds: float, store: Store) -> str:
+    """Return what is about to be run, in words."""
+    panels, rows, columns = plan.shape
+    size = f"{columns} x {rows}" + (f" x {panels}" if panels > 1 else "")
+    left = 1.0 - float(store.done.mean())
+    kept = f", {store.done.sum()} of {store.done.size} rows are there already" if store.done.any() else ""
+    trains = f" and trains of {plan.train}" if plan.train else ""
+    return f"{size} machines, {plan.blows} blows{trains}: about {max(left * seconds, 1.0):.0f} s on free cores{kept}"
+
+
+def _print(study: MapStudy) -> None:
+    """Print what the map shows: shares of the regimes, why cells failed, the case, and the nearest even setting."""
+    rows = [[name, f"{100.0 * share:.1f}"] for name, share in study.shares.items()]
+    table("Regimes", ["regime", "cells (%)"], rows)
+    for text, count in study.failures.items():
+        say(f"no result, or no regime, in {count} cells: {text}")
+    found = study.setting
+    columns = ["", "case"] + ([] if found is None else [f"nearest within {100.0 * study.wanted:g} %"])
+    shown = [_column(study, study.here, study.present)]
+    if found is not None:
+        shown.append(_column(study, found.values, found.cell))
+    heads = [f"{a.path} ({a.unit or '1'})" for a in study.plan.axes] + [head for head, *_ in SHOWN]
+    table(f"{study.case.name}: {study.plan.blows} blows", columns, list(zip(heads, *shown, strict=True)))
+    for values, reason in study.refused:
+        say(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")
+    if found is None:
+        say(_none_found(study))
+        return
+    full = f"a full run has a CV of {100.0 * found.cv:.3g} % and a mean peak of {number(found.peak, *_PEAK, 5)} g"
+    if found.distance == 0.0:
+        say(f"the case has even blows already: {full}")
+    else:
+        say(f"the nearest is {found.distance:.3g} away in relative steps; {full}")
+
+
+def _none_found(study: MapStudy) -> str:
+    """Return why there is no even setting, in words."""
+    limit, even = f"{100.0 * study.wanted:g} %", len(study.even_settings())
+    if not even:
+        return f"no setting of this map has blows that all come with a CV within {limit}"
+    tried = f"the {len(study.refused)} nearest of them" if even > len(study.refused) else "all of them"
+    return f"{even} settings have a CV within {limit} by the fast run; {tried} failed in full runs"
+
+
+def _at(axes: tuple[Axis, ...], values: tuple[float, ...]) -> str:
+    return ", ".join(f"{axis.path} = {axis.typed(value)}" for axis, value in zip(axes, values, strict=True))
+
+
+def _column(study: MapStudy, values: tuple[float, ...], cell: dict[str, float]) -> list[str]:
+    """Return a column of the table of settings."""
+    shown = [f"{axis.shown(value):.5g}" for axis, value in zip(study.plan.axes, values, strict=True)]
+    return shown + [number(cell[key], si, unit, 3 if unit == "%" else 5) for _, key, si, unit in SHOWN]

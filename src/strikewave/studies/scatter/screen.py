@@ -1,0 +1,149 @@
+"""A scatter study as a command: run, print, draw."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.terminal import number, progress_bar, say, say_compiling, table
+from strikewave.studies.scatter.study import Plan, ScatterStudy, marked_text, scatter
+from strikewave.uncertainty.shares import Shares
+
+SHOWN = {"peak": ("m/s^2", "g"), "width": ("s", "us"), "interval": ("s", "ms"), "velocity_change": ("m/s", "m/s")}
+"""Figures of a blow, their SI units and those shown."""
+NAMES = {"peak": "peak", "width": "width", "interval": "interval", "velocity_change": "velocity\nchange"}
+FEWEST_FOR_LIMIT = 59
+"""Runs below which no limit holds for 95 % of all runs with 95 % confidence."""
+SHARES_LEFT_OUT, MEANS_LEFT_OUT, WIDE = (1, 2, 3, 7), (3,), 120
+"""Columns of the tables of shares and of means that a screen with fewer characters does without."""
+
+
+def run_scatter(case: Case, changes: Sequence[str], plan: Plan, output: Output) -> int:
+    """Run a case within its tolerances, write and print the scatter, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If the plan cannot be done, or the case has no tolerance.
+    """
+    usual = f"scatter-{case_folder(case.name, dump_case(case), changes)}"
+    return run_and_write(ScatterCommand(case, plan), output, usual, marked_text(case, plan))
+
+
+@dataclass(frozen=True)
+class ScatterCommand(Command[ScatterStudy]):
+    """Runs of a case within its tolerances."""
+
+    case: Case
+    plan: Plan
+
+    def solve(self) -> ScatterStudy:
+        """Return the study, with a bar on stderr."""
+        say_compiling()
+        with progress_bar("runs", clocks=("elapsed", "left")) as report:
+            return scatter(self.case, self.plan, report)
+
+    def show(self, result: ScatterStudy) -> None:
+        """Print the scatter, and which tolerance it comes from."""
+        _print(result)
+
+    def draw(self, result: ScatterStudy, folder: Path) -> list[str]:
+        """Write the picture."""
+        from strikewave.reporting.style import save
+        from strikewave.studies.scatter.figures import scatter_picture
+
+        save(scatter_picture(result), folder / "scatter.svg")
+        return ["scatter.svg"]
+
+
+def _print(study: ScatterStudy) -> None:
+    made, still = len(study.made), study.still
+    say(f"{study.case.name}: {made} runs within {len(study.tolerances)} tolerances, seed {study.plan.seed}")
+    rows = []
+    for name, units in SHOWN.items():
+        found = study.figure(name)
+        mean = [number(value, *units, 5) for value in (found.mean.mean, found.mean.low, found.mean.high)]
+        between = [_bare(value) for value in (found.mean.cv, found.mean.cv_low, found.mean.cv_high)]
+        typical = number(found.typical.mean, *units, 5)
+        rows.append([f"{NAMES[name]} ({units[1]})", mean[0], _to(*mean[1:]), typical, between[0], _to(*between[1:])])
+    heads = ["figure", "mean", "95 % bounds", "typical", "CV (%)", "95 % bounds"]
+    _table("Means of the runs, and CV between runs", heads, rows, MEANS_LEFT_OUT)
+    rows = []
+    for name in SHOWN:
+        figure = study.figure(name)
+        for blows, later, within in (("all", False, figure.within), ("later", True, figure.later)):
+            cells = [_bare(x) for x in (still.variation(name, later), *within[:4])]
+            rows.append([NAMES[name].replace("\n", " "), blows, *cells[:2], _to(*cells[2:4]), cells[4]])
+    heads = ["figure", "blows", "dynamics\nalone", "median", "95 % bounds", "95 % of\nruns below"]
+    table("Scatter within a run: CV (%); later: without the first blow", heads, rows, left=2)
+    broken = sum(study.without_limit)
+    counted = f"; {broken} of {len(study.runs)} runs failed or missed a blow and keep no limit" if broken else ""
+    say(f"bounds of the CV between runs: for normal figures; 95 % of runs below: with 95 % confidence{counted}")
+    if len(study.runs) < FEWEST_FOR_LIMIT:
+        say(f"95 % of runs below takes {FEWEST_FOR_LIMIT} runs or more")
+    kinds = ", ".join(f"{blows} {kind} (in {runs} runs)" for kind, (blows, runs) in study.kinds().items())
+    say(f"blows: {kinds}; largest retreat {number(study.largest_retreat, 'm', 'mm', 3)} mm")
+    for one in study.shares:
+        _print_shares(study, one)
+
+
+def _print_shares(study: ScatterStudy, shares: Shares) -> None:
+    """Print the shares in one quantity with what each tolerance is."""
+    known = {one.path: one for one in study.tolerances}
+    sobol = study.plan.shares == "sobol"
+    columns = ["tolerance", "value", "drawn", "provenance", "share (%)", "95 % bounds"]
+    columns += ["total (%)", "95 % bounds"] if sobol else []
+    rows = []
+    for row in shares.rows:
+        one = known[row.path]
+        assert one.value.tolerance is not None
+        typed = f"{one.value.typed} ± {one.value.tolerance.typed}"
+        each = "each striker" if one.strikers else "once a run"
+        cells = [row.path, typed, each, one.value.provenance]
+        cells += [_bare(row.share) + ("" if row.distinct else " *"), _to(_bare(row.low), _bare(row.high))]
+        cells += [_bare(row.total), _to(_bare(row.total_low), _bare(row.total_high))] if sobol else []
+        rows.append(cells)
+    title = f"Shares in the {shares.of}, {'Sobol indices' if sobol else 'each alone'}, {shares.runs} runs each"
+    _table(title, columns, rows, SHARES_LEFT_OUT, left=4)
+    if not all(row.distinct for row in shares.rows):
+        say("*: not told apart from 0")
+    say(f"sum of the shares: {_percent(shares.sum)} ({_percent(shares.sum_low)} to {_percent(shares.sum_high)})")
+
+
+def _table(title: str, columns: list[str], rows: list[list[str]], aside: tuple[int, ...], left: int = 1) -> None:
+    """Print a table, on a narrow screen without some of its columns."""
+    wide = shutil.get_terminal_size((160, 24)).columns >= WIDE
+    shown = [k for k in range(len(columns)) if wide or k not in aside]
+    left = sum(k < left for k in shown)
+    table(title, [columns[k] for k in shown], [[row[k] for k in shown] for row in rows], left)
+
+
+def _to(low: str, high: str) -> str:
+    return "-" if "-" in (low, high) else f"{low} to {high}"
+
+
+def _bare(value: float | None) -> str:
+    """Write a share in percent without its sign, for a column that has it in its head."""
+    return _percent(value).removesuffix(" %")
+
+
+def _percent(value: float | None) -> str:
+    """Write a share in percent to three digits; a dash where there is none.
+
+    Examples
+    --------
+    >>> _percent(0.012345), _percent(float("nan")), _percent(float("inf"))
+    ('1.23 %', '-', 'none')
+    """
+    if value is None or value != value:
+        return "-"
+    if math.isinf(value):
+        return "none"
+    if 0.0 < abs(value) < 1e-6:
+        return "< 1e-4 %"
+    return f"{100.0 * value:.3g} %" if abs(value) < 10.0 else f"{100.0 * value:.0f} %"

@@ -1,0 +1,170 @@
+"""A search for settings as a command: run, print, draw."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from strikewave.cases.case import Case
+from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.terminal import fixed, number, progress_bar, say, say_compiling, significant, table
+from strikewave.studies.settings.candidate import Candidate, Goal, Limit
+from strikewave.studies.settings.estimate import engagement_sensitivity
+from strikewave.studies.settings.search import VARIED
+from strikewave.studies.settings.study import Choice, SettingsStudy, asked_line, design_settings, goal_words, name_of
+
+SHOWN = 6
+"""First of the ranking in the table; the first of each other number of strikers follows."""
+COLUMNS = (
+    "#", "strikers", "speed\n(rpm)", "engaged\n(mm)", "{}\n(MN/m)", "striker\n(kg)", "spring\n(kN/m)",
+    "preload\n(N)", "damper\n(N s/m)", "peak\n(g)", "CV\n(%)", "width\n(us)", "interval\n(ms)", "stop\n(kN)",
+    "retreat\n(mm)", "0.1 mm\n(%)", "meets",
+)  # fmt: skip
+LEFT_OUT, WIDE = (5, 6, 7, 8, 12, 14, 15), 140
+"""Columns of the table that a screen with fewer characters does without."""
+LIMIT_UNITS = {"Pa": "MPa", "m": "mm", "N": "kN", "m/s": "m/s", "N m": "N m"}
+"""Units in which limits are shown; shares are shown in %, errors as they are."""
+
+
+def find_settings(command: SettingsCommand, output: Output, usual_question: bool) -> int:
+    """Search for settings, write and print them, and return the exit code.
+
+    ``usual_question`` says that nothing but the goal was asked: only then the folder has its name alone.
+
+    Raises
+    ------
+    InputError
+        If the place is taken.
+    """
+    asked = asked_line(command.case, command.goal, command.choice)
+    usual = name_of(command.goal) + ("" if usual_question else f"-{asked[-10:-2]}")
+    if output.out is not None and _holds(output.out, asked):
+        output = Output(output.out, True, output.json)
+    return run_and_write(command, output, usual, asked)
+
+
+@dataclass(frozen=True)
+class SettingsCommand(Command[SettingsStudy]):
+    """A search for settings that meet a goal."""
+
+    indent: ClassVar[int | None] = None
+
+    case: Case
+    goal: Goal
+    choice: Choice
+
+    def solve(self) -> SettingsStudy:
+        """Return the study, with a bar on stderr."""
+        say_compiling()
+        with progress_bar("settings") as report:
+            return design_settings(self.case, self.goal, self.choice, report)
+
+    def show(self, result: SettingsStudy) -> None:
+        """Print the ranking, and the limits of the first."""
+        _print(result)
+
+    def draw(self, result: SettingsStudy, folder: Path) -> list[str]:
+        """Write the picture."""
+        from strikewave.reporting.style import save
+        from strikewave.studies.settings.figures import settings_figure
+
+        save(settings_figure(result), folder / "settings.svg")
+        return ["settings.svg"]
+
+
+def _holds(folder: Path, asked: str) -> bool:
+    """Return whether a folder holds the result of the very same question."""
+    try:
+        with (folder / "case.toml").open("rb") as file:
+            return file.read(len(asked.encode())) == asked.encode()
+    except OSError:
+        return False
+
+
+def _print(study: SettingsStudy) -> None:
+    first = study.candidates[0]
+    say(_header(study.case, study.goal, first))
+    met = sum(one.meets for one in study.candidates)
+    others = {one.case.rig().machine.strikers.si: one for one in reversed(study.candidates)}
+    shown = [one for one in study.candidates if one in study.candidates[:SHOWN] or one in others.values()]
+    wide = shutil.get_terminal_size((160, 24)).columns >= WIDE
+    kinds = [k for k in range(len(COLUMNS)) if wide or k not in LEFT_OUT]
+    columns = [COLUMNS[k].format(study.choice.vary) for k in kinds]
+    rows = [_cells(study, place, one) for place, one in enumerate(study.candidates, 1) if one in shown]
+    title = f"{met} of {len(study.candidates)} settings give {goal_words(study.goal)}"
+    table(title, columns, [[row[k] for k in kinds] for row in rows], left=0)
+    say(
+        "peak, width, interval: of the typical blow, the median of the later full ones; CV: scatter of all peaks; "
+        "0.1 mm: change of the peak with that much of engagement"
+    )
+    table("Limits of the first", ["limit", "value", "at most", "unit", "kept"], [_limit(x) for x in first.limits])
+    if len(study.masses) > 1:
+        rows = [_mass_cells(study, one) for one in study.masses]
+        names = ["striker (kg)", "engagement (mm)", f"{study.choice.vary} (MN/m)", "contact (kN)", "lost a blow (rpm)"]
+        table("What the mass of a striker costs", names, rows, left=0)
+    for count, why in study.left_out.items():
+        say(f"left out, {count} strikers: {why}")
+    for why in study.failed[:SHOWN]:
+        say(f"no result, {why}")
+
+
+def _header(case: Case, goal: Goal, first: Candidate) -> str:
+    guess = first.estimate
+    return (
+        f"{goal_words(goal)}, from {case.name}: a half-sine changes the velocity by "
+        f"{guess['velocity_change']:.3g} m/s, for which a first estimate asks an approach of "
+        f"{guess['approach']:.3g} m/s; the full run has {first.seen.velocity_change:.3g} and "
+        f"{first.seen.approach:.3g} m/s"
+    )
+
+
+def _cells(study: SettingsStudy, place: int, one: Candidate) -> list[str]:
+    """Return a row of the table of candidates."""
+    values, seen = one.case.values(), one.seen
+    depth, radius = values["machine.engagement"].si, values["machine.radius"].si
+    return [
+        str(place),
+        f"{values['machine.strikers'].si:.0f}",
+        number(values["machine.speed"].si, "rad/s", "rpm"),
+        number(depth, "m", "mm", 3),
+        number(values[VARIED[study.choice.vary][0]].si, "N/m", "MN/m", 3),
+        number(values["striker.mass"].si, "kg", "kg"),
+        number(values["object.spring"].si, "N/m", "kN/m", 3),
+        number(values["object.preload"].si, "N", "N", 3),
+        number(values["object.damper"].si, "N s/m", "N s/m", 3),
+        number(seen.peak.typical, "m/s^2", "g", 4),
+        fixed(100.0 * seen.peak.variation, "1", "1", 2),
+        fixed(seen.width.typical, "s", "us", 1),
+        fixed(seen.interval.typical, "s", "ms", 3),
+        number(seen.supply.stop_force, "N", "kN", 3),
+        number(seen.retreat, "m", "mm", 3),
+        fixed(1e-2 * engagement_sensitivity(depth, radius), "1", "1", 1),
+        "yes" if one.meets else "no",
+    ]
+
+
+def _limit(limit: Limit) -> list[str]:
+    """Return a row of the table of limits."""
+    unit = LIMIT_UNITS.get(limit.unit, "1")
+    value, most = (number(x, limit.unit, unit, 3) for x in (limit.value, limit.limit))
+    return [
+        limit.name.replace("_", " "),
+        value,
+        most,
+        unit,
+        "yes" if limit.kept else "no" if limit.decides else "warned",
+    ]
+
+
+def _mass_cells(study: SettingsStudy, one: Candidate) -> list[str]:
+    """Return a row of the table of masses."""
+    values = one.case.values()
+    return [
+        number(values["striker.mass"].si, "kg", "kg"),
+        number(values["machine.engagement"].si, "m", "mm"),
+        number(values[VARIED[study.choice.vary][0]].si, "N/m", "MN/m"),
+        significant(one.seen.peak_force / 1e3, 3),
+        number(one.seen.supply.speed_lost, "rad/s", "rpm", 3),
+    ]
