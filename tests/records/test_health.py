@@ -8,8 +8,8 @@ import pytest
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.records import Channel, Record, Request, read_file
-from strikewave.records.health_notice import FIGURES
 from strikewave.records.health import BLOW, Examined, examine
+from strikewave.records.health_notice import FIGURES
 
 STEP, PEAK, LENGTH = 1e-6, 1000.0, 100
 """Of the clean half-sine: s, m/s^2, samples."""

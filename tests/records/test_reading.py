@@ -12,7 +12,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from strikewave.analyses.record.result import record_document
+from strikewave.analyses.record.result import record_result
 from strikewave.base.errors import InputError
 from strikewave.records import (
     Channel,
@@ -83,7 +83,7 @@ def test_any_samples_give_a_reading_without_a_warning(values):
     assert file.status in ("good", "suspect", "bad")
     assert all(finding.message for finding in reading.findings)
     assert np.all(np.isfinite(reading.channel.values)) or file.status == "bad"
-    json.dumps(record_document([file], [], None), allow_nan=False)
+    json.dumps(record_result([file]).document(), allow_nan=False)
 
 
 @pytest.mark.verify
@@ -111,7 +111,7 @@ def test_any_samples_with_holes_and_a_filter_give_a_reading(values, holes):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         file = read(values, Request(filter=Filter(50e3)))
-    json.dumps(record_document([file], [], Filter(50e3)), allow_nan=False)
+    json.dumps(record_result([file], [], Filter(50e3)).document(), allow_nan=False)
 
 
 @pytest.mark.parametrize("size", [0, 1, 2, 15])

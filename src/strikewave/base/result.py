@@ -104,9 +104,14 @@ class Source:
     asked: str = ""
 
     @property
+    def whole(self) -> bool:
+        """Whether the text alone gives the result again; else it takes the command line and the files."""
+        return self.file == "case.toml"
+
+    @property
     def digest(self) -> str:
         """SHA-256 of the text or, of measured files, of their digests in their order; empty where one is missing."""
-        if not self.asked:
+        if self.whole:
             return hashlib.sha256(self.text.encode("utf-8", "replace")).hexdigest()
         known = bool(self.digests) and all(self.digests.values())
         return hashlib.sha256("\n".join(self.digests.values()).encode()).hexdigest() if known else ""

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _ROOMS = {
     "calibration": ("Calibration", "calibrations_beside"),
     "campaign": ("Campaign", "Statistic", "Trend", "compare", "summed"),
-    "finding": ("HealthNotice", "unreadable", "worst"),
+    "health_notice": ("HealthNotice", "unreadable", "worst"),
     "measuring": ("RecordedPulse", "find_pulses"),
     "readers": ("Options", "read_record"),
     "reading": ("ChannelReading", "FileReading", "Request", "read_file"),

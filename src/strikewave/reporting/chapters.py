@@ -199,9 +199,10 @@ def reproduction(result: Result) -> Section:
     source = result.source
     files: list[list[Cell]] = [[name, digest] for name, digest in source.digests.items()]
     read = [Table("Files read", ["file", "SHA-256"], files)] if files else []
-    if source.asked:
+    if not source.whole:
         words = f"This command gives the same numbers again with strikewave {__version__}, from the same files."
-        return Section("How to run this again", words, [*read, Code(source.asked)])
+        asked = [Code(source.asked)] if source.asked else []
+        return Section("How to run this again", words if asked else "The command is not known.", [*read, *asked])
     names = ([source.name] if _is_published(source) else []) + [source.file]
     either = "Either of these commands" if len(names) > 1 else "This command"
     words = (
@@ -244,7 +245,7 @@ class Summary(NamedTuple):
 def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -> str:
     """Return the page of a result: its head, its sections, sources, and how to run it again."""
     source = result.source
-    sealed = "files, taken together," if source.asked else f"{source.kind} text"
+    sealed = f"{source.kind} text" if source.whole else "files, taken together,"
     head = Head(
         title=result.title,
         kicker=summary.kicker,

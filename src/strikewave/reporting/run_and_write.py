@@ -141,7 +141,8 @@ def run_and_write(
         show_notices(command.printed_notices(result))
     if place.folder is not None:
         say(f"written: {str(place.folder).rstrip('/')}/ ({', '.join(names)})")
-    say(f"done in {time.perf_counter() - begun:.2f} s{most_memory()}")
+    if usual is not None or place.folder is not None:  # a question that is answered at once needs no clock
+        say(f"done in {time.perf_counter() - begun:.2f} s{most_memory()}")
     return BROKEN if result.broken else 0
 
 

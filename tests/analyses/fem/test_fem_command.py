@@ -183,8 +183,8 @@ def test_histories_are_the_same_in_every_file(bars, tmp_path):
     with xarray.open_dataset(tmp_path / "histories.nc", engine="h5netcdf") as kept:
         assert np.array_equal(kept["part.bar.acceleration"], bars.run.parts["bar"].acceleration)
         assert kept["section.gauge.stress"].attrs["units"] == "Pa"
-        assert kept.attrs["case"] == bars.case_text
-    head, *rows = bars.table().splitlines()
+        assert kept.attrs["case"] == bars.source.text
+    head, *rows = bars.history_table().splitlines()
     columns = head.split(",")
     assert columns[0] == "time [s]"
     assert "striker.top-bar.bottom force z [N]" in columns
@@ -269,7 +269,7 @@ def test_words_before_a_run_tell_sectors_from_whole_bodies_and_hold_no_exponents
 
 def test_a_check_counts_the_steps_of_all_blows_and_of_rest(strikewave, small):
     """After each of four blows but the last, bodies rest for one to 3.5 times its steps: 7 to 14.5 blows in all."""
-    from strikewave.analyses.fem import command as fem
+    from strikewave.analyses.fem import screen as fem
 
     words = {}
     for blows in (1, 4):
@@ -316,7 +316,7 @@ def test_the_width_of_a_published_force_is_that_of_the_whole_contact(bars):
 
 
 def test_the_terminal_says_where_the_largest_values_are_and_which_impulse_is_of_whole_bodies(bars, capsys, monkeypatch):
-    from strikewave.analyses.fem.command import show
+    from strikewave.analyses.fem.screen import show
 
     monkeypatch.setenv("COLUMNS", "200")
     show(bars)
@@ -336,7 +336,7 @@ def test_the_step_that_is_said_before_is_the_one_that_is_taken(bars):
 def test_an_interrupted_run_goes_on_to_the_same_numbers(strikewave, small, monkeypatch):
     import h5py
 
-    from strikewave.analyses.fem import command as fem
+    from strikewave.analyses.fem import unfinished as fem
 
     assert strikewave("fem", small, "--out", "whole", "--no-report")[0] == 0
     add, seen = fem.FieldFile.add, []

@@ -14,8 +14,10 @@ from strikewave.analyses.fem.figures import pictures as fem_pictures
 from strikewave.analyses.fem.figures.pictures import View
 from strikewave.analyses.fem.report import page as fem_page
 from strikewave.analyses.fem.report.page import fem_report
+from strikewave.analyses.fem.result import FemSolution
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice
+from strikewave.cases.case import load_case
 from strikewave.fem.measures import blow_axis, contact_measure, ledger_measure, near_axis
 from strikewave.fem.mesh import exterior, exterior_faces, joined
 from strikewave.fem.model import Contact, Symmetry
@@ -398,16 +400,17 @@ def test_pyvista_shows_the_same_and_its_absence_is_told(mesh, monkeypatch):
 
 
 def solution(mesh, run, **more):
+    title = "A ball on <b>brass</b> & steel <script>alert(1)</script>"
+    case = load_case("two-bars-fem").model_copy(update={"title": title, "mesh": None, "published": ()})
     held = {
+        "case": case,
         "run": run,
         "model": synthetic.model(mesh),
-        "title": "A ball on <b>brass</b> & steel",
-        "warnings": (),
-        "case_text": "schema = 1\n# <script>alert(1)</script>\n",
+        "notices": (),
         "frames": synthetic.frames(mesh, 5),
         "citations": ("johnson-1985",),
     }
-    return SimpleNamespace(**{**held, **more})
+    return FemSolution(**{**held, **more})
 
 
 @pytest.mark.verify
@@ -438,7 +441,7 @@ def test_the_report_says_what_is_broken(mesh):
         solution(
             mesh,
             dataclasses.replace(synthetic.run(mesh, leak=-0.04, hourglass=0.2), stopped="an element turned inside out"),
-            warnings=(Notice("energy-ledger", "energy is <missing>", 0.04, 0.01, broken=True),),
+            notices=(Notice("energy-ledger", "energy is <missing>", 0.04, 0.01, broken=True),),
         )
     )
     for words in (
@@ -457,9 +460,9 @@ def test_the_status_names_each_broken_limit_once_with_its_blows(mesh, run):
         return Notice(code, message, 1.0, 0.1, broken=True)
 
     many = (broken("hourglass-energy", "h"), broken("hourglass-energy", "blow 2: h"), broken("stopped", "blow 2: s"))
-    held = solution(mesh, run, warnings=many)
+    held = solution(mesh, run, notices=many)
     assert fem_page._status(held).text == "stated limit broken: hourglass-energy and stopped"
-    held.later = (run,)
+    held = dataclasses.replace(held, later=(run,))
     assert fem_page._status(held).text == "stated limit broken: hourglass-energy (blows 1 and 2) and stopped (blow 2)"
 
 

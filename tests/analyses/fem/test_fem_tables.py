@@ -7,8 +7,8 @@ import pytest
 
 from strikewave.analyses.check import check
 from strikewave.analyses.fem.build import build_model
-from strikewave.analyses.fem.command import say_faceted
 from strikewave.analyses.fem.parts import LARGEST, built_parts, estimated_elements, exact_volume
+from strikewave.analyses.fem.screen import say_faceted
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.cases.case import bundled_cases, dump_case, load_case, parse_case
 from strikewave.fem.mesh import volumes

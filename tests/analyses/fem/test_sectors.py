@@ -113,8 +113,8 @@ def test_the_report_begins_with_the_force_of_whole_bodies_and_a_named_body(tmp_p
 
 
 def test_each_blow_names_the_body_of_its_rigid_peak_a_group_first(tmp_path, capsys, monkeypatch):
-    from strikewave.analyses.fem.command import show
     from strikewave.analyses.fem.report.blows import blows_section
+    from strikewave.analyses.fem.screen import show
     from strikewave.reporting.parts import written
 
     case_of(tmp_path, "half")
@@ -209,8 +209,8 @@ def test_a_group_moves_as_the_sum_of_its_parts(tmp_path, strikewave):
     assert part_measure(run, "both", free).rigid_peak < 1e-6 * part_measure(run, "bar", free).rigid_peak
     assert solution.groups["both"].rigid_peak == part_measure(run, "both", free).rigid_peak
     assert solution.document()["groups"]["both"]["sectors"] == 2
-    assert "group.both.mean_acceleration" in solution.dataset()
-    assert "both velocity z [m/s]" in solution.table().splitlines()[0].split(",")
+    assert "group.both.mean_acceleration" in solution.data
+    assert "both velocity z [m/s]" in solution.history_table().splitlines()[0].split(",")
     text = (tmp_path / "half.toml").read_text()
     for good, bad, said in (
         ('["striker", "bar"]', '["striker", "baar"]', 'did you mean "bar"'),

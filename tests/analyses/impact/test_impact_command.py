@@ -238,7 +238,7 @@ def test_out_holds_the_document_and_a_picture(strikewave, tmp_path):
     words = ("impact", *BODIES, "--law", "johnson", *LINE, "-e", "0.7", "--yield-pressure", "1.2 GPa", "--repeat", "9")
     code, out, err = strikewave(*words, "--out", "a", "--json")
     assert code == 0
-    assert "written: a/ (impact.json, history.csv, impact.svg, record.toml)" in err
+    assert "written: a/ (impact.svg, history.csv, impact.json, record.toml)" in err
     assert sorted(os.listdir("a")) == ["history.csv", "impact.json", "impact.svg", "record.toml"]
     assert os.listdir(tmp_path) == ["a"]
     assert json.loads(open("a/impact.json", encoding="utf-8").read()) == json.loads(out)

@@ -238,12 +238,12 @@ def test_hostile_words_come_out_as_text(solution):
     hostile = dataclasses.replace(
         solution,
         case=case,
-        warnings=(Notice(HOSTILE, HOSTILE, 1.0, 2.0),),
+        notices=(Notice(HOSTILE, HOSTILE, 1.0, 2.0),),
         phases=((HOSTILE, 0.0),),
         masses={HOSTILE: 1.0},
         ledger={HOSTILE: 0.0},
         citations=(HOSTILE,),
-        published=tuple(dataclasses.replace(entry, note=HOSTILE, role=HOSTILE) for entry in solution.published),
+        comparisons=tuple(dataclasses.replace(entry, note=HOSTILE, role=HOSTILE) for entry in solution.published),
     )
     extra = Section(
         HOSTILE,
@@ -316,8 +316,8 @@ def test_solution_without_any_blow_says_so(solution):
     none = dataclasses.replace(
         solution,
         blows=(),
-        published=(),
-        warnings=(Notice("no-blow", "no striker touched the object", 0.0, 1.0, broken=True),),
+        comparisons=(),
+        notices=(Notice("no-blow", "no striker touched the object", 0.0, 1.0, broken=True),),
         citations=(),
         masses={},
         phases=(),
@@ -342,7 +342,7 @@ def test_solution_without_any_blow_says_so(solution):
 
 def test_histories_may_be_missing(solution):
     """What is not there is said in words."""
-    bare = dataclasses.replace(solution, data={}, warnings=())
+    bare = dataclasses.replace(solution, histories={}, notices=())
     page = report(bare)
     text = Page(page).text
     assert "No warning was raised." in text
@@ -398,7 +398,7 @@ def test_a_thousand_blows_stay_below_the_largest_size(solution):
     data = {name: solution.data[name] for name in ("time", "rigid_acceleration", "pulse_time")}
     for name in ("pulse_force", "pulse_acceleration"):
         data[name] = SimpleNamespace(values=solution.data[name].values[rows])
-    long = dataclasses.replace(solution, blows=blows, data=data)
+    long = dataclasses.replace(solution, blows=blows, histories=data)
     assert len(chosen(long)) <= MOST_PULSES
     page = report(long)
     assert len(tables(page)["Blows"]) == many + 1

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from strikewave import load_solution
-from strikewave.analyses.machine.result import plain
 from strikewave.base.errors import InputError
+from strikewave.base.json_document import plain
 from strikewave.base.output_folder import whole_folder
 
 
@@ -48,7 +48,7 @@ def test_recorder_sees_the_train_through_its_window(solution, published):
 
 
 def test_csv_has_units_and_all_blows(solution):
-    lines = solution.table().splitlines()
+    lines = solution.tables()["blows.csv"].splitlines()
     assert "time [s]" in lines[0]
     assert "rigid_peak [m/s^2]" in lines[0]
     assert len(lines) == 1 + len(solution.blows)
@@ -71,7 +71,7 @@ def test_damaged_files_are_refused(tmp_path, content):
 @pytest.mark.parametrize("files", [30, pytest.param(150, marks=pytest.mark.verify)])
 def test_flipped_bytes_are_refused_or_read_but_never_crash(solution, tmp_path, rng, files):
     path = tmp_path / "solution.nc"
-    small = dataclasses.replace(solution, data=solution.data.isel(time=slice(0, 50), record_time=slice(0, 50)))
+    small = dataclasses.replace(solution, histories=solution.data.isel(time=slice(0, 50), record_time=slice(0, 50)))
     small.save(path)
     whole = path.read_bytes()
     for _ in range(files):

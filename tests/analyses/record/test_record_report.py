@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from strikewave.analyses.record.chapters import MOST_ROWS
-from strikewave.analyses.record.report import RecordFacts, record_report
+from strikewave.analyses.record.report import record_report
+from strikewave.analyses.record.result import record_result
+from strikewave.base.result import Notice
 from strikewave.records.campaign import compare, summed
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import FileReading, Request, read_file
@@ -18,12 +20,14 @@ from strikewave.signal.filters import Filter
 STEP = 5e-6
 LARGEST = 1_500_000
 HOSTILE = "</title><script>alert('1')</script>\" onload=\"x &amp; $\\frac{ \x01\u202e {{ 7 * 7 }}"
-FACTS = RecordFacts(
-    "Impacts of a board",
-    "strikewave read a.csv --unit g",
-    [("--unit", "g")],
-    [("--drop-height", "1.2 m")],
-)
+FACTS = {"asked": "strikewave read a.csv --unit g", "calibrations": [("--unit", "g")]}
+FEW = Notice("few", "too few", 2)
+
+
+def page_of(files, campaigns, notices=(), **asked):
+    """The page of a result, with further notices."""
+    result = record_result(files, campaigns, **asked)
+    return record_report(dataclasses.replace(result, notices=(*result.notices, *notices)))
 
 
 class Page(HTMLParser):
@@ -95,7 +99,7 @@ def files():
 
 @pytest.fixture(scope="module")
 def page(files):
-    return record_report(files, [summed(files)], FACTS, [{"code": "few", "message": "too few", "value": 2}])
+    return page_of(files, [summed(files)], [FEW], **FACTS)
 
 
 @pytest.mark.verify
@@ -107,7 +111,7 @@ def test_page_is_well_formed_offline_and_the_same_each_time(files, page):
     assert all(link.startswith(("#", "https://doi.org/10.")) for link in found.links)
     assert "content=\"default-src 'none'; style-src" in page
     assert "http:" not in page
-    assert record_report(files, [summed(files)], FACTS, [{"code": "few", "message": "too few", "value": 2}]) == page
+    assert page_of(files, [summed(files)], [FEW], **FACTS) == page
 
 
 def test_sixteen_files_stay_small(page):
@@ -173,7 +177,7 @@ def test_without_a_filter_the_page_advises_one(page):
 def test_what_a_filter_did_stands_beside_what_was_before():
     used = Filter.sae_j211(1000)
     files = read(record(count=2), filter=used)
-    page = record_report(files, [summed(files)], dataclasses.replace(FACTS, filter=used))
+    page = page_of(files, [summed(files)], filter=used, **FACTS)
     rows = tables(page)["Blows before and after the filter"][1:]
     reading = files[0].channels[0]
     assert len(rows) == 2
@@ -186,19 +190,18 @@ def test_what_a_filter_did_stands_beside_what_was_before():
 
 
 @pytest.mark.verify
-def test_calibration_options_and_command_are_told(files, page):
+def test_calibration_and_command_are_told(files, page):
     found = tables(page)
     assert found["Where it was stated"][1:] == [["--unit", "g"]]
-    assert found["Other options"][1:] == [["--drop-height", "1.2 m"]]
     assert "strikewave read a.csv --unit g" in page
-    assert found["Warnings"][1:] == [["few", "too few", "2", "–"]]
+    assert found["Warnings; number and limit in SI units"][-1] == ["few", "too few", "2", "–", "info"]
     assert "runs/impact_00.csv" in page
     stated = read(record(unit="V"), calibrations={"all": {"sensitivity": "2 mV/g", "polarity": -1}})
-    told = record_report(stated, [summed(stated)], RecordFacts("t"))
+    told = page_of(stated, [summed(stated)])
     assert tables(told)["What each channel was taken as"][1][1:3] == ["sensitivity 2 mV/g, polarity -1", "m/s²"]
-    digests = {file.path: f"{k:064x}" for k, file in enumerate(files)}
-    sealed = record_report(files[:2], [], RecordFacts("t", digests=digests))
-    assert f"{1:064x}  runs/impact_00.csv" in sealed
+    digests = {file.path: f"{k:064x}" for k, file in enumerate(files[:2])}
+    sealed = page_of(files[:2], [], digests=digests)
+    assert ["runs/impact_00.csv", f"{1:064x}"] in tables(sealed)["Files read"]
     assert "SHA-256 of the files" in sealed
     assert "SHA-256 of the files" not in page
 
@@ -208,8 +211,8 @@ def test_hostile_names_come_out_as_text():
     files = read(record(path=HOSTILE, name=HOSTILE, unit=HOSTILE[:20], extra=extra))
     said = HealthNotice(HOSTILE, HOSTILE, severity="suspect", start=0.01)
     files = [dataclasses.replace(files[0], format=HOSTILE, findings=(said,))]
-    facts = RecordFacts(HOSTILE, HOSTILE, [(HOSTILE, HOSTILE)], [(HOSTILE, HOSTILE)], digests={HOSTILE: HOSTILE})
-    page = record_report(files, [summed(files, 1), summed(files, 2)], facts, [{"code": HOSTILE, "message": HOSTILE}])
+    facts = {"asked": HOSTILE, "calibrations": [(HOSTILE, HOSTILE)], "digests": {HOSTILE: HOSTILE}}
+    page = page_of(files, [summed(files, 1), summed(files, 2)], [Notice(HOSTILE, HOSTILE)], **facts)
     found = Page(page)
     assert "<script" not in page
     assert "script" not in found.tags
@@ -220,15 +223,20 @@ def test_hostile_names_come_out_as_text():
 
 def test_one_file_and_no_file_and_nothing_but_bad_ones():
     one = read(record(count=15))
-    text = Page(record_report(one, [summed(one)], FACTS)).text
+    text = Page(page_of(one, [summed(one)], **FACTS)).text
     assert "One file, good. 15 blows" in text
     assert "A trend needs values from three files." in text
     assert "interval" in text
-    none = record_report([], [], RecordFacts("t"))
-    for words in ("No file was read.", "No blow was found.", "There is no record to draw.", "was not handed down"):
+    none = page_of([], [])
+    for words in (
+        "No file was read.",
+        "No blow was found.",
+        "There is no record to draw.",
+        "The command is not known.",
+    ):
         assert words in Page(none).text
     bad = read(record(count=0), Record("nan", "text", (Channel("x", np.full(99, np.nan), STEP),)))
-    text = Page(record_report([*bad, FileReading("void", "text", ())], [summed(bad)], FACTS)).text
+    text = Page(page_of([*bad, FileReading("void", "text", ())], [summed(bad)], **FACTS)).text
     for words in (
         "No record gave a peak that can be trusted.",
         "holds nothing that could be drawn",
@@ -242,11 +250,11 @@ def test_one_file_and_no_file_and_nothing_but_bad_ones():
 @pytest.mark.verify
 def test_units_that_are_not_known_or_differ_are_said():
     unknown = read(record(unit="", peak=-5000.0))
-    page = record_report(unknown, [summed(unknown)], FACTS)
+    page = page_of(unknown, [summed(unknown)], **FACTS)
     assert "peak (file&#39;s own numbers)" in page
     assert "four-coordinate paper" not in page
     mixed = read(record(), record(unit="N", path="b.csv"))
-    page = record_report(mixed, [summed(mixed)], FACTS)
+    page = page_of(mixed, [summed(mixed)], **FACTS)
     assert "in different units, N and m/s^2: peak and velocity change are summed up in the usual one" in Page(page).text
     assert "it is in N, the other files in m/s^2" in Page(page).text
 
@@ -255,7 +263,7 @@ def test_units_that_are_not_known_or_differ_are_said():
 def test_two_channels_stand_apart():
     other = record(3000.0, name="frame").channels
     files = read(*(record(5000.0 + k, path=f"{k}.csv", extra=other) for k in range(3)))
-    page = record_report(files, [summed(files, 1), summed(files, 2)], FACTS)
+    page = page_of(files, [summed(files, 1), summed(files, 2)], **FACTS)
     contents = re.findall(r'<li><a href="#section-\d+">(.*?)</a>', page)
     assert contents[3:5] == ["Campaign: board", "Campaign: frame"]
     assert {row[1] for row in tables(page)["Blows"][1:]} == {"board", "frame"}
@@ -267,7 +275,7 @@ def test_a_long_list_of_blows_is_cut_and_says_so():
     files = read(record(count=8))
     reading = files[0].channels[0]
     many = dataclasses.replace(files[0], channels=(dataclasses.replace(reading, pulses=reading.pulses * 40),))
-    page = record_report([many], [], FACTS)
+    page = page_of([many], [], **FACTS)
     assert len(tables(page)["Blows"]) == MOST_ROWS + 1
     assert f"The first {MOST_ROWS} of 320 blows are listed." in Page(page).text
 
@@ -275,5 +283,5 @@ def test_a_long_list_of_blows_is_cut_and_says_so():
 @pytest.mark.verify
 def test_findings_that_files_share_stand_once():
     files = read(*(record(unit="", path=f"{k}.csv") for k in range(6)))
-    rows = tables(record_report(files, [summed(files)], FACTS))["Findings, the worst first"][1:]
+    rows = tables(page_of(files, [summed(files)], **FACTS))["Findings, the worst first"][1:]
     assert [row[0] for row in rows if row[3] == "unit-unknown"] == ["6 files, 0.csv to 5.csv"]

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from strikewave.papers.li_ma_2019.command import PAPERS, progress
+from strikewave.papers.li_ma_2019.screen import FILES, own_files, progress
 
 ROW = {"name", "where", "quantity", "value_si", "si", "published_value", "published_unit", "origin", "note", "computed"}
 ANSWER = {"by", "value_si", "role", "note", "difference"}
@@ -63,7 +63,7 @@ def test_the_folder_is_whole_and_its_table_holds_the_document(strikewave, tmp_pa
         assert float(line["published"]) == row["value_si"]
         assert line["computed"] == ("" if answer is None else repr(answer["value_si"]))
     (place / "figure-15-f.svg").write_text("of a run with elements")
-    assert PAPERS["li-ma-2019"].own(place).count("figure-15-f.svg") == 1
+    assert own_files(place).count("figure-15-f.svg") == 1
     (place / "mine.txt").write_text("kept")
     code, _, err = strikewave(*QUICK, "--out", "result", "--force")
     assert code == 2
@@ -82,9 +82,8 @@ def test_pictures_of_the_paper_are_files_of_the_result_and_others_are_not(tmp_pa
     kept = ("figure-5.svg", "figure-11-g.svg")
     for name in (*kept, "figure-6.svg", "figure-5-ab.svg", "figure-5.png", "my-figure-5.svg"):
         (tmp_path / name).touch()
-    paper = PAPERS["li-ma-2019"]
-    assert sorted(paper.own(tmp_path)) == sorted((*paper.files, *kept))
-    assert paper.own(tmp_path / "absent") == paper.files
+    assert sorted(own_files(tmp_path)) == sorted((*FILES, *kept))
+    assert own_files(tmp_path / "absent") == FILES
 
 
 @pytest.mark.parametrize(

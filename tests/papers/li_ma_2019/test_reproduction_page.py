@@ -58,7 +58,7 @@ def result():
 
 @pytest.fixture(scope="module")
 def page(result):
-    return reproduction_report(result, COMMAND)
+    return reproduction_report(result)
 
 
 @pytest.fixture(scope="module")
@@ -350,7 +350,7 @@ def test_the_page_stands_alone_and_nothing_escapes(result, page):
     equation = dataclasses.replace(result.equations[0], what=evil, formula=evil, note=evil, quantity=evil)
     finding = dataclasses.replace(result.findings[0], topic=evil, found=evil, paper=evil, shown_by=evil)
     spoiled = dataclasses.replace(result, equations=(equation,), findings=(finding,))
-    text = reproduction_report(spoiled, evil)
+    text = reproduction_report(spoiled)
     assert "script" not in Tables(text).tags
     assert html.unescape(text).count("<script>alert(1)</script>") >= 8
     assert "script" not in Tables(page).tags
@@ -417,5 +417,5 @@ def test_the_whole_reproduction_runs_its_elements():
         "yielding": ["partly"],
         "mean": ["partly"],
     }
-    text = html.unescape(reproduction_report(whole, "strikewave reproduce li-ma-2019"))
+    text = html.unescape(reproduction_report(whole))
     assert all(f"The mesh of {name}" in text for name in (ELEMENT_CASES[0], ELEMENT_CASES[2]))

@@ -548,7 +548,7 @@ def test_the_document_holds_every_candidate_and_is_json(study):
     document = json.loads(json.dumps(study.document(), allow_nan=False))
     assert [row["place"] for row in document["candidates"]] == list(range(1, len(study.candidates) + 1))
     assert document["candidates"][0]["name"] == study.candidates[0].name
-    assert len(study.table().splitlines()) == len(study.candidates) + 1
+    assert len(study.tables()["buffers.csv"].splitlines()) == len(study.candidates) + 1
 
 
 def test_the_buffer_that_a_case_has_now_stands_beside_the_candidates():
@@ -559,7 +559,7 @@ def test_the_buffer_that_a_case_has_now_stands_beside_the_candidates():
     assert (study.present.peak, study.present.height) == (same.peak, same.height) == (same.peak, 1e-3)
     assert study.document()["present"]["peak"] == same.peak
     assert run_wave(case).sensors["acc"].peak == pytest.approx(same.peak, rel=1e-9)
-    assert len(study.table().splitlines()) == len(study.candidates) + 2
+    assert len(study.tables()["buffers.csv"].splitlines()) == len(study.candidates) + 2
 
 
 def test_a_blow_that_a_case_cannot_have_is_refused_before_it_runs(monkeypatch):

@@ -225,7 +225,7 @@ def test_hold_ends_the_own_blows_as_in_full():
 def test_two_processes_give_what_one_gives():
     plan = small()
     one, two = make_map(plan, 0.02, 1), make_map(plan, 0.02, 2)
-    assert np.array_equal(one.data, two.data, equal_nan=True)
+    assert np.array_equal(one.values, two.values, equal_nan=True)
 
 
 def test_process_that_dies_is_told():
@@ -257,7 +257,7 @@ def test_stopped_map_goes_on_to_the_same_end(tmp_path):
     assert kept.done.tolist() == [True, False, False]
     resumed = make_map(plan, 0.02, 1, kept, shares.append)
     assert len(shares) == 2
-    assert np.array_equal(resumed.data, make_map(plan, 0.02).data, equal_nan=True)
+    assert np.array_equal(resumed.values, make_map(plan, 0.02).values, equal_nan=True)
 
 
 def kept_rows(plan, path):
@@ -398,7 +398,7 @@ def test_document_and_dataset_carry_units_and_regimes(tmp_path):
     import xarray
 
     study = make_map(small(), 0.02)
-    study.dataset().to_netcdf(tmp_path / "map.nc", engine="h5netcdf")
+    study.data.to_netcdf(tmp_path / "map.nc", engine="h5netcdf")
     with xarray.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as data:
         assert data["stop_force"].attrs["units"] == "N"
         assert data["x"].attrs["long_name"] == "machine.speed"
@@ -406,7 +406,7 @@ def test_document_and_dataset_carry_units_and_regimes(tmp_path):
     document = study.document()
     assert document["units"]["object.spring"] == "N/m"
     assert sum(document["shares"].values()) == pytest.approx(1.0)
-    lines = study.table().splitlines()
+    lines = study.tables()["map.csv"].splitlines()
     assert len(lines) == 1 + 12
     assert lines[0].startswith("machine.speed [rpm],object.spring [kN/m],cv,")
 

@@ -310,9 +310,9 @@ def test_an_untouched_blow_has_no_share_of_the_dynamics():
 def test_the_number_of_processes_changes_no_bit():
     case = case_with(*ANGLES, "contact.restitution.tolerance=0.05", *FEW_BLOWS)
     one, two = (scatter(case, Plan(12, 4, "alone", workers)) for workers in (1, 2))
-    assert one.table() == two.table()
+    assert one.tables() == two.tables()
     assert one.document() == two.document()
-    assert scatter(case, Plan(12, 5, "none")).table() != one.table()
+    assert scatter(case, Plan(12, 5, "none")).tables() != one.tables()
 
 
 @pytest.mark.verify

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 from collections.abc import Iterable, Iterator
 
 from strikewave.analyses.hopkinson.build import recorded_file
 from strikewave.analyses.hopkinson.setup_file import SplitBarCase
-from strikewave.base.errors import InputError
 from strikewave.base.result import Notice
 from strikewave.cases.hopkinson_tables import RecordedTable
 from strikewave.hopkinson import Elastic
@@ -24,18 +24,14 @@ DRIFT_SHARE = 1e-3
 
 
 def digests(case: SplitBarCase) -> dict[str, str]:
-    """Return the SHA-256 of the files that a set-up is read from, by their names in it."""
+    """Return the SHA-256 of the files that a set-up is read from, by their names; of one that cannot be read nothing."""
     setup, found = case.setup, {}
     records: list[RecordedTable | None] = [setup.bar.incident.gauge, setup.accelerometer]
     records.append(None if setup.bar.transmitted is None else setup.bar.transmitted.gauge)
     for record in records:
-        if record is None:
-            continue
-        try:
-            with recorded_file(case, record).open("rb") as file:
+        if record is not None:
+            with contextlib.suppress(OSError, ValueError), recorded_file(case, record).open("rb") as file:
                 found[record.file] = hashlib.file_digest(file, "sha256").hexdigest()
-        except OSError as error:
-            raise InputError("FILE", record.file, "a file that can be read", error.strerror or "") from None
     return found
 
 

@@ -35,10 +35,10 @@ def run_reproduction(effort: Effort, output: Output) -> int:
     """
     usual = f"{PAPER}-reproduced"
     folder = output.place(usual).folder
-    return run_and_write(ReproduceCommand(effort), output, usual, marked_text(effort), _own(folder))
+    return run_and_write(ReproduceCommand(effort), output, usual, marked_text(effort), own_files(folder))
 
 
-def _own(folder: Path | None) -> tuple[str, ...]:
+def own_files(folder: Path | None) -> tuple[str, ...]:
     """Return the names of its files, with those of the pictures that a folder holds."""
     readable = folder is not None and folder.is_dir() and os.access(folder, os.R_OK)
     there = [path.name for path in folder.iterdir()] if folder is not None and readable else []
