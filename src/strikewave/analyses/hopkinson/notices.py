@@ -24,7 +24,7 @@ DRIFT_SHARE = 1e-3
 
 
 def digests(case: SplitBarCase) -> dict[str, str]:
-    """Return the SHA-256 of the files that a set-up is read from, by their names; of one that cannot be read nothing."""
+    """Return the SHA-256 of the files that a set-up names, by these names; none of one that cannot be read."""
     setup, found = case.setup, {}
     records: list[RecordedTable | None] = [setup.bar.incident.gauge, setup.accelerometer]
     records.append(None if setup.bar.transmitted is None else setup.bar.transmitted.gauge)
