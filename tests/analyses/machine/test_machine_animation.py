@@ -84,7 +84,7 @@ def missed(solution):
     data = solution.data.copy()
     for name in ("pulse_force", "pulse_acceleration"):
         data[name] = data[name] * np.nan
-    return dataclasses.replace(solution, blows=blows, data=data)
+    return dataclasses.replace(solution, blows=blows, histories=data)
 
 
 def test_the_page_is_whole_and_fetches_nothing(page):
@@ -182,7 +182,7 @@ def test_noses_meet_the_face_when_the_first_contact_begins(solution, motion):
 
 def test_solutions_of_older_files_move_alike(solution, motion, tmp_path):
     """Without angle and carriage they follow from speed and phases: the trapezoid rule over 10 us steps."""
-    older = dataclasses.replace(solution, data=solution.data.drop_vars(["turntable_angle", "carriage_position"]))
+    older = dataclasses.replace(solution, histories=solution.data.drop_vars(["turntable_angle", "carriage_position"]))
     older.save(tmp_path / "solution.nc")
     read = motion_of(load_solution(tmp_path))
     assert read.angle == pytest.approx(motion.angle, abs=1e-6)
@@ -215,7 +215,7 @@ def test_a_long_run_makes_a_page_of_bounded_size(solution):
     for name in ("pulse_force", "pulse_acceleration"):
         values = np.tile(solution.data[name].values, (10, 1))[:100]
         data[name] = (("blow", "pulse_time"), values)
-    assert len(machine_page(dataclasses.replace(solution, blows=tuple(many), data=data))) < LARGEST
+    assert len(machine_page(dataclasses.replace(solution, blows=tuple(many), histories=data))) < LARGEST
 
 
 def test_where_all_blows_missed_the_machine_still_moves(solution):
