@@ -78,32 +78,37 @@ def test_the_page_serves_keys_readers_without_motion_and_narrow_screens(page):
 
 def test_the_page_holds_a_picture_for_each_time_of_one_size(page, movie):
     data = data_of(page)
-    assert len(data["pictures"]) == len(data["time"]) == len(movie.time)
-    assert np.allclose(data["time"], movie.time * 1e6, rtol=1e-6)
+    (view,), scene = data["views"], data["canvases"][0]
+    assert len(data["pictures"]) == len(view["time"]) == len(movie.time)
+    assert np.allclose(view["time"], movie.time, rtol=1e-6)
     for address, image in zip(data["pictures"], movie.images, strict=True):
         kind, _, held = address.partition(",")
         assert kind in ("data:image/webp;base64", "data:image/jpeg;base64")
         seen = Image.open(io.BytesIO(base64.b64decode(held))).convert("RGB")
-        assert list(seen.size) == data["size"]
+        assert seen.size == image.size
         off = np.abs(np.asarray(seen, float) - np.asarray(image, float)).mean()
         assert off < 6.0  # of 255: compressed, yet the same picture
-    assert data["scale"]["limits"] == [0.0, movie.scale.norm.vmax]
-    assert data["scale"]["label"] == "von Mises stress (MPa)"
+    left, right, bottom, top = scene["limits"]
+    assert right - left == movie.width
+    assert (right - left) / (top - bottom) == pytest.approx(image.width / image.height)
+    assert scene["colour_scale"]["limits"] == [0.0, movie.scale.norm.vmax]
+    assert scene["colour_scale"]["label"] == "von Mises stress (MPa)"
 
 
 def test_the_histories_of_the_page_are_those_of_the_run(page, solution):
-    force, acceleration = data_of(page)["traces"]
+    force, acceleration = data_of(page)["canvases"][1]["panels"]
     (curve,) = force["curves"]
+    (history,) = curve["histories"]
     assert curve["name"] == "striker.top-bar.bottom"
-    assert force["label"] == "contact force, whole bodies"  # of which quarters are modelled
+    assert force["name"] == "contact force, whole bodies"  # of which quarters are modelled
     sizes = 4e-3 * np.abs(mean_force(solution.run, "striker.top-bar.bottom")[:, 2])  # along the blow
-    assert unpacked(curve["values"], "<f4").max() == pytest.approx(sizes.max(), rel=1e-6)
-    assert unpacked(curve["values"], "<f4").max() == pytest.approx(
+    assert unpacked(history["values"], "<f4").max() == pytest.approx(sizes.max(), rel=1e-6)
+    assert unpacked(history["values"], "<f4").max() == pytest.approx(
         solution.wholes["striker.top-bar.bottom"].peak / 1e3, rel=1e-6
     )
-    assert unpacked(curve["time"], "<f4")[-1] == pytest.approx(39.8, rel=1e-6)  # the middle of the last interval
+    assert unpacked(history["time"], "<f4")[-1] == pytest.approx(39.8e-6, rel=1e-6)  # the middle of the last interval
     assert [one["name"] for one in acceleration["curves"]] == ["striker", "bar"]
-    rates = unpacked(acceleration["curves"][0]["values"], "<f4")  # slows down along the blow
+    rates = unpacked(acceleration["curves"][0]["histories"][0]["values"], "<f4")  # slows down along the blow
     assert rates.min() == pytest.approx(-solution.parts["striker"].rigid_peak / 9.80665, rel=1e-6)
 
 

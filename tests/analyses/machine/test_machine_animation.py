@@ -17,13 +17,13 @@ import pytest
 
 from strikewave import load_case
 from strikewave.analyses.machine.dataset import carriage_position
-from strikewave.analyses.machine.figures import animation as machine_animation
+from strikewave.analyses.machine.figures import animation
 from strikewave.analyses.machine.figures import motion as machine_motion
 from strikewave.analyses.machine.figures.animation import (
     frame_times,
     frame_words,
+    machine_animation,
     machine_page,
-    page_data,
     write_machine_gif,
 )
 from strikewave.analyses.machine.figures.motion import MOST_DETAILED, detailed
@@ -124,10 +124,10 @@ def test_hostile_titles_and_names_stay_text(solution):
 
 def test_the_page_holds_the_samples_of_the_solution(solution, motion):
     """Values are the solution's own samples to 32 bits (relative 6e-8); nothing is smoothed."""
-    document = json.loads(json.dumps(page_data(motion)))
+    document = json.loads(json.dumps(machine_animation(motion).document()))
     data = solution.data
     time = data["time"].values
-    kept = unpacked(document["motion"]["time"], "<f8")
+    kept = unpacked(document["tracks"]["time"], "<f8")
     rows = np.searchsorted(time, kept)
     assert np.array_equal(time[rows], kept)
     names = {
@@ -138,9 +138,10 @@ def test_the_page_holds_the_samples_of_the_solution(solution, motion):
         "carriage": "carriage_position",
     }
     for name, variable in names.items():
-        assert unpacked(document["motion"][name], "<f4") == pytest.approx(data[variable].values[rows], rel=6e-8), name
-    for name, variable in (("force", "contact_force"), ("acceleration", "rigid_acceleration")):
-        trace = document["train"][name]
+        assert unpacked(document["tracks"][name], "<f4") == pytest.approx(data[variable].values[rows], rel=6e-8), name
+    panels = document["canvases"][2]["panels"]
+    for panel, variable in zip(panels, ("contact_force", "rigid_acceleration"), strict=False):
+        trace = panel["curves"][0]["histories"][0]
         at = unpacked(trace["time"], "<f4")
         assert np.abs(time[np.searchsorted(time, at - 5e-6)] - at).max() < 1e-7  # 32 bits of 0.28 s are 17 ns
         values = unpacked(trace["values"], "<f4")
@@ -234,7 +235,7 @@ def test_the_gif_has_its_frames_and_says_how_slow_it_is(solution, motion, tmp_pa
     from PIL import Image
 
     for name, frames in (("BEFORE_BLOW", 2), ("IN_BLOW", 4), ("AFTER_BLOW", 3)):
-        monkeypatch.setattr(machine_animation, name, frames)
+        monkeypatch.setattr(animation, name, frames)
     shares = []
     write_machine_gif(solution, tmp_path / "m.gif", shares.append)
     assert shares == pytest.approx(np.arange(1, 10) / 9)
@@ -274,7 +275,7 @@ def test_only_a_rotary_machine_is_shown(solution, monkeypatch, tmp_path):
 @pytest.mark.verify
 def test_run_animate_writes_page_gif_and_link_and_may_be_repeated(strikewave, monkeypatch):
     for name in ("BEFORE_BLOW", "IN_BLOW", "AFTER_BLOW"):
-        monkeypatch.setattr(machine_animation, name, 2)
+        monkeypatch.setattr(animation, name, 2)
     for _ in range(2):
         code, _, err = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--animate", "--out", "m")
         assert code in (0, 3), err
@@ -306,8 +307,8 @@ def opened(place, width=1280, at=""):
 @functools.cache
 def numbers(text):
     found = re.search(
-        r"t = ([\d.]+) ms.*contact force (-?[\d.]+) kN, rigid-body acceleration (-?[\d.]+) g, turntable speed "
-        r"([\d.]+) r/min, face (-?[\d.]+) mm behind its place at rest, carriage (-?[\d.]+) mm back",
+        r"t = ([\d.]+) ms.*contact force (-?[\d.]+) kN; rigid-body acceleration (-?[\d.]+) g; turntable speed "
+        r"([\d.]+) r/min; face (-?[\d.]+) mm behind its place at rest; carriage (-?[\d.]+) mm back",
         text,
     )
     return [float(number) for number in found.groups()]
@@ -368,8 +369,6 @@ def test_missing_blows_and_no_duration_have_frames(motion):
     assert times[0] == 0.0
 
 
-def test_gravity_is_the_standard_one_in_script_and_package():
-    from importlib import resources
-
-    script = (resources.files("strikewave.analyses.machine.figures") / "animation.js").read_text("utf-8")
-    assert f"GRAVITY = {STANDARD_GRAVITY}" in script
+def test_accelerations_are_shown_in_standard_gravities(motion):
+    acceleration = machine_animation(motion).canvases[2].panels[1]
+    assert (acceleration.unit, acceleration.per) == ("g", STANDARD_GRAVITY)

@@ -17,7 +17,7 @@ from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.stack_chapters import struck_field
 from strikewave.analyses.wave.field import bar_field
 from strikewave.analyses.wave.figures import animation
-from strikewave.analyses.wave.figures.animation import animation_page, page_data, write_gif
+from strikewave.analyses.wave.figures.animation import wave_animation, wave_page, write_wave_gif
 from strikewave.analyses.wave.report import bar_report
 from strikewave.reporting.curves import spread
 from strikewave.reporting.inline import inline_svg
@@ -350,21 +350,21 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def hostile_page():
-    return Page(animation_page(field_like("hostile names"), HOSTILE, HOSTILE))
+    return Page(wave_page(field_like("hostile names"), HOSTILE, HOSTILE))
 
 
 def test_the_animation_is_one_whole_page_that_fetches_nothing(jump):
-    text = animation_page(jump, "a pulse", "a-case")
+    text = wave_page(jump, "a pulse", "a-case")
     page = Page(text)
     assert page.open == []
     assert not {"link", "img", "iframe", "object", "embed"} & {tag for tag, _, _ in page.found}
     for _, attributes, _ in page.found:
         assert not {"src", "href", "style", "onclick", "onload"} & set(attributes)
-    without_data = re.sub(r'"data":"[A-Za-z0-9+/=]*"', "", text)
+    without_data = re.sub(r'"counts":"[A-Za-z0-9+/=]*"', "", text)
     assert len(without_data) < 40_000
     assert not re.search(r"https?:|//[a-z]|url\(|@import|fetch\(|eval\(|innerHTML|document\.write", without_data)
     assert len(text) < 1.5e6
-    assert {a["id"] for a, _ in page.of("input")} == {"time", "place"}
+    assert {a["id"] for a, _ in page.of("input")} == {"time", "place", "loop"}
     assert page.of("canvas")[0][0]["aria-label"]
 
 
@@ -385,23 +385,27 @@ def test_hostile_names_stay_text_in_the_animation(hostile_page):
     assert len(hostile_page.of("script")) == 2
     document = json.loads(hostile_page.of("script")[0][1])
     readable = HOSTILE.replace("\u202e", "\ufffd").replace("\u2028", "\ufffd")
-    assert document["layers"][0]["name"] == readable
+    assert document["places"]["bands"][0]["name"] == readable
     assert hostile_page.of("title")[0][1] == hostile_page.of("h1")[0][1] == readable
 
 
 def test_the_animation_holds_the_field_to_half_a_count(jump):
     """16 bits: each value lies within 1/65534 of the peak of what the field holds, rounding of the peak aside."""
-    document = page_data(jump)
+    document = wave_animation(jump).document()
     rows = animation.even_rows(len(jump.time), animation.MOST_FRAMES)
-    assert np.array(document["time"]) == pytest.approx(jump.time[rows] * 1e6, rel=1e-6)
-    assert document["time"][-1] == pytest.approx(jump.time[-1] * 1e6, rel=1e-6)
-    assert document["layer"] == jump.layer.tolist()
-    assert [one["end"] for one in document["layers"]] == pytest.approx([100.0, 130.0, 230.0])
-    assert document["taps"] == [{"name": "tap specimen", "position": 115.0}]
-    for panel in document["panels"]:
-        counts = np.frombuffer(base64.b64decode(panel["data"]), "<i2").reshape(len(rows), -1)
-        held = jump.values(panel["name"])[rows] / QUANTITIES[panel["name"]].scale
-        assert np.abs(counts * (panel["peak"] / 32767) - held).max() <= panel["peak"] / 65534 * (1 + 1e-9)
+    (view,), (chart,), places = document["views"], document["canvases"], document["places"]
+    assert np.array(view["time"]) == pytest.approx(jump.time[rows], rel=1e-6)
+    assert view["time"][-1] == pytest.approx(jump.time[-1], rel=1e-6)
+    assert places["band"] == jump.layer.tolist()
+    assert [band["end"] for band in places["bands"]] == pytest.approx([0.1, 0.13, 0.23])
+    assert places["marks"] == [{"name": "tap specimen", "position": 0.115}]
+    assert [panel["name"] for panel in chart["panels"]] == ["stress", "velocity"]
+    for panel in chart["panels"]:
+        (curve,) = panel["curves"]
+        counts = np.frombuffer(base64.b64decode(curve["counts"]), "<i2").reshape(len(rows), -1)
+        values = jump.values(panel["name"])[rows] / QUANTITIES[panel["name"]].scale
+        assert np.abs(counts * (curve["peak"] / 32767) - values).max() <= curve["peak"] / 65534 * (1 + 1e-9)
+        assert panel["limits"][1] > curve["peak"]
 
 
 def test_of_very_many_layers_the_animation_knows_those_that_have_places():
@@ -411,19 +415,18 @@ def test_of_very_many_layers_the_animation_knows_those_that_have_places():
     field = dataclasses.replace(whole, position=whole.position[kept], layer=whole.layer[kept], **held)
     assert sandwiched(field) % 3 == 0
     FigureCanvasAgg(xt_diagram(field)).draw()
-    document = page_data(field)
-    assert len(document["layers"]) == 101
-    names = [document["layers"][k]["name"] for k in document["layer"]]
-    assert names == [f"layer {k}" for k in field.layer]
-    assert document["layers"][-1]["end"] == pytest.approx(1200.0)
-    assert document["layers"][1]["begin"] > document["layers"][0]["end"]
+    places = wave_animation(field).places
+    assert len(places.bands) == 101
+    assert [places.bands[k].name for k in places.band] == [f"layer {k}" for k in field.layer]
+    assert places.bands[-1].end == pytest.approx(1.2)
+    assert places.bands[1].begin > places.bands[0].end
 
 
 def test_the_animation_opens_at_its_first_tap_in_the_layer_of_the_tap():
     """The second face of a joint, not the first one, which has the same place."""
     field = three()
     second = dataclasses.replace(field, taps=(("entry", Tap(1, 0.0)),))
-    start = page_data(second)["start"]
+    start = wave_animation(second).places.start
     assert field.layer[start] == 1
     assert field.position[start] == pytest.approx(0.1, rel=1e-12)
 
@@ -442,7 +445,7 @@ def test_a_large_field_makes_a_page_of_bounded_size():
         (),
         "time (µs)",
     )
-    assert len(animation_page(field, "large")) < 1.5e6
+    assert len(wave_page(field, "large")) < 1.5e6
 
 
 def test_the_gif_has_its_frames_and_moves(jump, tmp_path, monkeypatch):
@@ -450,7 +453,7 @@ def test_the_gif_has_its_frames_and_moves(jump, tmp_path, monkeypatch):
 
     monkeypatch.setattr(animation, "GIF_FRAMES", 8)
     shares = []
-    write_gif(jump, HOSTILE, tmp_path / "a.gif", shares.append)
+    write_wave_gif(jump, HOSTILE, tmp_path / "a.gif", shares.append)
     assert shares == pytest.approx(np.arange(1, 9) / 8)
     with Image.open(tmp_path / "a.gif") as film:
         assert film.n_frames == 8

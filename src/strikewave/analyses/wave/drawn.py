@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from strikewave.analyses.wave.field import bar_field
-from strikewave.analyses.wave.figures.animation import animation_page, write_gif
+from strikewave.analyses.wave.figures.animation import wave_page, write_wave_gif
 from strikewave.analyses.wave.figures.summary import bar_summary
 from strikewave.analyses.wave.report import bar_report
 from strikewave.analyses.wave.result import BarSolution
@@ -26,8 +26,8 @@ def draw_result(solution: BarSolution, folder: Path, quantity: str = "stress", a
 def _animate(solution: BarSolution, folder: Path) -> list[str]:
     """Write the animation as a page and as a GIF, and return their names."""
     field = bar_field(solution)
-    page = animation_page(field, solution.title, solution.case.name)
+    page = wave_page(field, solution.title, solution.case.name)
     (folder / "animation.html").write_text(page, "utf-8", newline="\n")
     with progress_bar("animation.gif", clocks=("left",)) as progress:
-        write_gif(field, solution.title, folder / "animation.gif", progress)
+        write_wave_gif(field, solution.title, folder / "animation.gif", progress)
     return ["animation.html", "animation.gif"]

@@ -11,7 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from PIL import features
+from PIL.Image import Image, fromarray
 
 from strikewave.analyses.fem.figures.cut import (
     QUANTITIES,
@@ -29,13 +33,25 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.fem.film import Film, Still
 from strikewave.fem.measures import blow_axis, interval_means, mean_acceleration, mean_force, middles
 from strikewave.fem.skin import Skin
-from strikewave.reporting.animation_page import even_rows, moving_page, packed, printable
+from strikewave.reporting.animation.gif import write_gif
+from strikewave.reporting.animation.page import (
+    Animation,
+    Chart,
+    Clock,
+    ColourScale,
+    Curve,
+    History,
+    Panel,
+    Scene,
+    View,
+    animation_page,
+    even_rows,
+    printable,
+)
 from strikewave.reporting.curves import shortened, thin
 from strikewave.reporting.style import BLUE, GREEN, RED, quiet
 
 if TYPE_CHECKING:
-    from PIL.Image import Image
-
     from strikewave.analyses.fem.result import FemSolution
 
 Array = NDArray[np.float64]
@@ -56,8 +72,17 @@ MOST_CURVES = 3
 COLOURS = (BLUE, RED, GREEN)
 WIDE = 0.5
 """A picture lower than this share of its width stands above the histories, not beside them."""
-GIF_PICTURES, GIF_COLOURS = 60, 256
-_PER_SECOND, _DPI = 10, 90
+GIF_PICTURES = 60
+_DPI = 90
+PANEL_HEIGHT = 98.0
+"""Of a panel of histories, pixels: two of them with their legends are as high as the bodies beside them."""
+SCALE_COLOURS = 65
+"""Of the colour scale: more than can be told apart."""
+NOTE = (
+    "The bodies are cut open, sectors mirrored to the half; each element is shown in the colour of its one value, "
+    "displacements to scale. Pictures stand closer in time while bodies touch, so that it plays slower there. Forces "
+    "are those of whole bodies where it says so, else of what was modelled; accelerations are those of the bodies."
+)
 
 
 class Trace(NamedTuple):
@@ -187,21 +212,17 @@ def _curves(time: Array, values: Mapping[str, Array]) -> dict[str, tuple[Array, 
 
 def _canvas(skin: Skin, seen: Seen) -> Callable[[Still, Array], Image]:
     """Return what makes a picture of the bodies at an instant, by the colours of their faces."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from PIL import Image
-
     left, right, low, high = seen.window
     each = min(LARGEST_SIDES[0] / (right - left), LARGEST_SIDES[1] / (high - low))
     size = (max(round(each * (right - left)), 80), max(round(each * (high - low)), 60))
     figure = Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
     canvas = FigureCanvasAgg(figure)
 
-    def draw(still: Still, colours: Array) -> Image.Image:
+    def draw(still: Still, colours: Array) -> Image:
         figure.clear()
         draw_body(figure.add_axes((0.0, 0.0, 1.0, 1.0)), skin, still, seen, colours, bar=False)
         canvas.draw()
-        return Image.fromarray(np.asarray(canvas.buffer_rgba())[:, :, :3].copy())
+        return fromarray(np.asarray(canvas.buffer_rgba())[:, :, :3].copy())
 
     return draw
 
@@ -216,44 +237,58 @@ def fem_page(movie: Movie, title: str, name: str = "") -> str:
     title, name : str
         Of the page, and of the case; plain text.
     """
-    count = len(movie.time)
-    words = {"last_frame": count - 1, "wide": movie.wide, "words": movie.shown.words}
-    return moving_page(__package__, page_data(movie), title, name, **words)
+    return animation_page(fem_animation(movie), title, name)
 
 
-def page_data(movie: Movie) -> dict[str, Any]:
-    """Return what the page's script draws from: µs, pictures as base 64, histories of 4 bytes a value."""
+def fem_animation(movie: Movie) -> Animation:
+    """Return the pictures as frames in one scene, and the histories in a chart beside it, or below wide pictures."""
+    time = np.array([float(f"{t:.7g}") for t in movie.time])
+    pixels = movie.images[0].size
+    bodies = Scene(
+        "body",
+        f"The bodies cut open, coloured by {movie.shown.words}; the time is written below.",
+        "",
+        (0.0, movie.width, 0.0, movie.width * pixels[1] / pixels[0]),
+        _colour_scale(movie),
+    )
+    histories = Chart(
+        "traces",
+        "Contact force and rigid-body acceleration up to the time that is shown; their values are written below.",
+        "time",
+        "time",
+        PANEL_HEIGHT,
+        [_panel(trace) for trace in movie.traces],
+    )
+    return Animation(
+        kicker="Impact of bodies, as finite elements",
+        note=NOTE,
+        gif="animation.gif",
+        clock=Clock.of(time),
+        views=[View("whole", "whole run", time)],
+        canvases=[bodies, histories],
+        beside=0 if movie.wide else 2,
+        pictures=_encoded(movie.images),
+    )
+
+
+def _panel(trace: Trace) -> Panel:
+    """Return the histories of a panel, their times in s."""
+    curves = [
+        Curve(name, colour, [History(time, values)])
+        for (name, (time, values)), colour in zip(trace.curves.items(), COLOURS, strict=False)
+    ]
+    return Panel(trace.label, trace.unit, curves)
+
+
+def _colour_scale(movie: Movie) -> ColourScale:
     limits = (float(movie.scale.norm.vmin), float(movie.scale.norm.vmax))
-    colours = movie.scale.to_rgba(np.linspace(*limits, 65), bytes=True)[:, :3]
-    return {
-        "time": [float(f"{t * 1e6:.7g}") for t in movie.time],
-        "size": list(movie.images[0].size),
-        "width": float(f"{movie.width * 1e3:.6g}"),
-        "pictures": _encoded(movie.images),
-        "scale": {
-            "label": f"{movie.shown.words} ({movie.shown.unit})",
-            "limits": limits,
-            "colours": ["#" + bytes(row).hex() for row in colours],
-            "extend": movie.extend,
-        },
-        "traces": [
-            {
-                "label": trace.label,
-                "unit": trace.unit,
-                "curves": [
-                    {"name": name, "colour": colour, "time": packed(time * 1e6, "<f4"), "values": packed(values, "<f4")}
-                    for (name, (time, values)), colour in zip(trace.curves.items(), COLOURS, strict=False)
-                ],
-            }
-            for trace in movie.traces
-        ],
-    }
+    colours = movie.scale.to_rgba(np.linspace(*limits, SCALE_COLOURS), bytes=True)[:, :3]
+    label = f"{movie.shown.words} ({movie.shown.unit})"
+    return ColourScale(label, limits, ["#" + bytes(row).hex() for row in colours], movie.extend)
 
 
 def _encoded(images: Sequence[Image]) -> list[str]:
     """Return pictures as addresses that hold them, of the best quality that keeps them small enough."""
-    from PIL import features
-
     webp = bool(features.check("webp"))
     found: list[bytes] = []
     for quality in QUALITIES:
@@ -284,30 +319,12 @@ def write_fem_gif(movie: Movie, title: str, path: Path, progress: Callable[[floa
     progress : callable, optional
         Called with the share that is done, 0 to 1.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from PIL import Image
-
     figure, show = _moving(movie, title)
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    figure.set_layout_engine("none")
-    pictures = []
-    for done, k in enumerate(even_rows(len(movie.time), GIF_PICTURES), 1):
-        show(int(k))
-        canvas.draw()
-        pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())[:, :, :3].copy()))
-        if progress is not None:
-            progress(done / min(len(movie.time), GIF_PICTURES))
-    some = [np.asarray(pictures[k]) for k in even_rows(len(pictures), 4)]
-    palette = Image.fromarray(np.concatenate(some)).quantize(GIF_COLOURS, Image.Quantize.MAXCOVERAGE)
-    first, *others = (each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures)
-    first.save(path, "GIF", save_all=True, append_images=others, duration=round(1000 / _PER_SECOND), loop=0)
+    write_gif(path, figure, show, even_rows(len(movie.time), GIF_PICTURES).tolist(), progress)
 
 
 def _moving(movie: Movie, title: str) -> tuple[Any, Callable[[int], None]]:
     """Return a figure of the bodies and the histories, and what brings it to a picture."""
-    from matplotlib.figure import Figure
-
     width, height = movie.images[0].size
     share = height / width
     size = (8.4, 3.6 + 7.2 * share) if movie.wide else (8.8, float(np.clip(4.6 * share + 0.9, 3.6, 5.6)))

@@ -3,24 +3,47 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.figures.drawing import close_limits, draw_machine, view, whole_limits
-from strikewave.analyses.machine.figures.geometry import LOOKS, Outlines
+from strikewave.analyses.machine.figures.geometry import (
+    ASSEMBLY,
+    CARRIAGE,
+    DISC,
+    LOOKS,
+    NOSE,
+    Connection,
+    Outline,
+    Outlines,
+)
 from strikewave.analyses.machine.figures.motion import MachineMotion, NearBlow, Trace, machine_motion
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.units import in_unit
-from strikewave.reporting.animation_page import moving_page, packed, printable
-from strikewave.reporting.style import BLUE, RED, quiet
+from strikewave.reporting.animation.gif import FRAMES_PER_SECOND, write_gif
+from strikewave.reporting.animation.page import (
+    Animation,
+    Chart,
+    Clock,
+    Curve,
+    Event,
+    History,
+    Panel,
+    Readout,
+    Scene,
+    Shape,
+    View,
+    animation_page,
+    printable,
+)
+from strikewave.reporting.style import BLUE, GREY, RED, quiet
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from strikewave.analyses.machine.result import Solution
 
 Array = NDArray[np.float64]
@@ -29,16 +52,30 @@ BEFORE_BLOW, IN_BLOW, AFTER_BLOW = 20, 36, 44
 """Frames of a GIF: until the first blow, in slow motion through it, and from there to the end."""
 SLOW = (0.2e-3, 0.8e-3)
 """What the slow motion shows: before and after first touch, s."""
-_PER_SECOND, _DPI = 10, 80
+_DPI = 80
 _SIZE = (8.4, 6.2)
+PANEL_HEIGHT = 57.0
+"""Of a panel of the page, pixels: three of them stand under the pictures on a screen of 768 lines."""
+CIRCLE_CORNERS = 241
+"""Of the polygon that stands for the path: it leaves the circle by less than a pixel, however large it is shown."""
+LEAST_SPEED_SPAN = 0.01
+"""Share of the turntable's speed that its panel spans at least, so that rounding does not fill it."""
+RPM = np.pi / 30.0
+"""r/min in rad/s."""
+ORDER = ("disc", "striker", "nose", "hub", "ground", "carriage", "stop", "body", "body 2", "face")
+"""Looks of outlines from the lowest to the highest; connections lie between turntable and feed."""
+NOTE = (
+    "Path, noses, engagement, strokes and displacements are to scale in both pictures; disc, springs, damper, stop and "
+    "carriage are symbols. Time counts from the valve signal."
+)
 
 
 def machine_page(solution: Solution) -> str | None:
     """Return a page that shows a run of the rotary machine; None for any other case.
 
     Turntable, object and feed move, whole and close up, above contact force and rigid-body acceleration. The reader
-    chooses the whole run or one blow, and how much slower than the machine it plays. It stands alone, as
-    `animation_page.moving_page` says, and begins to play unless the reader asks for less motion.
+    chooses the whole run or one blow, and how much slower than the machine it plays. It stands alone, and
+    begins to play unless the reader asks for less motion.
 
     Examples
     --------
@@ -48,49 +85,121 @@ def machine_page(solution: Solution) -> str | None:
     (True, False)
     """
     motion = machine_motion(solution)
-    if motion is None:
-        return None
-    views = [("whole", "whole run")]
-    views += [(str(k), f"blow {one.blow.index} ({one.blow.kind})") for k, one in enumerate(motion.near)]
-    return moving_page(__package__, page_data(motion), solution.title, solution.case.name, views=views)
+    return None if motion is None else animation_page(machine_animation(motion), solution.title, solution.case.name)
 
 
-def page_data(motion: MachineMotion) -> dict[str, Any]:
-    """Return what the page's script draws from: s, m, N, m/s^2; arrays as base 64, 4 bytes a value."""
-    made, geometry = motion.made, motion.made.geometry
-    tracks = ("angle", "speed", "nose", "assembly", "carriage")
-    return {
-        "shapes": [[s.group, s.look, np.round(s.points, 6).ravel().tolist()] for s in made.shapes],
-        "connections": [
-            [c.groups, np.round(c.ends, 6).tolist(), [np.round(line, 6).ravel().tolist() for line in c.lines]]
-            for c in made.connections
+def machine_animation(motion: MachineMotion) -> Animation:
+    """Return turntable, object and feed in motion, whole and close up, above the histories of the run or of a blow."""
+    made, near = motion.made, motion.near
+    views = [View("whole", "whole run", motion.time[[0, -1]])]
+    views += [
+        View(str(k), f"blow {one.blow.index} ({one.blow.kind})", np.array([one.begin, one.end]))
+        for k, one in enumerate(near)
+    ]
+    return Animation(
+        kicker="The machine in motion",
+        note=NOTE,
+        gif="machine.gif",
+        clock=Clock("ms", 1e-3, 3),
+        views=views,
+        canvases=[
+            Scene(
+                "whole",
+                "The whole machine; what it does at this time is written below.",
+                "the whole machine: strikers blue, struck face red, stop yellow, carriage and feed grey",
+                whole_limits(made),
+            ),
+            Scene("close", "The strike, close up.", "the strike, close up", near_limits(made)),
+            Chart(
+                "traces",
+                "Contact force, rigid-body acceleration and turntable speed over time; their values at this time are "
+                "written below.",
+                "time",
+                "time after the valve signal",
+                PANEL_HEIGHT,
+                _panels(motion),
+            ),
         ],
-        "looks": LOOKS,
-        "radius": geometry.radius,
-        "blowAngle": geometry.blow_angle,
-        "rest": motion.rest,
-        "limits": {"whole": whole_limits(made), "close": near_limits(made)},
-        "motion": {
-            "time": packed(motion.time, "<f8"),
-            **{name: packed(getattr(motion, name), "<f4") for name in tracks},
-        },
-        "train": {"force": _packed(motion.force), "acceleration": _packed(motion.acceleration)},
-        "blows": [[blow.index, blow.kind, blow.time] for blow in motion.blows],
-        "near": [
-            {
-                "begin": one.begin,
-                "end": one.end,
-                "force": _packed(one.force, one.begin),
-                "acceleration": _packed(one.acceleration, one.begin),
-            }
-            for one in motion.near
+        beside=2,
+        smooth=True,
+        tracks={name: getattr(motion, name) for name in ("time", "angle", "speed", NOSE, ASSEMBLY, CARRIAGE)},
+        shapes=_shapes(made),
+        readouts=[
+            Readout("face", "mm behind its place at rest", NOSE, 1e-3, 2, motion.rest),
+            Readout("carriage", "mm back", CARRIAGE, 1e-3, 2),
         ],
-    }
+        events=[
+            Event(blow.time, f"blow {blow.index} ({blow.kind})", "its pass" if blow.kind == "missed" else "first touch")
+            for blow in motion.blows
+        ],
+        no_event="no blow yet",
+    )
 
 
-def _packed(trace: Trace, begin: float = 0.0) -> dict[str, str]:
-    """Return a history with its times after ``begin``."""
-    return {"time": packed(trace.time - begin, "<f4"), "values": packed(trace.values, "<f4")}
+def _panels(motion: MachineMotion) -> list[Panel]:
+    """Return contact force, rigid-body acceleration and turntable speed, those of each blow sampled more finely."""
+    near = motion.near
+    forces = [_history(motion.force), *(_history(one.force, one.begin) for one in near)]
+    accelerations = [_history(motion.acceleration), *(_history(one.acceleration, one.begin) for one in near)]
+    least = LEAST_SPEED_SPAN * float(np.abs(motion.speed).max())
+    return [
+        Panel("contact force", "kN", [Curve("", BLUE, forces)], 1e3, least=1.0, decimals=3),
+        Panel(
+            "rigid-body acceleration",
+            "g",
+            [Curve("", RED, accelerations)],
+            STANDARD_GRAVITY,
+            least=1.0,
+            decimals=1,
+        ),
+        Panel(
+            "turntable speed",
+            "r/min",
+            [Curve("", GREY, track="speed")],
+            RPM,
+            zero=False,
+            least=least / RPM,
+            decimals=2,
+        ),
+    ]
+
+
+def _history(trace: Trace, begin: float = 0.0) -> History:
+    return History(trace.time, trace.values, begin)
+
+
+def _shapes(made: Outlines) -> list[Shape]:
+    """Return path, outlines and connections from the lowest to the highest, as they cover one another."""
+    turn = np.linspace(0.0, 2.0 * np.pi, CIRCLE_CORNERS)
+    path = made.geometry.radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    shapes = [Shape(path, edge="#4d5760", dashes=(8, 3, 2, 3))]
+    for look in ORDER[: ORDER.index("hub") + 1]:
+        shapes += [_shape(outline, made.geometry.blow_angle) for outline in made.shapes if outline.look == look]
+    shapes += [line for connection in made.connections for line in _lines(connection)]
+    for look in ORDER[ORDER.index("hub") + 1 :]:
+        shapes += [_shape(outline, made.geometry.blow_angle) for outline in made.shapes if outline.look == look]
+    return shapes
+
+
+def _shape(outline: Outline, blow_angle: float) -> Shape:
+    """Return an outline with what moves it; one on the disc as it stands where the turntable's angle is 0."""
+    fill, edge, width = LOOKS[outline.look]
+    if outline.group != DISC:
+        ends = ((0.0, _track(outline.group)), (1.0, _track(outline.group)))
+        return Shape(outline.points, fill, edge, width, ends=ends)
+    cosine, sine = np.cos(-blow_angle), np.sin(-blow_angle)
+    return Shape(outline.points @ np.array([[cosine, sine], [-sine, cosine]]), fill, edge, width, turn="angle")
+
+
+def _lines(connection: Connection) -> Sequence[Shape]:
+    """Return the lines of a spring, damper or rod, which stretch between two parts."""
+    begin, end = ((at, _track(group)) for at, group in zip(connection.ends, connection.groups, strict=True))
+    return [Shape(line, edge="#4a4a4a", width=1.3, closed=False, ends=(begin, end)) for line in connection.lines]
+
+
+def _track(group: str) -> str:
+    """Return the track that moves a group; none moves what stands on the ground."""
+    return group if group in (NOSE, ASSEMBLY, CARRIAGE) else ""
 
 
 def near_limits(made: Outlines) -> tuple[float, float, float, float]:
@@ -126,28 +235,24 @@ def write_machine_gif(solution: Solution, path: Path, progress: Callable[[float]
     progress : callable, optional
         Called with the share that is done, 0 to 1.
     """
-    from matplotlib.animation import PillowWriter
-
     motion = machine_motion(solution)
     if motion is None:
         raise ValueError("only a rotary machine can be shown")
     figure, show = _moving(motion, solution.title)
     times, slow = frame_times(motion)
-    steps = np.gradient(times)
-    writer = PillowWriter(fps=_PER_SECOND)
-    with writer.saving(figure, str(path), _DPI):
-        for done, (time, is_slow, step) in enumerate(zip(times, slow, steps, strict=True)):
-            show(float(time), bool(is_slow), 1.0 / (_PER_SECOND * float(step)))
-            writer.grab_frame()
-            if progress is not None:
-                progress((done + 1) / len(times))
+    slowed = 1.0 / (FRAMES_PER_SECOND * np.gradient(times))
+    write_gif(
+        path,
+        figure,
+        lambda frame: show(*frame),
+        list(zip(times.tolist(), slow.tolist(), slowed.tolist(), strict=True)),
+        progress,
+    )
 
 
 def _moving(motion: MachineMotion, title: str) -> tuple[Figure, Callable[[float, bool, float], None]]:
     """Return a figure of machine, close-up and histories, and what brings it to a time."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=_SIZE)
+    figure = Figure(figsize=_SIZE, dpi=_DPI)
     figure.suptitle(textwrap.fill(printable(title), 90), x=0.01, y=0.995, ha="left", fontsize=10, parse_math=False)
     whole, scale = view(figure, (0.05, 2.6, 5.2, 2.95), whole_limits(motion.made))
     close, enlarged = view(figure, (5.3, 2.6, 3.05, 2.95), near_limits(motion.made))

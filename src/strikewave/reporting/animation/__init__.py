@@ -1,0 +1,1 @@
+"""Animations: one page with one player for all analyses, and one writer of GIFs."""

@@ -1,0 +1,485 @@
+"""A page that plays an animation by itself: one template, one player; an analysis gives only what is drawn.
+
+A *scene* shows polygons, lines and pictures in space, undistorted; a *chart* shows panels with one axis, time or place.
+The page stands alone: script, style and data are inside, and its policy lets nothing else run. It begins to play unless
+the reader asks for less motion.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from typing import Literal, NamedTuple
+
+import numpy as np
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+from numpy.typing import ArrayLike, NDArray
+
+from strikewave._version import __version__
+
+Array = NDArray[np.float64]
+Document = dict[str, object]
+"""What becomes JSON."""
+
+PLAYING_SECONDS = 10.0
+"""How long a view plays at speed 1, s (chosen: a slide's worth of patience; a reader can take 1/8 to 8 of it)."""
+SPEEDS = ((0.125, "⅛"), (0.25, "¼"), (0.5, "½"), (1, "1"), (2, "2"), (4, "4"), (8, "8"))
+"""Speeds to choose from, and how they are written."""
+SLIDER_STEPS = 2000
+"""Steps of the time slider where motion is smooth: one for each pixel of a wide screen."""
+FULL_SCALE = 32767
+"""Of a 16-bit integer: the peak of a field."""
+MOST_DECIMALS = 6
+"""Of a time: picoseconds, where the unit is the microsecond."""
+LONGEST_IN_MICROSECONDS = 5e-3
+"""Runs that last longer, s, are written in milliseconds: µs would need five digits before the point."""
+
+
+class Clock(NamedTuple):
+    """How times are written: their unit, its size in s, and decimals."""
+
+    unit: str
+    per: float
+    decimals: int
+
+    @classmethod
+    def of(cls, time: Array) -> Clock:
+        """Return the clock that tells each of rising times from the next.
+
+        Examples
+        --------
+        >>> Clock.of(np.array([0.0, 0.4e-6, 20e-6])), Clock.of(np.array([0.0, 1e-3, 1.0])).unit
+        (Clock(unit='µs', per=1e-06, decimals=1), 'ms')
+        """
+        unit, per = ("µs", 1e-6) if time[-1] < LONGEST_IN_MICROSECONDS else ("ms", 1e-3)
+        steps = np.diff(time)[np.diff(time) > 0.0]
+        finest = float(steps.min()) / per if steps.size else 1.0
+        return cls(unit, per, int(np.clip(np.ceil(np.round(-np.log10(finest), 6)), 0, MOST_DECIMALS)))
+
+
+class View(NamedTuple):
+    """A stretch of the run that can be played.
+
+    Attributes
+    ----------
+    key, label : str
+        In the address of the page, and to choose it by.
+    time : array (frames,)
+        s; where motion is smooth, begin and end are enough.
+    """
+
+    key: str
+    label: str
+    time: Array
+
+
+class Shape(NamedTuple):
+    """A polygon or line of a scene.
+
+    Attributes
+    ----------
+    points : array (corners, 2)
+        m; of what is `ends`, x is the share of the way from the first end to the second.
+    fill, edge : str
+        Colours; an empty one draws nothing.
+    width : float
+        Of the edge, pixels.
+    closed : bool
+    dashes : sequence of float
+        Of the edge, pixels.
+    turn : str
+        Track of the angle by which it turns about the origin, rad.
+    ends : two of (float, str)
+        x of each end, m, and the track that moves it, m; an empty name stands still.
+    """
+
+    points: Array
+    fill: str = ""
+    edge: str = ""
+    width: float = 1.0
+    closed: bool = True
+    dashes: Sequence[float] = ()
+    turn: str = ""
+    ends: tuple[tuple[float, str], tuple[float, str]] = ((0.0, ""), (1.0, ""))
+
+    def document(self) -> Document:
+        """Return it as the player reads it."""
+        return {**self._asdict(), "points": packed(np.asarray(self.points).ravel(), "<f4")}
+
+
+class ColourScale(NamedTuple):
+    """Colours of the pictures of a scene, from the low to the high limit, and at which ends values lie beyond them.
+
+    ``extend`` is neither, min, max or both, as in matplotlib.
+    """
+
+    label: str
+    limits: tuple[float, float]
+    colours: Sequence[str]
+    extend: str
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A canvas that shows all shapes and pictures within limits: left, right, bottom, top, m."""
+
+    id: str
+    alternative: str
+    title: str
+    limits: tuple[float, float, float, float]
+    colour_scale: ColourScale | None = None
+    kind: Literal["scene"] = "scene"
+
+    @property
+    def caption(self) -> str:
+        """What stands below it."""
+        return self.title
+
+    def document(self) -> Document:
+        """Return it as the player reads it."""
+        scale = self.colour_scale
+        return {
+            "kind": self.kind,
+            "id": self.id,
+            "title": self.title,
+            "limits": self.limits,
+            "colour_scale": scale and {**scale._asdict(), "label": printable(scale.label)},
+        }
+
+
+class History(NamedTuple):
+    """Values over time, s; the page keeps 4 bytes of what lies after ``begin``, so that a late history stays sharp."""
+
+    time: Array
+    values: Array
+    begin: float = 0.0
+
+    def document(self) -> Document:
+        """Return it as the player reads it."""
+        return {
+            "begin": self.begin,
+            "time": packed(self.time - self.begin, "<f4"),
+            "values": packed(self.values, "<f4"),
+        }
+
+
+class Curve(NamedTuple):
+    """A curve over time: a history for each view, or one for all, or else a track. One without a name has no legend."""
+
+    name: str
+    colour: str
+    histories: Sequence[History] = ()
+    track: str = ""
+
+    def document(self) -> Document:
+        """Return it as the player reads it."""
+        histories = [history.document() for history in self.histories]
+        return {"name": printable(self.name), "colour": self.colour, "track": self.track, "histories": histories}
+
+
+class FieldCurve(NamedTuple):
+    """A curve over place that changes with time: values (frames, places), filled above and below zero."""
+
+    colour: str
+    above: str
+    below: str
+    values: Array
+
+    def document(self) -> Document:
+        """Return it as the player reads it: 16 bits a value."""
+        counts, peak = quantised(self.values)
+        colours = {"colour": self.colour, "above": self.above, "below": self.below}
+        return {"name": "", **colours, "peak": peak, "counts": packed(counts, "<i2")}
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Curves with one axis of values.
+
+    Attributes
+    ----------
+    name, unit : str
+        Of the values.
+    curves : sequence of Curve or FieldCurve
+    per : float
+        Size of the unit in that of the values.
+    label : str
+        What stands above; empty: name and unit.
+    limits : (float, float) or None
+        Of the axis; None: what the view holds.
+    zero : bool
+        Whether the axis shows zero, where it has no limits.
+    least : float
+        What it spans at least.
+    decimals : int or None
+        With which values are written; None: three digits.
+    """
+
+    name: str
+    unit: str
+    curves: Sequence[Curve | FieldCurve]
+    per: float = 1.0
+    label: str = ""
+    limits: tuple[float, float] | None = None
+    zero: bool = True
+    least: float = 0.0
+    decimals: int | None = None
+
+    def document(self) -> Document:
+        """Return it as the player reads it."""
+        return {
+            "name": self.name,
+            "unit": self.unit,
+            "per": self.per,
+            "label": self.label or f"{self.name} ({self.unit})",
+            "limits": self.limits,
+            "zero": self.zero,
+            "least": self.least,
+            "decimals": self.decimals,
+            "curves": [curve.document() for curve in self.curves],
+        }
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A canvas of panels below one another over time or place; ``height`` is that of one, pixels at most."""
+
+    id: str
+    alternative: str
+    axis: Literal["time", "place"]
+    label: str
+    height: float
+    panels: Sequence[Panel]
+    kind: Literal["chart"] = "chart"
+    caption: str = ""
+
+    def document(self) -> Document:
+        """Return it as the player reads it."""
+        return {
+            "kind": self.kind,
+            "id": self.id,
+            "axis": self.axis,
+            "label": self.label,
+            "height": self.height,
+            "panels": [panel.document() for panel in self.panels],
+        }
+
+
+class Band(NamedTuple):
+    """A layer behind a chart over place: where it lies, m, its grey, 0 to 255, and how the joint before it is drawn."""
+
+    name: str
+    begin: float
+    end: float
+    grey: int
+    joint: Literal["", "dashed", "thick"] = ""
+
+
+class Mark(NamedTuple):
+    """A place with a name, m."""
+
+    name: str
+    position: float
+
+
+@dataclass(frozen=True)
+class Places:
+    """The axis of charts over place: positions, m, the band of each, the one that is read first, marked ones."""
+
+    position: Sequence[float]
+    band: Sequence[int]
+    bands: Sequence[Band]
+    marks: Sequence[Mark]
+    start: int
+    unit: str = "mm"
+    per: float = 1e-3
+
+    def document(self) -> Document:
+        """Return it as the player reads it."""
+        return {
+            "unit": self.unit,
+            "per": self.per,
+            "position": list(self.position),
+            "band": list(self.band),
+            "start": self.start,
+            "bands": [{**band._asdict(), "name": printable(band.name)} for band in self.bands],
+            "marks": [{**mark._asdict(), "name": printable(mark.name)} for mark in self.marks],
+        }
+
+
+class Readout(NamedTuple):
+    """A track that is written below the pictures: its value beyond ``zero``."""
+
+    name: str
+    unit: str
+    track: str
+    per: float
+    decimals: int
+    zero: float = 0.0
+
+
+class Event(NamedTuple):
+    """What happened at a time, s, and what the time since then counts from, in words."""
+
+    time: float
+    label: str
+    since: str
+
+
+@dataclass(frozen=True)
+class Animation:
+    """What a page plays.
+
+    Attributes
+    ----------
+    kicker : str
+        Above the title: what kind of run this is.
+    note : str
+        Below the controls: how the pictures are to be read.
+    gif : str
+        File in which the same run is found where no script runs.
+    clock : Clock
+    views : sequence of View
+    canvases : sequence of Scene or Chart
+    beside : int
+        How many of these share the first line of a wide screen.
+    smooth : bool
+        Whether there is motion between the times of a view; else each of them is one frame.
+    tracks : mapping of str to array (samples,)
+        What moves shapes, over the track ``time``, s.
+    shapes : sequence of Shape
+    pictures : sequence of str
+        A picture of every frame that fills the scenes, as an address that holds it (data:).
+    readouts : sequence of Readout
+    events : sequence of Event
+    no_event : str
+        What is written before the first event; empty: no events are written.
+    places : Places or None
+    """
+
+    kicker: str
+    note: str
+    gif: str
+    clock: Clock
+    views: Sequence[View]
+    canvases: Sequence[Scene | Chart]
+    beside: int = 0
+    smooth: bool = False
+    tracks: Mapping[str, Array] | None = None
+    shapes: Sequence[Shape] = ()
+    pictures: Sequence[str] = ()
+    readouts: Sequence[Readout] = ()
+    events: Sequence[Event] = ()
+    no_event: str = ""
+    places: Places | None = None
+
+    def document(self) -> Document:
+        """Return what the player draws from; times in s."""
+        kinds = {"time": "<f8"}
+        return {
+            "playing_seconds": PLAYING_SECONDS,
+            "clock": self.clock._asdict(),
+            "smooth": self.smooth,
+            "views": [{**view._asdict(), "time": np.asarray(view.time).tolist()} for view in self.views],
+            "tracks": {name: packed(track, kinds.get(name, "<f4")) for name, track in (self.tracks or {}).items()},
+            "shapes": [shape.document() for shape in self.shapes],
+            "pictures": list(self.pictures),
+            "canvases": [canvas.document() for canvas in self.canvases],
+            "readouts": [readout._asdict() for readout in self.readouts],
+            "events": [event._asdict() for event in self.events],
+            "no_event": self.no_event,
+            "places": self.places and self.places.document(),
+        }
+
+
+def animation_page(animation: Animation, title: str, name: str = "") -> str:
+    """Return an animation as a page that stands alone.
+
+    Parameters
+    ----------
+    animation : Animation
+        What it plays.
+    title, name : str
+        Of the page, and of the case; plain text.
+
+    Examples
+    --------
+    >>> time = np.array([0.0, 1e-5, 2e-5])
+    >>> panel = Panel("force", "kN", [Curve("", "#0072b2", [History(time, np.array([0.0, 1.0, 0.0]))])])
+    >>> chart = Chart("force", "Force over time.", "time", "time", 98, [panel])
+    >>> page = animation_page(Animation("Force", "", "", Clock.of(time), [View("run", "run", time)], [chart]), "a < b")
+    >>> "<title>a &lt; b</title>" in page, "://" in page
+    (True, False)
+    """
+    folder = resources.files("strikewave.reporting.animation")
+    script, style = ((folder / name).read_text("utf-8") for name in ("player.js", "style.css"))
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True)
+    return environment.from_string((folder / "page.html").read_text("utf-8")).render(
+        animation=animation,
+        title=printable(title),
+        name=printable(name),
+        version=__version__,
+        speeds=SPEEDS,
+        last_step=SLIDER_STEPS if animation.smooth else len(animation.views[0].time) - 1,
+        style=Markup(style),  # our own, no input
+        script=Markup(script),
+        style_hash=Markup(_source_hash(style)),
+        script_hash=Markup(_source_hash(script)),
+        data=Markup(script_safe(json.dumps(animation.document(), allow_nan=False, separators=(",", ":")))),
+    )
+
+
+def packed(values: ArrayLike, kind: str) -> str:
+    """Return an array as base 64 of numbers of a kind, such as ``<f4``.
+
+    Examples
+    --------
+    >>> packed([1.0, 2.0], "<f4")
+    'AACAPwAAAEA='
+    """
+    return base64.b64encode(np.asarray(values).astype(kind).tobytes()).decode("ascii")
+
+
+def quantised(values: Array) -> tuple[NDArray[np.int16], float]:
+    """Return values as 16-bit shares of their largest magnitude, and that magnitude, 1 where all are zero.
+
+    Examples
+    --------
+    >>> quantised(np.array([[-2.0, 1.0]]))
+    (array([[-32767,  16384]], dtype=int16), 2.0)
+    """
+    peak = float(np.abs(values).max(initial=0.0)) or 1.0
+    return np.rint(values / peak * FULL_SCALE).astype(np.int16), peak
+
+
+def script_safe(text: str) -> str:
+    r"""Return JSON that cannot end the script element it stands in.
+
+    Examples
+    --------
+    >>> script_safe('"</script><!--"')
+    '"\\u003c/script\\u003e\\u003c!--"'
+    """
+    for letter in "<>&\u2028\u2029":
+        text = text.replace(letter, f"\\u{ord(letter):04x}")
+    return text
+
+
+def printable(text: str) -> str:
+    """Return text in which what cannot be shown, or turns lines round, is replaced."""
+    return "".join(letter if letter.isprintable() else "\ufffd" for letter in text)
+
+
+def even_rows(count: int, most: int) -> NDArray[np.int64]:
+    """Return evenly chosen rows, at most so many, the first and the last one among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+
+def _source_hash(text: str) -> str:
+    """Return the hash by which a content security policy knows a script or a style sheet."""
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")
