@@ -18,6 +18,7 @@ from strikewave.contact import _integrator
 from strikewave.contact._integrator import CONTINUE, RESTART
 from strikewave.contact._law_kernels import (
     DAMPING,
+    NO_DEPTH,
     OFFSET,
     PRELOAD,
     SPOT,
@@ -34,15 +35,18 @@ from strikewave.contact._law_kernels import (
 )
 
 SPRING, STOP_LINK, CONTACT, FRICTION = 0, 1, 2, 3
+"""Kinds of links."""
 OPEN, PUSHING, SLACK, YIELDING = 0, 1, 2, 3
 """Modes of springs, stops and contacts."""
 STICKING, SLIDING, SLIDING_BACK = 0, 1, 2
 """Modes of friction; sliding where the node behind is the faster one."""
 SWITCHES = 3
-"""Switch functions of a link."""
+"""Switch functions of a link: open or touching, force kept or lost, elastic or yielding."""
 _REGAIN = 1e-9
+"""Share of its elastic part at which a lost force acts again: above the rounding with which it was lost, so that the
+link does not switch back at once; far below any force that matters."""
 _AT_REST = 1e-12
-"""Slip below which friction takes nodes to be at rest, m/s."""
+"""Slip below which friction takes nodes to be at rest, m/s: above the rounding of speeds up to 1 km/s."""
 
 
 KIND, BEHIND, AHEAD = 0, 1, 2
@@ -190,13 +194,13 @@ def frictionless(chain, node, y, mode, memory):
     bodies = table.shape[0]
     if node >= bodies:
         return chain.bases[ACCELERATION, node - bodies]
-    pushed = 0.0
+    total = 0.0
     for j in range(joins.shape[0]):
         if joins[j, KIND] == FRICTION or (joins[j, BEHIND] != node and joins[j, AHEAD] != node):
             continue
         force, _, _ = press(chain, j, y, mode, memory)
-        pushed += force if joins[j, AHEAD] == node else -force
-    return pushed / table[node, MASS] + table[node, GRAVITY]
+        total += force if joins[j, AHEAD] == node else -force
+    return total / table[node, MASS] + table[node, GRAVITY]
 
 
 @leaf_kernel
@@ -205,12 +209,12 @@ def holding_force(chain, i, y, mode, memory):
     a, b, table = chain.joins[i, BEHIND], chain.joins[i, AHEAD], chain.bodies
     apart = frictionless(chain, a, y, mode, memory)
     apart -= frictionless(chain, b, y, mode, memory)
-    give = 0.0
+    inverse_mass = 0.0
     if a < table.shape[0]:
-        give += 1.0 / table[a, MASS]
+        inverse_mass += 1.0 / table[a, MASS]
     if b < table.shape[0]:
-        give += 1.0 / table[b, MASS]
-    return apart / give
+        inverse_mass += 1.0 / table[b, MASS]
+    return apart / inverse_mass
 
 
 @leaf_kernel
@@ -275,8 +279,8 @@ def contact_switches(law, d, rate, mode, approach, deepest, s, g):
         g[2] = rate
     else:
         g[0] = left
-        kept = push(law, d, rate, approach)
-        g[1] = kept if mode == PUSHING else _REGAIN - kept
+        ratio = push(law, d, rate, approach)
+        g[1] = ratio if mode == PUSHING else _REGAIN - ratio
         if mode == PUSHING and law[YIELD_LOAD] < np.inf:
             g[2] = deepest - d
 
@@ -286,7 +290,7 @@ def friction_switch(chain, i, y, mode, memory, rate):
     """Return the switch function of friction link i: it still holds, or still slides the same way.
 
     What has just broken loose has no slip yet: it slides until the slip is a little below zero, so that neither
-    rounding nor a short excess of the force can toss it to and fro.
+    rounding nor a short excess of the force can switch it back and forth.
     """
     if mode[i] == STICKING:
         return chain.values[i, STICKING_FORCE] - abs(holding_force(chain, i, y, mode, memory))
@@ -298,7 +302,7 @@ def link_switches(chain, y, mode, memory, g):
     """Fill the switch functions of each link.
 
     A force lost while the link is still compressed comes back only above a small share, so that rounding
-    cannot toss it to and fro.
+    cannot switch it back and forth.
     """
     values = chain.values
     for i in range(chain.joins.shape[0]):
@@ -317,8 +321,8 @@ def link_switches(chain, y, mode, memory, g):
             own[0] = -d
         else:
             own[0] = d
-            kept = 1.0 + values[i, DAMPING] * rate / (values[i, STIFFNESS] * max(d, 1e-30))
-            own[1] = kept if mode[i] == PUSHING else _REGAIN - kept
+            ratio = 1.0 + values[i, DAMPING] * rate / (values[i, STIFFNESS] * max(d, NO_DEPTH))
+            own[1] = ratio if mode[i] == PUSHING else _REGAIN - ratio
 
 
 @leaf_kernel
@@ -357,7 +361,7 @@ def let_go(chain, i, y, mode, memory):
 
 @leaf_kernel
 def slip(chain, i, y, mode, memory):
-    """Let friction link i stick or slide, as the force that would hold it says; what comes to rest has no slip left.
+    """Let friction link i stick or slide, as the force that would hold it decides; what comes to rest has no slip left.
 
     The speeds of the two bodies become that of their common momentum: they differ by rounding only.
     """
@@ -372,11 +376,11 @@ def slip(chain, i, y, mode, memory):
             y[bodies + a] = bases[SPEED, b - bodies]
         else:
             y[bodies + b] = bases[SPEED, a - bodies]
-    held = holding_force(chain, i, y, mode, memory)
-    if mode[i] != STICKING and abs(held) <= chain.values[i, STICKING_FORCE]:
+    needed = holding_force(chain, i, y, mode, memory)
+    if mode[i] != STICKING and abs(needed) <= chain.values[i, STICKING_FORCE]:
         mode[i] = STICKING
     else:
-        mode[i] = SLIDING if held > 0.0 else SLIDING_BACK
+        mode[i] = SLIDING if needed > 0.0 else SLIDING_BACK
 
 
 @leaf_kernel

@@ -24,15 +24,40 @@ from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
 from strikewave.contact._dop853 import E3, E5, STAGES, A, B, C, D
 
 CONTINUE, RESTART, STOP = 0, 1, 2
+"""What a switch asks for: go on, begin with a small step, or stop."""
 END, STOPPED, FULL, STUCK = 0, 1, 2, 3
+"""Why `advance` came back: end reached, stopped by a switch, record full, or no step small enough."""
 
 _SAMPLES = 4
+"""Samples of the switch functions in a step. Each costs one evaluation of the dense output; a dip between two of them
+is found from the parabola through three (`_dip`)."""
+_DEEP_DIP = 0.25
+"""A parabola whose lowest point is below this share of the least of its samples is looked at. Chosen: well above 0,
+since the parabola only estimates the dip."""
 _SAFETY = 0.9
+"""Share of the step that the error estimate allows, as in the authors' code of DOP853 (Hairer, Norsett & Wanner 1993):
+a step at the very limit would often be rejected."""
 _SMALLEST, _LARGEST = 0.2, 6.0
+"""Factors between which a step changes: one estimate far off must not carry the step too far. 6 is that of the authors'
+code of DOP853, 0.2 that of their DOPRI5."""
+_ORDER = 8.0
+"""The error of a step grows with this power of the step: by it the next one is chosen."""
 _IDLE_LIMIT = 100
+"""Switches in a row without progress in time after which the motion is given up: as many links may switch at one
+instant, but two that switch each other would do so forever."""
 _EXTENDED = 16
+"""Stages of a step with its dense output: 12 and the end of the step, and three more."""
 _FEW_STATES = 4
+"""States up to which a sum of stages runs over the stages inside: the longer loop shall be the inner one, and a step
+has 12 stages, many of whose weights are zero."""
+_ROOT_STEPS, _ROOT_ROUNDING = 200, 4e-16
+"""Illinois steps for a switch, and the width of its bracket, as a share of the step, that ends them: two of the last
+bits. Halving alone would take 52 steps, the rule takes far fewer; the cap only guards against functions with jumps."""
+_NO_STEP, _NO_PROGRESS, _START = 4e-16, 2e-16, 1e-9
+"""Steps over the time reached that are too small to try, and to count as progress: they are lost in the rounding of the
+time. Near time 0 that of 1 ns counts, below which nothing here happens."""
 _GAUSS_X, _GAUSS_W = (v / 2 for v in np.polynomial.legendre.leggauss(5))
+"""Five points are exact up to degree 9: the dense output is of degree 7, and forces are nearly so."""
 
 
 class Control(NamedTuple):
@@ -190,11 +215,11 @@ def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
     switches(system, t + high * h, work, mode, memory, g)
     g_high = g[which]
     side = 0
-    for _ in range(200):
+    for _ in range(_ROOT_STEPS):
         x = (low * g_high - high * g_low) / (g_high - g_low)
         if not low < x < high:
             x = 0.5 * (low + high)
-        if high - low < 4e-16 or x in (low, high):
+        if high - low < _ROOT_ROUNDING or x in (low, high):
             break
         evaluate(dense, x, work)
         switches(system, t + x * h, work, mode, memory, g)
@@ -216,7 +241,7 @@ def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
 def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
     """Return a switch that falls below zero and rises again between three positive samples, and where.
 
-    The lowest point of the parabola through the samples tells where to look.
+    Whether and where to look follows from the lowest point of the parabola through the samples.
     """
     for which in range(now.size):
         a, b, c = earlier[which], previous[which], now[which]
@@ -224,7 +249,7 @@ def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
         if min(a, b, c) <= 0.0 or curvature <= 0.0:
             continue
         shift = 0.5 * (a - c) / curvature
-        if abs(shift) >= 1.0 or b - 0.25 * (a - c) * shift > 0.25 * min(a, b, c):
+        if abs(shift) >= 1.0 or b - 0.25 * (a - c) * shift > _DEEP_DIP * min(a, b, c):
             continue
         x = (j - 1 + shift) / _SAMPLES
         evaluate(dense, x, work)
@@ -238,7 +263,7 @@ def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
 @called_kernel
 def _first_switch(system, t, h, dense, mode, memory, before, rows, work, g):
     """Return the first switch within the step and its fraction; -1 when there is none. ``rows`` is scratch."""
-    found, at = -1, 1.0
+    first, at = -1, 1.0
     size = before.size
     earlier, previous, now = rows[0], rows[1], rows[2]
     for which in range(size):
@@ -250,15 +275,15 @@ def _first_switch(system, t, h, dense, mode, memory, before, rows, work, g):
         for which in range(now.size):
             if now[which] < 0.0 and (previous[which] > 0.0 or j == 1):
                 root = _root(system, which, t, h, dense, mode, memory, (j - 1) / _SAMPLES, x, work, g)
-                if found < 0 or root < at:
-                    found, at = which, root
-        if found < 0 and j > 1:
-            found, at = _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g)
-        if found >= 0:
-            return found, at
+                if first < 0 or root < at:
+                    first, at = which, root
+        if first < 0 and j > 1:
+            first, at = _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g)
+        if first >= 0:
+            return first, at
         for which in range(size):
             earlier[which], previous[which] = previous[which], now[which]
-    return found, at
+    return first, at
 
 
 @kernel
@@ -285,17 +310,17 @@ def advance(system, control, t, h, y, mode, memory, record, count):
             error = _take_step(system, control, t, h, y, mode, memory, work, k, new)
             if error <= 1.0:
                 break
-            h *= max(_SMALLEST, _SAFETY * error ** (-1.0 / 8.0)) if error < math.inf else _SMALLEST
-            if not h > 4e-16 * max(abs(t), 1e-9):
+            h *= max(_SMALLEST, _SAFETY * error ** (-1.0 / _ORDER)) if error < math.inf else _SMALLEST
+            if not h > _NO_STEP * max(abs(t), _START):
                 return STUCK, t, h, steps, events
         dense = record.dense[steps]
         _fill_dense(system, t, h, y, new, mode, memory, work, k, dense)
         which, fraction = _first_switch(system, t, h, dense, mode, memory, before, rows, work, g)
-        growth = _LARGEST if error == 0.0 else min(_LARGEST, _SAFETY * error ** (-1.0 / 8.0))
+        growth = _LARGEST if error == 0.0 else min(_LARGEST, _SAFETY * error ** (-1.0 / _ORDER))
         taken = h
         if which >= 0:
             taken = fraction * h
-            if taken > 2e-16 * max(abs(t), 1e-9):
+            if taken > _NO_PROGRESS * max(abs(t), _START):
                 _take_step(system, control, t, taken, y, mode, memory, work, k, new)
                 _fill_dense(system, t, taken, y, new, mode, memory, work, k, dense)
                 idle = 0

@@ -36,6 +36,17 @@ from strikewave.base.compiled import leaf_kernel
 """Places in a row, SI. Of a logarithmic base, STIFFNESS holds G and EXPONENT holds B. DAMPING is chi of a contact, or
 c of a spring or stop. Contacts of one SPOT above zero share what has yielded."""
 COLUMNS = 13
+"""Length of a row: the places above."""
+
+NO_DEPTH = 1e-30
+"""Depth that stands for none where a force is divided by one, m: far below every indentation, far above underflow."""
+_SAME_AS_ELASTIC = 1e-12
+"""Share beyond the yield load that counts as not yielded: the rounding of the depth at yield, found by a root."""
+_LOGARITHM_STEPS, _ROUNDING = 30, 1e-15
+"""Newton steps for w and the relative change that ends them: a few of the last bits. Near the end of the law, w = 1,
+the last bits never settle, and the cap ends it."""
+_DEPTH_STEPS = 60
+"""Newton steps for the depth of an energy: far more than convergence takes, so that only halving steps need them."""
 
 POWER, LOGARITHMIC = 0.0, 1.0
 """Values of FORM."""
@@ -55,10 +66,10 @@ def logarithm(law, d):
     if c <= 1.0:
         return 1.0
     w = c + math.log(c + math.log(c + 1.0))
-    for _ in range(30):
+    for _ in range(_LOGARITHM_STEPS):
         step = (w - math.log(w) - c) * w / (w - 1.0)
         w -= step
-        if abs(step) <= 1e-15 * w:
+        if abs(step) <= _ROUNDING * w:
             break
     return w
 
@@ -111,7 +122,7 @@ def capped(shape, q):
 def flattening(law, deepest):
     """Return s >= 1, the radius after yielding to the depth D over the radius before; 1 where nothing yields."""
     q = base_force(law, deepest) / law[YIELD_LOAD]
-    return q / capped(law[SHAPE], q)[0] if q > 1.0 + 1e-12 else 1.0
+    return q / capped(law[SHAPE], q)[0] if q > 1.0 + _SAME_AS_ELASTIC else 1.0
 
 
 @leaf_kernel
@@ -163,7 +174,7 @@ def hysteresis(law, rate, approach):
 
 @leaf_kernel
 def damper_force(law, d, rate):
-    """Return c d^p d', N; on approach only where the law says so."""
+    """Return c d^p d', N; on approach only where the style of the law is `ON_APPROACH`."""
     if law[DAMPER] == 0.0 or d < 0.0 or (law[STYLE] == ON_APPROACH and rate < 0.0):
         return 0.0
     return law[DAMPER] * d ** law[DAMPER_EXPONENT] * rate
@@ -176,7 +187,7 @@ def push(law, d, rate, approach):
         return hysteresis(law, rate, approach)
     if law[STYLE] == PULLS:
         return 1.0
-    d = max(d, 1e-30)
+    d = max(d, NO_DEPTH)
     return 1.0 + damper_force(law, d, rate) / base_force(law, d)
 
 
@@ -200,12 +211,14 @@ def elastic_depth(law, energy):
     end = law[EXPONENT] / law[STIFFNESS] / math.e
     if energy >= base_energy(law, end):
         return end
+    # the energy is about G d^2/(2 w), and w = ln(B/F) below 20 for any force above 1e-9 B: Newton steps on a convex
+    # function that begin above the root never pass it
     d = min(math.sqrt(40.0 * energy / law[STIFFNESS]), end)
-    for _ in range(60):
+    for _ in range(_DEPTH_STEPS):
         new = d - (base_energy(law, d) - energy) / base_force(law, d)
         if not 0.0 < new <= end:
             new = 0.5 * d
-        if abs(new - d) <= 1e-15 * d:
+        if abs(new - d) <= _ROUNDING * d:
             break
         d = new
     return d

@@ -41,9 +41,18 @@ from strikewave.contact._integrator import Control
 from strikewave.contact._law_kernels import COLUMNS, DAMPING, OFFSET, PRELOAD, SLOWEST, SPOT, STIFFNESS, YIELD_LOAD
 from strikewave.contact._pair_kernels import depths_at_yield, energies, spots
 from strikewave.contact.law import AnyContact, LogarithmicContact, check_end, elastic_indentation, single
-from strikewave.contact.motion import Motion, State, integrate
+from strikewave.contact.motion import FIRST_STEP, Motion, State, integrate
 
 Array = NDArray[np.float64]
+
+SLOWEST_SHARE = 1e-3
+"""Least approach speed of a contact over the speed scale of its chain, where none is given: blows that slow carry a
+millionth of the energy, and a slower one would make a slowly pressed contact rigid."""
+_STEPS_A_PERIOD = 8.0
+"""Steps in the period of a shaking base, at least: a longer one could miss that a base comes and goes."""
+_LEAST_DROP, _LEAST_SPEED = 1e-3, 1e-6
+"""Way (m) in which gravity and preloads count as gaining speed, and speed scale (m/s) of a chain at rest: chosen small
+beside those of any blow, so that they only keep the tolerance of a chain at rest from being zero."""
 
 
 @dataclass(frozen=True)
@@ -178,8 +187,8 @@ class Chain:
                     raise ValueError(f"friction needs 0 <= sliding <= sticking, both finite, got {link!r}")
             elif not (link.stiffness >= 0.0 and link.damping >= 0.0):
                 raise ValueError(f"stiffness and damping of a link must not be negative, got {link!r}")
-        rubbed = [node for link in self.links if isinstance(link, Friction) for node in (link.behind, link.ahead)]
-        twice = sorted({node for node in rubbed if node in self.bodies and rubbed.count(node) > 1})
+        sliding = [node for link in self.links if isinstance(link, Friction) for node in (link.behind, link.ahead)]
+        twice = sorted({node for node in sliding if node in self.bodies and sliding.count(node) > 1})
         if twice:
             raise ValueError(f"a body takes one friction link at most, {twice[0]!r} has more")
 
@@ -351,7 +360,7 @@ def simulate(
     if unknown:
         raise ValueError(f"no body {unknown[0]!r}; {nearest(unknown[0], names)}")
     speed = _speed_scale(chain, links, np.concatenate([x, base]), v)
-    links.values[:, SLOWEST] = np.where(links.values[:, SLOWEST] > 0.0, links.values[:, SLOWEST], 1e-3 * speed)
+    links.values[:, SLOWEST] = np.where(links.values[:, SLOWEST] > 0.0, links.values[:, SLOWEST], SLOWEST_SHARE * speed)
     period = shortest_time(chain, speed)
     energy = 0.5 * float(masses @ v**2) + 0.5 * float(masses.sum()) * speed**2
     scale = np.concatenate([np.full(x.size, speed * period), np.full(x.size, speed), np.full(len(chain.links), energy)])
@@ -360,7 +369,7 @@ def simulate(
     memory = np.concatenate([np.maximum(closing, 0.0), first_depths(links), np.ones(len(chain.links))])
     y = np.concatenate([x, v, np.zeros(len(chain.links))])
     start = State(0.0, y, first_modes(links, np.concatenate([x, base]), speeds=speeds_of), memory)
-    control = Control(tolerance, scale, 2e-3 * period, _longest_step(chain, max(duration, period)), duration)
+    control = Control(tolerance, scale, FIRST_STEP * period, _longest_step(chain, max(duration, period)), duration)
     motion = integrate(system, start, control, (len(chain.links), SWITCHES * len(chain.links)))
     _check_ends(chain, links, motion)
     return ChainMotion(chain, motion)
@@ -368,8 +377,8 @@ def simulate(
 
 def _shakes(chain: Chain) -> Array:
     """Return mean, amplitude, rate and phase of each base, shape (bases, 4)."""
-    given = (b if isinstance(b, Vibration) else Vibration(b, 0.0, 0.0) for b in chain.bases.values())
-    return np.array([dataclasses.astuple(b) for b in given], dtype=float).reshape(-1, 4)
+    bases = (b if isinstance(b, Vibration) else Vibration(b, 0.0, 0.0) for b in chain.bases.values())
+    return np.array([dataclasses.astuple(b) for b in bases], dtype=float).reshape(-1, 4)
 
 
 def _bases_at(shakes: Array, time: float) -> Array:
@@ -380,10 +389,10 @@ def _bases_at(shakes: Array, time: float) -> Array:
 
 
 def _longest_step(chain: Chain, otherwise: float) -> float:
-    """Return the longest step that sees every shaking base come and go, s: an eighth of its period."""
+    """Return the longest step that sees every shaking base come and go, s; ``otherwise`` where none shakes."""
     rates = [abs(base.rate) for base in chain.bases.values() if isinstance(base, Vibration)]
     fastest = max(rates, default=0.0)
-    return min(otherwise, 0.25 * np.pi / fastest) if fastest > 0.0 else otherwise
+    return min(otherwise, 2.0 * np.pi / _STEPS_A_PERIOD / fastest) if fastest > 0.0 else otherwise
 
 
 def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
@@ -396,20 +405,21 @@ def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
     times = np.append(motion.record.time, motion.end.time)
     places = [_bases_at(_shakes(chain), t)[PLACE] for t in times]
     rows = zip(states[:, : len(chain.bodies)], places, strict=True)
-    pressed = np.array([compressions(links, np.append(row, base)) for row, base in rows])
+    indentations = np.array([compressions(links, np.append(row, base)) for row, base in rows])
     for i, contact in ending:
-        check_end(contact, float(pressed[:, i].max()))
+        check_end(contact, float(indentations[:, i].max()))
 
 
 def _speed_scale(chain: Chain, links: Links, nodes: Array, speeds: Array) -> float:
     """Return a speed that the bodies have or will get from stored energy and gravity, m/s."""
     masses = np.array(list(chain.bodies.values()))
-    drop = float(np.abs(compressions(links, nodes)).max(initial=1e-3))
+    drop = float(np.abs(compressions(links, nodes)).max(initial=_LEAST_DROP))
     gained = 2.0 * stored_energy(links, nodes) / float(masses.sum()) + 2.0 * abs(chain.gravity) * drop
     preload = max((abs(link.preload) for link in chain.links if isinstance(link, Spring)), default=0.0)
     gained += 2.0 * preload * drop / float(masses.sum())
     shaken = max((abs(b.amplitude * b.rate) for b in chain.bases.values() if isinstance(b, Vibration)), default=0.0)
-    return max(float(np.abs(speeds).max(initial=0.0)), float(np.ptp(speeds)), max(gained, 0.0) ** 0.5, shaken, 1e-6)
+    moving = max(float(np.abs(speeds).max(initial=0.0)), float(np.ptp(speeds)))
+    return max(moving, max(gained, 0.0) ** 0.5, shaken, _LEAST_SPEED)
 
 
 def shortest_time(chain: Chain, speed: float) -> float:

@@ -23,7 +23,14 @@ from strikewave.contact.stiffness import Stiffness
 
 Array = NDArray[np.float64]
 
+_BELOW_CRITICAL = 1.0 - 1e-16
+"""Largest damping ratio below 1 that a float holds: there the restitution is zero already."""
+_CRITICAL = 1e-9
+"""Distance from critical damping within which 0/0 stands for its limit: the function is flat to as much there."""
+_HALVINGS = 120
+"""Halvings of the bracket of a damping ratio: 106 leave a ratio of 1e-16 with all its digits."""
 _OWN: dict[str, DamperLaw] = {}
+"""The laws of this module by name; `_law` fills it."""
 
 
 def pulling_restitution(damping_ratio: ArrayLike) -> Array:
@@ -37,7 +44,7 @@ def pulling_restitution(damping_ratio: ArrayLike) -> Array:
     >>> print(pulling_restitution([0.0, 0.2155]).round(3))
     [1.  0.5]
     """
-    zeta = np.minimum(not_negative("the damping ratio", damping_ratio), 1.0 - 1e-16)
+    zeta = np.minimum(not_negative("the damping ratio", damping_ratio), _BELOW_CRITICAL)
     return np.asarray(np.exp(-np.pi * zeta / np.sqrt((1.0 - zeta) * (1.0 + zeta))))
 
 
@@ -57,7 +64,7 @@ def logarithmic_damping_ratio(restitution_asked: ArrayLike) -> Array:
 
 def _decay_to_turning(zeta: Array) -> Array:
     """Return zeta arccos(zeta)/sqrt(1 - zeta^2), continued by arcosh beyond 1."""
-    near = np.abs(zeta - 1.0) < 1e-9
+    near = np.abs(zeta - 1.0) < _CRITICAL
     z = np.where(near, 0.5, zeta)
     angle = np.where(z < 1.0, np.arccos(np.minimum(z, 1.0)), np.arccosh(np.maximum(z, 1.0)))
     return np.where(near, 1.0, z * angle / np.sqrt(np.abs(1.0 - z * z)))
@@ -106,7 +113,7 @@ def cut_off_damping_ratio(restitution_asked: ArrayLike) -> Array:
     """
     e = asked(restitution_asked)
     low, high = np.zeros_like(e), np.maximum(1.0 / np.sqrt(e), 1.0) + 1.0
-    for _ in range(120):
+    for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         above = cut_off_restitution(middle) > e
         low, high = np.where(above, middle, low), np.where(above, high, middle)
@@ -130,14 +137,14 @@ def damper_of_ratio(stiffness: Stiffness, mass: ArrayLike, damping_ratio: ArrayL
 Make = Callable[..., Damper]
 
 
-def _law(name: str, equation: str, source: str, **words: Any) -> Callable[[Make], Make]:
+def _law(name: str, equation: str, source: str, **details: Any) -> Callable[[Make], Make]:
     """Put a function into the table of dampers."""
 
-    def put(function: Make) -> Make:
-        _OWN[name] = DamperLaw(name, function, equation, words.pop("limits"), CHECKED, source, **words)
+    def register(function: Make) -> Make:
+        _OWN[name] = DamperLaw(name, function, equation, details.pop("limits"), CHECKED, source, **details)
         return function
 
-    return put
+    return register
 
 
 def _linear(stiffness: Stiffness) -> Stiffness:

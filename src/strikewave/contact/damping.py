@@ -23,20 +23,23 @@ Array = NDArray[np.float64]
 Factor = Callable[[ArrayLike], Array]
 
 _OWN: dict[str, DampingLaw] = {}
+"""The laws of this module by name; `_law` fills it."""
 _RANGE = "0 < e <= 1"
+"""Where every law holds: at e = 0 the factor is infinite, and above 1 energy would be gained."""
 _REVIEW_CODE = "code of a review's first author (ladisk/DyS, after Machado et al. 2012)"
 _PEER_DOCS = "documentation of Exudyn"
+"""Where the formulas were seen whose papers could not be opened."""
 
 
-def _law(name: str, equation: str, source: str, seen: str = "", **words: str) -> Callable[[Factor], Factor]:
+def _law(name: str, equation: str, source: str, seen: str = "", **details: str) -> Callable[[Factor], Factor]:
     """Put a function into the table of damping laws."""
-    words.setdefault("status", CHECKED)
+    details.setdefault("status", CHECKED)
 
-    def put(function: Factor) -> Factor:
-        _OWN[name] = DampingLaw(name, function, equation, _RANGE, source=source, seen=seen, **words)
+    def register(function: Factor) -> Factor:
+        _OWN[name] = DampingLaw(name, function, equation, _RANGE, source=source, seen=seen, **details)
         return function
 
-    return put
+    return register
 
 
 def asked(restitution_asked: ArrayLike) -> Array:
@@ -348,7 +351,7 @@ def named_contact(
     restitution_asked: ArrayLike,
     cap: PressureCap | None = None,
 ) -> AnyContact:
-    """Return a contact whose hysteresis a named law gives; its impacts say where they miss the restitution asked for.
+    """Return a contact whose hysteresis a named law gives; its impacts report a restitution missed.
 
     Raises
     ------
@@ -362,5 +365,5 @@ def named_contact(
     >>> blow.words
     ('the damping law flores gives e = 0.4704, not the 0.5 asked for; exact gives it',)
     """
-    made = stiffness.contact(factor(law, restitution_asked), cap)
-    return replace(made, asked=Asked(law, restitution_asked))
+    contact = stiffness.contact(factor(law, restitution_asked), cap)
+    return replace(contact, asked=Asked(law, restitution_asked))

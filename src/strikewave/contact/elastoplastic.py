@@ -40,7 +40,8 @@ class PlasticBody(ElasticBody, Protocol):
 
 
 LARGEST_PRESSURE = 1e15
-"""Pressures beyond this are refused, Pa."""
+"""Pressures beyond this are refused, Pa: a thousand times the modulus of diamond, so that only a wrong unit gets there;
+its cube, in the yield load, is far from overflow."""
 
 
 def point_cap(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float, pressure: ArrayLike) -> PressureCap:

@@ -21,14 +21,37 @@ from strikewave.contact.damping import exact
 Array = NDArray[np.float64]
 
 _NODES = 200
-"""Of each half of a shape."""
+"""Nodes of each half of a shape: cubics between them are off by 2e-6 of the peak, far below the noise of any record."""
 FEWEST = 8
-"""Samples that a pulse needs."""
+"""Samples that a pulse needs: five are its unknowns, and some must be left to see the misfit in."""
 FOOT, MARGIN = 0.02, 0.2
-"""Share of the peak at which a pulse begins and ends, and share of its length that is taken to either side."""
+"""Share of the peak at which a pulse begins and ends, and share of its length that is taken to either side. Chosen: low
+enough to leave nothing out of the fit, high enough to stand out of drift; the margin shows the fit where it is zero."""
+NOISY_FOOT, HIGHEST_FOOT = 4.0, 0.3
+"""Standard deviations of the noise that the foot stands at least above the baseline, so that noise does not pass for
+the pulse, and the share of the peak that it never exceeds, so that something is left of the pulse."""
 CLEAR, MANY = 6.0, 64
-"""Standard deviations that a pulse must be high, and samples from which on that is asked."""
+"""Standard deviations that a pulse must be high, and samples from which on that is asked: of a thousand samples of
+noise the largest is at 3.3, and of fewer than 64 the pulse itself makes up too many of the steps that noise is read
+from."""
+MEDIAN_STEP = 0.954
+"""Median of the steps from sample to sample of white noise, over its standard deviation: 0.6745 sqrt(2)."""
+EARLY_PART, EARLY_SAMPLES = 10, 4
+"""The first tenth of what lies before a peak, or four samples, gives a first baseline: a pulse takes less than the
+rest."""
+BASELINE_WIDTHS, QUIET_SHARE = 6.0, 0.1
+"""Widths before the rise from which the baseline is taken, the last one left out since the foot may reach into it;
+chosen so that drift far before does not count. Samples off their median by more than this share of the peak are other
+blows."""
+_ELASTIC = 1e-9
+"""Hysteresis factor that stands for none, since shapes divide by it: it changes them by as much."""
+_SERIES = 0.02
+"""|x| below which exp(x) - 1 - x is its series: there it and the difference are off by 4e-15 and 9e-15 (measured)."""
+_STEEPEST, _LEAST_POWER = 4.0, 2.0
+"""Powers of the nodes with which the distance from an end of the contact grows: such that the force is a power of 4 or
+more of them, which cubics follow, and never so high that all nodes crowd at the end."""
 _GAUSS = np.polynomial.legendre.leggauss(5)
+"""Five points between two nodes: exact up to degree 9, where the integrand is smooth in the nodes."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +124,7 @@ def unit_impact(n: float, e: float) -> tuple[float, float]:
 @functools.lru_cache(maxsize=256)
 def shape(n: float, e: float) -> tuple[Array, Array, Array]:
     """Return times, forces and slopes of the pulse of height 1 and area 1 at nodes that crowd at both ends."""
-    chi = max(float(exact(e)), 1e-9)
+    chi = max(float(exact(e)), _ELASTIC)
     begun, ended = _half(n, chi, e, False), _half(n, chi, e, True)
     whole = begun[0][-1] + ended[0][-1]
     t = np.concatenate([begun[0], whole - ended[0][-2::-1]])
@@ -117,7 +140,7 @@ def _half(n: float, chi: float, e: float, released: bool) -> tuple[Array, Array,
     K = m = v0 = 1; the notation is that of ``contact/_kernels.py``. w grows from the end by such a power of the nodes
     that the force is a power of 4 or more of them; time is integrated node by node (Gauss-Legendre).
     """
-    power, span = min(4.0, max(2.0, 4.0 / n)) * (n + 1.0), chi * (1.0 + e)
+    power, span = min(_STEEPEST, max(_LEAST_POWER, 4.0 / n)) * (n + 1.0), chi * (1.0 + e)
     depth = ((n + 1.0) / chi**2) ** (1.0 / (n + 1.0))
     late = math.exp(-span) * (1.0 + chi)
     x = np.linspace(0.0, 0.5, _NODES + 1)
@@ -147,21 +170,18 @@ def _rest(x: Array) -> Array:
     """Return exp(x) - 1 - x without cancellation near zero."""
     series = x * x * (0.5 + x / 6.0 * (1.0 + x / 4.0 * (1.0 + x / 5.0 * (1.0 + x / 6.0 * (1.0 + x / 7.0)))))
     with np.errstate(over="ignore"):
-        return np.where(np.abs(x) < 0.02, series, np.expm1(x) - x)
-
-
-# ---- a pulse in a record --------------------------------------------------------------------------------------------
+        return np.where(np.abs(x) < _SERIES, series, np.expm1(x) - x)
 
 
 class PulseRecord(NamedTuple):
-    """The samples of one pulse, its zero line taken off.
+    """The samples of one pulse, its baseline taken off.
 
     Attributes
     ----------
     time, force : ndarray
         s and N.
     offset : float
-        Zero line: mean before the pulse, within the window where it holds some; 0 where there is nothing, N.
+        Baseline: mean before the pulse, within the window where it holds some; 0 where there is nothing, N.
     noise : float or None
         Standard deviation of a sample before the pulse, N; None where there are too few.
     before : int
@@ -201,40 +221,40 @@ def cut_out(time: ArrayLike, force: ArrayLike, window: tuple[float, float] | Non
     Examples
     --------
     >>> t = np.arange(400) * 1e-6
-    >>> found = cut_out(t, 7.0 + ForcePulse(1e-4, 50.0, 60e-6, 1.5, 0.6).force(t))
-    >>> print(found.offset, found.before > 50, round(found.peak, 1), (found.time[[0, -1]] * 1e6).round())
+    >>> pulse = cut_out(t, 7.0 + ForcePulse(1e-4, 50.0, 60e-6, 1.5, 0.6).force(t))
+    >>> print(pulse.offset, pulse.before > 50, round(pulse.peak, 1), (pulse.time[[0, -1]] * 1e6).round())
     7.0 True 50.0 [ 76. 252.]
     """
     t, f = _checked(time, force)
-    held = np.arange(t.size)
+    rows = np.arange(t.size)
     if window is not None:
-        held = np.flatnonzero((t >= window[0]) & (t <= window[1]))
-        if held.size < FEWEST:
-            raise ValueError(f"only {held.size} samples lie within the window {window}; {FEWEST} are needed")
-    _check_sign(t, f, held)
-    top = int(held[np.argmax(f[held])])
-    zero, noise, before = _zero(t[held], f[held], top - int(held[0]))
+        rows = np.flatnonzero((t >= window[0]) & (t <= window[1]))
+        if rows.size < FEWEST:
+            raise ValueError(f"only {rows.size} samples lie within the window {window}; {FEWEST} are needed")
+    _check_sign(t, f, rows)
+    top = int(rows[np.argmax(f[rows])])
+    baseline, noise, before = _baseline(t[rows], f[rows], top - int(rows[0]))
     if not before:
-        zero, noise, before = _zero(t, f, top)
-    f = f - zero
+        baseline, noise, before = _baseline(t, f, top)
+    f = f - baseline
     peak = float(f[top])
-    _check_clear(f[held], peak)
-    level = min(max(FOOT * peak, 4.0 * (noise or 0.0)), 0.3 * peak)
+    _check_clear(f[rows], peak)
+    level = min(max(FOOT * peak, NOISY_FOOT * (noise or 0.0)), HIGHEST_FOOT * peak)
     first, last = _beyond(f, top, level, -1), _beyond(f, top, level, 1)
     if window is None:
         if first is None or last is None:
             side, left = ("end", f[-1]) if last is None else ("beginning", f[0])
             raise ValueError(
                 f"the pulse is cut at the {side} of the record, where {left / peak:.0%} of its peak is left: record "
-                "longer, with some time before the blow, take the zero line off, or give a window"
+                "longer, with some time before the blow, take the baseline off, or give a window"
             )
         _check_count(last - first - 1)
         margin = MARGIN * (t[last] - t[first])
-        held = np.flatnonzero((t >= t[first] - margin) & (t <= t[last] + margin))
-        held = held[(held > _neighbour(f, first, level, -1)) & (held < _neighbour(f, last, level, 1))]
+        rows = np.flatnonzero((t >= t[first] - margin) & (t <= t[last] + margin))
+        rows = rows[(rows > _neighbour(f, first, level, -1)) & (rows < _neighbour(f, last, level, 1))]
     else:
-        _check_count(int(np.count_nonzero(f[held] > level)))
-    return PulseRecord(t[held], f[held], zero, noise, before, peak)
+        _check_count(int(np.count_nonzero(f[rows] > level)))
+    return PulseRecord(t[rows], f[rows], baseline, noise, before, peak)
 
 
 def _checked(time: ArrayLike, force: ArrayLike) -> tuple[Array, Array]:
@@ -250,21 +270,21 @@ def _checked(time: ArrayLike, force: ArrayLike) -> tuple[Array, Array]:
     return t, f
 
 
-def _check_sign(t: Array, f: Array, held: NDArray[np.intp]) -> None:
-    """Refuse a record whose largest pulse points down, each direction measured from the zero line before it."""
+def _check_sign(t: Array, f: Array, rows: NDArray[np.intp]) -> None:
+    """Refuse a record whose largest pulse points down, each direction measured from the baseline before it."""
     heights = []
     for turned in (f, -f):
-        top = int(held[np.argmax(turned[held])])
-        heights.append(turned[top] - _zero(t, turned, top)[0])
+        top = int(rows[np.argmax(turned[rows])])
+        heights.append(turned[top] - _baseline(t, turned, top)[0])
     if not max(heights) > 0.0:
-        raise ValueError("there is no pulse: the record does not leave its zero line")
+        raise ValueError("there is no pulse: the record does not leave its baseline")
     if heights[1] > heights[0]:
         raise ValueError("the largest pulse is negative: turn the sign of the record")
 
 
 def _check_clear(f: Array, peak: float) -> None:
     """Refuse what does not stand out of the noise, that the steps from sample to sample show; not of few samples."""
-    noise = float(np.median(np.abs(np.diff(f)))) / 0.954 if f.size >= MANY else 0.0
+    noise = float(np.median(np.abs(np.diff(f)))) / MEDIAN_STEP if f.size >= MANY else 0.0
     if peak < CLEAR * noise:
         raise ValueError(f"no pulse stands out of the noise of {noise:.3g} N: the largest sample is {peak:.3g} N")
 
@@ -286,18 +306,18 @@ def _neighbour(f: Array, foot: int, level: float, side: int) -> int:
     return foot + side * int(np.argmax(part)) if part.any() else (f.size if side > 0 else -1)
 
 
-def _zero(t: Array, f: Array, top: int) -> tuple[float, float | None, int]:
+def _baseline(t: Array, f: Array, top: int) -> tuple[float, float | None, int]:
     """Return mean, standard deviation and number of the samples up to five widths before a pulse."""
-    rough = float(np.median(f[: max(top // 10, min(top, 4))])) if top else 0.0
+    rough = float(np.median(f[: max(top // EARLY_PART, min(top, EARLY_SAMPLES))])) if top else 0.0
     half = _beyond(f - rough, top, 0.5 * (f[top] - rough), -1)
     after = _beyond(f - rough, top, 0.5 * (f[top] - rough), 1)
     if half is None:
         return 0.0, None, 0
     width = t[top if after is None else after] - t[half]
-    quiet = f[(t < t[half] - width) & (t > t[half] - 6.0 * width)]
-    if quiet.size < 4:
+    quiet = f[(t < t[half] - width) & (t > t[half] - BASELINE_WIDTHS * width)]
+    if quiet.size < EARLY_SAMPLES:
         return 0.0, None, 0
     middle = float(np.median(quiet))
-    quiet = quiet[np.abs(quiet - middle) < 0.1 * (f[top] - middle)]
-    zero = float(np.mean(quiet)) if quiet.size else middle
-    return zero, float(np.std(quiet, ddof=1)) if quiet.size >= FEWEST else None, quiet.size
+    quiet = quiet[np.abs(quiet - middle) < QUIET_SHARE * (f[top] - middle)]
+    baseline = float(np.mean(quiet)) if quiet.size else middle
+    return baseline, float(np.std(quiet, ddof=1)) if quiet.size >= FEWEST else None, quiet.size

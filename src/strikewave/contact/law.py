@@ -37,6 +37,9 @@ STYLES = {"never-pulls": NEVER_PULLS, "on-approach": ON_APPROACH, "pulls": PULLS
 """How a damper acts: the force ends where it would pull; it acts while the bodies approach; it may pull."""
 SHAPES = {"line": LINE, "point": POINT}
 """Shapes of a contact whose pressure is capped."""
+EXPONENT_RANGE = 0.1, 10.0
+"""Exponents of a power law that are taken. Chosen far beyond those of contacts, 1 to 3 or so (the tests cover 1
+to 2), so that only a slip is refused."""
 
 
 @dataclass(frozen=True)
@@ -192,7 +195,8 @@ def check(contact: AnyContact) -> dict[int, Any]:
             refuse("the yield load", over, over * math.e < row[EXPONENT], "below the end of the logarithmic law, B/e")
     else:
         n = np.asarray(contact.exponent, dtype=float)
-        refuse("the exponent", n, (n >= 0.1) & (n <= 10.0), "within 0.1 to 10")
+        low, high = EXPONENT_RANGE
+        refuse("the exponent", n, (n >= low) & (n <= high), f"within {low:g} to {high:g}")
         row |= {FORM: POWER, STIFFNESS: positive("the stiffness", contact.stiffness), EXPONENT: n}
         row |= _damper(contact)
     row[YIELD_LOAD] = np.inf
@@ -286,8 +290,8 @@ def indentation_under(contact: AnyContact, force: float) -> float:
     """
     if isinstance(contact, LogarithmicContact):
         slope, load = float(np.asarray(contact.slope)), float(np.asarray(contact.load))
-        held = min(force, load / math.e)
-        return held / slope * math.log(load / held)
+        borne = min(force, load / math.e)
+        return borne / slope * math.log(load / borne)
     return float((force / float(np.asarray(contact.stiffness))) ** (1.0 / float(np.asarray(contact.exponent))))
 
 

@@ -15,9 +15,17 @@ from strikewave.contact._integrator import FULL, STUCK, Control, Record
 
 Array = NDArray[np.float64]
 
+FIRST_STEP = 2e-3
+"""First step over the shortest time in which a motion changes: so short that its error, of the 8th power, is rounding;
+the step then grows sixfold at a time."""
 _ROWS = 2048
+"""Steps of a record that is filled at once: some megabytes for a chain of a few bodies; another follows when it is
+full."""
 _MOST_BYTES = 1_000_000_000
-"""Dense output beyond this is refused."""
+"""Dense output beyond this is refused: a motion of that size takes minutes, and usually a stiffness or damping is
+wrong."""
+_SLACK = 1e-9
+"""Share of a motion by which a time may lie outside of it: what comes from rounding is taken as its begin or end."""
 
 
 class State(NamedTuple):
@@ -56,15 +64,15 @@ class Motion:
         ValueError
             If a time lies outside the motion.
         """
-        wanted = np.atleast_1d(np.asarray(times, dtype=float))
+        instants = np.atleast_1d(np.asarray(times, dtype=float))
         first, last = self.record.time[0], self.end.time
-        slack = 1e-9 * (last - first)
-        if not np.all((wanted >= first - slack) & (wanted <= last + slack)):
+        slack = _SLACK * (last - first)
+        if not np.all((instants >= first - slack) & (instants <= last + slack)):
             raise ValueError(f"times must lie within the motion, {first:g} to {last:g} s")
-        order = np.argsort(wanted, kind="stable")
-        states = np.empty((wanted.size, self.end.y.size))
-        forces = np.empty((wanted.size, self.links))
-        _integrator.sample(self.system, self.record, wanted[order], states, forces)
+        order = np.argsort(instants, kind="stable")
+        states = np.empty((instants.size, self.end.y.size))
+        forces = np.empty((instants.size, self.links))
+        _integrator.sample(self.system, self.record, instants[order], states, forces)
         back = np.argsort(order, kind="stable")
         return states[back], forces[back]
 
@@ -122,7 +130,7 @@ def integrate(
         if status == STUCK or not np.all(np.isfinite(y)):
             raise IntegrationError(
                 f"the motion could not be followed beyond t = {t:.9g} s (step {h:.3g} s): "
-                "a stiffness, damping or mass is extreme; compare the values with the published cases"
+                "a stiffness, damping or mass is extreme; compare the values with the built-in cases"
             )
         if status == FULL and len(parts) * parts[0].dense.nbytes > _MOST_BYTES:
             raise IntegrationError(

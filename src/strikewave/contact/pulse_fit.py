@@ -21,20 +21,46 @@ from strikewave.contact.force_pulse import ForcePulse, PulseRecord, shape, unit_
 Array = NDArray[np.float64]
 
 VALUES = ("stiffness", "exponent", "restitution", "mass", "speed")
-"""What can be given or told: K (N/m^n), n, e, reduced mass m (kg), approach speed v (m/s)."""
+"""What can be given or found: K (N/m^n), n, e, reduced mass m (kg), approach speed v (m/s)."""
 SCALES = ("stiffness", "mass", "speed")
-"""Those of which one must be given for the pulse to tell the other two."""
+"""Those of which one must be given, so that the pulse determines the other two."""
 EXPONENTS, RESTITUTIONS = (0.2, 8.0), (0.001, 1.0)
-"""Bounds of the search."""
+"""Bounds of the search: exponents well beyond those of contacts, 1 to 3 or so, that a fit at a bound shows a pulse of
+another law."""
 FREE = ("begin", "peak", "width", "exponent", "restitution")
 """What is fitted, where nothing is known."""
 LOW = np.array([-1.0, -100.0, -100.0, math.log(EXPONENTS[0]), RESTITUTIONS[0]])
 HIGH = np.array([1.0, 100.0, 100.0, math.log(EXPONENTS[1]), 1.0])
-"""Bounds of the unknowns."""
+"""Bounds of the unknowns: the begin within a length of the record, sizes within exp(+-100), which is no bound."""
 FARTHEST = 100.0
-"""How many times another size than that of the pulse what is known may make."""
+"""How many times another size than that of the pulse what is known may make: more is a wrong unit (a factor of
+1000)."""
 _STEP = 1e-5
+"""Step of central differences: the cube root of rounding, where the error of the slope and rounding are alike."""
 _BASINS = (0.5, 0.7, 0.85, 0.97), (0.05, 0.12, 0.25)
+"""Restitutions that the fit begins from, of each of the two minima: the shapes of e above and below some 0.3 look
+alike."""
+_FIRST_EXPONENTS = 1.0, 1.5, 2.5
+"""Exponents that the fit begins from: a spring, spheres, and a blunter contact."""
+_INSIDE = 1e-3
+"""Distance from the bounds at which a start is taken: the trust-region method must begin inside of them."""
+_CONVERGED, _MOST_EVALUATIONS = 1e-13, 300
+"""Relative changes that end the fit, some hundred times rounding, and evaluations after which it is left as it is;
+usual fits take fewer than fifty."""
+_NEAR_ELASTIC = 0.9
+"""Fitted restitution from which on the limit e = 1 is tried as well."""
+_AS_GOOD, _PERFECT = 1e-6, 1e-15
+"""The limit e = 1 is taken where its squared misfit is larger by no more than this share, or than this a sample, which
+is rounding in pulses without noise."""
+_LEAST_PEAK = 0.1
+"""Share of the measured peak that a first guess is high at least: a shape far off would else begin with no pulse."""
+_TRIED_EXPONENTS = np.geomspace(0.3, 6.0, 61)
+"""Exponents among which the one is found that fits what is known, 5 % apart: the fit does the rest."""
+_CLOSER = 0.1
+"""Weight of how far an exponent is from that of the pulse alone, beside how far peak and width are: it decides only
+among exponents that suit what is known equally well."""
+_ABOVE = 0.1
+"""Share of the peak above which samples count in the moments of a pulse: noise far from it would count the more."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +97,7 @@ class Problem:
         return ForcePulse(float(self.record.time[0]) + float(full[0]) * self.record.length, peak, width, n, e)
 
     def _size(self, peak: float, width: float, n: float, e: float) -> tuple[float, float]:
-        """Return peak and width, those that follow from two known scales or three put in."""
+        """Return peak and width; two known scales replace one of them, three replace both."""
         if len(self.scales) < 2:
             return peak, width
         K, m, v = (self.given.get(name, math.nan) for name in SCALES)
@@ -129,7 +155,7 @@ class Fit:
         return self.problem.misfit(self.unknown)
 
     @property
-    def spread(self) -> float:
+    def deviation(self) -> float:
         """Standard deviation of a sample that the misfit shows, as a share of the peak."""
         return math.sqrt(float(self.misfit @ self.misfit) / max(self.misfit.size - self.unknown.size, 1))
 
@@ -155,15 +181,24 @@ def solve(problem: Problem, start: Array) -> Fit:
     def slopes(unknown: Array) -> Array:
         return derivatives(problem.misfit, unknown, high)
 
-    inside = np.clip(start, low + 1e-3, high - 1e-3)
-    found = least_squares(
-        problem.misfit, inside, slopes, (low, high), xtol=1e-13, ftol=1e-13, gtol=1e-13, x_scale="jac", max_nfev=300
+    inside = np.clip(start, low + _INSIDE, high - _INSIDE)
+    minimum = least_squares(
+        problem.misfit,
+        inside,
+        slopes,
+        (low, high),
+        xtol=_CONVERGED,
+        ftol=_CONVERGED,
+        gtol=_CONVERGED,
+        x_scale="jac",
+        max_nfev=_MOST_EVALUATIONS,
     )
-    fit = Fit(problem, found.x, slopes(found.x))
-    if "restitution" in problem.given or found.x[-1] < 0.9:
+    fit = Fit(problem, minimum.x, slopes(minimum.x))
+    if "restitution" in problem.given or minimum.x[-1] < _NEAR_ELASTIC:
         return fit
-    limit = solve(replace(problem, given={**problem.given, "restitution": 1.0}), found.x[:-1])
-    if float(limit.misfit @ limit.misfit) > (1.0 + 1e-6) * float(fit.misfit @ fit.misfit) + 1e-15 * fit.misfit.size:
+    limit = solve(replace(problem, given={**problem.given, "restitution": 1.0}), minimum.x[:-1])
+    most = (1.0 + _AS_GOOD) * float(fit.misfit @ fit.misfit) + _PERFECT * fit.misfit.size
+    if float(limit.misfit @ limit.misfit) > most:
         return fit
     unknown = np.append(limit.unknown, 1.0)
     return Fit(problem, unknown, slopes(unknown), True)
@@ -187,21 +222,21 @@ def minima(problem: Problem) -> list[Fit]:
     """Return the fits of the pulse alone, best first: the shapes of low and of high restitution are much alike."""
     starts = [_start(problem, restitutions) for restitutions in _BASINS]
     fits = [solve(problem, start) for start in (starts[:1] if "restitution" in problem.given else starts)]
-    return sorted(fits, key=lambda fit: fit.spread)
+    return sorted(fits, key=lambda fit: fit.deviation)
 
 
 def _start(problem: Problem, restitutions: tuple[float, ...]) -> Array:
-    """Return the unknowns of the best of some shapes, each with the area, middle and spread of the pulse."""
+    """Return the unknowns of the best of some shapes, each of the area, middle and standard deviation of the pulse."""
     record = problem.record
-    middle, spread = _moments(record.time, record.force)
+    middle, deviation = _moments(record.time, record.force)
     best, least = np.zeros(0), math.inf
-    for n, e in itertools.product((1.0, 1.5, 2.5), restitutions):
+    for n, e in itertools.product(_FIRST_EXPONENTS, restitutions):
         n, e = problem.given.get("exponent", n), problem.given.get("restitution", e)
-        middle_of_one, spread_of_one = _moments(*shape(n, e)[:2])
-        width = spread / spread_of_one
-        pulse = ForcePulse(middle - width * middle_of_one, 1.0, width, n, e)
+        unit_middle, unit_deviation = _moments(*shape(n, e)[:2])
+        width = deviation / unit_deviation
+        pulse = ForcePulse(middle - width * unit_middle, 1.0, width, n, e)
         form = pulse.force(record.time)
-        peak = max(float(form @ record.force / (form @ form)), 0.1 * record.peak)
+        peak = max(float(form @ record.force / (form @ form)), _LEAST_PEAK * record.peak)
         unknown = problem.unknowns(replace(pulse, peak=peak))
         miss = problem.misfit(unknown)
         if miss @ miss < least:
@@ -210,8 +245,8 @@ def _start(problem: Problem, restitutions: tuple[float, ...]) -> Array:
 
 
 def _moments(time: Array, force: Array) -> tuple[float, float]:
-    """Return mean and standard deviation of time, weighted by what is above a tenth of the peak."""
-    weight = np.where(force > 0.1 * force.max(), force, 0.0)
+    """Return mean and standard deviation of time, weighted by the force near the peak."""
+    weight = np.where(force > _ABOVE * force.max(), force, 0.0)
     weight = weight / np.trapezoid(weight, time)
     middle = np.trapezoid(weight * time, time)
     return float(middle), math.sqrt(np.trapezoid(weight * (time - middle) ** 2, time))
@@ -225,22 +260,22 @@ def near(problem: Problem, alone: Fit) -> Array:
     ValueError
         If what is known makes a pulse that is a hundred times higher, lower, longer or shorter.
     """
-    wanted = alone.problem.pulse(alone.unknown)
-    tried = [wanted.exponent, *np.geomspace(0.3, 6.0, 61)] if "exponent" not in problem.given else [wanted.exponent]
+    pulse = alone.problem.pulse(alone.unknown)
+    exponents = [pulse.exponent, *([] if "exponent" in problem.given else _TRIED_EXPONENTS)]
 
     def distance(n: float) -> float:
         try:
-            made = problem.pulse(problem.unknowns(replace(wanted, exponent=n)))
-            shift = math.hypot(math.log(made.peak / wanted.peak), math.log(made.width / wanted.width))
+            other = problem.pulse(problem.unknowns(replace(pulse, exponent=n)))
+            shift = math.hypot(math.log(other.peak / pulse.peak), math.log(other.width / pulse.width))
         except (ArithmeticError, ValueError):
             return math.inf
-        return shift + 0.1 * abs(math.log(n / wanted.exponent))
+        return shift + _CLOSER * abs(math.log(n / pulse.exponent))
 
-    best = min(tried, key=distance)
+    best = min(exponents, key=distance)
     if not distance(best) < math.log(FARTHEST):
         known = ", ".join(sorted(problem.scales))
         raise ValueError(
-            f"the {known} known make another pulse altogether than this one, of {wanted.peak:.3g} N peak and "
-            f"{wanted.momentum:.3g} N s mass x speed: check their units and the calibration"
+            f"the {known} known make another pulse altogether than this one, of {pulse.peak:.3g} N peak and "
+            f"{pulse.momentum:.3g} N s mass x speed: check their units and the calibration"
         )
-    return problem.unknowns(replace(wanted, exponent=best))
+    return problem.unknowns(replace(pulse, exponent=best))

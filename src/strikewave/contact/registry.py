@@ -155,14 +155,14 @@ def law_named(laws: Mapping[str, L], name: str, field: str, what: str) -> L:
 
 
 def with_added(kind: type[L], own: Mapping[str, L]) -> dict[str, L]:
-    """Return our own laws of a kind and those of installed packages; a bad one is told and left out."""
+    """Return our own laws of a kind and those of installed packages; a bad one is reported and left out."""
     added = {name: law for name, law in _added(kind.group, kind.__name__).items() if isinstance(law, kind)}
     return {**added, **own}
 
 
 @cache
 def _added(group: str, kind: str) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    laws: dict[str, Any] = {}
     for point in entry_points(group=group):
         try:
             law = point.load()
@@ -170,10 +170,10 @@ def _added(group: str, kind: str) -> dict[str, Any]:
             _leave_out(point.name, f"{type(error).__name__}: {error}")
             continue
         if type(law).__name__ == kind and isinstance(law, Law):
-            found[law.name] = law
+            laws[law.name] = law
         else:
             _leave_out(point.name, f"it is a {type(law).__name__}, not a {kind}")
-    return found
+    return laws
 
 
 def _leave_out(name: str, why: str) -> None:

@@ -20,7 +20,15 @@ from strikewave.contact.law import Contact, Damper, LogarithmicContact, Pressure
 from strikewave.contact.registry import CHECKED, FROM_MEMORY, StiffnessLaw, law_named, with_added
 
 SMALLEST = 1e-15
-"""Sizes below this are refused, m."""
+"""Sizes below this are refused, m: the size of a proton, so that only a wrong unit gets there; curvatures stay far from
+overflow."""
+GEOMETRY = ("radius1", "radius2", "length", "datum_depth")
+"""Sizes that a law can ask for: the fields of `Geometry`."""
+OPTIONAL_NEEDS = {"radius2", "datum_depth"}
+"""Sizes that a law can do without: a second radius left out is a plane, and only a plane needs a datum depth."""
+
+_OWN: dict[str, StiffnessLaw] = {}
+"""The laws of this module by name; `_law` fills it."""
 
 
 class ElasticBody(Protocol):
@@ -150,18 +158,15 @@ def reduced_radius(radius1: float, radius2: float) -> float:
     return 1.0 / curvature
 
 
-_OWN: dict[str, StiffnessLaw] = {}
-
-
-def _law(name: str, equation: str, source: str, **words: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def _law(name: str, equation: str, source: str, **details: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Put a function into the table of stiffness laws."""
-    words.setdefault("status", CHECKED)
+    details.setdefault("status", CHECKED)
 
-    def put(function: Callable[..., Any]) -> Callable[..., Any]:
-        _OWN[name] = StiffnessLaw(name, function, equation, source=source, **words)
+    def register(function: Callable[..., Any]) -> Callable[..., Any]:
+        _OWN[name] = StiffnessLaw(name, function, equation, source=source, **details)
         return function
 
-    return put
+    return register
 
 
 def _positive(name: str, value: float) -> float:
@@ -453,12 +458,6 @@ def stiffness_law(name: str, field: str = "law") -> StiffnessLaw:
     return law_named(stiffness_laws(), name, field, "a stiffness law")
 
 
-GEOMETRY = ("radius1", "radius2", "length", "datum_depth")
-"""Sizes that a law can ask for."""
-OPTIONAL_NEEDS = {"radius2", "datum_depth"}
-"""Sizes that a law can do without."""
-
-
 def stiffness_of(
     name: str, one: ElasticBody, other: ElasticBody, geometry: Geometry, field: str = "law"
 ) -> Stiffness | LogarithmicStiffness:
@@ -488,7 +487,7 @@ def stiffness_of(
             missing[0], MISSING, f"the {missing[0].replace('_', ' ')} of the law {name}", f"{name} needs it"
         )
     try:
-        made: Stiffness | LogarithmicStiffness = law.function(one, other, **sizes)
+        stiffness: Stiffness | LogarithmicStiffness = law.function(one, other, **sizes)
     except ValueError as error:
         raise InputError(field, name, str(error)) from None
-    return made
+    return stiffness
