@@ -177,7 +177,8 @@ def _top_of_step(system, record, row, y):
         gained = force - best
         if gained > 0.0:
             best, at = force, vertex
-        if abs(gained) <= _PEAK_ROUNDING * best:
+        # a vertex beyond an end of the step gains nothing, but the peak may still lie just within
+        if 0.0 < vertex < 1.0 and abs(gained) <= _PEAK_ROUNDING * best:
             break
         reach *= _NARROWER
         middle = min(max(vertex, reach), 1.0 - reach)
