@@ -20,6 +20,7 @@ from strikewave.waves._press_kernels import contact_force, losses
 BONDED, ELASTIC, MASS, UNILATERAL, OSCILLATOR, CONTACT = 0, 1, 2, 3, 4, 5
 """What a joint does; an elastic one has a spring, a dashpot, Maxwell branches; an oscillator is a mass hung on one."""
 MOST_BRANCHES = 5
+"""Branches of an elastic joint: its spring, and four Maxwell branches, the most that `loss.fit_loss` makes."""
 FORCE, SPEED, INCIDENT = 0, 1, 2
 """What a load prescribes at the first face; behind an incident wave lies an endless bar like the first layer."""
 
@@ -27,6 +28,7 @@ RESISTANCE, STIFFNESS, DAMPING, PRELOAD, BRANCHES, INERTIA, DATUM = 0, 1, 2, 3, 
 """Columns of `Tables.joint_value`: sum of R, spring, dashpot, preload; number of branches; R of a mass on a spring;
 indentation under the preload."""
 JOINT_VALUES = 7
+"""How many columns those are."""
 END_OWN, END_WAVE, END_RESISTANCE, END_BETA, END_SIGMA, END_SPRING, END_DAMPING, END_INERTIA = range(8)
 """Places in `Tables.end`: f = own a + wave P; a' = beta f + sigma R v; of a mass on a spring: R of both, dashpot."""
 COMPRESSION, RATE, LOST, WORK, GUESS, DEEPEST, GROWTH, OPEN = range(8)
@@ -34,8 +36,9 @@ COMPRESSION, RATE, LOST, WORK, GUESS, DEEPEST, GROWTH, OPEN = range(8)
 the energy lost, J; of a nonlinear contact: work done on it, J, last force, deepest indentation, growth of its radius;
 and 1 while the joint is open."""
 JOINT_STATES = 8
+"""How many columns those are."""
 SEEN = 1e-12
-"""A gap that counts as open, m: below it is rounding."""
+"""A gap that counts as open, m: below it is the rounding of compressions of some 0.1 mm, added up over many steps."""
 
 
 class Tables(NamedTuple):
@@ -459,12 +462,3 @@ def drive(tables, state, load, by, recordings, extremes, integrals):
         z = tables.impedance[last]
         watch(tables, sent, m, 0.5 * (f_end + z * v_end), 0.5 * (f_end - z * v_end), histories, norms, integrals)
     return entered, through
-
-
-@kernel
-def run_on(tables, state, load):
-    """Run a stack under a prescribed force without recording: the bare loop; return the last force at the end."""
-    f = 0.0
-    for n in range(load.size):
-        f = advance(tables, state, load[n] - arriving_at_face(tables, state))
-    return f

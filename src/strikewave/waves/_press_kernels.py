@@ -25,12 +25,15 @@ from strikewave.contact._law_kernels import (
     yielding,
 )
 
-_ITERATIONS = 60
+_ITERATIONS, _ROUNDING = 60, 1e-14
+"""Newton steps for the force of a time step, and the change over the largest possible force that ends them: some bits
+of it. Where the law has a corner, bisection takes over: 60 halvings leave less than rounding."""
 
 DEPTH, RATE, FORCE, APPROACH, CLOSED, POWER, LOST, COUNT, QUIET, DEEPEST, GROWTH = range(11)
 """Places in the state of a contact: d, d', F, v0 of this interval, 1 while it touches, power lost, energy lost,
 intervals so far, time since the last one, deepest indentation, and how much the radius has grown by yielding, s."""
 CONTACT_SIZE = 11
+"""How many places those are."""
 
 
 @leaf_kernel
@@ -91,7 +94,7 @@ def contact_force(law, d, half, approach, deepest, s, c0, c1, guess):
         new = f - miss / (1.0 + c1 * (by_depth * half + by_rate))
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - f) <= 1e-14 * high:
+        if abs(new - f) <= _ROUNDING * high:
             return new
         f = new
     return f

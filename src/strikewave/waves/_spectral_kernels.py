@@ -12,8 +12,8 @@ import numpy as np
 from strikewave.base.compiled import kernel, leaf_kernel
 from strikewave.waves._kernels import FORCE, SPEED
 
-FREE, MATCHED, RIGID, MASS, SPRING, DASHPOT, OSCILLATOR = range(7)
-"""Kinds of the end."""
+MATCHED, RIGID, MASS, SPRING, DASHPOT, OSCILLATOR = range(1, 7)
+"""Kinds of the end by their places in `strikewave.waves.layers.END_KINDS`; 0 is a free end, whose impedance is 0."""
 STIFFNESS, DAMPING, POINT, ATTACHED = 0, 1, 2, 3
 """Columns of `SpectralTables.joint`; an infinite stiffness is a bonded joint."""
 END_KIND, END_VALUE, END_STIFFNESS, END_DAMPING = 0, 1, 2, 3
@@ -77,16 +77,16 @@ def end_reflection(tables, s, z):
         return 0.0j
     if kind == RIGID:
         return 1.0 + 0.0j
-    held = 0.0j
+    support = 0.0j
     if kind == MASS:
-        held = value * s
+        support = value * s
     elif kind == SPRING:
-        held = value / s
+        support = value / s
     elif kind == DASHPOT:
-        held = value + 0.0j
+        support = value + 0.0j
     elif kind == OSCILLATOR:
-        held = hung_impedance(s, value, end[END_STIFFNESS], end[END_DAMPING])
-    return (held - z) / (held + z)
+        support = hung_impedance(s, value, end[END_STIFFNESS], end[END_DAMPING])
+    return (support - z) / (support + z)
 
 
 @kernel

@@ -20,6 +20,7 @@ from strikewave.waves.spectral import is_linear
 from strikewave.waves.spectral_bar import needs_spectrum, refuse_spectral_layers, spectral_bar, spectrum_pays
 from strikewave.waves.times import MOST_SAMPLES, refuse_coarse, refuse_few_steps, refuse_samples, shortest_time
 from strikewave.waves.transit import (
+    FIELD_ROWS,
     MOST_EVENTS,
     ErrorBound,
     Grid,
@@ -32,25 +33,44 @@ from strikewave.waves.transit import (
     tables_of,
 )
 
-Array = NDArray[np.float64]
-
 MOST_LAYER_STEPS = 1e7
 """Layer steps of one try that the choice of a step may cost: about half a second."""
 STEPS_OF_MANY_LAYERS = 1e5
-"""Steps that many layers may take all the same."""
+"""Steps that a stack may take however many layers it has: a thousand layers would get 10 000 of them else, too few for
+a pulse that runs through."""
 USUAL_SAMPLES = 20_000
-"""Samples of a tap that are kept when the step is chosen for the user."""
+"""Samples of a tap that are kept when the step is chosen for the user: more than any figure shows, and half a
+megabyte."""
 SHORTEST_SHARE = 1e-5
 """Share of the transit of the stack below which a duration is refused: its steps would cut the stack into millions."""
 STEPS_WITHOUT_BOUND = 400.0
-"""Steps in the shortest time where no bound can refine them: where joints open and strikers come."""
+"""Steps in the shortest time where no bound can refine them: where joints open and strikers come. Chosen: eight times
+those of a linear stack, so that an error of second order is 64 times smaller."""
+LINEAR_STEPS = 50.0
+"""Steps of the first try, and samples that are kept, in the shortest time: a half-sine of 50 steps loses 0.1 % between
+them at most, and the error bound refines what is not enough."""
 TOO_THIN = 0.05
-"""A change of a transit beyond which a linear stack goes to the spectral solver."""
+"""A change of a transit beyond which a linear stack goes to the spectral solver, which changes none."""
 WORST_MISMATCH = 0.5
-"""A step that changes a transit by more is refused."""
+"""A step that changes a transit by more is refused: that layer is shorter than two thirds of a step, and no longer the
+one that was asked for."""
+FIRST_MISMATCH = 1e-4
+"""Change of a transit that the first try allows: a tenth of the usual error wanted of a velocity."""
+EXACT_MISMATCH = 1e-12
+"""Change of a transit below which it is rounding."""
+AIM = 2.0
+"""How many times below what is wanted the next try aims: the bound does not fall exactly as the step does."""
+HOPELESS = 0.5
+"""Share of the bound of an acceleration that must be gone after a try, or no finer step will do: it falls with the step
+unless the acceleration jumps."""
+EXTREME_STEPS = 20.0
+"""Looks at the extremes of the force in the shortest time: a half-sine between two of them is 0.3 % higher at most."""
 _TRIES = 4
-_FIELD_ROWS = 500
+"""Tries of a step: each is aimed from the one before, so that what the third does not reach no step in reach does."""
 _MOST_TOUCHES = 1000
+"""Contacts of an impactor that are kept: one blow has some ten; more chatter, which the run follows all the same."""
+_ROUNDING = 1e-12
+"""Share of a step by which a duration may miss a whole number of steps and still be one."""
 
 
 def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, wanted: Wanted | None = None) -> BarRun:
@@ -130,8 +150,8 @@ def _at_step(
     if not isinstance(load, Impactor):
         refuse_coarse(load, step)
     refuse_samples(duration, step, len(places), f"take a step above {duration * len(places) / MOST_SAMPLES:.3g} s")
-    kept = _Kept(1, shortest)
-    return _with_lumped_error(_run(stack, load, places, duration, grid, kept), kept)
+    sampling = _Sampling(1, shortest)
+    return _with_lumped_error(_run(stack, load, places, duration, grid, sampling), sampling)
 
 
 def _refined(
@@ -140,31 +160,31 @@ def _refined(
     """Follow a stack with a step that is refined until the error bound keeps what is wanted."""
     smallest = duration * len(stack.layers) / max(MOST_LAYER_STEPS, STEPS_OF_MANY_LAYERS * len(stack.layers))
     linear = is_linear(stack, load)
-    largest = max(shortest / (50.0 if linear else STEPS_WITHOUT_BOUND), smallest)
-    mismatch, before = 1e-4, math.inf
+    largest = max(shortest / (LINEAR_STEPS if linear else STEPS_WITHOUT_BOUND), smallest)
+    mismatch, before = FIRST_MISMATCH, math.inf
     for _ in range(_TRIES):
         grid = choose_grid(stack, mismatch, largest, smallest)
         if grid.mismatch > TOO_THIN and wanted.method == "auto" and linear:
             return spectral_bar(stack, load, places, duration, wanted)
         _refuse_thin(stack, grid, duration)
-        kept = _Kept(_sampling(duration, grid.step, shortest, len(places)), shortest)
-        run = _run(stack, load, places, duration, grid, kept)
+        sampling = _Sampling(_every(duration, grid.step, shortest, len(places)), shortest)
+        run = _run(stack, load, places, duration, grid, sampling)
         over, over_rate = (
             bound / most for bound, most in zip(run.relative_bound, (wanted.velocity, wanted.acceleration), strict=True)
         )
         # behind a corner of the load the acceleration jumps: no step then bounds its error
-        hopeless = over_rate > 0.5 * before
+        hopeless = over_rate > HOPELESS * before
         missed = over if hopeless else max(over, over_rate)
         if missed <= 1.0 or not math.isfinite(missed) or grid.mismatch > mismatch:
             break
-        if grid.mismatch < 1e-12:  # what is left is the way from the tap to the nearest node
-            largest = max(grid.step / (2.0 * missed), smallest)
+        if grid.mismatch < EXACT_MISMATCH:  # what is left is the way from the tap to the nearest node
+            largest = max(grid.step / (AIM * missed), smallest)
         else:
-            mismatch = grid.mismatch / (2.0 * missed)
+            mismatch = grid.mismatch / (AIM * missed)
         before = over_rate
     if over > 1.0 and wanted.method == "auto" and linear and spectrum_pays(stack, load, duration, len(places)):
         return spectral_bar(stack, load, places, duration, wanted)
-    return _with_lumped_error(run, kept)
+    return _with_lumped_error(run, sampling)
 
 
 def _refuse_thin(stack: Stack, grid: Grid, duration: float) -> None:
@@ -186,28 +206,28 @@ def _refuse_thin(stack: Stack, grid: Grid, duration: float) -> None:
 
 
 @dataclass(frozen=True)
-class _Kept:
-    """What is kept of a run: every so many steps; the shortest time to be resolved, s."""
+class _Sampling:
+    """Which samples of a run are kept: every so many steps; the shortest time to be resolved, s."""
 
     every: int
     shortest: float
 
 
-def _sampling(duration: float, step: float, shortest: float, taps: int) -> int:
-    """Return of how many steps one is kept: about `USUAL_SAMPLES` in all, but 50 of them in the shortest time.
+def _every(duration: float, step: float, shortest: float, taps: int) -> int:
+    """Return of how many steps one is kept: `USUAL_SAMPLES` or so in all, `LINEAR_STEPS` in the shortest time.
 
     Raises
     ------
     ValueError
         If that would be too many.
     """
-    every = max(1, min(math.ceil(duration / step / USUAL_SAMPLES), int(shortest / 50.0 / step)))
+    every = max(1, min(math.ceil(duration / step / USUAL_SAMPLES), int(shortest / LINEAR_STEPS / step)))
     advice = f"a load or joint changes within {shortest:.3g} s; follow a shorter time, or take fewer taps"
     refuse_samples(duration, step * every, taps, advice)
     return every
 
 
-def _with_lumped_error(run: BarRun, kept: _Kept) -> BarRun:
+def _with_lumped_error(run: BarRun, sampling: _Sampling) -> BarRun:
     """Run again at half the step where springs or masses take part, and add twice what that changes to the bound.
 
     The trapezoidal rule is of second order, so that the run is off by 4/3 of the change.
@@ -217,7 +237,7 @@ def _with_lumped_error(run: BarRun, kept: _Kept) -> BarRun:
     if not lumped or math.isinf(run.bound.velocity):
         return run
     fine = Grid(0.5 * grid.step, tuple(2 * n for n in grid.counts), grid.mismatch)
-    again = _run(stack, run.load, run.places, run.duration, fine, _Kept(2 * kept.every, kept.shortest))
+    again = _run(stack, run.load, run.places, run.duration, fine, _Sampling(2 * sampling.every, sampling.shortest))
     rows = min(len(run.time), len(again.time))
 
     def change(name: str) -> float:
@@ -228,26 +248,26 @@ def _with_lumped_error(run: BarRun, kept: _Kept) -> BarRun:
 
 
 def _run(
-    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, grid: Grid, keep: _Kept
+    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, grid: Grid, sampling: _Sampling
 ) -> BarRun:
     """Follow a stack on a grid."""
-    every = keep.every
-    steps = int(duration / grid.step * (1.0 + 1e-12)) + 1
+    every = sampling.every
+    steps = int(duration / grid.step * (1.0 + _ROUNDING)) + 1
     tables, state = tables_of(stack, grid), state_at_rest(stack, grid)
     before = _kernels.momentum(tables, state)
     ends, hung = [[0, 0], [len(stack.layers) - 1, grid.counts[-1]]], faces_of_hung(stack)
     watched = np.concatenate([ends, nearest_nodes(grid, [*places, *hung])])
     taps = slice(2, 2 + len(places))
     rows = (steps - 1) // every + 1
-    kept = _recording(watched, every, rows)
-    kept.velocity[0, :, 0] = [stack.layers[i].speed for i in watched[:, 0]]
+    recording = _recording(watched, every, rows)
+    recording.velocity[0, :, 0] = [stack.layers[i].speed for i in watched[:, 0]]
     nodes, position = field_nodes(stack, grid)
-    coarse = max(1, steps // _FIELD_ROWS)
-    pictured = _recording(nodes, coarse, (steps - 1) // coarse + 1)
-    often = max(1, int(keep.shortest / 20.0 / grid.step))
+    coarse = max(1, steps // FIELD_ROWS)
+    field = _recording(nodes, coarse, (steps - 1) // coarse + 1)
+    often = max(1, int(sampling.shortest / EXTREME_STEPS / grid.step))
     faces = np.array([(i, node) for i, count in enumerate(grid.counts) for node in (0, count)])
-    seen = np.concatenate([faces, nodes])
-    extremes = Extremes(seen, often, np.zeros(len(seen)), np.zeros(len(seen)))
+    looked_at = np.concatenate([faces, nodes])
+    extremes = Extremes(looked_at, often, np.zeros(len(looked_at)), np.zeros(len(looked_at)))
     norms = np.zeros(6)
     lost, speed, deepest = 0.0, math.nan, math.nan
     touches, struck = np.empty((0, 3)), isinstance(load, Impactor)
@@ -255,7 +275,7 @@ def _run(
     if isinstance(load, Impactor):
         table = np.zeros((_MOST_TOUCHES, 3))
         count, speed, entered, through, lost, deepest = _impact_kernels.strike(
-            tables, state, _law(load), load.mass, load.speed, steps + 1, (kept, pictured), extremes, norms, table
+            tables, state, _law(load), load.mass, load.speed, steps + 1, (recording, field), extremes, norms, table
         )
         touches = table[: min(count, _MOST_TOUCHES)]
         if load.contact is not None:
@@ -263,25 +283,25 @@ def _run(
     else:
         history = load.at(grid.step * np.arange(steps + 1.0))
         by = PRESCRIBED.index(load.kind)
-        entered, through = _kernels.drive(tables, state, history, by, (kept, pictured), extremes, norms)
+        entered, through = _kernels.drive(tables, state, history, by, (recording, field), extremes, norms)
     return BarRun(
         stack=stack,
         load=load,
         grid=grid,
         time=grid.step * every * np.arange(rows, dtype=np.float64),
-        face_force=kept.force[:, 0],
-        end_force=kept.force[:, 1],
-        force=kept.force[:, taps],
-        velocity=kept.velocity[:, taps, 1],
-        acceleration=(kept.velocity[:, taps, 2] - kept.velocity[:, taps, 0]) / (2.0 * grid.step),
-        hung_acceleration=hung_acceleration(stack, kept.force[:, taps.stop :], kept.force[:, 1]),
+        face_force=recording.force[:, 0],
+        end_force=recording.force[:, 1],
+        force=recording.force[:, taps],
+        velocity=recording.velocity[:, taps, 1],
+        acceleration=(recording.velocity[:, taps, 2] - recording.velocity[:, taps, 0]) / (2.0 * grid.step),
+        hung_acceleration=hung_acceleration(stack, recording.force[:, taps.stop :], recording.force[:, 1]),
         bound=ErrorBound(math.inf, math.inf) if struck else error_bound(stack, grid, norms, places),
         places=tuple(places),
         duration=duration,
-        field_time=grid.step * coarse * np.arange(pictured.force.shape[0], dtype=np.float64),
+        field_time=grid.step * coarse * np.arange(field.force.shape[0], dtype=np.float64),
         field_position=position,
-        field_force=pictured.force,
-        field_velocity=pictured.velocity[:, :, 1],
+        field_force=field.force,
+        field_velocity=field.velocity[:, :, 1],
         field_layer=nodes[:, 0],
         field_least=extremes.least[len(faces) :],
         field_greatest=extremes.greatest[len(faces) :],

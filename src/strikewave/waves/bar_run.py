@@ -15,7 +15,9 @@ from strikewave.waves.transit import ErrorBound, Grid
 
 Array = NDArray[np.float64]
 STILL = 1e-9
-"""Share of F/Z below which a tap stands still."""
+"""Share of F/Z below which a tap stands still: a thousand times the rounding of waves that cancel."""
+_TINY = 1e-300
+"""Stands for zero below a fraction: where nothing flowed nothing is missing."""
 Method = Literal["auto", "delay lines", "spectral"]
 
 
@@ -117,7 +119,7 @@ class BarRun:
     def momentum_error(self) -> float:
         """Impulses less momentum, over the impulse of the load or the momentum that the layers came with."""
         moving = sum(abs(layer.mass * layer.speed) for layer in self.stack.layers)
-        flowed = max(abs(self.impulse), abs(self.end_impulse), moving, 1e-300)
+        flowed = max(abs(self.impulse), abs(self.end_impulse), moving, _TINY)
         return abs(self.impulse - self.end_impulse - self.momentum) / flowed
 
     @property

@@ -23,6 +23,7 @@ Theory = Literal["none", "love-rayleigh", "pochhammer-chree"]
 SHORTEST = 2000.0
 """w a/c0 beyond which the wave counts as a surface wave, whose speed stays: to 1e-4 it does."""
 THEORIES: tuple[Theory, ...] = get_args(Theory)
+"""The theories by name; `wave_number` holds their equations."""
 
 
 class Rod(NamedTuple):

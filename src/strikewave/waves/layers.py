@@ -21,6 +21,7 @@ from strikewave.waves.dispersion import THEORIES, Theory
 
 EndKind = Literal["free", "matched", "rigid", "mass", "spring", "dashpot", "oscillator"]
 END_KINDS: tuple[EndKind, ...] = ("free", "matched", "rigid", "mass", "spring", "dashpot", "oscillator")
+"""Kinds of the end; their order is that of the numbers in the kernels."""
 
 
 @dataclass(frozen=True)
@@ -315,10 +316,10 @@ class Stack:
     @property
     def hung(self) -> tuple[tuple[int, float], ...]:
         """Masses on springs: index of the joint that carries each (that of the last layer: the end), and its kg."""
-        found = [(k, joint.attached) for k, joint in enumerate(self.joints) if joint.attached > 0.0]
+        masses = [(k, joint.attached) for k, joint in enumerate(self.joints) if joint.attached > 0.0]
         if self.end.kind == "oscillator":
-            found.append((len(self.layers) - 1, self.end.value))
-        return tuple(found)
+            masses.append((len(self.layers) - 1, self.end.value))
+        return tuple(masses)
 
     @property
     def transit(self) -> float:

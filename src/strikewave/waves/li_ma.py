@@ -1,7 +1,7 @@
 """The stress-wave route of Li & Ma 2019: a specimen between two endless fixtures, as printed and corrected.
 
-A wave eps_i(t) comes down the upper fixture, enters the specimen at interface I (x = 0) and runs to and
-fro between it and interface II (x = l). Time t counts from its first arrival at x; compression and
+A wave eps_i(t) comes down the upper fixture, enters the specimen at interface I (x = 0) and is reflected
+between it and interface II (x = l) many times. Time t counts from its first arrival at x; compression and
 motion along the blow are positive. Symbols: c = sqrt(Ee/rhoe) wave speed of the specimen (m/s), l its
 length (m), t0 = l/c, tl = (l - x)/c, gamma, F_I and F_II of `Sandwich`, q = -F_I F_II. Index 1 is the
 upper fixture, e the specimen, 2 the lower fixture. Both routes are a sum over waves, see `arrivals`.
@@ -24,9 +24,12 @@ Floats = NDArray[np.float64]
 History = Callable[[Floats], Floats]
 
 MOST_TRANSFERS = 100_000
-"""Waves that a sum over the transits of a layer may count."""
+"""Waves that a sum over the transits of a layer may count: some seconds of work; a layer that needs more is a film."""
 ROUTES = ("as printed", "corrected")
 """The two routes by name."""
+_VANISHED, _LOST = 1e-18, 1e-17
+"""Share of the first wave below which an echo no longer counts, and factor over the largest below which a wave is left
+out: a hundredth and a tenth of the last bit of the sum."""
 
 
 @dataclass(frozen=True)
@@ -155,7 +158,7 @@ def arrivals(sandwich: Sandwich, position: float, transfers: int, route: str) ->
     [0.0, 0.5, 1.5, 2.5, 3.5]
     """
     if route not in ROUTES:
-        raise InputError("route", route, " or ".join(f'"{one}"' for one in ROUTES), nearest(route, ROUTES))
+        raise InputError("route", route, " or ".join(f'"{name}"' for name in ROUTES), nearest(route, ROUTES))
     if transfers < 1:
         raise ValueError(f"at least one transfer is needed, got {transfers!r}")
     if not 0.0 <= position <= 1.0:
@@ -262,15 +265,15 @@ def mean_acceleration(
     [25000. 50000.]
     """
     count, speed = _count(sandwich, times, transfers), sandwich.specimen.bar_speed
-    together, spread = [], []
+    at_once, in_turn = [], []
     for top, bottom in zip(*(arrivals(sandwich, x, count, route) for x in (0.0, 1.0)), strict=True):
         enters, leaves = top.transits, bottom.transits + 1.0
-        if enters == leaves:  # whole numbers, exact
-            together.append((enters, speed * top.velocity))
+        if enters == leaves:  # exact: both are whole numbers
+            at_once.append((enters, speed * top.velocity))
         else:
             weight = speed * top.velocity / ((leaves - enters) * sandwich.transit)
-            spread += [(enters, weight), (leaves, -weight)]
-    return _added(sandwich, incident.rate, times, together) + _added(sandwich, incident.strain, times, spread)
+            in_turn += [(enters, weight), (leaves, -weight)]
+    return _added(sandwich, incident.rate, times, at_once) + _added(sandwich, incident.strain, times, in_turn)
 
 
 def superposed(rigid: ArrayLike, wave: ArrayLike) -> Floats:
@@ -300,7 +303,7 @@ def _count(sandwich: Sandwich, times: ArrayLike, transfers: int | None) -> int:
     arrived = int(np.max(np.asarray(times, dtype=float), initial=0.0) / sandwich.transit) + 2
     share = abs(sandwich.first_reflection * sandwich.second_reflection)
     if share < 1.0:
-        arrived = min(arrived, 2 * math.ceil(math.log(1e-18) / math.log(max(share, 1e-18))) + 4)
+        arrived = min(arrived, 2 * math.ceil(math.log(_VANISHED) / math.log(max(share, _VANISHED))) + 4)
     if arrived > MOST_TRANSFERS:
         raise ValueError(
             f"layer {sandwich.specimen.name} is too thin for the routes of Li & Ma 2019: {arrived} waves would count"
@@ -311,7 +314,7 @@ def _count(sandwich: Sandwich, times: ArrayLike, transfers: int | None) -> int:
 def _added(sandwich: Sandwich, history: History, times: ArrayLike, waves: list[tuple[float, float]]) -> Floats:
     """Return the sum of waves, each a delay over t0 and a factor on the history, zero until it comes."""
     total = np.zeros_like(times, dtype=float)
-    least = 1e-17 * max((abs(factor) for _, factor in waves), default=0.0)  # lost in rounding
+    least = _LOST * max((abs(factor) for _, factor in waves), default=0.0)
     for transits, factor in waves:
         if abs(factor) > least:
             later = np.asarray(times) - transits * sandwich.transit

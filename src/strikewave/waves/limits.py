@@ -20,17 +20,29 @@ from strikewave.waves import BarRun, Grid, Layer, Stack
 Array = NDArray[np.float64]
 
 REFUSED, WARNED = 2.0, 5.0
-"""Rise time in diameters of travel below which a peak acceleration is refused, and warned of."""
+"""Rise time in diameters of travel below which a peak acceleration is refused, and warned of: the front disperses over
+lengths of the diameter, so that below 2 the rise is that of the bar, not of the load. From there to 5 a
+peak is good to some 10 % at best."""
 DISPERSED_REFUSED, DISPERSED_WARNED = 1.0, 2.0
-"""The same where the first mode of a round bar is followed exactly: what is missing are higher modes near faces."""
+"""The same where the first mode of a round bar is followed exactly: what is missing are higher modes, which die within
+about a diameter of a face."""
 RISE_OF_BANDWIDTH = 0.35
-"""Rise time (10-90 %) times -3 dB bandwidth of a low-pass."""
+"""Rise time (10-90 %) times -3 dB bandwidth of a low-pass: ln 9/(2 pi) of one pole, and 0.34 to 0.36 of several."""
 MISMATCH_LIMIT = 0.01
-"""Relative error of a transit beyond which the step of a struck stack is warned of."""
+"""Relative error of a transit beyond which the step of a struck stack is warned of: echoes then come 1 % early or late,
+which a figure shows."""
 LOSS_HELD = 0.05
-"""Deviation of a loss factor over its band that needs no word."""
+"""Deviation of a loss factor over its band up to which no notice is given: what `loss.fit_loss` aims at, and less than
+loss factors of materials are known."""
 TENSION_SHARE = 0.01
-"""Tension in a joint below this share of the largest force is not worth a word."""
+"""Share of the largest force up to which tension in a joint is not reported: chosen, above what the steps of a grid
+leave."""
+MOST_NAMES = 5
+"""Names that a notice lists before it counts the rest: a line stays a line."""
+_ROUNDING = 1e-9
+"""Relative rounding that a force at its limit, or a number about to be rounded down, may be off by."""
+_SAME_PLACE = 1e-12
+"""Relative rounding of a face's place: a place on it still belongs to the layer before."""
 
 
 def honest_bandwidth(stack: Stack) -> float:
@@ -86,7 +98,7 @@ def _quotable(layer: Layer, rise: float, refused: float) -> str:
     left = math.sqrt(max((refused * layer.diameter / layer.bar_speed) ** 2 - rise**2, 0.0))
     highest = RISE_OF_BANDWIDTH / left / 1e3
     digit = 10.0 ** (math.floor(math.log10(highest)) - 1)
-    return f"{math.floor(highest / digit - 1e-9) * digit:.3g}"
+    return f"{math.floor(highest / digit - _ROUNDING) * digit:.3g}"
 
 
 def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
@@ -114,7 +126,7 @@ def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
             yield Notice("stress-yield", message, stress, strength)
 
 
-def _some(names: Sequence[str], most: int = 5) -> str:
+def _some(names: Sequence[str], most: int = MOST_NAMES) -> str:
     """Join the first names and count the rest."""
     more = len(names) - most
     return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
@@ -137,19 +149,19 @@ def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_
             )
             yield Notice("gasket-yield", message, max(-least, greatest), joint.yield_force)
         if joint.unilateral and joint.gap > 0.0:
-            said = "closes" if greatest > 0.0 else "stays open and transmits nothing"
-            message = f"the gap of {joint.gap * 1e6:.3g} um {where} {said}"
+            outcome = "closes" if greatest > 0.0 else "stays open and transmits nothing"
+            message = f"the gap of {joint.gap * 1e6:.3g} um {where} {outcome}"
             yield Notice("joint-gap", message, greatest, 0.0)
-        elif joint.unilateral and joint.preload > 0.0 and least <= -joint.preload * (1.0 - 1e-9):
+        elif joint.unilateral and joint.preload > 0.0 and least <= -joint.preload * (1.0 - _ROUNDING):
             message = f"the joint {where} opens: tension reaches its preload of {joint.preload:.4g} N"
             yield Notice("joint-opened", message, least, -joint.preload)
         elif not joint.unilateral and least < -TENSION_SHARE * most:
             pulled.append((least, where))
     if pulled:
-        words = _some([f"{where} ({-least / 1e3:.3g} kN)" for least, where in pulled])
+        places = _some([f"{where} ({-least / 1e3:.3g} kN)" for least, where in pulled])
         message = (
-            f"tension in the joint {words}: true only if it is glued, welded or bolted hard enough (a gasket counts as "
-            "glued on both sides); else make it unilateral, with the preload of its bolt"
+            f"tension in the joint {places}: true only if it is glued, welded or bolted hard enough (a gasket counts "
+            "as glued on both sides); else make it unilateral, with the preload of its bolt"
         )
         yield Notice("joint-tension", message, -min(pulled)[0], TENSION_SHARE * most)
 
@@ -190,7 +202,7 @@ def bar_extremes(run: BarRun) -> tuple[Array, Array, Array]:
 def field_extremes(stack: Stack, position: Array, force: Array) -> tuple[Array, Array, Array]:
     """Return largest magnitude of force in each layer, and least and greatest force at each joint, from a field."""
     ends = np.cumsum([layer.length for layer in stack.layers])
-    which = np.minimum(np.searchsorted(ends * (1.0 + 1e-12), position), len(stack.layers) - 1)
+    which = np.minimum(np.searchsorted(ends * (1.0 + _SAME_PLACE), position), len(stack.layers) - 1)
     largest = np.array([np.abs(force[:, which == k]).max(initial=0.0) for k in range(len(stack.layers))])
     joints = [int(np.argmin(np.abs(position - end))) for end in ends[:-1]]
     return largest, force[:, joints].min(axis=0, initial=np.inf), force[:, joints].max(axis=0, initial=-np.inf)

@@ -18,6 +18,10 @@ Prescribed = Literal["force", "speed", "incident"]
 PRESCRIBED: tuple[Prescribed, ...] = ("force", "speed", "incident")
 """What a load prescribes at the first face, by their numbers in the kernels."""
 SHAPES = ("half-sine", "sine-squared", "rectangle", "triangle", "trapezoid")
+"""Shapes of a force pulse; the table of `Pulse` holds their equations."""
+LOW, HIGH = 0.1, 0.9
+"""Shares of the peak between which a rise time is taken: the field's definition. A history that begins or ends above
+the lower one jumps there."""
 
 
 @dataclass(frozen=True)
@@ -119,10 +123,10 @@ class Pulse:
         if self.shape == "rectangle":
             return 0.0
         if self.shape == "half-sine":
-            return self.duration * (math.asin(0.9) - math.asin(0.1)) / math.pi
+            return self.duration * (math.asin(HIGH) - math.asin(LOW)) / math.pi
         if self.shape == "sine-squared":
-            return self.duration * (math.asin(math.sqrt(0.9)) - math.asin(math.sqrt(0.1))) / math.pi
-        return 0.8 * self.rise
+            return self.duration * (math.asin(math.sqrt(HIGH)) - math.asin(math.sqrt(LOW))) / math.pi
+        return (HIGH - LOW) * self.rise
 
 
 @dataclass(frozen=True)
@@ -173,16 +177,16 @@ class Sampled:
         """Time from 10 to 90 % of the largest value, s; 0 where it begins or ends with a jump."""
         peak = int(np.argmax(np.abs(self.values)))
         share = np.abs(self.values[: peak + 1]) / abs(self.values[peak]) if self.values[peak] else np.ones(1)
-        ends = abs(self.values[-1]) > 0.1 * abs(self.values[peak]) and self.kind != "speed"
-        if share[0] > 0.1 or ends:
+        ends = abs(self.values[-1]) > LOW * abs(self.values[peak]) and self.kind != "speed"
+        if share[0] > LOW or ends:
             return 0.0
-        low, high = (int(np.flatnonzero(share >= level)[0]) for level in (0.1, 0.9))
+        low, high = (int(np.flatnonzero(share >= level)[0]) for level in (LOW, HIGH))
 
         def place(k: int, level: float) -> float:
             part = (level - share[k - 1]) / (share[k] - share[k - 1])
             return float(self.time[k - 1] + part * (self.time[k] - self.time[k - 1]))
 
-        return place(high, 0.9) - place(low, 0.1)
+        return place(high, HIGH) - place(low, LOW)
 
 
 @dataclass(frozen=True)

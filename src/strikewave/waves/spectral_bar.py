@@ -13,19 +13,27 @@ from strikewave.waves.layers import Stack
 from strikewave.waves.load import Impactor, Load, Pulse, Sampled
 from strikewave.waves.spectral import MOST_VALUES, Histories, Spectrum, refuse_nonlinear
 from strikewave.waves.times import MOST_SAMPLES, load_time, refuse_coarse, refuse_few_steps, refuse_samples
-from strikewave.waves.transit import ErrorBound, Grid, field_nodes
+from strikewave.waves.transit import FIELD_ROWS, ErrorBound, Grid, field_nodes
 
 Array = NDArray[np.float64]
 
 STEPS_OF_CHANGE = 50.0
-"""Steps of the first try in the shortest time in which the load changes."""
+"""Steps of the first try in the shortest time in which the load changes: rounding the load over a step then changes it
+by 0.1 % or so, and the step is halved from there."""
 MOST_STEPS = 1_000_000
-"""A run of more time steps is refused."""
+"""A run of more time steps is refused: each history would take 8 MB, and each spectrum of a place 16 MB."""
 MOST_WORK = 3e7
-"""Layers times steps up to which the step is refined for the wanted error."""
+"""Layers times steps up to which the step is refined for the wanted error: a few seconds."""
 _TRIES = 4
-_FIELD_ROWS, _FIELD_LAYERS = 500, 100
+"""Halvings of the step for the wanted error: 16 times the cost of the first try."""
+_FIELD_LAYERS = 100
+"""Layers of an x-t field; each place costs a spectrum here, so that they are fewer than by delay lines."""
 _CELLS = 1000
+"""Parts of a layer among which the places of a field are chosen: it is cut into no steps that could serve."""
+_ROUNDING = 1e-12
+"""Share of a step by which a duration may miss a whole number of steps and still be one."""
+_TINY = 1e-300
+"""Stands for zero below a fraction: where nothing moves every change is too large."""
 
 
 def needs_spectrum(stack: Stack) -> bool:
@@ -77,15 +85,15 @@ def spectral_bar(
     refuse_coarse(load, step)
     refuse_samples(duration, 0.5 * step, len(places), "take a longer step, follow a shorter time, or take fewer taps")
     _refuse_steps(duration, 0.5 * step)
-    fine, found = _look(stack, load, places, duration, step)
+    fine, histories = _look(stack, load, places, duration, step)
     for _ in range(_TRIES):
-        coarse, before = fine, found
+        coarse, before = fine, histories
         step *= 0.5
-        fine, found = _look(stack, load, places, duration, step)
-        change = _change(before, found)
+        fine, histories = _look(stack, load, places, duration, step)
+        change = _change(before, histories)
         over = [
-            change.velocity / (wanted.velocity * _largest(found.velocity)),
-            change.acceleration / (wanted.acceleration * _largest(found.acceleration)),
+            change.velocity / (wanted.velocity * _largest(histories.velocity)),
+            change.acceleration / (wanted.acceleration * _largest(histories.acceleration)),
         ]
         steps = 2.0 * fine.steps
         if wanted.step or max(over) <= 1.0 or steps * len(stack.layers) > MOST_WORK or steps > MOST_STEPS:
@@ -95,7 +103,7 @@ def spectral_bar(
     if wanted.step:
         bound = ErrorBound(2.0 * change.velocity, 2.0 * change.acceleration)
         return _bar_run(coarse, before, places, duration, bound)
-    return _bar_run(fine, found, places, duration, change)
+    return _bar_run(fine, histories, places, duration, change)
 
 
 def _refuse_steps(duration: float, step: float) -> None:
@@ -117,7 +125,7 @@ def _look(
     stack: Stack, load: Pulse | Sampled, places: Sequence[tuple[int, float]], duration: float, step: float
 ) -> tuple[Spectrum, Histories]:
     """Return a spectrum and what happens at places."""
-    spectrum = Spectrum(stack, load, step, math.ceil(duration / step * (1.0 - 1e-12)) + 1)
+    spectrum = Spectrum(stack, load, step, math.ceil(duration / step * (1.0 - _ROUNDING)) + 1)
     return spectrum, spectrum.look(places)
 
 
@@ -130,25 +138,25 @@ def _change(coarse: Histories, fine: Histories) -> ErrorBound:
 
 
 def _largest(values: Array) -> float:
-    return float(np.abs(values).max(initial=0.0)) or 1e-300
+    return float(np.abs(values).max(initial=0.0)) or _TINY
 
 
 def _bar_run(
-    spectrum: Spectrum, found: Histories, places: Sequence[tuple[int, float]], duration: float, bound: ErrorBound
+    spectrum: Spectrum, histories: Histories, places: Sequence[tuple[int, float]], duration: float, bound: ErrorBound
 ) -> BarRun:
     """Return the run with its x-t field."""
     stack, step = spectrum.stack, spectrum.step
     nodes, position = field_nodes(stack, Grid(step, (_CELLS,) * len(stack.layers), 0.0), _FIELD_LAYERS)
-    coarse = max(1, spectrum.steps // _FIELD_ROWS)
+    coarse = max(1, spectrum.steps // FIELD_ROWS)
     rows = (spectrum.steps - 1) // coarse + 1
     force, velocity = np.empty((rows, len(nodes))), np.empty((rows, len(nodes)))
     least, greatest = np.empty(len(nodes)), np.empty(len(nodes))
     batch = max(1, int(MOST_VALUES / spectrum.steps))
     for begin in range(0, len(nodes), batch):
         part = slice(begin, begin + batch)
-        seen = spectrum.look([(int(layer), node / _CELLS) for layer, node in nodes[part]], accelerated=False)
-        force[:, part], velocity[:, part] = seen.force.T[::coarse], seen.velocity.T[::coarse]
-        least[part], greatest[part] = seen.force.min(axis=1), seen.force.max(axis=1)
+        field = spectrum.look([(int(layer), node / _CELLS) for layer, node in nodes[part]], accelerated=False)
+        force[:, part], velocity[:, part] = field.force.T[::coarse], field.velocity.T[::coarse]
+        least[part], greatest[part] = field.force.min(axis=1), field.force.max(axis=1)
     face_least, face_greatest = _face_extremes(spectrum, batch)
     face, end, (entered, through, moved) = spectrum.ends()
     faces = faces_of_hung(stack)
@@ -159,9 +167,9 @@ def _bar_run(
         time=step * np.arange(spectrum.steps, dtype=float),
         face_force=face,
         end_force=end,
-        force=found.force.T,
-        velocity=found.velocity.T,
-        acceleration=found.acceleration.T,
+        force=histories.force.T,
+        velocity=histories.velocity.T,
+        acceleration=histories.acceleration.T,
         hung_acceleration=hung_acceleration(stack, spectrum.look(faces).force.T, end),
         bound=bound,
         places=tuple(places),

@@ -1,11 +1,11 @@
 """The staircase: how force grows in steps behind and before a layer between two endless neighbours.
 
-A jump of force comes down the first neighbour and enters the layer, which throws it to and fro between its
+A jump of force comes down the first neighbour and enters the layer, which reflects it many times between its
 interfaces I (where it enters) and II (where it leaves). With F_I and F_II of `Sandwich`:
 
     T_1 = 1 + F_I,    T_2 = 1 + F_II,    q = -F_I F_II
 
-T_1 and T_2 are the shares of force that pass the interfaces, q what one trip to and fro leaves; all (-).
+T_1 and T_2 are the shares of force that pass the interfaces, q what one round trip leaves; all (-).
 """
 
 from __future__ import annotations

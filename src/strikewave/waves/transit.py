@@ -46,16 +46,16 @@ Array = NDArray[np.float64]
 
 MOST_NODES = 50_000_000
 """A grid with more nodes than this is refused: its waves would take more than 0.8 GB."""
-
-
 MOST_EVENTS = 10_000
-"""Openings and closings of joints that are kept."""
-
-MOST_TRIED = 2_000_000
-"""Transits over steps that are compared at once."""
+"""Openings and closings of joints that are kept: a joint that chatters more often than that is no longer read one by
+one, and the run goes on."""
+MOST_TRIED, FEWEST_AT_ONCE, MOST_AT_ONCE = 2_000_000, 16, 4096
+"""Transits over steps that are compared at once: some 16 MB a table, and at least 16 and at most 4096 steps of it, so
+that neither the loop nor a search that ends early costs much."""
 MOST_FIELD_LAYERS = 1000
-FIELD_PLACES = 200
-"""Places of an x-t field."""
+"""Layers of an x-t field; of more some are left out, since each takes two places at least."""
+FIELD_PLACES, FIELD_ROWS = 200, 500
+"""Places and instants of an x-t field: as many as a picture of some hundred pixels shows."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def choose_grid(stack: Stack, mismatch: float, largest: float, smallest: float) 
     first = max(1, math.ceil(shortest / largest))
     last = max(first, math.floor(shortest / smallest))
     best: Grid | None = None
-    several = max(16, min(4096, MOST_TRIED // len(transits)))
+    several = max(FEWEST_AT_ONCE, min(MOST_AT_ONCE, MOST_TRIED // len(transits)))
     for begin in range(first, last + 1, several):
         n = np.arange(begin, min(begin + several, last + 1), dtype=float)
         steps = shortest / n
