@@ -14,7 +14,7 @@ from strikewave.sensors.mounting import RESOLVED, Mounting, transmission
 Array = NDArray[np.float64]
 
 LOWEST = 10.0
-"""Frequency from which a mounting is looked at, Hz."""
+"""Frequency from which a mounting is looked at, Hz: below, no mounting of a sensor has a resonance."""
 
 POINTS = 1200
 """Frequencies from `LOWEST` to `RESOLVED`, 0.8 % apart: below a resonance a magnitude rises over far more."""
@@ -64,8 +64,8 @@ def band(mounting: Mounting) -> Band:
     Examples
     --------
     >>> from strikewave.sensors import Gasket
-    >>> held = band(Mounting((Gasket(1.0, 4e6 * math.pi**2, 1e-4, 1e-3),), 1e-2))  # 3.16 kHz, almost without mass
-    >>> round(held.within_10), round(held.half_power), round(held.resonance)
+    >>> passed = band(Mounting((Gasket(1.0, 4e6 * math.pi**2, 1e-4, 1e-3),), 1e-2))  # 3.16 kHz, almost without mass
+    >>> round(passed.within_10), round(passed.half_power), round(passed.resonance)
     (953, 4913, 3162)
     """
     if mounting.direct:

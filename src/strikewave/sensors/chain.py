@@ -12,12 +12,25 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.sensors.mounting import Mounting, mounting_system
 from strikewave.sensors.response import Recursion, history, ramp_invariant, seismic, series
-from strikewave.signal.filters import low_pass
+from strikewave.signal.filters import MOST_POLES, low_pass
 
 Array = NDArray[np.float64]
 
 ASSUMED_QUALITY = 30.0
 """Magnification at resonance where none is given: about 30 dB, as undamped accelerometers have. Assumed."""
+
+BITS = 2, 32
+"""Bits of a recorder: two make the fewest codes to both sides of zero, and no converter has more than 32."""
+
+STORAGE_RATE, STORAGE_BITS, STORAGE_POLES, RATE_OVER_CUTOFF = 100e3, 12, 4, 5.0
+"""A recorder that rides in the fixture; all assumed, as small shock recorders are. A cutoff at a fifth of the sampling
+rate keeps what folds back into the passband below -48 dB with four poles."""
+
+SCOPE_RATE, SCOPE_BITS = 10e6, 8
+"""A fast recorder beside the machine; assumed, as digital oscilloscopes are."""
+
+_LAST_INSTANT = 1e-6
+"""Share of a sampling interval by which an instant at the very end may lie behind it through rounding, and counts."""
 
 
 @dataclass(frozen=True)
@@ -95,23 +108,25 @@ class Recorder:
                 raise ValueError(f"{key} of a recorder must be above zero, got {getattr(self, key)!r}")
         if self.full_scale is not None and not self.full_scale > 0.0:
             raise ValueError(f"full_scale of a recorder must be above zero, got {self.full_scale!r}")
-        if self.bits != 0 and not (isinstance(self.bits, int) and 2 <= self.bits <= 32):
-            raise ValueError(f"bits of a recorder must be 0 or a whole number from 2 to 32, got {self.bits!r}")
-        if not (isinstance(self.order, int) and 1 <= self.order <= 12):
-            raise ValueError(f"order of a recorder's filter must be a whole number from 1 to 12, got {self.order!r}")
+        if self.bits != 0 and not (isinstance(self.bits, int) and BITS[0] <= self.bits <= BITS[1]):
+            raise ValueError(
+                f"bits of a recorder must be 0 or a whole number from {BITS[0]} to {BITS[1]}, got {self.bits!r}"
+            )
+        if not (isinstance(self.order, int) and 1 <= self.order <= MOST_POLES):
+            raise ValueError(
+                f"order of a recorder's filter must be a whole number from 1 to {MOST_POLES}, got {self.order!r}"
+            )
 
 
 def storage_recorder(full_scale: float | None = None) -> Recorder:
     """Return a recorder that rides in the fixture: 100 kHz, 12 bits, 4 poles at 20 kHz. All assumed.
-
-    A fifth of the sampling rate keeps what folds back into the passband below -48 dB.
 
     Examples
     --------
     >>> storage_recorder().sampling_rate
     100000.0
     """
-    return Recorder(sampling_rate=100e3, cutoff=20e3, order=4, bits=12, full_scale=full_scale)
+    return Recorder(STORAGE_RATE, STORAGE_RATE / RATE_OVER_CUTOFF, STORAGE_POLES, STORAGE_BITS, full_scale)
 
 
 def oscilloscope(full_scale: float | None = None) -> Recorder:
@@ -122,7 +137,7 @@ def oscilloscope(full_scale: float | None = None) -> Recorder:
     >>> oscilloscope().bits
     8
     """
-    return Recorder(sampling_rate=10e6, bits=8, full_scale=full_scale)
+    return Recorder(sampling_rate=SCOPE_RATE, bits=SCOPE_BITS, full_scale=full_scale)
 
 
 class Reading(NamedTuple):
@@ -234,10 +249,10 @@ def read(
         raise ValueError("a recorder with bits needs a full scale, or a sensor with a range")
     signal = output(sensor, acceleration, step)
     peak = float(np.max(np.abs(signal)))
-    held = np.clip(signal, -sensor.range, sensor.range)
+    clipped = np.clip(signal, -sensor.range, sensor.range)
     if math.isfinite(recorder.cutoff):
-        held = low_pass(held, step, recorder.cutoff, recorder.order)
-    time, values = _sampled(held, step, recorder.sampling_rate, sample_phase)
+        clipped = low_pass(clipped, step, recorder.cutoff, recorder.order)
+    time, values = _sampled(clipped, step, recorder.sampling_rate, sample_phase)
     recorder_clipped = bool(np.max(np.abs(values)) > full_scale)
     values = np.clip(values, -full_scale, full_scale)
     quantum = 0.0
@@ -253,7 +268,7 @@ def _sampled(values: Array, step: float, rate: float, phase: float) -> tuple[Arr
     grid = np.arange(values.size, dtype=np.float64) * float(step)
     if math.isinf(rate):
         return grid, values
-    count = math.floor(grid[-1] * rate - phase + 1e-6) + 1  # an instant at the very end counts
+    count = math.floor(grid[-1] * rate - phase + _LAST_INSTANT) + 1
     if count < 1:
         raise ValueError(f"the history of {grid[-1]:g} s ends before the recorder's first instant")
     instants: Array = (np.arange(count) + phase) / rate

@@ -12,7 +12,8 @@ from strikewave.sensors import Reading, Recorder, Sensor
 from strikewave.signal.pulse import largest, measure_pulse
 
 HEAVY_SENSOR = 0.02
-"""Share of the assembly's mass above which a buffered sensor loads back what it sits on."""
+"""Share of the assembly's mass above which a buffered sensor loads back what it sits on: it then changes that motion by
+about as much, which the model leaves out."""
 
 
 class Channel(NamedTuple):
@@ -57,20 +58,20 @@ def channel_notices(
 
     ``pulses`` are those of each blow, by name of the sensor.
     """
-    found = []
+    notices = []
     for channel in channels:
         name = channel.sensor.name
         clipped = sum(pulse[name].clipped for pulse in pulses)
         if clipped:
             limit = channel.sensor.range
             message = f"sensor {name} clips in {clipped} of {len(pulses)} pulses: take a larger range"
-            found.append(Notice("sensor-clipped", message, float(clipped), 0.0 if math.isinf(limit) else limit))
+            notices.append(Notice("sensor-clipped", message, float(clipped), 0.0 if math.isinf(limit) else limit))
         missed = sum(math.isnan(pulse[name].peak) for pulse in pulses)
         if missed:
             message = f"the recorder of sensor {name} takes no sample in {missed} of {len(pulses)} pulses: too slow"
-            found.append(Notice("recorder-slow", message, channel.recorder.sampling_rate, 0.0))
+            notices.append(Notice("recorder-slow", message, channel.recorder.sampling_rate, 0.0))
         share = channel.sensor.mounting.sensor_mass / assembly_mass
         if share > HEAVY_SENSOR:
             message = f"sensor {name} weighs {share:.1%} of the assembly: its buffer would load the assembly back"
-            found.append(Notice("heavy-sensor", message, share, HEAVY_SENSOR))
-    return tuple(found)
+            notices.append(Notice("heavy-sensor", message, share, HEAVY_SENSOR))
+    return tuple(notices)

@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 BLOCK = 256
-"""Samples that are answered by one product of matrices; a power of two."""
+"""Samples that are answered by one product of matrices. Chosen: longer blocks cost more products a sample, shorter ones
+more steps of the loop; a power of two, so that the power of Phi takes eight products."""
 
 
 class LinearSystem(NamedTuple):
@@ -43,7 +44,7 @@ class LinearSystem(NamedTuple):
 
 
 IDENTITY = LinearSystem(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 1.0)
-"""Output is input."""
+"""Output is input: what nothing lies between."""
 
 
 def seismic(resonance: float, quality: float) -> LinearSystem:

@@ -13,13 +13,19 @@ import numpy as np
 from strikewave.base.compiled import fused_kernel, leaf_kernel
 
 SEGMENT = 512
-"""Samples whose extremes are kept together; a segment that may hold the peak is gone through again."""
+"""Samples whose extremes are kept together; a segment that may hold the peak is gone through again. Chosen: longer ones
+cost more to go through again, shorter ones more memory for their extremes."""
 
 CLOSE = 1e-6
-"""Share of the peak below which a segment that might exceed it is not gone through."""
+"""Share of the peak by which a segment must be able to exceed it to be gone through: at most this much of a peak is
+missed, far less than a record is exact, and the many segments of a steady vibration, all as high, are left out."""
+_EARLIER = 1e-9
+"""Share by which the best sample of a segment is lowered when that segment is gone through again, so that the step that
+holds it counts as better in spite of rounding."""
 
 NOTHING = 1e-280
-"""Responses below are set to zero: numbers with lost digits would slow the loop a hundredfold."""
+"""Responses below are set to zero: below 2e-308 numbers lose digits, and processors need a hundred times as long for
+them. The distance leaves room for products with small weights."""
 
 
 @fused_kernel
@@ -132,7 +138,7 @@ def sharpen(sign, x, before, filters, shapes, bends, places, record, load, found
             if sign * record[row, segment, j] > sign * record[row, most, j]:
                 most = segment
         best = sign * record[row, most, j]
-        best -= 1e-9 * abs(best)
+        best -= _EARLIER * abs(best)
         for turn in range(segments + 1):
             segment = most if turn == 0 else turn - 1
             if turn > 0:

@@ -19,7 +19,21 @@ from strikewave.signal.pulse import HALF_SINE_RISE, HALF_SINE_WIDTH, measure_pul
 Array = NDArray[np.float64]
 
 SETTLED = 1e-13
-"""Share of a response that may be left where padding ends."""
+"""Share of a response that may be left where padding ends: a thousand times rounding, and far below any record."""
+MOST_POLES = 12
+"""Poles of a filter, at most: recorders have 2 to 8. Chosen well above, so that only a slip is refused."""
+SAE_J211_CUTOFF, SAE_J211_POLES = 2.0775, 2
+"""Cutoff of each pass over the channel class, and its poles: appendix C of SAE J211-1."""
+HALF_SINE_SAMPLES, CUTOFF_STEP, REACH = 400, 0.02, 3.0
+"""Samples of a half-sine on which a filter is tried, at least, the longest step as a share of one over the cutoff, and
+how many times one over the cutoff the history goes on to either side: peak and width are then good to 1e-6 (measured at
+five times the cutoff)."""
+ADVISED_LOSS, LOSSES = 0.02, (1e-6, 0.5)
+"""Share of a peak that a filter may take unless said otherwise, about what a calibrated chain is uncertain by; and the
+shares that can be asked for: below 1e-6 the trial itself is off by as much, beyond a half the pulse is another one."""
+CUTOFFS, CUTOFF_ROUNDING = (0.3, 20.0), 1e-4
+"""Cutoffs of a half-sine of 1 s that are searched, Hz, for losses from a half (0.36) to 1e-6 (5.0, measured), and how
+exactly: a cutoff is stated to three digits."""
 
 
 def low_pass(values: ArrayLike, step: float, cutoff: float, order: int = 4, axis: int = -1) -> Array:
@@ -107,7 +121,7 @@ class Filter:
         >>> round(Filter.sae_j211(1000).half_power(1e-6))
         1667
         """
-        return cls(2.0775 * channel_class, 2, "each", f"CFC {channel_class:g} (SAE J211)")
+        return cls(SAE_J211_CUTOFF * channel_class, SAE_J211_POLES, "each", f"CFC {channel_class:g} (SAE J211)")
 
     def __str__(self) -> str:
         how = "for both passes together" if self.convention == "both" else "for each pass"
@@ -168,7 +182,7 @@ class Effect(NamedTuple):
     width: float
 
 
-def effect_on_half_sine(filter_: Filter, duration: float, samples: int = 400) -> Effect:
+def effect_on_half_sine(filter_: Filter, duration: float, samples: int = HALF_SINE_SAMPLES) -> Effect:
     """Return what a filter leaves of a half-sine.
 
     Parameters
@@ -187,9 +201,9 @@ def effect_on_half_sine(filter_: Filter, duration: float, samples: int = 400) ->
     >>> [round(effect_on_half_sine(Filter.sae_j211(1000), t).peak, 2) for t in (100e-6, 200e-6, 300e-6)]
     [0.28, 0.52, 0.7]
     """
-    step = min(duration / samples, 0.02 / filter_.cutoff)
+    step = min(duration / samples, CUTOFF_STEP / filter_.cutoff)
     count = round(duration / step)
-    reach = count + math.ceil(3.0 / (filter_.cutoff * step))
+    reach = count + math.ceil(REACH / (filter_.cutoff * step))
     places = np.arange(-reach, count + reach + 1)
     pulse = np.where((places > 0) & (places < count), np.sin(np.pi * places / count), 0.0)
     gain = filter_.gain(np.fft.rfftfreq(pulse.size, step), step)
@@ -197,7 +211,7 @@ def effect_on_half_sine(filter_: Filter, duration: float, samples: int = 400) ->
     return Effect(after.peak / before.peak, after.width / before.width)
 
 
-def advised_cutoff(rise: float, width: float, loss: float = 0.02) -> float:
+def advised_cutoff(rise: float, width: float, loss: float = ADVISED_LOSS) -> float:
     """Return the lowest cutoff of a 4-pole zero-phase filter that takes at most ``loss`` off a pulse's peak, Hz.
 
     The pulse is taken as the half-sine that is as steep: of a half-sine of duration T, the rise from 10 to 90 %
@@ -221,19 +235,13 @@ def advised_cutoff(rise: float, width: float, loss: float = 0.02) -> float:
     >>> round(effect_on_half_sine(Filter(cutoff), 200e-6).peak, 3)
     0.98
     """
-    known = [
-        value
-        for value in (
-            rise / HALF_SINE_RISE,
-            width / HALF_SINE_WIDTH,
-        )
-        if value > 0.0
-    ]
-    if not 1e-6 <= loss <= 0.5:
-        raise ValueError(f"the loss of a cutoff lies between 1e-6 and 0.5, got {loss!r}")
-    if not known:
+    durations = [duration for duration in (rise / HALF_SINE_RISE, width / HALF_SINE_WIDTH) if duration > 0.0]
+    least, most = LOSSES
+    if not least <= loss <= most:
+        raise ValueError(f"the loss of a cutoff lies between {least:g} and {most:g}, got {loss!r}")
+    if not durations:
         raise ValueError("a cutoff needs the rise or the width of the pulse")
-    return _cutoff_times_duration(loss) / min(known)
+    return _cutoff_times_duration(loss) / min(durations)
 
 
 @functools.lru_cache(maxsize=32)
@@ -241,17 +249,18 @@ def _cutoff_times_duration(loss: float) -> float:
     """Return the cutoff of a half-sine of 1 s, Hz."""
     from scipy.optimize import brentq
 
-    return float(
-        brentq(lambda cutoff: 1.0 - effect_on_half_sine(Filter(cutoff), 1.0).peak - loss, 0.3, 20.0, xtol=1e-4)
-    )
+    def excess(cutoff: float) -> float:
+        return 1.0 - effect_on_half_sine(Filter(cutoff), 1.0).peak - loss
+
+    return float(brentq(excess, *CUTOFFS, xtol=CUTOFF_ROUNDING))
 
 
 def _butterworth(cutoff: float, step: float, order: int, widened: float = 1.0) -> Array:
     """Return second-order sections; ``widened`` multiplies the cutoff on the warped scale."""
     if not 0.0 < step < math.inf:
         raise ValueError(f"the step must be above zero and finite, got {step!r}")
-    if not (isinstance(order, int) and 1 <= order <= 12):
-        raise ValueError(f"the order of a filter must be a whole number from 1 to 12, got {order!r}")
+    if not (isinstance(order, int) and 1 <= order <= MOST_POLES):
+        raise ValueError(f"the order of a filter must be a whole number from 1 to {MOST_POLES}, got {order!r}")
     if not 0.0 < cutoff < 0.5 / step:
         raise ValueError(
             f"the cutoff must lie above zero and below half the sampling rate, {0.5 / step:g} Hz, got {cutoff:g} Hz: "

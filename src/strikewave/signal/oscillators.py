@@ -25,19 +25,31 @@ def legendre(count: int) -> tuple[Array, Array]:
 
 
 NODES, WEIGHTS = legendre(24)
-"""Gauss-Legendre rule on 0 to 1; exact to rounding up to eight decay times or half a period."""
+"""Gauss-Legendre rule on 0 to 1; exact to rounding up to eight decay times or half a period (3e-14, measured)."""
 
 FEW = legendre(8)
-"""The same, up to one radian or decay time."""
+"""The same, up to one radian or decay time: 6 nodes leave 8e-14, 8 leave 2e-15 (measured)."""
 
 STIFF = 8.0
-"""Decay times a step above which the exponential integrals are taken in closed form."""
+"""Decay times a step above which the exponential integrals are taken in closed form: up to there the rule is exact, and
+from one on their differences lose no digits."""
 
 CRITICAL = 1e-7
-"""Smallest |K|/w."""
+"""Smallest |K|/w: K in a denominator must not vanish, and its square, 1e-14, is what a response is off by."""
 
 PLACES = np.linspace(0.0, 1.0, 17) ** 2
 """Places in a step at which a response is looked at: dense at its start, where fast modes die."""
+
+BETWEEN_PLACES = 1.1
+"""Factor by which the largest P and R of `bend` may exceed those at the places; measured: 1.008, up to three times
+critical damping."""
+
+CALM = 0.5
+"""Least 1 - 2 a - w^2/8 at which that formula bounds a peak inside a step: below, the largest P and R bound it
+better."""
+
+SERIES_TERMS = 8
+"""Terms of sin(K v)/K beyond the first, |K v| below 1: the next is 1e-16."""
 
 
 class Bank(NamedTuple):
@@ -87,9 +99,9 @@ def bank(frequency: Array, damping: float, absolute: bool) -> Bank:
     bends = np.stack(bend(frequency[:, None], damping, PLACES))
     square, double = frequency**2, 2.0 * damping * frequency
     on_level, on_slope = (square / b0, double / b0) if absolute else (1.0 / b0, np.zeros_like(b0))
-    flat, rising = 1.1 * np.max(bends, axis=2)
+    flat, rising = BETWEEN_PLACES * np.max(bends, axis=2)
     calmness = 1.0 - double - square / 8.0
-    lively, curved = calmness < 0.5, 0.125 / np.maximum(calmness, 0.5)
+    lively, curved = calmness < CALM, 0.125 / np.maximum(calmness, CALM)
     between = [
         np.where(lively, flat * (square + 2.0 * double) + 2.0 * rising * square, curved * square),
         np.where(lively, flat, curved) * on_level,
@@ -191,7 +203,7 @@ def _bend_by_quadrature(w: Array, zeta: float, u: Array) -> tuple[Array, Array]:
         """sin(K v)/K by its series."""
         q = square * v**2
         total = np.ones_like(q)
-        for n in range(8, 0, -1):
+        for n in range(SERIES_TERMS, 0, -1):
             total *= q / (2.0 * n * (2.0 * n + 1.0))
             total += 1.0
         return v * total

@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-
 WIDTH_FRACTION = 0.1
-"""Share of the peak at which a pulse's width is taken unless said otherwise."""
-HALF_SINE_WIDTH = 1.0 - 2.0 * math.asin(0.1) / math.pi
+"""Share of the peak at which a pulse's width is taken unless said otherwise: the convention of shock tests, high enough
+to stand above noise and baseline."""
+RISE_LOW, RISE_HIGH = 0.1, 0.9
+"""Shares of the peak between which a rise time is taken: the field's definition."""
+HALF_SINE_WIDTH = 1.0 - 2.0 * math.asin(WIDTH_FRACTION) / math.pi
 """Width at 10 % of the peak of a half-sine, over its duration."""
-HALF_SINE_RISE = (math.asin(0.9) - math.asin(0.1)) / math.pi
+HALF_SINE_RISE = (math.asin(RISE_HIGH) - math.asin(RISE_LOW)) / math.pi
 """Rise from 10 to 90 % of a half-sine, over its duration."""
 FEWEST_INTERVALS = 10.0
 """Sampling intervals a pulse below which the recorder is warned of: the worst loss of peak is then 1.2 %."""
@@ -119,7 +121,7 @@ def measure_pulse(values: Array, step: float, start: float = 0.0, fraction: floa
         raise ValueError("the history has no positive value")
     place, peak = refine_peak(values, index)
     begin, end = (crossing(values, index, fraction * peak, side) for side in (-1, 1))
-    low, high = (crossing(values, index, share * peak, -1) for share in (0.1, 0.9))
+    low, high = (crossing(values, index, share * peak, -1) for share in (RISE_LOW, RISE_HIGH))
     first, last = (0.0 if math.isnan(begin) else begin), (values.size - 1.0 if math.isnan(end) else end)
     grid = np.concatenate([[first], np.arange(np.ceil(first), np.floor(last) + 1), [last]])
     area = float(np.trapezoid(np.interp(grid, np.arange(values.size), values), grid)) * step
@@ -153,7 +155,7 @@ def front(acceleration: Array, step: float) -> float:
     place = int(np.argmax(values))
     if not values[place] > 0.0:
         return math.inf
-    edges = [crossing(values, place, 0.1 * float(values[place]), side) for side in (-1, 1)]
+    edges = [crossing(values, place, RISE_LOW * float(values[place]), side) for side in (-1, 1)]
     begin = edges[0] if math.isfinite(edges[0]) else 0.0
     end = edges[1] if math.isfinite(edges[1]) else float(values.size)
-    return 0.8 * (end - begin) * step
+    return (RISE_HIGH - RISE_LOW) * (end - begin) * step

@@ -13,6 +13,12 @@ Array = NDArray[np.float64]
 REACH = 32
 """Samples on each side that interpolation looks at: flat within 1e-4 up to 0.46 of the sampling rate."""
 
+KAISER = 8.0
+"""Shape of its Kaiser window: 6 and 10 leave 5e-4 and 2.5e-3 with as many samples (measured)."""
+
+NARROWER = (0.08, 0.01, 0.001)
+"""Half widths, in steps, of the parabolas about a peak: the error of each is of the third power of its width."""
+
 
 def interpolate(history: Array, factor: int) -> Array:
     """Interpolate a history band-limited, so that straight lines between the new samples carry its spectrum.
@@ -26,11 +32,11 @@ def interpolate(history: Array, factor: int) -> Array:
     from scipy import signal
 
     reach = REACH * factor
-    taps = factor * signal.firwin(2 * reach + 1, 1.0 / factor, window=("kaiser", 8.0))
+    taps = factor * signal.firwin(2 * reach + 1, 1.0 / factor, window=("kaiser", KAISER))
     taps = np.convolve(taps, np.array([-1.0, 14.0, -1.0]) / 12.0)
-    held = np.pad(history, REACH + 1, mode="edge")
+    padded = np.pad(history, REACH + 1, mode="edge")
     first = (REACH + 1) * factor + reach + 1
-    fine = signal.upfirdn(taps, held, up=factor)
+    fine = signal.upfirdn(taps, padded, up=factor)
     return np.ascontiguousarray(fine[first : first + (history.size - 1) * factor + 1])
 
 
@@ -66,20 +72,20 @@ def _stretch(x: Array, before: Array, oscillators: Bank, state: Array, wanted: b
         return state[0], state[1]
     load = np.empty((2, segments))
     kernels.loads(x, before, load)
-    found = np.zeros((5, 2, state.shape[1]))
+    peaks = np.zeros((5, 2, state.shape[1]))
     for side, sign in enumerate((1.0, -1.0)):
         shape = (oscillators.shapes, oscillators.bends, PLACES)
-        kernels.sharpen(sign, x, before, oscillators.filters, *shape, record, load, found[:, side])
-    seen = np.stack([record[0].max(axis=0), -record[1].min(axis=0)])
-    sides = np.maximum(np.maximum(seen, _polished(found, oscillators)), 0.0) * oscillators.weight
+        kernels.sharpen(sign, x, before, oscillators.filters, *shape, record, load, peaks[:, side])
+    at_samples = np.stack([record[0].max(axis=0), -record[1].min(axis=0)])
+    sides = np.maximum(np.maximum(at_samples, _polished(peaks, oscillators)), 0.0) * oscillators.weight
     return sides[0], sides[1]
 
 
-def _polished(found: Array, oscillators: Bank) -> Array:
+def _polished(peaks: Array, oscillators: Bank) -> Array:
     """Return the largest and minus the smallest response, by narrow parabolas around the places found in a step."""
-    place, start, change, flat, rising = found
+    place, start, change, flat, rising = peaks
     sign = np.array([[1.0], [-1.0]])
-    for width in (0.08, 0.01, 0.001):
+    for width in NARROWER:
         middle = np.clip(place, width, 1.0 - width)
         u = middle + width * np.array([-1.0, 0.0, 1.0])[:, None, None]
         P, R = bend(oscillators.frequency, oscillators.damping, u)

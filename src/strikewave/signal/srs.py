@@ -21,13 +21,24 @@ from strikewave.signal.responses import extremes, framed, interpolate
 Array = NDArray[np.float64]
 
 KINDS = ("absolute", "displacement", "pseudo-velocity")
+"""Responses that a spectrum can be of."""
 PARTS = ("total", "primary", "residual")
+"""Parts of a response: with the vibration after the shock, without it, or that alone."""
 
 SMOOTH = 20
 """Samples a period below which straight lines are no longer good: they lose (pi/20)^2/3 = 0.8 % there."""
 
 FACTORS = (1, 2, 4, 8, 10)
-"""Factors of interpolation."""
+"""Factors of interpolation: a frequency takes the least that leaves `SMOOTH` samples a period, and 10 serves up to half
+the sampling rate; few factors, since the record is gone through once for each."""
+
+PER_OCTAVE, QUALITY = 12.0, 10.0
+"""Frequencies an octave, and quality factor, where none is given: the usual ones of shock response spectra, a resonance
+of 5 % damping being wider than a twelfth of an octave."""
+
+_ROUNDING, _SAME_FREQUENCY = 1e-12, 1e-9
+"""Relative roundings: of the samples a period of a frequency at the edge of a factor, and of a frequency reached by
+even ratios."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +120,7 @@ class RollingSpectrum(NamedTuple):
         return np.maximum(self.positive, self.negative)
 
 
-def octaves(low: float, high: float, per_octave: float = 12.0) -> Array:
+def octaves(low: float, high: float, per_octave: float = PER_OCTAVE) -> Array:
     """Return natural frequencies from low to high at even ratios; high is the last where the ratio meets it.
 
     Examples
@@ -122,9 +133,9 @@ def octaves(low: float, high: float, per_octave: float = 12.0) -> Array:
             f"octaves need 0 < low <= high and per_octave > 0, all finite, got low={low!r}, high={high!r}, "
             f"per_octave={per_octave!r}"
         )
-    count = math.floor(math.log2(high / low) * per_octave + 1e-9)
+    count = math.floor(math.log2(high / low) * per_octave + _SAME_FREQUENCY)
     grid = low * 2.0 ** (np.arange(count + 1) / per_octave)
-    grid[-1] = high if math.isclose(grid[-1], high, rel_tol=1e-9) else grid[-1]
+    grid[-1] = high if math.isclose(grid[-1], high, rel_tol=_SAME_FREQUENCY) else grid[-1]
     return np.asarray(grid)
 
 
@@ -132,7 +143,7 @@ def srs(
     values: ArrayLike,
     step: float,
     frequencies: ArrayLike,
-    q: float = 10.0,
+    q: float = QUALITY,
     kind: str = "absolute",
     scope: Scope | None = None,
 ) -> Spectrum:
@@ -191,7 +202,7 @@ def rolling_srs(
     step: float,
     frequencies: ArrayLike,
     window: tuple[float, float],
-    q: float = 10.0,
+    q: float = QUALITY,
     kind: str = "absolute",
 ) -> RollingSpectrum:
     """Return the spectra of windows that slide over a record, each as if nothing came before or after it.
@@ -211,10 +222,10 @@ def rolling_srs(
     Examples
     --------
     >>> blows = np.tile(np.concatenate([np.sin(np.pi * np.arange(101) / 100), np.zeros(899)]), 2)
-    >>> found = rolling_srs(blows, 1e-5, [100.0, 1000.0], window=(0.01, 0.01))
-    >>> found.time.round(4)
+    >>> rolling = rolling_srs(blows, 1e-5, [100.0, 1000.0], window=(0.01, 0.01))
+    >>> rolling.time.round(4)
     array([0.005, 0.015])
-    >>> found.maximax.round(2)
+    >>> rolling.maximax.round(2)
     array([[0.37, 1.62],
            [0.37, 1.62]])
     """
@@ -241,7 +252,7 @@ def rolling_srs(
 
 def _groups(fn: Array, step: float, upsample: bool) -> list[tuple[int, NDArray[np.intp]]]:
     """Return factors of interpolation, each with the frequencies that need it."""
-    needed = np.searchsorted(FACTORS, SMOOTH * fn * step * (1.0 - 1e-12)) if upsample else np.zeros(fn.size, int)
+    needed = np.searchsorted(FACTORS, SMOOTH * fn * step * (1.0 - _ROUNDING)) if upsample else np.zeros(fn.size, int)
     return [(FACTORS[i], np.flatnonzero(needed == i)) for i in np.unique(needed)]
 
 

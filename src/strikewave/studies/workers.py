@@ -30,19 +30,19 @@ class Workers:
         Processes; no more than cores.
     begin : callable, optional
         Makes a process ready.
-    given : tuple, optional
-        What ``begin`` is called with.
+    arguments : tuple, optional
+        Arguments of ``begin``.
     """
 
-    def __init__(self, count: int, begin: Callable[..., None] | None = None, given: tuple[Any, ...] = ()) -> None:
+    def __init__(self, count: int, begin: Callable[..., None] | None = None, arguments: tuple[Any, ...] = ()) -> None:
         self._pool: ProcessPoolExecutor | None = None
         self._before = {process.pid for process in multiprocessing.active_children()}
         count = min(count, os.cpu_count() or 1)
         if count > 1:
             spawn = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(count, spawn, _begin, (begin, given))
+            self._pool = ProcessPoolExecutor(count, spawn, _begin, (begin, arguments))
         elif begin is not None:
-            begin(*given)
+            begin(*arguments)
 
     def __enter__(self) -> Workers:
         return self
@@ -75,7 +75,7 @@ class Workers:
         if self._pool is None:
             yield from map(function, items)
             return
-        with _broken_told():
+        with _broken_reported():
             for future in self._submitted(self._pool, function, items):
                 yield future.result()
 
@@ -85,7 +85,7 @@ class Workers:
             for item in items:
                 yield item, function(item)
             return
-        with _broken_told():
+        with _broken_reported():
             todo = list(items)
             running = dict(zip(self._submitted(self._pool, function, todo), todo, strict=True))
             while running:
@@ -100,11 +100,11 @@ class Workers:
             return [pool.submit(function, item) for item in items]
 
 
-def _begin(begin: Callable[..., None] | None, given: tuple[Any, ...]) -> None:
+def _begin(begin: Callable[..., None] | None, arguments: tuple[Any, ...]) -> None:
     """Make a process ready, and let the parent alone answer Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if begin is not None:
-        begin(*given)
+        begin(*arguments)
 
 
 @contextlib.contextmanager
@@ -121,7 +121,7 @@ def _interrupts_later() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _broken_told() -> Iterator[None]:
+def _broken_reported() -> Iterator[None]:
     try:
         yield
     except BrokenProcessPool:

@@ -24,8 +24,9 @@ OF_EACH_STRIKER = {
 }
 """What is drawn for each striker separately, and where it stands in a row of [[striker.each]]."""
 FELT = ("machine", "striker", "feed", "object", "contact", "stack")
-"""Tables that a blow feels."""
+"""Tables that a blow feels: a tolerance anywhere else changes no run."""
 EXAMPLE = 'mass = { value = "1 kg", tolerance = "2 %" } in [striker], or --set striker.mass.tolerance="2 %"'
+"""A tolerance, for the error line where a case has none."""
 
 
 @dataclass(frozen=True)
@@ -72,13 +73,13 @@ def tolerances_of(case: Case) -> tuple[Tolerance, ...]:
     --------
     >>> from strikewave import load_case
     >>> case = load_case("li-ma-2019", ["striker.mass.tolerance=2 %", "feed.arrival.tolerance=0.1"])
-    >>> [(one.path, one.count) for one in tolerances_of(case)]
+    >>> [(tolerance.path, tolerance.count) for tolerance in tolerances_of(case)]
     [('feed.arrival', 1), ('striker.mass', 4)]
     """
     rig = case.rig()
     numbers = range(1, int(rig.machine.strikers.si) + 1)
     rows = {int(row.number.si): row for row in rig.striker.each}
-    found = []
+    tolerances = []
     for path, value in sorted(case.values().items()):
         if value.tolerance is None or path.partition(".")[0] not in FELT:
             continue
@@ -88,15 +89,15 @@ def tolerances_of(case: Case) -> tuple[Tolerance, ...]:
         key = OF_EACH_STRIKER.get(path)
         drawn = tuple(n for n in numbers if n not in rows or getattr(rows[n], key) is None) if key else ()
         if drawn or not key:
-            found.append(Tolerance(path, value, allowed, drawn))
-    if not found:
+            tolerances.append(Tolerance(path, value, allowed, drawn))
+    if not tolerances:
         raise InputError("tolerance", MISSING, "a tolerance on at least one quantity that a blow feels", EXAMPLE)
-    return tuple(found)
+    return tuple(tolerances)
 
 
 def unfelt(case: Case, tolerances: Sequence[Tolerance]) -> list[str]:
     """Return the paths of other tolerances: of sensors, recorder, solver, or of what each striker has for itself."""
-    known = {one.path for one in tolerances}
+    known = {tolerance.path for tolerance in tolerances}
     return [path for path, value in case.values().items() if value.tolerance is not None and path not in known]
 
 
@@ -134,28 +135,30 @@ def quantiles(tolerances: Sequence[Tolerance], runs: int, seed: int) -> Array:
 
     Each depends on seed, run and path alone: another tolerance in the case, or more runs, change none of them.
     """
-    return np.array([np.concatenate([_random(one, run, seed) for one in tolerances]) for run in range(runs)])
+    return np.array(
+        [np.concatenate([_random(tolerance, run, seed) for tolerance in tolerances]) for run in range(runs)]
+    )
 
 
-def _random(one: Tolerance, run: int, seed: int) -> Array:
+def _random(tolerance: Tolerance, run: int, seed: int) -> Array:
     """Return the random numbers of one tolerance in one run; a striker has the same whether others are drawn or not."""
-    source = np.random.Philox(np.random.SeedSequence(seed, spawn_key=(run, *one.path.encode())))
-    numbers = np.random.Generator(source).random(max(one.strikers, default=1))
-    return numbers[np.array(one.strikers) - 1] if one.strikers else numbers
+    source = np.random.Philox(np.random.SeedSequence(seed, spawn_key=(run, *tolerance.path.encode())))
+    numbers = np.random.Generator(source).random(max(tolerance.strikers, default=1))
+    return numbers[np.array(tolerance.strikers) - 1] if tolerance.strikers else numbers
 
 
 def drawn(tolerances: Sequence[Tolerance], points: Array) -> Array:
     """Return what is drawn at quantiles, shape (runs, numbers drawn), in SI."""
     columns, place = [], 0
-    for one in tolerances:
-        columns.append(draw(one.value, one.allowed, points[:, place : place + one.count]))
-        place += one.count
+    for tolerance in tolerances:
+        columns.append(draw(tolerance.value, tolerance.allowed, points[:, place : place + tolerance.count]))
+        place += tolerance.count
     return np.concatenate(columns, axis=1)
 
 
 def nominal(tolerances: Sequence[Tolerance]) -> Array:
     """Return the nominal values in the order of what is drawn, shape (1, numbers drawn)."""
-    return np.array([[one.value.si for one in tolerances for _ in range(one.count)]])
+    return np.array([[tolerance.value.si for tolerance in tolerances for _ in range(tolerance.count)]])
 
 
 def drawn_case(case: Case, tolerances: Sequence[Tolerance], numbers: Sequence[float]) -> Case:
@@ -165,33 +168,33 @@ def drawn_case(case: Case, tolerances: Sequence[Tolerance], numbers: Sequence[fl
     --------
     >>> from strikewave import load_case
     >>> case = load_case("li-ma-2019", ["striker.mass.tolerance=2 %"])
-    >>> made = drawn_case(case, tolerances_of(case), [1.01, 0.99, 1.0, 1.02])
-    >>> [row.mass.si for row in made.striker.each]
+    >>> changed = drawn_case(case, tolerances_of(case), [1.01, 0.99, 1.0, 1.02])
+    >>> [row.mass.si for row in changed.striker.each]
     [1.01, 0.99, 1.0, 1.02]
     """
     own: dict[int, dict[str, Value]] = {}
     once: dict[str, Value] = {}
     left = iter(numbers)
-    for one in tolerances:
-        for number in one.strikers:
-            own.setdefault(number, {})[OF_EACH_STRIKER[one.path]] = _exactly(one, next(left))
-        if not one.strikers:
-            once[one.path] = _exactly(one, next(left))
-    made = case.with_values(once, keep_tolerances=False)
-    return made.model_copy(update={"striker": _with_rows(made.rig().striker, own)}) if own else made
+    for tolerance in tolerances:
+        for number in tolerance.strikers:
+            own.setdefault(number, {})[OF_EACH_STRIKER[tolerance.path]] = _exactly(tolerance, next(left))
+        if not tolerance.strikers:
+            once[tolerance.path] = _exactly(tolerance, next(left))
+    changed = case.with_values(once, keep_tolerances=False)
+    return changed.model_copy(update={"striker": _with_rows(changed.rig().striker, own)}) if own else changed
 
 
 def _with_rows(striker: Any, own: dict[int, dict[str, Value]]) -> Any:
     """Return [striker] with values of single strikers in its rows."""
     rows = {int(row.number.si): row for row in striker.each}
-    for number, given in own.items():
+    for number, values in own.items():
         row = rows.get(number) or OwnStriker(number=Value(si=float(number), typed=number))
-        rows[number] = row.model_copy(update=given)
+        rows[number] = row.model_copy(update=values)
     return striker.model_copy(update={"each": tuple(rows[number] for number in sorted(rows))})
 
 
-def _exactly(one: Tolerance, number: float) -> Value:
+def _exactly(tolerance: Tolerance, number: float) -> Value:
     """Return a drawn number as a value without tolerance that reads back to the same bits."""
     number = float(number)
-    typed = f"{number!r} {one.allowed.unit}" if one.allowed.unit in DIMENSIONS else number
-    return one.value.model_copy(update={"si": number, "typed": typed, "tolerance": None})
+    typed = f"{number!r} {tolerance.allowed.unit}" if tolerance.allowed.unit in DIMENSIONS else number
+    return tolerance.value.model_copy(update={"si": number, "typed": typed, "tolerance": None})

@@ -3,7 +3,7 @@
 Alone: all other quantities are nominal. The share in the variance between runs of a figure y is Var(y_i)/Var(y). The
 share in the scatter that tolerances add within a run is E(v_i²)/E(v²), with v the coefficient of variation of the peaks
 over those of the same blows of the nominal run, which takes out what the dynamics alone do. Where tolerances do not
-interact, shares add up to 1; a sum that cannot be 1 is told.
+interact, shares add up to 1; a sum that cannot be 1 is reported.
 
 Sobol indices split a variance whatever the interactions, at several times the runs.
 """
@@ -20,9 +20,14 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 RESAMPLES = 1000
-"""Of the bootstrap."""
+"""Resamples of the bootstrap: 25 of them lie beyond either bound, so that a bound scatters little itself."""
 CONFIDENCE = 0.95
-"""Of the bounds of shares."""
+"""Confidence of the bounds of shares: the usual one."""
+ROUNDING = 1e-6
+"""Relative scatter that a run's steps alone may give, ten times the tolerance of `strikewave.studies.scatter`: a share
+of less is not distinct from 0."""
+BOOTSTRAP_STREAM = 0xB007
+"""Key of the random numbers of the bootstrap: any but the numbers of runs, so that they are not those of the draws."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +45,7 @@ class Share:
 
     @property
     def distinct(self) -> bool:
-        """Whether it can be told apart from 0: bounds above what rounding of the runs gives."""
+        """Whether it is distinct from 0: bounds above what rounding of the runs gives."""
         return self.low > self.floor
 
 
@@ -88,8 +93,8 @@ def sobol_indices(a: Array, b: Array, mixed: Array) -> Indices:
     --------
     >>> x = np.random.default_rng(1).random((2, 4, 4096))
     >>> a, b = x[0, 0] + 2 * x[0, 1], x[1, 0] + 2 * x[1, 1]
-    >>> found = sobol_indices(a, b, np.array([x[1, 0] + 2 * x[0, 1], x[0, 0] + 2 * x[1, 1]]))
-    >>> bool(np.allclose(found.first, [0.2, 0.8], atol=0.03))
+    >>> indices = sobol_indices(a, b, np.array([x[1, 0] + 2 * x[0, 1], x[0, 0] + 2 * x[1, 1]]))
+    >>> bool(np.allclose(indices.first, [0.2, 0.8], atol=0.03))
     True
     """
     both = np.concatenate([a, b], axis=-1)
@@ -133,16 +138,16 @@ def sobol_shares(of: str, paths: Sequence[str], a: Array, b: Array, mixed: Array
     a, b, mixed = a[whole], b[whole], mixed[:, whole]
     if not a.size:
         return _unknown(of, paths)
-    found = sobol_indices(a, b, mixed)
+    indices = sobol_indices(a, b, mixed)
     place = _resamples(a.size, seed)
-    tried = [sobol_indices(a[place], b[place], one[place]) for one in mixed]
-    tried_first = np.array([one.first for one in tried])
-    first, total = _bounds(tried_first), _bounds(np.array([one.total for one in tried]))
+    resampled = [sobol_indices(a[place], b[place], group[place]) for group in mixed]
+    firsts = np.array([row.first for row in resampled])
+    first, total = _bounds(firsts), _bounds(np.array([row.total for row in resampled]))
     rows = [
-        Share(path, *_floats(found.first[k], *first[:, k]), 0.0, *_floats(found.total[k], *total[:, k]))
+        Share(path, *_floats(indices.first[k], *first[:, k]), 0.0, *_floats(indices.total[k], *total[:, k]))
         for k, path in enumerate(paths)
     ]
-    return _shares(of, rows, float(found.first.sum()), tried_first.sum(axis=0), a.size)
+    return _shares(of, rows, float(indices.first.sum()), firsts.sum(axis=0), a.size)
 
 
 def variance_shares(of: str, paths: Sequence[str], whole: Array, alone: Array, seed: int) -> Shares:
@@ -165,10 +170,6 @@ def variance_shares(of: str, paths: Sequence[str], whole: Array, alone: Array, s
     return _alone(of, paths, whole, alone, lambda y: y.var(axis=-1), rounding, seed)
 
 
-ROUNDING = 1e-6
-"""Relative scatter that a run's steps alone may give (see RUN_TOLERANCE): a share of less is not told apart from 0."""
-
-
 def scatter_shares(of: str, paths: Sequence[str], whole: Array, alone: Array, seed: int) -> Shares:
     """Return the shares E(v_i²)/E(v²) of each tolerance alone, with bootstrap bounds; see `variance_shares`."""
     return _alone(of, paths, whole, alone, lambda v: np.mean(v**2, axis=-1), ROUNDING, seed)
@@ -184,21 +185,21 @@ def _alone(
     seed: int,
 ) -> Shares:
     """Return the sizes of scatter of each tolerance alone over that of all together."""
-    kept = np.isfinite(whole) & np.isfinite(alone).all(axis=0)
-    whole, alone = whole[kept], alone[:, kept]
+    complete = np.isfinite(whole) & np.isfinite(alone).all(axis=0)
+    whole, alone = whole[complete], alone[:, complete]
     if not whole.size:
         return _unknown(of, paths)
     place = _resamples(whole.size, seed)
     with np.errstate(divide="ignore", invalid="ignore"):
-        found, floor = size(alone) / size(whole), float(rounding**2 / size(whole))
-        tried = np.array([size(one[place]) for one in alone]) / size(whole[place])
-    bounds = _bounds(tried)
-    rows = [Share(path, *_floats(found[k], *bounds[:, k]), floor) for k, path in enumerate(paths)]
-    return _shares(of, rows, float(found.sum()), tried.sum(axis=0), whole.size)
+        shares, floor = size(alone) / size(whole), float(rounding**2 / size(whole))
+        resampled = np.array([size(row[place]) for row in alone]) / size(whole[place])
+    bounds = _bounds(resampled)
+    rows = [Share(path, *_floats(shares[k], *bounds[:, k]), floor) for k, path in enumerate(paths)]
+    return _shares(of, rows, float(shares.sum()), resampled.sum(axis=0), whole.size)
 
 
 def _unknown(of: str, paths: Sequence[str]) -> Shares:
-    """Return shares that no run tells anything of."""
+    """Return shares of which no run says anything."""
     rows = tuple(Share(path, np.nan, np.nan, np.nan) for path in paths)
     return Shares(of, rows, np.nan, np.nan, np.nan, 0)
 
@@ -207,20 +208,20 @@ def _floats(share: float, low: float, high: float) -> tuple[float, float, float]
     return float(share), float(low), float(high)
 
 
-def _shares(of: str, rows: list[Share], whole: float, tried: Array, runs: int) -> Shares:
-    low, high = _bounds(tried)
+def _shares(of: str, rows: list[Share], whole: float, resampled: Array, runs: int) -> Shares:
+    low, high = _bounds(resampled)
     ordered = sorted(rows, key=lambda row: -row.share if np.isfinite(row.share) else np.inf)
     return Shares(of, tuple(ordered), whole, float(low), float(high), runs)
 
 
 def _resamples(count: int, seed: int) -> NDArray[np.int64]:
     """Return places of the bootstrap, shape (resamples, count)."""
-    source = np.random.Philox(np.random.SeedSequence(seed, spawn_key=(0xB007,)))
+    source = np.random.Philox(np.random.SeedSequence(seed, spawn_key=(BOOTSTRAP_STREAM,)))
     return np.random.Generator(source).integers(0, max(count, 1), (RESAMPLES, count))
 
 
-def _bounds(tried: Array) -> Array:
+def _bounds(resampled: Array) -> Array:
     """Return the bounds at 95 % of resampled numbers along the last axis, stacked; NaN where there are none."""
-    if tried.shape[-1] == 0 or not np.isfinite(tried).all():
-        return np.full((2, *tried.shape[:-1]), np.nan)
-    return np.quantile(tried, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], axis=-1)
+    if resampled.shape[-1] == 0 or not np.isfinite(resampled).all():
+        return np.full((2, *resampled.shape[:-1]), np.nan)
+    return np.quantile(resampled, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], axis=-1)

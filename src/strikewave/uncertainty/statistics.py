@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 COVERED, CONFIDENCE = 0.95, 0.95
-"""Share of all runs that an upper limit covers, and how surely."""
+"""Share of all runs that an upper limit covers, and how surely: the usual ones, which take 59 runs at least."""
 
 
 class Spread(NamedTuple):
