@@ -162,7 +162,7 @@ def test_what_is_no_toml_is_refused(text):
 def test_files_that_are_no_case_are_refused(tmp_path):
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")
     (tmp_path / "large.toml").write_bytes(b"#" * 1_000_001)
-    for name, words in (("binary.toml", "UTF-8"), ("large.toml", "at most 1000 kB"), ("absent.toml", "a case file")):
+    for name, words in (("binary.toml", "UTF-8"), ("large.toml", "at most 1000 kB"), ("absent.toml", "no such file: ")):
         with pytest.raises(InputError, match=words):
             load_case(str(tmp_path / name))
     with pytest.raises(InputError, match='did you mean "li-ma-2019"'):
@@ -173,9 +173,9 @@ def test_files_that_are_no_case_are_refused(tmp_path):
 def test_any_table_is_read_or_refused(table):
     from pydantic import ValidationError
 
-    from strikewave.cases.case import Case, _lines
+    from strikewave.cases.case import FORM, Case
 
     try:
         Case.model_validate({"schema": 1, "machine": table})
     except ValidationError as error:
-        assert all("\n" not in line for line in _lines(error))
+        assert all("\n" not in line for line in FORM.lines(error))

@@ -267,6 +267,7 @@ SOURCES: dict[str, str] = {
     ),
     "jesd22-b104": "JEDEC JESD22-B104C:2004, Mechanical Shock (its table of conditions from memory)",
 }
+"""References by key: what is marked "from memory" was not opened, and its pages may be wrong."""
 
 
 def citation(key: str) -> str:

@@ -1,8 +1,8 @@
 """Compile kernels with numba and keep them on disk between runs.
 
 The compiled code lies in the user's cache folder under a key made of every kernel's source, so a
-changed kernel is never answered from an old cache. A folder that cannot be written is survived with
-a warning: the kernels are then compiled anew in each process.
+changed kernel is never answered from an old cache. Where no folder can be written a warning
+is given, and the kernels are compiled anew in each process.
 """
 
 from __future__ import annotations
@@ -24,6 +24,14 @@ from strikewave.base.errors import StrikewaveWarning
 
 F = TypeVar("F", bound=Callable[..., Any])
 PACKAGE = Path(__file__).absolute().parents[1]
+"""Folder of the package: kernels are told apart by their place in it, wherever it lies."""
+KEY_DIGITS = 16
+"""Digits of the key of a folder of kernels: of 64 bits no two versions are alike, and the path stays short."""
+LEAF: Any = {"_nrt": False, "forceinline": True}
+"""Numba's options of a small kernel that makes no array: in small loops counting references and calling cost half the
+time."""
+LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
+"""Numba's own, for kernels that come from no plain file: a frozen program, a notebook, a zipped package."""
 
 
 def kernel_key(package: Path) -> str:
@@ -31,7 +39,7 @@ def kernel_key(package: Path) -> str:
     digest = hashlib.sha256(numba.__version__.encode())
     for source in sorted([*package.glob("**/_[a-z]*.py"), *package.glob("base/compiled.py")]):
         digest.update(source.read_bytes())
-    return digest.hexdigest()[:16]
+    return digest.hexdigest()[:KEY_DIGITS]
 
 
 def is_cold(name: str = "") -> bool:
@@ -110,12 +118,8 @@ def fused_called_kernel(function: F) -> F:
     return _compiled(function, {"_nrt": False, "fastmath": {"contract"}})
 
 
-LEAF: Any = {"_nrt": False, "forceinline": True}
-"""Numba's options of a small kernel that makes no array."""
-
-
 class KernelLocator(UserProvidedCacheLocator):
-    """Tells numba where a kernel is kept: by its place within the package, not by where the package lies.
+    """Locate a kernel on disk: by its place within the package, not by where the package lies.
 
     The folder's own key holds the source of all kernels, so that a second environment, or a fresh clone with the same
     kernels, takes what the first one compiled.
@@ -133,10 +137,6 @@ class KernelLocator(UserProvidedCacheLocator):
         """Return nothing for a module of the package, whose text is in the folder's key: a clone's files are newer."""
         within = Path(self._py_file).absolute().is_relative_to(PACKAGE)
         return "" if within else super().get_source_stamp()
-
-
-LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
-"""Numba's own, for kernels that come from no plain file: a frozen program, a notebook, a zipped package."""
 
 
 def _compiled(function: F, options: dict[str, Any]) -> F:

@@ -1,4 +1,4 @@
-"""What the user is told when an input cannot be used, and what is only worth a word."""
+"""Errors that name the field, what came, what is allowed and what to do; and warnings."""
 
 from __future__ import annotations
 
@@ -7,6 +7,15 @@ from collections.abc import Iterable
 
 MISSING = object()
 """Stands for what came where nothing came."""
+EXISTING_FILE = "a file that exists"
+"""What is allowed where a path names no file: the message then reads "no such file: x", which is all there is to
+say."""
+LONGEST_SHOWN = 60
+"""Characters of a value in an error line: with field and hint it still is one line of a terminal."""
+LONGEST_WORD, ALIKE, MOST_CHOICES = 80, 0.6, 40
+"""Characters of a word that are compared, since the time grows with their square; likeness from which on a choice is
+offered, that of `difflib`, at which two of five letters may be wrong; and choices that are listed where none is like
+it."""
 
 
 class StrikewaveError(Exception):
@@ -27,12 +36,14 @@ class InputError(StrikewaveError, ValueError):
     hint : str, optional
         What to do next, or the nearest match.
 
-    ``got`` may be `MISSING`, where nothing came.
+    ``got`` may be `MISSING`, where nothing came; ``allowed`` may be `EXISTING_FILE`, where a path names no file.
 
     Examples
     --------
     >>> str(InputError("machine.speed", "730", "a rotational speed with its unit", 'write "730 rpm"'))
     'machine.speed: got "730"; allowed: a rotational speed with its unit; write "730 rpm"'
+    >>> str(InputError("load.file", "blow.csv", EXISTING_FILE))
+    'load.file: no such file: blow.csv'
     """
 
     def __init__(self, field: str, got: object, allowed: str, hint: str = "") -> None:
@@ -40,8 +51,14 @@ class InputError(StrikewaveError, ValueError):
         self.got = got
         self.allowed = allowed
         self.hint = hint
-        came = "missing; needed" if got is MISSING else f"got {show(got)}; allowed"
-        super().__init__(f"{field}: {came}: {allowed}" + (f"; {hint}" if hint else ""))
+        if got is MISSING:
+            fault = f"missing; needed: {allowed}"
+        elif allowed == EXISTING_FILE:
+            path = show(str(got)).strip('"')
+            fault = f"no such file: {path}"
+        else:
+            fault = f"got {show(got)}; allowed: {allowed}"
+        super().__init__(f"{field}: {fault}" + (f"; {hint}" if hint else ""))
 
 
 class InputErrors(StrikewaveError, ValueError):  # noqa: N818  (it is several)
@@ -60,7 +77,7 @@ class StrikewaveWarning(UserWarning):
     """Something the user should know that does not stop the work."""
 
 
-def show(value: object, longest: int = 60) -> str:
+def show(value: object, longest: int = LONGEST_SHOWN) -> str:
     """Write a value for an error line: quoted when text, printable, never longer than ``longest``.
 
     Examples
@@ -86,7 +103,7 @@ def nearest(word: str, choices: Iterable[str]) -> str:
     """
     known = sorted(set(choices))
     folded = {choice.lower(): choice for choice in known}
-    match = difflib.get_close_matches(str(word).lower()[:80], folded, n=1, cutoff=0.6)
+    match = difflib.get_close_matches(str(word).lower()[:LONGEST_WORD], folded, n=1, cutoff=ALIKE)
     if match:
         return f'did you mean "{folded[match[0]]}"?'
-    return "choose from: " + ", ".join(known[:40])
+    return "choose from: " + ", ".join(known[:MOST_CHOICES])

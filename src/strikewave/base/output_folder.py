@@ -12,7 +12,7 @@ from pathlib import Path
 from strikewave.base.errors import InputError, show
 
 MARKS = ("case.toml", "record.toml")
-"""One of these files marks a folder as a result, and tells it from others."""
+"""One of these files marks a folder as a result; its text distinguishes one result from another."""
 RESULT_FILES = (
     *MARKS,
     "waves.nc",
@@ -65,7 +65,10 @@ RESULT_FILES = (
     "beside.svg",
     "report.html",
 )
-"""What a result consists of; a folder that holds anything else is never replaced."""
+"""What a result consists of; a folder that holds anything else is never replaced, for it may be the user's own."""
+_LONGEST_NAME, _RANDOM_BYTES = 60, 6
+"""Characters of a name that its hidden neighbour takes over, well within the 255 bytes of file systems in any script;
+and random bytes behind them, of which no two runs ever share."""
 
 
 def check_place(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> None:
@@ -182,4 +185,4 @@ def write_whole(path: Path, text: str) -> None:
 
 def _beside(path: Path) -> Path:
     """Return a hidden name beside a path that nobody else has."""
-    return path.with_name(f".{path.name[:60]}-{secrets.token_hex(6)}")
+    return path.with_name(f".{path.name[:_LONGEST_NAME]}-{secrets.token_hex(_RANDOM_BYTES)}")

@@ -8,23 +8,26 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.units import DIMENSIONS, parse_quantity
 
-PROVENANCES = ("published", "measured", "inferred", "assumed", "fitted")
 Provenance = Literal["published", "measured", "inferred", "assumed", "fitted"]
-
-
-DISTRIBUTIONS = ("normal", "uniform")
+PROVENANCES: tuple[Provenance, ...] = get_args(Provenance)
+"""Where a value may come from."""
 Distribution = Literal["normal", "uniform"]
+DISTRIBUTIONS: tuple[Distribution, ...] = get_args(Distribution)
+"""How a value may scatter within its tolerance."""
 DEVIATIONS, TRUNCATION = 2.0, 3.0
-"""Standard deviations that a normal tolerance stands for, and at which what is drawn ends."""
+"""Standard deviations that a normal tolerance stands for, so that 95 % lie within; and at which draws end: what lies
+beyond, three in a thousand, an inspection sorts out."""
 TABLE = ("value", "provenance", "note", "tolerance", "distribution")
 """What the table of a quantity may hold."""
+_LONGEST_SHARE = 40
+"""Characters of a share such as "2 %": more are no number, and are not searched."""
 
 
 class ToleranceBand(BaseModel):
@@ -214,7 +217,9 @@ def _check_keys(raw: dict[str, Any]) -> None:
 
 def _percent(typed: Any) -> float | None:
     """Return the share that "2 %" says; None where it is no share."""
-    number, sign, rest = typed.partition("%") if isinstance(typed, str) and len(typed) <= 40 else ("", "", "")
+    number, sign, rest = (
+        typed.partition("%") if isinstance(typed, str) and len(typed) <= _LONGEST_SHARE else ("", "", "")
+    )
     if not sign or rest.strip():
         return None
     try:
@@ -224,26 +229,30 @@ def _percent(typed: Any) -> float | None:
     return share if math.isfinite(share) else None
 
 
-def _of(unit: str, low: float = -math.inf, high: float = math.inf, open_low: bool = False) -> Any:
+def _limited(unit: str, low: float = -math.inf, high: float = math.inf, open_low: bool = False) -> Any:
     return BeforeValidator(Range(unit, low, high, open_low).read)
 
 
 def positive(unit: str, high: float = math.inf) -> Any:
     """Return the pydantic validator of a quantity above zero."""
-    return _of(unit, 0.0, high, open_low=True)
+    return _limited(unit, 0.0, high, open_low=True)
 
 
 def not_negative(unit: str, high: float = math.inf) -> Any:
     """Return the pydantic validator of a quantity of at least zero."""
-    return _of(unit, 0.0, high)
+    return _limited(unit, 0.0, high)
 
 
+# A limit here is far beyond any shock test: it refuses a wrong unit or a slip of the exponent, and keeps powers of the
+# value from overflow. Others bound what is computed: a restitution from 0.01, below which a pulse hardly ends; a
+# tolerance that the integrator can keep; Poisson's ratios and ratios of heats as physics has them; steps that fill no
+# memory.
 Mass = Annotated[Value, positive("kg", 1e6)]
 Inertia = Annotated[Value, positive("kg m^2", 1e5)]
 Length = Annotated[Value, positive("m", 1e4)]
 Duration = Annotated[Value, not_negative("s", 1e5)]
 FeedTime = Annotated[Value, positive("s", 10.0)]
-OutputStep = Annotated[Value, _of("s", 1e-7, 1.0)]
+OutputStep = Annotated[Value, _limited("s", 1e-7, 1.0)]
 Rotation = Annotated[Value, positive("rad/s", 1e5)]
 Torque = Annotated[Value, positive("N m", 1e7)]
 RotationGain = Annotated[Value, positive("N m s/rad", 1e7)]
@@ -252,29 +261,29 @@ SpringRate = Annotated[Value, positive("N/m", 1e12)]
 Damping = Annotated[Value, not_negative("N s/m", 1e9)]
 Force = Annotated[Value, not_negative("N", 1e6)]
 Speed = Annotated[Value, positive("m/s", 1e4)]
-Acceleration = Annotated[Value, _of("m/s^2", -1e9, 1e9)]
+Acceleration = Annotated[Value, _limited("m/s^2", -1e9, 1e9)]
 Frequency = Annotated[Value, positive("Hz", 1e12)]
-Share = Annotated[Value, _of("", 0.0, 1.0)]
-Restitution = Annotated[Value, _of("", 0.01, 1.0)]
-Tolerance = Annotated[Value, _of("", 1e-12, 1e-5)]
-Count = Annotated[Value, _of("count", 1, 100)]
-BlowCount = Annotated[Value, _of("count", 1, 1000)]
-SampleCount = Annotated[Value, _of("count", 10, 10_000_000)]
+Share = Annotated[Value, _limited("", 0.0, 1.0)]
+Restitution = Annotated[Value, _limited("", 0.01, 1.0)]
+Tolerance = Annotated[Value, _limited("", 1e-12, 1e-5)]
+Count = Annotated[Value, _limited("count", 1, 100)]
+BlowCount = Annotated[Value, _limited("count", 1, 1000)]
+SampleCount = Annotated[Value, _limited("count", 10, 10_000_000)]
 
-MaybeAngle = Annotated[Value | None, _of("rad", -2.0 * math.pi, 2.0 * math.pi)]
-MaybeOffset = Annotated[Value | None, _of("m", -1.0, 1.0)]
+MaybeAngle = Annotated[Value | None, _limited("rad", -2.0 * math.pi, 2.0 * math.pi)]
+MaybeOffset = Annotated[Value | None, _limited("m", -1.0, 1.0)]
 MaybeInertia = Annotated[Value | None, not_negative("kg m^2", 1e5)]
-MaybeRotationRate = Annotated[Value | None, _of("N m/rad", 1.0, 1e12)]
+MaybeRotationRate = Annotated[Value | None, _limited("N m/rad", 1.0, 1e12)]
 MaybeRotationDrag = Annotated[Value | None, not_negative("N m s/rad", 1e7)]
-MaybeRipple = Annotated[Value | None, _of("", 0.0, 0.2)]
+MaybeRipple = Annotated[Value | None, _limited("", 0.0, 0.2)]
 MaybeRatio = Annotated[Value | None, positive("", 1e3)]
-MaybeRestitution = Annotated[Value | None, _of("", 0.01, 1.0)]
-MaybeShare = Annotated[Value | None, _of("", 0.0, 1.0)]
-MaybeStrokeShare = Annotated[Value | None, _of("", 0.01, 0.99)]
-MaybeTurns = Annotated[Value | None, _of("count", 1, 1000)]
+MaybeRestitution = Annotated[Value | None, _limited("", 0.01, 1.0)]
+MaybeShare = Annotated[Value | None, _limited("", 0.0, 1.0)]
+MaybeStrokeShare = Annotated[Value | None, _limited("", 0.01, 0.99)]
+MaybeTurns = Annotated[Value | None, _limited("count", 1, 1000)]
 MaybeFriction = Annotated[Value | None, not_negative("N", 1e6)]
 MaybeHold = Annotated[Value | None, positive("s", 1e4)]
-StrikerNumber = Annotated[Value, _of("count", 1, 100)]
+StrikerNumber = Annotated[Value, _limited("count", 1, 100)]
 MaybeMass = Annotated[Value | None, positive("kg", 1e6)]
 MaybeLength = Annotated[Value | None, positive("m", 1e4)]
 MaybeArea = Annotated[Value | None, positive("m^2", 1e4)]
@@ -286,36 +295,36 @@ MaybeDamping = Annotated[Value | None, not_negative("N s/m", 1e9)]
 MaybeGap = Annotated[Value | None, not_negative("m", 1.0)]
 MaybePreload = Annotated[Value | None, not_negative("N", 1e9)]
 MaybeLoss = Annotated[Value | None, not_negative("", 10.0)]
-MaybePoisson = Annotated[Value | None, _of("", -0.999, 0.5)]
+MaybePoisson = Annotated[Value | None, _limited("", -0.999, 0.5)]
 MaybeFrequency = Annotated[Value | None, positive("Hz", 1e12)]
 MaybeQuality = Annotated[Value | None, positive("", 1e6)]
-MaybeForce = Annotated[Value | None, _of("N", -1e12, 1e12)]
+MaybeForce = Annotated[Value | None, _limited("N", -1e12, 1e12)]
 MaybeTime = Annotated[Value | None, positive("s", 10.0)]
-MaybeStep = Annotated[Value | None, _of("s", 1e-12, 1e-3)]
+MaybeStep = Annotated[Value | None, _limited("s", 1e-12, 1e-3)]
 MaybeSpeed = Annotated[Value | None, positive("m/s", 1e4)]
 MaybeAcceleration = Annotated[Value | None, positive("m/s^2", 1e12)]
-MaybeBits = Annotated[Value | None, _of("count", 2, 32)]
-MaybeOrder = Annotated[Value | None, _of("count", 1, 12)]
-MaybeError = Annotated[Value | None, _of("", 1e-8, 1.0)]
-MaybeShift = Annotated[Value | None, _of("m/s^2", -1e9, 1e9)]
-MaybeLayerSpeed = Annotated[Value | None, _of("m/s", -1e4, 1e4)]
+MaybeBits = Annotated[Value | None, _limited("count", 2, 32)]
+MaybeOrder = Annotated[Value | None, _limited("count", 1, 12)]
+MaybeError = Annotated[Value | None, _limited("", 1e-8, 1.0)]
+MaybeShift = Annotated[Value | None, _limited("m/s^2", -1e9, 1e9)]
+MaybeLayerSpeed = Annotated[Value | None, _limited("m/s", -1e4, 1e4)]
 
-FollowTime = Annotated[Value, _of("s", 1e-6, 1.0)]
+FollowTime = Annotated[Value, _limited("s", 1e-6, 1.0)]
 SwingAngle = Annotated[Value, positive("rad", math.pi)]
 MaybeTorque = Annotated[Value | None, not_negative("N m", 1e7)]
 MaybeVolume = Annotated[Value | None, positive("m^3", 1e4)]
 MaybeAmbient = Annotated[Value | None, not_negative("Pa", 1e12)]
-MaybeHeatRatio = Annotated[Value | None, _of("", 1.0, 5.0 / 3.0 + 1e-9)]
-MaybeExponent = Annotated[Value | None, _of("", 1.0, 10.0)]
+MaybeHeatRatio = Annotated[Value | None, _limited("", 1.0, 5.0 / 3.0 + 1e-9)]
+MaybeExponent = Annotated[Value | None, _limited("", 1.0, 10.0)]
 MaybePositiveForce = Annotated[Value | None, positive("N", 1e12)]
-MaybeGravity = Annotated[Value | None, _of("m/s^2", -1e9, 1e9)]
+MaybeGravity = Annotated[Value | None, _limited("m/s^2", -1e9, 1e9)]
 
 ElementSize = Annotated[Value, positive("m", 10.0)]
 MaybeElementSize = Annotated[Value | None, positive("m", 10.0)]
-MaybeGrowth = Annotated[Value | None, _of("", 1.0, 2.0, open_low=True)]
-MaybePlace = Annotated[Value | None, _of("m", -1e4, 1e4)]
-MaybeVelocity = Annotated[Value | None, _of("m/s", -1e4, 1e4)]
-MaybeNumber = Annotated[Value | None, _of("", -1e9, 1e9)]
+MaybeGrowth = Annotated[Value | None, _limited("", 1.0, 2.0, open_low=True)]
+MaybePlace = Annotated[Value | None, _limited("m", -1e4, 1e4)]
+MaybeVelocity = Annotated[Value | None, _limited("m/s", -1e4, 1e4)]
+MaybeNumber = Annotated[Value | None, _limited("", -1e9, 1e9)]
 MaybeStrength = Annotated[Value | None, positive("Pa", 1e12)]
 MaybeHardening = Annotated[Value | None, not_negative("Pa", 1e12)]
 MaybeTemperature = Annotated[Value | None, positive("K", 1e5)]
@@ -323,13 +332,13 @@ MaybeHeatCapacity = Annotated[Value | None, positive("J/kg/K", 1e6)]
 MaybeStrainRate = Annotated[Value | None, positive("1/s", 1e9)]
 Strength = Annotated[Value, positive("Pa", 1e12)]
 Hardening = Annotated[Value, not_negative("Pa", 1e12)]
-Angle = Annotated[Value, _of("rad", -2.0 * math.pi, 2.0 * math.pi)]
+Angle = Annotated[Value, _limited("rad", -2.0 * math.pi, 2.0 * math.pi)]
 Coefficient = Annotated[Value, not_negative("", 10.0)]
-SafetyFactor = Annotated[Value, _of("", 0.0, 1.0, open_low=True)]
+SafetyFactor = Annotated[Value, _limited("", 0.0, 1.0, open_low=True)]
 RunTime = Annotated[Value, positive("s", 10.0)]
 LeastStep = Annotated[Value, not_negative("s", 1.0)]
-FrameCount = Annotated[Value, _of("count", 0, 10_000)]
-RepeatedBlows = Annotated[Value, _of("count", 1, 20)]
+FrameCount = Annotated[Value, _limited("count", 0, 10_000)]
+RepeatedBlows = Annotated[Value, _limited("count", 1, 20)]
 Instants = tuple[Annotated[Value, not_negative("s", 10.0)], ...]
-Pressures = tuple[Annotated[Value, _of("Pa", -1e12, 1e12)], ...]
-Velocities = tuple[Annotated[Value, _of("m/s", -1e4, 1e4)], ...]
+Pressures = tuple[Annotated[Value, _limited("Pa", -1e12, 1e12)], ...]
+Velocities = tuple[Annotated[Value, _limited("m/s", -1e4, 1e4)], ...]

@@ -51,8 +51,18 @@ _NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
 _WORD = r"[A-Za-zµμΩ°%_]{1,30}(?:(?:\^|\*\*)-?\d|[23²³])?"
 _UNIT = rf"(?:1|{_WORD})(?:\s*[*/·]\s*{_WORD}|\s+{_WORD})*"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*({_UNIT})?\s*")
+"""A number, the word of a unit with its power, a unit of several, and a quantity. Repeats are bounded, so that no text
+takes long; an exponent of more than four digits is no number anyway."""
 _ANGLE = re.compile(r"(?<![A-Za-z])(?:rad|radian|deg|degree|°|r|rpm|turn|revolution)(?![A-Za-z])")
+"""Words that mean an angle: pint takes turns as pure numbers, and would read "730 1/s" as a speed of rotation."""
 _LONGEST = 80
+"""Characters of a quantity: more are none, and are not searched."""
+_LARGEST_DIVISOR, _WHOLE = 1e15, 1e-12
+"""Divisors up to which a float holds every whole number, and how near to one a factor's inverse must be to be one."""
+_ALIASES = {"g": "standard_gravity", "r": "revolution", "us": "microsecond", "µs": "microsecond"}
+"""Words that pint reads otherwise: g as gram, r as nothing, and a micro sign of either kind."""
+_COMMON = "m mm um km s ms us ns kg gram rpm Hz kHz MHz N kN MN Pa kPa MPa GPa g deg rad J kJ min"
+"""Units that are offered for one that is unknown: those of shock tests."""
 
 
 @functools.cache
@@ -65,11 +75,10 @@ def _registry() -> Any:
 @functools.lru_cache(maxsize=512)
 def _factor(unit: str, si: str) -> float:
     """Return how many ``si`` are in one ``unit``; raises pint's own errors."""
-    words = {"g": "standard_gravity", "r": "revolution", "us": "microsecond", "µs": "microsecond"}
 
     def tidy(text: str) -> str:
         text = re.sub(r"(?<=[A-Za-zµμΩ°%_])([23²³])", lambda m: "^" + str(unicodedata.digit(m[0])), text)
-        text = re.sub(r"[A-Za-zµμΩ°%_]+", lambda m: words.get(m[0], m[0]), text.replace("·", "*"))
+        text = re.sub(r"[A-Za-zµμΩ°%_]+", lambda m: _ALIASES.get(m[0], m[0]), text.replace("·", "*"))
         return re.sub(r"(?<=[\w°%])\s+(?=[A-Za-zµμΩ°%_])", "*", text)
 
     return float(_registry().Quantity(1.0, tidy(unit)).to(tidy(si)).magnitude)
@@ -138,13 +147,12 @@ def parse_quantity(text: object, si: str, field: str) -> float:
 def _times(number: float, factor: float) -> float:
     """Multiply; by a divisor where that is a whole number, so that 20 us is 2e-05 and not a digit less."""
     inverse = 1.0 / factor
-    whole = round(inverse) if inverse < 1e15 else 0
-    return number / whole if whole > 1 and abs(inverse - whole) < 1e-12 * inverse else number * factor
+    whole = round(inverse) if inverse < _LARGEST_DIVISOR else 0
+    return number / whole if whole > 1 and abs(inverse - whole) < _WHOLE * inverse else number * factor
 
 
 def _nearest_unit(unknown: str) -> str:
-    common = "m mm um km s ms us ns kg gram rpm Hz kHz MHz N kN MN Pa kPa MPa GPa g deg rad J kJ min"
-    return nearest(unknown, common.split())
+    return nearest(unknown, _COMMON.split())
 
 
 def parse_typed(text: str, si: str, field: str) -> float:

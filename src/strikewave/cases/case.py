@@ -1,7 +1,7 @@
 """The case: everything a run needs, read from a TOML file with units and checked.
 
 A quantity is "number unit", or a table { value, provenance, note }. `load_case` reads a file or one
-of the published cases that come along; `dump_case` writes a case that gives the same numbers again.
+of the built-in cases; `dump_case` writes a case that gives the same numbers again.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from pydantic import (
     model_validator,
 )
 
-from strikewave.base.errors import MISSING, InputError, InputErrors, nearest, show
+from strikewave.base.errors import EXISTING_FILE, MISSING, InputError, InputErrors, nearest, show
 from strikewave.base.quantities import Provenance, ToleranceBand, Value
 from strikewave.cases.fem_tables import FemTable
 from strikewave.cases.machine_tables import AnyLaunched, AnyMachine
@@ -55,15 +55,17 @@ from strikewave.cases.tables import (
 T = TypeVar("T", LoadTable, FilePart)
 
 SCHEMA = 1
+"""Version of case files: it rises when a field changes its meaning or goes."""
 LARGEST_FILE = 1_000_000
-"""A case file above this many bytes is refused."""
-
-
+"""A case file above this many bytes is refused: a hundred times the largest built-in case, so that it is no case
+file."""
+LONGEST_REASON = 120
+"""Characters of what the TOML reader says: a line of a terminal."""
 TABLES = (
     *("machine", "striker", "feed", "object", "contact", "stack", "load", "tap", "sensor", "recorder", "solver"),
     *("mesh", "fem"),
 )
-"""The tables of a case that hold quantities."""
+"""The tables of a case that hold quantities, in the order in which they are written."""
 RIG = ("machine", "striker", "feed", "object", "contact", "recorder")
 """The tables that a rotary machine needs; a machine without a drive has no feed."""
 VECTOR = frozenset("xyz")
@@ -199,10 +201,10 @@ class Case(Table):
 
     def values(self) -> dict[str, Value]:
         """Return every quantity by its path, such as ``machine.speed`` or ``stack.layer.upper.length``."""
-        found: dict[str, Value] = {}
+        values: dict[str, Value] = {}
         for name in self.tables():
-            found.update(_values(getattr(self, name), name))
-        return found
+            values.update(_values(getattr(self, name), name))
+        return values
 
     def tables(self) -> list[str]:
         """Return the names of the tables that hold quantities of this case; a mesh alone has no solver."""
@@ -213,7 +215,7 @@ class Case(Table):
         return [path for path, value in self.values().items() if value.provenance == "fitted"]
 
     def changed_fields(self) -> list[str]:
-        """Return the paths whose values or choices differ from the published case that this one comes from.
+        """Return the paths whose values or choices differ from the built-in case that this one comes from.
 
         The solver does not count, nor the recorder where no sensor feels it: they change no result.
         """
@@ -227,10 +229,10 @@ class Case(Table):
 
     def entries(self) -> dict[str, float | str]:
         """Return every quantity (SI) and every choice, such as a material, by its path."""
-        found: dict[str, float | str] = {}
+        entries: dict[str, float | str] = {}
         for name in self.tables():
-            found.update(_entries(getattr(self, name), name))
-        return found
+            entries.update(_entries(getattr(self, name), name))
+        return entries
 
     def with_values(self, changes: Mapping[str, Value], keep_tolerances: bool = True) -> Case:
         """Return the case with some quantities replaced, by path; a value keeps the tolerance of the one before it.
@@ -244,8 +246,8 @@ class Case(Table):
         for path, value in changes.items():
             if path not in mine:
                 raise InputError(path, value.typed, "a quantity of the case", nearest(path, mine))
-            kept = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
-            case = _with_value(case, path.split("."), kept)
+            new = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
+            case = _with_value(case, path.split("."), new)
         return case
 
 
@@ -300,22 +302,22 @@ def _with_band(path: str, value: Value, band: ToleranceBand | None) -> Value:
     allowed = FORM.range_at(path.split("."))
     if band is None or value.tolerance is not None or allowed is None or (band.relative and value.si == 0.0):
         return value
-    kept = value.model_copy(update={"tolerance": band})
+    toleranced = value.model_copy(update={"tolerance": band})
     try:
-        allowed.read(kept.document())
+        allowed.read(toleranced.document())
     except InputError as error:
         raise InputError(f"{path}.{error.field}".rstrip("."), error.got, error.allowed, error.hint) from None
-    return kept
+    return toleranced
 
 
 @functools.cache
 def _published_entries(name: str) -> dict[str, float | str]:
-    """Return quantities and choices of a published case; it is read once."""
+    """Return quantities and choices of a built-in case; it is read once."""
     return load_case(name).entries()
 
 
 def bundled_cases() -> list[str]:
-    """Return the names of the published cases that come along.
+    """Return the names of the built-in cases.
 
     Examples
     --------
@@ -327,7 +329,7 @@ def bundled_cases() -> list[str]:
 
 
 def read_case_text(name: str) -> tuple[str, str]:
-    """Return the TOML text and the name of a case file, or of a published case.
+    """Return the TOML text and the name of a case file, or of a built-in case.
 
     Raises
     ------
@@ -341,7 +343,7 @@ def read_case_text(name: str) -> tuple[str, str]:
         if path.is_dir() and (path / "case.toml").is_file():
             path = path / "case.toml"
         if not path.is_file():
-            allowed = "a case file that exists" if name.endswith(".toml") else "a case file or a published case"
+            allowed = EXISTING_FILE if name.endswith(".toml") else "a case file or a built-in case"
             raise InputError("case", name, allowed, nearest(name, bundled_cases()))
         with path.open("rb") as file:
             data = file.read(LARGEST_FILE + 1)
@@ -358,12 +360,12 @@ def read_case_text(name: str) -> tuple[str, str]:
 
 
 def load_case(name: str, changes: Iterable[str] = ()) -> Case:
-    """Read a case file or a published case, change some of its fields, and check it.
+    """Read a case file or a built-in case, change some of its fields, and check it.
 
     Parameters
     ----------
     name : str
-        Path of a TOML file, of a folder that holds ``case.toml``, or the name of a published case.
+        Path of a TOML file, of a folder that holds ``case.toml``, or the name of a built-in case.
     changes : iterable of str, optional
         ``path=value`` each, such as ``machine.speed=500 rpm``.
 
@@ -399,8 +401,8 @@ def _with_whole_file(table: T, folder: Path) -> T:
     if "\0" in table.file:
         return table
     beside = folder / table.file
-    found = beside if beside.is_file() else Path(table.file)
-    return table.model_copy(update={"file": str(found.resolve())}) if found.is_file() else table
+    path = beside if beside.is_file() else Path(table.file)
+    return table.model_copy(update={"file": str(path.resolve())}) if path.is_file() else table
 
 
 def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
@@ -408,7 +410,7 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
     try:
         document = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        reason = show(str(error) or "nested too deeply", 120).strip('"')
+        reason = show(str(error) or "nested too deeply", LONGEST_REASON).strip('"')
         hint = "values with a unit stand in quotes; `strikewave new` writes an example"
         raise InputErrors([f"{name or 'case'}: not a TOML file: {reason}; {hint}"]) from None
     _check_schema(document)
@@ -418,7 +420,7 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
     try:
         return Case.model_validate(document)
     except ValidationError as error:
-        raise InputErrors(_lines(error)) from None
+        raise InputErrors(FORM.lines(error)) from None
 
 
 def _check_schema(document: Mapping[str, Any]) -> None:
@@ -431,11 +433,6 @@ def _check_schema(document: Mapping[str, Any]) -> None:
         raise InputError(
             "schema", schema, f"at most {SCHEMA}", "this file was written for a newer strikewave; update it"
         )
-
-
-def _lines(error: ValidationError) -> list[str]:
-    """Return one line for each thing that is wrong with a case."""
-    return FORM.lines(error)
 
 
 def document_of(case: Case) -> dict[str, Any]:
@@ -490,10 +487,10 @@ def _toml(value: Any) -> Any:
 
     if isinstance(value, dict):
         flat = "provenance" in value or (value.keys() <= VECTOR)
-        made: Any = tomlkit.inline_table() if flat else tomlkit.table()
+        table: Any = tomlkit.inline_table() if flat else tomlkit.table()
         for key, entry in value.items():
-            made[key] = _toml(entry)
-        return made
+            table[key] = _toml(entry)
+        return table
     if isinstance(value, list) and not _is_rows(value):
         return [_toml(entry) for entry in value]
     if isinstance(value, list):

@@ -1,19 +1,16 @@
-"""The published numbers of a case beside the computed ones."""
+"""The published numbers of a case compared with the computed ones."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from strikewave.base.result import Comparison
 from strikewave.cases.case import Case
-
-if TYPE_CHECKING:
-    from strikewave.cases.tables import Published
+from strikewave.cases.tables import Published
 
 
 def comparisons(case: Case, computed: Callable[[Published], float | None]) -> tuple[Comparison, ...]:
-    """Set the published numbers of a case beside the computed ones; of a changed case they are only shown."""
+    """Compare the published numbers of a case with the computed ones; of a changed case they are only shown."""
     changed = case.changed_fields()
     aside = f"the case differs in {', '.join(changed)}" if changed else ""
     rows = []

@@ -20,15 +20,17 @@ from strikewave.contact import (
 from strikewave.contact.registry import FROM_MEMORY
 
 FAR_BEYOND = 100.0
-"""Beyond this many times the load of first yield an elastic law says little about the force."""
-
-
+"""Beyond this many times the load of first yield an elastic law does not predict the force. Chosen: the contact is then
+plastic over most of its area, which is another law."""
 SAME_RESTITUTION = 1e-9
-"""Two restitutions that differ by less are the same."""
+"""Two restitutions that differ by less are the same: far more than rounding of the closed form, far less than any law
+errs."""
+KILO = 1e3
+"""Newtons from which on a force is written in kN."""
 
 
 def law_notices(case: Case) -> Iterator[Notice]:
-    """Say where a contact law is from memory, or gives two free bodies another restitution than was asked for."""
+    """Report where a contact law is from memory, or gives two free bodies another restitution than was asked for."""
     contact = case.contact
     if contact is None:
         return
@@ -38,13 +40,13 @@ def law_notices(case: Case) -> Iterator[Notice]:
             message = f"the contact law {law.name} is from memory: no text that states it could be opened"
             yield Notice("law-from-memory", message, 1.0, 0.0)
     asked = contact.restitution.si
-    given = float(restitution(factor(contact.damping, asked)))
-    if abs(given - asked) > SAME_RESTITUTION:
+    resulting = float(restitution(factor(contact.damping, asked)))
+    if abs(resulting - asked) > SAME_RESTITUTION:
         message = (
-            f"the damping law {contact.damping} gives two free bodies e = {given:.4f}, not the {asked:g} asked for; "
-            "exact gives it"
+            f"the damping law {contact.damping} gives two free bodies e = {resulting:.4f}, not the {asked:g} asked "
+            "for; exact gives it"
         )
-        yield Notice("restitution-differs", message, given, asked)
+        yield Notice("restitution-differs", message, resulting, asked)
 
 
 def yield_notices(
@@ -61,21 +63,21 @@ def yield_notices(
     first = first_yield(material(striker.material), material(face), Geometry(striker.nose_radius.si, math.inf, length))
     if first is None:
         return
-    given = contact.yield_pressure
-    if given is not None:
-        if given.si < first.pressure:
+    cap = contact.yield_pressure
+    if cap is not None:
+        if cap.si < first.pressure:
             message = (
-                f"contact.yield_pressure, {given.typed}, is below the {first.pressure / 1e6:.4g} MPa at which the "
+                f"contact.yield_pressure, {cap.typed}, is below the {first.pressure / 1e6:.4g} MPa at which the "
                 "weaker material first yields inside: the contact is taken as softer than it is"
             )
-            yield Notice("yield-pressure-low", message, given.si, first.pressure)
+            yield Notice("yield-pressure-low", message, cap.si, first.pressure)
         return
     limit = first.load
     if peak > limit:
         message = (
             f"the contact yields below its surface (von Mises) beyond {force_words(limit)} and is loaded with "
             f"{force_words(peak)}, {peak / limit:.3g} times that: the elastic law "
-            f"{'says little about this force' if peak > FAR_BEYOND * limit else 'is stretched'}; give "
+            f"{'does not predict this force' if peak > FAR_BEYOND * limit else 'is outside its range'}; give "
             f"contact.yield_pressure{otherwise}"
         )
         yield Notice("contact-yield", message, peak, limit)
@@ -83,4 +85,4 @@ def yield_notices(
 
 def force_words(newtons: float) -> str:
     """Return a force in words, N or kN."""
-    return f"{newtons:.3g} N" if newtons < 1e3 else f"{newtons / 1e3:.3g} kN"
+    return f"{newtons:.3g} N" if newtons < KILO else f"{newtons / KILO:.3g} kN"

@@ -24,6 +24,7 @@ from strikewave.contact import (
 )
 
 _OF_POWER = ("reference_force", "reference_depth", "exponent")
+"""Fields of [contact] that only the law `POWER` takes."""
 
 
 def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
@@ -63,9 +64,11 @@ def face_stiffness(striker: AnyStriker, contact: ContactTable, face: Material) -
     nose = material(striker.material, "striker.material")
     if contact.law == POWER:
         return _power_stiffness(contact)
-    given = next((key for key in _OF_POWER if getattr(contact, key) is not None), None)
-    if given is not None:
-        raise InputError(f"contact.{given}", getattr(contact, given).typed, f"only for the law {POWER}", "remove it")
+    foreign = next((key for key in _OF_POWER if getattr(contact, key) is not None), None)
+    if foreign is not None:
+        raise InputError(
+            f"contact.{foreign}", getattr(contact, foreign).typed, f"only for the law {POWER}", "remove it"
+        )
     needs = stiffness_law(contact.law, "contact.law").needs
     depth = contact.datum_depth.si if contact.datum_depth else None
     if contact.datum_depth is not None and "datum_depth" not in needs:

@@ -1,4 +1,4 @@
-"""[fem]: how a model of hexahedra is run; what holds it, loads it, touches in it, and is watched.
+"""[fem]: a run of explicit finite elements; what holds the parts, loads them, where they touch, and what is watched.
 
 A side is ``part.side``; the name of a part alone stands for all its exterior faces.
 """
@@ -99,6 +99,7 @@ class OpenSide(Table):
 
 
 BOUNDARIES = by_kind("kind", FixedSide, SymmetrySide, GuidedSide, DrivenSide, PressedSide, OpenSide)
+"""Boundaries by their kind."""
 AnyBoundaryTable: TypeAlias = FixedSide | SymmetrySide | GuidedSide | DrivenSide | PressedSide | OpenSide
 
 
@@ -120,7 +121,7 @@ class PointTable(Table):
 
 
 class GroupTable(Table):
-    """[[fem.group]]: parts whose motion is told as that of one body too, such as a tied assembly."""
+    """[[fem.group]]: parts whose motion is reported as that of one body too, such as a tied assembly."""
 
     name: Name
     parts: tuple[str, ...] = Field(min_length=1)
@@ -136,7 +137,7 @@ class GravityTable(VectorTable):
 
 
 class FemTable(Table):
-    """[fem]: how a model of hexahedra is run.
+    """[fem]: a run of explicit finite elements (8-node hexahedra).
 
     ``interval`` is the step of the histories, ``frames`` the number of pictures in the field file, ``blows`` how often
     the bodies meet, each time as the blow before left them. ``safety`` is the share of the critical time step,

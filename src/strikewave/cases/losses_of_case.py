@@ -31,22 +31,22 @@ def fitted_losses(case: Case) -> tuple[Loss, ...]:
     >>> fitted_losses(load_case("li-ma-2019-fig13-bar", ["stack.layer.lower.loss_factor=0.1"]))[0][:2]
     ('lower', 0.1)
     """
-    found = []
+    losses = []
     for layer in case.stack.layer:
         fit = layer_loss(layer, f"stack.layer.{layer.name}")
         if fit is not None and layer.loss_factor is not None:
-            found.append(Loss(layer.name, layer.loss_factor.si, fit.error, *fit.band))
+            losses.append(Loss(layer.name, layer.loss_factor.si, fit.error, *fit.band))
     for joint in case.stack.joint:
         path = f"stack.joint.{joint.after}"
         eta = matter_of(joint, path).loss_factor if joint.kind == "gasket" else None
         if eta:
             fit = fitted(joint, path, 1.0, eta)
-            found.append(Loss(f"gasket after {joint.after}", eta, fit.error, *fit.band))
+            losses.append(Loss(f"gasket after {joint.after}", eta, fit.error, *fit.band))
     for channel in build_channels(case):
         mounting = channel.sensor.mounting
         for k, gasket in enumerate(mounting.gaskets):
             if gasket.loss_factor:
                 fit = mounting.loss(gasket)
                 where = f"gasket {k + 1} under {channel.sensor.name}"
-                found.append(Loss(where, gasket.loss_factor, fit.error, *fit.band))
-    return tuple(found)
+                losses.append(Loss(where, gasket.loss_factor, fit.error, *fit.band))
+    return tuple(losses)

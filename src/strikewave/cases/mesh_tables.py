@@ -1,4 +1,4 @@
-"""[mesh]: the parts of a model of hexahedra, by their shape; what each is made of, where it stands, how it moves."""
+"""[mesh]: the parts of a finite-element mesh, by their shape; what each is made of, where it stands, how it moves."""
 
 from __future__ import annotations
 
@@ -52,7 +52,9 @@ OTHER_WORDS = {
     "absorbing": "non-reflecting",
     "infinite": "non-reflecting",
 }
-"""What others call the kinds of tables here."""
+"""What others call the kinds of tables here: such a word is answered with ours."""
+_AXES = {sign + axis: {axis: float(sign + "1")} for axis in "xyz" for sign in ("", "-")}
+"""Directions that go by a letter."""
 
 
 def of_known_kind(key: str, kinds: Mapping[str, type[Table]]) -> BeforeValidator:
@@ -120,9 +122,6 @@ class DirectionTable(VectorTable):
     z: MaybeNumber = None
 
 
-_AXES = {sign + axis: {axis: float(sign + "1")} for axis in "xyz" for sign in ("", "-")}
-
-
 def _direction(raw: Any) -> Any:
     """Read "z" or "-z" as a direction; refuse one that points nowhere."""
     if isinstance(raw, str):
@@ -186,6 +185,7 @@ class JohnsonCookTable(SolidTable):
 
 
 SOLIDS = by_kind("law", ElasticTable, BilinearTable, JohnsonCookTable)
+"""Laws of solids by their name."""
 AnySolidTable: TypeAlias = ElasticTable | BilinearTable | JohnsonCookTable
 
 
@@ -347,12 +347,13 @@ class FilePart(PartTable):
 
 
 SHAPES = by_kind("shape", Block, Cylinder, Tube, HalfCylinder, Frame, HalfSpace, Ball, FilePart)
+"""Parts by their shape."""
 AnyShaped: TypeAlias = Block | Cylinder | Tube | HalfCylinder | Frame | HalfSpace | Ball
 AnyPart: TypeAlias = AnyShaped | FilePart
 
 
 class MeshTable(Table):
-    """[mesh]: the parts of a model of hexahedra."""
+    """[mesh]: the parts of a finite-element mesh."""
 
     part: tuple[Annotated[AnyPart, Field(discriminator="shape"), of_known_kind("shape", SHAPES)], ...]
 

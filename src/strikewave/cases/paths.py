@@ -48,7 +48,7 @@ class Form:
     example: str
 
     def change(self, document: dict[str, Any], change: str) -> None:
-        """Set ``path=value`` in a document; a bare number is SI; a changed quantity is assumed and says so.
+        """Set ``path=value`` in a document; a bare number is SI; a changed quantity is marked as assumed.
 
         It keeps its tolerance, which ``path.tolerance=value`` changes.
 
@@ -77,14 +77,14 @@ class Form:
         typed: Any = _number(text)
         allowed = self.range_at([*self._with_kinds(document, tables), key])
         if allowed is None:
-            words = isinstance(place.get(key), str) or self._takes_text([*tables, key])
-            place[key] = text if words else typed
+            is_text = isinstance(place.get(key), str) or self._takes_text([*tables, key])
+            place[key] = text if is_text else typed
             return
         if allowed.unit in DIMENSIONS and not isinstance(typed, str):
             typed = f"{text} {allowed.unit}"
         before = place.get(key)
-        kept = {name: before[name] for name in _OF_TOLERANCE if name in before} if isinstance(before, dict) else {}
-        place[key] = {"value": typed, "provenance": "assumed", **kept, "note": "set by the user"}
+        tolerance = {name: before[name] for name in _OF_TOLERANCE if name in before} if isinstance(before, dict) else {}
+        place[key] = {"value": typed, "provenance": "assumed", **tolerance, "note": "set by the user"}
 
     def _table_in(self, document: dict[str, Any], tables: list[str], change: str) -> Any:
         """Return the table of a document at a path, made where it is not there."""
@@ -145,9 +145,9 @@ class Form:
                 models = chosen
                 continue
             fields = [model.model_fields[place] for model in models if place in model.model_fields]
-            found = [_tables_of(field.annotation) for field in fields]
-            models = list(dict.fromkeys(model for tables, _ in found for model in tables))
-            in_rows = any(rows for _, rows in found)
+            options = [_tables_of(field.annotation) for field in fields]
+            models = list(dict.fromkeys(model for tables, _ in options for model in tables))
+            in_rows = any(rows for _, rows in options)
         return models
 
     def table_at(self, places: list[str]) -> type[BaseModel] | None:
@@ -204,7 +204,7 @@ class Form:
 
 
 def _row_hint(place: Any, inner: Any, path: str, change: str) -> str:
-    """Say which rows there are, where a change names none of an array of tables, or one that there is not."""
+    """Return which rows there are, where a change names none of an array of tables, or one that there is not."""
     rows = inner if isinstance(inner, list) else place
     names = [row_name(row, k) for k, row in enumerate(rows)] if isinstance(rows, list) else []
     if not names:
@@ -228,9 +228,9 @@ def _tables_of(kind: Any) -> tuple[list[type[BaseModel]], bool]:
     """Return the tables that an annotation may hold, with their stricter forms, and whether it holds rows of them."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return [kind, *kind.__subclasses__()], False
-    found = [_tables_of(part) for part in get_args(kind)]
-    rows = any(inner for _, inner in found) or (get_origin(kind) is tuple and any(tables for tables, _ in found))
-    return [table for tables, _ in found for table in tables], rows
+    options = [_tables_of(part) for part in get_args(kind)]
+    rows = any(inner for _, inner in options) or (get_origin(kind) is tuple and any(tables for tables, _ in options))
+    return [table for tables, _ in options for table in tables], rows
 
 
 def _kind_of(table: type[BaseModel]) -> str:

@@ -12,7 +12,12 @@ from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import area_of, build_taps, checked, matter_of, once
 from strikewave.cases.tables import SensorTable
 from strikewave.sensors import Gasket, Mounting, Recorder, Sensor, accelerometer, oscilloscope, storage_recorder
+from strikewave.sensors.chain import RATE_OVER_CUTOFF
 from strikewave.sensors.channel import Channel
+
+_SENSOR_FIELDS = {"resonance": float, "quality": float, "range": float, "zero_shift": float}
+_RECORDER_FIELDS = {"sampling_rate": float, "cutoff": float, "order": int, "bits": int}
+"""Fields of [[sensor]] that overrule the model of the sensor, and its recorder."""
 
 
 def build_channels(case: Case) -> tuple[Channel, ...]:
@@ -43,14 +48,10 @@ def _channel(case: Case, table: SensorTable) -> Channel:
     return Channel(sensor, taps.index(table.tap) if table.tap else None, recorder)
 
 
-_SENSOR_FIELDS = {"resonance": float, "quality": float, "range": float, "zero_shift": float}
-_RECORDER_FIELDS = {"sampling_rate": float, "cutoff": float, "order": int, "bits": int}
-
-
 def _given(table: SensorTable, fields: dict[str, Any]) -> dict[str, Any]:
     """Return the fields that a table gives, in SI."""
-    found = {key: (getattr(table, key), kind) for key, kind in fields.items()}
-    return {key: kind(value.si) for key, (value, kind) in found.items() if isinstance(value, Value)}
+    given = {key: (getattr(table, key), kind) for key, kind in fields.items()}
+    return {key: kind(value.si) for key, (value, kind) in given.items() if isinstance(value, Value)}
 
 
 def _recorder(case: Case, table: SensorTable) -> Recorder:
@@ -60,7 +61,7 @@ def _recorder(case: Case, table: SensorTable) -> Recorder:
         return oscilloscope()
     rate = case.recorder.sampling_rate.si if case.recorder else None
     stored = storage_recorder()
-    return stored if rate is None else dataclasses.replace(stored, sampling_rate=rate, cutoff=rate / 5.0)
+    return stored if rate is None else dataclasses.replace(stored, sampling_rate=rate, cutoff=rate / RATE_OVER_CUTOFF)
 
 
 def _mounting(table: SensorTable, path: str) -> Mounting:

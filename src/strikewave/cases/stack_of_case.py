@@ -20,13 +20,23 @@ from strikewave.sensors.channel import Channel
 from strikewave.waves import BONDED, End, Joint, Layer, Stack, Tap
 from strikewave.waves.dispersion import Theory
 from strikewave.waves.layers import LossFit
-from strikewave.waves.loss import fit_loss
+from strikewave.waves.loss import USUAL_BAND, fit_loss
 from strikewave.waves.routes import EXACT
 
 T = TypeVar("T")
 
 USUAL_TAPS = 20
-"""Taps where a case names none."""
+"""Taps where a case names none: the middle of each layer, of many layers as many as a figure can hold."""
+_JOINT_FIELDS = {
+    "bonded": (),
+    "compliant": ("stiffness", "damping"),
+    "gasket": ("material", "modulus", "loss_factor", "thickness", "diameter", "area", "band_low", "band_high"),
+    "unilateral": ("stiffness", "damping", "gap", "preload"),
+    "mass": ("mass",),
+    "oscillator": ("mass", "stiffness", "resonance", "damping", "quality"),
+    "contact": ("law", "radius", "length", "datum_depth", "gap", "preload", "yield_pressure"),
+}
+"""Fields that each kind of joint takes: any other would be read and do nothing."""
 
 
 class Matter(NamedTuple):
@@ -116,19 +126,9 @@ def layer_loss(table: LayerTable, path: str) -> LossFit | None:
 
 def fitted(table: LayerTable | JointTable, path: str, stiffness: float, loss_factor: float) -> LossFit:
     """Return the springs and branches of a loss factor over the band of a table."""
-    low, high = (end.si if end else usual for end, usual in ((table.band_low, 1e3), (table.band_high, 1e5)))
+    ends = zip((table.band_low, table.band_high), USUAL_BAND, strict=True)
+    low, high = (end.si if end else usual for end, usual in ends)
     return checked(f"{path}.loss_factor", lambda: fit_loss(stiffness, loss_factor, low, high))
-
-
-_JOINT_FIELDS = {
-    "bonded": (),
-    "compliant": ("stiffness", "damping"),
-    "gasket": ("material", "modulus", "loss_factor", "thickness", "diameter", "area", "band_low", "band_high"),
-    "unilateral": ("stiffness", "damping", "gap", "preload"),
-    "mass": ("mass",),
-    "oscillator": ("mass", "stiffness", "resonance", "damping", "quality"),
-    "contact": ("law", "radius", "length", "datum_depth", "gap", "preload", "yield_pressure"),
-}
 
 
 def _joint(table: JointTable, before: LayerTable, after: LayerTable) -> Joint:
@@ -150,7 +150,7 @@ def _joint(table: JointTable, before: LayerTable, after: LayerTable) -> Joint:
     if table.kind == "unilateral":
         stiffness = table.stiffness.si if table.stiffness else math.inf
         gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
-        return checked(f"{path}", lambda: Joint(stiffness, damping, (), True, gap, preload))
+        return checked(path, lambda: Joint(stiffness, damping, (), True, gap, preload))
     if table.kind == "oscillator":
         hung = _hung(table, path)
         return checked(path, lambda: Joint(hung.stiffness, hung.damping, attached=hung.mass))
@@ -169,9 +169,9 @@ class Hung(NamedTuple):
 
 def _hung(table: JointTable | EndTable, path: str) -> Hung:
     """Return a mass on a spring by stiffness or resonance, damping or quality."""
-    for one, other in (("stiffness", "resonance"), ("damping", "quality")):
-        if getattr(table, one) is not None and getattr(table, other) is not None:
-            raise InputError(f"{path}.{other}", getattr(table, other).typed, f"{one} or {other}, not both")
+    for direct, derived in (("stiffness", "resonance"), ("damping", "quality")):
+        if getattr(table, direct) is not None and getattr(table, derived) is not None:
+            raise InputError(f"{path}.{derived}", getattr(table, derived).typed, f"{direct} or {derived}, not both")
     mass = need(table.mass, f"{path}.mass", "the mass on the spring", 'add mass = "2 gram"')
     if table.stiffness is not None:
         stiffness = table.stiffness.si
@@ -186,12 +186,12 @@ def _hung(table: JointTable | EndTable, path: str) -> Hung:
 
 def _contact(table: JointTable, path: str, before: LayerTable, after: LayerTable) -> Joint:
     """Return a nonlinear contact between the materials of two layers."""
-    one, other = (material(x.material, f"stack.layer.{x.name}.material") for x in (before, after))
+    first, second = (material(x.material, f"stack.layer.{x.name}.material") for x in (before, after))
     of_line = table.length.si if table.length else None
     datum = table.datum_depth.si if table.datum_depth else None
     geometry = Geometry(table.radius.si if table.radius else None, math.inf, of_line, datum)
     try:
-        stiffness = stiffness_of(table.law or "hertz", one, other, geometry, f"{path}.law")
+        stiffness = stiffness_of(table.law or "hertz", first, second, geometry, f"{path}.law")
     except InputError as error:
         if error.field != "radius1":
             raise
@@ -200,7 +200,7 @@ def _contact(table: JointTable, path: str, before: LayerTable, after: LayerTable
     cap = None
     if table.yield_pressure is not None:
         pressure = table.yield_pressure.si
-        cap = checked(f"{path}.yield_pressure", lambda: cap_of(one, other, geometry, pressure))
+        cap = checked(f"{path}.yield_pressure", lambda: cap_of(first, second, geometry, pressure))
     law = named_contact(stiffness, "exact", 1.0, cap)
     gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
     return checked(path, lambda: Joint(contact=law, gap=gap, preload=preload))

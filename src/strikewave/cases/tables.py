@@ -76,6 +76,33 @@ from strikewave.base.quantities import (
     Value,
 )
 
+POWER = "power"
+"""The contact law that is given by a force at a depth."""
+PUBLISHED_QUANTITIES = {
+    "first.rigid_peak": "m/s^2",
+    "first.total_peak": "m/s^2",
+    "first.wave_peak": "m/s^2",
+    "first.sensor_peak": "m/s^2",
+    "first.sensor_width": "s",
+    "first.width": "s",
+    "first.peak_force": "N",
+    "first.force_width": "s",
+    "first.force_over_mass": "m/s^2",
+    "typical.rigid_peak": "m/s^2",
+    "typical.width": "s",
+    "count": "",
+    "window": "s",
+}
+"""What a published number can be compared with: its name and SI unit.
+
+``force_width`` and ``force_over_mass`` are those of explicit finite elements. There ``width`` of a part or group is
+that of the one pulse round its peak, where it first falls below a tenth of it on either side; ``force_width`` runs
+from the first to the last tenth of the peak of the force, with gaps between contacts.
+"""
+LONGEST_NAME, LONGEST_CASE_NAME = 40, 80
+"""Characters of a name that stands in paths and heads of columns, and of a case, which names a folder: a table and a
+path still fit a line."""
+
 
 class Table(BaseModel):
     """What every table of a case is: frozen, without unknown keys."""
@@ -215,10 +242,6 @@ class Object(AnyObject):
     gravity: Acceleration
 
 
-POWER = "power"
-"""The contact law that is given by a force at a depth."""
-
-
 class ContactTable(Table):
     """[contact]: law of the contact between nose and face; with a yield pressure it is elastic-plastic.
 
@@ -253,14 +276,15 @@ class Recorder(Table):
         return self.delay.si - self.pre_trigger.si
 
 
-def _word(raw: Any) -> Any:
+def _name(raw: Any) -> Any:
     """Check a name that stands in paths and heads of columns."""
-    if isinstance(raw, str) and re.fullmatch(r"[^\W_][\w +-]{0,39}", raw) and not raw.isdigit():
+    if isinstance(raw, str) and re.fullmatch(rf"[^\W_][\w +-]{{0,{LONGEST_NAME - 1}}}", raw) and not raw.isdigit():
         return raw
-    raise InputError("", raw, "a letter or digit, then also space, +, - and _, at most 40 in all, not a number alone")
+    allowed = f"a letter or digit, then also space, +, - and _, at most {LONGEST_NAME} in all, not a number alone"
+    raise InputError("", raw, allowed)
 
 
-Name = Annotated[str, BeforeValidator(_word)]
+Name = Annotated[str, BeforeValidator(_name)]
 
 
 class LayerTable(Table):
@@ -425,33 +449,10 @@ class Solver(Table):
     dispersion: Literal["none", "love-rayleigh", "pochhammer-chree"] = "none"
 
 
-PUBLISHED_QUANTITIES = {
-    "first.rigid_peak": "m/s^2",
-    "first.total_peak": "m/s^2",
-    "first.wave_peak": "m/s^2",
-    "first.sensor_peak": "m/s^2",
-    "first.sensor_width": "s",
-    "first.width": "s",
-    "first.peak_force": "N",
-    "first.force_width": "s",
-    "first.force_over_mass": "m/s^2",
-    "typical.rigid_peak": "m/s^2",
-    "typical.width": "s",
-    "count": "",
-    "window": "s",
-}
-"""What a published number can be set beside: its name and SI unit.
-
-``force_width`` and ``force_over_mass`` are those of models of hexahedra. There ``width`` of a part or group is that of
-the one pulse round its peak, where it first falls below a tenth of it on either side; ``force_width`` runs from the
-first to the last tenth of the peak of the force, with gaps between contacts.
-"""
-
-
 class Published(Table):
-    """[[published]]: a number to set beside the result; ``sensor`` names the one it was read from.
+    """[[published]]: a number to compare the result with; ``sensor`` names the one it was read from.
 
-    In a model of hexahedra ``sensor`` is the part or group that moves. Its ``origin`` is a measurement, a simulation,
+    In a finite-element case ``sensor`` is the part or group that moves. Its ``origin`` is a measurement, a simulation,
     or what a standard specifies.
     """
 
@@ -481,6 +482,7 @@ def read_published(raw: Any) -> Any:
 
 def case_name(raw: Any) -> Any:
     """Check the name of a case: it names a folder."""
-    if isinstance(raw, str) and not re.fullmatch(r"[\w][\w .+-]{0,79}|", raw):
-        raise InputError("", raw, "letters, digits, space, dot, +, - and _, at most 80", "the name becomes a folder's")
+    if isinstance(raw, str) and not re.fullmatch(rf"[\w][\w .+-]{{0,{LONGEST_CASE_NAME - 1}}}|", raw):
+        allowed = f"letters, digits, space, dot, +, - and _, at most {LONGEST_CASE_NAME}"
+        raise InputError("", raw, allowed, "the name becomes a folder's")
     return raw

@@ -519,7 +519,7 @@ def test_a_mesh_in_a_file_beside_the_case_keeps_its_shared_nodes(filed):
         ('part = "LOWER"', 'part = "LOWR"', "mesh.part.anvil.part", 'did you mean "LOWER"'),
         ('part = "LOWER"', 'part = "UPPER"', "mesh.part.UPPER.part", "in one row: LOWER, UPPER"),
         ('unit = "1 mm"', 'unit = "1 m"', "mesh.part.UPPER.unit", "one unit"),
-        ('file = "two.inp"', 'file = "tow.inp"', "mesh.part.anvil.file", "a file that exists"),
+        ('file = "two.inp"', 'file = "tow.inp"', "mesh.part.anvil.file", "no such file: "),
         (
             '[[mesh.part]]\nname = "UPPER"',
             '[[mesh.part]]\nsize = "1 mm"\nname = "UPPER"',
