@@ -12,7 +12,6 @@ import strikewave
 
 ROOT = Path(__file__).parents[2]
 BENCHMARKS = ROOT / "benchmarks"
-SOURCES = sorted((ROOT / "src").rglob("*.py"))
 
 
 def test_public_names_import():
@@ -59,11 +58,6 @@ def test_no_module_of_the_benchmarks_needs_itself():
         ]
         needed[path.stem] = {name for name in names if (BENCHMARKS / f"{name}.py").exists()}
     list(graphlib.TopologicalSorter(needed).static_order())
-
-
-@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
-def test_no_file_is_longer_than_600_lines(path):
-    assert len(path.read_text().splitlines()) <= 600
 
 
 def test_changelog_knows_the_version():
