@@ -120,17 +120,17 @@ def span_of_restitution(e):
     """Return L = chi (1 + e) that gives the restitution e, 0 < e <= 1, by guarded Newton steps."""
     if e >= 1.0:
         return 0.0
-    wanted = 1.0 - e
-    low, high = 2.0 * wanted, 3.0 + 1.0 / e
+    lost = 1.0 - e
+    low, high = 2.0 * lost, 3.0 + 1.0 / e
     # begins at the estimate of Carvalho & Martins 2019, within 23 % for e above 0.1, and at 1 + 1/e for small e
-    span = min(1.5 * wanted * (11.0 - e) / (1.0 + 9.0 * e) * (1.0 + e), 1.0 + 1.0 / e)
+    span = min(1.5 * lost * (11.0 - e) / (1.0 + 9.0 * e) * (1.0 + e), 1.0 + 1.0 / e)
     for _ in range(_STEPS):
         if span > _RESTITUTION_BY_LOSS:
             residual = e - restitution_of_span(span)
             slope = loss_of_span(span)[1]
         else:
             loss, slope = loss_of_span(span)
-            residual = loss - wanted
+            residual = loss - lost
         if residual < 0.0:
             low = span
         else:
@@ -283,7 +283,7 @@ def all_moments(stiffness, exponent, chi, mass, speed, out):
 
 
 @kernel
-def distance_at(exponent, chi, e, wanted, far, released):
+def distance_at(exponent, chi, e, integral, far, released):
     """Return w, from the end of the contact that ``released`` tells, at which the stretch integral has a value.
 
     Newton steps in w^(1/(n+1)), in which the integral begins straight; bisection where one leaves the bracket.
@@ -291,9 +291,9 @@ def distance_at(exponent, chi, e, wanted, far, released):
     n, span = exponent, chi * (1.0 + e)
     power, steep = -n / (n + 1.0), e * chi if released else chi
     low, high = 0.0, far
-    w = min((wanted * steep**-power / (n + 1.0)) ** (n + 1.0), far)
+    w = min((integral * steep**-power / (n + 1.0)) ** (n + 1.0), far)
     for _ in range(_PLACE_STEPS):
-        miss = stretch_integral(n, chi, e, w, released) - wanted
+        miss = stretch_integral(n, chi, e, w, released) - integral
         if miss > 0.0:
             high = w
         else:
@@ -331,10 +331,10 @@ def history(stiffness, exponent, chi, mass, speed, times, out):
     _, turned, end = moments(stiffness, n, chi, mass, speed)
     for i in range(times.size):
         released = times[i] > turned
-        wanted = (end - times[i] if released else times[i]) / unit
+        integral = (end - times[i] if released else times[i]) / unit
         w, g = 0.0, 0.0
-        if wanted > 0.0:
-            w = distance_at(n, chi, e, wanted, span - turn if released else turn, released)
+        if integral > 0.0:
+            w = distance_at(n, chi, e, integral, span - turn if released else turn, released)
             g = max(from_end(chi, e, span, w) if released else from_begin(chi, w), 0.0)
         y, push = rate_at(chi, e, span, w, released)
         depth = whole * g ** (1.0 / (n + 1.0))

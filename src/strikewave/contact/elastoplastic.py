@@ -44,7 +44,9 @@ LARGEST_PRESSURE = 1e15
 its cube, in the yield load, is far from overflow."""
 
 
-def point_cap(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float, pressure: ArrayLike) -> PressureCap:
+def point_cap(
+    body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: float, pressure: ArrayLike
+) -> PressureCap:
     """Return the cap of a sphere: F_y = pi^3 p^3 R^2/(6 E*^2). Source: Thornton 1997.
 
     ``pressure`` p (Pa) is the largest that the contact bears: 1.6 times the yield strength at first yield inside, up to
@@ -57,12 +59,12 @@ def point_cap(one: ElasticBody, other: ElasticBody, radius1: float, radius2: flo
     >>> print(point_cap(steel, steel, 0.01, np.inf, 1e9).yield_load.round(1))
     39.0
     """
-    radius, modulus = reduced_radius(radius1, radius2), contact_modulus(one, other)
+    radius, modulus = reduced_radius(radius1, radius2), contact_modulus(body1, body2)
     return PressureCap(np.pi**3 * _pressure(pressure) ** 3 * radius**2 / (6.0 * modulus**2), "point")
 
 
 def line_cap(
-    one: ElasticBody, other: ElasticBody, radius1: float, radius2: float, length: float, pressure: ArrayLike
+    body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: float, length: float, pressure: ArrayLike
 ) -> PressureCap:
     """Return the cap of a line contact of length h: F_y = pi R h p^2/E*. Source: see the module.
 
@@ -77,11 +79,11 @@ def line_cap(
     >>> print((cap.yield_load / 1e3).round(2))
     6.4
     """
-    radius, modulus = reduced_radius(radius1, radius2), contact_modulus(one, other)
+    radius, modulus = reduced_radius(radius1, radius2), contact_modulus(body1, body2)
     return PressureCap(np.pi * radius * length * _pressure(pressure) ** 2 / modulus, "line")
 
 
-def cap_of(one: ElasticBody, other: ElasticBody, geometry: Geometry, pressure: ArrayLike) -> PressureCap:
+def cap_of(body1: ElasticBody, body2: ElasticBody, geometry: Geometry, pressure: ArrayLike) -> PressureCap:
     """Return the cap of a line where the geometry has a length, of spheres where not.
 
     Raises
@@ -98,8 +100,8 @@ def cap_of(one: ElasticBody, other: ElasticBody, geometry: Geometry, pressure: A
     """
     radius1 = math.nan if geometry.radius1 is None else geometry.radius1
     if geometry.length is None:
-        return point_cap(one, other, radius1, geometry.radius2, pressure)
-    return line_cap(one, other, radius1, geometry.radius2, geometry.length, pressure)
+        return point_cap(body1, body2, radius1, geometry.radius2, pressure)
+    return line_cap(body1, body2, radius1, geometry.radius2, geometry.length, pressure)
 
 
 CAP_LAWS = {
@@ -189,7 +191,7 @@ class FirstYield(NamedTuple):
     load: float
 
 
-def first_yield(one: PlasticBody, other: PlasticBody, geometry: Geometry) -> FirstYield | None:
+def first_yield(body1: PlasticBody, body2: PlasticBody, geometry: Geometry) -> FirstYield | None:
     """Return where a contact first yields: that of a line where the geometry has a length, of spheres where not.
 
     None where no radius or no yield strength is known.
@@ -202,12 +204,12 @@ def first_yield(one: PlasticBody, other: PlasticBody, geometry: Geometry) -> Fir
     >>> round(first_yield(steel, steel, Geometry(0.01, length=0.04)).load)
     6398
     """
-    known = [(body, body.yield_strength) for body in (one, other) if body.yield_strength is not None]
+    known = [(body, body.yield_strength) for body in (body1, body2) if body.yield_strength is not None]
     if geometry.radius1 is None or not known:
         return None
     yield_pressure = point_yield_pressure if geometry.length is None else line_yield_pressure
     pressure = min(yield_pressure(body, strength) for body, strength in known)
-    return FirstYield(pressure, float(np.asarray(cap_of(one, other, geometry, pressure).yield_load)))
+    return FirstYield(pressure, float(np.asarray(cap_of(body1, body2, geometry, pressure).yield_load)))
 
 
 def yield_speed(contact: AnyContact, mass: ArrayLike) -> Array:

@@ -37,6 +37,9 @@ _STEPS = 1000
 bodies hardly part."""
 _LARGEST_ENERGY = 1e60
 """m v0^2 beyond this, or below its inverse, is refused by the integrator, J: powers of such depths would overflow."""
+TOLERANCE, HISTORY_TOLERANCE = 1e-8, 1e-9
+"""Local error of a step of the integrator over its scales, of many impacts and of one in time: restitutions are then
+good to 1e-7, far better than any law, and a curve to rounding of what is drawn."""
 _HISTORY_STEPS = 500
 """Steps of a history where no times are given: 0.2 % of the contact, finer than a curve in a figure shows."""
 _ROUNDING = 1e-12
@@ -165,11 +168,11 @@ def reduced_mass(mass1: ArrayLike, mass2: ArrayLike) -> Array:
     >>> print(reduced_mass(0.2, np.inf), reduced_mass(2.0, 2.0))
     0.2 1.0
     """
-    one, other = np.broadcast_arrays(np.asarray(mass1, dtype=float), np.asarray(mass2, dtype=float))
-    refuse("the first mass", one, one > 0.0, "positive")
-    refuse("the second mass", other, other > 0.0, "positive")
-    refuse("the second mass", other, ~(np.isinf(one) & np.isinf(other)), "finite where the first is not")
-    return np.asarray(1.0 / (1.0 / one + 1.0 / other))
+    m1, m2 = np.broadcast_arrays(np.asarray(mass1, dtype=float), np.asarray(mass2, dtype=float))
+    refuse("the first mass", m1, m1 > 0.0, "positive")
+    refuse("the second mass", m2, m2 > 0.0, "positive")
+    refuse("the second mass", m2, ~(np.isinf(m1) & np.isinf(m2)), "finite where the first is not")
+    return np.asarray(1.0 / (1.0 / m1 + 1.0 / m2))
 
 
 def problem_of(
@@ -189,7 +192,7 @@ def solve_impact(
     mass2: ArrayLike,
     speed: ArrayLike,
     deepest: ArrayLike = 0.0,
-    tolerance: float = 1e-8,
+    tolerance: float = TOLERANCE,
 ) -> Impact:
     """Solve the impact of two free bodies: exactly for a power law with hysteresis, by the integrator for the rest.
 
@@ -248,8 +251,8 @@ def _in_closed_form(problem: Problem) -> Impact:
     out = np.empty((4, problem.mass.size))
     k, n, chi, m, v = problem.numbers
     _kernels.impacts(k, n, chi, m, v, out)
-    none, one = np.zeros(problem.shape), np.ones(problem.shape)
-    return _impact(problem, out, none, none, one, CLOSED_FORM)
+    zeros, ones = np.zeros(problem.shape), np.ones(problem.shape)
+    return _impact(problem, out, zeros, zeros, ones, CLOSED_FORM)
 
 
 def _by_steps(contact: AnyContact, problem: Problem, tolerance: float) -> Impact:
@@ -298,7 +301,7 @@ def _impact(problem: Problem, out: Array, deepest: Array, left: Array, flat: Arr
     return Impact(e, depth, force, duration, np.asarray(lost), deepest, left, flat, method, problem)
 
 
-def impact_history(impact: Impact, times: ArrayLike | None = None, tolerance: float = 1e-9) -> History:
+def impact_history(impact: Impact, times: ArrayLike | None = None, tolerance: float = HISTORY_TOLERANCE) -> History:
     """Return a single impact in time, from first touch to release.
 
     Parameters

@@ -106,7 +106,7 @@ class DamperLaw(Law):
 
 @dataclass(frozen=True)
 class StiffnessLaw(Law):
-    """A law of the elastic force: ``function(one, other, **needs) -> Stiffness or LogarithmicStiffness``.
+    """A law of the elastic force: ``function(body1, body2, **needs) -> Stiffness or LogarithmicStiffness``.
 
     ``needs`` names the sizes that it takes: radius1, radius2, length, datum_depth.
     """
@@ -126,7 +126,7 @@ class StiffnessLaw(Law):
 
 @dataclass(frozen=True)
 class CapLaw(Law):
-    """A law of what a contact bears beyond its yield load: ``function(one, other, sizes, pressure) -> PressureCap``."""
+    """A law of a contact beyond its yield load: ``function(body1, body2, sizes, pressure) -> PressureCap``."""
 
     symbols: ClassVar[Mapping[str, str]] = {
         "F_y": "yield load, N",

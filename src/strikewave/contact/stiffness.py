@@ -123,7 +123,7 @@ class Geometry:
         return reduced_radius(self.radius1 if self.radius1 is not None else math.nan, self.radius2)
 
 
-def contact_modulus(one: ElasticBody, other: ElasticBody) -> float:
+def contact_modulus(body1: ElasticBody, body2: ElasticBody) -> float:
     """Return the contact modulus E* of two bodies, 1/E* = sum (1 - nu^2)/E, in Pa (Johnson 1985, eq. 4.21).
 
     Examples
@@ -132,7 +132,7 @@ def contact_modulus(one: ElasticBody, other: ElasticBody) -> float:
     >>> round(contact_modulus(material("65Mn"), material("65Mn")) / 1e9, 4)
     115.042
     """
-    return 1.0 / sum((1.0 - body.poissons_ratio**2) / body.youngs_modulus for body in (one, other))
+    return 1.0 / sum((1.0 - body.poissons_ratio**2) / body.youngs_modulus for body in (body1, body2))
 
 
 def reduced_radius(radius1: float, radius2: float) -> float:
@@ -182,7 +182,7 @@ def _positive(name: str, value: float) -> float:
     limits="spheres, elastic, contact radius small beside R",
     needs=("radius1", "radius2"),
 )
-def hertz(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float = math.inf) -> Stiffness:
+def hertz(body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: float = math.inf) -> Stiffness:
     """Return the stiffness of two spheres: K = (4/3) E* sqrt(R), n = 3/2, 1/R = 1/R1 + 1/R2.
 
     Valid for elastic bodies and a contact radius small beside R. ``radius2 = inf`` is a plane.
@@ -200,7 +200,7 @@ def hertz(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float =
     >>> round(law.stiffness / 1e10, 5), law.exponent
     (1.53389, 1.5)
     """
-    k = 4.0 / 3.0 * contact_modulus(one, other) * math.sqrt(reduced_radius(radius1, radius2))
+    k = 4.0 / 3.0 * contact_modulus(body1, body2) * math.sqrt(reduced_radius(radius1, radius2))
     return Stiffness(k, 1.5, "hertz", CHECKED, "johnson-1985")
 
 
@@ -213,7 +213,7 @@ def hertz(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float =
     note="eq (5) of Li & Ma prints E' upside down, which is repaired here",
     needs=("length",),
 )
-def palmgren(one: ElasticBody, other: ElasticBody, length: float) -> Stiffness:
+def palmgren(body1: ElasticBody, body2: ElasticBody, length: float) -> Stiffness:
     """Return the stiffness of a cylinder of length h on a plane or cylinder, n = 10/9.
 
     d = 3.81 [2 / (pi E')]^0.9 F^0.9 / h^0.8 with E' = 2 / sum((1 - nu^2)/E) = 2 E*, SI units;
@@ -233,7 +233,7 @@ def palmgren(one: ElasticBody, other: ElasticBody, length: float) -> Stiffness:
     >>> round(law.stiffness / 1e9, 2), round(law.exponent, 4)
     (4.68, 1.1111)
     """
-    modulus = 2.0 * contact_modulus(one, other)
+    modulus = 2.0 * contact_modulus(body1, body2)
     compliance = 3.81 * (2.0 / (math.pi * modulus)) ** 0.9 / _positive("the contact length", length) ** 0.8
     return Stiffness(compliance ** (-10.0 / 9.0), 10.0 / 9.0, "palmgren", CHECKED, "palmgren")
 
@@ -248,8 +248,8 @@ def palmgren(one: ElasticBody, other: ElasticBody, length: float) -> Stiffness:
     needs=("radius1", "radius2", "length", "datum_depth"),
 )
 def johnson(
-    one: ElasticBody,
-    other: ElasticBody,
+    body1: ElasticBody,
+    body2: ElasticBody,
     radius1: float,
     radius2: float,
     length: float,
@@ -275,11 +275,11 @@ def johnson(
     >>> print((law.indentation(10e3) * 1e6).round(3))
     7.373
     """
-    modulus, h = contact_modulus(one, other), _positive("the contact length", length)
+    modulus, h = contact_modulus(body1, body2), _positive("the contact length", length)
     slope = math.pi * modulus * h
     width = slope / (4.0 * reduced_radius(radius1, radius2))  # F/a^2
     total = 0.0
-    for body, radius in ((one, radius1), (other, radius2)):
+    for body, radius in ((body1, radius1), (body2, radius2)):
         share = (1.0 - body.poissons_ratio**2) / body.youngs_modulus * modulus
         if math.isinf(radius):
             if datum_depth is None:
@@ -313,7 +313,7 @@ def _two_cylinders(name: str, radius1: float, radius2: float) -> tuple[float, fl
     needs=("radius1", "radius2", "length"),
 )
 def radzimovsky(
-    one: ElasticBody, other: ElasticBody, radius1: float, radius2: float, length: float
+    body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: float, length: float
 ) -> LogarithmicStiffness:
     """Return the stiffness of two cylinders by Radzimovsky 1953.
 
@@ -333,7 +333,7 @@ def radzimovsky(
     7.567
     """
     _, total = _two_cylinders("radzimovsky", radius1, radius2)
-    slope = math.pi * contact_modulus(one, other) * _positive("the contact length", length)
+    slope = math.pi * contact_modulus(body1, body2) * _positive("the contact length", length)
     load = math.exp(2.0 / 3.0) * total * slope
     return LogarithmicStiffness(slope, load, "radzimovsky", CHECKED, "radzimovsky-1953")
 
@@ -348,7 +348,7 @@ def radzimovsky(
     needs=("radius1", "radius2", "length"),
 )
 def dubowsky_freudenstein(
-    one: ElasticBody, other: ElasticBody, radius1: float, radius2: float, length: float
+    body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: float, length: float
 ) -> LogarithmicStiffness:
     """Return the stiffness of a pin in a hole by Dubowsky & Freudenstein 1971.
 
@@ -367,7 +367,7 @@ def dubowsky_freudenstein(
     """
     reduced, _ = _two_cylinders("dubowsky-freudenstein", radius1, radius2)
     h = _positive("the contact length", length)
-    slope = math.pi * contact_modulus(one, other) * h
+    slope = math.pi * contact_modulus(body1, body2) * h
     load = math.e * h * h / reduced * slope
     return LogarithmicStiffness(slope, load, "dubowsky-freudenstein", CHECKED, "dubowsky-freudenstein-1971")
 
@@ -381,7 +381,7 @@ def dubowsky_freudenstein(
     note="a law of spheres, without the length: 5 to 20 times too soft for a line contact",
     needs=("radius1", "radius2"),
 )
-def lankarani_nikravesh_cylinder(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float) -> Stiffness:
+def lankarani_nikravesh_cylinder(body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: float) -> Stiffness:
     """Return the stiffness that Lankarani & Nikravesh 1994 give to cylinders: that of spheres of the same radii.
 
     Examples
@@ -391,7 +391,7 @@ def lankarani_nikravesh_cylinder(one: ElasticBody, other: ElasticBody, radius1: 
     >>> lankarani_nikravesh_cylinder(steel, steel, 0.01, 0.02).exponent
     1.5
     """
-    k = hertz(one, other, radius1, radius2).stiffness
+    k = hertz(body1, body2, radius1, radius2).stiffness
     return Stiffness(k, 1.5, "lankarani-nikravesh", CHECKED, "lankarani-nikravesh-1994")
 
 
@@ -404,7 +404,7 @@ def lankarani_nikravesh_cylinder(one: ElasticBody, other: ElasticBody, radius1: 
     note="fitted to Johnson's law; its own damping is that of lankarani-nikravesh; n in a hole from memory",
     needs=("radius1", "radius2", "length"),
 )
-def pereira(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float, length: float) -> Stiffness:
+def pereira(body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: float, length: float) -> Stiffness:
     """Return the stiffness of two cylinders by Pereira et al. 2015, F = (a dR + b) h E*/dR d^n in mm, N and MPa.
 
     A plane (dR = inf) leaves F = a h E* d^n. In a hole Y = 1.51 [ln(1000 dR)]^-0.151 below dR = 0.34954 mm, and
@@ -425,7 +425,7 @@ def pereira(one: ElasticBody, other: ElasticBody, radius1: float, radius2: float
     """
     reduced_radius(radius1, radius2)
     total = abs(radius1 + radius2) * 1e3
-    modulus, h = contact_modulus(one, other) * 1e-6, _positive("the contact length", length) * 1e3
+    modulus, h = contact_modulus(body1, body2) * 1e-6, _positive("the contact length", length) * 1e3
     status, a, b, n = CHECKED, 0.39, 0.85, 1.094
     if radius2 < 0.0:
         if not 0.005 <= total <= 10.0:
@@ -459,7 +459,7 @@ def stiffness_law(name: str, field: str = "law") -> StiffnessLaw:
 
 
 def stiffness_of(
-    name: str, one: ElasticBody, other: ElasticBody, geometry: Geometry, field: str = "law"
+    name: str, body1: ElasticBody, body2: ElasticBody, geometry: Geometry, field: str = "law"
 ) -> Stiffness | LogarithmicStiffness:
     """Return the stiffness of two bodies by a named law.
 
@@ -487,7 +487,7 @@ def stiffness_of(
             missing[0], MISSING, f"the {missing[0].replace('_', ' ')} of the law {name}", f"{name} needs it"
         )
     try:
-        stiffness: Stiffness | LogarithmicStiffness = law.function(one, other, **sizes)
+        stiffness: Stiffness | LogarithmicStiffness = law.function(body1, body2, **sizes)
     except ValueError as error:
         raise InputError(field, name, str(error)) from None
     return stiffness

@@ -121,11 +121,11 @@ def top_within(sign, start, change, flat, rising, bends, places):
 
 
 @fused_kernel
-def sharpen(sign, x, before, filters, shapes, bends, places, record, load, found):
+def sharpen(sign, x, before, filters, shapes, bends, places, record, load, peaks):
     """Find for each frequency the step that holds the largest response of one sign.
 
     A segment or a step is looked into only if its samples and the bound of what lies between them exceed the best
-    so far. Rows of ``shapes``: see ``oscillators.Bank``. Rows of ``found``: place in the step, response before the
+    so far. Rows of ``shapes``: see ``oscillators.Bank``. Rows of ``peaks``: place in the step, response before the
     step, its change, and the two loads that `top_within` calls flat and rising.
     """
     segments, count = record.shape[1], record.shape[2]
@@ -159,5 +159,5 @@ def sharpen(sign, x, before, filters, shapes, bends, places, record, load, found
                     place, height = top_within(sign, y, d, flat, rising, bends[:, j], places)
                     if height > best:
                         best = height
-                        found[0, j], found[1, j], found[2, j], found[3, j], found[4, j] = place, y, d, flat, rising
+                        peaks[0, j], peaks[1, j], peaks[2, j], peaks[3, j], peaks[4, j] = place, y, d, flat, rising
                 a, b, y = b, p, y + d

@@ -63,12 +63,12 @@ def extremes(x: Array, tail: Array, oscillators: Bank, part: str) -> tuple[Array
     return sides if part == "residual" else (np.maximum(sides[0], during[0]), np.maximum(sides[1], during[1]))
 
 
-def _stretch(x: Array, before: Array, oscillators: Bank, state: Array, wanted: bool) -> tuple[Array, Array]:
-    """Take the state through the samples; return the magnitudes of the largest positive and negative response."""
+def _stretch(x: Array, before: Array, oscillators: Bank, state: Array, counts: bool) -> tuple[Array, Array]:
+    """Take the state through the samples; return the largest responses of either sign, where this part counts."""
     segments = -(-x.size // kernels.SEGMENT)
     record = np.empty((4, segments, state.shape[1]))
     kernels.march(x, before, oscillators.filters, state, record)
-    if not wanted:
+    if not counts:
         return state[0], state[1]
     load = np.empty((2, segments))
     kernels.loads(x, before, load)

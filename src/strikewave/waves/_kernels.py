@@ -417,14 +417,14 @@ def rates(values, history):
 
 
 @leaf_kernel
-def watch(tables, sent, came, through, left, histories, norms, integrals):
+def watch(tables, sent, returning, through, left, histories, norms, integrals):
     """Follow the energy norms of the first three time derivatives of all waves: time integrals, largest values.
 
     Waves move unchanged and joints only lose, so what entered at both faces bounds each norm. ``sent`` and
-    ``came`` are the waves at the loaded face, ``through`` and ``left`` those at the end.
+    ``returning`` are the waves at the loaded face, ``through`` and ``left`` those at the end.
     """
     dt, first, last = tables.step, tables.impedance[0], tables.impedance[tables.impedance.size - 1]
-    gains, losses = rates(sent, histories[0]), rates(came, histories[1])
+    gains, losses = rates(sent, histories[0]), rates(returning, histories[1])
     outs, backs = rates(through, histories[2]), rates(left, histories[3])
     scale = dt
     for k in range(3):

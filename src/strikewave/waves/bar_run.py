@@ -133,8 +133,8 @@ class BarRun:
             velocity, acceleration = self.waves, np.gradient(self.waves, self.time, axis=0)
         pairs = ((self.bound.velocity, velocity), (self.bound.acceleration, acceleration))
         largest = [(bound, float(np.abs(values).max(initial=0.0))) for bound, values in pairs]
-        one, other = (bound / most if most > 0.0 else math.inf for bound, most in largest)
-        return one, other
+        over_velocity, over_acceleration = (bound / most if most > 0.0 else math.inf for bound, most in largest)
+        return over_velocity, over_acceleration
 
     @property
     def waves(self) -> Array:

@@ -55,9 +55,9 @@ class Sandwich:
 
         Eqs (27)-(29); (28) prints the incident stress where the strain is meant.
         """
-        one, specimen = self.upper, self.specimen
-        entry = 2.0 / (1.0 + one.impedance / specimen.impedance)
-        return (one.modulus / specimen.modulus) * entry * (one.area / specimen.area)
+        upper, specimen = self.upper, self.specimen
+        entry = 2.0 / (1.0 + upper.impedance / specimen.impedance)
+        return (upper.modulus / specimen.modulus) * entry * (upper.area / specimen.area)
 
     @property
     def first_reflection(self) -> float:
@@ -166,29 +166,29 @@ def arrivals(sandwich: Sandwich, position: float, transfers: int, route: str) ->
     rest = 1.0 - position
     if route == "as printed":
         return [Arrival(delay, size, size) for delay, size in _printed(sandwich, rest, transfers)]
-    one, two = -sandwich.first_reflection, sandwich.second_reflection
+    upper, lower = -sandwich.first_reflection, sandwich.second_reflection
     waves = []
     for number in range(transfers):
         trips, echo = divmod(number, 2)
-        size = sandwich.gamma * (one * two) ** trips * two**echo
+        size = sandwich.gamma * (upper * lower) ** trips * lower**echo
         waves.append(Arrival(2.0 * (trips + echo * rest), size, -size if echo else size))
     return waves
 
 
 def _printed(sandwich: Sandwich, rest: float, k: int) -> list[tuple[float, float]]:
     """Return delay over t0 and factor of each term of eq (36) for k transfers; rest = tl/t0."""
-    one, two = -sandwich.first_reflection, sandwich.second_reflection
+    upper, lower = -sandwich.first_reflection, sandwich.second_reflection
     terms = [(0.0, 1.0)]
     if k % 2:
         for n in range(3, k + 1, 2):
-            terms.append((rest + n - 3, one ** ((n - 3) // 2) * two ** ((n - 1) // 2)))
-            terms.append((rest + n - 2, one ** ((n - 1) // 2) * two ** ((n - 1) // 2)))
+            terms.append((rest + n - 3, upper ** ((n - 3) // 2) * lower ** ((n - 1) // 2)))
+            terms.append((rest + n - 2, upper ** ((n - 1) // 2) * lower ** ((n - 1) // 2)))
     else:
         correction = 0.0 if k == 2 else 1.0  # S(k), eq (37)
         for n in range(2, k + 1, 2):
             if n >= 3:
-                terms.append((rest + n - 3, correction * one ** ((n - 2) // 2) * two ** ((n - 2) // 2)))
-            terms.append((rest + n - 2, one ** ((n - 2) // 2) * two ** (n // 2)))
+                terms.append((rest + n - 3, correction * upper ** ((n - 2) // 2) * lower ** ((n - 2) // 2)))
+            terms.append((rest + n - 2, upper ** ((n - 2) // 2) * lower ** (n // 2)))
     return [(delay, sandwich.gamma * factor) for delay, factor in terms]
 
 

@@ -27,7 +27,8 @@ DISPERSED_REFUSED, DISPERSED_WARNED = 1.0, 2.0
 """The same where the first mode of a round bar is followed exactly: what is missing are higher modes, which die within
 about a diameter of a face."""
 RISE_OF_BANDWIDTH = 0.35
-"""Rise time (10-90 %) times -3 dB bandwidth of a low-pass: ln 9/(2 pi) of one pole, and 0.34 to 0.36 of several."""
+"""Rise time (10-90 %) times -3 dB bandwidth of a low-pass: ln 9/(2 pi) of one pole, and about as
+much of several."""
 MISMATCH_LIMIT = 0.01
 """Relative error of a transit beyond which the step of a struck stack is warned of: echoes then come 1 % early or late,
 which a figure shows."""
@@ -168,10 +169,10 @@ def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_
 
 def loss_notices(losses: Sequence[tuple[str, float, float, float, float]]) -> Iterator[Notice]:
     """Yield loss factors that are held badly: where, the one asked for, by how much it is missed, band (Hz)."""
-    for where, asked, error, low, high in losses:
+    for where, loss_factor, error, low, high in losses:
         if error > LOSS_HELD:
             message = (
-                f"the loss factor {asked:g} of {where} is held to {error:.1%} only from {low / 1e3:g} to "
+                f"the loss factor {loss_factor:g} of {where} is held to {error:.1%} only from {low / 1e3:g} to "
                 f"{high / 1e3:g} kHz: narrow the band"
             )
             yield Notice("loss-fit", message, error, LOSS_HELD)

@@ -21,7 +21,7 @@ FARTHEST = 0.25
 """Deviation of the loss factor beyond which a fit is refused: it would be the loss of another material."""
 MOST_BRANCHES = 4
 """Maxwell branches: four hold a loss factor of 1 over two decades to 5 %, and each costs a state of every joint."""
-SPREADS = np.geomspace(0.3, 2.0, 50)
+WIDTHS = np.geomspace(0.3, 2.0, 50)
 """Width of the relaxation times beside that of the band, both in logarithms, that are tried, 4 % apart: the best one is
 found to 2 %."""
 USUAL_BAND = 1e3, 1e5
@@ -69,10 +69,10 @@ def fit_loss(stiffness: float, loss_factor: float, low: float, high: float) -> L
 
     Relaxation times are spaced evenly in the logarithm, symmetric about the geometric mean of the band; k and
     the k_i follow by non-negative least squares of Im K - eta Re K = 0 over the band, weighted by 1/Re K,
-    and the spread of the times is the one that leaves the smallest largest deviation. The fewest branches, at
+    and the width of the times is the one that leaves the smallest largest deviation. The fewest branches, at
     most 4, that hold the loss factor to 5 % are taken, or else the best. Two decades need three branches up
     to a loss factor of 0.25 and four up to 1. Outside the band the loss falls off as it must in a solid.
-    Source: Emmerich & Korn 1987; the spread is a search of this project.
+    Source: Emmerich & Korn 1987; the width is a search of this project.
 
     Parameters
     ----------
@@ -115,8 +115,8 @@ def _shares(eta: float, low: float, high: float) -> tuple[float, tuple[Branch, .
     """Return k, branches and error for a storage stiffness of one."""
     best: tuple[float, NDArray[np.float64], NDArray[np.float64]] | None = None
     for count in range(1, MOST_BRANCHES + 1):
-        for spread in SPREADS if count > 1 else [1.0]:
-            error, shares, times = _least_squares(eta, low, high, count, spread)
+        for width in WIDTHS if count > 1 else [1.0]:
+            error, shares, times = _least_squares(eta, low, high, count, width)
             if shares[0] > LEAST_REST and (best is None or error < best[0]):
                 best = error, shares, times
         if best is not None and best[0] <= GOOD_ENOUGH:
@@ -133,11 +133,11 @@ def _shares(eta: float, low: float, high: float) -> tuple[float, tuple[Branch, .
 
 
 def _least_squares(
-    eta: float, low: float, high: float, count: int, spread: float
+    eta: float, low: float, high: float, count: int, width: float
 ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
-    """Return largest deviation, k with the k_i, and the relaxation times, for one spread of the times."""
+    """Return largest deviation, k with the k_i, and the relaxation times, for one width of the times."""
     middle = math.sqrt(low * high)
-    half = 0.5 * spread * math.log(high / low)
+    half = 0.5 * width * math.log(high / low)
     times = np.exp(np.linspace(half, -half, count) if count > 1 else np.zeros(1)) / (2.0 * np.pi * middle)
     x = 2.0 * np.pi * np.append(np.geomspace(low, high, POINTS), middle)[:, None] * times
     K = np.column_stack([np.ones(x.shape[0]), x * (x + 1j) / (1.0 + x * x)])

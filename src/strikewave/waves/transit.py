@@ -286,8 +286,8 @@ def field_nodes(stack: Stack, grid: Grid, most_layers: int = MOST_FIELD_LAYERS) 
         if i % every and i != len(stack.layers) - 1:
             begin += layer.length
             continue
-        wanted = max(2, round(FIELD_PLACES * layer.transit / stack.transit))
-        nodes = np.unique(np.linspace(0, count, wanted).round().astype(np.int64))
+        number = max(2, round(FIELD_PLACES * layer.transit / stack.transit))
+        nodes = np.unique(np.linspace(0, count, number).round().astype(np.int64))
         rows.append(np.column_stack([np.full(nodes.size, i), nodes]))
         places.append(begin + layer.length * nodes / count)
         begin += layer.length
