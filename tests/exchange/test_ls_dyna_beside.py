@@ -257,14 +257,14 @@ def test_a_result_of_ours_that_is_damaged_is_refused(tmp_path, folder, damage):
     if damage != "none":
         held = (folder / "histories.nc").read_bytes()
         (tmp_path / "histories.nc").write_bytes(held[:5000] if damage == "truncated" else b"nothing" * 100)
-    with pytest.raises(InputError, match="--beside"):
+    with pytest.raises(InputError, match="--compare"):
         read_ours(tmp_path)
 
 
 @pytest.mark.verify
 def test_the_command_writes_report_picture_and_numbers(strikewave, written, folder, solution):
     home = written(factor=1.07)
-    code, said, told = strikewave("ls-dyna", home, "--units", "mm-t-s", "--beside", folder, "--out", "here")
+    code, said, told = strikewave("ls-dyna", home, "--units", "mm-t-s", "--compare", folder, "--out", "here")
     assert code == 0
     assert "+7 %" in said
     assert "written: here/" in told
@@ -275,9 +275,9 @@ def test_the_command_writes_report_picture_and_numbers(strikewave, written, fold
     pair = document["beside"]["contacts"][NAME]
     assert pair["peak_difference"] == pytest.approx(0.07, abs=DIGITS)
     assert document["states"] == len(solution.frames)
-    code, out, _ = strikewave("ls-dyna", home, "--units", "mm-t-s", "--beside", folder, "--json")
+    code, out, _ = strikewave("ls-dyna", home, "--units", "mm-t-s", "--compare", folder, "--json")
     assert json.loads(out) == document
-    assert strikewave("ls-dyna", home, "--units", "SI", "--beside", folder, "--out", "here")[0] == 2  # another one
+    assert strikewave("ls-dyna", home, "--units", "SI", "--compare", folder, "--out", "here")[0] == 2  # another one
     (home / "d3plot").unlink()
     assert strikewave("ls-dyna", home, "--units", "mm-t-s", "--out", "alone", "--force")[0] == 0
 
@@ -293,10 +293,14 @@ def test_titles_from_a_hostile_deck_are_escaped(strikewave, written):
     ("words", "told"),
     [
         ([], "--units: missing; needed: one of SI, mm-t-s"),
-        (["--units", "si"], '--units: got "si"; allowed: SI, mm-t-s, mm-ms-kg, mm-g-us; did you mean "SI"?'),
+        (["--units", "si"], '--units: got "si"; allowed: one of SI, mm-t-s, mm-ms-kg, mm-g-us; did you mean "SI"?'),
+        (["--units", "SI", "--beside", "out/mine"], '--beside: got "out/mine"; allowed: --compare'),
         (["--units", "SI", "--contact", "ball"], "NAME=NUMBER"),
-        (["--units", "SI", "--contact", "ball=1"], '--contact: got "ball=1"; allowed: only with a result of ours'),
-        (["--units", "SI", "--part", "ball=1"], '--part: got "ball=1"; allowed: only with a result of ours'),
+        (
+            ["--units", "SI", "--contact", "ball=1"],
+            '--contact: got "ball=1"; allowed: only with a result of strikewave fem',
+        ),
+        (["--units", "SI", "--part", "ball=1"], '--part: got "ball=1"; allowed: only with a result of strikewave fem'),
     ],
 )
 def test_what_the_command_needs_is_said(strikewave, tmp_path, words, told):

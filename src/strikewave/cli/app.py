@@ -1,4 +1,4 @@
-"""The command ``strikewave``: collects the commands, and turns errors into one line and an exit code.
+"""The command ``strikewave``: runs a command, and turns errors into one line and an exit code.
 
 Exit codes: 0 done, 1 our fault, 2 bad input, 3 done but a stated limit was broken.
 """
@@ -13,57 +13,20 @@ from typing import Any
 import typer
 
 from strikewave._version import __version__
-from strikewave.analyses.fem import command as fem
-from strikewave.analyses.fem import deck
-from strikewave.analyses.fem.ls_dyna import command as ls_dyna
-from strikewave.analyses.hopkinson import command as hopkinson
-from strikewave.analyses.impact import command as impact
-from strikewave.analyses.impact import identify, laws
-from strikewave.analyses.machine import command as run
-from strikewave.analyses.record import command as record
-from strikewave.analyses.record import srs
-from strikewave.analyses.wave import command as wave
 from strikewave.base.errors import StrikewaveError, StrikewaveWarning
-from strikewave.cli import cases, diff, materials, new, validate
-from strikewave.papers.li_ma_2019 import command as reproduce
+from strikewave.cli.group import SETTINGS, CommandGroup
+from strikewave.cli.usage import usage_line
 from strikewave.reporting.terminal import say
-from strikewave.studies.buffer import command as buffer
-from strikewave.studies.map import command as map
-from strikewave.studies.scatter import command as scatter
-from strikewave.studies.settings import command as settings
 
 app = typer.Typer(
     name="strikewave",
+    cls=CommandGroup,
     help="Predict, measure and design high-g impact tests.",
-    add_completion=False,
+    epilog="The options of a command: strikewave COMMAND --help",
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
+    context_settings=SETTINGS,
 )
-for name, command in (
-    ("run", run.command),
-    ("wave", wave.command),
-    ("fem", fem.command),
-    ("deck", deck.command),
-    ("impact", impact.command),
-    ("record", record.command),
-    ("srs", srs.command),
-    ("identify", identify.command),
-    ("hopkinson", hopkinson.command),
-    ("buffer", buffer.command),
-    ("scatter", scatter.command),
-    ("settings", settings.command),
-    ("map", map.command),
-    ("ls-dyna", ls_dyna.command),
-    ("new", new.command),
-    ("validate", validate.command),
-    ("diff", diff.command),
-    ("cases", cases.command),
-    ("materials", materials.command),
-    ("laws", laws.command),
-    ("reproduce", reproduce.command),
-):
-    app.command(name)(command)
 
 
 INTERRUPTED = 130
@@ -99,7 +62,7 @@ def _show_warning(message: Warning | str, category: type[Warning], *rest: Any, *
 def _run() -> int:
     """Run and return the exit code."""
     try:
-        code = int(app(standalone_mode=False) or 0)
+        code = int(app(prog_name="strikewave", standalone_mode=False) or 0)
         sys.stdout.flush()
     except (typer.Abort, KeyboardInterrupt):
         code = INTERRUPTED
@@ -113,8 +76,9 @@ def _run() -> int:
         say("out of memory: a smaller recorder.memory, a larger solver.output_step or step, or fewer taps take less")
         return 2
     except Exception as error:
-        if hasattr(error, "format_message"):  # typer's own errors: a wrong option, a missing argument
-            say("strikewave: " + " ".join(error.format_message().split()) + " (see `strikewave --help`)")
+        wrong = usage_line(error)
+        if wrong is not None:
+            say(wrong)
             return 2
         if os.environ.get("STRIKEWAVE_TRACE"):
             raise

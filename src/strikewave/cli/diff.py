@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-import typer
-
 from strikewave.base.json_document import head
-from strikewave.reporting.terminal import Json, print_json, table
+from strikewave.cases.case import document_of, load_case
+from strikewave.reporting.options import Json, case_name
+from strikewave.reporting.terminal import print_json, table
 
 
 def flat(document: dict[str, Any], prefix: str = "") -> dict[str, str]:
@@ -34,13 +34,12 @@ def flat(document: dict[str, Any], prefix: str = "") -> dict[str, str]:
 
 
 def command(
-    a: Annotated[str, typer.Argument(metavar="A", help="A case file or published case.", show_default=False)],
-    b: Annotated[str, typer.Argument(metavar="B", help="Another.", show_default=False)],
+    a: Annotated[str, case_name("A", "A case file, or the name of a built-in case.")],
+    b: Annotated[str, case_name("B", "Another case to compare with A.")],
+    *,
     json: Json = False,
 ) -> int:
-    """List the fields in which two cases differ."""
-    from strikewave.cases.case import document_of, load_case
-
+    """List the differences of two cases."""
     rows = [flat(document_of(load_case(name))) for name in (a, b)]
     paths = [path for path in dict.fromkeys([*rows[0], *rows[1]]) if rows[0].get(path) != rows[1].get(path)]
     if json:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import dataclasses
 
 from strikewave.base.json_document import head
-from strikewave.reporting.terminal import Json, print_json, significant, table
+from strikewave.base.materials import materials
+from strikewave.reporting.options import Json
+from strikewave.reporting.terminal import print_json, significant, table
 
 
 def command(json: Json = False) -> int:
-    """List the materials: elastic constants, yield, loss factor, status and source."""
-    from strikewave.base.materials import materials
+    """List the materials with their sources.
 
+    Elastic constants, yield strength, loss factor, status and source.
+    """
     found = materials().values()
     if json:
         units = {

@@ -7,26 +7,41 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.terminal import Force, say
+from strikewave.base.errors import InputError
+from strikewave.base.output_folder import write_whole
+from strikewave.cases.case import dump_case, load_case, parse_case
+from strikewave.reporting.options import complete_case
+from strikewave.reporting.terminal import say
 
 SPLIT_BAR = "hopkinson"
 """Stands for the example of a set-up of split bars, and is the command that it is for."""
+
+
+def _complete(incomplete: str) -> list[str]:
+    """Return what a case may begin from."""
+    return [*complete_case(incomplete), *([SPLIT_BAR] if SPLIT_BAR.startswith(incomplete) else [])]
 
 
 def command(
     file: Annotated[
         Path, typer.Argument(help="The case file to write; .toml is added where it lacks.", show_default=False)
     ],
+    *,
     origin: Annotated[
-        str, typer.Option("--from", metavar="CASE", help="The case to begin from; hopkinson for split bars.")
+        str,
+        typer.Option(
+            "--from",
+            metavar="CASE",
+            help="The case to begin from; hopkinson for a set-up of split bars.",
+            autocompletion=_complete,
+        ),
     ] = "li-ma-2019",
-    force: Force = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
 ) -> int:
-    """Write a new case file to edit, with every value and its provenance."""
-    from strikewave.base.errors import InputError
-    from strikewave.base.output_folder import write_whole
-    from strikewave.cases.case import dump_case, load_case, parse_case
+    """Write a new case file to edit.
 
+    It has every value of the case with its provenance.
+    """
     if not file.name or file.suffix not in ("", ".toml"):
         raise InputError("FILE", str(file), "the name of a case file, such as my-machine.toml")
     path = file.with_name(file.stem + ".toml")

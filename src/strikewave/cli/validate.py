@@ -4,22 +4,23 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from strikewave.base.json_document import head
-from strikewave.reporting.terminal import CaseName, Changes, Json, print_json, say, table
+from strikewave.base.quantities import PROVENANCES, Value
+from strikewave.cases.case import load_case, read_case_text
+from strikewave.reporting.options import CaseName, Changes, Json
+from strikewave.reporting.terminal import print_json, say, table
 
-if TYPE_CHECKING:
-    from strikewave.base.quantities import Value
 
+def command(case: CaseName, *, changes: Changes = None, json: Json = False) -> int:
+    """Check a case without running it.
 
-def command(case: CaseName, changes: Changes = None, json: Json = False) -> int:
-    """Check a case without running it; list every value and where it comes from."""
+    Lists every value and where it comes from.
+    """
     from strikewave.analyses.check import check
     from strikewave.analyses.fem.build import build_model
     from strikewave.analyses.hopkinson.build import check_setup
     from strikewave.analyses.hopkinson.setup_file import holds_setup, load_setup, values_of
-    from strikewave.cases.case import load_case, read_case_text
 
     if holds_setup(read_case_text(case)[0]):
         split_bar = load_setup(case, changes or ())
@@ -40,8 +41,6 @@ def command(case: CaseName, changes: Changes = None, json: Json = False) -> int:
 
 def _show(name: str, title: str, values: Mapping[str, Value], json: bool) -> None:
     """Print the values of a case with their provenance."""
-    from strikewave.base.quantities import PROVENANCES
-
     counted = Counter[str](value.provenance for value in values.values())
     if json:
         rows = {

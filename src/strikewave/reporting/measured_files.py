@@ -2,62 +2,119 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 import shlex
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+import tomlkit
 import typer
 
+from strikewave.base.errors import InputError, StrikewaveError, nearest
+from strikewave.reporting.options import quantity
 from strikewave.reporting.terminal import say
 
 if TYPE_CHECKING:
     from strikewave.records import ChannelReading, Options, Record
 
 Files = Annotated[
-    list[str], typer.Argument(metavar="FILE...", help="Measured files of any known format.", show_default=False)
+    list[str], typer.Argument(metavar="FILE", help="Measured files of any known format.", show_default=False)
 ]
-Channels = Annotated[
-    list[str] | None,
-    typer.Option("--channel", metavar="NAME|NUMBER", help="Channel to take; may be repeated.", show_default=False),
+OneFile = Annotated[
+    str, typer.Argument(metavar="FILE", help="A measured file of any known format.", show_default=False)
 ]
-Rate = Annotated[
-    str | None,
-    typer.Option("--rate", help='Sampling rate of files without time, such as "200 kHz".', show_default=False),
-]
-Time = Annotated[
-    str | None, typer.Option("--time", metavar="NAME|NUMBER", help="Column that holds time.", show_default=False)
-]
-_EACH = " [CHANNEL=]VALUE; may be repeated."
-Unit = Annotated[
-    list[str] | None,
-    typer.Option("--unit", help="Unit of the file's values, such as g or mV." + _EACH, show_default=False),
-]
-Sensitivity = Annotated[
-    list[str] | None, typer.Option("--sensitivity", help='Such as "1.2 mV/g".' + _EACH, show_default=False)
-]
-Gain = Annotated[
-    list[str] | None, typer.Option("--gain", help='Of the amplifier: 10, or "10 mV/pC".' + _EACH, show_default=False)
-]
-Excitation = Annotated[
-    list[str] | None,
-    typer.Option("--excitation", help='Bridge voltage in the test, such as "5 V".' + _EACH, show_default=False),
-]
-RatedExcitation = Annotated[
-    list[str] | None,
-    typer.Option("--rated-excitation", help="Bridge voltage of the sensitivity." + _EACH, show_default=False),
-]
-Count = Annotated[
-    list[str] | None,
-    typer.Option("--count", help='Voltage of one ADC count, such as "305 uV".' + _EACH, show_default=False),
-]
-Polarity = Annotated[
-    list[str] | None,
-    typer.Option("--polarity", help="1, or -1 for a sensor mounted the other way." + _EACH, show_default=False),
-]
+
+
+def _of_channels(name: str, help: str) -> Any:
+    """Return an option of the calibration, which may be said for each channel."""
+    each = " [CHANNEL=]VALUE; may be repeated."
+    return typer.Option(name, metavar="VALUE", help=help + each, show_default=False)
+
+
+@dataclass(frozen=True)
+class MeasurementOptions:
+    """How files are read, and the calibration of their channels."""
+
+    panel: ClassVar[str] = "Reading and calibration"
+
+    channel: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--channel",
+            metavar="NAME|NUMBER",
+            help="Channel to take; all, or the first, by default; may be repeated.",
+            show_default=False,
+        ),
+    ] = None
+    unit: Annotated[list[str] | None, _of_channels("--unit", "Unit of the file's values, such as g or mV.")] = None
+    sensitivity: Annotated[
+        list[str] | None, _of_channels("--sensitivity", 'Sensitivity of the sensor, such as "1.2 mV/g".')
+    ] = None
+    gain: Annotated[list[str] | None, _of_channels("--gain", 'Gain of the amplifier: 10, or "10 mV/pC".')] = None
+    excitation: Annotated[
+        list[str] | None, _of_channels("--excitation", 'Bridge voltage in the test, such as "5 V".')
+    ] = None
+    rated_excitation: Annotated[
+        list[str] | None,
+        _of_channels("--rated-excitation", "Bridge voltage that the sensitivity is stated for."),
+    ] = None
+    count: Annotated[list[str] | None, _of_channels("--count", 'Voltage of one ADC count, such as "305 uV".')] = None
+    polarity: Annotated[
+        list[str] | None, _of_channels("--polarity", "1, or -1 for a sensor mounted the other way.")
+    ] = None
+    rate: Annotated[
+        float | None,
+        quantity("--rate", si="Hz", help='Sampling rate of files without a time column, such as "200 kHz".'),
+    ] = None
+    time: Annotated[
+        str | None,
+        typer.Option(
+            "--time", metavar="NAME|NUMBER", help="Column that holds time; found by default.", show_default=False
+        ),
+    ] = None
+
+    def calibration(self) -> dict[str, dict[str, Any]]:
+        """Return what was typed of the calibration, a table a channel; ``all`` for values without one.
+
+        A bare voltage is in V.
+
+        Raises
+        ------
+        InputError
+            If a polarity is neither 1 nor -1.
+
+        Examples
+        --------
+        >>> MeasurementOptions(unit=["g", "frame=mV"]).calibration()
+        {'all': {'unit': 'g'}, 'frame': {'unit': 'mV'}}
+        """
+        names = ("unit", "sensitivity", "gain", "excitation", "rated_excitation", "count", "polarity")
+        stated: dict[str, dict[str, Any]] = {}
+        for name in names:
+            for text in getattr(self, name) or ():
+                channel, mark, value = text.rpartition("=")
+                stated.setdefault(channel.strip() if mark else "all", {})[name] = _stated(name, value.strip())
+        return stated
+
+    def reading(self) -> Options:
+        """Return what is said of the files."""
+        from strikewave.records import Options
+
+        return Options(self.rate, self.time, tuple(self.channel or ()))
+
+
+def _stated(name: str, value: str) -> Any:
+    """Return a value of the calibration as its table takes it."""
+    if name == "polarity":
+        if value not in ("1", "+1", "-1"):
+            raise InputError("--polarity", value, "1 or -1")
+        return int(value)
+    return f"{value} V" if name in ("excitation", "rated_excitation", "count") and is_bare(value) else value
 
 
 def is_bare(text: str) -> bool:
@@ -68,38 +125,6 @@ def is_bare(text: str) -> bool:
         return False
 
 
-def stated_of(**given: Sequence[str] | None) -> dict[str, dict[str, Any]]:
-    """Return what was typed of the calibration, a table a channel; ``all`` for values without one.
-
-    A bare voltage is in V.
-
-    Raises
-    ------
-    InputError
-        If a polarity is no number.
-
-    Examples
-    --------
-    >>> stated_of(unit=["g", "frame=mV"])
-    {'all': {'unit': 'g'}, 'frame': {'unit': 'mV'}}
-    """
-    from strikewave.base.errors import InputError
-
-    stated: dict[str, dict[str, Any]] = {}
-    for name, texts in given.items():
-        for text in texts or ():
-            channel, mark, value = text.rpartition("=")
-            typed: Any = value.strip()
-            if name == "polarity":
-                if typed not in ("1", "+1", "-1"):
-                    raise InputError("--polarity", value, "1 or -1")
-                typed = int(typed)
-            elif name in ("excitation", "rated_excitation", "count") and is_bare(typed):
-                typed += " V"
-            stated.setdefault(channel.strip() if mark else "all", {})[name] = typed
-    return stated
-
-
 def check_channels(stated: Mapping[str, Any], records: Iterable[Record]) -> None:
     """Refuse a calibration of a channel that no record has.
 
@@ -108,44 +133,12 @@ def check_channels(stated: Mapping[str, Any], records: Iterable[Record]) -> None
     InputError
         If there is one.
     """
-    from strikewave.base.errors import InputError, nearest
-
     known = {key for record in records for key in record.keys}
     for channel, table in stated.items():
         if channel != "all" and channel not in known:
             option = "--" + next(iter(table)).replace("_", "-")
             allowed = "a channel of the files, by name or number"
             raise InputError(option, f"{channel}=", allowed, nearest(channel, known))
-
-
-def options_of(rate: str | None, time: str | None, channels: Sequence[str] | None) -> Options:
-    """Return what the user says of the files.
-
-    Raises
-    ------
-    InputError
-        If the rate is no frequency.
-    """
-    from strikewave.records import Options
-
-    return Options(None if rate is None else positive(rate, "Hz", "--rate"), time, tuple(channels or ()))
-
-
-def positive(text: str, si: str, field: str) -> float:
-    """Return a typed quantity that must be above zero and finite.
-
-    Raises
-    ------
-    InputError
-        If it is not.
-    """
-    from strikewave.base.errors import InputError
-    from strikewave.base.units import DIMENSIONS, parse_typed
-
-    value = parse_typed(text, si, field)
-    if not 0.0 < value < math.inf:
-        raise InputError(field, text, f"{DIMENSIONS[si][0]} above zero")
-    return value
 
 
 def read_all(files: Sequence[str], options: Options) -> list[Record | Exception]:
@@ -159,7 +152,6 @@ def read_all(files: Sequence[str], options: Options) -> list[Record | Exception]
     from rich.console import Console
     from rich.progress import track
 
-    from strikewave.base.errors import StrikewaveError
     from strikewave.records import read_record
 
     console = Console(stderr=True)
@@ -189,7 +181,7 @@ def examined_channel(
     file : str
         A measured file.
     stated : dict
-        What was typed of the calibration; see `stated_of`.
+        What was typed of the calibration; see `MeasurementOptions.calibration`.
     options : Options
         What the user says of the file; its first channel is taken unless one is named.
     figure : str
@@ -217,8 +209,6 @@ def examined_channel(
 
 def digests_of(paths: Sequence[Path]) -> dict[str, str]:
     """Return the SHA-256 of files, by their paths."""
-    import hashlib
-
     digests = {}
     for path in paths:
         if path.is_file():
@@ -234,8 +224,6 @@ def asked() -> str:
 
 def identity(asked: str, digests: Mapping[str, str]) -> str:
     """Return what was asked of which files, by their SHA-256."""
-    import tomlkit
-
     document = tomlkit.document()
     document.add("schema", tomlkit.item(1))
     document.add("command", tomlkit.item(shown(asked)))

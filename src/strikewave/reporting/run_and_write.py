@@ -6,13 +6,12 @@ import contextlib
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar, Generic, TypeVar
 
-from strikewave.base.errors import InputError
 from strikewave.base.output_folder import check_place, whole_folder
 from strikewave.base.result import Notice, Result
+from strikewave.reporting.options import Output
 from strikewave.reporting.terminal import case_hash, most_memory, print_json, say, show_notices
 
 BROKEN = 3
@@ -49,50 +48,6 @@ class Command(ABC, Generic[R]):
     def under_way(self, folder: Path) -> contextlib.AbstractContextManager[object]:
         """Return the context in which it solves and writes: what keeps unfinished work, and drops it at the end."""
         return contextlib.nullcontext()
-
-
-@dataclass(frozen=True)
-class Output:
-    """Where a result goes.
-
-    Attributes
-    ----------
-    out : Path or None
-        The folder asked for.
-    force : bool
-        Whether it may replace the result of something else.
-    json : bool
-        Whether one JSON document goes to stdout; files are then written only to ``out``.
-    """
-
-    out: Path | None = None
-    force: bool = False
-    json: bool = False
-
-    def check_animation(self, animate: bool) -> None:
-        """Refuse an animation that has no folder to go to.
-
-        Raises
-        ------
-        InputError
-            If there is none.
-        """
-        if animate and self.json and self.out is None:
-            raise InputError("--animate", "--json without --out", "a folder for the animation", "add --out DIR")
-
-    def place(self, usual: str | None) -> Place:
-        """Return the folder: the one asked for, or ``out/USUAL``, which always holds the last result of that name."""
-        if self.out is None and usual is not None and not self.json:
-            return Place(Path("out") / usual, True)
-        return Place(self.out, self.force)
-
-
-@dataclass(frozen=True)
-class Place:
-    """The folder of a result, None where none is written, and whether it may replace another one there."""
-
-    folder: Path | None
-    replace: bool
 
 
 def case_folder(name: str, text: str, changes: Sequence[str]) -> str:

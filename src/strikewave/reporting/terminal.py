@@ -1,4 +1,4 @@
-"""What the commands share: printing JSON, tables and numbers, and the options of all commands."""
+"""What the commands share: printing JSON, tables and numbers."""
 
 from __future__ import annotations
 
@@ -10,10 +10,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from strikewave.base.units import in_unit
 
@@ -21,22 +18,6 @@ if TYPE_CHECKING:
     from strikewave.base.result import Comparison, Notice
     from strikewave.cases.losses_of_case import Loss
     from strikewave.sensors.channel import Channel
-
-CaseName = Annotated[
-    str, typer.Argument(metavar="CASE", help="A case file, or the name of a published case.", show_default=False)
-]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
-Changes = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set", metavar="PATH=VALUE", help="Change a field of the case; may be repeated.", show_default=False
-    ),
-]
-Out = Annotated[
-    Path | None, typer.Option("--out", metavar="DIR", help="Folder that will hold the result.", show_default=False)
-]
-Force = Annotated[bool, typer.Option("--force", help="Replace what another run left there.")]
-
 
 SELDOM = 10.0
 """Seconds between two lines of progress, at least, where stderr is no terminal."""

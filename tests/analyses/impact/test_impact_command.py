@@ -284,7 +284,7 @@ BAD = {
     "--law hertz --radius1 .01 --material1 cheese": "--material1",
     "--stiffness 0 --exponent 1.5": "--stiffness",
     "--stiffness 1e9": "--exponent: missing",
-    "--stiffness 1e9 --exponent 11": "at most 10",
+    "--stiffness 1e9 --exponent 11": "a number from 0.1 to 10",
     f"{HERTZ} -e 0": "--restitution",
     f"{HERTZ} -e 1.01": "--restitution",
     f"{HERTZ} -e nan": "--restitution",

@@ -89,7 +89,7 @@ def test_pictures_of_the_paper_are_files_of_the_result_and_others_are_not(tmp_pa
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("reproduce", "li-ma-2018"), ('got "li-ma-2018"', "one of li-ma-2019")),
+        (("reproduce", "li-ma-2018"), ('got "li-ma-2018"', "allowed: li-ma-2019")),
         (("reproduce", "li-ma-2019", "--without", "element"), ('--without: got "element"', "elements")),
         (("reproduce", "li-ma-2019", "--threads", "0"), ("--threads", "at least 1")),
         (("reproduce",), ("PAPER",)),

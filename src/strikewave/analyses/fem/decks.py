@@ -19,7 +19,8 @@ from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
 from strikewave.exchange.radioss.deck import radioss_deck
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.model import Model
-from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import say
 
 CODES = {"ls-dyna": (".k",), "openradioss": ("_0000.rad", "_0001.rad")}

@@ -29,7 +29,8 @@ from strikewave.fem.model import Model
 from strikewave.fem.quality import PartQuality, quality_report
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.solve import Asked, Keep, Progress
-from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
     number,
     print_json,

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.terminal import Changes, Force, Json, Out
+from strikewave.reporting.options import Changes, Output
 
 Setup = Annotated[
     str,
@@ -16,16 +16,15 @@ Setup = Annotated[
 ]
 
 
-def command(setup: Setup, changes: Changes = None, out: Out = None, force: Force = False, json: Json = False) -> int:
-    """Reduce a split-Hopkinson shot to stress, strain and strain rate; compare an accelerometer; calibrate a bar.
+def command(setup: Setup, *, changes: Changes = None, output: Output) -> int:
+    """Reduce split-Hopkinson-bar records.
 
-    The set-up names files, gauges and bars; the pulses are found. [specimen] makes it a shot, [accelerometer] a sensor
-    on the end of one bar beside the acceleration that the gauge tells, neither of them a bar alone. With --json, files
-    are written only where --out says. The exit code is 3 where forces or impulses miss each other by more than
-    [limits].
+    The set-up names files, gauges and bars; the pulses are found. With [specimen] it is a shot, reduced to stress,
+    strain and strain rate; with [accelerometer], a sensor on the end of one bar, compared with the acceleration that
+    the gauge gives; with neither, a bar alone, calibrated by its echoes. With --json, files are written only where
+    --out says. The exit code is 3 where forces or impulses miss each other by more than [limits].
     """
     from strikewave.analyses.hopkinson.screen import run_setup
     from strikewave.analyses.hopkinson.setup_file import load_setup
-    from strikewave.reporting.run_and_write import Output
 
-    return run_setup(load_setup(setup, changes or ()), changes or (), Output(out, force, json))
+    return run_setup(load_setup(setup, changes or ()), changes or (), output)

@@ -15,8 +15,9 @@ from strikewave.analyses.hopkinson.result import SplitBarSolution
 from strikewave.analyses.hopkinson.run import run_split_bar
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.reporting.options import Output
 from strikewave.reporting.parts import Table
-from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import table
 
 AnySolution = SplitBarSolution | SensorSolution | EchoSolution

@@ -10,12 +10,12 @@ from typing import Any, ClassVar
 
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.result import Notice, Result, Source
-from strikewave.base.units import parse_typed
 from strikewave.contact.identification import DESCRIBED, Estimate, Identified, identify
 from strikewave.contact.impact import reduced_mass
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.options import Output, Typed
+from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, say, significant, table
 
 _UNITS = {
@@ -58,13 +58,13 @@ class Given:
         Speed, stiffness, exponent, restitution, SI.
     masses : dict
         What was typed of the masses, by option.
-    window : (str or None, str or None)
-        From when to when the blow is fitted, as typed.
+    window : (float or None, Typed or None)
+        From when to when the blow is fitted.
     """
 
     known: dict[str, float]
-    masses: dict[str, str | None]
-    window: tuple[str | None, str | None]
+    masses: dict[str, Typed | None]
+    window: tuple[float | None, Typed | None]
 
 
 @dataclass(frozen=True)
@@ -172,10 +172,9 @@ class IdentifyCommand(Command[IdentifyResult]):
 
     def solve(self) -> IdentifyResult:
         """Return what the blow tells."""
-        masses, struck = self.given.masses, self.given.masses["--m2"]
-        struck_mass = None if struck is None else _mass(struck, "--m2")
+        masses = self.given.masses
         reading = measured.examined_channel(self.file, self.stated, self.options, "peak", "the blow")
-        scale = _newtons(reading, struck_mass)
+        scale = _newtons(reading, masses["--m2"])
         reduced = _reduced(masses, reading.channel.unit == "m/s^2")
         known = self.given.known if reduced is None else {**self.given.known, "mass": reduced}
         found = _identified(self.file, reading, scale, known, self.given.window)
@@ -207,31 +206,24 @@ def _notices(reading: ChannelReading, found: Identified) -> tuple[Notice, ...]:
     return tuple(notices)
 
 
-def _mass(text: str, option: str) -> float:
-    value = parse_typed(text, "kg", option)
-    if not value > 0.0:
-        raise InputError(option, text, "a mass above zero, or inf")
-    return value
-
-
-def _reduced(masses: dict[str, str | None], acceleration: bool) -> float | None:
+def _reduced(masses: dict[str, Typed | None], acceleration: bool) -> float | None:
     """Return the reduced mass where it is known; the mass of the struck body alone may be for its acceleration."""
-    typed = {option: text for option, text in masses.items() if text is not None}
+    typed = {option: mass for option, mass in masses.items() if mass is not None}
     if "--mass" in typed:
         if "--m1" in typed or ("--m2" in typed and not acceleration):
             other = "--m1" if "--m1" in typed else "--m2"
             raise InputError(
-                "--mass", typed["--mass"], f"--mass or {other}", "--mass is the reduced mass of both bodies"
+                "--mass", typed["--mass"].word, f"--mass or {other}", "--mass is the reduced mass of both bodies"
             )
-        return measured.positive(typed["--mass"], "kg", "--mass")
+        return typed["--mass"]
     if not typed or (typed.keys() == {"--m2"} and acceleration):
         return None
     missing = {"--m1", "--m2"} - typed.keys()
     if missing:
         raise InputError(missing.pop(), MISSING, "the mass of the other body, or inf", "or give the reduced --mass")
-    striker, struck = (_mass(typed[option], option) for option in ("--m1", "--m2"))
+    striker, struck = typed["--m1"], typed["--m2"]
     if math.isinf(striker) and math.isinf(struck):
-        raise InputError("--m2", typed["--m2"], "at most one infinite mass")
+        raise InputError("--m2", struck.word, "at most one infinite mass")
     return float(reduced_mass(striker, struck))
 
 
@@ -252,14 +244,14 @@ def _newtons(reading: ChannelReading, struck: float | None) -> float:
 
 
 def _identified(
-    file: str, reading: ChannelReading, scale: float, known: dict[str, float], typed: tuple[str | None, str | None]
+    file: str, reading: ChannelReading, scale: float, known: dict[str, float], span: tuple[float | None, Typed | None]
 ) -> Identified:
     channel, window = reading.channel, None
-    if typed != (None, None):
-        first = -math.inf if typed[0] is None else parse_typed(typed[0], "s", "--from")
-        last = math.inf if typed[1] is None else parse_typed(typed[1], "s", "--to")
+    if span != (None, None):
+        first = -math.inf if span[0] is None else span[0]
+        last = math.inf if span[1] is None else span[1]
         if not first < last:
-            raise InputError("--to", typed[1], f"a time after --from, {first:g} s")
+            raise InputError("--to", "inf" if span[1] is None else span[1].word, f"a time after --from, {first:g} s")
         window = (first, last)
     try:
         return identify(channel.time, scale * channel.values, known, window=window)

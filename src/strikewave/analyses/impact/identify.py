@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated
 
 import typer
 
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.terminal import Force, Json, Out
+from strikewave.reporting.options import Output, Typed, bare_number, quantity
 
 
 def command(
@@ -20,80 +19,72 @@ def command(
             show_default=False,
         ),
     ],
+    *,
     mass: Annotated[
-        str | None, typer.Option("--mass", help='Reduced mass, such as "0.14 kg".', show_default=False)
+        Typed | None, quantity("--mass", si="kg", help='Reduced mass, such as "0.14 kg"; estimated by default.')
     ] = None,
     m1: Annotated[
-        str | None, typer.Option("--m1", help="Mass of the striker, such as 0.2 (kg) or inf.", show_default=False)
+        Typed | None, quantity("--m1", si="kg", infinite=True, help="Mass of the striker, such as 0.2 (kg), or inf.")
     ] = None,
     m2: Annotated[
-        str | None,
-        typer.Option(
-            "--m2", help='Mass of the struck body, such as "459 gram"; needed for an acceleration.', show_default=False
+        Typed | None,
+        quantity(
+            "--m2",
+            si="kg",
+            infinite=True,
+            help='Mass of the struck body, such as "459 gram"; needed for an acceleration.',
         ),
     ] = None,
     speed: Annotated[
-        str | None, typer.Option("--speed", help="Approach speed, such as 20 (m/s).", show_default=False)
+        float | None,
+        quantity("--speed", si="m/s", help="Approach speed, such as 20 (m/s); estimated by default."),
     ] = None,
-    stiffness: Annotated[str | None, typer.Option("--stiffness", help="K in N/m^n.", show_default=False)] = None,
-    exponent: Annotated[str | None, typer.Option("-n", "--exponent", help="n, 0.2 to 8.", show_default=False)] = None,
+    stiffness: Annotated[
+        float | None,
+        bare_number(
+            "--stiffness",
+            high=1e300,
+            allowed="a number above zero, in N/m^n",
+            help="Stiffness K in N/m^n; estimated by default.",
+        ),
+    ] = None,
+    exponent: Annotated[
+        float | None,
+        bare_number("-n", "--exponent", low=0.2, high=8.0, help="Exponent n, 0.2 to 8; estimated by default."),
+    ] = None,
     restitution: Annotated[
-        str | None, typer.Option("-e", "--restitution", help="e, 0.001 to 1.", show_default=False)
+        float | None,
+        bare_number(
+            "-e",
+            "--restitution",
+            low=0.001,
+            high=1.0,
+            help="Coefficient of restitution, 0.001 to 1; estimated by default.",
+        ),
     ] = None,
     first: Annotated[
-        str | None, typer.Option("--from", help="Fit from this time on, in the file's time.", show_default=False)
+        float | None,
+        quantity("--from", si="s", signed=True, help="Begin of the fit in the file's time; the onset by default."),
     ] = None,
-    last: Annotated[str | None, typer.Option("--to", help="Fit up to this time.", show_default=False)] = None,
-    channel: measured.Channels = None,
-    unit: measured.Unit = None,
-    sensitivity: measured.Sensitivity = None,
-    gain: measured.Gain = None,
-    excitation: measured.Excitation = None,
-    rated_excitation: measured.RatedExcitation = None,
-    count: measured.Count = None,
-    polarity: measured.Polarity = None,
-    rate: measured.Rate = None,
-    time: measured.Time = None,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
+    last: Annotated[
+        Typed | None,
+        quantity("--to", si="s", signed=True, help="End of the fit in the file's time; that of the pulse by default."),
+    ] = None,
+    measurement: measured.MeasurementOptions,
+    output: Output,
 ) -> int:
-    """Find which contact F = K d^n (1 + chi d'/v0) of two free bodies makes the largest blow of a record.
+    """Identify a contact law from a pulse.
 
-    What is known (masses, speed, stiffness, n, e) is given; the rest is told with its standard error, or it is said
-    why it cannot be. Exit code 3 where the law does not describe the blow.
+    It is the law F = K d^n (1 + chi d'/v0) of two free bodies, fitted to the largest blow of a record. What is known
+    (masses, speed, stiffness, n, e) is given; the rest is found with its standard error, or it is reported why it
+    cannot be. The exit code is 3 where the law does not describe the blow.
     """
     from strikewave.analyses.impact.identified import Given, identify_contact
-    from strikewave.reporting.run_and_write import Output
 
-    stated = measured.stated_of(
-        unit=unit, sensitivity=sensitivity, gain=gain, excitation=excitation,
-        rated_excitation=rated_excitation, count=count, polarity=polarity,
-    )  # fmt: skip
-    known = _known({"--speed": speed, "--stiffness": stiffness, "--exponent": exponent, "--restitution": restitution})
-    given = Given(known, {"--mass": mass, "--m1": m1, "--m2": m2}, (first, last))
-    return identify_contact(file, given, stated, measured.options_of(rate, time, channel), Output(out, force, json))
-
-
-def _known(typed: dict[str, str | None]) -> dict[str, float]:
-    """Return what is known, but for the masses."""
-    from strikewave.base.errors import InputError
-    from strikewave.contact.pulse_fit import EXPONENTS, RESTITUTIONS
-
-    known = {}
-    limits = {"--stiffness": (0.0, 1e300), "--exponent": EXPONENTS, "--restitution": RESTITUTIONS}
-    for option, text in typed.items():
-        if text is None:
-            continue
-        if option == "--speed":
-            known["speed"] = measured.positive(text, "m/s", option)
-            continue
-        low, high = limits[option]
-        value = float(text) if measured.is_bare(text) else math.nan
-        if not (low <= value <= high and value > 0.0):
-            allowed = (
-                "a number above zero, in N/m^n" if option == "--stiffness" else f"a number from {low:g} to {high:g}"
-            )
-            raise InputError(option, text, allowed)
-        known[option[2:]] = value
-    return known
+    known = {"speed": speed, "stiffness": stiffness, "exponent": exponent, "restitution": restitution}
+    given = Given(
+        {name: value for name, value in known.items() if value is not None},
+        {"--mass": mass, "--m1": m1, "--m2": m2},
+        (first, last),
+    )
+    return identify_contact(file, given, measurement.calibration(), measurement.reading(), output)

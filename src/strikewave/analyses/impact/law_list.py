@@ -27,7 +27,8 @@ from strikewave.contact import (
 )
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import say, table
 
 ASKED = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)

@@ -6,16 +6,19 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.terminal import Force, Json, Out
+from strikewave.reporting.options import Output
 
 Name = Annotated[
-    str | None, typer.Argument(metavar="[NAME]", help="A law, of whatever kind; all by default.", show_default=False)
+    str | None, typer.Argument(metavar="NAME", help="Name of a law of any kind; all by default.", show_default=False)
 ]
 
 
-def command(name: Name = None, out: Out = None, force: Force = False, json: Json = False) -> int:
-    """List the contact laws: damping, dampers, stiffness, pressure caps, with status, source and what they give."""
-    from strikewave.analyses.impact.law_list import list_laws
-    from strikewave.reporting.run_and_write import Output
+def command(name: Name = None, *, output: Output) -> int:
+    """List the contact laws.
 
-    return list_laws(name, Output(out, force, json))
+    Damping, dampers, stiffness and pressure caps, with equation, range, status, source, and the coefficient of
+    restitution that they give.
+    """
+    from strikewave.analyses.impact.law_list import list_laws
+
+    return list_laws(name, output)

@@ -7,14 +7,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
-from strikewave.analyses.impact import options as options
+from strikewave.analyses.impact.setup import Loss, Setup
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice, Result, Source
 from strikewave.contact import Impact, Stiffness, first_yield, impact_history, reduced_mass, solve_impact
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, say, table
 
 LARGEST_INDENTATION = 0.05
@@ -67,7 +68,7 @@ class ImpactResult(Result):
 
     command: ClassVar[str] = "impact"
 
-    setup: options.Setup
+    setup: Setup
     blows: list[Impact]
     asked: str = ""
 
@@ -117,7 +118,7 @@ class ImpactResult(Result):
         return {"impact.json": self.document_text(2)}
 
 
-def solve_setup(setup: options.Setup, output: Output) -> int:
+def solve_setup(setup: Setup, output: Output) -> int:
     """Solve an impact, print it and, on request, write it, and return the exit code.
 
     Raises
@@ -133,7 +134,7 @@ def solve_setup(setup: options.Setup, output: Output) -> int:
 class ImpactCommand(Command[ImpactResult]):
     """The impact of two free bodies."""
 
-    setup: options.Setup
+    setup: Setup
     asked: str = ""
 
     def solve(self) -> ImpactResult:
@@ -155,13 +156,13 @@ class ImpactCommand(Command[ImpactResult]):
         return ["impact.svg"]
 
 
-def _notices(setup: options.Setup, blow: Impact) -> tuple[Notice, ...]:
+def _notices(setup: Setup, blow: Impact) -> tuple[Notice, ...]:
     """Return what is odd about the first blow, and the laws that stand here from memory."""
     found = [_indentation_large(setup, blow), _restitution_differs(setup, blow), _contact_yields(setup, blow)]
     return (*(notice for notice in found if notice), *_from_memory(setup))
 
 
-def _blows(setup: options.Setup) -> list[Impact]:
+def _blows(setup: Setup) -> list[Impact]:
     """Solve the blows; without a cap on the pressure one is as the other."""
     if not LEAST_ENERGY < float(reduced_mass(*setup.masses)) * setup.speed * setup.speed < 1.0 / LEAST_ENERGY:
         raise InputError("impact", _given(setup), "masses and a speed whose energy is finite")
@@ -179,7 +180,7 @@ def _blows(setup: options.Setup) -> list[Impact]:
     return blows if setup.cap is not None else blows * setup.repeat
 
 
-def _given(setup: options.Setup) -> str:
+def _given(setup: Setup) -> str:
     return f"{setup.masses[0]:g} kg, {setup.masses[1]:g} kg, {setup.speed:g} m/s"
 
 
@@ -187,7 +188,7 @@ def _numbers(blow: Impact) -> dict[str, float]:
     return {name: float(getattr(blow, name)) for name in _BLOW_UNITS}
 
 
-def _law_keys(setup: options.Setup) -> dict[str, Any]:
+def _law_keys(setup: Setup) -> dict[str, Any]:
     """Return what the force law is; null where a key does not apply."""
     stiffness, loss, cap = setup.base.stiffness, setup.loss, setup.cap
     numbers = {key: getattr(stiffness, key, None) for key in ("stiffness", "exponent", "slope", "load")}
@@ -211,7 +212,7 @@ def _law_keys(setup: options.Setup) -> dict[str, Any]:
     }
 
 
-def _indentation_large(setup: options.Setup, blow: Impact) -> Notice | None:
+def _indentation_large(setup: Setup, blow: Impact) -> Notice | None:
     radius = setup.base.sizes.radius1
     if setup.base.shape != "point" or radius is None:
         return None
@@ -222,7 +223,7 @@ def _indentation_large(setup: options.Setup, blow: Impact) -> Notice | None:
     return Notice("indentation-large", message, share, LARGEST_INDENTATION)
 
 
-def _restitution_differs(setup: options.Setup, blow: Impact) -> Notice | None:
+def _restitution_differs(setup: Setup, blow: Impact) -> Notice | None:
     asked, came = setup.loss.asked, float(blow.restitution)
     if asked is None or abs(came - asked) <= ERRORS[blow.method]:
         return None
@@ -241,7 +242,7 @@ def _restitution_differs(setup: options.Setup, blow: Impact) -> Notice | None:
     return Notice("restitution-differs", message, came, asked)
 
 
-def _expected(setup: options.Setup) -> str:
+def _expected(setup: Setup) -> str:
     """Return the name of a damper, and what its own relation says where it is something else than asked for."""
     law: Any = setup.loss.law
     expected = float(law.given(setup.loss.asked, setup.base.stiffness[1]))
@@ -249,7 +250,7 @@ def _expected(setup: options.Setup) -> str:
     return f"{law.name} {told}"
 
 
-def _contact_yields(setup: options.Setup, blow: Impact) -> Notice | None:
+def _contact_yields(setup: Setup, blow: Impact) -> Notice | None:
     """Warn of a contact solved as elastic whose materials would yield, of a cap below that, or of no check at all."""
     sizes, bodies, peak = setup.base.sizes, setup.base.bodies, float(blow.peak_force)
     if bodies is None:
@@ -276,7 +277,7 @@ def _contact_yields(setup: options.Setup, blow: Impact) -> Notice | None:
     return Notice("contact-yield", message, peak, limit)
 
 
-def _from_memory(setup: options.Setup) -> list[Notice]:
+def _from_memory(setup: Setup) -> list[Notice]:
     stiffness, law = setup.base.stiffness, setup.loss.law
     kind = "damping law" if setup.loss.damper is None else "damper"
     used = (("stiffness law", stiffness.law, stiffness.status), (kind, law.name, law.status))
@@ -314,7 +315,7 @@ def _print(result: ImpactResult) -> None:
         _print_blows(blows)
 
 
-def _rows(setup: options.Setup, blow: Impact) -> list[tuple[str, str]]:
+def _rows(setup: Setup, blow: Impact) -> list[tuple[str, str]]:
     def shown(value: Any, si: str, unit: str) -> str:
         return f"{number(float(value), si, unit, 6)} {unit}"
 
@@ -340,7 +341,7 @@ def _rows(setup: options.Setup, blow: Impact) -> list[tuple[str, str]]:
     return rows
 
 
-def _loss_row(loss: options.Loss) -> tuple[str, str]:
+def _loss_row(loss: Loss) -> tuple[str, str]:
     named = _status(loss.law.name, loss.law.status)
     if loss.damper is None:
         return "hysteresis factor", f"{loss.factor:.6g} ({named})"
@@ -352,7 +353,7 @@ def _status(name: str, status: str) -> str:
     return name if name == status else f"{name}, {status}"
 
 
-def _stiffness_words(setup: options.Setup) -> str:
+def _stiffness_words(setup: Setup) -> str:
     stiffness = setup.base.stiffness
     if isinstance(stiffness, Stiffness):
         return f"{stiffness.stiffness:.6g} N/m^{stiffness.exponent:.4g}"

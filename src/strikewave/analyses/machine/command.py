@@ -6,25 +6,24 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.terminal import CaseName, Changes, Force, Json, Out
+from strikewave.reporting.options import CaseName, Changes, Output
 
 
 def command(
     case: CaseName,
+    *,
     changes: Changes = None,
     animate: Annotated[
-        bool, typer.Option("--animate", help="Write machine.html and machine.gif too: the machine in motion.")
+        bool, typer.Option("--animate", help="Write the machine in motion too: machine.html and machine.gif.")
     ] = False,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
+    output: Output,
 ) -> int:
-    """Run a machine case: table of blows, published beside computed, files in out/CASE.
+    """Run a case or a set-up file.
 
-    With --json, files are written only where --out says.
+    A machine case gives the table of blows, the comparison with published values, and files in out/CASE. With --json,
+    files are written only where --out says.
     """
     from strikewave.analyses.machine.screen import run_machine_case
     from strikewave.cases.case import load_case
-    from strikewave.reporting.run_and_write import Output
 
-    return run_machine_case(load_case(case, changes or ()), changes or (), Output(out, force, json), animate)
+    return run_machine_case(load_case(case, changes or ()), changes or (), output, animate)

@@ -14,7 +14,8 @@ from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.reporting.numbers import heads
-from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
     fixed,
     number,

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
+from strikewave.base.errors import InputError
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.terminal import Force, Json, Out
+from strikewave.reporting.options import Output, Typed, bare_number, quantity
 
 if TYPE_CHECKING:
     from strikewave.signal.filters import Filter
@@ -16,62 +15,45 @@ if TYPE_CHECKING:
 
 def command(
     files: measured.Files,
-    channel: measured.Channels = None,
-    unit: measured.Unit = None,
-    sensitivity: measured.Sensitivity = None,
-    gain: measured.Gain = None,
-    excitation: measured.Excitation = None,
-    rated_excitation: measured.RatedExcitation = None,
-    count: measured.Count = None,
-    polarity: measured.Polarity = None,
-    rate: measured.Rate = None,
-    time: measured.Time = None,
+    *,
+    measurement: measured.MeasurementOptions,
     drop_height: Annotated[
-        str | None, typer.Option("--drop-height", help='Fall before the blow, such as "1.2 m".', show_default=False)
+        float | None,
+        quantity("--drop-height", si="m", help='Free fall before the blow, such as "1.2 m"; not checked by default.'),
     ] = None,
     cutoff: Annotated[
-        str | None,
-        typer.Option("--filter", help="Zero-phase low-pass: -3 dB there for both passes.", show_default=False),
+        float | None,
+        quantity("--filter", si="Hz", help="Zero-phase low-pass, -3 dB for both passes; none by default."),
     ] = None,
     cfc: Annotated[
-        str | None,
-        typer.Option("--cfc", help="SAE J211 filter of this channel class, such as 1000.", show_default=False),
+        Typed | None,
+        bare_number(
+            "--cfc",
+            high=1e6,
+            allowed="a channel frequency class, such as 60, 180, 600 or 1000",
+            help="SAE J211 filter of this channel frequency class, such as 1000; none by default.",
+        ),
     ] = None,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
+    output: Output,
 ) -> int:
-    """Examine records: status, health, pulses, campaign.
+    """Measure the pulses of recorded files.
 
-    With --json, files are written only where --out says.
+    Gives status, health and pulses of each file, and the statistics of all together. With --json, files are written
+    only where --out says. The exit code is 3 where a file could not be read.
     """
     from strikewave.analyses.record.screen import examine_records
     from strikewave.records import Request
-    from strikewave.reporting.run_and_write import Output
 
-    stated = measured.stated_of(
-        unit=unit, sensitivity=sensitivity, gain=gain, excitation=excitation,
-        rated_excitation=rated_excitation, count=count, polarity=polarity,
-    )  # fmt: skip
-    height = math.nan if drop_height is None else measured.positive(drop_height, "m", "--drop-height")
-    wanted = Request(tuple(channel or ()), stated, height, _filter(cutoff, cfc))
-    return examine_records(files, wanted, measured.options_of(rate, time, channel), Output(out, force, json))
+    height = math.nan if drop_height is None else drop_height
+    wanted = Request(tuple(measurement.channel or ()), measurement.calibration(), height, _filter(cutoff, cfc))
+    return examine_records(files, wanted, measurement.reading(), output)
 
 
-def _filter(cutoff: str | None, cfc: str | None) -> Filter | None:
-    from strikewave.base.errors import InputError
+def _filter(cutoff: float | None, cfc: Typed | None) -> Filter | None:
     from strikewave.signal.filters import Filter
 
     if cutoff is not None and cfc is not None:
-        raise InputError("--cfc", cfc, "either --filter or --cfc", "leave one out")
+        raise InputError("--cfc", cfc.word, "either --filter or --cfc", "leave one out")
     if cutoff is not None:
-        return Filter(measured.positive(cutoff, "Hz", "--filter"))
-    if cfc is None:
-        return None
-    try:
-        channel_class = float(cfc)
-    except ValueError:
-        channel_class = math.nan
-    if not 0.0 < channel_class < 1e6:
-        raise InputError("--cfc", cfc, "a channel frequency class, such as 60, 180, 600 or 1000")
-    return Filter.sae_j211(channel_class)
+        return Filter(cutoff)
+    return None if cfc is None else Filter.sae_j211(cfc)

@@ -28,7 +28,8 @@ from strikewave.records import (
 )
 from strikewave.records.campaign import SUMMED
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, say, significant, table
 from strikewave.signal.filters import Filter
 

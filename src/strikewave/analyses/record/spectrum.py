@@ -12,15 +12,14 @@ import numpy as np
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice, Result, Source
-from strikewave.base.units import parse_typed
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.options import Output, Typed
+from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, say, significant, table
 from strikewave.signal.srs import Scope, Spectrum, octaves, srs
 
 KIND_UNITS = {"absolute": "m/s^2", "displacement": "m", "pseudo-velocity": "m/s"}
-SIDES = ("maximax", "positive", "negative")
 HIGHEST = 100e3
 """Highest natural frequency unless said otherwise, Hz; at most 2/5 of the sampling rate."""
 MOST_FREQUENCIES = 1e5
@@ -30,12 +29,12 @@ class Wanted(NamedTuple):
     """What was asked of the spectra: quality factor, frequencies, kinds, side, part of the shock and its end."""
 
     q: float
-    frequencies: list[str] | None
-    grid: tuple[str, str | None, str]
+    frequencies: list[Typed] | None
+    grid: tuple[float, Typed | None, float]
     kinds: tuple[str, ...]
     side: str
     part: str
-    end: str | None
+    end: Typed | None
 
 
 @dataclass(frozen=True)
@@ -197,49 +196,37 @@ def _notices(reading: ChannelReading) -> tuple[Notice, ...]:
     return tuple(notice for notice in reading.findings if "spectrum" in notice.harms or notice.code in unit)
 
 
-def _number(text: str, field: str, allowed: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value < math.inf:
-        raise InputError(field, text, allowed)
-    return value
-
-
-def _frequencies(given: list[str] | None, grid: tuple[str, str | None, str], rate: float) -> Any:
+def _frequencies(given: list[Typed] | None, grid: tuple[float, Typed | None, float], rate: float) -> Any:
     if given:
-        return [_below(measured.positive(text, "Hz", "--frequency"), text, "--frequency", rate) for text in given]
-    low = measured.positive(grid[0], "Hz", "--from")
-    high = min(HIGHEST, 0.4 * rate)
-    if grid[1] is not None:
-        high = _below(measured.positive(grid[1], "Hz", "--to"), grid[1], "--to", rate)
-    per_octave = _number(grid[2], "--per-octave", "a number of frequencies above zero")
+        return [_below(frequency, "--frequency", rate) for frequency in given]
+    low, asked, per_octave = grid
+    high = min(HIGHEST, 0.4 * rate) if asked is None else _below(asked, "--to", rate)
     if not low < high:
-        raise InputError("--to", grid[1] or f"{high:g} Hz", f"a frequency above --from, {low:g} Hz")
-    if per_octave * math.log2(high / low) > 1e5:
-        raise InputError("--per-octave", grid[2], "at most 100 000 frequencies")
+        got = f"{high:g} Hz" if asked is None else asked.word
+        raise InputError("--to", got, f"a frequency above --from, {low:g} Hz")
+    if per_octave * math.log2(high / low) > MOST_FREQUENCIES:
+        raise InputError("--per-octave", per_octave, "at most 100 000 frequencies")
     return octaves(low, high, per_octave)
 
 
-def _below(frequency: float, text: str, field: str, rate: float) -> float:
+def _below(frequency: Typed, field: str, rate: float) -> float:
     if frequency >= 0.5 * rate:
-        hint = "the record holds nothing above; sample faster"
-        raise InputError(field, text, f"a frequency below half the sampling rate, {0.5 * rate:g} Hz", hint)
+        allowed = f"a frequency below half the sampling rate, {0.5 * rate:g} Hz"
+        raise InputError(field, frequency.word, allowed, "the record holds nothing above; sample faster")
     return frequency
 
 
-def _scope(part: str, end: str | None, reading: ChannelReading) -> Scope:
+def _scope(part: str, end: Typed | None, reading: ChannelReading) -> Scope:
     if end is None and part != "total" and reading.pulses:
         last = reading.pulses[-1].end
         say(f"the shock is taken to end with its last blow, at {last:.6g} s (--end)")
         return Scope(part, max(last - reading.channel.start, 2.0 * reading.channel.step))
     if end is None:
         return Scope(part)
-    after = parse_typed(end, "s", "--end") - reading.channel.start
+    after = end - reading.channel.start
     if not reading.channel.step < after <= reading.channel.duration:
         last = reading.channel.start + reading.channel.duration
-        raise InputError("--end", end, f"a time from {reading.channel.start:g} s to {last:g} s")
+        raise InputError("--end", end.word, f"a time from {reading.channel.start:g} s to {last:g} s")
     return Scope(part, after)
 
 

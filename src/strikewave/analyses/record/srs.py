@@ -2,89 +2,70 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.terminal import Force, Json, Out
+from strikewave.reporting.options import Output, Typed, bare_number, one_of, quantity
+
+KINDS = ("absolute", "displacement", "pseudo-velocity")
+"""Kinds of spectra."""
 
 
 def command(
-    file: Annotated[
-        str, typer.Argument(metavar="FILE", help="A measured file of any known format.", show_default=False)
-    ],
-    q: Annotated[str, typer.Option("--q", help="Quality factor 1 / (2 damping ratio), or inf.")] = "10",
-    low: Annotated[str, typer.Option("--from", help="Lowest natural frequency.")] = "10 Hz",
+    file: measured.OneFile,
+    *,
+    q: Annotated[
+        float,
+        bare_number(
+            "--q",
+            allowed="a quality factor above zero, or inf",
+            help="Quality factor 1 / (2 damping ratio), or inf; 10 by default.",
+        ),
+    ] = 10.0,
+    low: Annotated[float, quantity("--from", si="Hz", help="Lowest natural frequency; 10 Hz by default.")] = 10.0,
     high: Annotated[
-        str | None, typer.Option("--to", help="Highest; 100 kHz or 2/5 of the sampling rate.", show_default=False)
+        Typed | None,
+        quantity("--to", si="Hz", help="Highest natural frequency; 100 kHz, or 2/5 of the sampling rate, by default."),
     ] = None,
-    per_octave: Annotated[str, typer.Option("--per-octave", help="Frequencies an octave.")] = "12",
+    per_octave: Annotated[
+        float,
+        bare_number(
+            "--per-octave",
+            high=1e5,
+            allowed="a number of frequencies above zero, at most 100 000",
+            help="Number of natural frequencies in an octave; 12 by default.",
+        ),
+    ] = 12.0,
     frequency: Annotated[
-        list[str] | None, typer.Option("--frequency", help="These frequencies instead; repeated.", show_default=False)
+        list[Typed] | None,
+        quantity("--frequency", si="Hz", help="Natural frequency, instead of a range; may be repeated."),
     ] = None,
     kind: Annotated[
         list[str] | None,
-        typer.Option(
-            "--kind", help="absolute (default), displacement or pseudo-velocity; may be repeated.", show_default=False
-        ),
+        one_of("--kind", choices=KINDS, help="Kind of spectrum; absolute by default; may be repeated."),
     ] = None,
-    side: Annotated[str, typer.Option("--side", help="maximax, positive or negative.")] = "maximax",
-    part: Annotated[str, typer.Option("--part", help="total, primary (while the shock lasts) or residual.")] = "total",
+    side: Annotated[
+        Literal["maximax", "positive", "negative"], typer.Option("--side", help="Side of the response.")
+    ] = "maximax",
+    part: Annotated[
+        Literal["total", "primary", "residual"],
+        typer.Option("--part", help="Part of the response: primary is while the shock lasts, residual after it."),
+    ] = "total",
     end: Annotated[
-        str | None, typer.Option("--end", help="When the shock ends, in the file's time.", show_default=False)
+        Typed | None,
+        quantity("--end", si="s", signed=True, help="End of the shock in the file's time; its last pulse by default."),
     ] = None,
-    channel: measured.Channels = None,
-    unit: measured.Unit = None,
-    sensitivity: measured.Sensitivity = None,
-    gain: measured.Gain = None,
-    excitation: measured.Excitation = None,
-    rated_excitation: measured.RatedExcitation = None,
-    count: measured.Count = None,
-    polarity: measured.Polarity = None,
-    rate: measured.Rate = None,
-    time: measured.Time = None,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
+    measurement: measured.MeasurementOptions,
+    output: Output,
 ) -> int:
-    """Compute shock response spectra of a record, its zero line taken off.
+    """Compute shock response spectra.
 
-    With --json, files are written only where --out says.
+    They are those of a record, its baseline taken off. With --json, files are written only where --out says.
     """
-    from strikewave.analyses.record.spectrum import KIND_UNITS, SIDES, Wanted, compute_spectra
-    from strikewave.reporting.run_and_write import Output
-    from strikewave.signal.srs import PARTS
+    from strikewave.analyses.record.spectrum import Wanted, compute_spectra
 
-    stated = measured.stated_of(
-        unit=unit, sensitivity=sensitivity, gain=gain, excitation=excitation,
-        rated_excitation=rated_excitation, count=count, polarity=polarity,
-    )  # fmt: skip
-    kinds = tuple(dict.fromkeys(_one_of(k, tuple(KIND_UNITS), "--kind") for k in kind or ["absolute"]))
-    _one_of(side, SIDES, "--side")
-    _one_of(part, PARTS, "--part")
-    quality = math.inf if q.strip().lower() == "inf" else _number(q, "--q", "a quality factor above zero, or inf")
-    wanted = Wanted(quality, frequency, (low, high, per_octave), kinds, side, part, end)
-    return compute_spectra(file, wanted, stated, measured.options_of(rate, time, channel), Output(out, force, json))
-
-
-def _number(text: str, field: str, allowed: str) -> float:
-    from strikewave.base.errors import InputError
-
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value < math.inf:
-        raise InputError(field, text, allowed)
-    return value
-
-
-def _one_of(word: str, choices: Sequence[str], field: str) -> str:
-    from strikewave.base.errors import InputError, nearest
-
-    if word not in choices:
-        raise InputError(field, word, "one of " + ", ".join(choices), nearest(word, choices))
-    return word
+    kinds = tuple(dict.fromkeys(kind or ["absolute"]))
+    wanted = Wanted(q, frequency, (low, high, per_octave), kinds, side, part, end)
+    return compute_spectra(file, wanted, measurement.calibration(), measurement.reading(), output)

@@ -11,7 +11,8 @@ from strikewave.analyses.wave.report import bar_tables, error_words, tap_rows
 from strikewave.analyses.wave.run import BarSolution, run_wave
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case, dump_case
-from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.stack_chapters import MOST_LAYERS
 from strikewave.reporting.terminal import number, print_fits, print_losses, say, say_compiling, table
 

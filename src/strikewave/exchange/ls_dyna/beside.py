@@ -141,7 +141,7 @@ def read_ours(folder: Path) -> OurRun:
     """
     path = folder / "histories.nc"
     if not path.is_file() or path.stat().st_size > LARGEST_FILE:
-        raise InputError("--beside", str(folder), "a folder that strikewave fem wrote, with histories.nc")
+        raise InputError("--compare", str(folder), "a folder that strikewave fem wrote, with histories.nc")
     try:
         import xarray
 
@@ -150,7 +150,7 @@ def read_ours(folder: Path) -> OurRun:
             title = tomllib.loads(str(held.attrs["case"])).get("title", folder.name)
         blows = 1 + sum(LATER.fullmatch(one.name) is not None for one in folder.iterdir())
     except (OSError, KeyError, ValueError, TypeError, RuntimeError, AttributeError, MemoryError) as error:
-        raise InputError("--beside", str(path), "histories as strikewave fem writes them", str(error)[:200]) from None
+        raise InputError("--compare", str(path), "histories as strikewave fem writes them", str(error)[:200]) from None
     return OurRun(folder, str(title), forces, ledger, _our_extremes(folder / "field.vtkhdf"), blows)
 
 
@@ -292,10 +292,12 @@ def _our_parts(path: Path) -> dict[str, tuple[NDArray[Any], slice]]:
             cells = grid["Connectivity"][:].reshape(-1, 8)
             points = len(grid["Points"])
     except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
-        raise InputError("--beside", str(path), "fields as strikewave writes them", str(error)[:200]) from None
+        raise InputError("--compare", str(path), "fields as strikewave writes them", str(error)[:200]) from None
     ordered = len(part) == len(cells) and np.all(np.diff(part) >= 0) and len(cells)
     if not ordered or part[0] < 0 or part[-1] >= len(names) or cells.min() < 0 or cells.max() >= points:
-        raise InputError("--beside", str(path), "fields as strikewave writes them", "its parts do not fit its elements")
+        raise InputError(
+            "--compare", str(path), "fields as strikewave writes them", "its parts do not fit its elements"
+        )
     bounds = np.searchsorted(part, np.arange(len(names) + 1))
     elements = {name: slice(int(bounds[k]), int(bounds[k + 1])) for k, name in enumerate(names)}
     return {name: (np.unique(cells[own]), own) for name, own in elements.items() if own.stop > own.start}

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.terminal import Force, Json, Out
+from strikewave.reporting.options import Output, one_of
 
 PAPERS = ("li-ma-2019",)
 """Papers that can be reproduced, by the key of their source."""
@@ -16,40 +16,38 @@ LEFT_OUT = ("elements", "studies")
 
 
 def command(
-    paper: Annotated[str, typer.Argument(metavar="PAPER", help="li-ma-2019.", show_default=False)],
-    quick: Annotated[bool, typer.Option("--quick", help="Coarser meshes for the element models, no studies.")] = False,
+    paper: Annotated[
+        Literal["li-ma-2019"], typer.Argument(metavar="PAPER", help="Key of the paper: li-ma-2019.", show_default=False)
+    ],
+    *,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Use coarser meshes in the finite-element models, and run no studies.")
+    ] = False,
     without: Annotated[
         list[str] | None,
-        typer.Option(
+        one_of(
             "--without",
-            metavar="elements|studies",
-            help="Leave out the element models, or their meshes, assumed dimensions and second blow.",
-            show_default=False,
+            choices=LEFT_OUT,
+            help="Leave out the finite-element models, or their studies (meshes, assumed dimensions, second blow); "
+            "nothing by default; may be repeated.",
         ),
     ] = None,
     threads: Annotated[
-        int, typer.Option("--threads", help="Threads of the element models; they change no number.")
+        int,
+        typer.Option(
+            "--threads", metavar="COUNT", min=1, help="Threads of the finite-element models; they change no number."
+        ),
     ] = 1,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
+    output: Output,
 ) -> int:
-    """Reproduce a paper: its equations, figures and published numbers beside what is computed.
+    """Reproduce a published paper.
 
-    With --json, files are written only where --out says. The exit code is 3 where a run broke a stated limit.
+    Computes its equations, figures and published numbers, and compares them with what is printed. With --json, files
+    are written only where --out says. The exit code is 3 where a run broke a stated limit.
     """
-    from strikewave.base.errors import InputError, nearest
     from strikewave.papers.li_ma_2019.runs import Effort
     from strikewave.papers.li_ma_2019.screen import run_reproduction
-    from strikewave.reporting.run_and_write import Output
 
-    if paper not in PAPERS:
-        raise InputError("PAPER", paper, "one of " + ", ".join(PAPERS), nearest(paper, PAPERS))
-    for word in without or ():
-        if word not in LEFT_OUT:
-            raise InputError("--without", word, " or ".join(LEFT_OUT), nearest(word, LEFT_OUT))
-    if threads < 1:
-        raise InputError("--threads", threads, "at least 1")
     gone = {word: word in (without or ()) for word in LEFT_OUT}
     effort = Effort(quick, not gone["elements"], min(threads, os.cpu_count() or 1), not gone["studies"])
-    return run_reproduction(effort, Output(out, force, json))
+    return run_reproduction(effort, output)

@@ -15,7 +15,8 @@ from strikewave.papers.li_ma_2019.report.tables import findings_table, numbers_t
 from strikewave.papers.li_ma_2019.reproduce import reproduce
 from strikewave.papers.li_ma_2019.result import PAPER, Reproduction, marked_text
 from strikewave.papers.li_ma_2019.runs import Effort
-from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import progress_bar, say, say_compiling, table
 
 Report = Callable[[float, str], None]

@@ -2,131 +2,139 @@
 
 from __future__ import annotations
 
-import math
 import os
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from strikewave.base.errors import InputError
+from strikewave.base.quantities import Value
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.terminal import Changes, Force, Json, Out
+from strikewave.reporting.options import Changes, Output, case_name, quantity, read_value, typed_value
 
 if TYPE_CHECKING:
-    from strikewave.base.quantities import Value
     from strikewave.studies.buffer.choice import Choice
 
+WORST = "worst"
+"""The blow that the stacks are compared at unless said otherwise: that with the largest reading."""
 THICKNESSES = ("0.5 mm", "1 mm", "2 mm")
 """Of the gaskets unless said otherwise."""
+THICKEST = 0.1
+"""Of the gaskets, m."""
 
 
 def command(
     case: Annotated[
         str | None,
-        typer.Argument(metavar="[CASE]", help="A case file or published case with the sensor.", show_default=False),
+        case_name("CASE", "Case with the sensor: a case file, or the name of a built-in case."),
     ] = None,
-    limit: Annotated[str, typer.Option("--limit", help='Largest reading, such as "5000 g".', show_default=False)] = "",
+    *,
+    limit: Annotated[
+        float, quantity("--limit", si="m/s^2", bare=False, help='Largest allowed reading, such as "5000 g".')
+    ],
     sensor: Annotated[
-        str | None, typer.Option("--sensor", help="Its name, where the case has several.", show_default=False)
+        str | None,
+        typer.Option(
+            "--sensor", metavar="NAME", help="Name of the sensor, where the case has several.", show_default=False
+        ),
     ] = None,
-    blow: Annotated[str, typer.Option("--blow", help="worst, first, or the number of a blow.")] = "worst",
+    blow: Annotated[
+        str, typer.Option("--blow", metavar="worst|first|NUMBER", help="Blow that the stacks are compared at.")
+    ] = WORST,
     material: Annotated[
         list[str] | None,
         typer.Option(
-            "--material", help="Of the gaskets; repeated. Polymers and elastomers by default.", show_default=False
+            "--material",
+            metavar="MATERIAL",
+            help="Material of the gaskets; all polymers and elastomers by default; may be repeated.",
+            show_default=False,
         ),
     ] = None,
     thickness: Annotated[
-        list[str] | None,
-        typer.Option("--thickness", help="Of the gaskets; repeated. 0.5, 1 and 2 mm by default.", show_default=False),
+        list[Value] | None,
+        typed_value(
+            "--thickness",
+            si="m",
+            highest=THICKEST,
+            help="Thickness of the gaskets; 0.5, 1 and 2 mm by default; may be repeated.",
+        ),
     ] = None,
-    layers: Annotated[int, typer.Option("--layers", help="Most gaskets of a stack.")] = 3,
-    rank: Annotated[str, typer.Option("--rank", help="bandwidth, peak or robust: what comes first.")] = "bandwidth",
-    mass: Annotated[str | None, typer.Option("--mass", help="Of the sensor.", show_default=False)] = None,
+    layers: Annotated[int, typer.Option("--layers", metavar="COUNT", help="Largest number of gaskets in a stack.")] = 3,
+    rank: Annotated[
+        Literal["bandwidth", "peak", "robust"],
+        typer.Option("--rank", help="Quantity that ranks the stacks that keep the limit."),
+    ] = "bandwidth",
+    mass: Annotated[
+        Value | None,
+        typed_value("--mass", si="kg", highest=1e3, help="Mass of the sensor; that of the case by default."),
+    ] = None,
     diameter: Annotated[
-        str | None, typer.Option("--diameter", help="Of the gaskets; that of the case by default.", show_default=False)
+        Value | None,
+        typed_value("--diameter", si="m", highest=1.0, help="Diameter of the gaskets; that of the case by default."),
     ] = None,
-    model: Annotated[str | None, typer.Option("--model", help="A known accelerometer.", show_default=False)] = None,
+    model: Annotated[
+        str | None,
+        typer.Option(
+            "--model", metavar="NAME", help="A known accelerometer; that of the case by default.", show_default=False
+        ),
+    ] = None,
     record: Annotated[
         str | None,
         typer.Option(
-            "--record", metavar="FILE", help="Measured acceleration of the mounting surface.", show_default=False
+            "--record",
+            metavar="FILE",
+            help="Measured acceleration of the mounting surface, instead of a run of the case.",
+            show_default=False,
         ),
     ] = None,
-    channel: measured.Channels = None,
-    unit: measured.Unit = None,
-    sensitivity: measured.Sensitivity = None,
-    rate: measured.Rate = None,
-    time: measured.Time = None,
+    measurement: measured.MeasurementOptions,
     changes: Changes = None,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
+    output: Output,
 ) -> int:
-    """Rank gasket stacks under a sensor by what it then reads of a blow, with their price in bandwidth.
+    """Rank gasket stacks under a sensor.
 
-    The blow is that of a machine case or a bar case at the sensor's tap, or a record. With --json, files are
-    written only where --out says.
+    They are ranked by what the sensor reads of a blow, and by the bandwidth that is left. The blow is that of a machine
+    case or a layered bar at the sensor's tap, or a record. With --json, files are written only where --out says.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for matrices this small, threads wait longer than they work
-    from strikewave.base.errors import InputError
-    from strikewave.reporting.run_and_write import Output
     from strikewave.studies.buffer.candidate import Goal
     from strikewave.studies.buffer.screen import BufferCommand, rank_buffers, source_of_case, source_of_record
 
-    goal = Goal(_limit(limit), rank)
+    goal = Goal(limit, rank)
     choice = _choice(material, thickness, layers)
     given = _given(mass, diameter, model)
     if record is None:
         source = source_of_case(case, sensor, changes, given)
     else:
-        if blow != "worst":
+        if blow != WORST:
             raise InputError("--blow", blow, "only without --record, which holds one blow")
-        stated = measured.stated_of(unit=unit, sensitivity=sensitivity)
-        options = measured.options_of(rate, time, channel)
+        stated, options = measurement.calibration(), measurement.reading()
         source = source_of_record(record, stated, options, (case, sensor, changes), given)
-    return rank_buffers(BufferCommand(source, blow, choice, goal), Output(out, force, json))
+    return rank_buffers(BufferCommand(source, blow, choice, goal), output)
 
 
-def _limit(text: str) -> float:
-    from strikewave.base.errors import MISSING, InputError
-    from strikewave.base.units import parse_quantity
-
-    allowed = 'an acceleration above zero with its unit, such as "5000 g"'
-    if not text:
-        raise InputError("--limit", MISSING, allowed, 'add --limit "5000 g"')
-    value = parse_quantity(text, "m/s^2", "--limit")
-    if not 0.0 < value < math.inf:
-        raise InputError("--limit", text, allowed)
-    return value
-
-
-def _quantity(text: str, si: str, highest: float, field: str) -> Value:
-    """Read a quantity above zero as a case file would."""
-    from strikewave.base.errors import InputError
-    from strikewave.base.quantities import Range
-
-    try:
-        value = Range(si, 0.0, highest, open_low=True).read(text)
-    except InputError as error:
-        raise InputError(field, error.got, error.allowed, error.hint) from None
+def _chosen(value: Value) -> Value:
+    """Return a value that says in the case where it comes from."""
     return value.model_copy(update={"note": "chosen by strikewave buffer"})
 
 
-def _choice(names: list[str] | None, sizes: list[str] | None, layers: int) -> Choice:
+def _choice(names: list[str] | None, sizes: list[Value] | None, layers: int) -> Choice:
     from strikewave.studies.buffer.choice import Choice, stacks
     from strikewave.studies.buffer.seat import usual_materials
 
-    thicknesses = tuple(_quantity(text, "m", 0.1, "--thickness") for text in sizes or THICKNESSES)
+    thicknesses = tuple(
+        _chosen(size) for size in sizes or [read_value(text, "--thickness", "m", THICKEST) for text in THICKNESSES]
+    )
     choice = Choice(tuple(names or usual_materials()), thicknesses, layers)
     stacks(choice)
     return choice
 
 
-def _given(mass: str | None, diameter: str | None, model: str | None) -> dict[str, Any]:
+def _given(mass: Value | None, diameter: Value | None, model: str | None) -> dict[str, Any]:
     """Return what was typed of the sensor."""
     found: dict[str, Any] = {} if model is None else {"model": model}
     if mass is not None:
-        found["mass"] = _quantity(mass, "kg", 1e3, "--mass")
+        found["mass"] = _chosen(mass)
     if diameter is not None:
-        found["diameter"] = _quantity(diameter, "m", 1.0, "--diameter")
+        found["diameter"] = _chosen(diameter)
     return found

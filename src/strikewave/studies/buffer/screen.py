@@ -27,7 +27,8 @@ from strikewave.records import (
     read_record,
 )
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, progress_bar, say, say_compiling, significant, table
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, Candidate, Goal, distinct
 from strikewave.studies.buffer.choice import Choice

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from strikewave.reporting.terminal import CaseName, Changes, Force, Json, Out
+from strikewave.base.errors import InputError, nearest
+from strikewave.reporting.options import CaseName, Changes, Output, Size, grid_size, one_of, share
 
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
@@ -16,72 +17,98 @@ if TYPE_CHECKING:
 
 X, Y = "machine.speed", "object.spring"
 """What stands along the axes unless said otherwise."""
+POINTS = Size(60, 60)
+"""Along the axes unless said otherwise."""
 MOST_PANELS = 6
 
 
 def command(
     case: CaseName,
-    x: Annotated[str, typer.Option("--x", help='Setting and range, such as machine.speed="400 rpm:1000 rpm".')] = X,
-    y: Annotated[str, typer.Option("--y", help="The same for the other axis; half to twice without a range.")] = Y,
+    *,
+    x: Annotated[
+        str,
+        typer.Option(
+            "--x",
+            metavar="SETTING[=LOW:HIGH]",
+            help='Setting along x with its range, such as machine.speed="400 rpm:1000 rpm".',
+        ),
+    ] = X,
+    y: Annotated[
+        str,
+        typer.Option(
+            "--y",
+            metavar="SETTING[=LOW:HIGH]",
+            help="Setting along y with its range; without one, half to twice the value of the case.",
+        ),
+    ] = Y,
     panels: Annotated[
         str | None,
         typer.Option(
-            "--panels", help='A third setting, such as object.damper="10 N s/m, 40 N s/m".', show_default=False
+            "--panels",
+            metavar="SETTING=VALUE,...",
+            help='Third setting, a panel for each value, such as object.damper="10 N s/m, 40 N s/m"; none by default.',
+            show_default=False,
         ),
     ] = None,
-    points: Annotated[str, typer.Option("--points", help="Along x and y.")] = "60x60",
-    log: Annotated[list[str] | None, typer.Option("--log", help="x or y: in equal ratios.", show_default=False)] = None,
+    points: Annotated[Size, grid_size("--points", help="Number of points along x and y; 60x60 by default.")] = POINTS,
+    log: Annotated[
+        list[str] | None,
+        one_of(
+            "--log",
+            choices=("x", "y"),
+            help="Logarithmic spacing along x or y; linear by default; may be repeated.",
+        ),
+    ] = None,
     blows: Annotated[
-        int | None, typer.Option("--blows", help="Of the machine; as the case has it by default.", show_default=False)
+        int | None,
+        typer.Option(
+            "--blows", metavar="COUNT", help="Number of blows; that of the case by default.", show_default=False
+        ),
     ] = None,
     train: Annotated[
-        int, typer.Option("--train", help="Blows of the longer train that names the regime; 0 for none.")
+        int,
+        typer.Option(
+            "--train", metavar="COUNT", help="Number of blows of the longer train that names the regime; 0 for none."
+        ),
     ] = 60,
     colour: Annotated[
-        str,
-        typer.Option(
-            "--colour", help="cv, cv_later, peak, first_peak, retreat, stop_force, train_time or missed: what is drawn."
-        ),
+        Literal["cv", "cv_later", "peak", "first_peak", "retreat", "stop_force", "train_time", "missed"],
+        typer.Option("--colour", help="Quantity that the picture shows."),
     ] = "cv",
-    want_cv: Annotated[str, typer.Option("--want-cv", help="Coefficient of variation of even blows.")] = "2 %",
-    workers: Annotated[int, typer.Option("--workers", help="Processes.")] = 2,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Run finished rows of a stopped map anew.")] = False,
+    want_cv: Annotated[
+        float, share("--want-cv", help="Largest coefficient of variation of even blows; 2 % by default.")
+    ] = 0.02,
+    workers: Annotated[
+        int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
+    ] = 2,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished rows of a stopped map again.")] = False,
     changes: Changes = None,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
+    output: Output,
 ) -> int:
-    """Map a machine over two of its settings: how even its blows are, and what a longer train settles to.
+    """Map a machine over two of its settings.
 
-    A map that is stopped goes on where it was. The nearest setting with even blows is tried in a full run; exit code 3
-    says that there is none. With --json, files are written only where --out says.
+    Shows the scatter of the peaks of its blows, and the regime that a longer train settles to. A map that is stopped
+    is continued by the same command. The nearest setting with even blows is tried in a full run; the exit code is 3
+    where there is none. With --json, files are written only where --out says.
     """
     from strikewave.cases.case import load_case
-    from strikewave.reporting.run_and_write import Output
-    from strikewave.studies.map.figures import check_colour
     from strikewave.studies.map.screen import MapCommand, run_map
     from strikewave.studies.map.study import check_plan, plan_of
 
-    check_colour(colour)
     loaded = load_case(case, changes or ())
     plan = plan_of(loaded, _axes(loaded, (x, y, panels), points, log or []), blows, train)
-    wanted, count = _share(want_cv), _workers(workers)
-    making = MapCommand(plan, wanted, count, check_plan(plan, count), colour, fresh)
-    return run_map(plan, loaded.name, changes or (), making, Output(out, force, json))
+    count = min(workers, os.cpu_count() or 1)
+    making = MapCommand(plan, want_cv, count, check_plan(plan, count), colour, fresh)
+    return run_map(plan, loaded.name, changes or (), making, output)
 
 
-def _axes(case: Case, given: tuple[str, str, str | None], points: str, log: list[str]) -> tuple[Axis, ...]:
+def _axes(case: Case, given: tuple[str, str, str | None], points: Size, log: list[str]) -> tuple[Axis, ...]:
     """Return the axes of a map from what was typed."""
-    from strikewave.base.errors import InputError
     from strikewave.studies.map.cells import Axis
     from strikewave.studies.map.study import axis_of, units_of
 
-    sizes = _points(points)
-    wrong = next((name for name in log if name not in ("x", "y")), None)
-    if wrong is not None:
-        raise InputError("--log", wrong, "x or y")
     found = []
-    for option, text, size in zip(("x", "y"), given[:2], sizes, strict=True):
+    for option, text, size in zip(("x", "y"), given[:2], points, strict=True):
         path, equals, ends = (part.strip() for part in str(text).partition("="))
         parts = ends.split(":") if equals else []
         if equals and len(parts) != 2:
@@ -100,43 +127,8 @@ def _axes(case: Case, given: tuple[str, str, str | None], points: str, log: list
 
 def _value(case: Case, path: str, text: str) -> Value:
     """Return a value of a setting as the case file would take it."""
-    from strikewave.base.errors import InputError, nearest
     from strikewave.cases.case import dump_case, parse_case
 
     if path not in case.values():
         raise InputError(path, text, "a quantity of the case", nearest(path, case.values()))
     return parse_case(dump_case(case), case.name, [f"{path}={text.strip()}"]).values()[path]
-
-
-def _points(text: str) -> tuple[int, int]:
-    """Read 200x200, or 200 for both."""
-    from strikewave.base.errors import InputError
-
-    parts = text.lower().replace("×", "x").split("x")
-    if len(parts) > 2 or not all(part.strip().isdecimal() and len(part.strip()) < 8 for part in parts):
-        raise InputError("--points", text, "two whole numbers", "such as 200x200")
-    numbers = [int(part) for part in parts]
-    return numbers[0], numbers[-1]
-
-
-def _share(text: str) -> float:
-    """Read a share such as 2 % or 0.02."""
-    from strikewave.base.errors import InputError
-
-    allowed = "a share above 0 and below 1, such as 2 %"
-    bare = text.strip()
-    try:
-        value = float(bare.removesuffix("%")) / (100.0 if bare.endswith("%") else 1.0)
-    except ValueError:
-        raise InputError("--want-cv", text, allowed) from None
-    if not 0.0 < value < 1.0:
-        raise InputError("--want-cv", text, allowed)
-    return value
-
-
-def _workers(count: int) -> int:
-    from strikewave.base.errors import InputError
-
-    if not 1 <= count <= 256:
-        raise InputError("--workers", count, "1 to 256 processes", f"this machine has {os.cpu_count()} cores")
-    return min(count, os.cpu_count() or 1)

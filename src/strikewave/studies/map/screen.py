@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.base.compiled import is_cold
-from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import number, progress_bar, say, table
 from strikewave.studies.map.cells import Axis, Plan
 from strikewave.studies.map.store import Store, rows_beside

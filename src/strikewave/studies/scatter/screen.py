@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from strikewave.cases.case import Case, dump_case
-from strikewave.reporting.run_and_write import Command, Output, case_folder, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import number, progress_bar, say, say_compiling, table
 from strikewave.studies.scatter.study import Plan, ScatterStudy, marked_text, scatter
 from strikewave.uncertainty.shares import Shares

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.cases.case import Case
-from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import fixed, number, progress_bar, say, say_compiling, significant, table
 from strikewave.studies.settings.candidate import Candidate, Goal, Limit
 from strikewave.studies.settings.estimate import engagement_sensitivity

@@ -4,70 +4,75 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.terminal import Force, Json, Out
+from strikewave.base.errors import InputError
+from strikewave.reporting.options import Output
 
 
 def command(
     folder: Annotated[
-        Path, typer.Argument(metavar="FOLDER", help="With rcforc, glstat, binout or d3plot.", show_default=False)
+        Path,
+        typer.Argument(metavar="FOLDER", help="A folder with rcforc, glstat, binout or d3plot.", show_default=False),
     ],
+    *,
     units: Annotated[
-        str | None,
+        Literal["SI", "mm-t-s", "mm-ms-kg", "mm-g-us"],
+        typer.Option("--units", help="System of units of its deck: the files of LS-DYNA do not state it."),
+    ],
+    compare: Annotated[
+        Path | None,
         typer.Option(
-            "--units",
-            help="Units of its deck: SI, mm-t-s, mm-ms-kg or mm-g-us; its files have none.",
+            "--compare",
+            metavar="DIR",
+            help="A result of strikewave fem to compare with; none by default.",
             show_default=False,
         ),
     ] = None,
-    beside: Annotated[
-        Path | None,
-        typer.Option("--beside", metavar="DIR", help="A result of strikewave fem to lay beside.", show_default=False),
-    ] = None,
+    beside: Annotated[Path | None, typer.Option("--beside", hidden=True)] = None,
     contact: Annotated[
         list[str] | None,
         typer.Option(
-            "--contact", metavar="NAME=NUMBER", help="Our contact and LS-DYNA's; may be repeated.", show_default=False
+            "--contact",
+            metavar="NAME=NUMBER",
+            help="Contact of strikewave and its number in LS-DYNA; by name by default; may be repeated.",
+            show_default=False,
         ),
     ] = None,
     part: Annotated[
         list[str] | None,
         typer.Option(
-            "--part", metavar="NAME=NUMBER", help="Our part and LS-DYNA's; may be repeated.", show_default=False
+            "--part",
+            metavar="NAME=NUMBER",
+            help="Part of strikewave and its number in LS-DYNA; by name by default; may be repeated.",
+            show_default=False,
         ),
     ] = None,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
+    output: Output,
 ) -> int:
-    """Read what a run of LS-DYNA gave: contact forces, energies, fields; with --beside, next to a run of ours.
+    """Read the results of an LS-DYNA run.
 
-    With --json, files are written only where --out says.
+    They are contact forces, energies and fields; with --compare, beside those of a run of strikewave fem. With --json,
+    files are written only where --out says.
     """
     from strikewave.analyses.fem.ls_dyna.screen import LsDynaCommand, read_run
-    from strikewave.base.errors import MISSING, InputError
-    from strikewave.exchange.units import SYSTEMS, unit_system
+    from strikewave.exchange.units import unit_system
     from strikewave.reporting.measured_files import asked
-    from strikewave.reporting.run_and_write import Output
 
-    if units is None:
-        hint = "the files of LS-DYNA have no units: say those of the deck"
-        raise InputError("--units", MISSING, "one of " + ", ".join(SYSTEMS), hint)
-    contacts, parts = _numbers("--contact", contact), _numbers("--part", part)
+    if beside is not None:
+        raise InputError("--beside", str(beside), "--compare, its new name", "write --compare DIR")
     for option, given in (("--contact", contact), ("--part", part)):
-        if beside is None and given:
-            raise InputError(option, given[0], "only with a result of ours to lay beside", "add --beside DIR")
+        if compare is None and given:
+            raise InputError(option, given[0], "only with a result of strikewave fem", "add --compare DIR")
+    contacts, parts = _numbers("--contact", contact), _numbers("--part", part)
     system = unit_system(units, "--units")
-    return read_run(LsDynaCommand(folder, system, beside, contacts, parts, asked()), Output(out, force, json))
+    return read_run(LsDynaCommand(folder, system, compare, contacts, parts, asked()), output)
 
 
 def _numbers(option: str, given: Sequence[str] | None) -> dict[str, int]:
     """Return numbers by name from NAME=NUMBER."""
-    from strikewave.base.errors import InputError
-
     found: dict[str, int] = {}
     for text in given or ():
         name, _, number = text.rpartition("=")

@@ -11,7 +11,8 @@ from strikewave.exchange.ls_dyna.beside import Beside, ForcePair, lay_beside, re
 from strikewave.exchange.ls_dyna.folder import LsDynaRun, read_folder
 from strikewave.exchange.units import UnitSystem
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.run_and_write import Command, Output, run_and_write
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import case_hash, number, say, table
 
 

@@ -1,0 +1,139 @@
+"""The group of commands: a table of names and summaries; a command's module is imported when that command is used."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from strikewave.cli.option_groups import spread
+
+if TYPE_CHECKING:
+    from typer._click import Command, Context, HelpFormatter
+
+PANELS: dict[str, dict[str, tuple[str, str]]] = {
+    "Predict": {
+        "run": ("strikewave.analyses.machine.command", "Run a case or a set-up file."),
+        "wave": ("strikewave.analyses.wave.command", "Run a layered bar under its load."),
+        "fem": ("strikewave.analyses.fem.command", "Run an explicit finite-element model."),
+        "impact": ("strikewave.analyses.impact.command", "Solve the impact of two free bodies."),
+        "laws": ("strikewave.analyses.impact.laws", "List the contact laws."),
+        "reproduce": ("strikewave.papers.li_ma_2019.command", "Reproduce a published paper."),
+    },
+    "Measure": {
+        "record": ("strikewave.analyses.record.command", "Measure the pulses of recorded files."),
+        "srs": ("strikewave.analyses.record.srs", "Compute shock response spectra."),
+        "hopkinson": ("strikewave.analyses.hopkinson.command", "Reduce split-Hopkinson-bar records."),
+        "identify": ("strikewave.analyses.impact.identify", "Identify a contact law from a pulse."),
+    },
+    "Design": {
+        "settings": ("strikewave.studies.settings.command", "Find machine settings for wanted blows."),
+        "map": ("strikewave.studies.map.command", "Map a machine over two of its settings."),
+        "scatter": ("strikewave.studies.scatter.command", "Propagate tolerances to the blows."),
+        "buffer": ("strikewave.studies.buffer.command", "Rank gasket stacks under a sensor."),
+    },
+    "Exchange": {
+        "deck": ("strikewave.analyses.fem.deck", "Write a model for LS-DYNA or OpenRadioss."),
+        "ls-dyna": ("strikewave.analyses.fem.ls_dyna.command", "Read the results of an LS-DYNA run."),
+    },
+    "Cases": {
+        "new": ("strikewave.cli.new", "Write a new case file to edit."),
+        "validate": ("strikewave.cli.validate", "Check a case without running it."),
+        "diff": ("strikewave.cli.diff", "List the differences of two cases."),
+        "cases": ("strikewave.cli.cases", "List the built-in cases."),
+        "materials": ("strikewave.cli.materials", "List the materials with their sources."),
+    },
+}
+"""Panel of the help, name of a command, its module (its function is ``command``) and its summary.
+
+The summary is the first line of the command's docstring. It stands here too, because reading it there would import the
+module; a test holds both equal.
+"""
+WIDEST = 28
+"""Characters of an option in the help; the words of a longer one begin on the next line."""
+SETTINGS: dict[str, Any] = {"help_option_names": ["-h", "--help"]}
+"""Of every command."""
+
+
+class Entry(NamedTuple):
+    """A command of the table."""
+
+    panel: str
+    module: str
+    summary: str
+
+
+HELP = Entry("", "strikewave.cli.help", "Show the help of a command.")
+"""``strikewave help COMMAND`` works, and stands in no panel: ``strikewave COMMAND --help`` is shown below them."""
+
+
+def entries() -> dict[str, Entry]:
+    """Return the table by names.
+
+    Examples
+    --------
+    >>> entries()["srs"].panel
+    'Measure'
+    """
+    return {name: Entry(panel, *row) for panel, rows in PANELS.items() for name, row in rows.items()}
+
+
+def whole_command(name: str, module: str) -> Command:
+    """Import the module of a command and return the command with all its options."""
+    one = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    one.command(name, cls=SectionedCommand, context_settings=SETTINGS)(spread(importlib.import_module(module).command))
+    return typer.main.get_command(one)
+
+
+class SectionedCommand(TyperCommand):
+    """A command whose help shows its options in sections: those of a panel of their own after the others."""
+
+    def format_options(self, ctx: Context, formatter: HelpFormatter) -> None:
+        """Write a section a panel, with one width for all."""
+        sections: dict[str, list[tuple[str, str]]] = {}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            if record is None:
+                continue
+            is_argument = parameter.param_type_name == "argument"
+            panel = "Arguments" if is_argument else getattr(parameter, "rich_help_panel", None) or "Options"
+            name = record[0].partition(" <")[0] if is_argument else record[0]  # no Python type beside CASE
+            sections.setdefault(panel, []).append((name, record[1]))
+        width = min(max(len(name) for rows in sections.values() for name, _ in rows), WIDEST)
+        first = [panel for panel in ("Arguments", "Options") if panel in sections]
+        for panel in dict.fromkeys([*first, *sections]):
+            with formatter.section(panel):
+                formatter.write_dl([(name.ljust(width), words) for name, words in sections[panel]], col_max=WIDEST)
+
+
+class LazyCommand(TyperCommand):
+    """A name with its summary; the command itself is imported when its words are parsed."""
+
+    def __init__(self, name: str, entry: Entry, hidden: bool = False) -> None:
+        super().__init__(name, short_help=entry.summary, hidden=hidden, rich_markup_mode=None)
+        self.entry = entry
+
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: Context | None = None, **extra: Any
+    ) -> Context:
+        """Parse the words of the command itself, which then stands in the context in the place of this one."""
+        return whole_command(str(self.name), self.entry.module).make_context(info_name, args, parent, **extra)
+
+
+class CommandGroup(TyperGroup):
+    """All commands, shown in panels."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        for name, entry in entries().items():
+            self.add_command(LazyCommand(name, entry))
+        self.add_command(LazyCommand("help", HELP, hidden=True))
+
+    def format_commands(self, ctx: Context, formatter: HelpFormatter) -> None:
+        """Write a section a panel, all in one column."""
+        width = max(len(name) for name in self.commands)
+        for panel, rows in PANELS.items():
+            with formatter.section(panel):
+                formatter.write_dl([(name.ljust(width), summary) for name, (_, summary) in rows.items()])
