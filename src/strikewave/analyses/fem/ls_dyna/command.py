@@ -63,10 +63,10 @@ def command(
 
     if beside is not None:
         raise InputError("--beside", str(beside), "--compare, its new name", "write --compare DIR")
+    contacts, parts = _numbers("--contact", contact), _numbers("--part", part)
     for option, given in (("--contact", contact), ("--part", part)):
         if compare is None and given:
             raise InputError(option, given[0], "only with a result of strikewave fem", "add --compare DIR")
-    contacts, parts = _numbers("--contact", contact), _numbers("--part", part)
     system = unit_system(units, "--units")
     return read_run(LsDynaCommand(folder, system, compare, contacts, parts, asked()), output)
 
