@@ -188,7 +188,7 @@ def test_rows_of_another_map_are_refused_until_fresh(strikewave):
 
 def test_compiling_of_the_fast_run_is_told(strikewave, monkeypatch):
     """Other kernels may be there already."""
-    monkeypatch.setattr("strikewave.base.compiled.is_cold", lambda name="": name == "run_train")
+    monkeypatch.setattr("strikewave.studies.map.screen.is_cold", lambda name="": name == "run_train")
     _, _, err = strikewave(*FEW, "--json")
     assert err.startswith("compiling the kernels of the fast run")
 

@@ -96,7 +96,7 @@ def test_no_more_processes_than_cores(strikewave, monkeypatch):
         return scatter(case, Plan(plan.runs, plan.seed, plan.shares), report)
 
     monkeypatch.setattr("os.cpu_count", lambda: 3)
-    monkeypatch.setattr("strikewave.studies.scatter.study.scatter", note)
+    monkeypatch.setattr("strikewave.studies.scatter.screen.scatter", note)
     assert strikewave(*QUICK, *TWO, "--shares", "none", "--workers", "64", "--json")[0] == 0
     assert asked == [3]
 
