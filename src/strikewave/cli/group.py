@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 PANELS: dict[str, dict[str, tuple[str, str]]] = {
     "Predict": {
-        "run": ("strikewave.analyses.machine.command", "Run a case or a set-up file."),
+        "run": ("strikewave.cli.run", "Run a case or a set-up file."),
         "wave": ("strikewave.analyses.wave.command", "Run a layered bar under its load."),
         "fem": ("strikewave.analyses.fem.command", "Run an explicit finite-element model."),
         "impact": ("strikewave.analyses.impact.command", "Solve the impact of two free bodies."),

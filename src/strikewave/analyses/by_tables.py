@@ -1,0 +1,43 @@
+"""Which analysis a case or a set-up is for, as its tables say, and its run; a machine, a bar, elements, split bars."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from strikewave.base.errors import InputError
+from strikewave.cases.case import load_case, read_case_text
+from strikewave.reporting.options import Output
+
+
+def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = False) -> int:
+    """Run a case or a set-up file, write and print its result, and return the exit code.
+
+    Only the analysis that is asked for is imported: elements and split bars take their time.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If the file is none of both, or what its analysis raises.
+    """
+    from strikewave.analyses.hopkinson.setup_file import holds_setup, load_setup
+
+    if holds_setup(read_case_text(name)[0]):
+        from strikewave.analyses.hopkinson.screen import run_setup
+
+        if animate:
+            raise InputError(
+                "--animate", name, "a machine, a layered bar or elements", "a set-up of bars has no motion"
+            )
+        return run_setup(load_setup(name, changes), changes, output)
+    case = load_case(name, changes)
+    if case.command == "fem":
+        from strikewave.analyses.fem.screen import Choice, run_element_case
+
+        return run_element_case(case, changes, output, Choice(animate=animate))
+    if case.command == "wave":
+        from strikewave.analyses.wave.screen import run_wave_case
+
+        return run_wave_case(case, changes, output, animate=animate)
+    from strikewave.analyses.machine.screen import run_machine_case
+
+    return run_machine_case(case, changes, output, animate)
