@@ -43,7 +43,7 @@ def folder(solution, tmp_path_factory):
     from strikewave.fem.vtkhdf import FieldWriter
 
     home = tmp_path_factory.mktemp("ours")
-    solution.save(home / "histories.nc")
+    solution.data.to_netcdf(home / "histories.nc", engine="h5netcdf")
     with FieldWriter(home / "field.vtkhdf", solution.model.mesh) as writer:
         for frame in solution.frames:
             writer.add(frame)
@@ -395,6 +395,7 @@ def test_runs_of_the_same_name_do_not_overwrite_each_other(strikewave, written, 
 def test_pictures_of_nothing_say_so(tmp_path):
     from strikewave.analyses.fem.ls_dyna.figures import beside_sheet
     from strikewave.analyses.fem.ls_dyna.report import ls_dyna_report
+    from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
     from strikewave.exchange.ls_dyna.comparison import RunComparison
     from strikewave.exchange.ls_dyna.folder import Contact, LsDynaRun
 
@@ -406,4 +407,4 @@ def test_pictures_of_nothing_say_so(tmp_path):
     one = dataclasses.replace(
         empty, contacts=(still,), energies=EnergyHistory(np.array([0.0]), {"kinetic": np.array([np.nan])})
     )
-    assert "Nothing touched." in ls_dyna_report(RunComparison(one), "")
+    assert "Nothing touched." in ls_dyna_report(LsDynaResult(RunComparison(one), "", {}))
