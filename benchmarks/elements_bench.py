@@ -56,7 +56,7 @@ def taken(engine, steps):
     """Return the mean time of so many steps in which nothing is noted, s."""
     begun = time.perf_counter()
     for _ in range(steps):
-        engine.act()
+        engine.assemble_forces()
         engine.step()
     return (time.perf_counter() - begun) / steps
 
@@ -100,7 +100,7 @@ def contact_cost(threads, shift):
         engines = [Engine(each, pool if threads > 1 else None) for each in (model, replace(model, contacts=()))]
         times = np.array([[taken(engine, 8) for engine in engines] for _ in range(8)])
     (state,) = engines[0].contacts.values()
-    assert state.found.touches.mean() > 0.9
+    assert state.nodal.touches.mean() > 0.9
     return times[1:].min(axis=0)
 
 

@@ -1,5 +1,6 @@
 """Markers by folder, fixed seeds, and one run of the published case shared by all tests."""
 
+import importlib
 import lzma
 import os
 import shutil
@@ -26,6 +27,9 @@ def pytest_report_header() -> str:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    if os.environ.get("CI") == "true":
+        # CI installs every extra: a test that cannot import one fails there instead of passing for a skip
+        pytest.importorskip = lambda module, **_: importlib.import_module(module)
     for name in sorted({part for folder in HERE.rglob("*/") for part in folder.relative_to(HERE).parts}):
         config.addinivalue_line("markers", f"{name}: what lies in folders of that name")
 

@@ -8,10 +8,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from strikewave.fem import _layout as layout
-from strikewave.fem import again
-from strikewave.fem.again import bodies_of_engine, next_blow, quiet
+from strikewave.fem import repeated_blows
 from strikewave.fem.blow_measures import restitution, still_presses
 from strikewave.fem.bodies import way_back
+from strikewave.fem.dynamic_relaxation import _Watch, settle
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import Mesh, joined
 from strikewave.fem.model import (
@@ -27,11 +27,11 @@ from strikewave.fem.model import (
     Symmetry,
     Wall,
 )
-from strikewave.fem.rest import _Watch, settle
+from strikewave.fem.repeated_blows import bodies_of_engine, next_blow, quiet
 from strikewave.fem.restart import put_back, state_of
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic
-from strikewave.fem.solve import Asked, solve_blows
+from strikewave.fem.solve import RunOptions, solve_blows
 
 from .bodies import STEEL
 
@@ -52,7 +52,7 @@ def headed(solid=SOFT, speed=30.0, **fields):
 
 
 def blows(model, count):
-    return solve_blows(replace(model, controls=replace(model.controls, blows=count)), Asked(frames=2))
+    return solve_blows(replace(model, controls=replace(model.controls, blows=count)), RunOptions(frames=2))
 
 
 # --- rigid parts that share nodes with others -----------------------------------------------------------------------
@@ -103,7 +103,7 @@ def test_pieces_of_a_part_that_nothing_joins_go_back_by_themselves():
     engine.x[:half] += [0.0, 1e-3, 2e-3]
     engine.x[half:] = engine.x[half:] @ turn.T
     bodies = bodies_of_engine(engine)
-    again._bring_back(engine, bodies)
+    repeated_blows._bring_back(engine, bodies)
     assert [body.parts for body in bodies] == [("cubes",), ("cubes",)]
     assert engine.x == pytest.approx(mesh.points, abs=1e-15)
     found, _ = engine.solid.cell_values(engine.elements)
@@ -176,7 +176,7 @@ def test_stress_turns_with_a_body_that_goes_back():
         given = np.array([5e6, 1e6, 2e6, 3e6, 4e6, 6e6])
         give_stress(engine, np.tile(given, (engine.elements, 1)))
         engine.x[:] = engine.x @ turn.T
-        again._bring_back(engine, bodies_of_engine(engine))
+        repeated_blows._bring_back(engine, bodies_of_engine(engine))
         found, _ = engine.solid.cell_values(engine.elements)
         expected = (1e6, 5e6, 2e6, -3e6, -6e6, 4e6)  # by R s R^T: yy xx zz -xy -zx yz
         assert found == pytest.approx(np.tile(expected, (engine.elements, 1)), rel=1e-9)
@@ -225,8 +225,8 @@ def test_a_later_blow_from_a_file_tells_no_overlap_of_the_mesh():
 def test_where_nothing_is_too_deep_nothing_is_tried_twice(monkeypatch):
     """One round over the contacts, not 30."""
     engine, rounds = Engine(plate_on_base()), []
-    monkeypatch.setattr(again, "_depths", lambda engine: rounds.append(1) or {})
-    assert again._step_back(engine, bodies_of_engine(engine), {}) == 0.0
+    monkeypatch.setattr(repeated_blows, "_depths", lambda engine: rounds.append(1) or {})
+    assert repeated_blows._step_back(engine, bodies_of_engine(engine), {}) == 0.0
     assert len(rounds) == 1
 
 
@@ -263,7 +263,7 @@ def test_a_small_motion_that_has_only_begun_is_no_rest():
     stress = np.zeros((60, 6))
     stress[:, 2] = 100e6 * np.sin(np.pi * height / (60 * SIZE))
     give_stress(engine, stress)
-    engine.stand()
+    engine.initialize()
     stored = float(np.sum(stress[:, 2] ** 2)) / (2.0 * 211e9) * SIZE**3
     found = settle(engine, bodies_of_engine(engine), 0.02 * stored, 10_000)
     assert found.maxima >= 1
@@ -297,7 +297,7 @@ def test_bodies_that_touch_come_to_rest_again_once_they_are_back(monkeypatch, co
         calls.append(given[0])
         return settle(*given)
 
-    monkeypatch.setattr(again, "settle", counted)
+    monkeypatch.setattr(repeated_blows, "settle", counted)
     engine = Engine(replace(plate_on_base(speed=0.0), velocity={}, contacts=contacts))
     next_blow(engine, 1.0)
     assert len(calls) == times

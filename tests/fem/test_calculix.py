@@ -18,7 +18,7 @@ from strikewave.fem.mesh import joined, volumes
 from strikewave.fem.model import Contact, Controls, Curve, Fixed, Model, Pressure
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic
-from strikewave.fem.solve import Asked, solve
+from strikewave.fem.solve import RunOptions, solve
 
 pytestmark = pytest.mark.verify
 
@@ -55,7 +55,7 @@ class Both(NamedTuple):
 def solved(model, folder, **deck):
     """Solve a model twice; CalculiX's own instants are so dense that fields between two of them are straight lines."""
     instants = round(model.controls.duration / model.controls.interval)
-    run = solve(model, Asked(frames=instants + 1))
+    run = solve(model, RunOptions(frames=instants + 1))
     assert not run.stopped
     answer = calculix.run(calculix.Deck(model, **deck), folder)
     names = Fields._fields

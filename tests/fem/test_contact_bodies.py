@@ -53,7 +53,7 @@ def run(mesh, mass, contact, v, dt, steps, inner=None, gravity=(0.0, 0.0, 0.0), 
         v += dt * light[:, None] * f
         done.taken.append(contact_work(state.touch, v, dt))
         done.force.append(contact_force(state.touch))
-        done.gap.append(state.found.gap.min())
+        done.gap.append(state.nodal.gap.min())
         done.kinetic.append(0.5 * np.sum(mass[:, None] * v**2))
         done.total.append(0.5 * np.sum(mass[:, None] * v * old) + (0.0 if inner is None else inner.energy(x)))
         x += dt * v
@@ -179,7 +179,7 @@ def test_moment_of_the_contact_forces_is_zero_within_the_motion_of_a_step(seed, 
     state = prepare(Contact("a.top", "b.bottom", mu), mesh)
     dt, f = 1e-5, np.zeros_like(x)
     add_contact(state, x, v, f, 1.0 / nodal_mass(mesh), dt)
-    pressed = np.linalg.norm(state.found.pressed, axis=1) + np.linalg.norm(state.found.rubbed, axis=1)
+    pressed = np.linalg.norm(state.nodal.normal_force, axis=1) + np.linalg.norm(state.nodal.friction_force, axis=1)
     fastest = 2.0 * np.linalg.norm(v, axis=1).max()
     assert f.sum(axis=0) == pytest.approx(0.0, abs=1e-13 * pressed.sum())
     # friction acts across the gap, which is within the same bound
@@ -442,7 +442,7 @@ def test_a_pocket_holds_a_node_flush_with_its_wall():
     add_contact(state, mesh.points, v, f, np.ones(len(v)), 1e-4)
     bottom = mesh.side("b.bottom").ravel()
     assert np.all(f[bottom, 2] > 0.0)
-    assert np.ptp(state.found.pressed[state.touch.first :], axis=0) == pytest.approx(0.0, abs=1e3)
+    assert np.ptp(state.nodal.normal_force[state.touch.first :], axis=0) == pytest.approx(0.0, abs=1e3)
 
 
 def test_nodes_that_are_not_checked_are_still_met_by_the_other_surface():
@@ -457,7 +457,7 @@ def test_nodes_that_are_not_checked_are_still_met_by_the_other_surface():
         add_contact(state, mesh.points, v, f, light, 1e-3)
         forces.append(contact_force(state.touch)[2])
         assert f.sum(axis=0) == pytest.approx(0.0, abs=1e-12 * np.abs(f).max())
-    assert not state.found.touches[: state.touch.first].any()
+    assert not state.nodal.touches[: state.touch.first].any()
     assert forces[1] == pytest.approx(0.5 * forces[0], rel=1e-12)
 
 

@@ -153,7 +153,7 @@ def ridge(slope, faces=((0, 1, 3, 2), (2, 3, 5, 4))):
 def forces_along(mesh, places, stiffness=0.8):
     """The force on the first node of the tip at places (n, 3), the rest of the tip far above."""
     state = prepare(Contact("tip.bottom", "roof.top", stiffness=stiffness), mesh)
-    state.found.known[:] = 1  # as if the node had been pressed in
+    state.nodal.known[:] = 1  # as if the node had been pressed in
     area = state.touch.area.copy()
     v, light = np.zeros_like(mesh.points), np.ones(len(mesh.points))
     forces = []
@@ -173,7 +173,7 @@ def forces_along(mesh, places, stiffness=0.8):
 def test_force_changes_steadily_as_a_node_slides_over_an_edge(slope):
     """Along a path parallel to the roof at a depth of 0.02 the force jumps neither for ridges nor for valleys.
 
-    The lightness of the face changes continuously, and so does the depth: the steps along the path are 1/1000 wide,
+    The inverse mass of the face changes continuously, and so does the depth: the steps along the path are 1/1000 wide,
     and the size of the force 0.5 s m* depth changes by far less than a tenth; only over a ridge the direction turns
     within one step, by twice the angle of the slope.
     """
@@ -203,7 +203,7 @@ def test_gap_is_the_distance_from_the_roof(slope):
         foot = abs(place) - 0.02 * slope / (1 + slope**2)  # where the perpendicular to the nearer face meets it
         plane = 0.02 * normal[1]
         wanted = plane if foot >= 0.0 else np.hypot(off[0], slope * off[0] - 0.02)
-        assert state.found.gap[0] == pytest.approx(-wanted, rel=1e-12)
+        assert state.nodal.gap[0] == pytest.approx(-wanted, rel=1e-12)
 
 
 def test_nodes_above_and_beside_a_ridge_feel_nothing_and_beyond_the_rim_the_force_fades():

@@ -12,7 +12,7 @@ from strikewave.fem.contact import add_contact, add_wall, note_held, prepare, pr
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import Contact, Controls, Curve, Driven, Fixed, Guided, Model, Rigid, Symmetry, Tie, Wall
-from strikewave.fem.rigid import RigidBody, lightness
+from strikewave.fem.rigid import RigidBody, surface_inverse_mass
 from strikewave.fem.shapes import block, moved, turned
 from strikewave.fem.solids import Bilinear, Elastic
 from strikewave.fem.solve import solve
@@ -126,8 +126,8 @@ def test_where_nothing_touches_nodes_arrive_where_contact_foresees_them():
     engine = Engine(model)
     state = engine.contacts[PAIR.name]
     for _ in range(5):
-        engine.act()
-        assert not state.found.touches.any()
+        engine.assemble_forces()
+        assert not state.nodal.touches.any()
         engine.step()
         assert state.place == pytest.approx(engine.x[state.touch.nodes], abs=1e-16)
 
@@ -200,7 +200,7 @@ def test_nodes_in_place_of_a_rigid_body_move_no_less_than_it_and_no_more_than_th
     mesh = turned(block("body", (3.0, 2.0, 1.0), 1.0, 0.5, 0.5), (1.0, 2.0, 0.5), 0.7)
     mass = blocks.nodal_mass(mesh)
     body = RigidBody(mesh, Rigid("body", moves, turns), mass, np.zeros(3))
-    free = lightness(body, mesh, "body")
+    free = surface_inverse_mass(body, mesh, "body")
     nodes = np.flatnonzero(free > 0.0)
     assert np.array_equal(nodes, np.unique(mesh.side("body.all")))
     mobility = np.zeros((3 * len(nodes), 3 * len(nodes)))

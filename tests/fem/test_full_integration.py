@@ -14,7 +14,7 @@ from strikewave.fem.model import Controls, Curve, Model, Pressure, Section, Tie,
 from strikewave.fem.shapes import block as box
 from strikewave.fem.shapes import moved as shifted
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
-from strikewave.fem.solve import Asked, Keep, solve
+from strikewave.fem.solve import Checkpoint, RunOptions, solve
 
 from .blocks import block
 from .driven import SORTS, elements, mesh_of, moved, nodal_mass, random_hexahedra, stiffness
@@ -242,11 +242,11 @@ def flying_bars(duration, **controls):
 
 def test_threads_and_a_restart_change_no_bit_of_a_run_with_both_kinds(tmp_path):
     path = tmp_path / "restart.h5"
-    whole = solve(flying_bars(8e-6), Asked(frames=2))
-    solve(flying_bars(4e-6), Asked(keep=Keep(path, 4)))
+    whole = solve(flying_bars(8e-6), RunOptions(frames=2))
+    solve(flying_bars(4e-6), RunOptions(checkpoint=Checkpoint(path, 4)))
     others = [
-        solve(flying_bars(8e-6), Asked(frames=2, resume=path)),
-        solve(flying_bars(8e-6, threads=2), Asked(frames=2)),
+        solve(flying_bars(8e-6), RunOptions(frames=2, resume=path)),
+        solve(flying_bars(8e-6, threads=2), RunOptions(frames=2)),
     ]
     assert whole.energy["plastic"][-1] > 0.5 * whole.initial_energy
     assert abs(whole.energy_error).max() < 1e-4

@@ -23,7 +23,7 @@ from strikewave.fem.mesh import volumes
 from strikewave.fem.model import Controls, Model, Point, Wall
 from strikewave.fem.quality import quality_report
 from strikewave.fem.solids import Elastic
-from strikewave.fem.solve import Asked, solve
+from strikewave.fem.solve import RunOptions, solve
 
 GMSH = shutil.which("gmsh")
 HOW_TO_GET = "gmsh is not installed; Debian, Ubuntu: apt-get install --no-install-recommends gmsh; else gmsh.info"
@@ -135,7 +135,7 @@ def test_a_pin_that_fell_on_its_end_rings_at_the_frequency_of_love(tmp_path):
         walls=(Wall("pin.round", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),),
         points=(Point("top", "pin", (0.0, 0.0, length)),),
     )
-    run = solve(model, Asked())
+    run = solve(model, RunOptions())
     assert not run.stopped
     assert np.abs(run.energy_error).max() < 1e-4
     assert run.energy["hourglass"].max() < 0.05 * run.energy["internal"].max()
@@ -156,7 +156,7 @@ def fallen(folder, replaced=""):
         text = re.sub(r'shape = "file".*?unit = "mm"', replaced, text, flags=re.DOTALL)
     text = text.replace('"part.msh"', f'"{folder / "part.msh"}"')
     case = parse_case(text, "frame")
-    return run_model(case, build_model(case), Asked())
+    return run_model(case, build_model(case), RunOptions())
 
 
 OWN = """shape = "frame"

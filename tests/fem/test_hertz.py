@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from strikewave.fem.solids import Elastic
-from strikewave.fem.solve import Asked, solve
+from strikewave.fem.solve import RunOptions, solve
 
 from .bodies import THICK, Ball, Roller, ball_on_base, roller_on_block
 from .test_bars import tensors
@@ -57,7 +57,7 @@ def pressed(case):
     that the run has.
     """
     model = roller_on_block(case)
-    run = solve(model, Asked(frames=25))
+    run = solve(model, RunOptions(frames=25))
     assert_balanced(run)
     up = case.turn[:, 2]
     force = 2.0 * (run.force["roller.round-ground.z+"] @ up) / THICK

@@ -12,7 +12,7 @@ from strikewave.fem.model import Contact, Controls, Model, Rigid, Wall
 from strikewave.fem.round_shapes import TubeSize, tube
 from strikewave.fem.shapes import block
 from strikewave.fem.solids import Bilinear
-from strikewave.fem.solve import Asked, solve
+from strikewave.fem.solve import RunOptions, solve
 
 from .bodies import BAR_SPEED, STEEL, THIN_STEEL, WIDTH, Bar, two_bars
 
@@ -48,7 +48,7 @@ def test_peaks_of_flat_bars_that_meet_are_rho_c_v_a_over_2_whatever_the_step(acr
 def test_largest_stress_and_plastic_strain_are_those_of_the_fields_at_every_instant():
     model = two_bars(Bar(along=20), Bar(along=20, solid=Bilinear(7820.0, 211e9, 0.3, 60e6, 2e9)), SPEED, 20e-6)
     model = replace(model, controls=Controls(20e-6, interval=1e-6))
-    run = solve(model, Asked(frames=21))
+    run = solve(model, RunOptions(frames=21))
     assert [frame.time for frame in run.frames] == pytest.approx(run.time, abs=1e-15)
     for k, frame in enumerate(run.frames):
         for name in model.mesh.names:

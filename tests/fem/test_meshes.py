@@ -13,7 +13,7 @@ from strikewave.fem.mesh import exterior_faces, joined, volumes
 from strikewave.fem.quality import check_mesh, quality_report
 from strikewave.fem.round_shapes import TubeSize, ball, cylinder, half_cylinder, half_space, tube
 from strikewave.fem.sections import BULGE, disc_section, edges
-from strikewave.fem.shapes import FrameSize, block, frame, mirrored, moved, renamed, turned
+from strikewave.fem.shapes import FrameSize, block, frame, moved, renamed, turned
 
 SHARES = {"whole": 1.0, "half": 0.5, "quarter": 0.25}
 TUBE = TubeSize(0.02, 0.024, 0.03)
@@ -353,21 +353,6 @@ def test_a_turn_keeps_the_axis_the_volume_and_the_distances(axis, angle, about):
 def test_a_quarter_turn_is_right_handed():
     mesh = turned(moved(block("a", (0.1, 0.1, 0.1), 0.1, 0.1, 0.1), (1.0, 0.0, 0.0)), (0.0, 0.0, 2.0), math.pi / 2)
     np.testing.assert_allclose(mesh.points.mean(axis=0), [0.0, 1.0, 0.05], atol=1e-15)
-
-
-@pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_mirrored_mesh_has_positive_volumes_and_outward_sides(axis):
-    mesh = moved(ball("a", 0.01, 2e-3, "quarter"), (0.1, 0.2, 0.3))
-    new = mirrored(mesh, axis)
-    assert np.all(volumes(new.points, new.hexahedra) > 0.0)
-    assert volume(new) == pytest.approx(volume(mesh), rel=1e-12)
-    for side, faces in mesh.sides.items():
-        sign = np.where(np.arange(3) == axis, -1.0, 1.0)
-        np.testing.assert_allclose(
-            area_vectors(new, new.sides[side]).sum(axis=0), area_vectors(mesh, faces).sum(axis=0) * sign, atol=1e-18
-        )
-    exterior = {tuple(sorted(face)) for face in exterior_faces(new.hexahedra).tolist()}
-    assert {tuple(sorted(face)) for face in new.sides["a.round"].tolist()} <= exterior
 
 
 def test_a_renamed_part_takes_its_sides_with_it():

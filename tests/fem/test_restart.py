@@ -13,7 +13,7 @@ from strikewave.fem.mesh import joined
 from strikewave.fem.model import Contact, Controls, Model, Wall
 from strikewave.fem.restart import kept_blows, read_restart
 from strikewave.fem.shapes import block, moved
-from strikewave.fem.solve import Asked, Keep, solve
+from strikewave.fem.solve import Checkpoint, RunOptions, solve
 
 from .bodies import STEEL
 
@@ -37,7 +37,7 @@ def model(duration=4e-6):
 @pytest.fixture(scope="module")
 def kept(tmp_path_factory):
     path = tmp_path_factory.mktemp("kept") / "restart.h5"
-    solve(model(2.5e-6), Asked(keep=Keep(path, 2)))
+    solve(model(2.5e-6), RunOptions(checkpoint=Checkpoint(path, 2)))
     return path
 
 
@@ -77,8 +77,8 @@ def both(one, other):
 FORGED = {
     "faces that are not there": put(f"{CONTACT}/candidates", lambda a: np.full_like(a, 10**9)),
     "a negative face": put(f"{CONTACT}/candidates", lambda a: np.full_like(a, -1)),
-    "no face by -2": put(f"{CONTACT}/found/face", lambda a: np.full_like(a, -2)),
-    "a found face that is not there": put(f"{CONTACT}/found/face", lambda a: np.full_like(a, 10**6)),
+    "no face by -2": put(f"{CONTACT}/nodal/face", lambda a: np.full_like(a, -2)),
+    "a found face that is not there": put(f"{CONTACT}/nodal/face", lambda a: np.full_like(a, 10**6)),
     "starts beyond the end": put(f"{CONTACT}/start", lambda a: np.arange(len(a)) * 10**9),
     "starts that fall": put(f"{CONTACT}/start", lambda a: np.concatenate([a[:1], a[:0:-1]])),
     "x of three numbers": put("x", np.zeros(3)),
@@ -96,7 +96,7 @@ FORGED = {
     "a history that is no number": put("row/kinetic", lambda a: a * np.nan),
     "no step": put("critical", 1e-30),
     "a step that is no number": put("critical", np.nan),
-    "a negative step before": put("behind", -1e-8),
+    "a negative step before": put("dt_previous", -1e-8),
     "an array for a number": put("steps", np.zeros(3, int)),
     "a ragged row": put("row/time", np.zeros(1)),
     "a missing row": without("row/time"),
@@ -168,5 +168,5 @@ def test_another_version_does_not_go_on(kept, monkeypatch):
 
 
 def test_a_longer_run_of_the_same_model_goes_on(kept):
-    longer = solve(model(6e-6), Asked(resume=kept))
+    longer = solve(model(6e-6), RunOptions(resume=kept))
     assert np.array_equal(longer.momentum, solve(model(6e-6)).momentum)

@@ -16,7 +16,7 @@ from strikewave.fem.mesh import joined
 from strikewave.fem.model import Contact, Controls, Curve, Driven, Fixed, Model, Point, Pressure, Rigid, Section, Wall
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic
-from strikewave.fem.solve import Asked, Keep, solve
+from strikewave.fem.solve import Checkpoint, RunOptions, solve
 
 from .bodies import STEEL, Ball, ball_on_base, two_bars
 
@@ -55,7 +55,7 @@ def test_threads_change_no_bit():
 
 def killed_in_the_middle(path):
     """Run until killed; keeps its state every second instant."""
-    solve(yielding_ball(), Asked(keep=Keep(path, 2), report=lambda progress: time.sleep(0.02)))
+    solve(yielding_ball(), RunOptions(checkpoint=Checkpoint(path, 2), report=lambda progress: time.sleep(0.02)))
 
 
 def test_a_run_killed_in_the_middle_goes_on_to_the_same_bits(tmp_path):
@@ -72,21 +72,21 @@ def test_a_run_killed_in_the_middle_goes_on_to_the_same_bits(tmp_path):
     assert path.exists()
     model = yielding_ball()
     told = []
-    resumed = solve(model, Asked(resume=path, report=told.append))
+    resumed = solve(model, RunOptions(resume=path, report=told.append))
     assert told[0].steps > 0
     assert same(solve(model), resumed)
 
 
 def test_restart_of_another_model_is_refused(tmp_path):
     path = tmp_path / "restart.h5"
-    solve(yielding_ball(), Asked(keep=Keep(path, 10)))
+    solve(yielding_ball(), RunOptions(checkpoint=Checkpoint(path, 10)))
     with pytest.raises(InputError, match="the case has changed"):
-        solve(yielding_ball(hourglass=0.1), Asked(resume=path))
+        solve(yielding_ball(hourglass=0.1), RunOptions(resume=path))
     path.write_bytes(path.read_bytes()[:5000])
     with pytest.raises(InputError, match="damaged"):
-        solve(yielding_ball(), Asked(resume=path))
+        solve(yielding_ball(), RunOptions(resume=path))
     with pytest.raises(InputError, match="run without it"):
-        solve(yielding_ball(), Asked(resume=tmp_path / "none.h5"))
+        solve(yielding_ball(), RunOptions(resume=tmp_path / "none.h5"))
 
 
 def test_rigid_body_and_wall_go_on_to_the_same_bits(tmp_path):
@@ -105,8 +105,8 @@ def test_rigid_body_and_wall_go_on_to_the_same_bits(tmp_path):
         walls=(Wall("soft.z-", (0.0, 0.0, foot), (0.0, 0.0, 1.0), 0.1),),
     )
     path = tmp_path / "restart.h5"
-    whole = solve(model, Asked(keep=Keep(path, 15)))
-    assert same(whole, solve(model, Asked(resume=path)))
+    whole = solve(model, RunOptions(checkpoint=Checkpoint(path, 15)))
+    assert same(whole, solve(model, RunOptions(resume=path)))
     assert abs(whole.energy_error).max() < 1e-3
 
 
@@ -165,7 +165,7 @@ def test_no_step_is_longer_than_the_elements_allow_within_a_long_interval(monkey
     steps, plain = [], Engine.step
 
     def step(engine):
-        steps.append((engine.ahead, 0.9 * engine.critical))
+        steps.append((engine.dt_next, 0.9 * engine.critical))
         plain(engine)
 
     monkeypatch.setattr(Engine, "step", step)
@@ -214,7 +214,7 @@ def test_a_step_that_collapses_ends_the_run_when_it_does(tmp_path):
     cube = block("cube", (2e-3, 2e-3, 2e-3), 1e-3, 1e-3, 1e-3)
     press = Driven("cube.z+", (0.0, 0.0, -1.0), Curve((0.0,), (4000.0,)))
     model = Model(cube, {"cube": STEEL}, Controls(40e-6, interval=20e-6), boundaries=(Fixed("cube.z-"), press))
-    run = solve(model, Asked(keep=Keep(tmp_path / "restart.h5", 1)))
+    run = solve(model, RunOptions(checkpoint=Checkpoint(tmp_path / "restart.h5", 1)))
     assert "of cube" in run.stopped
     assert len(run.time) == 2
     assert 0.5e-6 < run.time[-1] < 19e-6
@@ -285,14 +285,14 @@ def test_what_cannot_be_run_is_named_before_the_run(change, words):
 
 def test_progress_tells_rate_and_time_left():
     told = []
-    solve(two_bars(duration=40e-6), Asked(report=told.append))
+    solve(two_bars(duration=40e-6), RunOptions(report=told.append))
     assert told[-1].time == pytest.approx(40e-6)
     assert told[-1].left == pytest.approx(0.0, abs=1e-6)
     assert told[-1].speed > 0.0
 
 
 def test_frames_are_equally_spaced_and_end_with_the_run():
-    run = solve(two_bars(duration=10e-6), Asked(frames=6))
+    run = solve(two_bars(duration=10e-6), RunOptions(frames=6))
     assert [frame.time for frame in run.frames] == pytest.approx(np.linspace(0.0, 10e-6, 6))
 
 

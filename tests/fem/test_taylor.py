@@ -6,7 +6,7 @@ import pytest
 from strikewave.fem.model import Controls, Model, Symmetry, Wall
 from strikewave.fem.round_shapes import cylinder
 from strikewave.fem.solids import Bilinear
-from strikewave.fem.solve import Asked, solve
+from strikewave.fem.solve import RunOptions, solve
 
 COPPER = Bilinear(8930.0, 117e9, 0.35, 400e6, 100e6)
 FULL = "full"
@@ -25,7 +25,7 @@ def taylor(size, hourglass):
             boundaries=(Symmetry("bar.x-"), Symmetry("bar.y-")),
             walls=(Wall("bar.bottom", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),),
         ),
-        Asked(frames=2),
+        RunOptions(frames=2),
     )
     place = 1e3 * (mesh.points + run.frames[-1].displacement)
     foot, top = (np.unique(mesh.side(f"bar.{side}")) for side in ("bottom", "top"))

@@ -20,15 +20,21 @@ from strikewave.fem.surfaces import extents
 from strikewave.fem.tie import NEAR, TieState
 
 LARGEST_ID = 99_999_999
-"""Largest number of a node or element in eight columns."""
+"""Largest number of a node or element in eight columns, those of LS-DYNA's standard format."""
 ROWS = 4096
-"""Rows that are written at once."""
+"""Rows that are written at once: half a megabyte of text, so that a deck of any size takes little memory."""
 ALIGNED = 1e-9
-"""How far held directions may lie off the axes."""
+"""How far held directions may lie off the axes: rounding of unit vectors; what is tilted at all gets axes of its
+own."""
 NEVER = 1e20
-"""Stands for infinity."""
+"""Stands for infinity: in the columns of any deck, and beyond any temperature or heat."""
 SMALLEST = 1e-20
-"""Stands for 0 where another code takes 0 for its own default."""
+"""Stands for 0 where another code takes 0 for its own default: a coefficient as small does nothing."""
+TIE_MARGIN = 1.01
+"""Times the distance within which a node may lie off the face it is tied to: other codes measure to a face a little
+otherwise, and numbers of a deck are cut to five digits."""
+MOST_DIGITS = 15
+"""Digits of a number in a deck: what a double holds."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +144,7 @@ def check_ids(largest: int) -> None:
 
 def has_one_point(model: Model) -> bool:
     """Tell whether a part that deforms has elements with one integration point."""
-    rigid = {one.part for one in model.rigid}
+    rigid = {body.part for body in model.rigid}
     return any(name not in model.controls.full and name not in rigid for name in model.mesh.names)
 
 
@@ -155,12 +161,12 @@ def left_out_of_all(model: Model, sums: str) -> Iterator[str]:
         yield f"group {name}: add up {', '.join(parts)} in {sums}"
 
 
-def told(code: str, differs: Sequence[str], left_out: Sequence[str]) -> list[str]:
-    """Return what the head of a deck says about the other code.
+def head_lines(code: str, differs: Sequence[str], left_out: Sequence[str]) -> list[str]:
+    """Return the lines about the other code in the head of a deck.
 
     Examples
     --------
-    >>> told("LS-DYNA", ["friction"], [])
+    >>> head_lines("LS-DYNA", ["friction"], [])
     ['what LS-DYNA does in its own way: friction', 'left out: nothing']
     """
     ways = [f"what {code} does in its own way: {line}" for line in differs]
@@ -169,14 +175,14 @@ def told(code: str, differs: Sequence[str], left_out: Sequence[str]) -> list[str
 
 def walls_at_rigid_nodes(model: Model) -> list[Wall]:
     """Return the walls whose side has nodes of a rigid part, such as those that a deforming part shares with one."""
-    rigid = [model.mesh.nodes_of(one.part) for one in model.rigid]
+    rigid = [model.mesh.nodes_of(body.part) for body in model.rigid]
     return [wall for wall in model.walls if any(np.isin(model.mesh.side(wall.side), nodes).any() for nodes in rigid)]
 
 
 def tie_distance(tie: Tie, mesh: Mesh) -> float:
     """Return the distance within which all nodes of a tie lie on the other side, m, with a margin of 1 %."""
     faces = mesh.side(tie.onto)
-    return 1.01 * NEAR * float(extents(mesh.points, faces).size.max())
+    return TIE_MARGIN * NEAR * float(extents(mesh.points, faces).size.max())
 
 
 def restraints(model: Model, ties: TieState) -> list[Restraint]:
@@ -194,13 +200,13 @@ def restraints(model: Model, ties: TieState) -> list[Restraint]:
     planes = np.einsum("nki,nkj->nij", held.directions, held.directions)
     kinds, which = np.unique(planes.round(9).reshape(-1, 9) + 0.0, axis=0, return_inverse=True)
     named = {side: nodes_named(model.mesh, side) for side in dict.fromkeys(b.side for b in holding)}
-    found = []
+    groups = []
     for k in range(len(kinds)):
         rows = np.flatnonzero(which.ravel() == k)
         nodes = held.nodes[rows]
         sides = tuple(side for side, members in named.items() if np.isin(nodes, members).any())
-        found.append(Restraint(nodes, *_axes(planes[rows[0]]), sides))
-    return found
+        groups.append(Restraint(nodes, *_axes(planes[rows[0]]), sides))
+    return groups
 
 
 def _axes(plane: Array) -> tuple[Array, tuple[bool, bool, bool]]:
@@ -256,12 +262,6 @@ def axes_from(direction: Sequence[float]) -> Array:
     return np.stack([first, second, np.cross(first, second)])
 
 
-def nearest_node(model: Model, part: str, place: Sequence[float]) -> int:
-    """Return the node of a part that lies nearest to a place."""
-    nodes = model.mesh.nodes_of(part)
-    return int(nodes[np.argmin(np.linalg.norm(model.mesh.points[nodes] - np.array(place), axis=1))])
-
-
 def real(value: float, width: int) -> str:
     """Write a number with as many digits as go into some columns.
 
@@ -275,7 +275,7 @@ def real(value: float, width: int) -> str:
     >>> real(7.82e-9, 10), real(-0.123456789012, 10), real(211e9, 20), real(0.0, 10)
     ('7.82e-9', '-.12345679', '211000000000.0', '0.0')
     """
-    for digits in range(15 if math.isfinite(value) else 0, 0, -1):
+    for digits in range(MOST_DIGITS if math.isfinite(value) else 0, 0, -1):
         text = f"{value:.{digits}g}"
         if "e" in text:
             mantissa, power = text.split("e")

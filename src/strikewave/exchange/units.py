@@ -107,7 +107,7 @@ SYSTEMS = {
 
 
 def unit_system(name: str, field: str = "units") -> UnitSystem:
-    """Return a system of units by its name; ``field`` is where that was said.
+    """Return a system of units by its name; ``field`` is where that was stated.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Kernels of boundaries: each writes the force that it adds, so that one ledger serves all of them."""
+"""Kernels of boundaries: each writes the force that it adds, so that one energy balance serves all of them."""
 
 from strikewave.base.compiled import called_kernel, leaf_kernel
 
@@ -83,7 +83,7 @@ def take_rows(nodes, field, rows):
 
 
 @called_kernel
-def booked(nodes, force, before, v, kick):
+def work_and_impulse(nodes, force, before, v, kick):
     """Return the work of forces, by the mean of the velocities before and after a step, and their impulse."""
     work, x, y, z = 0.0, 0.0, 0.0, 0.0
     for i in range(nodes.size):

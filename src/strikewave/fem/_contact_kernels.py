@@ -1,8 +1,8 @@
 """Compiled contact of two surfaces and of a surface with a wall; `strikewave.fem.contact` explains the law.
 
 Both surfaces stand in one table of nodes and one of faces, those of the first before those of the second, and every
-node is checked against the faces of the other surface. What a node finds depends on nothing but the motion before the
-contact, so that the nodes can be taken in any order; `spread` then adds up the forces in the order of the nodes.
+node is checked against the faces of the other surface. What a node finds depends on the motion before the contact
+alone, so that nodes can be taken in any order; `scatter_forces` then adds up the forces in the order of the nodes.
 """
 
 import math
@@ -12,24 +12,40 @@ import numpy as np
 
 from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
 from strikewave.fem._surface_kernels import (
+    add_scaled,
     as_tuple,
     closest_point,
     cross,
     dot,
     patch,
-    plus,
-    put,
     row,
     scaled,
     shape_functions,
+    store,
 )
 
 EDGE = 0.05
-"""Share of a face's size beyond the rim of a surface where a node is felt no more; within half of it, it is fully."""
+"""Share of a face's size beyond the rim of a surface where a node is felt no more; within half of it, it is fully.
+
+Without a strip a node that slides off an edge would lose its force at once and ring; chosen as narrow as lets the force
+fade over several steps, so that a surface is hardly larger than its mesh."""
 JUMP = 0.1
-"""Share of the largest depth by which a node may be deeper behind a new face than behind its last one."""
+"""Share of the largest depth by which a node may be deeper behind a new face than behind its last one.
+
+A node that slides from face to face keeps its depth; one whose closest face is suddenly the far side of a squashed
+element is deeper by that element's thickness, many times as much."""
 SAME = 1e-9
-"""Share by which another face must be closer than the present one to take its place."""
+"""Share by which another face must be closer than the present one to take its place.
+
+Above rounding: a node over a common edge is as far from both faces, and would change between them at every step."""
+_CLEARLY_OVER = 4.0
+"""A node closer to its last face than a quarter of its way to the rim needs no other face looked at.
+
+On a square face the rim is (1 - |xi|)/2 of its size away; half of that again is left for skewed ones."""
+_HALF = 0.5
+"""w of `strikewave.fem.contact`: both surfaces are checked against each other, and each closes half of the gap."""
+_TINY = 1e-300
+"""Keeps a division by zero out; no length of a mesh, nor its square, is as small."""
 
 
 class Touch(NamedTuple):
@@ -58,8 +74,8 @@ class Step(NamedTuple):
     kept: float
 
 
-class Found(NamedTuple):
-    """What each node has found: its face (-1: none yet), shape functions there, gap, and the force on it by parts.
+class NodeContacts(NamedTuple):
+    """What each node meets: its face (-1: none yet), shape functions there, gap, and the force on it by parts.
 
     ``clear`` is the travel before which the node is not looked at, ``offset`` the gap from which depth is measured;
     ``known`` tells whether the node was over a face, or fully felt, when last looked at.
@@ -68,8 +84,8 @@ class Found(NamedTuple):
     face: np.ndarray
     shape: np.ndarray
     gap: np.ndarray
-    pressed: np.ndarray
-    rubbed: np.ndarray
+    normal_force: np.ndarray
+    friction_force: np.ndarray
     touches: np.ndarray
     clear: np.ndarray
     offset: np.ndarray
@@ -83,11 +99,11 @@ class ContactState(NamedTuple):
     ``size`` the root of their areas, ``radius`` of the sphere about the mean of their corners, ``limit`` the depth
     beyond which a node is not taken to be inside, m. The faces that node i may meet are ``candidates[start[i] :
     start[i + 1]]``, true until ``travel[0]`` exceeds ``margin``. ``place`` and ``moving`` are position and velocity
-    that the nodes would have at the end of the step without contact, ``lightness`` is 1/mass.
+    that the nodes would have at the end of the step without contact, ``inverse_mass`` is that of the nodes, 1/kg.
     """
 
     touch: Touch
-    found: Found
+    nodal: NodeContacts
     faces: np.ndarray
     neighbours: np.ndarray
     size: np.ndarray
@@ -98,7 +114,7 @@ class ContactState(NamedTuple):
     candidates: np.ndarray
     place: np.ndarray
     moving: np.ndarray
-    lightness: np.ndarray
+    inverse_mass: np.ndarray
     travel: np.ndarray
     first_faces: int
     margin: float
@@ -128,7 +144,7 @@ def corners(state, face):
 def is_far(state, face, x, best):
     """Tell whether no point of a face can be closer to x than ``best``."""
     a, b, c, d = corners(state, face)
-    off = plus(scaled(plus(plus(a, 1.0, b), 1.0, plus(c, 1.0, d)), 0.25), -1.0, x)
+    off = add_scaled(scaled(add_scaled(add_scaled(a, 1.0, b), 1.0, add_scaled(c, 1.0, d)), 0.25), -1.0, x)
     reach = best + state.radius[face]
     return dot(off, off) > reach * reach
 
@@ -142,12 +158,12 @@ def nearest_face(state, i):
     """
     x = row(state.place, i)
     chosen, best, xi, eta, rim = -1, np.inf, 0.0, 0.0, True
-    last = state.found.face[i]
+    last = state.nodal.face[i]
     if last >= 0:
         a, b, c, d = corners(state, last)
         xi, eta, square, rim = closest_point(x, a, b, c, d)
         chosen, best = last, math.sqrt(square)
-        if not rim and 4.0 * best < (1.0 - max(abs(xi), abs(eta))) * state.size[last]:
+        if not rim and _CLEARLY_OVER * best < (1.0 - max(abs(xi), abs(eta))) * state.size[last]:
             return chosen, xi, eta, best, rim
     for place in range(state.start[i], state.start[i + 1]):
         face = state.candidates[place]
@@ -168,7 +184,7 @@ def is_behind(state, face, off):
     if face < 0:
         return False
     a, b, c, d = corners(state, face)
-    return dot(off, cross(plus(c, -1.0, a), plus(d, -1.0, b))) < 0.0
+    return dot(off, cross(add_scaled(c, -1.0, a), add_scaled(d, -1.0, b))) < 0.0
 
 
 @called_kernel
@@ -192,10 +208,10 @@ def gap_at(state, i, face, xi, eta, rim):
     """
     a, b, c, d = corners(state, face)
     m, e, g, h = patch(a, b, c, d)
-    point = plus(plus(plus(m, xi, e), eta, g), xi * eta, h)
-    normal = cross(plus(e, eta, h), plus(g, xi, h))
-    normal = scaled(normal, 1.0 / max(math.sqrt(dot(normal, normal)), 1e-300))
-    off = plus(row(state.place, i), -1.0, point)
+    point = add_scaled(add_scaled(add_scaled(m, xi, e), eta, g), xi * eta, h)
+    normal = cross(add_scaled(e, eta, h), add_scaled(g, xi, h))
+    normal = scaled(normal, 1.0 / max(math.sqrt(dot(normal, normal)), _TINY))
+    off = add_scaled(row(state.place, i), -1.0, point)
     gap = dot(off, normal)
     if not rim or gap >= 0.0:
         return gap, normal, 1.0 if not rim else 0.0
@@ -207,22 +223,22 @@ def gap_at(state, i, face, xi, eta, rim):
 
 
 @leaf_kernel
-def free_share(touch, i, n):
+def free_fraction(touch, i, n):
     """Return the share of a motion along n, |n| = 1, that boundaries leave to node i."""
     held = touch.held[i]
     return max(1.0 - n[0] * dot(row(held, 0), n) - n[1] * dot(row(held, 1), n) - n[2] * dot(row(held, 2), n), 0.0)
 
 
 @called_kernel
-def relative_lightness(state, i, face, shape, n):
+def relative_inverse_mass(state, i, face, shape, n):
     """Return 1/m* of node i against a face, along n; see `strikewave.fem.contact`."""
     k = state.faces[face]
-    spread_out, alone = 0.0, 0.0
+    shared, alone = 0.0, 0.0
     for c in range(4):
-        light = state.lightness[k[c]] * free_share(state.touch, k[c], n)
-        spread_out += shape[c] * light * state.touch.area[k[c]]
-        alone += shape[c] * shape[c] * light
-    return state.lightness[i] * free_share(state.touch, i, n) + max(spread_out / state.touch.area[i], alone)
+        inverse = state.inverse_mass[k[c]] * free_fraction(state.touch, k[c], n)
+        shared += shape[c] * inverse * state.touch.area[k[c]]
+        alone += shape[c] * shape[c] * inverse
+    return state.inverse_mass[i] * free_fraction(state.touch, i, n) + max(shared / state.touch.area[i], alone)
 
 
 @leaf_kernel
@@ -231,12 +247,12 @@ def approach_of(state, i, face, shape):
     k = state.faces[face]
     speed = row(state.moving, i)
     for c in range(4):
-        speed = plus(speed, -shape[c], row(state.moving, k[c]))
+        speed = add_scaled(speed, -shape[c], row(state.moving, k[c]))
     return speed
 
 
 @leaf_kernel
-def rubbing(slide, hold, most):
+def coulomb_force(slide, hold, most):
     """Return Coulomb's force: what would stop the sliding, ``hold`` times its velocity; at most ``most``."""
     speed = math.sqrt(dot(slide, slide))
     return scaled(slide, -min(hold, most / speed)) if speed > 0.0 else (0.0, 0.0, 0.0)
@@ -245,7 +261,7 @@ def rubbing(slide, hold, most):
 @leaf_kernel
 def along(slide):
     """Return a vector's direction, of a vector of zeros zeros."""
-    return scaled(slide, 1.0 / max(math.sqrt(dot(slide, slide)), 1e-300))
+    return scaled(slide, 1.0 / max(math.sqrt(dot(slide, slide)), _TINY))
 
 
 @leaf_kernel
@@ -268,57 +284,57 @@ def moved_offset(offset, gap, before, kept):
 
 
 @leaf_kernel
-def depth_of(found, i, gap, before, share, kept):
+def depth_of(nodal, i, gap, before, share, kept):
     """Return the depth that a node is pressed out of; ``before`` is the gap at the beginning of the step.
 
     An overlap that has not come about by pressing counts for nothing until the node has moved out of it: one from
     before the blow, one of a node that came in beside the rim or from deep inside, or one beyond the rim. Only what
     the step would add is then pressed back.
     """
-    found.offset[i] = moved_offset(found.offset[i], gap, before, kept)
-    if not found.known[i] or share < 1.0:
-        found.offset[i] = min(found.offset[i], before)
-    return found.offset[i] - gap
+    nodal.offset[i] = moved_offset(nodal.offset[i], gap, before, kept)
+    if not nodal.known[i] or share < 1.0:
+        nodal.offset[i] = min(nodal.offset[i], before)
+    return nodal.offset[i] - gap
 
 
 @called_kernel
 def press(state, i, step):
     """Find the face that node i meets and the force on the node."""
-    found = state.found
-    last, last_gap = found.face[i], found.gap[i]
+    nodal = state.nodal
+    last, last_gap = nodal.face[i], nodal.gap[i]
     face, xi, eta, distance, rim = nearest_face(state, i)
-    found.face[i] = face
+    nodal.face[i] = face
     gap, normal, share = gap_at(state, i, face, xi, eta, rim)
-    found.gap[i] = gap
+    nodal.gap[i] = gap
     shape = shape_functions(xi, eta)
     speed = approach_of(state, i, face, shape)
     before = gap - step.dt * dot(speed, normal)
     if face != last and before < min(last_gap, 0.0) - JUMP * state.limit[face]:
-        found.known[i] = 0
+        nodal.known[i] = 0
     felt = share > 0.0 and gap > -state.limit[face]
-    depth = depth_of(found, i, gap, before, share, step.kept) if felt else 0.0
-    found.known[i] = felt and share == 1.0
+    depth = depth_of(nodal, i, gap, before, share, step.kept) if felt else 0.0
+    nodal.known[i] = felt and share == 1.0
     if depth <= 0.0:
-        found.clear[i] = state.travel[0] + distance - step.travel if gap >= 0.0 else 0.0
+        nodal.clear[i] = state.travel[0] + distance - step.travel if gap >= 0.0 else 0.0
         return
-    light = relative_lightness(state, i, face, shape, normal)
-    if light <= 0.0:
+    inverse = relative_inverse_mass(state, i, face, shape, normal)
+    if inverse <= 0.0:
         return
-    stop = 0.5 * state.stiffness * share / step.kick
-    force = stop / light * depth / step.dt
-    found.touches[i] = 1
-    found.clear[i] = 0.0
-    put(found.pressed, i, scaled(normal, force))
+    stop = _HALF * state.stiffness * share / step.kick
+    force = stop / inverse * depth / step.dt
+    nodal.touches[i] = 1
+    nodal.clear[i] = 0.0
+    store(nodal.normal_force, i, scaled(normal, force))
     for c in range(4):
-        found.shape[i, c] = shape[c]
+        nodal.shape[i, c] = shape[c]
     if state.coefficient > 0.0:
-        slide = plus(speed, -dot(speed, normal), normal)
-        light = max(light, relative_lightness(state, i, face, shape, along(slide)))
-        put(found.rubbed, i, rubbing(slide, stop / light, state.coefficient * force))
+        slide = add_scaled(speed, -dot(speed, normal), normal)
+        inverse = max(inverse, relative_inverse_mass(state, i, face, shape, along(slide)))
+        store(nodal.friction_force, i, coulomb_force(slide, stop / inverse, state.coefficient * force))
 
 
 @called_kernel
-def foresee(state, x, v, f, inverse_mass, dt, kick):
+def predict_positions(state, x, v, f, inverse_mass, dt, kick):
     """Fill place and velocity of the nodes at the end of the step without contact; return the travel of the step.
 
     The travel is the most by which any two nodes of the two surfaces can come closer.
@@ -326,7 +342,7 @@ def foresee(state, x, v, f, inverse_mass, dt, kick):
     nodes = state.touch.nodes
     for i in range(nodes.shape[0]):
         n = nodes[i]
-        state.lightness[i] = inverse_mass[n]
+        state.inverse_mass[i] = inverse_mass[n]
         for c in range(3):
             state.touch.velocity[i, c] = v[n, c]
             state.moving[i, c] = v[n, c] + kick * inverse_mass[n] * f[n, c]
@@ -335,30 +351,30 @@ def foresee(state, x, v, f, inverse_mass, dt, kick):
     split = state.touch.first
     for i in range(nodes.shape[0]):
         count = split if i < split else nodes.shape[0] - split
-        middle = plus(middle, 0.5 / count, row(state.moving, i))
+        middle = add_scaled(middle, 0.5 / count, row(state.moving, i))
     fastest = 0.0
     for i in range(nodes.shape[0]):
-        off = plus(row(state.moving, i), -1.0, middle)
+        off = add_scaled(row(state.moving, i), -1.0, middle)
         fastest = max(fastest, dot(off, off))
     return 2.0 * dt * math.sqrt(fastest)
 
 
 @called_kernel
-def spread(state, f):
+def scatter_forces(state, f):
     """Add the forces on the nodes to f, and their reactions to the corners of the faces that they meet."""
-    touch, found = state.touch, state.found
+    touch, nodal = state.touch, state.nodal
     touch.normal[:] = 0.0
     touch.friction[:] = 0.0
-    for i in range(found.face.shape[0]):
-        if found.touches[i] == 0:
+    for i in range(nodal.face.shape[0]):
+        if nodal.touches[i] == 0:
             continue
-        corner = state.faces[found.face[i]]
+        corner = state.faces[nodal.face[i]]
         for c in range(3):
-            touch.normal[i, c] += found.pressed[i, c]
-            touch.friction[i, c] += found.rubbed[i, c]
+            touch.normal[i, c] += nodal.normal_force[i, c]
+            touch.friction[i, c] += nodal.friction_force[i, c]
             for k in range(4):
-                touch.normal[corner[k], c] -= found.shape[i, k] * found.pressed[i, c]
-                touch.friction[corner[k], c] -= found.shape[i, k] * found.rubbed[i, c]
+                touch.normal[corner[k], c] -= nodal.shape[i, k] * nodal.normal_force[i, c]
+                touch.friction[corner[k], c] -= nodal.shape[i, k] * nodal.friction_force[i, c]
     for i in range(touch.nodes.shape[0]):
         for c in range(3):
             f[touch.nodes[i], c] += touch.normal[i, c] + touch.friction[i, c]
@@ -373,19 +389,19 @@ def add_contact(state, x, v, f, inverse_mass, dt, kick=0.0):
     changes; then x moves for dt.
     """
     kick = kick if kick > 0.0 else dt
-    travel = foresee(state, x, v, f, inverse_mass, dt, kick)
+    travel = predict_positions(state, x, v, f, inverse_mass, dt, kick)
     step = Step(dt, kick, travel, kept_depth(state.touch, dt))
     state.travel[0] += travel
-    found = state.found
-    for i in range(found.face.shape[0]):
-        found.touches[i] = 0
-        met = state.start[i + 1] > state.start[i] or found.face[i] >= 0
-        if not met or state.travel[0] + travel < found.clear[i]:
+    nodal = state.nodal
+    for i in range(nodal.face.shape[0]):
+        nodal.touches[i] = 0
+        met = state.start[i + 1] > state.start[i] or nodal.face[i] >= 0
+        if not met or state.travel[0] + travel < nodal.clear[i]:
             continue
         for c in range(3):
-            found.rubbed[i, c] = 0.0
+            nodal.friction_force[i, c] = 0.0
         press(state, i, step)
-    spread(state, f)
+    scatter_forces(state, f)
     return state.travel[0] + 2.0 * travel > state.margin
 
 
@@ -398,23 +414,23 @@ def add_wall(state, x, v, f, inverse_mass, dt, kick=0.0):
     direction, point = as_tuple(state.direction), as_tuple(state.point)
     for i in range(touch.nodes.shape[0]):
         n = touch.nodes[i]
-        put(touch.velocity, i, row(v, n))
-        moving = plus(row(v, n), kick * inverse_mass[n], row(f, n))
-        gap = dot(plus(plus(row(x, n), dt, moving), -1.0, point), direction)
+        store(touch.velocity, i, row(v, n))
+        moving = add_scaled(row(v, n), kick * inverse_mass[n], row(f, n))
+        gap = dot(add_scaled(add_scaled(row(x, n), dt, moving), -1.0, point), direction)
         state.offset[i] = moved_offset(state.offset[i], gap, gap - dt * dot(moving, direction), kept)
         depth = state.offset[i] - gap
-        pressed, rubbed = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        light = inverse_mass[n] * free_share(touch, i, direction)
-        if depth > 0.0 and light > 0.0:
-            force = state.stiffness / (light * kick) * depth / dt
-            pressed = scaled(direction, force)
-            slide = plus(moving, -dot(moving, direction), direction)
-            light = max(light, inverse_mass[n] * free_share(touch, i, along(slide)))
-            rubbed = rubbing(slide, state.stiffness / (light * kick), state.coefficient * force)
-        put(touch.normal, i, pressed)
-        put(touch.friction, i, rubbed)
+        normal_force, friction_force = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        inverse = inverse_mass[n] * free_fraction(touch, i, direction)
+        if depth > 0.0 and inverse > 0.0:
+            force = state.stiffness / (inverse * kick) * depth / dt
+            normal_force = scaled(direction, force)
+            slide = add_scaled(moving, -dot(moving, direction), direction)
+            inverse = max(inverse, inverse_mass[n] * free_fraction(touch, i, along(slide)))
+            friction_force = coulomb_force(slide, state.stiffness / (inverse * kick), state.coefficient * force)
+        store(touch.normal, i, normal_force)
+        store(touch.friction, i, friction_force)
         for c in range(3):
-            f[n, c] += pressed[c] + rubbed[c]
+            f[n, c] += normal_force[c] + friction_force[c]
 
 
 @kernel
@@ -422,7 +438,7 @@ def contact_force(touch):
     """Return the force of the last step on the first surface, N."""
     force = (0.0, 0.0, 0.0)
     for i in range(touch.first):
-        force = plus(plus(force, 1.0, row(touch.normal, i)), 1.0, row(touch.friction, i))
+        force = add_scaled(add_scaled(force, 1.0, row(touch.normal, i)), 1.0, row(touch.friction, i))
     return force
 
 
@@ -443,10 +459,10 @@ def contact_work(touch, v, dt):
 
     It is -sum F . (v_old + v_new)/2 dt over the nodes, as boundaries and all other forces left v_new.
     """
-    pressed, rubbed = 0.0, 0.0
+    normal_work, friction_work = 0.0, 0.0
     for i in range(touch.nodes.shape[0]):
         for c in range(3):
             middle = 0.5 * (touch.velocity[i, c] + v[touch.nodes[i], c])
-            pressed -= touch.normal[i, c] * middle
-            rubbed -= touch.friction[i, c] * middle
-    return pressed * dt, rubbed * dt
+            normal_work -= touch.normal[i, c] * middle
+            friction_work -= touch.friction[i, c] * middle
+    return normal_work * dt, friction_work * dt

@@ -9,10 +9,10 @@ from strikewave.fem._hexahedron_kernels import (
     critical_step,
     gather,
     gradients,
-    kept_rows,
     kinematics,
+    nodal_forces,
     scatter,
-    spread,
+    state_rows,
     steepest,
     stress_force,
     viscosity,
@@ -162,7 +162,7 @@ def end_sums(s, j):
 @fused_called_kernel
 def point_forces(s, state, place, dt, solid, kind):
     """Bring one point of a chunk to the end of a step and add its forces."""
-    kept = kept_rows(solid)
+    kept = state_rows(solid)
     for k in range(kept):
         s[HELD + k] = state[k]
     for j in range(W):
@@ -211,7 +211,7 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
         s[T[0] + k] += s[FZ[0] + k]
     for j in range(W):
         for row in (U, V, T):
-            spread(s, row, j)
+            nodal_forces(s, row, j)
     scatter(blocks, chunk, s, f)
     return add_sums(s, count, sums)
 

@@ -18,9 +18,9 @@ from strikewave.fem._layout import (
     GZ,
     HELD,
     HOURGLASS,
+    KINEMATIC,
     LAME,
     MASS,
-    MOVING,
     ONE,
     PLASTIC,
     SHEAR,
@@ -50,7 +50,8 @@ from strikewave.fem._layout import (
 )
 from strikewave.fem._solid_kernels import increments, update_stress
 
-THIRD = 8.0 / 3.0
+MIXED = 8.0 / 3.0
+"""Factor of the products of linear and hourglass modes in the gradient; see `gradients`."""
 
 
 @fused_leaf_kernel
@@ -72,7 +73,7 @@ def amplitudes(s, rows, j):
 
 
 @fused_leaf_kernel
-def spread(s, rows, j):
+def nodal_forces(s, rows, j):
     """Replace the forces on seven modes by the forces on eight nodes."""
     f1, f2, f3 = 0.125 * s[rows[0] + j], 0.125 * s[rows[1] + j], 0.125 * s[rows[2] + j]
     f23, f13, f12, f123 = 0.125 * s[rows[3] + j], 0.125 * s[rows[4] + j], 0.125 * s[rows[5] + j], 0.125 * s[rows[6] + j]
@@ -103,22 +104,46 @@ def gradients(s, j):
     """
     ax, ay, az = cross_rows(s, 1, 2, j)
     bx, by, bz = cross_rows(s, 5, 4, j)
-    s[GX[0] + j], s[GY[0] + j], s[GZ[0] + j] = 8.0 * ax + THIRD * bx, 8.0 * ay + THIRD * by, 8.0 * az + THIRD * bz
+    s[GX[0] + j], s[GY[0] + j], s[GZ[0] + j] = (
+        8.0 * ax + MIXED * bx,
+        8.0 * ay + MIXED * by,
+        8.0 * az + MIXED * bz,
+    )
     ax, ay, az = cross_rows(s, 2, 0, j)
     bx, by, bz = cross_rows(s, 3, 5, j)
-    s[GX[1] + j], s[GY[1] + j], s[GZ[1] + j] = 8.0 * ax + THIRD * bx, 8.0 * ay + THIRD * by, 8.0 * az + THIRD * bz
+    s[GX[1] + j], s[GY[1] + j], s[GZ[1] + j] = (
+        8.0 * ax + MIXED * bx,
+        8.0 * ay + MIXED * by,
+        8.0 * az + MIXED * bz,
+    )
     ax, ay, az = cross_rows(s, 0, 1, j)
     bx, by, bz = cross_rows(s, 4, 3, j)
-    s[GX[2] + j], s[GY[2] + j], s[GZ[2] + j] = 8.0 * ax + THIRD * bx, 8.0 * ay + THIRD * by, 8.0 * az + THIRD * bz
+    s[GX[2] + j], s[GY[2] + j], s[GZ[2] + j] = (
+        8.0 * ax + MIXED * bx,
+        8.0 * ay + MIXED * by,
+        8.0 * az + MIXED * bz,
+    )
     ax, ay, az = cross_rows(s, 2, 4, j)
     bx, by, bz = cross_rows(s, 5, 1, j)
-    s[GX[3] + j], s[GY[3] + j], s[GZ[3] + j] = THIRD * (ax + bx), THIRD * (ay + by), THIRD * (az + bz)
+    s[GX[3] + j], s[GY[3] + j], s[GZ[3] + j] = (
+        MIXED * (ax + bx),
+        MIXED * (ay + by),
+        MIXED * (az + bz),
+    )
     ax, ay, az = cross_rows(s, 0, 5, j)
     bx, by, bz = cross_rows(s, 3, 2, j)
-    s[GX[4] + j], s[GY[4] + j], s[GZ[4] + j] = THIRD * (ax + bx), THIRD * (ay + by), THIRD * (az + bz)
+    s[GX[4] + j], s[GY[4] + j], s[GZ[4] + j] = (
+        MIXED * (ax + bx),
+        MIXED * (ay + by),
+        MIXED * (az + bz),
+    )
     ax, ay, az = cross_rows(s, 1, 3, j)
     bx, by, bz = cross_rows(s, 4, 0, j)
-    s[GX[5] + j], s[GY[5] + j], s[GZ[5] + j] = THIRD * (ax + bx), THIRD * (ay + by), THIRD * (az + bz)
+    s[GX[5] + j], s[GY[5] + j], s[GZ[5] + j] = (
+        MIXED * (ax + bx),
+        MIXED * (ay + by),
+        MIXED * (az + bz),
+    )
 
 
 @fused_leaf_kernel
@@ -285,9 +310,9 @@ def critical_step(s, solid, j):
 
 
 @fused_leaf_kernel
-def kept_rows(solid):
+def state_rows(solid):
     """Return how many numbers of the state a chunk of a solid needs: those before the back stress, unless it moves."""
-    return np.uint64(STATES) * W if solid[MOVING] > 0.0 else BACK[0]
+    return np.uint64(STATES) * W if solid[KINEMATIC] > 0.0 else BACK[0]
 
 
 @fused_called_kernel
@@ -296,7 +321,7 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
     at, fixed = np.uint64(chunk) * np.uint64(STATES) * W, np.uint64(chunk) * np.uint64(CONSTANTS) * W
     part = blocks.part[chunk]
     solid, kind = blocks.solids[part], blocks.kinds[part]
-    kept, count = kept_rows(solid), np.uint64(blocks.filled[chunk])
+    kept, count = state_rows(solid), np.uint64(blocks.filled[chunk])
     linear, quadratic = viscous
     gather(blocks, chunk, x, v, s)
     for k in range(np.uint64(CONSTANTS) * W):
@@ -318,7 +343,7 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
         for n in (ZERO, ONE, TWO, THREE):
             hourglass_force(s, n, j)
         for row in (U, V, T):
-            spread(s, row, j)
+            nodal_forces(s, row, j)
     scatter(blocks, chunk, s, f)
     for k in range(kept):
         blocks.state[at + k] = s[HELD + k]

@@ -11,9 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 LANES = 32
-"""Elements of a chunk."""
+"""Elements of a chunk; chosen: a whole number of vector registers of any width (2 to 8 doubles), so few that the
+scratch of a chunk, 37 KiB, is about as large as a first-level cache."""
 W = np.uint64(LANES)
-ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, SEVEN, EIGHT = np.arange(9, dtype=np.uint64)
+"""The same as an unsigned number, as offsets are."""
+ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, _, EIGHT = np.arange(9, dtype=np.uint64)
 
 
 def rows(first: int, count: int) -> tuple[np.uint64, ...]:
@@ -30,6 +32,7 @@ GX, GY, GZ = rows(48, 6), rows(54, 6), rows(60, 6)
 STRAIN, SPIN = rows(66, 6), rows(72, 3)
 """Strain increment (tensor, xx yy zz xy yz zx) and rotation increment of the step."""
 STRESS = rows(75, 6)
+"""Stress at the end of the step."""
 VOLUME, VISCOUS, WORK, PLASTIC, DAMPED, STEP, HOURGLASS = rows(81, 7)
 """Volume; pressure of the bulk viscosity; work, plastic work and work of the bulk viscosity per volume; critical step;
 hourglass energy."""
@@ -44,7 +47,7 @@ WEIGHT, SWELLING, PRESSURE, ALL_WORK, ALL_PLASTIC = rows(142, 5)
 SCRATCH = 147 * LANES
 """Numbers of scratch that a thread needs."""
 
-COUPLING, STIFFNESS, MASS, YIELDING = rows(0, 24), *rows(24, 3)
+STIFFNESS, MASS, YIELDING = rows(24, 3)
 CONSTANTS = 27
 """Rows of constants: how hourglass modes see the six others, hourglass stiffness (N/m), mass (kg), 1/q_y^2 (1/m^2)."""
 SIGMA, STRAIN_P, HEAT, BEFORE, BACK = rows(0, 6), *rows(6, 3), rows(9, 6)
@@ -53,7 +56,7 @@ STATES = 15
 (the element's, kept with its first point), back stress."""
 
 ELASTIC, BILINEAR, JOHNSON_COOK = 0, 1, 2
-LAME, SHEAR, SPEED, DENSITY, YIELD, WIDENING, MOVING = np.arange(7, dtype=np.uint64)
+LAME, SHEAR, SPEED, DENSITY, YIELD, ISOTROPIC, KINEMATIC = np.arange(7, dtype=np.uint64)
 JC_A, JC_B, JC_N, JC_C, JC_M, JC_RATE, JC_RANGE, JC_HEATING = np.arange(7, 15, dtype=np.uint64)
 SOLID = 16
 """Numbers that describe a solid: moduli lambda and G, wave speed, density; yield, isotropic and kinematic hardening;

@@ -8,6 +8,7 @@ from strikewave.fem._layout import (
     BILINEAR,
     HEAT,
     HELD,
+    ISOTROPIC,
     JC_A,
     JC_B,
     JC_C,
@@ -17,8 +18,8 @@ from strikewave.fem._layout import (
     JC_RANGE,
     JC_RATE,
     JOHNSON_COOK,
+    KINEMATIC,
     LAME,
-    MOVING,
     PLASTIC,
     SHEAR,
     SIGMA,
@@ -26,18 +27,25 @@ from strikewave.fem._layout import (
     STRAIN,
     STRAIN_P,
     STRESS,
-    WIDENING,
     WORK,
     YIELD,
     W,
 )
 
 STILL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-"""No back stress."""
+"""No back stress: the yield surface is centred on the origin."""
 CLOSE = 1e-7
-"""Share of a plastic strain increment; a step of Newton's method below it is the last, as it squares the error."""
+"""Share of a plastic strain increment; a step of Newton's method below it is the last.
+
+The method squares its error, so that 1e-14 is left: the rounding of the increment."""
 ITERATIONS = 100
-"""Of Newton's method at most."""
+"""Of Newton's method at most; chosen far above what it takes, so that a solid of odd constants cannot hang a run."""
+NEAR_LOW = 0.1
+"""Share of the bracket, from its lower end, at which Newton's method begins again where it left the bracket.
+
+The flow stress bends downward with the increment, so that the method converges from below, not from above."""
+TINY = 1e-300
+"""Keeps a division by zero out where there is no stress; no stress in Pa is as small."""
 
 
 @fused_leaf_kernel
@@ -157,14 +165,14 @@ def von_mises(s, back, solid, j):
 
     dp = (q - sigma_y - H p) / (3 G + H), q the von Mises stress of trial stress less back stress.
     """
-    widening, moving, shear = solid[WIDENING], solid[MOVING], solid[SHEAR]
+    isotropic, kinematic, shear = solid[ISOTROPIC], solid[KINEMATIC], solid[SHEAR]
     q, n = direction(s, back, j)
-    excess = q - solid[YIELD] - widening * s[HELD + STRAIN_P + j]
-    dp = max(excess, 0.0) / (3.0 * shear + widening + moving)
-    share = dp / max(q, 1e-300)
+    excess = q - solid[YIELD] - isotropic * s[HELD + STRAIN_P + j]
+    dp = max(excess, 0.0) / (3.0 * shear + isotropic + kinematic)
+    share = dp / max(q, TINY)
     flow(s, shear, n, share, j)
     s[HELD + STRAIN_P + j] += dp
-    shift = moving * share
+    shift = kinematic * share
     return shift * n[0], shift * n[1], shift * n[2], shift * n[3], shift * n[4], shift * n[5]
 
 
@@ -191,7 +199,7 @@ def johnson_cook_increment(q, p, softening, solid, dt, guess):
         step = off / slope
         if abs(step) <= CLOSE * dp:
             return dp + step
-        dp = dp + step if low < dp + step < high else 0.9 * low + 0.1 * high
+        dp = dp + step if low < dp + step < high else (1.0 - NEAR_LOW) * low + NEAR_LOW * high
     return dp
 
 
@@ -227,7 +235,7 @@ def update_stress(s, solid, kind, dt):
     if kind == JOHNSON_COOK:
         for j in range(W):
             johnson_cook(s, solid, dt, j)
-    elif kind == BILINEAR and solid[MOVING] == 0.0:
+    elif kind == BILINEAR and solid[KINEMATIC] == 0.0:
         for j in range(W):
             von_mises(s, STILL, solid, j)
     elif kind == BILINEAR:

@@ -7,9 +7,29 @@ import numpy as np
 from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
 
 _INSIDE = 1e-9
-"""How far beyond 1 a natural coordinate may lie, by rounding, of a point that is over the face."""
+"""How far beyond 1 a natural coordinate may lie, by rounding, of a point that is over the face.
+
+Far above the rounding of the coordinates (1e-16), far below anything that a force could show."""
 _NEWTON = 12
-"""Most steps of Newton's method; two or three are usual."""
+"""Most steps of Newton's method; two or three are usual, and on a folded face there may be no root."""
+_CONVERGED = 1e-11
+"""Square of the last step times the warp of the face: the error that Newton's method leaves in xi and eta after it,
+well below `_INSIDE`."""
+_CONVEX = 1e-3
+"""Share of the determinant without curvature below which the curvature of the face is left out.
+
+There Newton's matrix is close to singular, as for a point near a centre of curvature; without the curvature the step is
+that of Gauss and Newton, which always goes downhill."""
+_FARTHEST = 2.0
+"""Largest xi and eta that a step may reach: beyond 1 the rim decides anyway, and a warped face folds far outside."""
+_MOST_CELLS = 1000.0
+"""Cells along the longest axis at first; they are widened then, so that tiny faces of a long body cost no loop."""
+_CELLS_PER_NODE, _FEWEST_CELLS = 4, 64
+"""Bounds of the cells of a search, which keep their memory that of the nodes; a few more for tiny surfaces."""
+_WIDER = 1.3
+"""Factor by which cells widen until they are few enough: about half the cells a step, so that a few steps do."""
+_TINY = 1e-300
+"""Keeps a division by zero out where edges or faces have no extent; no length of a mesh squares to as little."""
 
 
 @leaf_kernel
@@ -25,13 +45,13 @@ def as_tuple(a):
 
 
 @leaf_kernel
-def put(table, i, a):
+def store(table, i, a):
     """Write a tuple of three to a row."""
     table[i, 0], table[i, 1], table[i, 2] = a[0], a[1], a[2]
 
 
 @leaf_kernel
-def plus(a, s, b):
+def add_scaled(a, s, b):
     """Return a + s b."""
     return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
 
@@ -64,23 +84,23 @@ def shape_functions(xi, eta):
 @leaf_kernel
 def patch(a, b, c, d):
     """Return m, e, g, h of the face m + xi e + eta g + xi eta h with the corners a, b, c, d."""
-    ac, bd = plus(a, 1.0, c), plus(b, 1.0, d)
-    ca, db = plus(c, -1.0, a), plus(d, -1.0, b)
+    ac, bd = add_scaled(a, 1.0, c), add_scaled(b, 1.0, d)
+    ca, db = add_scaled(c, -1.0, a), add_scaled(d, -1.0, b)
     return (
-        scaled(plus(ac, 1.0, bd), 0.25),
-        scaled(plus(ca, -1.0, db), 0.25),
-        scaled(plus(ca, 1.0, db), 0.25),
-        scaled(plus(ac, -1.0, bd), 0.25),
+        scaled(add_scaled(ac, 1.0, bd), 0.25),
+        scaled(add_scaled(ca, -1.0, db), 0.25),
+        scaled(add_scaled(ca, 1.0, db), 0.25),
+        scaled(add_scaled(ac, -1.0, bd), 0.25),
     )
 
 
 @leaf_kernel
 def along(x, a, b):
     """Return the place t from -1 at a to 1 at b of the point of a straight edge closest to x, and their distance^2."""
-    edge = plus(b, -1.0, a)
-    t = dot(plus(x, -1.0, a), edge) / max(dot(edge, edge), 1e-300)
+    edge = add_scaled(b, -1.0, a)
+    t = dot(add_scaled(x, -1.0, a), edge) / max(dot(edge, edge), _TINY)
     t = min(max(t, 0.0), 1.0)
-    off = plus(plus(x, -1.0, a), -t, edge)
+    off = add_scaled(add_scaled(x, -1.0, a), -t, edge)
     return 2.0 * t - 1.0, dot(off, off)
 
 
@@ -110,26 +130,26 @@ def closest_point(x, a, b, c, d):
     """
     m, e, g, h = patch(a, b, c, d)
     xi, eta = 0.0, 0.0
-    warp = math.sqrt(dot(h, h) / max(min(dot(e, e), dot(g, g)), 1e-300))
+    warp = math.sqrt(dot(h, h) / max(min(dot(e, e), dot(g, g)), _TINY))
     for _ in range(_NEWTON):
-        r = plus(plus(plus(plus(m, -1.0, x), xi, e), eta, g), xi * eta, h)
-        t, s = plus(e, eta, h), plus(g, xi, h)
+        r = add_scaled(add_scaled(add_scaled(add_scaled(m, -1.0, x), xi, e), eta, g), xi * eta, h)
+        t, s = add_scaled(e, eta, h), add_scaled(g, xi, h)
         tt, ss, ts, rh = dot(t, t), dot(s, s), dot(t, s), dot(r, h)
         full = tt * ss - (ts + rh) ** 2
-        mixed = ts + rh if full > 1e-3 * tt * ss else ts
-        det = max(tt * ss - mixed * mixed, 1e-300)
+        mixed = ts + rh if full > _CONVEX * tt * ss else ts
+        det = max(tt * ss - mixed * mixed, _TINY)
         rt, rs = dot(r, t), dot(r, s)
         step, step2 = (rs * mixed - rt * ss) / det, (rt * mixed - rs * tt) / det
-        xi = min(max(xi + step, -2.0), 2.0)
-        eta = min(max(eta + step2, -2.0), 2.0)
+        xi = min(max(xi + step, -_FARTHEST), _FARTHEST)
+        eta = min(max(eta + step2, -_FARTHEST), _FARTHEST)
         moved = abs(step) + abs(step2)
-        if moved * moved * warp < 1e-11:
+        if moved * moved * warp < _CONVERGED:
             break
     if abs(xi) > 1.0 + _INSIDE or abs(eta) > 1.0 + _INSIDE:
         xi, eta, distance = on_rim(x, a, b, c, d)
         return xi, eta, distance, True
     xi, eta = min(max(xi, -1.0), 1.0), min(max(eta, -1.0), 1.0)
-    r = plus(plus(plus(plus(m, -1.0, x), xi, e), eta, g), xi * eta, h)
+    r = add_scaled(add_scaled(add_scaled(add_scaled(m, -1.0, x), xi, e), eta, g), xi * eta, h)
     return xi, eta, dot(r, r), False
 
 
@@ -139,13 +159,13 @@ def add_areas(place, faces, area, size, radius):
     for face in range(faces.shape[0]):
         k = faces[face]
         a, b, c, d = row(place, k[0]), row(place, k[1]), row(place, k[2]), row(place, k[3])
-        across = cross(plus(c, -1.0, a), plus(d, -1.0, b))
+        across = cross(add_scaled(c, -1.0, a), add_scaled(d, -1.0, b))
         whole = 0.5 * math.sqrt(dot(across, across))
         size[face] = math.sqrt(whole)
         m, _, _, _ = patch(a, b, c, d)
         furthest = 0.0
         for corner in (a, b, c, d):
-            off = plus(corner, -1.0, m)
+            off = add_scaled(corner, -1.0, m)
             furthest = max(furthest, dot(off, off))
         radius[face] = math.sqrt(furthest)
         for c in range(4):
@@ -169,16 +189,16 @@ def face_boxes(place, faces, reach):
 
 @kernel
 def cells_of(low, high, count, wanted):
-    """Return the number of cells by axis and their widths: about as wide as wanted, at most 4 a node in all."""
+    """Return the number of cells by axis and their widths: about as wide as wanted, few beside the nodes."""
     cells = np.ones(3, np.int64)
-    length = np.maximum(high - low, 1e-300)
-    width = max(wanted, length.max() / 1000.0, 1e-300)
+    length = np.maximum(high - low, _TINY)
+    width = max(wanted, length.max() / _MOST_CELLS, _TINY)
     while True:
         for c in range(3):
             cells[c] = int(length[c] / width) + 1
-        if cells[0] * cells[1] * cells[2] <= 4 * count + 64:
+        if cells[0] * cells[1] * cells[2] <= _CELLS_PER_NODE * count + _FEWEST_CELLS:
             return cells, length / cells
-        width *= 1.3
+        width *= _WIDER
 
 
 @leaf_kernel
@@ -209,7 +229,7 @@ def buckets(place, inside, low, width, cells):
 
 
 @called_kernel
-def meet(place, box, face, grid, count, candidates, filling):
+def count_candidates(place, box, face, grid, count, candidates, filling):
     """Count, or fill in, the nodes that lie in the box of a face; count[n] is then where the next face of n goes."""
     order, begin, low, high, width, cells = grid
     if (box[0] > high[0] or box[1] > high[1] or box[2] > high[2]) or (
@@ -241,13 +261,13 @@ def nodes_within(place, checked, nodes, boxes):
             low[c], high[c] = min(low[c], boxes[face, c]), max(high[c], boxes[face, 3 + c])
             wide += (boxes[face, 3 + c] - boxes[face, c]) / (3.0 * boxes.shape[0])
     inside = np.empty(nodes[1] - nodes[0], np.int64)
-    found = 0
+    count = 0
     for n in range(nodes[0], nodes[1]):
         x, y, z = row(place, n)
         if checked[n] and low[0] <= x <= high[0] and low[1] <= y <= high[1] and low[2] <= z <= high[2]:
-            inside[found] = n
-            found += 1
-    return inside[:found], wide
+            inside[count] = n
+            count += 1
+    return inside[:count], wide
 
 
 @kernel
@@ -279,7 +299,9 @@ def search(place, checked, faces, reach, split, face_split):
     for filling in (False, True):
         place_of = start[:-1].copy()
         for face in range(ends):
-            meet(place, boxes[face], face, of_second if face < face_split else of_first, place_of, candidates, filling)
+            count_candidates(
+                place, boxes[face], face, of_second if face < face_split else of_first, place_of, candidates, filling
+            )
         if not filling:
             start[1:] = np.cumsum(place_of)
             candidates = np.empty(start[-1], np.int32)

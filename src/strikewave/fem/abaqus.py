@@ -22,17 +22,20 @@ from strikewave.fem.mesh import FACES, exterior_faces
 from strikewave.fem.raw_mesh import LARGEST_COUNT, RawMesh, Whole, refuse_other_solids
 
 HEXAHEDRON = re.compile(r"C3D8[A-Z]*\Z")
+"""Types of 8-node hexahedra: letters after the 8 say how they are integrated, not what their nodes are."""
 QUAD = re.compile(r"(S4|CPS4|CPE4|M3D4|R3D4|SFM3D4)[A-Z]*\Z")
+"""Types of quadrilaterals, which mark sides: shells, plane elements, membranes, rigid and surface elements."""
 SOLID = re.compile(r"C3D\d+[A-Z]*\Z")
+"""Types of all solids: those that are not hexahedra of 8 nodes are refused."""
 
 FLAT_HINT = "write it flat: one part, one instance (in Abaqus/CAE: noPartsInputFile=ON)"
-
+"""What to do with numbers that mean nothing without their part."""
 
 LONGEST_LINE = 10_000
-"""Characters of a keyword with its options."""
+"""Characters of a keyword with its options; Abaqus takes 256 a line, and some tens of lines are the longest in use."""
 
 LARGEST_SETS = 100_000_000
-"""Members of all sets and surfaces together."""
+"""Members of all sets and surfaces together: 800 MB. Sets of sets could multiply without end."""
 
 
 @dataclass
@@ -72,18 +75,18 @@ def read_abaqus(path: Path) -> RawMesh:
         If a line is not what its keyword asks for, numbers repeat or are missing, or the file has several parts,
         includes other files, or has solids that are not hexahedra of 8 nodes.
     """
-    found = _Contents()
+    contents = _Contents()
     with path.open(encoding="latin-1") as lines:
         for keyword, options, rows in _blocks(lines):
             if keyword in _READERS:
                 try:
-                    _READERS[keyword](found, options, rows)
+                    _READERS[keyword](contents, options, rows)
                 except (ValueError, OverflowError) as error:
                     if isinstance(error, InputError):
                         raise
                     raise InputError(f"mesh.file *{keyword}", str(error), "numbers as Abaqus writes them") from None
-    refuse_other_solids(found.others)
-    return _Resolver(found).mesh()
+    refuse_other_solids(contents.others)
+    return _Resolver(contents).mesh()
 
 
 def _blocks(lines: Iterable[str]) -> Iterator[tuple[str, Options, Rows]]:
@@ -118,45 +121,45 @@ def _words(rows: Rows) -> Iterator[list[str]]:
         yield words if words[-1] else words[:-1]
 
 
-def _nodes(found: _Contents, options: Options, rows: Rows) -> None:
+def _nodes(contents: _Contents, options: Options, rows: Rows) -> None:
     for number, *place in _words(rows):
-        found.nodes.append(int(number))
+        contents.nodes.append(int(number))
         xyz = [float(x.upper().replace("D", "E")) if x else 0.0 for x in place[:3]]
-        found.places.extend(xyz + [0.0] * (3 - len(xyz)))
+        contents.places.extend(xyz + [0.0] * (3 - len(xyz)))
         if "NSET" in options:
-            found.node_sets.setdefault(found.known(options["NSET"]), []).append(number)
+            contents.node_sets.setdefault(contents.known(options["NSET"]), []).append(number)
 
 
-def _elements(found: _Contents, options: Options, rows: Rows) -> None:
+def _elements(contents: _Contents, options: Options, rows: Rows) -> None:
     kind = options.get("TYPE", "").upper()
     size = 9 if HEXAHEDRON.match(kind) else 5 if QUAD.match(kind) else 0
     if not size:
         if SOLID.match(kind):
-            found.others[kind] = found.others.get(kind, 0) + len(rows)
+            contents.others[kind] = contents.others.get(kind, 0) + len(rows)
         return
     numbers = array("q", (int(word) for words in _words(rows) for word in words if word))
     if len(numbers) % size:
         raise InputError(f"mesh.file *ELEMENT, TYPE={kind}", f"{len(numbers)} numbers", f"{size} for each element")
-    name = found.known(options["ELSET"]) if options.get("ELSET") else ""
+    name = contents.known(options["ELSET"]) if options.get("ELSET") else ""
     if size == 5:
-        found.quads.setdefault(name, array("q")).extend(numbers)
+        contents.quads.setdefault(name, array("q")).extend(numbers)
         return
-    found.hexahedra.extend(numbers)
-    if len(found.hexahedra) > 9 * LARGEST_COUNT:
-        raise InputError("mesh.file", f"{len(found.hexahedra) // 9} hexahedra", f"at most {LARGEST_COUNT}")
+    contents.hexahedra.extend(numbers)
+    if len(contents.hexahedra) > 9 * LARGEST_COUNT:
+        raise InputError("mesh.file", f"{len(contents.hexahedra) // 9} hexahedra", f"at most {LARGEST_COUNT}")
     if name:
-        found.with_elements[name] = None
-        found.element_sets.setdefault(name, []).extend(str(number) for number in numbers[::9])
+        contents.with_elements[name] = None
+        contents.element_sets.setdefault(name, []).extend(str(number) for number in numbers[::9])
 
 
 def _set(key: str) -> _Reader:
     """Return the reader of *NSET or *ELSET; a generated row is kept as first:last:step."""
 
-    def read(found: _Contents, options: Options, rows: Rows) -> None:
+    def read(contents: _Contents, options: Options, rows: Rows) -> None:
         if not options.get(key):
             raise InputError(f"mesh.file *{key}", "no name", f"{key}=name")
-        sets = found.node_sets if key == "NSET" else found.element_sets
-        members = sets.setdefault(found.known(options[key]), [])
+        sets = contents.node_sets if key == "NSET" else contents.element_sets
+        members = sets.setdefault(contents.known(options[key]), [])
         for words in _words(rows):
             if "GENERATE" in options:
                 first, last, step = (int(word) for word in [*words, "1"][:3])
@@ -167,30 +170,30 @@ def _set(key: str) -> _Reader:
     return read
 
 
-def _surface(found: _Contents, options: Options, rows: Rows) -> None:
+def _surface(contents: _Contents, options: Options, rows: Rows) -> None:
     if options.get("TYPE", "ELEMENT").upper() == "ELEMENT" and options.get("NAME"):
-        found.surfaces.setdefault(found.known(options["NAME"]), []).extend(rows)
+        contents.surfaces.setdefault(contents.known(options["NAME"]), []).extend(rows)
 
 
-def _section(found: _Contents, options: Options, rows: Rows) -> None:
+def _section(contents: _Contents, options: Options, rows: Rows) -> None:
     if options.get("ELSET"):
-        found.sections.append(found.known(options["ELSET"]))
+        contents.sections.append(contents.known(options["ELSET"]))
 
 
-def _part(found: _Contents, options: Options, rows: Rows) -> None:
-    found.parts += 1
-    if found.parts > 1:
+def _part(contents: _Contents, options: Options, rows: Rows) -> None:
+    contents.parts += 1
+    if contents.parts > 1:
         raise InputError("mesh.file", "several *PART", "one part", FLAT_HINT)
 
 
-def _instance(found: _Contents, options: Options, rows: Rows) -> None:
-    found.instances += 1
-    if found.instances > 1 or rows:
+def _instance(contents: _Contents, options: Options, rows: Rows) -> None:
+    contents.instances += 1
+    if contents.instances > 1 or rows:
         got = "an *INSTANCE that is moved" if rows else "several *INSTANCE"
         raise InputError("mesh.file", got, "one instance where its part stands", FLAT_HINT)
 
 
-def _include(found: _Contents, options: Options, rows: Rows) -> None:
+def _include(contents: _Contents, options: Options, rows: Rows) -> None:
     raise InputError("mesh.file", "*INCLUDE", "a file that holds the whole mesh", "put the included lines in its place")
 
 
@@ -206,34 +209,37 @@ _READERS: dict[str, _Reader] = {
     "INSTANCE": _instance,
     "INCLUDE": _include,
 }
+"""Readers by keyword; data of other keywords are passed over."""
 
 
 class _Resolver:
     """Turns the numbers of a file into places in arrays."""
 
-    def __init__(self, found: _Contents) -> None:
-        self.found = found
+    def __init__(self, contents: _Contents) -> None:
+        self.found = contents
         self.spent = 0
         rows = (
-            np.frombuffer(found.hexahedra, np.int64).reshape(-1, 9) if found.hexahedra else np.empty((0, 9), np.int64)
+            np.frombuffer(contents.hexahedra, np.int64).reshape(-1, 9)
+            if contents.hexahedra
+            else np.empty((0, 9), np.int64)
         )
-        self.nodes = _Numbers("node", np.array(found.nodes, np.int64))
+        self.nodes = _Numbers("node", np.array(contents.nodes, np.int64))
         self.elements = _Numbers("element", rows[:, 0])
         self.hexahedra = self.nodes.places(rows[:, 1:])
 
     def mesh(self) -> RawMesh:
         """Return the mesh with its parts, sides and sets."""
-        found = self.found
-        sets = self._sets(found.element_sets, self.elements)
-        nodes = self._sets(found.node_sets, self.nodes)
-        spell = found.spelled
+        contents = self.found
+        sets = self._sets(contents.element_sets, self.elements)
+        nodes = self._sets(contents.node_sets, self.nodes)
+        spell = contents.spelled
         return RawMesh(
-            points=np.array(found.places).reshape(-1, 3),
+            points=np.array(contents.places).reshape(-1, 3),
             hexahedra=self.hexahedra.astype(np.int32),
             parts={spell[name]: sets[name] for name in self.parts(sets) if name in sets and len(sets[name])},
             quads={
-                **{spell[name]: self._shells(quads) for name, quads in found.quads.items() if name},
-                **{spell[name]: self._surface(name, sets) for name in found.surfaces},
+                **{spell[name]: self._shells(quads) for name, quads in contents.quads.items() if name},
+                **{spell[name]: self._surface(name, sets) for name in contents.surfaces},
             },
             node_sets={spell[name]: members for name, members in nodes.items() if not name.startswith("_")},
         )
@@ -309,8 +315,8 @@ class _Resolver:
         self._spend(len(self.outside))
         keys = np.sort(np.concatenate([self.outside, faces]), axis=1)
         _, number = np.unique(keys, axis=0, return_inverse=True)
-        ours, theirs = np.split(number.ravel(), [len(self.outside)])
-        return faces[np.isin(theirs, ours)]
+        exterior, candidates = np.split(number.ravel(), [len(self.outside)])
+        return faces[np.isin(candidates, exterior)]
 
     @functools.cached_property
     def outside(self) -> Whole:

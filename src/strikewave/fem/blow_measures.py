@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.fem.measures import contact_measure
+from strikewave.fem.mesh import TINY
 from strikewave.fem.run import FemRun, Rest
 
 Array = NDArray[np.float64]
 PRESSES = 0.01
-"""Share of the peak above which a contact still presses at the end of a run."""
+"""Share of the peak above which a contact still presses at the end of a run: the last 1 % of a pulse gives no speed."""
 
 
 @dataclass(frozen=True)
@@ -71,8 +72,8 @@ def restitution(run: FemRun, name: str, sides: Sequence[str]) -> float | None:
     """
     if contact_measure(run, name) is None or still_presses(run, name):
         return None
-    given = run.impulse[name][-1]
-    normal = given / max(float(np.linalg.norm(given)), 1e-300)
+    impulse = run.impulse[name][-1]
+    normal = impulse / max(float(np.linalg.norm(impulse)), TINY)
     speeds = [_velocity(run, side.rpartition(".")[0] or side) for side in sides]
     relative = speeds[0] - (speeds[1] if len(speeds) > 1 else 0.0)
     approach, separation = -float(relative[0] @ normal), float(relative[-1] @ normal)
@@ -88,8 +89,8 @@ def _velocity(run: FemRun, part: str) -> Array:
 
 def still_presses(run: FemRun, name: str) -> bool:
     """Tell whether a contact presses at the end of a run, by the mean force of the last interval."""
-    found = contact_measure(run, name)
-    if found is None:
+    measure = contact_measure(run, name)
+    if measure is None:
         return False
     last = (run.impulse[name][-1] - run.impulse[name][-2]) / (run.time[-1] - run.time[-2])
-    return float(np.linalg.norm(last)) > PRESSES * found.peak
+    return float(np.linalg.norm(last)) > PRESSES * measure.peak

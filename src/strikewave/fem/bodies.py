@@ -11,14 +11,18 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from strikewave.fem.boundary import Held
-from strikewave.fem.mesh import Array, Index, Mesh
+from strikewave.fem.mesh import TINY, Array, Index, Mesh
 from strikewave.fem.rigid import RigidBody
 from strikewave.fem.tie import TieState
 
 HELD = 1e-12
-"""Share of the largest eigenvalue below which boundaries hold a motion not at all."""
+"""Share of the largest eigenvalue below which boundaries hold a motion not at all.
+
+Eigenvalues are squares of directions that are known to 1e-16 times some hundred nodes; a real hold is far above."""
 ROUNDS, CLOSE = 20, 1e-13
-"""Of the fit of a rigid motion at most, and the share of a body's length below which a round is the last."""
+"""Of the fit of a rigid motion at most, and the share of a body's length below which a round is the last.
+
+Each round squares the angle that is left, so that three or four reach rounding."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +55,10 @@ class Body:
     def modes(self, points: Array, centre: Array) -> Array:
         """Return the velocities (k, 3, 6) of points in unit translations and rotations about a centre."""
         arms = (points - centre) / self.length
-        found = np.zeros((len(points), 3, 6))
-        found[:, :, :3] = np.eye(3)
-        found[:, :, 3:] = np.cross(np.eye(3), arms[:, None, :]).swapaxes(1, 2)
-        return found
+        velocities = np.zeros((len(points), 3, 6))
+        velocities[:, :, :3] = np.eye(3)
+        velocities[:, :, 3:] = np.cross(np.eye(3), arms[:, None, :]).swapaxes(1, 2)
+        return velocities
 
 
 def joined_parts(mesh: Mesh, ties: TieState) -> tuple[tuple[str, ...], ...]:
@@ -86,7 +90,7 @@ def bodies_of(
     [(('one',), 6), (('two',), 6)]
     """
     label = _labels(mesh, ties)
-    found = []
+    bodies = []
     for number in np.unique(label[mesh.hexahedra[:, 0]]):
         nodes = np.flatnonzero(label == number).astype(np.int32)
         places, weights = mesh.points[nodes], mass[nodes]
@@ -96,8 +100,8 @@ def bodies_of(
         if stiff:
             weights = np.where(np.isin(nodes, np.concatenate([each.nodes for each in stiff])), weights, 0.0)
         body = Body(_parts(mesh, label, number), nodes, weights, np.eye(6), centre, length)
-        found.append(replace(body, motions=_left_free(body, mesh.points, holds, stiff)))
-    return found
+        bodies.append(replace(body, motions=_left_free(body, mesh.points, holds, stiff)))
+    return bodies
 
 
 def _labels(mesh: Mesh, ties: TieState) -> Index:
@@ -122,7 +126,7 @@ def _left_free(body: Body, points: Array, holds: Sequence[Held], rigid: Sequence
         locked = np.concatenate([body.modes(centre[None], body.centre)[0][~part.moves], np.eye(6)[3:][~part.turns]])
         gram += locked.T @ locked
     values, vectors = np.linalg.eigh(gram)
-    return np.asarray(vectors[:, values <= HELD * max(float(values[-1]), 1e-300)])
+    return np.asarray(vectors[:, values <= HELD * max(float(values[-1]), TINY)])
 
 
 def way_back(body: Body, before: Array, now: Array) -> tuple[Array, Array]:
@@ -146,10 +150,10 @@ def way_back(body: Body, before: Array, now: Array) -> tuple[Array, Array]:
     start, places = before[body.nodes], now[body.nodes]
     motion = np.eye(4)
     for _ in range(ROUNDS):
-        found = places @ motion[:3, :3].T + motion[:3, 3]
-        modes = body.modes(found, body.centre) @ body.motions
+        moved = places @ motion[:3, :3].T + motion[:3, 3]
+        modes = body.modes(moved, body.centre) @ body.motions
         gram = np.einsum("n,nci,ncj->ij", body.weight, modes, modes)
-        pull = np.einsum("n,nci,nc->i", body.weight, modes, start - found)
+        pull = np.einsum("n,nci,nc->i", body.weight, modes, start - moved)
         step = body.motions @ np.linalg.solve(gram, pull) if len(pull) else np.zeros(6)
         motion = _screw(step, body) @ motion
         if np.abs(step).max() <= CLOSE * body.length:

@@ -34,9 +34,9 @@ from strikewave.fem.tie import TieState
 
 Flags = NDArray[np.bool_]
 FLAT = 1e-6
-"""How far the normals of a symmetry side may differ."""
+"""How far the normals of a symmetry side may differ: files of meshes keep six digits or more."""
 PARALLEL = 1e-6
-"""Below this share of a unit vector, a held direction is one of those held already."""
+"""Below this share of a unit vector, a held direction is one of those held already; as `FLAT`."""
 
 
 @dataclass
@@ -72,26 +72,28 @@ class Acting(abc.ABC):
     def add(self, now: Now) -> None:
         """Find the forces of this instant and add them to those of the nodes."""
         kernels.take_rows(self.nodes, now.v, self.before)
-        self.act(now)
+        self.apply(now)
 
     @abc.abstractmethod
-    def act(self, now: Now) -> None:
+    def apply(self, now: Now) -> None:
         """Write ``force`` and add it to ``now.f``."""
 
     def add_rest(self, now: Now) -> None:
         """Add what it takes once more forces, of contact, have come."""
         first = self.force.copy()
-        self.act(now)
+        self.apply(now)
         self.force += first
 
     def done(self, v: Array, kick: float) -> tuple[float, float, float, float]:
         """Return work (J) and impulse (N s) of the step that led to the velocity v."""
-        found: tuple[float, float, float, float] = kernels.booked(self.nodes, self.force, self.before, v, kick)
+        found: tuple[float, float, float, float] = kernels.work_and_impulse(
+            self.nodes, self.force, self.before, v, kick
+        )
         return found
 
-    def work_before(self, behind: float) -> float:
-        """Return the part of it that lies before the instant itself, J; ``behind`` is the step before."""
-        return float(0.5 * behind * np.einsum("ni,ni->", self.force, self.before))
+    def work_before(self, dt_previous: float) -> float:
+        """Return the part of it that lies before the instant itself, J; ``dt_previous`` is the step before, s."""
+        return float(0.5 * dt_previous * np.einsum("ni,ni->", self.force, self.before))
 
 
 class Weight(Acting):
@@ -101,7 +103,7 @@ class Weight(Acting):
         super().__init__(np.arange(len(mass), dtype=np.int32))
         self.force[:] = mass[:, None] * np.array(gravity)
 
-    def act(self, now: Now) -> None:
+    def apply(self, now: Now) -> None:
         """Weigh."""
         kernels.add_rows(self.nodes, self.force, now.f)
 
@@ -113,7 +115,7 @@ class Held(Acting):
         super().__init__(nodes)
         self.directions, self.speed = np.ascontiguousarray(directions, float), speed
 
-    def act(self, now: Now) -> None:
+    def apply(self, now: Now) -> None:
         """Hold the nodes; a given speed is that at the middle of the step to come."""
         speed = 0.0 if self.speed is None else value_at(self.speed, now.time + 0.5 * now.step)
         kernels.hold(self.nodes, self.directions, speed, now.kick, now.v, now.f, now.mass, self.force)
@@ -127,7 +129,7 @@ class Pressed(Acting):
         super().__init__(nodes)
         self.faces, self.pressure = places.reshape(faces.shape).astype(np.int32), pressure
 
-    def act(self, now: Now) -> None:
+    def apply(self, now: Now) -> None:
         """Press the faces as they are deformed now."""
         kernels.press(self.faces, value_at(self.pressure, now.time), now.x[self.nodes], self.force)
         kernels.add_rows(self.nodes, self.force, now.f)
@@ -146,7 +148,7 @@ class Dashpots(Acting):
         super().__init__(nodes)
         self.matrix, self.kick, self.ready = matrix, 0.0, matrix
 
-    def act(self, now: Now) -> None:
+    def apply(self, now: Now) -> None:
         """Absorb what arrives."""
         if now.kick != self.kick:
             self.kick = now.kick
@@ -234,7 +236,7 @@ def held_nodes(mesh: Mesh, boundaries: Sequence[Fixed | Symmetry | Guided], ties
     InputError
         If a symmetry side is not flat, or a tied node is held where the face that it is tied to is not.
     """
-    found: dict[bytes, Array] = {b"": np.zeros((0, 3))}
+    directions: dict[bytes, Array] = {b"": np.zeros((0, 3))}
     kind = np.zeros(len(mesh.points), np.int64)
     keys = [b""]
     for boundary in boundaries:
@@ -242,13 +244,13 @@ def held_nodes(mesh: Mesh, boundaries: Sequence[Fixed | Symmetry | Guided], ties
         new = _held_directions(mesh, boundary)
         before = kind[nodes].copy()
         for old in np.unique(before):
-            basis = _orthonormal(found[keys[old]], new)
+            basis = _orthonormal(directions[keys[old]], new)
             key = basis.tobytes()
-            if key not in found:
-                found[key] = basis
+            if key not in directions:
+                directions[key] = basis
                 keys.append(key)
             kind[nodes[before == old]] = keys.index(key)
-    table = np.array([np.vstack([found[key], np.zeros((3 - len(found[key]), 3))]) for key in keys])
+    table = np.array([np.vstack([directions[key], np.zeros((3 - len(directions[key]), 3))]) for key in keys])
     bases, corners = table[kind[ties.nodes]][:, None], table[kind[ties.corners]]
     loose = np.abs(bases - bases @ (np.swapaxes(corners, 2, 3) @ corners)).max(axis=(2, 3), initial=0.0)
     for boundary in boundaries:

@@ -11,7 +11,9 @@ from strikewave.base.errors import InputError
 from strikewave.fem.model import Controls, Curve, Driven, Guided, Model, Pressure
 
 MOST_BLOWS = 20
-"""Blows of a run."""
+"""Blows of a run: yield has come to an end after a few, and each takes its own files and up to 4.5 times its steps."""
+MOST_HOURGLASS = 0.5
+"""Largest coefficient of the hourglass stiffness: three times the 0.17 at which a cube bends exactly."""
 
 
 def faults(model: Model) -> Iterator[InputError]:
@@ -40,7 +42,7 @@ def _controls(c: Controls) -> Iterator[InputError]:
         ("duration", 0.0 < c.duration < np.inf, "above 0"),
         ("interval", 0.0 < c.interval <= c.duration, "above 0, at most the duration"),
         ("safety", 0.0 < c.safety <= 1.0, "above 0 to 1"),
-        ("hourglass", 0.0 <= c.hourglass <= 0.5, "from 0 to 0.5"),
+        ("hourglass", 0.0 <= c.hourglass <= MOST_HOURGLASS, f"from 0 to {MOST_HOURGLASS:g}"),
         ("linear_viscosity", 0.0 <= c.linear_viscosity < np.inf, "at least 0"),
         ("quadratic_viscosity", 0.0 <= c.quadratic_viscosity < np.inf, "at least 0"),
         ("least_step", 0.0 <= c.least_step < np.inf, "at least 0"),

@@ -14,7 +14,7 @@ A the node's share of the area of its surface, mu the mass of the face's nodes p
 The mass of a node is m/(1 - |H n|^2) where boundaries hold it along directions H: what counts is how easily it moves
 along n (for friction: along the sliding, where that is easier). They hold it before contact is found, so that f holds
 their forces, and take afterwards what contact presses onto them. The nodes of a rigid part share the mass of the body:
-`strikewave.fem.rigid.lightness`. Tied nodes count by their own mass.
+`strikewave.fem.rigid.surface_inverse_mass`. Tied nodes count by their own mass.
 
 The node pushes the corners of the face back by N_i F: the sum of the forces is zero, and as F runs along x* - p* their
 moment is too, within F dt times the velocity that they have beside each other.
@@ -30,7 +30,7 @@ a steady force T.
 
 A node meets one face only, the closest. Behind a valley between two faces it is pressed towards the edge; beyond the
 rim of a surface its force fades away between 1/40 and 1/20 of the size of the face. Nodes deeper than half the element
-behind a face are not inside it. A node that came to be inside by another way than through the face, beside the rim say,
+behind a face are not inside it. A node that came inside by another way than through the face, such as beside the rim,
 is only kept from going deeper: pressed out of a depth that it never was pressed into it would gain energy. So is one
 whose closest face is another at once, and much deeper: the far side of a squashed element.
 
@@ -62,18 +62,24 @@ import numpy as np
 from strikewave.base.errors import InputError
 from strikewave.fem import _contact_kernels as kernels
 from strikewave.fem import _surface_kernels as surface_kernels
-from strikewave.fem._contact_kernels import ContactState, Found, Touch, WallState
+from strikewave.fem._contact_kernels import ContactState, NodeContacts, Touch, WallState
 from strikewave.fem.mesh import Array, Index, Mesh
-from strikewave.fem.model import Contact, Wall
+from strikewave.fem.model import STIFFNESS, Contact, Wall
 from strikewave.fem.surfaces import extents, have_common, neighbours, surface_of, thickness
 
 SHALLOW = 0.1
 """Share of a face's size by which surfaces may overlap before the blow: what a circle of 8 edges cuts off."""
 MARGIN = 0.1
-"""Share of a face's size by which surfaces may move before faces are searched again."""
+"""Share of a face's size by which surfaces may move before faces are searched again.
+
+Chosen: a larger one gives every node more faces to look at in each step, a smaller one more searches."""
 _DEEPEST = 0.5
+"""Share of an element behind a face within which a node is inside it: beyond the middle the far side is nearer."""
+_FIRST_REACH = 1.1
+"""Times `_DEEPEST` within which faces are looked for before the first step, so that no overlap is missed by
+rounding."""
 _REACH = 0.25
-_WALL_STIFFNESS = 0.8
+"""Share of a face's size within which nodes are candidates in a run; a node that is deeper keeps the face it has."""
 
 add_contact = kernels.add_contact
 add_wall = kernels.add_wall
@@ -130,12 +136,12 @@ def prepare(
     state = two_surfaces(contact, mesh)
     state.checked[:] = ~np.isin(state.touch.nodes, np.asarray(unchecked, np.int32))
     places = mesh.points if points is None else points
-    state = searched(state, places, 1.1 * _DEEPEST)
+    state = searched(state, places, _FIRST_REACH * _DEEPEST)
     gaps = _gaps_now(state, places)
-    overlap = _overlap(contact.name, state.touch.nodes, gaps, places, state.size[state.found.face])
+    overlap = _overlap(contact.name, state.touch.nodes, gaps, places, state.size[state.nodal.face])
     if points is None and overlap is not None and overlap.deepest > SHALLOW * overlap.size:
         raise _too_deep(overlap, mesh)
-    state.found.offset[:] = gaps
+    state.nodal.offset[:] = gaps
     state.touch.step[0] = 0.0
     return state
 
@@ -150,12 +156,15 @@ def prepare_all(
     InputError
         If two contacts press the same faces on each other, or one cannot be prepared.
     """
-    for one, other in itertools.combinations(contacts, 2):
-        for pair in ((other.first, other.second), (other.second, other.first)):
-            if all(have_common(mesh.side(a), mesh.side(b)) for a, b in zip((one.first, one.second), pair, strict=True)):
+    for earlier, later in itertools.combinations(contacts, 2):
+        for pair in ((later.first, later.second), (later.second, later.first)):
+            if all(
+                have_common(mesh.side(a), mesh.side(b))
+                for a, b in zip((earlier.first, earlier.second), pair, strict=True)
+            ):
                 raise InputError(
-                    f"contact {other.name}",
-                    f"faces that meet already in {one.name}",
+                    f"contact {later.name}",
+                    f"faces that meet already in {earlier.name}",
                     "each two faces in one contact",
                     "together they would be twice as stiff: leave one of them out",
                 )
@@ -188,12 +197,12 @@ def two_surfaces(contact: Contact, mesh: Mesh) -> ContactState:
     now = extents(mesh.points[nodes], faces)
     split, sizes = len(first.faces), now.size
     count = len(nodes)
-    found = Found(
+    nodal = NodeContacts(
         face=np.full(count, -1, np.int32),
         shape=np.zeros((count, 4)),
         gap=np.full(count, np.inf),
-        pressed=np.zeros((count, 3)),
-        rubbed=np.zeros((count, 3)),
+        normal_force=np.zeros((count, 3)),
+        friction_force=np.zeros((count, 3)),
         touches=np.zeros(count, np.uint8),
         clear=np.zeros(count),
         offset=np.zeros(count),
@@ -201,7 +210,7 @@ def two_surfaces(contact: Contact, mesh: Mesh) -> ContactState:
     )
     return ContactState(
         touch=_touch(nodes, len(first.nodes), now.area),
-        found=found,
+        nodal=nodal,
         faces=faces,
         neighbours=across,
         size=sizes,
@@ -212,7 +221,7 @@ def two_surfaces(contact: Contact, mesh: Mesh) -> ContactState:
         candidates=np.zeros(0, np.int32),
         place=np.zeros((count, 3)),
         moving=np.zeros((count, 3)),
-        lightness=np.zeros(count),
+        inverse_mass=np.zeros(count),
         travel=np.zeros(1),
         first_faces=split,
         margin=MARGIN * float(min(np.median(sizes[:split]), np.median(sizes[split:]))),
@@ -240,7 +249,7 @@ def searched(state: ContactState, points: Array, reach: float = _REACH) -> Conta
     start, candidates = surface_kernels.search(
         place, state.checked, state.faces, widening, state.touch.first, state.first_faces
     )
-    state.found.clear[:] = 0.0
+    state.nodal.clear[:] = 0.0
     state.travel[0] = 0.0
     return state._replace(start=start, candidates=candidates)
 
@@ -276,22 +285,22 @@ def prepare_wall(
         np.minimum(gaps, 0.0),
         np.array(wall.point, float),
         direction,
-        _WALL_STIFFNESS,
+        STIFFNESS,
         float(wall.friction),
     )
 
 
 def initial_overlaps(states: Sequence[tuple[str, ContactState | WallState]], points: Array) -> list[Overlap]:
     """Return where prepared contacts and walls, each with its name, overlap before the blow."""
-    found = []
+    overlaps = []
     for name, state in states:
         if isinstance(state, ContactState):
-            overlap = _overlap(name, state.touch.nodes, state.found.offset, points, state.size[state.found.face])
+            overlap = _overlap(name, state.touch.nodes, state.nodal.offset, points, state.size[state.nodal.face])
         else:
             overlap = _overlap(name, state.touch.nodes, state.offset, points, np.zeros(len(state.offset)))
         if overlap is not None:
-            found.append(overlap)
-    return found
+            overlaps.append(overlap)
+    return overlaps
 
 
 def _check(contact: Contact) -> None:
@@ -311,10 +320,10 @@ def _touch(nodes: Index, first: int, area: Array) -> Touch:
 
 def _gaps_now(state: ContactState, points: Array) -> Array:
     """Return by how far each node is inside a face as it lies, as a gap: zero or negative."""
-    state.found.offset[:] = -np.inf
+    state.nodal.offset[:] = -np.inf
     still, forces, fixed = np.zeros_like(points), np.zeros_like(points), np.zeros(len(points))
     kernels.add_contact(state, points, still, forces, fixed, 1.0)
-    return np.where(np.isfinite(state.found.offset), state.found.offset, 0.0)
+    return np.where(np.isfinite(state.nodal.offset), state.nodal.offset, 0.0)
 
 
 def _overlap(name: str, nodes: Index, gaps: Array, points: Array, size: Array) -> Overlap | None:

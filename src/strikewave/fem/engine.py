@@ -43,18 +43,25 @@ from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Model
 from strikewave.fem.quality import scaled_jacobians
 from strikewave.fem.recorder import Motion, Recorder, assembly, pressed
-from strikewave.fem.rigid import lightness, rigid_bodies
+from strikewave.fem.rigid import rigid_bodies, surface_inverse_mass
 from strikewave.fem.run import KEPT, FemRun, Frame, Rest
 from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties
 
 NODES = 20_000
-"""Nodes that a thread moves at least."""
+"""Nodes that a thread moves at least: fewer take less time than handing the work to a thread."""
 BROKEN = 0.1
-"""Energy that is missing or too much, as a share of the largest in play, at which a run stops."""
+"""Energy that is missing or too much, as a share of the largest in play, at which a run stops.
+
+Ten times what is warned of (`strikewave.fem.measures.ENERGY_LIMIT`): such a run is lost and would only go on to blow
+up."""
 COLLAPSED = 1e-3
-"""Share of the first critical step below which a run stops."""
+"""Share of the first critical step below which a run stops: it would take a thousand times as long, and an element that
+is squeezed so far is about to turn inside out."""
 SCALINGS = 60
-"""Rounds in which mass is added."""
+"""Rounds in which mass is added. Without bulk viscosity one round does; with it the step grows more slowly than the
+root of the mass, and where it stops growing no mass suffices."""
+ROUNDING = 1e-9
+"""Share by which a step may miss what it should fit: above rounding, far below what a step is cut by."""
 WORKS = ("contact", "external")
 """What is summed over the steps here; the elements sum theirs."""
 
@@ -68,7 +75,7 @@ class Engine:
         Position at t_n, velocity half a step before, forces at t_n.
     time, instant, steps : float, int, int
         t_n; the instant of the histories that is now or comes next; steps done.
-    behind, ahead : float
+    dt_previous, dt_next : float
         Steps before and after t_n, s.
     critical : float
         Critical step of the elements at t_n, s.
@@ -107,24 +114,24 @@ class Engine:
         self.loads, self.holds = build_boundaries(model, self.ties)
         self.bodies = rigid_bodies(model, self.mass, self.ties, [hold.nodes for hold in self.holds])
         self.acting: list[Acting] = [*self.weight, *self.loads, *self.holds, *self.bodies]
-        self.meet()
+        self.detect_contacts()
         self.yielding = self._movable()
         shares = {name: part_masses(model.mesh, element_mass, name) for name in mesh.names}
         self.recorder = Recorder(model, self.own_mass, shares)
-        self.time, self.instant, self.steps, self.behind = 0.0, 0, 0, 0.0
+        self.time, self.instant, self.steps, self.dt_previous = 0.0, 0, 0, 0.0
         self.collapse = COLLAPSED * self.critical
         self.smallest = np.inf
         self.done = dict.fromkeys(WORKS, 0.0)
-        self.given = np.zeros(3)
+        self.impulse_given = np.zeros(3)
         self.impulse = {name: np.zeros(3) for name in self.touching}
         self.initial_energy = 0.5 * float(self.mass @ np.einsum("ni,ni->n", self.v, self.v))
         spans = max(1, min(controls.threads, len(self.x) // NODES))
         self.spans = list(itertools.pairwise(np.linspace(0, len(self.x), spans + 1).astype(int).tolist()))
-        self.kick, self.ahead = 0.0, self._fitting(self.interval)
+        self.kick, self.dt_next = 0.0, self._fitting(self.interval)
         self.blow = 1
         self.rest: Rest | None = None
 
-    def meet(self, points: Array | None = None) -> None:
+    def detect_contacts(self, points: Array | None = None) -> None:
         """Prepare contacts and walls for bodies whose nodes are at the points of the mesh, or at others."""
         model, tied = self.model, self.ties.nodes
         self.contacts = prepare_all(model.contacts, model.mesh, tied, points)
@@ -136,10 +143,10 @@ class Engine:
         places = model.mesh.points if points is None else points
         self.overlaps = initial_overlaps([*self.contacts.items(), *self.walls.items()], places)
 
-    def stand(self) -> None:
-        """Find the forces and the step of the elements as they are, and begin the ledger with what they hold."""
+    def initialize(self) -> None:
+        """Find forces and step of the elements as they are, and begin the energy balance with what they hold."""
         self.f.fill(0.0)
-        self.critical = self.solid.add_forces(self.x, np.zeros_like(self.v), self.f, self.ahead)
+        self.critical = self.solid.add_forces(self.x, np.zeros_like(self.v), self.f, self.dt_next)
         internal, _, _, hourglass = self.solid.work()
         moving = 0.5 * float(self.mass @ np.einsum("ni,ni->n", self.v, self.v))
         self.initial_energy = moving + float(internal) + float(hourglass)
@@ -160,16 +167,16 @@ class Engine:
 
     def _movable(self) -> Array:
         """Return inverse masses as contact meets the nodes: tied ones alone, rigid ones as parts of a body."""
-        found = self.inverse_mass.copy()
-        found[self.ties.nodes] = 1.0 / self.own_mass[self.ties.nodes]
+        inverse_mass = self.inverse_mass.copy()
+        inverse_mass[self.ties.nodes] = 1.0 / self.own_mass[self.ties.nodes]
         for rigid, body in zip(self.model.rigid, self.bodies, strict=True):
-            found[body.nodes] = lightness(body, self.model.mesh, rigid.part)
-        return found
+            inverse_mass[body.nodes] = surface_inverse_mass(body, self.model.mesh, rigid.part)
+        return inverse_mass
 
-    def act(self) -> None:
+    def assemble_forces(self) -> None:
         """Add to the forces of the elements at t_n all others."""
-        self.kick = 0.5 * (self.behind + self.ahead)
-        now = Now(self.time, self.kick, self.ahead, self.x, self.v, self.f, self.mass)
+        self.kick = 0.5 * (self.dt_previous + self.dt_next)
+        now = Now(self.time, self.kick, self.dt_next, self.x, self.v, self.f, self.mass)
         for weight in self.weight:
             weight.add(now)
         gather_tied_forces(self.ties, self.f)
@@ -178,10 +185,10 @@ class Engine:
         for hold in self.holds:
             hold.add(now)
         for name, state in self.contacts.items():
-            if add_contact(state, self.x, self.v, self.f, self.yielding, self.ahead, self.kick):
+            if add_contact(state, self.x, self.v, self.f, self.yielding, self.dt_next, self.kick):
                 self.contacts[name] = searched(state, self.x)
         for wall in self.walls.values():
-            add_wall(wall, self.x, self.v, self.f, self.yielding, self.ahead, self.kick)
+            add_wall(wall, self.x, self.v, self.f, self.yielding, self.dt_next, self.kick)
         gather_tied_forces(self.ties, self.f)
         for hold in self.holds:
             hold.add_rest(now)
@@ -192,30 +199,30 @@ class Engine:
         """Move the nodes to t_(n+1), book what the forces did, and find the forces of the elements there."""
 
         def move(span: tuple[int, int]) -> None:
-            node_kernels.advance(self.x, self.v, self.f, self.inverse_mass, self.kick, self.ahead, *span)
+            node_kernels.advance(self.x, self.v, self.f, self.inverse_mass, self.kick, self.dt_next, *span)
 
         list(self.pool.map(move, self.spans) if self.pool and len(self.spans) > 1 else map(move, self.spans))
         if len(self.ties.nodes):
             move_tied(self.ties, self.v)
-            self.x[self.ties.nodes] += self.ahead * self.v[self.ties.nodes]
+            self.x[self.ties.nodes] += self.dt_next * self.v[self.ties.nodes]
         self._book()
-        self.time, self.steps, self.behind = self.time + self.ahead, self.steps + 1, self.ahead
-        self.smallest = min(self.smallest, self.ahead)
+        self.time, self.steps, self.dt_previous = self.time + self.dt_next, self.steps + 1, self.dt_next
+        self.smallest = min(self.smallest, self.dt_next)
         self.f.fill(0.0)
-        self.critical = self.solid.add_forces(self.x, self.v, self.f, self.ahead)
+        self.critical = self.solid.add_forces(self.x, self.v, self.f, self.dt_next)
 
     def _book(self) -> None:
         """Add the works and impulses of the step that led to the velocity now."""
         for each in self.acting:
-            work, *given = each.done(self.v, self.kick)
+            work, *given_impulse = each.done(self.v, self.kick)
             self.done["external"] += work
-            self.given += given
+            self.impulse_given += given_impulse
         for name, touch in self.touching.items():
             self.done["contact"] += sum(contact_work(touch, self.v, self.kick))
             impulse = self.kick * np.array(contact_force(touch))
             self.impulse[name] += impulse
             if name in self.walls:
-                self.given += impulse
+                self.impulse_given += impulse
 
     @property
     def goes_on(self) -> bool:
@@ -223,7 +230,7 @@ class Engine:
         return self.critical >= self.collapse
 
     def to_next_instant(self) -> None:
-        """Take steps up to the next instant of the histories; the forces there are those of `act` once it is called.
+        """Take steps up to the next instant of the histories; call `assemble_forces` for the forces there.
 
         Where no further step is possible, what came so far is the next instant.
         """
@@ -231,43 +238,46 @@ class Engine:
         while True:
             self.step()
             left = self.instant * self.interval - self.time
-            if left < 0.5 * self.ahead:
+            if left < 0.5 * self.dt_next:
                 self.begin_interval()
                 return
             if not self.goes_on:
                 return
-            if self.ahead > self.model.controls.safety * self.critical:
-                self.ahead = self._fitting(left)
-            self.act()
+            if self.dt_next > self.model.controls.safety * self.critical:
+                self.dt_next = self._fitting(left)
+            self.assemble_forces()
 
     def begin_interval(self) -> None:
         """Stand exactly at the instant, and choose the step from there on."""
         self.time = self.instant * self.interval
         if self.goes_on:
-            self.ahead = self._fitting(self.interval)
+            self.dt_next = self._fitting(self.interval)
 
     def _fitting(self, span: float) -> float:
         """Return the largest step that is safe and goes into a span a whole number of times, s."""
         return fitting(span, self.model.controls.safety * self.critical)
 
     def motion(self) -> Motion:
-        """Return displacement, velocity and acceleration of the nodes at t_n, once `act` was called."""
+        """Return displacement, velocity and acceleration of the nodes at t_n, once `assemble_forces` was called."""
         rate = self.f * self.inverse_mass[:, None]
         move_tied(self.ties, rate)
-        return Motion(self.x - self.model.mesh.points, self.v + 0.5 * self.behind * rate, rate)
+        return Motion(self.x - self.model.mesh.points, self.v + 0.5 * self.dt_previous * rate, rate)
 
     @np.errstate(invalid="ignore", over="ignore")
     def record(self) -> str:
         """Note the instant; return why the run cannot go on, or nothing."""
         motion = self.motion()
         internal, plastic, viscous, hourglass = self.solid.work()
-        behind = self.behind
-        kinetic = 0.5 * node_kernels.doubled_kinetic(self.v, self.f, self.mass, self.inverse_mass, behind, self.ahead)
-        external = self.done["external"] + sum(each.work_before(behind) for each in self.acting)
-        contact = self.done["contact"] + sum(_work_before(touch, behind) for touch in self.touching.values())
+        dt_previous = self.dt_previous
+        kinetic = 0.5 * node_kernels.doubled_kinetic(
+            self.v, self.f, self.mass, self.inverse_mass, dt_previous, self.dt_next
+        )
+        external = self.done["external"] + sum(each.work_before(dt_previous) for each in self.acting)
+        contact = self.done["contact"] + sum(_work_before(touch, dt_previous) for touch in self.touching.values())
         force = {name: np.array(contact_force(touch)) for name, touch in self.touching.items()}
-        given = self.given + 0.5 * behind * sum((each.force.sum(axis=0) for each in self.acting), np.zeros(3))
-        given = given + 0.5 * behind * sum((force[name] for name in self.walls), np.zeros(3))
+        acting = sum((each.force.sum(axis=0) for each in self.acting), np.zeros(3))
+        impulse_given = self.impulse_given + 0.5 * dt_previous * acting
+        impulse_given = impulse_given + 0.5 * dt_previous * sum((force[name] for name in self.walls), np.zeros(3))
         energies = {
             "kinetic": kinetic,
             "internal": internal,
@@ -277,23 +287,23 @@ class Engine:
             "viscous": viscous,
             "external": external,
         }
-        sums: dict[str, Any] = {**energies, "given": given}
+        sums: dict[str, Any] = {**energies, "impulse_given": impulse_given}
         for name in force:
             sums[f"force/{name}"] = force[name]
-            sums[f"impulse/{name}"] = self.impulse[name] + 0.5 * behind * force[name]
+            sums[f"impulse/{name}"] = self.impulse[name] + 0.5 * dt_previous * force[name]
             sums[f"pressed/{name}"] = pressed(self.touching[name])
         self.recorder.note(self.time, motion, self.solid.cell_values(self.elements), sums)
         return self._broken(energies)
 
     def _broken(self, energies: Mapping[str, float]) -> str:
-        kept = sum(energies[name] for name in KEPT)
-        given = self.initial_energy + energies["external"]
-        largest = max(abs(given), self.initial_energy, *(abs(e) for e in self.recorder.column("external")))
+        accounted = sum(energies[name] for name in KEPT)
+        supplied = self.initial_energy + energies["external"]
+        largest = max(abs(supplied), self.initial_energy, *(abs(e) for e in self.recorder.column("external")))
         where = f"at {self.time:.4g} s"
-        if not np.isfinite(kept):
+        if not np.isfinite(accounted):
             return f"the numbers end {where}: {self._worst_element()}"
-        if abs(kept - given) > BROKEN * largest and self.steps:
-            off = (kept - given) / largest
+        if abs(accounted - supplied) > BROKEN * largest and self.steps:
+            off = (accounted - supplied) / largest
             most = max((abs(energies[n]), n) for n in ("internal", "hourglass", "contact", "viscous"))[1]
             return f"the energy is off by {off:+.0%} {where}, and {most} energy is largest; {self._worst_element()}"
         if self.critical < self.collapse:
@@ -314,7 +324,7 @@ class Engine:
         )
 
     def frame(self) -> Frame:
-        """Return the whole field at t_n, once `act` was called."""
+        """Return the whole field at t_n, once `assemble_forces` was called."""
         motion = self.motion()
         stress, strain = self.solid.cell_values(self.elements)
         return Frame(self.time, motion.displacement, motion.velocity, stress, strain)
@@ -333,7 +343,7 @@ class Engine:
             points=noted.point_histories(),
             sections=noted.section_histories(),
             momentum=noted.column("momentum"),
-            impulse_given=noted.column("given"),
+            impulse_given=noted.column("impulse_given"),
             steps=self.steps,
             step=self.smallest,
             added_mass=self.added_mass,
@@ -354,7 +364,7 @@ class Engine:
 
 def fitting(span: float, longest: float) -> float:
     """Return the largest step up to a longest one that goes into a span a whole number of times, s."""
-    return span / max(1, math.ceil(span / longest - 1e-9))
+    return span / max(1, math.ceil(span / longest - ROUNDING))
 
 
 def part_masses(mesh: Mesh, element_mass: Array, name: str) -> Array:
@@ -364,9 +374,9 @@ def part_masses(mesh: Mesh, element_mass: Array, name: str) -> Array:
     return whole[mesh.nodes_of(name)]
 
 
-def _work_before(touch: Touch, behind: float) -> float:
+def _work_before(touch: Touch, dt_previous: float) -> float:
     """Return the energy that a contact took in the half step before the instant, J."""
-    return float(-0.5 * behind * np.einsum("ni,ni->", touch.normal + touch.friction, touch.velocity))
+    return float(-0.5 * dt_previous * np.einsum("ni,ni->", touch.normal + touch.friction, touch.velocity))
 
 
 def build_elements(model: Model, parts: Iterable[str], mass: Array, pool: ThreadPoolExecutor | None) -> Mixed:
@@ -374,8 +384,8 @@ def build_elements(model: Model, parts: Iterable[str], mass: Array, pool: Thread
     mesh, solids, controls = model.mesh, model.solids, model.controls
     viscous = controls.linear_viscosity, controls.quadratic_viscosity
     full = {n: mass[mesh.elements_of(n), None] for n in parts if n in controls.full}
-    one = {n: one_point_constants(mesh, solids, n, mass, controls.hourglass) for n in parts if n not in full}
-    sorts: list[tuple[type[Hexahedra], dict[str, Array]]] = [(OnePoint, one), (FullyIntegrated, full)]
+    one_point = {n: one_point_constants(mesh, solids, n, mass, controls.hourglass) for n in parts if n not in full}
+    sorts: list[tuple[type[Hexahedra], dict[str, Array]]] = [(OnePoint, one_point), (FullyIntegrated, full)]
     return Mixed(
         [
             sort(*build_blocks(mesh, solids, constants, sort.points), viscous, pool, controls.threads)
@@ -406,7 +416,7 @@ def scaled_masses(model: Model, parts: Iterable[str]) -> tuple[Array, float, flo
         for _ in range(SCALINGS):
             steps = first_steps(model, name, mass[chosen])
             short = wanted / steps
-            if short.max() <= 1.0 + 1e-9:
+            if short.max() <= 1.0 + ROUNDING:
                 break
             mass[chosen] *= np.maximum(short, 1.0) ** 2
         else:

@@ -83,15 +83,15 @@ def critical_steps(points: Array, hexahedra: Index, mass: Array, solid: AnySolid
     >>> round(float(critical_steps(cube, np.arange(8)[None], np.ones(1), Elastic(1.0, 1.0, 0.0), 0.0)[0]), 12)
     1.0
     """
-    found = shapes(points, hexahedra)
+    first_shapes = shapes(points, hexahedra)
     steepest = np.zeros(len(hexahedra))
     for place in POINTS:
-        p, q, r = np.moveaxis(np.einsum("km,emd->ekd", mode_slopes(place), found.amplitudes), 1, 0)
+        p, q, r = np.moveaxis(np.einsum("km,emd->ekd", mode_slopes(place), first_shapes.amplitudes), 1, 0)
         columns = np.stack([np.cross(q, r), np.cross(r, p), np.cross(p, q)], axis=1)
         weight = np.einsum("ed,ed->e", p, columns[:, 0])
         gram = np.abs(np.einsum("emd,end->emn", columns, columns)).sum(axis=2).max(axis=1)
         steepest = np.maximum(steepest, 8.0 * gram / weight)
-    return steps_of(found, steepest, mass, solid, viscosity)
+    return steps_of(first_shapes, steepest, mass, solid, viscosity)
 
 
 def mode_slopes(place: Array) -> Array:

@@ -21,7 +21,13 @@ from strikewave.base.errors import InputError
 Array = NDArray[np.float64]
 
 LARGEST_COUNT = 20_000
-"""Elements along one line."""
+"""Elements along one line: a mesh of 3 million elements with so long a line has 12 by 12 across."""
+GROWTH = 1.2
+"""Ratio of neighbours where none is stated, as is usual: jumps in size send short waves back."""
+LARGEST_GROWTH = 2.0
+"""Ratio of neighbours at most. Chosen: the next octave of sizes, far beyond usual meshes."""
+ROUNDING = 1e-9
+"""What a count of elements may exceed a whole number by, and a slope below which sizes are the same: above rounding."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,7 @@ class Grading:
     fine: float | None = None
     at: tuple[float, ...] = (0.0,)
     extent: float = 0.0
-    growth: float = 1.2
+    growth: float = GROWTH
 
     def __post_init__(self) -> None:
         if not 0.0 < self.coarse < math.inf:
@@ -60,8 +66,8 @@ class Grading:
             raise InputError("grading.fine", self.fine, f"above 0, at most the coarse size {self.coarse:g}")
         if not 0.0 <= self.extent < math.inf:
             raise InputError("grading.extent", self.extent, "at least 0")
-        if not 1.0 < self.growth <= 2.0:
-            raise InputError("grading.growth", self.growth, "above 1, at most 2")
+        if not 1.0 < self.growth <= LARGEST_GROWTH:
+            raise InputError("grading.growth", self.growth, f"above 1, at most {LARGEST_GROWTH:g}")
         if not self.at or not all(math.isfinite(place) for place in self.at):
             raise InputError("grading.at", self.at, "one finite position or more")
 
@@ -140,7 +146,7 @@ def nodes_between(start: float, end: float, sizes: Sizes) -> Array:
     slope = np.diff(size) / length
     counts = np.array([_count(s, h, b) for s, h, b in zip(length, size, slope, strict=False)])
     reached = np.concatenate([[0.0], np.cumsum(counts)])
-    total = max(1, math.ceil(reached[-1] - 1e-9)) if reached[-1] < LARGEST_COUNT else 0
+    total = max(1, math.ceil(reached[-1] - ROUNDING)) if reached[-1] < LARGEST_COUNT else 0
     if total == 0:
         raise InputError("size", grading.finest, f"at most {LARGEST_COUNT} elements along {end - start:g} m")
     wanted = np.linspace(0.0, reached[-1], total + 1)
@@ -168,9 +174,9 @@ def nodes_through(breaks: Sequence[float], sizes: Sizes) -> Array:
 def _count(length: float, size: float, slope: float) -> float:
     """Return the number of elements on a piece: the integral of ds / (size + slope s)."""
     ratio = slope * length / size
-    return length / size if abs(ratio) < 1e-9 else math.log1p(ratio) / slope
+    return length / size if abs(ratio) < ROUNDING else math.log1p(ratio) / slope
 
 
 def _length(count: float, size: float, slope: float) -> float:
     """Return the length that a count of elements takes, the inverse of `_count`."""
-    return count * size if abs(slope * count) < 1e-9 else size * math.expm1(slope * count) / slope
+    return count * size if abs(slope * count) < ROUNDING else size * math.expm1(slope * count) / slope

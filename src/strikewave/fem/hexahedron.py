@@ -49,10 +49,16 @@ from strikewave.fem.mesh import Array, Index, Mesh, volumes
 from strikewave.fem.solids import AnySolid, Bilinear, JohnsonCook
 
 SLAB = 64
-"""Chunks of a slab at least; a mesh is cut into at most `SLABS` slabs."""
+"""Chunks of a slab at least, 2048 elements: their forces take some tenths of a millisecond, longer than a thread's
+start."""
 SLABS = 32
+"""Slabs of a mesh at most: twice the threads of a usual machine, since slabs that share nodes take turns."""
+COUPLINGS = 24
+"""How four hourglass modes see the six others: the first rows of constants."""
+STIFFNESS, MASS, YIELDING = (int(row) // layout.LANES for row in (layout.STIFFNESS, layout.MASS, layout.YIELDING))
+"""Columns of the other constants; see `strikewave.fem._layout`."""
 HINGE = 4.5
-"""Largest hourglass force over kappa sigma_y V^(2/3)."""
+"""Largest hourglass force over kappa sigma_y V^(2/3): the plastic hinge of a cube, see the module."""
 SIGNS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
 """xi, eta, zeta of the nodes."""
 MODES = np.stack(
@@ -85,8 +91,8 @@ def shapes(points: Array, hexahedra: Index) -> Shapes:
     >>> found.gradients[0, :3].diagonal().tolist(), float(found.volume[0])
     ([2.0, 2.0, 2.0], 1.0)
     """
-    found = np.einsum("mk,ekd->emd", MODES, points[hexahedra]) / 8.0
-    e1, e2, e3, h1, h2, h3, _ = (found[:, m] for m in range(7))
+    amplitudes = np.einsum("mk,ekd->emd", MODES, points[hexahedra]) / 8.0
+    e1, e2, e3, h1, h2, h3, _ = (amplitudes[:, m] for m in range(7))
     cross = np.cross
     gradient = np.stack(
         [
@@ -99,7 +105,7 @@ def shapes(points: Array, hexahedra: Index) -> Shapes:
         ],
         axis=1,
     )
-    return Shapes(found, gradient, np.einsum("emd,emd->e", found[:, :6], gradient) / 3.0)
+    return Shapes(amplitudes, gradient, np.einsum("emd,emd->e", amplitudes[:, :6], gradient) / 3.0)
 
 
 def solid_row(solid: AnySolid) -> tuple[int, Array]:
@@ -111,8 +117,8 @@ def solid_row(solid: AnySolid) -> tuple[int, Array]:
     if isinstance(solid, Bilinear):
         hardening = solid.plastic_modulus
         row[layout.YIELD] = solid.yield_strength
-        row[layout.WIDENING] = (1.0 - solid.kinematic) * hardening
-        row[layout.MOVING] = solid.kinematic * hardening
+        row[layout.ISOTROPIC] = (1.0 - solid.kinematic) * hardening
+        row[layout.KINEMATIC] = solid.kinematic * hardening
         return layout.BILINEAR, row
     if isinstance(solid, JohnsonCook):
         row[layout.JC_A : layout.JC_RATE + 1] = solid.A, solid.B, solid.n, solid.C, solid.m, solid.reference_rate
@@ -122,37 +128,40 @@ def solid_row(solid: AnySolid) -> tuple[int, Array]:
     return layout.ELASTIC, row
 
 
-def critical_steps(found: Shapes, mass: Array, solid: AnySolid, viscosity: float) -> Array:
+def critical_steps(first_shapes: Shapes, mass: Array, solid: AnySolid, viscosity: float) -> Array:
     """Return a time step below which each element is stable by itself, s, with a linear viscosity; see the module."""
-    g = found.gradients
+    g = first_shapes.gradients
     gram = np.abs(np.einsum("emd,end->emn", g[:, :3], g[:, :3]))
     warped = np.einsum("emd,emd->e", g[:, 3:], g[:, 3:])
     largest = gram.sum(axis=2).max(axis=1) + warped
-    return steps_of(found, largest / found.volume, mass, solid, viscosity)
+    return steps_of(first_shapes, largest / first_shapes.volume, mass, solid, viscosity)
 
 
-def steps_of(found: Shapes, steepest: Array, mass: Array, solid: AnySolid, viscosity: float) -> Array:
+def steps_of(first_shapes: Shapes, steepest: Array, mass: Array, solid: AnySolid, viscosity: float) -> Array:
     """Return critical steps, given a bound of the largest eigenvalue of the integral of gradient times gradient."""
-    square = np.einsum("emd,emd->em", found.gradients, found.gradients)
-    trace, thickness = square.sum(axis=1), 2.0 * found.volume / np.sqrt(square[:, :3].max(axis=1))
+    square = np.einsum("emd,emd->em", first_shapes.gradients, first_shapes.gradients)
+    trace, thickness = square.sum(axis=1), 2.0 * first_shapes.volume / np.sqrt(square[:, :3].max(axis=1))
     lame = solid.wave_modulus - 2.0 * solid.shear_modulus
-    fastest = (2.0 * solid.shear_modulus * steepest + lame * trace / found.volume) / mass
-    damping = viscosity * solid.wave_speed * thickness * trace / found.volume**2
+    fastest = (2.0 * solid.shear_modulus * steepest + lame * trace / first_shapes.volume) / mass
+    damping = viscosity * solid.wave_speed * thickness * trace / first_shapes.volume**2
     return np.asarray(4.0 / (damping + np.sqrt(damping**2 + 4.0 * fastest)))
 
 
 def one_point_constants(mesh: Mesh, solids: Mapping[str, AnySolid], part: str, mass: Array, hourglass: float) -> Array:
     """Return what each element of a part keeps (elements, CONSTANTS), for an hourglass coefficient."""
     elements = mesh.elements_of(part)
-    found = shapes(mesh.points, mesh.hexahedra[elements])
+    first_shapes = shapes(mesh.points, mesh.hexahedra[elements])
     rows = np.empty((elements.stop - elements.start, layout.CONSTANTS))
-    coupling = np.einsum("ehd,emd->ehm", found.amplitudes[:, 3:], found.gradients) / found.volume[:, None, None]
-    rows[:, :24] = -coupling.reshape(-1, 24)
-    square = np.einsum("emd,emd->e", found.gradients, found.gradients) / 8.0
-    rows[:, 24] = 0.5 * hourglass * solids[part].wave_modulus * square / found.volume
-    rows[:, 25] = mass[elements]
-    largest = HINGE * hourglass * solids[part].strength * found.volume ** (2.0 / 3.0)
-    rows[:, 26] = (8.0 * rows[:, 24] / largest) ** 2 if hourglass else 0.0
+    coupling = (
+        np.einsum("ehd,emd->ehm", first_shapes.amplitudes[:, 3:], first_shapes.gradients)
+        / first_shapes.volume[:, None, None]
+    )
+    rows[:, :COUPLINGS] = -coupling.reshape(-1, COUPLINGS)
+    square = np.einsum("emd,emd->e", first_shapes.gradients, first_shapes.gradients) / 8.0
+    rows[:, STIFFNESS] = 0.5 * hourglass * solids[part].wave_modulus * square / first_shapes.volume
+    rows[:, MASS] = mass[elements]
+    largest = HINGE * hourglass * solids[part].strength * first_shapes.volume ** (2.0 / 3.0)
+    rows[:, YIELDING] = (8.0 * rows[:, STIFFNESS] / largest) ** 2 if hourglass else 0.0
     return rows
 
 
@@ -170,7 +179,7 @@ def build_blocks(
     points : int
         Integration points of an element.
     """
-    lanes, numbers, counts, owners, kept = layout.LANES, [], [], [], []
+    lanes, numbers, counts, owners, columns = layout.LANES, [], [], [], []
     for part, rows in constants.items():
         first, count = mesh.elements_of(part).start, len(rows)
         chunks = -(-count // lanes)
@@ -178,7 +187,7 @@ def build_blocks(
         numbers.append(first + lane.reshape(chunks, lanes))
         counts.append(np.minimum(count - lanes * np.arange(chunks), lanes))
         owners.append(np.full(chunks, mesh.names.index(part)))
-        kept.append(rows[lane].reshape(chunks, lanes, -1).transpose(0, 2, 1))
+        columns.append(rows[lane].reshape(chunks, lanes, -1).transpose(0, 2, 1))
     number = np.concatenate(numbers)
     table = [solid_row(solids[name]) for name in mesh.names]
     nodes = mesh.hexahedra[number].transpose(0, 2, 1)
@@ -186,7 +195,7 @@ def build_blocks(
         nodes=np.ascontiguousarray(nodes, np.int32).ravel(),
         filled=np.concatenate(counts).astype(np.int32),
         part=np.concatenate(owners).astype(np.int32),
-        constants=np.concatenate(kept).ravel(),
+        constants=np.concatenate(columns).ravel(),
         state=np.zeros(number.shape[0] * points * layout.STATES * lanes),
         solids=np.array([row for _, row in table]),
         kinds=np.array([kind for kind, _ in table], np.int32),
@@ -270,10 +279,10 @@ class Hexahedra:
                 for share, scratch in zip(shares, self.scratch, strict=False)
             ]
             if self.pool is None or len(work) == 1:
-                found = [self.forces(*each) for each in work]
+                steps = [self.forces(*each) for each in work]
             else:
-                found = list(self.pool.map(lambda each: self.forces(*each), work))
-            least = min(least, *found)
+                steps = list(self.pool.map(lambda each: self.forces(*each), work))
+            least = min(least, *steps)
         return least
 
     def work(self) -> Array:
@@ -285,7 +294,7 @@ class Hexahedra:
         owner = self.blocks.part[self.slabs[:, 0]]
         return {names[part]: float(self.sums[owner == part, 1].sum()) for part in np.unique(owner)}
 
-    def begin_ledger(self) -> None:
+    def begin_balance(self) -> None:
         """Let the sums begin with the energy that is stored: no plastic work, nothing that viscosity took."""
         self.sums[:, 0] -= self.sums[:, 1]
         self.sums[:, 1:3] = 0.0
@@ -297,8 +306,8 @@ class Hexahedra:
         for rows in (layout.SIGMA, layout.BACK):
             first = int(rows[0]) // layout.LANES
             tensors = state[:, :, first : first + 6].transpose(0, 3, 1, 2)[..., TENSOR]
-            found = np.einsum("clij,clpjk,clmk->clpim", turns, tensors, turns)
-            state[:, :, first : first + 6] = found[..., *COMPONENTS].transpose(0, 2, 3, 1)
+            turned = np.einsum("clij,clpjk,clmk->clpim", turns, tensors, turns)
+            state[:, :, first : first + 6] = turned[..., *COMPONENTS].transpose(0, 2, 3, 1)
 
     def cell_values(self, elements: int) -> tuple[Array, Array]:
         """Return stress (elements, 6) and equivalent plastic strain (elements,), means over the points.

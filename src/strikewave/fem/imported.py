@@ -32,7 +32,21 @@ FORMATS = {".msh": "gmsh", ".vtk": "vtk", ".vtu": "vtu"}
 """Formats that meshio reads, by the end of the file's name."""
 
 LEAST_MEMORY = 4 << 30
-"""Bytes that the process which reads a file may take, besides twenty times the file."""
+"""Bytes that the process which reads a file may take, besides `MEMORY_PER_BYTE` times the file: it is a limit of
+addresses, of which libraries reserve far more than they use."""
+
+MEMORY_PER_BYTE = 20
+"""Bytes of memory for each byte of a file: a text of numbers becomes Python objects before it becomes arrays."""
+
+LEAST_TIME, BYTES_PER_SECOND = 60.0, 1e6
+"""Seconds that the process may take for any file, and what it must read a second besides: meshio reads several times as
+much on a slow machine."""
+
+LONGEST_HINT = 200
+"""Last characters of what meshio reports: the error stands at the end."""
+
+LONGEST_NAME = 60
+"""Characters of a name: it stands in tables, legends and names of files."""
 
 GMSH_HINT = "; gmsh writes what is read here with Mesh.MshFileVersion 4.1 (or 2.2), SaveAll and SaveParametric 0"
 """Said of a .msh file that meshio refuses."""
@@ -61,7 +75,7 @@ def read_mesh(path: str | Path, scale: float = 1.0) -> Mesh:
         If the file is missing, too large or damaged, holds other solids than hexahedra of 8 nodes, overlapping parts,
         or a named face that is not on the surface of a part; or if meshio is needed and missing.
     InputErrors
-        If elements are flat or inverted, as `strikewave.fem.quality.check_mesh` says.
+        If elements are flat or inverted, see `strikewave.fem.quality.check_mesh`.
     """
     file = Path(path)
     if not 0.0 < scale < math.inf:
@@ -173,8 +187,8 @@ def _matched(outside: Index, faces: Whole) -> tuple[Index, NDArray[np.bool_]]:
     """Return the exterior faces that have the nodes of some of the faces, and which of those were found."""
     keys = np.sort(np.concatenate([outside, faces]), axis=1)
     _, number = np.unique(keys, axis=0, return_inverse=True)
-    ours, theirs = number.ravel()[: len(outside)], number.ravel()[len(outside) :]
-    return outside[np.isin(ours, theirs)], np.isin(theirs, ours)
+    own, wanted = number.ravel()[: len(outside)], number.ravel()[len(outside) :]
+    return outside[np.isin(own, wanted)], np.isin(wanted, own)
 
 
 def _clean(name: str) -> str:
@@ -185,46 +199,46 @@ def _clean(name: str) -> str:
     >>> _clean("top face.1")
     'top-face-1'
     """
-    return re.sub("[^A-Za-z0-9_+-]+", "-", name)[:60] or "unnamed"
+    return re.sub("[^A-Za-z0-9_+-]+", "-", name)[:LONGEST_NAME] or "unnamed"
 
 
 def _read_meshio(file: Path, kind: str) -> RawMesh:
-    """Return what meshio finds in a file, in a process with bounds; whatever ends it says that the file is damaged."""
+    """Return what meshio finds in a file, in a process with bounds; whatever ends it means that the file is damaged."""
     if importlib.util.find_spec("meshio") is None:
         hint = "pip install 'strikewave[mesh]'"
         raise InputError("mesh.file", file.name, f"{file.suffix} only where meshio is installed", hint)
     size = file.stat().st_size
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "mesh.npz"
-        memory = LEAST_MEMORY + 20 * size
+        memory = LEAST_MEMORY + MEMORY_PER_BYTE * size
         command = [sys.executable, "-P", meshio_child.__file__, kind, str(file.resolve()), str(target), str(memory)]
         try:
             done = subprocess.run(
                 command,
                 capture_output=True,
                 text=True,
-                timeout=60.0 + size / 1e6,
+                timeout=LEAST_TIME + size / BYTES_PER_SECOND,
                 env=os.environ | ONE_THREAD,
                 check=False,
             )
-            word = done.stderr[-200:] or f"the reader ended with {done.returncode}"
+            reason = done.stderr[-LONGEST_HINT:] or f"the reader ended with {done.returncode}"
         except subprocess.TimeoutExpired:
-            word = "it takes too long"
+            reason = "it takes too long"
         if not target.is_file():
-            hint = f"it could not be read: {word}" + (GMSH_HINT if kind == "gmsh" else "")
+            hint = f"it could not be read: {reason}" + (GMSH_HINT if kind == "gmsh" else "")
             raise InputError("mesh.file", file.name, f"a {kind} file", hint)
-        with np.load(target, allow_pickle=False) as held:
-            arrays = dict(held)
-    words = json.loads(str(arrays["words"]))
-    refuse_other_solids(words["others"])
+        with np.load(target, allow_pickle=False) as archive:
+            arrays = dict(archive)
+    names = json.loads(str(arrays["words"]))
+    refuse_other_solids(names["others"])
     points, quads = arrays["points"], arrays["quads"]
     if points.ndim != 2 or points.shape[1] != 3 or (quads.size and not 0 <= quads.min() <= quads.max() < len(points)):
         raise InputError("mesh.file", f"points {points.shape}", "three coordinates for each node that is used")
     return RawMesh(
         points,
         arrays["hexahedra"],
-        dict(_members(words["parts"], arrays["parts"])),
-        {name: quads[members] for name, members in _members(words["sides"], arrays["sides"])},
+        dict(_members(names["parts"], arrays["parts"])),
+        {name: quads[members] for name, members in _members(names["sides"], arrays["sides"])},
     )
 
 

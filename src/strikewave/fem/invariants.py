@@ -1,4 +1,4 @@
-"""Numbers of a stress that do not hang on the axes: von Mises stress and pressure; SI.
+"""Numbers of a stress that do not depend on the axes: von Mises stress and pressure; SI.
 
 Stresses are (..., 6): xx yy zz xy yz zx, tension positive.
 """

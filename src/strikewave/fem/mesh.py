@@ -23,6 +23,10 @@ from strikewave.base.errors import InputError, nearest
 Array = NDArray[np.float64]
 Index = NDArray[np.int32]
 
+TINY = 1e-300
+"""Keeps a division by zero out where nothing moves or has an extent: no length, momentum or energy in SI is as
+small."""
+
 FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]], np.int32)
 """The six faces of a hexahedron by its nodes, normals outward: zeta-, zeta+, eta-, xi+, eta+, xi-."""
 
@@ -67,6 +71,11 @@ class Mesh:
     def nodes_of(self, name: str) -> Index:
         """Return the nodes of a part, in ascending order."""
         return np.unique(self.hexahedra[self.elements_of(name)])
+
+    def nearest_node(self, name: str, place: Sequence[float]) -> int:
+        """Return the node of a part that lies nearest to a place, m."""
+        nodes = self.nodes_of(name)
+        return int(nodes[np.argmin(np.sum((self.points[nodes] - np.array(place)) ** 2, axis=1))])
 
     def side(self, name: str) -> Index:
         """Return the faces of a side, ``part.side``; ``part.all`` are all exterior faces of the part.

@@ -27,11 +27,11 @@ def main(kind: str, source: str, target: str, largest_memory: str) -> int:
     _bound_memory(int(largest_memory))
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            held = contents(importlib.import_module(f"meshio.{kind}").read(source), kind)
+            arrays = contents(importlib.import_module(f"meshio.{kind}").read(source), kind)
     except (Exception, SystemExit) as error:
         sys.stderr.write(f"{type(error).__name__} {error}"[:500])
         return 1
-    np.savez(target, **held)
+    np.savez(target, **arrays)
     return 0
 
 
@@ -72,12 +72,12 @@ def _groups(mesh: Any, kind: str, dim: int | None) -> dict[str, Any]:
     tag = np.concatenate([np.empty(0, np.int64), *tags])
     names = {int(number): str(name) for name, (number, of) in mesh.field_data.items() if of == dim} if dim else {}
     word = "part" if kind == "hexahedron" else "side"
-    found = {names.get(int(t), f"{word}-{t}"): np.flatnonzero(tag == t) for t in np.unique(tag) if t != 0}
+    groups = {names.get(int(t), f"{word}-{t}"): np.flatnonzero(tag == t) for t in np.unique(tag) if t != 0}
     begin = np.cumsum([0, *(len(mesh.cells[number].data) for number in blocks)])
     for name in (name for name in names.values() if name in mesh.cell_sets):
         members = [start + mesh.cell_sets[name][number] for start, number in zip(begin, blocks, strict=False)]
-        found[name] = np.concatenate([np.empty(0, np.int64), *members]).astype(np.int64)
-    return {name: members for name, members in found.items() if len(members)}
+        groups[name] = np.concatenate([np.empty(0, np.int64), *members]).astype(np.int64)
+    return {name: members for name, members in groups.items() if len(members)}
 
 
 def _once(cells: Any, groups: dict[str, Any]) -> tuple[Any, dict[str, Any]]:

@@ -9,14 +9,25 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
+from strikewave.fem.grading import ROUNDING
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.solids import AnySolid
 
-Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
+"""Components along x, y and z."""
+STIFFNESS = 0.8
+"""Share s of the stiffness that closes a gap within one step: 1 is a kinematic constraint; 0.8 leaves a margin to where
+contact overshoots, see `strikewave.fem.contact`."""
+SAFETY = 0.9
+"""Share of the critical step. The bound is safe for linear elements; 10 % is left for what a step deforms, as is
+usual."""
+HOURGLASS = 0.05
+"""Coefficient of the hourglass stiffness: the usual one of the stiffness form; 0.17 would bend steel cubes exactly, and
+hold plastic flow up."""
+LINEAR_VISCOSITY, QUADRATIC_VISCOSITY = 0.06, 1.5
+"""Coefficients of the bulk viscosity, the usual ones of explicit codes: a jump is spread over a few elements."""
+INTERVAL = 1e-6
+"""Step of the histories, s: a hundred for a pulse of 100 us."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +110,7 @@ class Contact:
     first: str
     second: str
     friction: float = 0.0
-    stiffness: float = 0.8
+    stiffness: float = STIFFNESS
 
     @property
     def name(self) -> str:
@@ -180,15 +191,15 @@ class Controls:
     threads : int
         Threads; the numbers do not depend on it.
     blows : int
-        Blows one after another, each of the duration, on what the one before left; see `strikewave.fem.again`.
+        Blows one after another, each of the duration, on what the one before left; see `strikewave.fem.repeated_blows`.
     """
 
     duration: float
-    interval: float = 1e-6
-    safety: float = 0.9
-    hourglass: float = 0.05
-    linear_viscosity: float = 0.06
-    quadratic_viscosity: float = 1.5
+    interval: float = INTERVAL
+    safety: float = SAFETY
+    hourglass: float = HOURGLASS
+    linear_viscosity: float = LINEAR_VISCOSITY
+    quadratic_viscosity: float = QUADRATIC_VISCOSITY
     full: tuple[str, ...] = ()
     least_step: float = 0.0
     threads: int = 1
@@ -197,7 +208,7 @@ class Controls:
     @property
     def intervals(self) -> int:
         """Steps of the histories."""
-        return max(1, math.ceil(self.duration / self.interval - 1e-9))
+        return max(1, math.ceil(self.duration / self.interval - ROUNDING))
 
 
 @dataclass(frozen=True)
@@ -216,7 +227,7 @@ class Model:
         m/s^2.
     boundaries, contacts, ties, walls, rigid, sections, points : tuple
     groups : mapping of str to tuple of str
-        Parts whose motion is told as that of one body too.
+        Parts whose motion is also recorded as that of one body.
     """
 
     mesh: Mesh
@@ -245,6 +256,7 @@ def stays(model: Model, sides: Sequence[str]) -> bool:
 
     Examples
     --------
+    >>> import numpy as np
     >>> from strikewave.fem.mesh import Mesh
     >>> nothing = Mesh(np.zeros((0, 3)), np.zeros((0, 8), np.int32), np.zeros(0, np.int32), ())
     >>> model = Model(nothing, {}, Controls(1e-3), velocity={"ball": (0.0, 0.0, -1.0)})

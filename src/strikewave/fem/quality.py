@@ -22,16 +22,18 @@ CORNERS = np.array(
 """Each corner of a hexahedron and the ends of its three edges, right-handed."""
 
 FLAT = 1e-6
-"""Scaled Jacobian at and below which a corner counts as flat; and shortest over longest edge of a flat element."""
+"""Scaled Jacobian at and below which a corner counts as flat; and shortest over longest edge of a flat element.
+
+Files of meshes keep six digits or more: what is flatter cannot be told from inverted."""
 
 FARTHEST = 1e6
 """Largest coordinate, m: what lies farther has the wrong unit, or is no number."""
 
 AT_ONCE = 50_000
-"""Elements looked at in one go; keeps the memory bounded."""
+"""Elements looked at in one go: 24 numbers each of some tens of arrays, together below 1 GB."""
 
 NAMED = 5
-"""Elements named of each kind of fault."""
+"""Elements named of each kind of fault: enough to see where, few enough for a screen."""
 
 
 @dataclass(frozen=True)
@@ -209,27 +211,27 @@ def _repeated(mesh: Mesh) -> list[str]:
 def _inverted(mesh: Mesh) -> list[str]:
     """Return a line for each element with a corner or a volume that is not positive."""
     bad: list[int] = []
-    found: list[str] = []
+    reasons: list[str] = []
     for start in range(0, len(mesh.hexahedra), AT_ONCE):
         chunk = mesh.hexahedra[start : start + AT_ONCE]
         smallest, volume = scaled_jacobians(mesh.points, chunk).min(axis=1), volumes(mesh.points, chunk)
         shortest, longest = _edge_lengths(mesh.points, chunk).T
         for element in np.flatnonzero((smallest <= FLAT) | (volume <= 0.0) | (shortest <= FLAT * longest)):
             bad.append(start + int(element))
-            found.append(f"scaled Jacobian {smallest[element]:.3g}, volume {volume[element]:.3g} m^3")
+            reasons.append(f"scaled Jacobian {smallest[element]:.3g}, volume {volume[element]:.3g} m^3")
     return _named(
         mesh,
         np.array(bad, int),
-        found,
+        reasons,
         f"scaled Jacobian and ratio of edges above {FLAT:g}, volume above 0",
         "mesh it anew there",
     )
 
 
-def _named(mesh: Mesh, bad: NDArray[np.integer], found: list[str], allowed: str, hint: str) -> list[str]:
+def _named(mesh: Mesh, bad: NDArray[np.integer], reasons: list[str], allowed: str, hint: str) -> list[str]:
     """Return a line for the first of the bad elements: part, number within the part, centre."""
     lines = []
-    for element, got in list(zip(bad, found, strict=True))[:NAMED]:
+    for element, got in list(zip(bad, reasons, strict=True))[:NAMED]:
         part = mesh.names[mesh.part[element]]
         x, y, z = mesh.points[mesh.hexahedra[element]].mean(axis=0)
         field = f"mesh.{part} element {element - mesh.elements_of(part).start} at ({x:.4g}, {y:.4g}, {z:.4g}) m"

@@ -14,12 +14,14 @@ from strikewave.fem.mesh import Array, Index
 Whole = NDArray[np.integer]
 
 LARGEST_FILE = 1 << 30
-"""Bytes of a mesh file."""
+"""Bytes of a mesh file: five times that of `LARGEST_COUNT` hexahedra as text, about 100 bytes for an element and its
+node."""
 
 LARGEST_COUNT = 2_000_000
-"""Hexahedra of a mesh file."""
+"""Hexahedra of a mesh file: two thirds of what a model may have, and minutes to read."""
 
 SOLIDS_HINT = 'mesh it with hexahedra; in gmsh: transfinite volumes with "Recombine", or Mesh.SubdivisionAlgorithm = 2'
+"""What to do with a mesh of tetrahedra: gmsh makes those unless it is asked for hexahedra."""
 
 
 @dataclass(frozen=True)
@@ -48,5 +50,5 @@ class RawMesh:
 def refuse_other_solids(counts: Mapping[str, int]) -> None:
     """Refuse solids that are not hexahedra of 8 nodes, by their count."""
     if counts:
-        found = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
-        raise InputError("mesh.file", found, "hexahedra of 8 nodes as its only solids", SOLIDS_HINT)
+        listed = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
+        raise InputError("mesh.file", listed, "hexahedra of 8 nodes as its only solids", SOLIDS_HINT)

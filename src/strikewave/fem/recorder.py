@@ -11,9 +11,10 @@ from strikewave.base.errors import InputError
 from strikewave.fem._contact_kernels import Touch
 from strikewave.fem.boundary import unit
 from strikewave.fem.invariants import von_mises
-from strikewave.fem.mesh import Array, Index, Mesh, volumes
+from strikewave.fem.mesh import TINY, Array, Index, Mesh, volumes
 from strikewave.fem.model import Model, Section
 from strikewave.fem.run import ENERGIES, PartHistory, PointHistory, SectionHistory
+from strikewave.fem.sections import ON_SURFACE
 
 
 class Motion(NamedTuple):
@@ -40,7 +41,7 @@ class Recorder:
         self.mesh, self.mass, self.shares = model.mesh, mass, shares
         self.nodes = {name: model.mesh.nodes_of(name) for name in model.mesh.names}
         self.bearing = {n: self.mesh.elements_of(n) for n in model.mesh.names if n not in {r.part for r in model.rigid}}
-        self.points = {p.name: _nearest(model.mesh, p.part, np.array(p.place)) for p in model.points}
+        self.points = {p.name: model.mesh.nearest_node(p.part, p.place) for p in model.points}
         self.sections = {s.name: section_elements(model.mesh, s) for s in model.sections}
         self.rows: dict[str, list[Array]] = {}
 
@@ -72,7 +73,7 @@ class Recorder:
         return np.array(self.rows[key])
 
     def energy(self) -> dict[str, Array]:
-        """Return the columns of the energy ledger."""
+        """Return the columns of the energy balance."""
         return {name: self.column(name) for name in ENERGIES}
 
     def largest(self, what: str) -> dict[str, Array]:
@@ -81,11 +82,11 @@ class Recorder:
 
     def part_histories(self) -> dict[str, PartHistory]:
         """Return the motion of the parts."""
-        found = {}
+        histories = {}
         for name, share in self.shares.items():
             moved, speed, rate = np.moveaxis(self.column(f"part/{name}"), 1, 0)
-            found[name] = PartHistory(float(share.sum()), speed, rate, moved)
-        return found
+            histories[name] = PartHistory(float(share.sum()), speed, rate, moved)
+        return histories
 
     def point_histories(self) -> dict[str, PointHistory]:
         """Return the motion of the points."""
@@ -96,11 +97,11 @@ class Recorder:
 
     def section_histories(self) -> dict[str, SectionHistory]:
         """Return stress and motion of the sections."""
-        found = {}
+        histories = {}
         for name, (elements, _) in self.sections.items():
             _, speed, rate = np.moveaxis(self.column(f"section/{name}"), 1, 0)
-            found[name] = SectionHistory(len(elements), self.column(f"stress/{name}"), speed, rate)
-        return found
+            histories[name] = SectionHistory(len(elements), self.column(f"stress/{name}"), speed, rate)
+        return histories
 
 
 def assembly(parts: Mapping[str, PartHistory], names: Sequence[str]) -> PartHistory:
@@ -122,8 +123,8 @@ def pressed(touch: Touch) -> Array:
     for side in (slice(None, touch.first), slice(touch.first, None)):
         area, own = touch.area[side], under[side]
         if len(area):
-            found = float(area[own].sum())
-            rows.append([found / float(area.sum()), found / float(area[own].max(initial=1e-300))])
+            pressed_area = float(area[own].sum())
+            rows.append([pressed_area / float(area.sum()), pressed_area / float(area[own].max(initial=TINY))])
     return np.array(rows)
 
 
@@ -138,7 +139,7 @@ def section_elements(mesh: Mesh, section: Section) -> tuple[Index, Array]:
     chosen = mesh.elements_of(section.part)
     corners = mesh.points[mesh.hexahedra[chosen]]
     height = (corners - np.array(section.point)) @ unit(section.normal, f"section.{section.name}.normal")
-    small = 1e-9 * float(np.abs(height).max())
+    small = ON_SURFACE * float(np.abs(height).max())
     cut = (height.min(axis=1) <= small) & (height.max(axis=1) > small)
     if not cut.any():
         places = mesh.points[mesh.nodes_of(section.part)]
@@ -151,8 +152,3 @@ def section_elements(mesh: Mesh, section: Section) -> tuple[Index, Array]:
     elements = (np.flatnonzero(cut) + chosen.start).astype(np.int32)
     volume = volumes(mesh.points, mesh.hexahedra[elements])
     return elements, volume / volume.sum()
-
-
-def _nearest(mesh: Mesh, part: str, place: Array) -> int:
-    nodes = mesh.nodes_of(part)
-    return int(nodes[np.argmin(np.sum((mesh.points[nodes] - place) ** 2, axis=1))])

@@ -14,34 +14,47 @@ from typing import Any
 import numpy as np
 
 from strikewave.base.errors import InputError
-from strikewave.fem._contact_kernels import ContactState, Found
+from strikewave.fem._contact_kernels import ContactState, NodeContacts
 from strikewave.fem.engine import COLLAPSED, Engine
 from strikewave.fem.run import Rest
 
 LARGEST = 40_000_000_000
-"""Bytes of a restart file at most."""
+"""Bytes of a restart file at most: several times that of the largest mesh that is run; a larger one is none of ours."""
 ALLOWED = "a restart file of this model"
-NUMBERS = ("instant", "steps", "behind", "critical", "smallest", "initial_energy", "blow")
-ARRAYS = ("x", "v", "f", "given")
+"""What every refusal of a file asks for."""
+NUMBERS = ("instant", "steps", "dt_previous", "critical", "smallest", "initial_energy", "blow")
+"""Numbers of the engine that a step begins with."""
+ARRAYS = ("x", "v", "f", "impulse_given")
+"""Arrays of the engine that a step begins with."""
 FINITE = ("body/", "done/", "elements/", "impulse/", "row/")
 """Names, or how they begin, of numbers that end."""
 SHORTEST = 0.4
-"""Share of the safe step that a step is at least: one is cut to fit what is left of an interval, by half at most."""
+"""Share of the safe step that a step is at least: one is cut to fit what is left of an interval, by half at most.
+
+A file with less was not written by a run, and would take for ever."""
+LARGEST_OF_REST = 1e15
+"""Largest number of how bodies came to rest: energies, lengths and steps stay far below."""
+ROUNDING = 1e-9
+"""Share by which the steps of a file may exceed what its smallest step allows: they were summed in floating point."""
 BODY = ("centre", "velocity", "spin", "turned")
+"""State of a rigid part."""
 TOUCH = ("area", "velocity", "normal", "friction", "step")
+"""State of the nodes of a contact or wall."""
 SEARCHED = ("start", "candidates")
-SURFACE = (*SEARCHED, "size", "radius", "place", "moving", "lightness", "travel", "offset")
+"""Arrays of a contact whose length is that of the last search."""
+SURFACE = (*SEARCHED, "size", "radius", "place", "moving", "inverse_mass", "travel", "offset")
+"""Other arrays of a contact or wall that a step begins with."""
 
 
 def state_of(engine: Engine) -> dict[str, np.ndarray]:
     """Return everything that changes in a run, by name, as it is before the forces of an instant are found."""
-    found: dict[str, Any] = {name: getattr(engine, name) for name in NUMBERS} | dict(_arrays(engine))
-    found["rest"] = np.array(engine.rest or np.zeros(len(Rest._fields)), float)
-    found |= {f"done/{name}": value for name, value in engine.done.items()}
-    for name, state in engine.contacts.items():
-        found |= {f"contact/{name}/{field}": getattr(state, field) for field in SEARCHED}
-    found |= {f"row/{name}": np.array(column) for name, column in engine.recorder.rows.items()}
-    return {name: np.asarray(value) for name, value in found.items()}
+    state: dict[str, Any] = {name: getattr(engine, name) for name in NUMBERS} | dict(_arrays(engine))
+    state["rest"] = np.array(engine.rest or np.zeros(len(Rest._fields)), float)
+    state |= {f"done/{name}": value for name, value in engine.done.items()}
+    for name, surfaces in engine.contacts.items():
+        state |= {f"contact/{name}/{field}": getattr(surfaces, field) for field in SEARCHED}
+    state |= {f"row/{name}": np.array(column) for name, column in engine.recorder.rows.items()}
+    return {name: np.asarray(value) for name, value in state.items()}
 
 
 def _arrays(engine: Engine) -> Iterator[tuple[str, np.ndarray]]:
@@ -61,22 +74,22 @@ def _surface(state: Any) -> Iterator[tuple[str, np.ndarray]]:
     yield from ((f"touch/{name}", getattr(state.touch, name)) for name in TOUCH)
     yield from ((name, getattr(state, name)) for name in SURFACE if name in state._fields and name not in SEARCHED)
     if isinstance(state, ContactState):
-        yield from ((f"found/{name}", getattr(state.found, name)) for name in Found._fields)
+        yield from ((f"nodal/{name}", getattr(state.nodal, name)) for name in NodeContacts._fields)
 
 
-def put_back(engine: Engine, found: Mapping[str, np.ndarray]) -> None:
+def put_back(engine: Engine, state: Mapping[str, np.ndarray]) -> None:
     """Bring an engine of the same model to a state."""
     for name in NUMBERS:
-        setattr(engine, name, type(getattr(engine, name))(found[name]))
+        setattr(engine, name, type(getattr(engine, name))(state[name]))
     for name, value in _arrays(engine):
-        value[...] = found[name]
+        value[...] = state[name]
     if engine.blow > 1:
-        engine.rest, engine.overlaps = _rest(found["rest"]), []
-    engine.done = {name: float(found[f"done/{name}"]) for name in engine.done}
-    for name, state in engine.contacts.items():
-        start, candidates = (found[f"contact/{name}/{field}"] for field in SEARCHED)
-        engine.contacts[name] = state._replace(start=start, candidates=candidates)
-    engine.recorder.rows = {name: list(found[f"row/{name}"]) for name in engine.recorder.rows}
+        engine.rest, engine.overlaps = _rest(state["rest"]), []
+    engine.done = {name: float(state[f"done/{name}"]) for name in engine.done}
+    for name, contact in engine.contacts.items():
+        start, candidates = (state[f"contact/{name}/{field}"] for field in SEARCHED)
+        engine.contacts[name] = contact._replace(start=start, candidates=candidates)
+    engine.recorder.rows = {name: list(state[f"row/{name}"]) for name in engine.recorder.rows}
     engine.begin_interval()
 
 
@@ -116,15 +129,15 @@ def kept_blows(path: Path) -> dict[int, Path]:
     InputError
         If the state of the run cannot be read.
     """
-    found: dict[int, Path] = {}
-    while (end := path_of_blow(path, len(found) + 1)).is_file():
-        found[len(found) + 1] = end
-    if path.is_file() or not found:
+    files: dict[int, Path] = {}
+    while (end := path_of_blow(path, len(files) + 1)).is_file():
+        files[len(files) + 1] = end
+    if path.is_file() or not files:
         blow = _blow_in(path)
-        if not 1 <= blow <= len(found) + 1:
-            raise _damaged(path, ValueError(f"the end of blow {len(found) + 1} is missing"))
-        found.setdefault(blow, path)
-    return found
+        if not 1 <= blow <= len(files) + 1:
+            raise _damaged(path, ValueError(f"the end of blow {len(files) + 1} is missing"))
+        files.setdefault(blow, path)
+    return files
 
 
 def _blow_in(path: Path) -> int:
@@ -167,18 +180,18 @@ def read_restart(path: Path, engine: Engine, blow: int = 1) -> None:
                 raise InputError(
                     "restart", str(path), ALLOWED, "the case has changed since, or strikewave: run without it"
                 )
-            found = _read(file, engine, path.stat().st_size)
-        _check(engine, found, blow)
+            state = _read(file, engine, path.stat().st_size)
+        _check(engine, state, blow)
     except (OSError, KeyError, TypeError, ValueError, RuntimeError, MemoryError) as error:
         if isinstance(error, InputError):
             raise
         raise _damaged(path, error) from None
-    put_back(engine, found)
+    put_back(engine, state)
 
 
 def _read(file: Any, engine: Engine, most: int) -> dict[str, np.ndarray]:
     """Return the numbers of a file, if it holds those of the engine, which notes a row, and no others."""
-    engine.act()
+    engine.assemble_forces()
     engine.record()
     items: dict[str, Any] = {}
     file.visititems(lambda name, item: items.update({name: item}) if hasattr(item, "shape") else None)
@@ -200,21 +213,21 @@ def _read(file: Any, engine: Engine, most: int) -> dict[str, np.ndarray]:
     return {name: np.asarray(item[()]) for name, item in items.items()}
 
 
-def _check(engine: Engine, found: Mapping[str, np.ndarray], blow: int) -> None:
+def _check(engine: Engine, stored: Mapping[str, np.ndarray], blow: int) -> None:
     """Check what a run would not survive: numbers that end, steps without end, faces that are not there."""
-    for name in (*ARRAYS, *(name for name in found if name.startswith(FINITE))):
-        _need(name, bool(np.all(np.isfinite(found[name]))))
+    for name in (*ARRAYS, *(name for name in stored if name.startswith(FINITE))):
+        _need(name, bool(np.all(np.isfinite(stored[name]))))
     least = min(engine.interval, SHORTEST * engine.model.controls.safety * engine.collapse)
-    for name in ("behind", "smallest"):
-        _need(name, least <= float(found[name]) <= engine.interval)
-    steps, instant = int(found["steps"]), int(found["instant"])
-    _need("steps", instant <= steps <= (1.0 + 1e-9) * instant * engine.interval / float(found["smallest"]))
-    _need("blow", int(found["blow"]) == blow)
-    _need("rest", bool(np.all(np.isfinite(found["rest"]) & (np.abs(found["rest"]) < 1e15))))
-    _need("initial_energy", bool(np.isfinite(found["initial_energy"])))
-    _need("critical", engine.collapse <= float(found["critical"]) <= engine.critical / COLLAPSED)
+    for name in ("dt_previous", "smallest"):
+        _need(name, least <= float(stored[name]) <= engine.interval)
+    steps, instant = int(stored["steps"]), int(stored["instant"])
+    _need("steps", instant <= steps <= (1.0 + ROUNDING) * instant * engine.interval / float(stored["smallest"]))
+    _need("blow", int(stored["blow"]) == blow)
+    _need("rest", bool(np.all(np.isfinite(stored["rest"]) & (np.abs(stored["rest"]) < LARGEST_OF_REST))))
+    _need("initial_energy", bool(np.isfinite(stored["initial_energy"])))
+    _need("critical", engine.collapse <= float(stored["critical"]) <= engine.critical / COLLAPSED)
     for name, state in engine.contacts.items():
-        start, candidates, face = (found[f"contact/{name}/{each}"] for each in (*SEARCHED, "found/face"))
+        start, candidates, face = (stored[f"contact/{name}/{each}"] for each in (*SEARCHED, "nodal/face"))
         _need(f"{name}: start", start[0] == 0 and start[-1] == len(candidates) and bool(np.all(np.diff(start) >= 0)))
         for faces, least in ((candidates, 0), (face, -1)):
             _need(f"{name}: faces", bool(np.all((faces >= least) & (faces < len(state.faces)))))

@@ -45,7 +45,7 @@ class RigidBody(Acting):
         self.velocity = np.where(self.moves, velocity, 0.0)
         self.spin, self.turned = np.zeros(3), np.eye(3)
 
-    def act(self, now: Now) -> None:
+    def apply(self, now: Now) -> None:
         """Write the forces between the nodes that keep them together, and those that hold what may not move."""
         f, x = now.f[self.nodes], now.x[self.nodes]
         self.velocity = np.where(self.moves, self.velocity + now.kick * f.sum(axis=0) / self.mass, 0.0)
@@ -68,7 +68,7 @@ class RigidBody(Acting):
         return rate
 
 
-def lightness(body: RigidBody, mesh: Mesh, part: str) -> Array:
+def surface_inverse_mass(body: RigidBody, mesh: Mesh, part: str) -> Array:
     """Return inverse masses of a rigid part's nodes that move under any contact at least as easily as the body, 1/kg.
 
     Forces f at nodes i with arms r_i move the body by K^-1 sum R_i^T f_i, R_i = (1, -r_i x), K = diag(M, J), and node j
@@ -88,9 +88,9 @@ def lightness(body: RigidBody, mesh: Mesh, part: str) -> Array:
     free = np.flatnonzero([*body.moves, *body.turns])
     pick = np.ix_(free, free)
     most = eigvalsh(spread[pick], masses[pick])[-1] if len(free) else 0.0
-    found = np.zeros(len(body.nodes))
-    found[place] = most / area
-    return found
+    inverse_mass = np.zeros(len(body.nodes))
+    inverse_mass[place] = most / area
+    return inverse_mass
 
 
 def rigid_bodies(model: Model, mass: Array, ties: TieState, held: Sequence[Index]) -> list[RigidBody]:
@@ -108,12 +108,14 @@ def rigid_bodies(model: Model, mass: Array, ties: TieState, held: Sequence[Index
         if np.isin(body.nodes, tied).any():
             raise InputError(f"rigid {rigid.part}", "tied nodes", "no tie on a rigid part", "make both parts one")
         if any(np.isin(body.nodes, nodes).any() for nodes in held):
-            hint = "say how it may move by its freedoms instead (rigid), or drive a part that deforms"
+            hint = "state its freedoms instead (rigid), or drive a part that deforms"
             raise InputError(f"rigid {rigid.part}", "held or driven nodes", "no boundary that holds a rigid part", hint)
-    for (one, first), (other, second) in itertools.combinations(zip(model.rigid, bodies, strict=True), 2):
+    for (first_part, first), (second_part, second) in itertools.combinations(zip(model.rigid, bodies, strict=True), 2):
         if np.isin(first.nodes, second.nodes).any():
-            got = f"common nodes with rigid {other.part}"
-            raise InputError(f"rigid {one.part}", got, "nodes of its own for each rigid part", "make both one part")
+            got = f"common nodes with rigid {second_part.part}"
+            raise InputError(
+                f"rigid {first_part.part}", got, "nodes of its own for each rigid part", "make both one part"
+            )
     _check_surfaces(model, bodies)
     return bodies
 

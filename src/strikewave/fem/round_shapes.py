@@ -24,6 +24,7 @@ from strikewave.fem.sections import (
     BULGE,
     CORE,
     FLIPPED,
+    ON_SURFACE,
     Section,
     Sector,
     Surface,
@@ -156,7 +157,7 @@ def tube(name: str, size: TubeSize, across: Sizes, along: Sizes, sector: Sector 
     heights = nodes_through(sorted({0.0, size.bottom, size.length - size.top, size.length}), along)
     middle = 0.5 * (heights[:-1] + heights[1:])
     closed = (middle < size.bottom) | (middle > size.length - size.top)
-    in_wall = np.all(np.hypot(*section.points.T)[section.quads] > (1.0 - 1e-9) * bore, axis=1)
+    in_wall = np.all(np.hypot(*section.points.T)[section.quads] > (1.0 - ON_SURFACE) * bore, axis=1)
     points, hexahedra = extruded(section, heights, closed[:, None] | in_wall)
     scale = max(size.outer, size.length)
     ends = {"inner_bottom": size.bottom, "inner_top": size.length - size.top if size.top else 0.0}
@@ -220,7 +221,7 @@ def half_cylinder(
     points = np.roll(points, -1, axis=1)
     scale = max(radius, length)
     sides = {
-        "round": lambda at: np.abs(np.hypot(at[:, 0], at[:, 2]) - radius) <= 1e-9 * radius,
+        "round": lambda at: np.abs(np.hypot(at[:, 0], at[:, 2]) - radius) <= ON_SURFACE * radius,
         "top": plane(2, 0.0, scale),
         "back": plane(1, 0.5 * length, scale),
         **({"front": plane(1, low, scale)} if sector == "whole" else _cuts(sector, scale)),
@@ -389,8 +390,8 @@ def _cuts(sector: Sector, scale: float) -> dict[str, Surface]:
 
 
 def _on_cylinder(radius: float) -> Surface:
-    return lambda points: np.abs(np.hypot(points[:, 0], points[:, 1]) - radius) <= 1e-9 * radius
+    return lambda points: np.abs(np.hypot(points[:, 0], points[:, 1]) - radius) <= ON_SURFACE * radius
 
 
 def _on_ball(radius: float) -> Surface:
-    return lambda points: np.abs(np.linalg.norm(points, axis=1) - radius) <= 1e-9 * radius
+    return lambda points: np.abs(np.linalg.norm(points, axis=1) - radius) <= ON_SURFACE * radius

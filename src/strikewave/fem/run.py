@@ -1,4 +1,4 @@
-"""What an explicit run gives: histories at equal intervals, the energy ledger, the last state; SI."""
+"""What an explicit run gives: histories at equal intervals, the energy balance, the last state; SI."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.fem.contact import Overlap
+from strikewave.fem.mesh import TINY
 
 Array = NDArray[np.float64]
 
 ENERGIES = ("kinetic", "internal", "plastic", "hourglass", "contact", "viscous", "external")
-"""Columns of the energy ledger; ``internal`` is elastic energy and plastic work, ``plastic`` the plastic work in it."""
+"""Columns of the energy balance; ``internal`` is elastic energy and plastic work, ``plastic`` the plastic work in
+it."""
 KEPT = ("kinetic", "internal", "hourglass", "contact", "viscous")
 """Those that together are what was there at the start and what came from outside."""
 
@@ -191,8 +193,8 @@ class FemRun:
     @property
     def energy_error(self) -> Array:
         """Energy that is missing (negative) or too much, as a share of the largest energy in play, (instants,)."""
-        kept = sum(self.energy[name] for name in KEPT)
-        return np.asarray((kept - self._given) / self._in_play)
+        accounted = sum(self.energy[name] for name in KEPT)
+        return np.asarray((accounted - self._given) / self._in_play)
 
     @property
     def contact_gain(self) -> float:
@@ -205,7 +207,7 @@ class FemRun:
 
     @property
     def _in_play(self) -> Array:
-        return np.asarray(np.maximum(np.maximum.accumulate(np.abs(self._given)), 1e-300))
+        return np.asarray(np.maximum(np.maximum.accumulate(np.abs(self._given)), TINY))
 
     @property
     def energy_in_play(self) -> float:
@@ -217,7 +219,7 @@ class FemRun:
         """Largest difference of momentum and what was given, over the largest momentum in play."""
         off = self.momentum - self.momentum[0] - self.impulse_given
         carried = sum((part.mass * np.abs(part.velocity) for part in self.parts.values()), np.zeros_like(off))
-        return float(np.abs(off).max() / max(float(carried.max()), 1e-300))
+        return float(np.abs(off).max() / max(float(carried.max()), TINY))
 
     @property
     def speed(self) -> float:

@@ -15,15 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.fem.grading import Grading, nodes_between
+from strikewave.fem.grading import ROUNDING, Grading, nodes_between
 from strikewave.fem.mesh import Array, Index, Mesh, exterior_faces
 
 Sector = Literal["whole", "half", "quarter"]
 """Whole; y >= 0; x >= 0 and y >= 0."""
 
 SECTORS: tuple[Sector, ...] = ("whole", "half", "quarter")
+"""All of them, for checks and messages."""
 Surface = Callable[[Array], NDArray[np.bool_]]
-"""Says which points lie on a surface."""
+"""Tells which points lie on a surface."""
 
 BULGE = 2.0 * math.tan(math.pi / 12.0) / (1.0 + math.tan(math.pi / 12.0))
 """b of the core x = u sqrt(1 - b v^2 / 2): the corner's angle is 90 degrees + 2 atan(b / (2 - b)), 120 degrees here."""
@@ -33,15 +34,28 @@ CORE = 0.5
 longest shortest edge in discs and balls of 5 to 20 elements over the radius."""
 
 RIM = 1.2
-"""Largest size around the rim over the coarse size."""
+"""Largest size around the rim over the coarse size: counts are whole, and one element less is worth so much there."""
 
+FINE_CORE = 0.7
+"""Share of a fine zone that the core takes: its corners, sqrt(2) farther out, then end with the zone."""
+
+FEWEST_IN_CORE = 2.0
+"""Elements along the half-width of a core at least: one alone has no node of its own between axis and ring."""
+
+COINCIDENT = 1e-6
+"""Share of the shortest edge within which nodes are the same: pieces of a part are computed to 1e-15 of its size."""
+
+ON_SURFACE = 1e-9
+"""Share of the size of a body within which a node lies on its surface, by rounding."""
 
 FLIPPED = [0, 3, 2, 1, 4, 7, 6, 5]
 """The nodes of a mirrored hexahedron, right-handed again."""
 LARGEST_MESH = 20_000_000
-"""Elements of one part: about 10 GB while it is made."""
+"""Elements of one part: about 10 GB while it is made, what a workstation has to spare."""
 QUAD_EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
+"""Ends of the edges of a quadrilateral by its corners."""
 HEXAHEDRON_EDGES = np.concatenate([QUAD_EDGES, QUAD_EDGES + 4, np.arange(4)[:, None] + [0, 4]])
+"""Those of a hexahedron: lower face, upper face, between them."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +87,7 @@ def merged_sections(sections: Sequence[Section]) -> Section:
 
 
 def merged_nodes(points: Array, elements: NDArray[np.integer]) -> tuple[Array, Index]:
-    """Merge nodes that lie within 1e-6 of the shortest edge of each other; the rest keeps its order.
+    """Merge nodes that lie within `COINCIDENT` of the shortest edge of each other; the rest keeps its order.
 
     Examples
     --------
@@ -88,7 +102,7 @@ def merged_nodes(points: Array, elements: NDArray[np.integer]) -> tuple[Array, I
 
     first, second = edges(elements).T
     shortest = float(np.linalg.norm(points[first] - points[second], axis=1).min())
-    pairs = cKDTree(points).query_pairs(1e-6 * shortest, output_type="ndarray")
+    pairs = cKDTree(points).query_pairs(COINCIDENT * shortest, output_type="ndarray")
     near = coo_array((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
     _, group = connected_components(near, directed=False)
     _, first, number = np.unique(group, return_index=True, return_inverse=True)
@@ -101,14 +115,14 @@ def merged_nodes(points: Array, elements: NDArray[np.integer]) -> tuple[Array, I
 def core_half_width(radius: float, sizes: Grading) -> tuple[float, int]:
     """Return the half-width of a round body's core, m, and the elements along it.
 
-    The core takes 0.7 of the fine zone, and has as many elements as keep those around the rim below `RIM` times the
-    coarse size.
+    The core takes `FINE_CORE` of the fine zone, and has as many elements as keep those around the rim below `RIM` times
+    the coarse size.
     """
-    least = max(math.pi * radius / (4.0 * RIM * sizes.coarse), 2.0)
-    half_width = min(max(least, 0.7 * sizes.extent / sizes.finest) * sizes.finest, CORE * radius)
+    least = max(math.pi * radius / (4.0 * RIM * sizes.coarse), FEWEST_IN_CORE)
+    half_width = min(max(least, FINE_CORE * sizes.extent / sizes.finest) * sizes.finest, CORE * radius)
     count = max(least, half_width / sizes.finest)
     refuse_too_many(count**2)
-    return half_width, math.ceil(count - 1e-9)
+    return half_width, math.ceil(count - ROUNDING)
 
 
 def refuse_too_many(elements: float) -> None:
@@ -194,8 +208,8 @@ def extruded(section: Section, heights: Array, keep: NDArray[np.bool_] | None = 
     points = np.concatenate([np.column_stack([section.points, np.full(count, z)]) for z in heights])
     layers = count * np.arange(len(heights) - 1)[:, None, None]
     hexahedra = np.concatenate([section.quads + layers, section.quads + count + layers], axis=2)
-    kept = hexahedra.reshape(-1, 8) if keep is None else hexahedra[keep]
-    used, number = np.unique(kept, return_inverse=True)
+    chosen = hexahedra.reshape(-1, 8) if keep is None else hexahedra[keep]
+    used, number = np.unique(chosen, return_inverse=True)
     return points[used], number.reshape(-1, 8).astype(np.int32)
 
 
@@ -207,8 +221,8 @@ def part_mesh(name: str, points: Array, hexahedra: Index, sides: Mapping[str, Su
 
 
 def plane(axis: int, value: float, scale: float) -> Surface:
-    """Return the plane where a coordinate has a value, to 1e-9 of the body's scale."""
-    return lambda points: np.abs(points[:, axis] - value) <= 1e-9 * scale
+    """Return the plane where a coordinate has a value, to `ON_SURFACE` of the body's scale."""
+    return lambda points: np.abs(points[:, axis] - value) <= ON_SURFACE * scale
 
 
 def positive(name: str, value: float) -> float:

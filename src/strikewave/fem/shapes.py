@@ -1,4 +1,4 @@
-"""Meshes of bodies bounded by planes, and how a mesh is moved, turned, mirrored and renamed; SI.
+"""Meshes of bodies bounded by planes, and how a mesh is moved, turned and renamed; SI.
 
 Round bodies are in `strikewave.fem.round_shapes`. Every function returns a mesh of one part with named sides.
 """
@@ -15,7 +15,6 @@ from strikewave.base.errors import InputError
 from strikewave.fem.grading import Sizes, nodes_between, nodes_through
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.sections import (
-    FLIPPED,
     Section,
     Sector,
     extruded,
@@ -194,22 +193,6 @@ def turned(mesh: Mesh, axis: Vector, angle: float, about: Vector = (0.0, 0.0, 0.
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turn = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
     return replace(mesh, points=(mesh.points - about) @ turn.T + about)
-
-
-def mirrored(mesh: Mesh, axis: int) -> Mesh:
-    """Return a mesh mirrored where coordinate 0, 1 or 2 is 0; volumes stay positive and normals outward.
-
-    Examples
-    --------
-    >>> float(mirrored(block("b", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0), 2).points[:, 2].min())
-    -1.0
-    """
-    return replace(
-        mesh,
-        points=mesh.points * np.where(np.arange(3) == axis, -1.0, 1.0),
-        hexahedra=mesh.hexahedra[:, FLIPPED],
-        sides={name: faces[:, ::-1] for name, faces in mesh.sides.items()},
-    )
 
 
 def renamed(mesh: Mesh, names: Mapping[str, str]) -> Mesh:

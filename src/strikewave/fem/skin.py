@@ -14,17 +14,22 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.fem.mesh import Array, Index, Mesh, exterior, volumes
+from strikewave.fem.mesh import TINY, Array, Index, Mesh, exterior, volumes
 from strikewave.fem.model import Contact, Driven, Model, Symmetry, Wall
 
 Mask = NDArray[np.bool_]
 
 ALONG = 0.1
-"""Cosine of the angle of a normal with the axis of the blow below which its plane holds that axis."""
+"""Cosine of the angle of a normal with the axis of the blow below which its plane holds that axis: within 6 degrees."""
 ON_PLANE = 1e-6
-"""Share of the extent of a model within which a node lies on a plane."""
+"""Share of the extent of a model within which a node lies on a plane: files of meshes keep six digits or more."""
 SHARP = float(np.cos(np.radians(40.0)))
-"""Cosine of the angle between neighbouring faces above which their edge is none of the body's outline."""
+"""Cosine of the angle between neighbouring faces above which their edge is none of the body's outline.
+
+A circle of 12 edges bends by 30 degrees at each and shall look round; edges of a block bend by 90."""
+ALONG_Y = 0.9
+"""Cosine of the angle of a blow with y from which on bodies are cut across x instead: a plane across y would cut across
+it."""
 
 
 class Plane(NamedTuple):
@@ -119,9 +124,9 @@ def skin_of(model: Model, cut: Cut | None = None) -> Skin:
     ([0.0, -1.0, 0.0], [-1.0, 0.0, 0.0])
     """
     mesh, cut = model.mesh, cut or cut_of(model)
-    kept = np.flatnonzero(cut.plane.height(mesh.points[mesh.hexahedra].mean(axis=1)) <= 0.0)
-    faces, element = exterior(mesh.hexahedra[kept])
-    element = kept[element].astype(np.int32)
+    behind_plane = np.flatnonzero(cut.plane.height(mesh.points[mesh.hexahedra].mean(axis=1)) <= 0.0)
+    faces, element = exterior(mesh.hexahedra[behind_plane])
+    element = behind_plane[element].astype(np.int32)
     touching = _sides(model, faces)
     node, points = np.arange(len(mesh.points)), mesh.points
     images = np.zeros(len(faces), bool)
@@ -130,8 +135,8 @@ def skin_of(model: Model, cut: Cut | None = None) -> Skin:
         apart = np.flatnonzero(np.abs(height) > ON_PLANE * _extent(mesh))
         twin = node.copy()
         twin[apart] = len(points) + np.arange(len(apart))
-        seen = ~np.all(twin[faces] == faces, axis=1)
-        faces, element, touching = faces[seen], element[seen], touching[seen]
+        off_plane = ~np.all(twin[faces] == faces, axis=1)
+        faces, element, touching = faces[off_plane], element[off_plane], touching[off_plane]
         points = np.concatenate([points, cut.mirror.point + cut.mirror.mirrored(points[apart] - cut.mirror.point)])
         node = np.concatenate([node, apart])
         images = np.repeat([False, True], len(faces))
@@ -165,14 +170,14 @@ def cut_of(model: Model) -> Cut:
     Without a plane of symmetry it is cut through the middle of its first contact, or of all, by a plane along the
     blow across y, or x where the blow goes along y.
     """
-    found = symmetry_planes(model)
-    if found:
-        across = (plane for plane in found[1:] if abs(float(plane.normal @ found[0].normal)) < ALONG)
-        return Cut(found[0], next(across, None), symmetric=True)
+    planes = symmetry_planes(model)
+    if planes:
+        across = (plane for plane in planes[1:] if abs(float(plane.normal @ planes[0].normal)) < ALONG)
+        return Cut(planes[0], next(across, None), symmetric=True)
     axis, points = blow_axis(model), model.mesh.points
     place = meeting_place(model)
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0)) if place is None else place
-    normal = np.array([0.0, -1.0, 0.0]) if abs(axis[1]) < 0.9 else np.array([-1.0, 0.0, 0.0])
+    normal = np.array([0.0, -1.0, 0.0]) if abs(axis[1]) < ALONG_Y else np.array([-1.0, 0.0, 0.0])
     return Cut(Plane(middle, normal))
 
 
@@ -238,15 +243,15 @@ def meeting_place(model: Model) -> Array | None:
     if meeting is None:
         return None
     if isinstance(meeting, Contact):
-        one, other = (mesh.points[np.unique(mesh.side(side))] for side in (meeting.first, meeting.second))
-        distance, partner = cKDTree(other).query(one)
+        first, second = (mesh.points[np.unique(mesh.side(side))] for side in (meeting.first, meeting.second))
+        distance, partner = cKDTree(second).query(first)
     else:
-        one = mesh.points[np.unique(mesh.side(meeting.side))]
+        first = mesh.points[np.unique(mesh.side(meeting.side))]
         normal = np.asarray(meeting.normal) / np.linalg.norm(meeting.normal)
-        distance = (one - np.asarray(meeting.point)) @ normal
-        other, partner = one - distance[:, None] * normal, np.arange(len(one))
-    nearest = distance <= distance.min() + ON_PLANE * float(np.ptp(one, axis=0).max())
-    return np.asarray(0.5 * (one[nearest] + other[partner[nearest]]).mean(axis=0))
+        distance = (first - np.asarray(meeting.point)) @ normal
+        second, partner = first - distance[:, None] * normal, np.arange(len(first))
+    nearest = distance <= distance.min() + ON_PLANE * float(np.ptp(first, axis=0).max())
+    return np.asarray(0.5 * (first[nearest] + second[partner[nearest]]).mean(axis=0))
 
 
 def outward(mesh: Mesh, side: str) -> Array:
@@ -262,11 +267,11 @@ def _extent(mesh: Mesh) -> float:
 
 def _sides(model: Model, faces: Index) -> Index:
     """Return of each face the index of its side among those of all contacts and walls, or -1."""
-    found = np.full(len(faces), -1, np.int32)
+    numbers = np.full(len(faces), -1, np.int32)
     own = _keys(faces)
     for k, side in enumerate(side for sides in model.touching.values() for side in sides):
-        found[np.isin(own, _keys(model.mesh.side(side)))] = k
-    return found
+        numbers[np.isin(own, _keys(model.mesh.side(side)))] = k
+    return numbers
 
 
 def faces_on(skin: Skin, mesh: Mesh, sides: Sequence[str]) -> Mask:
@@ -289,7 +294,7 @@ def _edges(points: Array, faces: Index, part: Index) -> Edges:
     pair = np.stack([order[same], order[same + 1]], axis=1) // 4
     corners = points[faces]
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), TINY)
     bent = np.einsum("ij,ij->i", normal[pair[:, 0]], normal[pair[:, 1]]) < SHARP
     sharp = bent | (part[pair[:, 0]] != part[pair[:, 1]])
     return Edges(ends[order[same]].astype(np.int32), pair.astype(np.int32), sharp)

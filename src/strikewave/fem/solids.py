@@ -11,6 +11,11 @@ from dataclasses import dataclass
 
 from strikewave.base.errors import InputError
 
+TAYLOR_QUINNEY = 0.9
+"""Share of the plastic work that becomes heat, the usual one of metals."""
+ROOM = 293.0
+"""Room temperature, K: 20 degrees Celsius."""
+
 
 @dataclass(frozen=True)
 class Elastic:
@@ -138,10 +143,10 @@ class JohnsonCook(Elastic):
     C: float = 0.0
     m: float = 1.0
     reference_rate: float = 1.0
-    room_temperature: float = 293.0
+    room_temperature: float = ROOM
     melting_temperature: float = math.inf
     specific_heat: float = math.inf
-    heat_fraction: float = 0.9
+    heat_fraction: float = TAYLOR_QUINNEY
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -17,16 +17,20 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from strikewave.base.errors import InputErrors
-from strikewave.fem.again import next_blow
 from strikewave.fem.checks import faults
 from strikewave.fem.engine import Engine
+from strikewave.fem.mesh import TINY
 from strikewave.fem.model import Controls, Model
 from strikewave.fem.quality import check_mesh
+from strikewave.fem.repeated_blows import next_blow
 from strikewave.fem.restart import kept_blows, path_of_blow, read_restart, write_restart
 from strikewave.fem.run import FemRun, Frame
 
 REPORT = 0.2
-"""Seconds between two reports of progress."""
+"""Seconds between two reports of progress: as often as a bar on a screen is seen to move, at no cost."""
+
+EVERY = 10
+"""Instants of the histories after which a run keeps its state: a tenth of a usual run is lost at most."""
 
 
 class Progress(NamedTuple):
@@ -42,7 +46,7 @@ class Progress(NamedTuple):
     @property
     def left(self) -> float:
         """Seconds that are left at the rate so far."""
-        return self.seconds * (self.duration / max(self.time, 1e-300) - 1.0)
+        return self.seconds * (self.duration / max(self.time, TINY) - 1.0)
 
 
 class Writer(Protocol):
@@ -52,21 +56,21 @@ class Writer(Protocol):
         """Take a frame."""
 
 
-class Onlooker(Protocol):
+class Observer(Protocol):
     """Looks at a run at each instant of its histories."""
 
-    def see(self, engine: Engine, last: bool) -> None:
+    def observe(self, engine: Engine, last: bool) -> None:
         """Look; ``last`` where the run ends here."""
 
 
-class Keep(NamedTuple):
+class Checkpoint(NamedTuple):
     """Where a run keeps its state to go on from, and every how many instants of its histories."""
 
     path: Path
-    every: int = 10
+    every: int = EVERY
 
 
-class Asked(NamedTuple):
+class RunOptions(NamedTuple):
     """What is asked of a run besides its histories.
 
     Attributes
@@ -77,29 +81,29 @@ class Asked(NamedTuple):
         Takes the frames; they stay in memory where there is none.
     later : callable or None
         Gives what takes the frames of a later blow, by its number.
-    keep : Keep or None
+    checkpoint : Checkpoint or None
     resume : Path or None
         File of a run that was interrupted.
     report : callable or None
         Called with a `Progress` now and then.
-    film : Onlooker or None
-        Such as `strikewave.fem.film.Film`.
+    observer : Observer or None
+        Such as `strikewave.fem.snapshots.SnapshotRecorder`.
     """
 
     frames: int = 0
     writer: Writer | None = None
     later: Callable[[int], Writer | None] | None = None
-    keep: Keep | None = None
+    checkpoint: Checkpoint | None = None
     resume: Path | None = None
     report: Callable[[Progress], None] | None = None
-    film: Onlooker | None = None
+    observer: Observer | None = None
 
 
-def solve(model: Model, asked: Asked | None = None) -> FemRun:
+def solve(model: Model, options: RunOptions | None = None) -> FemRun:
     """Run a model to the end of its first blow; `solve_blows` goes on from there.
 
-    A run whose energy breaks, whose step collapses or whose numbers end stops early and says so in ``stopped``. Where
-    all parts are rigid a step is as long as the interval of the histories.
+    A run whose energy breaks, whose step collapses or whose numbers overflow stops early; ``stopped`` has the
+    reason. Where all parts are rigid a step is as long as the interval of the histories.
 
     Raises
     ------
@@ -109,7 +113,7 @@ def solve(model: Model, asked: Asked | None = None) -> FemRun:
     Examples
     --------
     >>> from strikewave.fem.model import Controls
-    >>> from strikewave.fem.mesh import Mesh
+    >>> from strikewave.fem.mesh import TINY, Mesh
     >>> from strikewave.fem.solids import Elastic
     >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
     >>> mesh = Mesh(1e-3 * cube, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("cube",))
@@ -118,22 +122,24 @@ def solve(model: Model, asked: Asked | None = None) -> FemRun:
     >>> len(run.time), round(float(run.parts["cube"].displacement[-1, 0] * 1e6), 9)
     (3, 2.0)
     """
-    return solve_blows(replace(model, controls=replace(model.controls, blows=1)), asked)[0]
+    return solve_blows(replace(model, controls=replace(model.controls, blows=1)), options)[0]
 
 
-def solve_blows(model: Model, asked: Asked | None = None) -> tuple[FemRun, ...]:
-    """Run all blows of a model, each on what the one before left (`strikewave.fem.again`); none after one that stopped.
+def solve_blows(model: Model, options: RunOptions | None = None) -> tuple[FemRun, ...]:
+    """Run all blows of a model, each on the state that the one before left; none after one that stopped.
+
+    See `strikewave.fem.repeated_blows`.
 
     Raises
     ------
     InputError, InputErrors
         As `solve`.
     """
-    asked = asked or Asked()
+    options = options or RunOptions()
     check_controls(model)
     check_mesh(model.mesh)
     threads, runs = model.controls.threads, list[FemRun]()
-    resumed = kept_blows(asked.resume) if asked.resume is not None else {}
+    resumed = kept_blows(options.resume) if options.resume is not None else {}
     with ThreadPoolExecutor(threads) as pool:
         engine = Engine(model, pool if threads > 1 else None)
         for blow in range(1, model.controls.blows + 1):
@@ -142,58 +148,62 @@ def solve_blows(model: Model, asked: Asked | None = None) -> tuple[FemRun, ...]:
                 read_restart(resumed[blow], engine, blow)
             elif blow > 1:
                 engine = next_blow(engine, runs[-1].energy_in_play)
-            runs.append(_one_blow(engine, _of_blow(asked, blow, model.controls)))
+            runs.append(_one_blow(engine, _of_blow(options, blow, model.controls)))
             if runs[-1].stopped:
                 break
     return tuple(runs)
 
 
-def _one_blow(engine: Engine, asked: Asked) -> FemRun:
+def _one_blow(engine: Engine, options: RunOptions) -> FemRun:
     """Run an engine to the end of its blow."""
     begun, instants = clock.perf_counter(), engine.model.controls.intervals
-    wanted = set(np.linspace(0, instants, asked.frames).round().astype(int).tolist()) if asked.frames else set()
+    wanted = set(np.linspace(0, instants, options.frames).round().astype(int).tolist()) if options.frames else set()
     frames: list[Frame] = []
-    stopped = _follow(engine, instants, asked, wanted, frames, begun)
+    stopped = _follow(engine, instants, options, wanted, frames, begun)
     return engine.result(clock.perf_counter() - begun, stopped, tuple(frames))
 
 
-def _of_blow(asked: Asked, blow: int, controls: Controls) -> Asked:
+def _of_blow(options: RunOptions, blow: int, controls: Controls) -> RunOptions:
     """Return what is asked of one of the blows: its own writer, its share of progress; only the first is filmed."""
-    writer = asked.writer if blow == 1 else asked.later(blow) if asked.later else None
-    report, span = asked.report, controls.intervals * controls.interval
+    writer = options.writer if blow == 1 else options.later(blow) if options.later else None
+    report, span = options.report, controls.intervals * controls.interval
 
-    def told(seen: Progress) -> None:
+    def report_all(progress: Progress) -> None:
         if report is not None:
-            report(seen._replace(time=seen.time + (blow - 1) * span, duration=controls.blows * span))
+            report(progress._replace(time=progress.time + (blow - 1) * span, duration=controls.blows * span))
 
-    film = asked.film if blow == 1 else None
-    return asked._replace(writer=writer, film=film, report=told if report and controls.blows > 1 else report)
+    observer = options.observer if blow == 1 else None
+    return options._replace(
+        writer=writer, observer=observer, report=report_all if report and controls.blows > 1 else report
+    )
 
 
-def _follow(engine: Engine, instants: int, asked: Asked, wanted: set[int], frames: list[Frame], begun: float) -> str:
+def _follow(
+    engine: Engine, instants: int, options: RunOptions, wanted: set[int], frames: list[Frame], begun: float
+) -> str:
     """Run an engine instant by instant; return why it stopped early, or nothing."""
     shown, done = 0.0, engine.steps
     while True:
         instant = engine.instant
-        engine.act()
+        engine.assemble_forces()
         stopped = engine.record()
         if instant in wanted:
-            (asked.writer.add if asked.writer else frames.append)(engine.frame())
-        if asked.film is not None:
-            asked.film.see(engine, last=bool(stopped) or instant == instants)
+            (options.writer.add if options.writer else frames.append)(engine.frame())
+        if options.observer is not None:
+            options.observer.observe(engine, last=bool(stopped) or instant == instants)
         now = clock.perf_counter() - begun
-        if asked.report is not None and (now - shown > REPORT or instant == instants or stopped):
+        if options.report is not None and (now - shown > REPORT or instant == instants or stopped):
             shown = now
             speed = engine.elements * (engine.steps - done) / now
-            asked.report(Progress(engine.time, instants * engine.interval, engine.steps, engine.ahead, now, speed))
+            options.report(Progress(engine.time, instants * engine.interval, engine.steps, engine.dt_next, now, speed))
         if stopped or instant == instants:
             return stopped
         engine.to_next_instant()
-        if asked.keep is not None and engine.goes_on:
-            if engine.instant % asked.keep.every == 0:
-                write_restart(asked.keep.path, engine)
+        if options.checkpoint is not None and engine.goes_on:
+            if engine.instant % options.checkpoint.every == 0:
+                write_restart(options.checkpoint.path, engine)
             if engine.instant == instants and engine.blow < engine.model.controls.blows:
-                write_restart(path_of_blow(asked.keep.path, engine.blow), engine)
+                write_restart(path_of_blow(options.checkpoint.path, engine.blow), engine)
 
 
 def check_controls(model: Model) -> int:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from strikewave.fem import _surface_kernels as kernels
-from strikewave.fem.mesh import FACES, Array, Index, Mesh, volumes
+from strikewave.fem.mesh import FACES, TINY, Array, Index, Mesh, volumes
 
 
 @dataclass(frozen=True)
@@ -101,8 +101,8 @@ def neighbours(faces: Index) -> Index:
     same = np.all(edges[order[1:]] == edges[order[:-1]], axis=1)
     pair = same & ~np.append(same[1:], False) & ~np.insert(same[:-1], 0, False)
     across = np.full(len(edges), -1, np.int32)
-    one, other = order[:-1][pair], order[1:][pair]
-    across[one], across[other] = other // 4, one // 4
+    first, second = order[:-1][pair], order[1:][pair]
+    across[first], across[second] = second // 4, first // 4
     return across.reshape(-1, 4)
 
 
@@ -126,5 +126,5 @@ def thickness(mesh: Mesh, faces: Index) -> Array:
     element = np.empty(len(rows), int)
     element[order] = owners[order[first]][group]
     element = element[len(rows) - len(faces) :]
-    depth = np.abs(volumes(mesh.points, mesh.hexahedra[element])) / np.maximum(size, 1e-300) ** 2
+    depth = np.abs(volumes(mesh.points, mesh.hexahedra[element])) / np.maximum(size, TINY) ** 2
     return np.where(element >= 0, depth, size)

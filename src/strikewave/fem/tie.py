@@ -25,7 +25,10 @@ from strikewave.fem.model import Contact, Tie
 __all__ = ["TieState", "gather_mass", "gather_tied_forces", "move_tied", "prepare_ties"]
 
 NEAR = 0.1
-"""Share of a face's size by which a node may lie off the face it is tied to."""
+"""Share of a face's size by which a node may lie off the face it is tied to: what a circle of 8 edges cuts off, as
+`SHALLOW` of a contact; farther off, the moment of the forces handed on would count."""
+REACH = 2.0
+"""Times `NEAR` within which faces are looked for, so that a node just too far off is reported with its distance."""
 
 
 def prepare_ties(ties: Sequence[Tie], mesh: Mesh) -> TieState:
@@ -49,10 +52,10 @@ def prepare_ties(ties: Sequence[Tie], mesh: Mesh) -> TieState:
     >>> state.nodes.tolist(), state.shape[0].tolist()
     ([8, 9, 10, 11], [0.625, 0.375, 0.0, 0.0])
     """
-    found = [_tied(tie, mesh) for tie in ties]
-    if not found:
+    states = [_tied(tie, mesh) for tie in ties]
+    if not states:
         return TieState(np.zeros(0, np.int32), np.zeros((0, 4), np.int32), np.zeros((0, 4)))
-    state = TieState(*(np.concatenate(column) for column in zip(*found, strict=True)))
+    state = TieState(*(np.concatenate(column) for column in zip(*states, strict=True)))
     nodes, times = np.unique(state.nodes, return_counts=True)
     if np.any(times > 1):
         raise InputError("tie", f"{int(np.sum(times > 1))} nodes of two ties", "each node tied once")
@@ -65,7 +68,7 @@ def prepare_ties(ties: Sequence[Tie], mesh: Mesh) -> TieState:
 
 
 def _tied(tie: Tie, mesh: Mesh) -> TieState:
-    state = searched(two_surfaces(Contact(tie.side, tie.onto), mesh), mesh.points, 2.0 * NEAR)
+    state = searched(two_surfaces(Contact(tie.side, tie.onto), mesh), mesh.points, REACH * NEAR)
     count = state.touch.first
     face, shape, distance = np.zeros(count, np.int32), np.zeros((count, 4)), np.full(count, np.inf)
     state.place[:] = mesh.points[state.touch.nodes]

@@ -34,15 +34,19 @@ if TYPE_CHECKING:
     from strikewave.fem.mesh import Mesh
 
 VERSION = (2, 0)
-"""Of the specification of VTKHDF."""
+"""Of the specification of VTKHDF: the first with steps in time, which ParaView reads from 5.12 on."""
 HEXAHEDRON = 12
 """VTK's number of an 8-node hexahedron, whose nodes stand in the order of `strikewave.fem.mesh`."""
 MOST_ROWS = 32768
 """Rows of a chunk at most: at six components 768 KiB, within HDF5's cache of 1 MiB."""
+FEW_ROWS = 1024
+"""Rows of a chunk of tables that have one row each step: 8 KiB, about the frames of a run."""
+LONGEST_HINT = 200
+"""Characters of another library's words in an error: a line or two."""
 MOST_FRAMES = 1_000_000
-"""Frames that a file may claim to hold."""
+"""Frames that a file may claim to hold: five times the instants of the longest histories."""
 MOST_NODES = 20_000_000
-"""Nodes or elements that a file may claim to hold; bounds the memory of reading one."""
+"""Nodes or elements that a file may claim to hold, several times the largest mesh: bounds the memory of reading one."""
 
 
 class Field(NamedTuple):
@@ -101,7 +105,7 @@ class FieldWriter:
 
     def __init__(self, path: Path, mesh: Mesh) -> None:
         self._begin(path, mesh)
-        with self._told():
+        with self._reported():
             self._file = _opened(self._partial, "w")
             _write_mesh(self._file, mesh)
             self._file.flush()
@@ -124,7 +128,7 @@ class FieldWriter:
         """
         writer = cls.__new__(cls)
         writer._begin(path, mesh)
-        with writer._told():
+        with writer._reported():
             if not writer._partial.exists():
                 shutil.copyfile(path, writer._partial)
             writer._file = _opened(writer._partial, "r+")
@@ -176,7 +180,7 @@ class FieldWriter:
         for field, rows in zip(FIELDS, values, strict=True):
             if len(rows) != self._sizes[field.home]:
                 raise InputError(f"frame.{field.name}", len(rows), f"{self._sizes[field.home]} rows, as the mesh has")
-        with self._told():
+        with self._reported():
             for field, rows in zip(FIELDS, values, strict=True):
                 _append(grid[f"{field.home}/{field.name}"], rows, self.frames * len(rows))
                 offsets = steps[f"{field.home}Offsets/{field.name}"]
@@ -197,7 +201,7 @@ class FieldWriter:
         InputError
             If the place cannot be written.
         """
-        with self._told():
+        with self._reported():
             self._file.close()
             self._partial.replace(self.path)
 
@@ -215,8 +219,8 @@ class FieldWriter:
             self.abandon()
 
     @contextlib.contextmanager
-    def _told(self) -> Iterator[None]:
-        """Say in the project's words what the disk refuses."""
+    def _reported(self) -> Iterator[None]:
+        """Turn what the disk refuses into an `InputError`."""
         try:
             yield
         except OSError as error:
@@ -290,7 +294,7 @@ def _packed(group: Any, name: str, values: NDArray[Any]) -> None:
     group.create_dataset(name, data=values, compression="gzip", compression_opts=1, shuffle=True)
 
 
-def _growing(group: Any, name: str, kind: type, components: int = 1, rows: int = 1024) -> Any:
+def _growing(group: Any, name: str, kind: type, components: int = 1, rows: int = FEW_ROWS) -> Any:
     """Begin an empty table of so many components, a step of ``rows`` in as few equal chunks as it takes."""
     across = () if components == 1 else (components,)
     chunk = -(-rows // -(-rows // MOST_ROWS))
@@ -332,7 +336,9 @@ def _checked_grid(path: Path, file: Any) -> Any:
                 raise ValueError(f"{field.name} is shorter than its {frames} frames")
             _own(file, f"Steps/{field.home}Offsets/{field.name}")
     except (KeyError, ValueError, TypeError, AttributeError, OSError, RuntimeError) as error:
-        raise InputError("FILE", str(path), "fields as strikewave writes them, whole", str(error)[:200]) from None
+        raise InputError(
+            "FILE", str(path), "fields as strikewave writes them, whole", str(error)[:LONGEST_HINT]
+        ) from None
     return grid
 
 

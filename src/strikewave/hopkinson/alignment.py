@@ -8,10 +8,10 @@ onset
     mends a wrong distance or speed, but a front that the specimen or the bar rounded off counts as late.
 balance
     They are moved so that the forces on both faces differ least while the incident wave lasts. The force balance is
-    then no evidence of equilibrium any more: it was asked for.
+    then no evidence of equilibrium: it was imposed.
 
-What onset and balance would move is told in any case; it is done only when asked for, and never beyond the rise time
-of the incident pulse.
+What onset and balance would move is reported in any case; it is done only when asked for, and never beyond the rise
+time of the incident pulse.
 """
 
 from __future__ import annotations
@@ -34,10 +34,21 @@ Array = NDArray[np.float64]
 
 Method = Literal["geometric", "onset", "balance"]
 METHODS: tuple[Method, ...] = get_args(Method)
+"""All of them, for checks and messages."""
 ONSET_LEVEL = 0.05
-"""Share of the incident plateau at which a wave counts as begun, where its noise allows."""
+"""Share of the incident plateau at which a wave counts as begun, where its noise allows.
+
+Lower, the oscillations before a dispersed front count; higher, how steep a front is."""
 PER_RISE = 40
-"""Samples that the rise time keeps where forces are balanced."""
+"""Samples that the rise time keeps where forces are balanced: moves are then found to a hundredth of it, and noise does
+not pull the fit to half samples."""
+FEWEST_BALANCED = 4
+"""Samples under load without which two moves are not fitted: as many again as are sought."""
+INSIDE = 0.999
+"""Share of the window within which a move was found, not stopped by its edge."""
+FIRST_MOVE = 1e-3
+"""Share of the window from which the fit begins: chosen: next to no move, and not 0, of which
+differences can take no share."""
 
 
 @dataclass(frozen=True)
@@ -147,14 +158,14 @@ def align(
         late_onset=_late_by_onset(waves, pulses.plateau, transit),
         late_balance=_late_by_balance(waves, (bars[0].stiffness, bars[1].stiffness)),
     )
-    found = waves.late_onset if method == "onset" else waves.late_balance
+    moves = waves.late_onset if method == "onset" else waves.late_balance
     if method == "geometric" or waves.beyond:
         return waves
     return replace(
         waves,
-        reflected=carry(pulses.reflected, bars[0], -1.0, found[0] - late[1]),
-        transmitted=carry(pulses.transmitted, bars[1], -1.0, found[1] - late[2]),
-        applied=found,
+        reflected=carry(pulses.reflected, bars[0], -1.0, moves[0] - late[1]),
+        transmitted=carry(pulses.transmitted, bars[1], -1.0, moves[1] - late[2]),
+        applied=moves,
     )
 
 
@@ -167,7 +178,7 @@ def _check(method: str, theory: str) -> None:
 
 def _within(late: tuple[float, float], window: float) -> bool:
     """Tell whether both moves are known and lie inside the window, not at its edge."""
-    return all(abs(one) < 0.999 * window for one in late)
+    return all(abs(move) < INSIDE * window for move in late)
 
 
 def _late_by_onset(waves: FaceWaves, plateau: float, transit: float) -> tuple[float, float]:
@@ -194,7 +205,7 @@ def _late_by_balance(waves: FaceWaves, stiffness: tuple[float, float]) -> tuple[
     every = max(round(waves.window / (PER_RISE * waves.step)), 1)
     time = _averaged(waves.time, every)
     on = (time >= 0.0) & (time <= waves.loaded)
-    if np.count_nonzero(on) < 4:
+    if np.count_nonzero(on) < FEWEST_BALANCED:
         return 0.0, 0.0
     at, incident = time[on], stiffness[0] * _averaged(waves.incident, every)[on]
     scale = float(np.abs(incident).max()) or 1.0
@@ -204,8 +215,8 @@ def _late_by_balance(waves: FaceWaves, stiffness: tuple[float, float]) -> tuple[
         first = incident + stiffness[0] * reflected(at + late[0] * waves.window)
         return np.asarray((first - stiffness[1] * transmitted(at + late[1] * waves.window)) / scale)
 
-    found = least_squares(apart, np.full(2, 1e-3), bounds=(-1.0, 1.0), jac="3-point").x
-    return float(found[0]) * waves.window, float(found[1]) * waves.window
+    moves = least_squares(apart, np.full(2, FIRST_MOVE), bounds=(-1.0, 1.0), jac="3-point").x
+    return float(moves[0]) * waves.window, float(moves[1]) * waves.window
 
 
 def _averaged(values: Array, every: int) -> Array:

@@ -1,4 +1,4 @@
-"""An accelerometer at the free end of a bar, set beside the acceleration that the strain gauge tells.
+"""An accelerometer at the free end of a bar, compared with the acceleration that the strain gauge gives.
 
 The incident wave e_i, carried to the end, gives there the force F_i = E A e_i. What stands on the end decides how
 it moves:
@@ -29,7 +29,16 @@ from strikewave.waves import BONDED, End, Layer, Sampled, Stack, Tap, Wanted, ru
 Array = NDArray[np.float64]
 
 LEAST_STEPS = 20.0
-"""Steps of a wave through an elastic disk; a whole number, so that the disk is as thick as it is said to be."""
+"""Steps of a wave through an elastic disk: a front is then sharp to a twentieth of its transit. A whole number, so that
+the disk has the thickness that is stated."""
+LONGER = 1.01
+"""Times the record that a wave takes along the bar before the disk, so that nothing comes back within it by
+rounding."""
+SERIES = 1e-4
+"""Step over time constant below which the slope term is taken from its series, whose next term is below 1e-13: the
+closed form loses as many digits as the ratio is small."""
+ROUNDING = 1e-9
+"""Share by which a count of steps may exceed a whole number by rounding."""
 
 
 class EndMotion(NamedTuple):
@@ -76,7 +85,7 @@ def rigid_disk(strain: ArrayLike, step: float, bar: Bar, mass: float) -> EndMoti
     rate = step * bar.impedance / mass
     left = math.exp(-rate)
     gone = -math.expm1(-rate)
-    slope = 1.0 - gone / rate if rate > 1e-4 else rate * (0.5 - rate * (1.0 / 6.0 - rate / 24.0))
+    slope = 1.0 - gone / rate if rate > SERIES else rate * (0.5 - rate * (1.0 / 6.0 - rate / 24.0))
     # v(n+1) = left v(n) + gone u(n) + slope (u(n+1) - u(n)), with u the velocity of a free end
     state = np.array([(gone - slope) * final[0]])
     rest, _ = lfilter([slope, gone - slope], [1.0, -left], final[1:], zi=state)
@@ -105,13 +114,13 @@ def elastic_disk(strain: ArrayLike, step: float, bar: Bar, disk: Layer, mass: fl
         Of the sensor, kg; 0 for none.
     """
     e = _history(strain, step)
-    transit = 1.01 * step * e.size
+    transit = LONGER * step * e.size
     long = Layer("bar", bar.density, bar.modulus, bar.area, transit * bar.speed)
     end = End("mass", mass) if mass > 0.0 else End("free")
     stack = Stack((long, disk), (BONDED,), end)
     time = step * np.arange(e.size)
     load = Sampled(np.asarray(time), bar.stiffness * e)
-    fine = disk.transit / math.ceil(max(LEAST_STEPS, disk.transit / step) * (1.0 - 1e-9))
+    fine = disk.transit / math.ceil(max(LEAST_STEPS, disk.transit / step) * (1.0 - ROUNDING))
     run = run_bar(stack, load, [Tap(1, 0.0), Tap(1, 1.0)], 1.0 * transit + time[-1], Wanted(step=fine))
     at = time + run.grid.step * round(transit / run.grid.step)
     return EndMotion(
@@ -120,7 +129,7 @@ def elastic_disk(strain: ArrayLike, step: float, bar: Bar, disk: Layer, mass: fl
 
 
 class Agreement(NamedTuple):
-    """A sensor beside its reference.
+    """A sensor compared with its reference.
 
     ``sensitivity`` is reading over reference by least squares at the best delay, ``peak_ratio`` that of what the
     reading has at most over the largest value of the reference, both the same way along the blow, ``delay`` by how much
@@ -134,7 +143,7 @@ class Agreement(NamedTuple):
 
 
 def compare_sensor(reading: ArrayLike, reference: ArrayLike, step: float) -> Agreement:
-    """Set what a sensor read beside the reference acceleration on the same clock.
+    """Compare what a sensor read with the reference acceleration on the same clock.
 
     The delay is that of the largest correlation, between samples by a parabola.
 

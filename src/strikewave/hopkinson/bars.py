@@ -46,8 +46,8 @@ def elastic(density: float | None = None, modulus: float | None = None, speed: f
     >>> both.derived, round(both.modulus / 1e9, 2), round(both.mismatch, 4)
     ('modulus', 104.56, 0.0453)
     """
-    given = {"density": density, "modulus": modulus, "speed": speed}
-    for name, value in given.items():
+    stated = {"density": density, "modulus": modulus, "speed": speed}
+    for name, value in stated.items():
         if value is not None and not 0.0 < value < math.inf:
             raise ValueError(f"{name} must be above zero and finite, got {value!r}")
     if density is not None and speed is not None:
@@ -57,7 +57,7 @@ def elastic(density: float | None = None, modulus: float | None = None, speed: f
         return Elastic(density, modulus, math.sqrt(modulus / density), "speed")
     if modulus is not None and speed is not None:
         return Elastic(modulus / speed**2, modulus, speed, "density")
-    raise ValueError(f"two of density, modulus and speed are needed, got {given}")
+    raise ValueError(f"two of density, modulus and speed are needed, got {stated}")
 
 
 @dataclass(frozen=True)

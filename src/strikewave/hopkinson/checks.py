@@ -1,4 +1,4 @@
-"""What a split-Hopkinson test says of itself: equilibrium, momentum, energy, the striker, the slope of the rise."""
+"""Checks of a split-Hopkinson test from its own records: equilibrium, momentum, energy, striker, slope of the rise."""
 
 from __future__ import annotations
 
@@ -13,13 +13,22 @@ from numpy.typing import NDArray
 from strikewave.hopkinson.bars import Striker
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Analysis, Curve, Reduction, reduce
+from strikewave.hopkinson.uniformity import UNIFORM
 
 Array = NDArray[np.float64]
 
 SLOPE_BAND = (0.1, 0.5)
-"""Shares of the largest stress between which the slope of the rise is fitted, on the first way up."""
+"""Shares of the largest stress between which the slope of the rise is fitted, on the first way up.
+
+Below a tenth lies the noise of the foot, above half of it many specimens yield."""
+FEWEST_OF_SLOPE = 3
+"""Samples on the rise without which no slope is fitted: two always lie on a line."""
 LASTING = 3.0
-"""Rise times of the incident pulse for which forces must agree one after another to count as in equilibrium."""
+"""Rise times of the incident pulse for which forces must agree one after another to count as in equilibrium.
+
+Forces are averaged over one of them, so that chance makes them agree for about as long."""
+STANDS_OUT = 5.0
+"""Standard deviations of both traces that a mean force must have for its ratio to be given: R is then known to 0.2."""
 
 
 class Equilibrium(NamedTuple):
@@ -48,7 +57,7 @@ class Equilibrium(NamedTuple):
     share: float
 
 
-def equilibrium(reduction: Reduction, limit: float = 0.05) -> Equilibrium:
+def equilibrium(reduction: Reduction, limit: float = UNIFORM) -> Equilibrium:
     """Compare the forces on the two faces.
 
     ``begin``, ``end`` and ``share`` take R of forces averaged over the rise time of the incident pulse, so that noise
@@ -59,9 +68,9 @@ def equilibrium(reduction: Reduction, limit: float = 0.05) -> Equilibrium:
     noise = math.hypot(
         reduction.bars[0].stiffness * reduction.waves.noise[0], reduction.bars[1].stiffness * reduction.waves.noise[1]
     )
-    told = np.abs(mean) > 5.0 * noise
+    stands_out = np.abs(mean) > STANDS_OUT * noise
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(told, np.abs(f1 - f2) / np.abs(mean), np.nan)
+        ratio = np.where(stands_out, np.abs(f1 - f2) / np.abs(mean), np.nan)
     total = float(np.sum(mean[on]))
     second = float(np.sum(f2[on]))
     return Equilibrium(
@@ -161,10 +170,10 @@ def energy(reduction: Reduction) -> Energy:
     def upto(values: Array) -> float:
         return float(reduction.integral(values)[last])
 
-    one, two = (bar.stiffness * bar.speed for bar in bars)
-    came = one * upto(waves.incident**2)
-    back = one * upto(waves.reflected**2)
-    on = two * upto(waves.transmitted**2)
+    first, second = (bar.stiffness * bar.speed for bar in bars)
+    came = first * upto(waves.incident**2)
+    back = first * upto(waves.reflected**2)
+    on = second * upto(waves.transmitted**2)
     f1, f2, v1, v2 = (
         reduction.first_force,
         reduction.second_force,
@@ -176,7 +185,7 @@ def energy(reduction: Reduction) -> Energy:
 
 
 class StrikerCheck(NamedTuple):
-    """The incident pulse beside what its striker should make; NaN where a speed is not known.
+    """The incident pulse and the one that its striker should make; NaN where a speed is not known.
 
     ``strain`` and ``duration`` are measured (plateau, width at half height, s), ``*_expected`` by theory, and
     ``speed`` is the striker speed that the plateau stands for, m/s.
@@ -190,7 +199,7 @@ class StrikerCheck(NamedTuple):
 
 
 def striker_check(pulses: Pulses, reduction: Reduction, striker: Striker) -> StrikerCheck:
-    """Set the incident pulse beside the striker: plateau v Zs/((Zs+Zb) cb), length 2 Ls/cs."""
+    """Compare the incident pulse with its striker: plateau v Zs/((Zs+Zb) cb), length 2 Ls/cs."""
     bar = reduction.bars[0]
     per_speed = striker._replace(speed=1.0).strain(bar)
     return StrikerCheck(
@@ -221,15 +230,15 @@ def rise_slopes(reduction: Reduction, analysis: Analysis) -> Slope:
 
     ``high`` is infinite where the rise is upright, or leans backwards, within a sample.
     """
-    waves, each = reduction.waves, []
+    waves, compliances = reduction.waves, []
     for back, on in product((-1, 0, 1), repeat=2):
         moved = replace(waves, reflected=np.roll(waves.reflected, back), transmitted=np.roll(waves.transmitted, on))
         shifted = reduce(moved, reduction.bars, reduction.specimen)
-        each.append(_rise_compliance(shifted.curve(analysis), reduction.loading))
-    if any(math.isnan(one) for one in each) or max(each) <= 0.0:
+        compliances.append(_rise_compliance(shifted.curve(analysis), reduction.loading))
+    if any(math.isnan(compliance) for compliance in compliances) or max(compliances) <= 0.0:
         return Slope(rise_slope(reduction.curve(analysis), reduction.loading))
-    high = 1.0 / min(each) if min(each) > 0.0 else math.inf
-    return Slope(rise_slope(reduction.curve(analysis), reduction.loading), 1.0 / max(each), high)
+    high = 1.0 / min(compliances) if min(compliances) > 0.0 else math.inf
+    return Slope(rise_slope(reduction.curve(analysis), reduction.loading), 1.0 / max(compliances), high)
 
 
 def _rise_compliance(curve: Curve, loading: NDArray[np.bool_]) -> float:
@@ -239,7 +248,7 @@ def _rise_compliance(curve: Curve, loading: NDArray[np.bool_]) -> float:
     high = int(np.argmax(stress >= SLOPE_BAND[1] * top)) if top > 0.0 else 0
     below = np.flatnonzero(stress[:high] < SLOPE_BAND[0] * top)
     low = int(below[-1]) + 1 if below.size else 0
-    if high - low < 3:
+    if high - low < FEWEST_OF_SLOPE:
         return math.nan
     x = stress[low:high] - stress[low:high].mean()
     return float(x @ strain[low:high] / (x @ x))

@@ -38,19 +38,39 @@ Array = NDArray[np.float64]
 
 Way = Literal["towards", "away"]
 ABOVE_NOISE = 10.0
-"""Amplitude of a pass over that of the noise, down to which a frequency is used."""
+"""Amplitude of a pass over that of the noise, down to which a frequency is used: its phase is then known to 0.1 rad."""
 WEAKEST = 0.03
 """Amplitude of a frequency over that of the strongest one of a pass, down to which it is used: below, the tails that
 windows cut count."""
 LEAD = 0.2
-"""Share of the window of a pass that lies before its foot."""
+"""Share of the window of a pass that lies before its foot: the foot itself, and what
+correlation misplaces it by, must lie inside."""
 FLANK = 0.25
 """Share of the lead over which the window rises; the foot of a pulse must not lie on it."""
 FEWEST_PASSES = 3
-ROUNDS = 20
-"""Of the search for the bar speed whose dispersion gives the times."""
+"""Passes without which speed and length cannot be told apart: the turns at either end and a first time are sought."""
+ROUNDS, CONVERGED = 20, 1e-12
+"""Of the search for the bar speed whose dispersion gives the times, and the change below which one is the last.
+
+Dispersion is a small correction, so that each round gains two digits or more."""
 ONCE_IN = 1e-3
 """Records in which chance makes a good pass look odd."""
+FOOT_LEVELS = (0.25, 0.5)
+"""Shares of the height through whose crossings the line goes that gives the foot: clear of the noise, on the steep
+part."""
+PULSE_WIDTHS = 2.0
+"""Widths at half height after the foot in which no echo is looked for: the first pulse is over then."""
+LARGE = 0.9
+"""Share of the largest correlation that the first round trip comes up to: chosen, as a trip in a metal bar
+loses less than a tenth."""
+NEAR_SEARCH = 0.1
+"""Share of the expected delay of the second pass within which it is sought: how wrong a stated speed or distance may
+be."""
+TWICE_AS_DEEP = 0.5
+"""Share of the deepest correlation that the one where it is expected must reach to be taken for the second pass."""
+STRONGER = 0.02
+"""Share of amplitude by which a pass may differ from what later ones give without being odd: a weak reflection on the
+way."""
 
 
 class Estimate(NamedTuple):
@@ -75,7 +95,7 @@ class Estimate(NamedTuple):
 class Odd(NamedTuple):
     """A pass at the begin that does not go with those after it: its number from 1, how late (s), how strong.
 
-    ``strength`` is its amplitude over what those after it say, each weighted with the energy of its frequencies.
+    ``strength`` is its amplitude over what those after it give, each weighted with the energy of its frequencies.
     """
 
     number: int
@@ -92,7 +112,7 @@ class Ways(NamedTuple):
 
 @dataclass(frozen=True)
 class Echoes:
-    """What the echoes of a bar say of it.
+    """What the echoes of a bar give.
 
     Attributes
     ----------
@@ -160,7 +180,7 @@ class _Passes(NamedTuple):
 def calibrate_bar(
     trace: Trace, bar: Bar, way: Way = "towards", skip: int = 0, theory: Theory = "pochhammer-chree"
 ) -> Echoes:
-    """Return what many round trips say of a bar whose ends are free.
+    """Return speed, length, dispersion and attenuation of a bar with free ends from many round trips.
 
     Parameters
     ----------
@@ -193,19 +213,19 @@ def calibrate_bar(
     amplitude = np.abs(passes.spectra[:, usable])
     energy = (amplitude**2).sum(axis=1)
     w, logs = 2.0 * np.pi * passes.frequency[usable], np.log(amplitude)
-    seen = _Seen(delays, logs, energy, amplitude[0] ** 2, w, passes.first, bar, theory)
-    free, times, design = _speed_and_length(seen, way)
-    speed, phase, phase_error = (free.speed, *_phase_speed(seen, design, 2.0 * bar.gauge_distance))
+    data = _PassData(delays, logs, energy, amplitude[0] ** 2, w, passes.first, bar, theory)
+    free, times, design = _speed_and_length(data, way)
+    speed, phase, phase_error = (free.speed, *_phase_speed(data, design, 2.0 * bar.gauge_distance))
     length, misfit = free.length, math.nan
-    other = Ways(_speed_and_length(seen, _other(way))[0].speed.value, math.nan)
+    other = Ways(_speed_and_length(data, _other(way))[0].speed.value, math.nan)
     if math.isfinite(bar.length):
         length = Estimate(bar.length, math.nan, 0)
-        speed, misfit, ways = _known_length(seen, way)
-        phase, phase_error = _phase_speed(seen, ways, 1.0)
-        turned, left, _ = _known_length(seen, _other(way))
+        speed, misfit, ways = _known_length(data, way)
+        phase, phase_error = _phase_speed(data, ways, 1.0)
+        turned, left, _ = _known_length(data, _other(way))
         other = Ways(turned.value, left / misfit if misfit > 0.0 else math.nan)
     rod = bar.rod._replace(bar_speed=speed.value)
-    attenuation, losses, losses_error = _losses(seen, length)
+    attenuation, losses, losses_error = _losses(data, length)
     return Echoes(
         quiet=quiet,
         times=np.asarray(quiet.trace.start + step * passes.places),
@@ -222,7 +242,7 @@ def calibrate_bar(
         losses=losses,
         losses_error=losses_error,
         theory=theory,
-        odd=_odd(seen, times, design, step),
+        odd=_odd(data, times, design, step),
         other_way=other,
     )
 
@@ -248,13 +268,13 @@ def _places(quiet: Quiet, bar: Bar, way: Way) -> _Places:
     """
     x = quiet.trace.strain
     peak = float(np.abs(x).max())
-    inside = quiet.onset + int(np.argmax(np.abs(x[quiet.onset :]) > 0.5 * peak))
-    over = crossing(x, inside, 0.25 * peak, 1)
+    inside = quiet.onset + int(np.argmax(np.abs(x[quiet.onset :]) > FOOT_LEVELS[1] * peak))
+    over = crossing(x, inside, FOOT_LEVELS[0] * peak, 1)
     top = inside + int(np.argmax(x[inside : int(over) + 1])) if math.isfinite(over) else inside
-    quarter, half = (crossing(x, top, share * float(x[top]), -1) for share in (0.25, 0.5))
+    quarter, half = (crossing(x, top, share * float(x[top]), -1) for share in FOOT_LEVELS)
     foot = 2.0 * quarter - half if math.isfinite(quarter) else float(quiet.onset)
     width = crossing(x, top, 0.5 * float(x[top]), 1) - foot
-    begin, clear = max(round(foot), 0), int(2.0 * width) if math.isfinite(width) else 0
+    begin, clear = max(round(foot), 0), int(PULSE_WIDTHS * width) if math.isfinite(width) else 0
     if not clear or begin + 2 * clear > x.size:
         raise InputError("echo trace", "one pulse alone", "a record of several round trips")
     same = correlate(x[begin:], x[begin : begin + clear], "valid")
@@ -264,27 +284,27 @@ def _places(quiet: Quiet, bar: Bar, way: Way) -> _Places:
     deepest = clear + int(np.argmin(same[clear:around]))
     expected = 2.0 * bar.delay / quiet.trace.step
     near = _near_peak(same[:around], expected if way == "towards" else around - expected, -1.0, deepest)
-    near = near if same[near] < 0.5 * same[deepest] else deepest
+    near = near if same[near] < TWICE_AS_DEEP * same[deepest] else deepest
     return _Places(foot, float(near), float(around))
 
 
 def _first_large(same: Array, clear: int) -> int:
     """Return the place of the first correlation that comes up to nine tenths of the largest one."""
-    first = clear + int(np.argmax(same[clear:] >= 0.9 * float(same[clear:].max())))
+    first = clear + int(np.argmax(same[clear:] >= LARGE * float(same[clear:].max())))
     return first + int(np.argmax(same[first : first + clear]))
 
 
 def _near_peak(same: Array, expected: float, sign: float, fallback: int = 0) -> int:
     """Return the place of the strongest correlation within a tenth of where it is expected."""
-    low, high = int(0.9 * expected), int(1.1 * expected) + 1
+    low, high = int((1.0 - NEAR_SEARCH) * expected), int((1.0 + NEAR_SEARCH) * expected) + 1
     if low < 1 or high > same.size:
         return fallback
     return low + int(np.argmax(sign * same[low:high]))
 
 
-def _passes(quiet: Quiet, found: _Places, skip: int) -> _Passes:
+def _passes(quiet: Quiet, places_of_passes: _Places, skip: int) -> _Passes:
     """Cut the passes out as long as they stand out of the noise, turn every second one over, and transform them."""
-    foot, near, around = found
+    foot, near, around = places_of_passes
     size = int(min(near, around - near))
     x, lead = quiet.trace.strain, int(LEAD * min(near, around - near))
     count = int(2 * ((x.size - foot) // around)) + 2
@@ -326,7 +346,7 @@ def _band(passes: _Passes, quiet: Quiet) -> NDArray[np.intp]:
     return np.arange(low, low + (int(sunk[0]) if sunk.size else clear.size - low))
 
 
-class _Seen(NamedTuple):
+class _PassData(NamedTuple):
     """What the passes show: delays after the first one (s) and logarithms of amplitudes, each of shape (P, K).
 
     ``energy`` is that of each pass, ``weight`` that of each frequency w (rad/s) of the first one, ``first`` its number.
@@ -369,17 +389,17 @@ class _Plane(NamedTuple):
 def _plane(design: Array, values: Array, weight: Array) -> _Plane:
     """Fit values of shape (P, ...) by design (P, p) with weights of shape (P,); no errors without freedom."""
     inverse = np.linalg.pinv((design.T * weight) @ design)
-    found = np.asarray(inverse @ (design.T * weight) @ values)
+    value = np.asarray(inverse @ (design.T * weight) @ values)
     freedom = design.shape[0] - design.shape[1]
-    left = values - design @ found
+    left = values - design @ value
     squares = np.tensordot(weight, left**2, axes=1)
     variance = squares / freedom if freedom > 0 else np.full_like(squares, np.nan)
-    return _Plane(found, np.asarray(inverse), np.asarray(variance), freedom)
+    return _Plane(value, np.asarray(inverse), np.asarray(variance), freedom)
 
 
-def _turns(seen: _Seen, way: Way) -> Array:
+def _turns(data: _PassData, way: Way) -> Array:
     """Return 1, the turns at the near and those at the far end before each pass, shape (P, 3)."""
-    n = seen.first + np.arange(seen.energy.size)
+    n = data.first + np.arange(data.energy.size)
     many, few = (n + 1) // 2, n // 2
     near, far = (many, few) if way == "towards" else (few, many)
     return np.column_stack([np.ones(n.size), near - near[0], far - far[0]])
@@ -392,92 +412,92 @@ def _delay(passes: _Passes, m: int, band: NDArray[np.intp], step: float) -> Arra
     return np.asarray(step * (passes.places[m] - passes.places[0]) + turn / (2.0 * np.pi * passes.frequency[band]))
 
 
-def _plain_times(seen: _Seen, speed: float) -> Array:
+def _plain_times(data: _PassData, speed: float) -> Array:
     """Return the delays that a bar without dispersion would show, by the theory at a bar speed, s, shape (P,).
 
     By least squares of the phases, which are as uncertain as their amplitude is small: w |S|.
     """
-    k = wave_number(seen.w, seen.bar.rod._replace(bar_speed=speed), seen.theory).real
-    slower, weight = k * speed / seen.w, seen.weight * seen.w**2
-    return np.asarray(seen.delays @ (weight * slower) / (weight @ slower**2))
+    k = wave_number(data.w, data.bar.rod._replace(bar_speed=speed), data.theory).real
+    slower, weight = k * speed / data.w, data.weight * data.w**2
+    return np.asarray(data.delays @ (weight * slower) / (weight @ slower**2))
 
 
-def _speed_and_length(seen: _Seen, way: Way) -> tuple[_Free, Array, Array]:
+def _speed_and_length(data: _PassData, way: Way) -> tuple[_Free, Array, Array]:
     """Return speed and length by turns at both ends, the plain times, and the design: c = 2 d/D, L = d (D + F)/D."""
-    design, d = _turns(seen, way), seen.bar.gauge_distance
-    speed = seen.bar.speed
+    design, d = _turns(data, way), data.bar.gauge_distance
+    speed = data.bar.speed
     for _ in range(ROUNDS):
-        times = _plain_times(seen, speed)
-        found = _plane(design, times, seen.energy)
-        near, far = float(found.value[1]), float(found.value[2])
+        times = _plain_times(data, speed)
+        fit = _plane(design, times, data.energy)
+        near, far = float(fit.value[1]), float(fit.value[2])
         before, speed = speed, 2.0 * d / near
-        if abs(speed / before - 1.0) < 1e-12:
+        if abs(speed / before - 1.0) < CONVERGED:
             break
     if not near > 0.0 or not far > 0.0:
         raise InputError("echo trace", "passes out of turn", "a pulse that runs from end to end")
-    error = found.carried(np.array([0.0, -speed / near, 0.0]))
-    off = found.carried(np.array([0.0, -d * far / near**2, d / near]))
+    error = fit.carried(np.array([0.0, -speed / near, 0.0]))
+    off = fit.carried(np.array([0.0, -d * far / near**2, d / near]))
     length = d * (near + far) / near
-    return _Free(Estimate(speed, error, found.freedom), Estimate(length, off, found.freedom)), times, design
+    return _Free(Estimate(speed, error, fit.freedom), Estimate(length, off, fit.freedom)), times, design
 
 
-def _known_length(seen: _Seen, way: Way) -> tuple[Estimate, float, Array]:
+def _known_length(data: _PassData, way: Way) -> tuple[Estimate, float, Array]:
     """Return the speed over known ways, the root mean square of what is left of the times (s), and the design."""
-    d, turns = seen.bar.gauge_distance, _turns(seen, way)
-    design = np.column_stack([np.ones(turns.shape[0]), 2.0 * (turns[:, 1] * d + turns[:, 2] * (seen.bar.length - d))])
-    speed = seen.bar.speed
+    d, turns = data.bar.gauge_distance, _turns(data, way)
+    design = np.column_stack([np.ones(turns.shape[0]), 2.0 * (turns[:, 1] * d + turns[:, 2] * (data.bar.length - d))])
+    speed = data.bar.speed
     for _ in range(ROUNDS):
-        times = _plain_times(seen, speed)
-        found = _plane(design, times, seen.energy)
-        before, speed = speed, 1.0 / float(found.value[1])
-        if abs(speed / before - 1.0) < 1e-12:
+        times = _plain_times(data, speed)
+        fit = _plane(design, times, data.energy)
+        before, speed = speed, 1.0 / float(fit.value[1])
+        if abs(speed / before - 1.0) < CONVERGED:
             break
-    left = float(np.sqrt(np.mean((times - design @ found.value) ** 2)))
-    return Estimate(speed, float(found.errors(1)) * speed**2, found.freedom), left, design
+    left = float(np.sqrt(np.mean((times - design @ fit.value) ** 2)))
+    return Estimate(speed, float(fit.errors(1)) * speed**2, fit.freedom), left, design
 
 
-def _phase_speed(seen: _Seen, design: Array, way: float) -> tuple[Array, Array]:
+def _phase_speed(data: _PassData, design: Array, way: float) -> tuple[Array, Array]:
     """Return c(f) = way over the second value of the fit of the delays at each frequency, and its standard error."""
-    found = _plane(design, seen.delays, seen.energy)
-    speed = way / found.value[1]
-    return np.asarray(speed), np.asarray(found.errors(1) * np.abs(speed / found.value[1]))
+    fit = _plane(design, data.delays, data.energy)
+    speed = way / fit.value[1]
+    return np.asarray(speed), np.asarray(fit.errors(1) * np.abs(speed / fit.value[1]))
 
 
-def _trips(seen: _Seen) -> Array:
+def _trips(data: _PassData) -> Array:
     """Return 1, whether a pass was turned over, and the round trips before each pass, shape (P, 3)."""
-    n = seen.first + np.arange(seen.energy.size)
+    n = data.first + np.arange(data.energy.size)
     return np.column_stack([np.ones(n.size), n % 2, n // 2 - n[0] // 2])
 
 
-def _losses(seen: _Seen, length: Estimate) -> tuple[Estimate, Array, Array]:
+def _losses(data: _PassData, length: Estimate) -> tuple[Estimate, Array, Array]:
     """Return the attenuation by energy, that of each frequency, and its standard error: what a round trip takes."""
-    way, design = 2.0 * length.value, _trips(seen)
-    whole = _plane(design, seen.logs @ seen.weight / seen.weight.sum(), seen.energy)
-    each = _plane(design, seen.logs, seen.energy)
+    way, design = 2.0 * length.value, _trips(data)
+    whole = _plane(design, data.logs @ data.weight / data.weight.sum(), data.energy)
+    each = _plane(design, data.logs, data.energy)
     value = -float(whole.value[2]) / way
     unsure = 0.0 if math.isnan(length.error) else value * length.error / length.value
     mean = Estimate(value, math.hypot(float(whole.errors(2)) / way, unsure), whole.freedom)
     return mean, np.asarray(-each.value[2] / way), np.asarray(each.errors(2) / way)
 
 
-def _odd(seen: _Seen, times: Array, design: Array, step: float) -> Odd | None:
+def _odd(data: _PassData, times: Array, design: Array, step: float) -> Odd | None:
     """Return the last of the first two passes that those after it do not foretell, in time or in amplitude.
 
-    By Student's distribution once in a thousand records; a sample and 2 % of amplitude always pass.
+    By Student's distribution once in a thousand records; a sample and `STRONGER` of amplitude always pass.
     """
-    logs = seen.logs @ seen.weight / seen.weight.sum()
+    logs = data.logs @ data.weight / data.weight.sum()
     for k in (1, 0):
         if times.size - k - 1 - design.shape[1] < 2:
             continue
-        late, surely_late = _foretold(design, times, seen.energy, k)
-        louder, surely_louder = _foretold(_trips(seen), logs, seen.energy, k)
-        if (surely_late and abs(late) > step) or (surely_louder and abs(louder) > 0.02):
-            return Odd(seen.first + k + 1, late, math.exp(louder))
+        late, surely_late = _foretold(design, times, data.energy, k)
+        louder, surely_louder = _foretold(_trips(data), logs, data.energy, k)
+        if (surely_late and abs(late) > step) or (surely_louder and abs(louder) > STRONGER):
+            return Odd(data.first + k + 1, late, math.exp(louder))
     return None
 
 
 def _foretold(design: Array, values: Array, weight: Array, k: int) -> tuple[float, bool]:
-    """Return by how much a value differs from what those after it say, and whether chance hardly does that."""
+    """Return by how much a value differs from what those after it give, and whether chance hardly does that."""
     after = _plane(design[k + 1 :], values[k + 1 :], weight[k + 1 :])
     apart = float(values[k] - design[k] @ after.value)
     spread = math.sqrt(float((1.0 / weight[k] + design[k] @ after.inverse @ design[k]) * after.variance))

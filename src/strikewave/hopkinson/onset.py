@@ -16,13 +16,23 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FEWEST = 16
-"""Samples of a quiet head, or of a pulse, below which neither can be told."""
+"""Samples of a quiet head, or of a pulse, below which neither is judged: a standard deviation is known to 18 %
+there."""
+FEWEST_TO_SPLIT = 8
+"""Samples without which a stretch is not split: two on either side, and a choice between."""
 FALSE_ALARM = 0.01
-"""Records of pure noise in which a pulse is found."""
+"""Records of pure noise in which a pulse is found; chosen: one in a hundred."""
 PERSISTS = 5
 """Samples that must stand above a level one after another, so that a spike of the digitiser is no pulse."""
 BLOCKS = 8
-"""Parts of a quiet head whose means are compared."""
+"""Parts of a quiet head whose means are compared: enough for a slow foot to show in the last, with means that are
+known."""
+ROUNDING = 1e-12
+"""Share of the mean square below which a variance is rounding, as of a head of zeros."""
+TINY = 1e-300
+"""Keeps the logarithm of no variance out where all is zero."""
+MOST_ALIKE = 0.999
+"""Correlation of neighbours at most: at 1 no mean of noise would be known at all."""
 
 
 def split(values: Array) -> int:
@@ -44,10 +54,10 @@ def split(values: Array) -> int:
     True
     """
     size = values.size
-    if size < 8:
+    if size < FEWEST_TO_SPLIT:
         return 0
     x = values - values[0]
-    floor = 1e-12 * float(np.mean(x**2)) + 1e-300
+    floor = ROUNDING * float(np.mean(x**2)) + TINY
     count = np.arange(1.0, size)
     sums, squares = np.cumsum(x)[:-1], np.cumsum(x**2)[:-1]
     left = squares / count - (sums / count) ** 2
@@ -137,5 +147,5 @@ def drift(values: Array) -> Drift:
     power = float(np.mean(apart**2))
     if power == 0.0:
         return Drift(float(np.ptp(means)), 0.0)
-    alike = min(max(float(np.mean(apart[:, 1:] * apart[:, :-1])) / power, 0.0), 0.999)
+    alike = min(max(float(np.mean(apart[:, 1:] * apart[:, :-1])) / power, 0.0), MOST_ALIKE)
     return Drift(float(np.ptp(means)), math.sqrt(2.0 * power / size * (1.0 + alike) / (1.0 - alike)))

@@ -19,13 +19,22 @@ from strikewave.signal.pulse import crossing
 Array = NDArray[np.float64]
 
 LEAD = 0.05
-"""Share of the time between incident and reflected pulse that a window begins before its pulse."""
+"""Share of the time between incident and reflected pulse that a window begins before its pulse: a foot hidden in the
+noise and what is moved by an alignment must lie inside."""
 HEADROOM = 2
-"""A trace needs this many times `FEWEST` samples."""
+"""A trace needs this many times `FEWEST` samples: those of a quiet head and of a pulse."""
 HEAD = 0.75
-"""Share of the quiet head that gives zero line and noise: a slow foot may lie in the rest, before it is told."""
+"""Share of the quiet head that gives baseline and noise: a slow foot may hide in the rest."""
 LARGEST_STRAIN = 0.02
-"""No bar stays elastic at this strain: a trace beyond it has another unit than it says."""
+"""No bar stays elastic at this strain: the unit of a trace beyond it is wrong."""
+SAME_STEP = 1e-6
+"""Share by which the steps of both traces may differ: over a million samples, one."""
+ROUNDING = 1e-9
+"""Share of a step by which a time may lie before its sample, by rounding."""
+HALF = 0.5
+"""Share of the height between whose crossings a pulse has its plateau and its width."""
+LOW, HIGH = 0.1, 0.9
+"""Shares of the plateau between which the rise is taken, and below which a pulse has ended: the usual 10 to 90 %."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +53,7 @@ class Trace:
 
 @dataclass(frozen=True)
 class Quiet:
-    """A trace with its zero line at 0 and compression positive.
+    """A trace with its baseline at 0 and compression positive.
 
     Attributes
     ----------
@@ -119,7 +128,7 @@ class Pulses:
 
 
 def quieten(trace: Trace, field_name: str) -> Quiet:
-    """Take the zero line off a trace, and turn its first pulse into compression.
+    """Take the baseline off a trace, and turn its first pulse into compression.
 
     Raises
     ------
@@ -142,12 +151,12 @@ def quieten(trace: Trace, field_name: str) -> Quiet:
     head = values[: int(HEAD * begin)]
     level, noise = float(head.mean()), float(head.std())
     values = values - level
-    peak = first_above(values, 0.5 * float(np.abs(values).max()))
+    peak = first_above(values, HALF * float(np.abs(values).max()))
     if peak is None or float(np.abs(values).max()) <= noise_ceiling(noise, values.size):
         raise InputError(field_name, "noise alone", "a pulse that stands above the noise before it")
     polarity = 1 if values[peak] > 0.0 else -1
-    made = Trace(polarity * values, trace.step, trace.start)
-    return Quiet(made, begin, float(np.median(trace.strain)) + level, noise, polarity, drift(head))
+    corrected = Trace(polarity * values, trace.step, trace.start)
+    return Quiet(corrected, begin, float(np.median(trace.strain)) + level, noise, polarity, drift(head))
 
 
 def find_pulses(incident: Trace, transmitted: Trace, bars: tuple[Bar, Bar]) -> Pulses:
@@ -172,7 +181,7 @@ def find_pulses(incident: Trace, transmitted: Trace, bars: tuple[Bar, Bar]) -> P
     """
     first, second = quieten(incident, "incident trace"), quieten(transmitted, "transmitted trace")
     step = incident.step
-    if abs(transmitted.step - step) > 1e-6 * step:
+    if abs(transmitted.step - step) > SAME_STEP * step:
         raise InputError("transmitted trace", f"a step of {transmitted.step:g} s", f"that of the incident, {step:g} s")
     begin = first.trace.start + first.onset * step
     if second.trace.start + second.onset * step < begin:
@@ -191,10 +200,10 @@ def _cut(first: Quiet, second: Quiet, bars: tuple[Bar, Bar]) -> Pulses:
     end = begin + ending(body) * step
     shape = _shape(body, step)
     if shape[0] > separation - shape[1]:
-        words = f"an incident pulse of {shape[0] * 1e6:.4g} us"
+        got = f"an incident pulse of {shape[0] * 1e6:.4g} us"
         allowed = f"one shorter than the {separation * 1e6:.4g} us to the gauge's reflected pulse"
         hint = "the pulses overlap: move the gauge away from the specimen, or take a shorter striker"
-        raise InputError("incident trace", words, allowed, hint)
+        raise InputError("incident trace", got, allowed, hint)
     lead = min(LEAD * separation, first.onset * step)
     arrivals = (0.0, separation, bars[0].delay + bars[1].delay)
     sources = (first.trace, first.trace, second.trace)
@@ -203,9 +212,9 @@ def _cut(first: Quiet, second: Quiet, bars: tuple[Bar, Bar]) -> Pulses:
     left = [(trace.strain.size - 1 - k) * step for trace, (k, _) in zip(sources, places, strict=True)]
     length = min(*echoes, *left)
     if length - lead < shape[0]:
-        words = f"{max(length - lead, 0.0) * 1e6:.4g} us from a pulse to the end of its window"
+        got = f"{max(length - lead, 0.0) * 1e6:.4g} us from a pulse to the end of its window"
         hint = "the record is cut, or an echo from the far end of a bar comes too soon"
-        raise InputError("record", words, f"at least the {shape[0] * 1e6:.4g} us of the incident pulse", hint)
+        raise InputError("record", got, f"at least the {shape[0] * 1e6:.4g} us of the incident pulse", hint)
     count = int(length / step) + 1
     came, back, on = (trace.strain[k : k + count] for trace, (k, _) in zip(sources, places, strict=True))
     for name, wave in (("incident", came), ("incident", back), ("transmitted", on)):
@@ -238,7 +247,7 @@ def _check_strain(strain: float, name: str) -> None:
 def _place(trace: Trace, time: float) -> tuple[int, float]:
     """Return the sample at or before a time, and by how much it lies after it (at most zero), s."""
     place = (time - trace.start) / trace.step
-    k = int(np.floor(place + 1e-9))
+    k = int(np.floor(place + ROUNDING))
     if not 0 <= k < trace.strain.size:
         raise InputError("record", f"no sample at {time * 1e6:.4g} us", "a record that holds all three pulses")
     return k, (k - place) * trace.step
@@ -248,12 +257,12 @@ def _shape(body: Array, step: float) -> tuple[float, float, float, float]:
     """Return duration to the fall below a tenth, 10-90 % rise (s), plateau strain, and width at half height (s)."""
     top = float(np.abs(body).max())
     for _ in range(2):  # the plateau, not the first overshoot, gives the height
-        inside = np.flatnonzero(body > 0.5 * top)
+        inside = np.flatnonzero(body > HALF * top)
         top = float(np.median(body[inside[0] : inside[-1] + 1]))
     middle = (int(inside[0]) + int(inside[-1])) // 2
-    half = [crossing(body, middle, 0.5 * top, way) for way in (-1, 1)]
-    low, high = (_first(body, share * top) for share in (0.1, 0.9))
-    after = np.flatnonzero(body[int(inside[-1]) :] < 0.1 * top)
+    half = [crossing(body, middle, HALF * top, way) for way in (-1, 1)]
+    low, high = (_first(body, share * top) for share in (LOW, HIGH))
+    after = np.flatnonzero(body[int(inside[-1]) :] < LOW * top)
     last = int(inside[-1]) + int(after[0]) if after.size else body.size
     return last * step, (high - low) * step, top, (half[1] - half[0]) * step
 

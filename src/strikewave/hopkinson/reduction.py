@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 Analysis = Literal["1-wave", "2-wave", "3-wave"]
 ANALYSES: tuple[Analysis, ...] = get_args(Analysis)
+"""All of them, for checks and messages."""
 
 
 @dataclass(frozen=True)

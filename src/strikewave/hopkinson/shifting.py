@@ -26,11 +26,13 @@ from strikewave.waves.dispersion import Rod, Theory, wave_number
 Array = NDArray[np.float64]
 
 SLOWEST = 0.5
-"""Slowest phase speed of a component over the bar speed: padding leaves room for its delay."""
+"""Slowest phase speed of a component over the bar speed, 0.576 of it for the first mode in steel: padding leaves room
+for its delay."""
 ABOVE_NOISE = 4.0
 """Amplitude over that of noise alone which counts as signal: noise reaches it once in ten million frequencies."""
 MOST_NODES = 2000
-"""Frequencies at which the wave number is solved for; between them it is interpolated."""
+"""Frequencies at which the wave number is solved for; between them a cubic interpolates. Phases then differ by far less
+than noise, and a record of a million samples takes no longer."""
 
 
 class Carrier(NamedTuple):

@@ -1,6 +1,6 @@
 """How soon the stress in an elastic specimen between two equal bars is uniform.
 
-A wave goes back and forth in the specimen, each time reflected by r = (1 - beta)/(1 + beta) of its force, and the
+Multiple reflections run in the specimen, each time reflected by r = (1 - beta)/(1 + beta) of its force, and the
 forces on the two faces approach each other.
 
 Symbols: beta = Z_specimen/Z_bar, t0 transit time of the specimen (s), k number of the transit, from 1,
@@ -22,8 +22,21 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 UNIFORM = 0.05
-"""A specimen whose forces differ by less than this share of their mean counts as in equilibrium."""
+"""A specimen whose forces differ by less than this share of their mean counts as in equilibrium: Ravichandran & Subhash
+1994, as is usual."""
 MOST_TRANSITS = 100_000
+"""Transits that are summed: a wave of r = 0.9999 has fallen to 5e-5 by then."""
+NEGLIGIBLE = 1e-18
+"""Share of the incident force below which an echo adds nothing to a sum in floating point."""
+PER_TRANSIT, LONG = 200, 5000.0
+"""Instants a transit at which the forces are compared; from so many transits on one each, as nothing changes within
+one."""
+MORE = 4.0
+"""Transits that are looked at at least, and beyond the estimate: the rise of the load shifts all by some."""
+SAFETY = 0.01
+"""Share of the limit at which the estimate of the transits ends, so that alpha stays below the limit after it."""
+TINY = 1e-300
+"""Keeps the logarithm of 0 out, for a specimen as stiff as the bar."""
 
 
 def stress_difference(beta: ArrayLike, transit: ArrayLike) -> Array:
@@ -51,7 +64,7 @@ def stress_difference(beta: ArrayLike, transit: ArrayLike) -> Array:
     b, k = np.asarray(beta, dtype=float), np.asarray(transit, dtype=float)
     if not (np.all(np.isfinite(b)) and np.all(b > 0.0) and np.all(k >= 1.0)):
         raise ValueError("beta must be above zero and the transit at least 1")
-    log = (k - 1.0) * np.log(np.maximum(np.abs((1.0 - b) / (1.0 + b)), 1e-300))
+    log = (k - 1.0) * np.log(np.maximum(np.abs((1.0 - b) / (1.0 + b)), TINY))
     sign = np.where((b > 1.0) & (k % 2.0 == 0.0), -1.0, 1.0)
     left = sign * np.exp(log)
     below = np.where(sign > 0.0, b - np.expm1(log), 1.0 + b - left)
@@ -109,7 +122,7 @@ def face_forces(beta: float, time: ArrayLike, rise: float = 0.0) -> Faces:
         total = np.zeros_like(at)
         for m in range(int(max(float(at.max(initial=0.0)), 0.0) // 2.0) + 1):
             share = r ** (2 * m)
-            if share < 1e-18:
+            if share < NEGLIGIBLE:
                 break
             total += share * incident(at - 2.0 * m)
         return let * total
@@ -130,9 +143,9 @@ def transits_to_uniform(beta: float, rise: float = 0.0, limit: float = UNIFORM) 
     if not (0.0 < limit < 2.0 and 0.0 < beta < math.inf):
         raise ValueError(f"the limit lies between 0 and 2, and beta above zero, got {limit!r} and {beta!r}")
     r = abs((1.0 - beta) / (1.0 + beta))
-    needed = 2.0 if r == 0.0 else 2.0 + math.log(0.01 * limit * min(beta, 1.0)) / math.log(r)
-    last = min(max(needed, 4.0) + 2.0 * rise + 4.0, MOST_TRANSITS)
-    per = 200 if last < 5000.0 else 1
+    needed = 2.0 if r == 0.0 else 2.0 + math.log(SAFETY * limit * min(beta, 1.0)) / math.log(r)
+    last = min(max(needed, MORE) + 2.0 * rise + MORE, MOST_TRANSITS)
+    per = PER_TRANSIT if last < LONG else 1
     time = (np.arange(int(last * per)) + 0.5) / per
     above = np.flatnonzero(~(np.abs(face_forces(beta, time, rise).alpha) < limit))
     return float(above[-1] + 1) / per if above.size else 0.0

@@ -3,7 +3,7 @@
     value = polarity x count x file value / (gain x sensitivity x excitation / rated excitation)
 
 Each factor is left out where it is not given. All are texts with units, kept as they were typed, so that a result
-can say what made it.
+can state what made it.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ MEASURED = ("m/s^2", "m/s", "m", "N", "Pa", "1")
 FOLDER_FILE = "calibration.toml"
 """The file that calibrates all records of its folder; FILE.toml calibrates FILE alone and goes first."""
 LARGEST_FILE = 100_000
+"""Bytes of a calibration file: a few lines for each of hundreds of channels."""
 MOST_DOTS = 40
 """In one line of such a file: keys nested thousands deep take gigabytes to read."""
 _SPELLINGS = {
@@ -37,10 +38,11 @@ _SPELLINGS = {
     "m/s2": "m/s^2", "m/s²": "m/s^2", "m/sec^2": "m/s^2", "m/s/s": "m/s^2",
     "me": "ustrain", "ue": "ustrain", "µe": "ustrain", "με": "ustrain", "µε": "ustrain", "microstrain": "ustrain",
 }  # fmt: skip
+"""Units as instruments and loggers write them, and as `strikewave.base.units` does."""
 
 
 class Scale(NamedTuple):
-    """The number that turns file values into an SI unit; the unit is empty where nobody says what the file holds."""
+    """The number that turns file values into an SI unit; the unit is empty where the unit of the file is not known."""
 
     factor: float
     unit: str
@@ -53,7 +55,7 @@ class Calibration:
     Attributes
     ----------
     unit : str
-        Of the file's values, such as ``g`` or ``mV``; overrules what the file says.
+        Of the file's values, such as ``g`` or ``mV``; overrules that of the file.
     sensitivity : str
         Output per quantity, such as ``1.2 mV/g``, ``-4 pC/N``, ``0.2 uV/V/g``.
     gain : str
@@ -123,8 +125,8 @@ class Calibration:
         if output == "C":
             if not self.gain:
                 raise InputError(f"{field}.gain", "", "a gain in mV/pC", "the sensitivity is a charge")
-            found = _number_and_unit(self.gain, f"{field}.gain", ("V/C",))
-            return found[0] * found[2]
+            quantity = _number_and_unit(self.gain, f"{field}.gain", ("V/C",))
+            return quantity[0] * quantity[2]
         try:
             gain = float(self.gain or 1.0)
         except ValueError:
@@ -153,7 +155,7 @@ def known_unit(text: str) -> tuple[str, float] | None:
 def calibrated(
     channel: Channel, calibration: Calibration, field: str = "calibration"
 ) -> tuple[Channel, list[HealthNotice]]:
-    """Return a channel in SI; its unit stays empty where nobody says what the file holds.
+    """Return a channel in SI; its unit stays empty where the unit of the file is not known.
 
     Raises
     ------
@@ -170,11 +172,11 @@ def calibrated(
     scale = calibration.scale(channel.unit, field)
     findings = []
     if not scale.unit:
-        said = f'its unit "{channel.unit}" is not known' if channel.unit else "the file names no unit"
-        message = f"{said}: figures are in the file's own numbers; say what they are, such as --unit g"
+        reason = f'its unit "{channel.unit}" is not known' if channel.unit else "the file names no unit"
+        message = f"{reason}: figures are in the file's own numbers; state the unit, such as --unit g"
         findings.append(HealthNotice("unit-unknown", message, severity="good"))
     elif scale.unit == "V":
-        message = 'the file holds volts: figures are in V; say what one volt is, such as --sensitivity "1.2 mV/g"'
+        message = 'the file holds volts: figures are in V; state the sensitivity, such as --sensitivity "1.2 mV/g"'
         findings.append(HealthNotice("not-calibrated", message, severity="good"))
     with np.errstate(over="ignore"):
         values = channel.values if scale.factor == 1.0 else channel.values * scale.factor
@@ -189,7 +191,7 @@ def _voltage(text: str, field: str) -> float:
 
 
 def _volts(unit: str, field: str) -> float:
-    """Return the volts that one of the file's numbers stands for; volts where the file does not say."""
+    """Return the volts that one of the file's numbers stands for; volts where the file has no unit."""
     known = known_unit(unit) if unit else ("V", 1.0)
     if known is None or known[0] != "V":
         hint = "a sensitivity is for a file in volts; for counts give count"
@@ -200,17 +202,17 @@ def _volts(unit: str, field: str) -> float:
 def _number_and_unit(text: str, field: str, choices: tuple[str, ...]) -> tuple[float, str, float]:
     match = re.fullmatch(r"\s*([+-]?[0-9.]{1,20}(?:[eE][+-]?\d{1,3})?)\s*(\S.{0,40})", text[:80])
     unit = re.sub(r"/\s*\(([^()/]*)/([^()/]*)\)", r"/\1*\2", match[2].replace("²", "^2")) if match else ""
-    found = convertible(unit, choices) if unit else None
+    si = convertible(unit, choices) if unit else None
     try:
         number = float(match[1]) if match else math.nan
     except ValueError:
         number = math.nan
-    if found is None or not math.isfinite(number) or number == 0.0:
+    if si is None or not math.isfinite(number) or number == 0.0:
         example = "10 mV/pC" if choices == ("V/C",) else "1.2 mV/g"
         hint = "" if choices == ("V/C",) else "V or C (or V/V) per g, N, Pa, m/s, m or strain"
         allowed = f'a number that is not zero and its unit, such as "{example}"'
         raise InputError(field, text, allowed, hint)
-    return number, *found
+    return number, *si
 
 
 def _sensitivity(text: str, field: str) -> tuple[str, float, str]:

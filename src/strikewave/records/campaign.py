@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -19,9 +19,15 @@ from strikewave.records.record import Array
 SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")
 """The figures of a campaign."""
 CONFIDENCE = 0.95
-"""Of all bounds."""
+"""Of all bounds; chosen: as is usual in test reports."""
 SHORTER, MOST = 0.9, 0.6
-"""A record that lasts less than this share of the usual one is shorter than its siblings, where most last as long."""
+"""A record that lasts less than this share of the usual one is shorter than its siblings, where most last as long.
+
+Where a recorder stops by hand all last differently, and none is short."""
+AS_LONG = 0.01
+"""Share by which records that last as long may differ: a few samples of a trigger."""
+SAME_RATE = 0.01
+"""Share by which sampling rates may differ without a finding: clocks of recorders are good to 1e-4."""
 
 
 class Statistic(NamedTuple):
@@ -176,57 +182,56 @@ def compare(files: Sequence[FileReading]) -> list[FileReading]:
     """
     changed = list(files)
     for number in sorted({reading.number for file in files for reading in file.channels}):
-        found = [(k, reading) for k, file in enumerate(files) for reading in file.channels if reading.number == number]
-        for (k, reading), finding in _strangers(found):
+        readings = [
+            (k, reading) for k, file in enumerate(files) for reading in file.channels if reading.number == number
+        ]
+        for k, finding in _unlike_others(readings):
             channels = tuple(
-                one.with_finding(finding) if one.number == reading.number else one for one in changed[k].channels
+                reading.with_finding(finding) if reading.number == number else reading
+                for reading in changed[k].channels
             )
             changed[k] = dataclasses.replace(changed[k], channels=channels)
     return changed
 
 
-def _strangers(found: list[tuple[int, ChannelReading]]) -> list[tuple[tuple[int, ChannelReading], HealthNotice]]:
-    if len(found) < 2:
-        return []
-    strange = []
-    signs = [math.copysign(1.0, reading.pulses[0].peak) if reading.pulses else 0.0 for _, reading in found]
+def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
+    """Yield a finding, with the number of its file, for each channel that differs from those of the other files.
+
+    Which of two files is the odd one is known from neither: sign and length need three.
+    """
+    if len(readings) < 2:
+        return
+    signs = [math.copysign(1.0, reading.pulses[0].peak) if reading.pulses else 0.0 for _, reading in readings]
     usual_sign = math.copysign(1.0, sum(signs))
-    lasts = [reading.channel.duration for _, reading in found]
-    usual = float(np.median(lasts))
-    fixed = sum(abs(last - usual) <= 0.01 * usual for last in lasts) >= MOST * len(lasts)
-    units = [reading.channel.unit for _, reading in found]
+    durations = [reading.channel.duration for _, reading in readings]
+    usual = float(np.median(durations))
+    fixed = sum(abs(duration - usual) <= AS_LONG * usual for duration in durations) >= MOST * len(durations)
+    units = [reading.channel.unit for _, reading in readings]
     usual_unit = max(units, key=units.count)
-    names = [reading.channel.name for _, reading in found]
+    names = [reading.channel.name for _, reading in readings]
     usual_name = max(names, key=names.count)
-    rate = float(np.median([reading.channel.step for _, reading in found]))
-    for one, sign, last in zip(found, signs, lasts, strict=True):
-        if len(found) > 2 and sign == -usual_sign and abs(sum(signs)) > 0.0:
-            words = "its blows have the other sign than those of the other files: --polarity turns a channel"
-            strange.append(
-                (
-                    one,
-                    HealthNotice(
-                        "polarity-differs", words, sign, severity="suspect", harms=("peak", "velocity_change")
-                    ),
-                )
+    usual_step = float(np.median([reading.channel.step for _, reading in readings]))
+    for (file, reading), sign, duration in zip(readings, signs, durations, strict=True):
+        channel = reading.channel
+        if len(readings) > 2 and sign == -usual_sign and abs(sum(signs)) > 0.0:
+            message = "its blows have the other sign than those of the other files: --polarity turns a channel"
+            yield (
+                file,
+                HealthNotice("polarity-differs", message, sign, severity="suspect", harms=("peak", "velocity_change")),
             )
-        if len(found) > 2 and fixed and last < SHORTER * usual:
-            words = f"it lasts {last:.4g} s, the other files {usual:.4g} s: it may have been cut off"
-            strange.append((one, HealthNotice("truncated", words, last, severity="suspect")))
-        if one[1].channel.unit != usual_unit:
-            words = (
-                f"it is in {one[1].channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"
-            )
-            strange.append(
-                (one, HealthNotice("unit-differs", words, severity="suspect", harms=("peak", "velocity_change")))
-            )
-        if one[1].channel.name != usual_name and names.count(usual_name) > 1 - (len(names) == 2):
-            words = f"channel {one[1].number} is {show(one[1].channel.name)}, in the other files {show(usual_name)}"
-            strange.append((one, HealthNotice("name-differs", words, severity="suspect", harms=SUMMED)))
-        if abs(one[1].channel.step / rate - 1.0) > 0.01:
-            words = f"sampled at {1.0 / one[1].channel.step:.6g} Hz, the other files at {1.0 / rate:.6g} Hz"
-            strange.append((one, HealthNotice("rate-differs", words, 1.0 / one[1].channel.step, severity="good")))
-    return strange
+        if len(readings) > 2 and fixed and duration < SHORTER * usual:
+            message = f"it lasts {duration:.4g} s, the other files {usual:.4g} s: it may have been cut off"
+            yield file, HealthNotice("truncated", message, duration, severity="suspect")
+        if channel.unit != usual_unit:
+            message = f"it is in {channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"
+            yield file, HealthNotice("unit-differs", message, severity="suspect", harms=("peak", "velocity_change"))
+        if channel.name != usual_name and names.count(usual_name) > 1 - (len(names) == 2):
+            message = f"channel {reading.number} is {show(channel.name)}, in the other files {show(usual_name)}"
+            yield file, HealthNotice("name-differs", message, severity="suspect", harms=SUMMED)
+        if abs(channel.step / usual_step - 1.0) > SAME_RATE:
+            rate, usual_rate = 1.0 / channel.step, 1.0 / usual_step
+            message = f"sampled at {rate:.6g} Hz, the other files at {usual_rate:.6g} Hz"
+            yield file, HealthNotice("rate-differs", message, rate, severity="good")
 
 
 def summed(files: Sequence[FileReading], number: int | None = None) -> Campaign | None:
@@ -269,7 +274,7 @@ def _file_bad(file: FileReading) -> bool:
 
 def _left_out(file: FileReading, reading: ChannelReading) -> list[tuple[str, tuple[str, ...], str]]:
     """Return the figures of a file that are left out, with all reasons; nothing where none is."""
-    found = [f for f in (*file.findings, *reading.findings) if f.severity == "bad" or set(f.harms) & set(SUMMED)]
-    harmed = {name for f in found for name in (SUMMED if f.severity == "bad" else f.harms)}
+    findings = [f for f in (*file.findings, *reading.findings) if f.severity == "bad" or set(f.harms) & set(SUMMED)]
+    harmed = {name for f in findings for name in (SUMMED if f.severity == "bad" else f.harms)}
     figures = tuple(name for name in SUMMED if name in harmed)
-    return [(file.path, figures, "; ".join(f.message for f in found))] if figures else []
+    return [(file.path, figures, "; ".join(f.message for f in findings))] if figures else []

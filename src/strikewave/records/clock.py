@@ -1,4 +1,4 @@
-"""An even clock and finite samples: what was missing or uneven is mended where it can be, and said."""
+"""Uniform sampling and finite samples: what is missing or uneven is mended where it can be, and reported."""
 
 from __future__ import annotations
 
@@ -15,22 +15,44 @@ from strikewave.records.record import Channel
 Array = NDArray[np.float64]
 
 UNEVEN = 0.01
-"""Share of a step by which time stamps may stray, besides the rounding of their digits."""
+"""Share of a step by which time stamps may stray, besides the rounding of their digits: a jitter that no figure
+shows."""
+JITTER = 0.1
+"""Share of a step by which stray stamps harm the spectrum: a phase of 36 degrees at the sampling rate."""
 GAP = 1.5
-"""A step longer than this many is a gap."""
+"""A step longer than this many is a gap: midway between none and one lost sample."""
 MOST_LOST = 0.1
-"""A record that lacks more than this share of its samples is bad."""
+"""A record that lacks more than this share of its samples is bad: straight lines in their place are no measurement."""
 SENSELESS = 1e30
 """No time, and no sample, is as large: instruments write such numbers for none (9.9e37)."""
+USUAL = 0.5
+"""Share of the usual step by which others may differ and still count into its mean: gaps and repeated stamps do not."""
+BRIDGED, BRIDGED_AT_LEAST = 4, 1000
+"""Samples of the uniform grid for each of the record, and as many more, up to which gaps are bridged: bounds the memory
+of stamps that jump by years."""
+ROUNDED_STEPS = 0.1
+"""Share of steps that are not the usual one beyond which they come from rounded stamps, not from gaps."""
+ODD_STEPS = 0.005
+"""Share of steps that are not the usual one up to which stamps are even with a few faults, and not rounded ones."""
+WITHIN_DIGIT = 1.001
+"""Times the last digit that rounded stamps may stray by: floating point adds its own."""
+LAST_TENTH, FEWEST_STAMPS = 10, 50
+"""The last digit is looked for in the last tenth of the stamps, the largest ones, and in 50 at least."""
+FEWEST_DIGITS, MOST_DIGITS = 3, 15
+"""Digits of a stamp that are tried: fewer would not tell a step, and more a double does not hold."""
+WHOLE = 1e-4
+"""Share of a digit by which a stamp may differ from a whole number of them: of 14 digits, a double keeps so much."""
+TINIEST = 1e-200
+"""Times below which there is no digit to find, s."""
 
 
 def even(channel: Channel) -> tuple[Channel, list[HealthNotice]]:
-    """Return a channel on an even clock without missing samples, and what had to be mended.
+    """Return a channel with uniform sampling and without missing samples, and what had to be mended.
 
     Raises
     ------
     InputError
-        If the file gives no time and no rate was said.
+        If the file gives no time and no rate is stated.
 
     Examples
     --------
@@ -44,18 +66,18 @@ def even(channel: Channel) -> tuple[Channel, list[HealthNotice]]:
         raise InputError("--rate", f"nothing for {channel.name}", "a sampling rate: the file gives no time", hint)
     findings: list[HealthNotice] = []
     if channel.stamps is not None:
-        channel, findings = _on_even_clock(channel, channel.stamps)
+        channel, findings = _resampled(channel, channel.stamps)
     channel, missing = _filled(channel)
     return channel, findings + missing
 
 
-def _on_even_clock(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNotice]]:
+def _resampled(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNotice]]:
     findings = []
     here = np.abs(stamps) < SENSELESS
     if not here.all():
         share = 1.0 - float(here.mean())
-        words = f"{share:.2%} of the time stamps are no times; their samples are left out"
-        findings.append(HealthNotice("time-missing", words, share))
+        message = f"{share:.2%} of the time stamps are no times; their samples are left out"
+        findings.append(HealthNotice("time-missing", message, share))
     values, stamps = channel.values[here], stamps[here]
     steps = np.diff(stamps)
     rounded = _rounded(stamps, steps)
@@ -66,37 +88,37 @@ def _on_even_clock(channel: Channel, stamps: Array) -> tuple[Channel, list[Healt
     same = int(np.count_nonzero(steps == 0.0))
     if back:
         where = float(stamps[int(np.argmax(steps < 0.0))])
-        words = f"time runs backwards {_times(back)}, first after {where:g} s: are these several records in one file?"
-        findings.append(HealthNotice("time-backwards", words, back, severity="bad", harms=FIGURES, start=where))
+        message = f"time runs backwards {_times(back)}, first after {where:g} s: are these several records in one file?"
+        findings.append(HealthNotice("time-backwards", message, back, severity="bad", harms=FIGURES, start=where))
     if back or same:
         order = np.argsort(stamps, kind="stable")
         stamps, first = np.unique(stamps[order], return_index=True)
         values = values[order][first]
         if same:
-            words = f"{same} time stamps stand twice; the first sample of each is kept"
-            findings.append(HealthNotice("time-twice", words, same))
+            message = f"{same} time stamps stand twice; the first sample of each is kept"
+            findings.append(HealthNotice("time-twice", message, same))
         steps = np.diff(stamps)
     if stamps.size < 2:
         return dataclasses.replace(channel, values=values, stamps=None), findings
     usual = float(np.median(steps))
-    near = steps[np.abs(steps - usual) <= 0.5 * usual]
+    near = steps[np.abs(steps - usual) <= USUAL * usual]
     step = float(np.mean(near)) if near.size else usual
     grid_size = round(float(stamps[-1] - stamps[0]) / step) + 1
-    bridged = grid_size <= 4 * stamps.size + 1000
-    rounding = _last_digit(stamps) if _share_odd(steps, usual) > 0.1 else 0.0
+    bridged = grid_size <= BRIDGED * stamps.size + BRIDGED_AT_LEAST
+    rounding = _last_digit(stamps) if _share_odd(steps, usual) > ROUNDED_STEPS else 0.0
     findings += _gaps(stamps, steps, (step, rounding), bridged)
     stray = 0.0
     if grid_size == stamps.size:
         stray = float(np.max(np.abs(stamps - stamps[0] - step * np.arange(stamps.size))))
     if bridged and (grid_size != stamps.size or stray > UNEVEN * step + rounding):
         if not any(f.code == "gap" for f in findings):
-            words = f"time stamps stray by up to {stray / step:.1%} of a step; the record is put on an even clock"
+            message = f"time stamps stray by up to {stray / step:.1%} of a step; the record is resampled uniformly"
             findings.append(
                 HealthNotice(
                     "time-uneven",
-                    words,
+                    message,
                     stray,
-                    severity="suspect" if stray > 0.1 * step else "good",
+                    severity="suspect" if stray > JITTER * step else "good",
                     harms=("spectrum",),
                 )
             )
@@ -116,7 +138,7 @@ def _rounded(stamps: Array, steps: Array) -> tuple[float, float] | None:
     middle = float(np.mean(stamps))
     step = float(np.dot(places, stamps - middle) / np.dot(places, places))
     stray = float(np.max(np.abs(stamps - middle - step * places)))
-    if _share_odd(steps, float(np.median(steps))) <= 0.005 or stray > 1.001 * _last_digit(stamps):
+    if _share_odd(steps, float(np.median(steps))) <= ODD_STEPS or stray > WITHIN_DIGIT * _last_digit(stamps):
         return None
     return middle - 0.5 * step * steps.size, step
 
@@ -128,15 +150,15 @@ def _share_odd(steps: Array, usual: float) -> float:
 
 def _last_digit(stamps: Array) -> float:
     """Return the worth of the last digit of the largest time stamps, as they were rounded when written, s."""
-    part = np.abs(stamps[-max(stamps.size // 10, 50) :])
+    part = np.abs(stamps[-max(stamps.size // LAST_TENTH, FEWEST_STAMPS) :])
     largest = float(np.max(part))
-    if largest < 1e-200:
+    if largest < TINIEST:
         return 0.0
     decade = math.floor(math.log10(largest))
     part = part[part >= 10.0**decade]
-    for digits in range(3, 15):
+    for digits in range(FEWEST_DIGITS, MOST_DIGITS):
         unit = 10.0 ** (decade - digits + 1)
-        if np.all(np.abs(part / unit - np.round(part / unit)) < 1e-4):
+        if np.all(np.abs(part / unit - np.round(part / unit)) < WHOLE):
             return max(unit, float(np.spacing(largest)))
     return float(np.spacing(largest))
 
@@ -149,7 +171,7 @@ def _gaps(stamps: Array, steps: Array, clock: tuple[float, float], bridged: bool
     lost = float(np.sum(steps[wide])) - step * wide.size
     share = lost / float(stamps[-1] - stamps[0])
     longest = int(wide[np.argmax(steps[wide])])
-    words = (
+    message = (
         f"{wide.size} gap{'s' if wide.size > 1 else ''} in time, {share:.2%} of the record, the longest "
         f"{steps[longest]:.3g} s after {stamps[longest]:g} s; "
         + ("bridged by straight lines" if bridged else "too long to be bridged")
@@ -158,7 +180,7 @@ def _gaps(stamps: Array, steps: Array, clock: tuple[float, float], bridged: bool
     return [
         HealthNotice(
             "gap",
-            words,
+            message,
             lost,
             severity=severity,
             harms=harms,
@@ -176,15 +198,17 @@ def _filled(channel: Channel) -> tuple[Channel, list[HealthNotice]]:
         return channel, []
     first = channel.start + channel.step * int(np.argmax(missing))
     if count == values.size:
-        words = "no sample is a number"
-        return channel, [HealthNotice("not-a-number", words, count, severity="bad", harms=FIGURES)]
+        message = "no sample is a number"
+        return channel, [HealthNotice("not-a-number", message, count, severity="bad", harms=FIGURES)]
     places = np.arange(values.size)
     filled = values.copy()
     filled[missing] = np.interp(places[missing], places[~missing], values[~missing])
     share = count / values.size
-    words = f"{count} samples ({share:.2%}) are no finite numbers, the first at {first:g} s; bridged by straight lines"
+    message = (
+        f"{count} samples ({share:.2%}) are no finite numbers, the first at {first:g} s; bridged by straight lines"
+    )
     severity, harms = ("bad", FIGURES) if share > MOST_LOST else ("suspect", ("spectrum",))
-    finding = HealthNotice("not-a-number", words, count, severity=severity, harms=harms, start=first)
+    finding = HealthNotice("not-a-number", message, count, severity=severity, harms=harms, start=first)
     return dataclasses.replace(channel, values=filled), [finding]
 
 

@@ -1,8 +1,8 @@
 """Measure the blows that were found in a record.
 
-The zero line is the median of the record before the blow. Noise is smoothed by local parabolas, at each sample over the
+The baseline is the median of the record before the blow. Noise is smoothed by local parabolas, at each sample over the
 longest window that the noise allows, so that a clean record stays as it is. Where the noise hides a tenth of the
-peak, the figures are those of the smooth pulse that fits best, and the pulse says so.
+peak, the figures are those of the smooth pulse that fits best, which its ``method`` reports.
 """
 
 from __future__ import annotations
@@ -21,16 +21,36 @@ from strikewave.signal.pulse import WIDTH_FRACTION, crossing, measure_pulse
 
 Array = NDArray[np.float64]
 
+FEWEST = 16
+"""Samples that a record needs: a blow of three, and as much beside it as its noise is estimated from."""
 FOOT = 0.02
-"""Share of the peak at which a pulse begins and ends when its area is taken."""
+"""Share of the peak at which a pulse begins and ends when its area is taken: what lies below the foot of a half-sine is
+0.02 % of its area, and what drifts beside it is left out."""
 LOOK_BACK = 40
-"""Widths of a blow before it over which the zero line is taken: more than its foot lasts."""
+"""Widths of a blow before it over which the baseline is taken: more than its foot lasts."""
 TOES = 5
 """Widths of a blow to either side in which its feet are sought."""
 STRAIGHT, TINY = 1e-6, 1e-100
 """What is bent by less than this share of its largest value, or by so little, is a straight line: a count, a clock."""
 CLEAR = 3.0
 """Standard deviations of the smoothed record that a tenth of the peak must have to be read off it."""
+LONGEST_WINDOW = 3
+"""Share of a blow, one in so many of its box, that a smoothing window reaches to either side at most: a parabola over
+two thirds of a box still follows a half-sine."""
+FEWEST_OF_BASELINE = 4
+"""Samples before a blow, and a width of it, without which the line of the whole record is taken for its baseline."""
+EARLIER, LENGTH = 0.15, 1.3
+"""Of the box, how much earlier a half-sine whose mean stands out most begins, and how long it lasts: a first guess."""
+RINGING_WIDTHS, FEWEST_OF_RINGING = 40, 32
+"""Widths after a blow over which its ringing is looked at, and samples without which it is not: four swings of
+eight."""
+SWINGS, PADDED = 4, 4
+"""Swings of the lowest frequency that can be measured, and times that a spectrum is padded so that its peak is found
+between."""
+STANDS_OUT = 30.0
+"""Power of a ringing over that of the noise: noise reaches it once in 1e13 frequencies (exp(-30))."""
+ROUNDING = 1e-24
+"""Share of the largest power below which a peak is rounding: 1e-12 of the amplitude."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +62,7 @@ class RecordedPulse:
     time : float
         Time of the peak, s.
     peak : float
-        Largest value above the zero line, with its sign.
+        Largest value above the baseline, with its sign.
     rise, width : float
         Time from 10 to 90 % of the peak, and above 10 % of it, s; NaN where the record is cut.
     velocity_change : float
@@ -51,11 +71,11 @@ class RecordedPulse:
     ringing_frequency : float
         Of what swings after the pulse, Hz; NaN where nothing stands out.
     offset : float
-        The zero line before the pulse.
+        The baseline before the pulse.
     noise : float
         Standard deviation of a single sample.
     smooth : SmoothPulse
-        The smooth pulse that fits best; its misfit says how well. Strong ringing bends it.
+        The smooth pulse that fits best; see its misfit. Strong ringing bends it.
     method : str
         ``record`` where the figures are read off the record, ``fit`` where noise hides a tenth of the peak.
     begin, end : float
@@ -102,8 +122,8 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
     >>> round(pulse.peak, -1), round(pulse.width * 1e6), round(pulse.velocity_change, 2), round(pulse.offset)
     (5000.0, 187, 0.64, 50)
     """
-    if values.ndim != 1 or values.size < 16:
-        raise ValueError(f"a record needs at least 16 samples in one row, got shape {values.shape}")
+    if values.ndim != 1 or values.size < FEWEST:
+        raise ValueError(f"a record needs at least {FEWEST} samples in one row, got shape {values.shape}")
     if not np.all(np.isfinite(values)):
         raise ValueError("the record holds values that are not finite")
     line = robust_line(values)
@@ -123,7 +143,7 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
 
 @dataclass(frozen=True)
 class Stretch:
-    """Where one blow lies in a record, between its neighbours, and its zero line."""
+    """Where one blow lies in a record, between its neighbours, and its baseline."""
 
     box: Box
     earliest: int
@@ -140,24 +160,24 @@ class Stretch:
 
 
 def _offset(values: Array, box: Box, earliest: int, line: Line) -> float:
-    """Return the zero under a blow: the median of the record before it, carried on along the slope of the whole.
+    """Return the baseline under a blow: the median of the record before it, carried on along the slope of the whole.
 
     Where there is no room before it, the line of the whole record.
     """
     middle = box.first + 0.5 * box.width
     end = box.first - box.width
     begin = max(end - LOOK_BACK * box.width, earliest + 2 * box.width if earliest else 0)
-    if end - begin < max(box.width, 4):
+    if end - begin < max(box.width, FEWEST_OF_BASELINE):
         return float(line.at(middle))
     return float(np.median(values[begin:end] - line.slope * (np.arange(begin, end) - middle)))
 
 
 def _measure(values: Array, stretch: Stretch) -> RecordedPulse | None:
-    """Measure a blow; None where nothing of it is left above its own zero line."""
+    """Measure a blow; None where nothing of it is left above its own baseline."""
     box, step, sign = stretch.box, stretch.step, stretch.sign
     begin, end = _reach(stretch, values.size, TOES)
     raw = sign * (values[begin:end] - stretch.offset)
-    clean, spread = smooth(raw, stretch.noise, max(box.width // 3, 2))
+    clean, spread = smooth(raw, stretch.noise, max(box.width // LONGEST_WINDOW, 2))
     inside = slice(max(box.first - box.width // 2 - begin, 0), box.last + box.width // 2 - begin)
     index = inside.start + int(np.argmax(clean[inside]))
     if clean[index] <= 0.0:
@@ -202,7 +222,7 @@ def _fitted(values: Array, stretch: Stretch) -> SmoothPulse:
     box = stretch.box
     begin, end = _reach(stretch, values.size, 1)
     time = np.asarray(stretch.start + np.arange(begin, end) * stretch.step, dtype=np.float64)
-    guess = stretch.time(box.first - 0.15 * box.width), 1.3 * box.width * stretch.step
+    guess = stretch.time(box.first - EARLIER * box.width), LENGTH * box.width * stretch.step
     return fit_smooth_pulse(time, stretch.sign * (values[begin:end] - stretch.offset), *guess)
 
 
@@ -212,19 +232,19 @@ def _ringing(values: Array, stretch: Stretch) -> float:
     NaN where that peak does not stand out of the noise, or where fewer than four swings fit before the next blow.
     """
     begin = stretch.box.last + stretch.box.width // 4
-    end = min(stretch.latest - stretch.box.width, begin + 40 * stretch.box.width, values.size)
-    if end - begin < 32:
+    end = min(stretch.latest - stretch.box.width, begin + RINGING_WIDTHS * stretch.box.width, values.size)
+    if end - begin < FEWEST_OF_RINGING:
         return math.nan
     part = values[begin:end] - stretch.offset
     window = np.hanning(2 * part.size)[part.size :]
-    power = np.abs(np.fft.rfft((part - np.mean(part)) * window, 4 * part.size)) ** 2
-    lowest = 4 * 4
+    power = np.abs(np.fft.rfft((part - np.mean(part)) * window, PADDED * part.size)) ** 2
+    lowest = PADDED * SWINGS
     if power.size <= lowest + 3:
         return math.nan
     k = lowest + int(np.argmax(power[lowest:-1]))
     noise = stretch.noise**2 * float(np.sum(window**2))
-    if power[k] < 30.0 * max(noise, 1e-24 * power.max(initial=1.0)) or k == lowest:
+    if power[k] < STANDS_OUT * max(noise, ROUNDING * power.max(initial=1.0)) or k == lowest:
         return math.nan
     left, middle, right = np.log(power[k - 1 : k + 2])
     shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
-    return float((k + shift) / (4 * part.size * stretch.step))
+    return float((k + shift) / (PADDED * part.size * stretch.step))

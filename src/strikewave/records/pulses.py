@@ -19,20 +19,49 @@ from strikewave.records._pulse_kernels import strongest_boxes
 
 Array = NDArray[np.float64]
 
+MAD_TO_SIGMA = 1.4826
+"""Standard deviation of normal noise over the median of its size, 1 / Phi^-1(3/4): a median ignores the blows."""
 FALSE_ALARM = 0.01
-"""Records of pure noise in which a pulse is found."""
+"""Records of pure noise in which a pulse is found; chosen: one in a hundred, rarer than a record goes wrong
+otherwise."""
 TRIALS = 40
 """Independent chances that noise has for each box side by side, found with pure noise."""
 SMALLEST_AREA = 0.2
-"""A blow has at least this share of the area of the largest one of its record."""
+"""A blow has at least this share of the area of the largest one of its record.
+
+The blows of one test are alike, and what rings after a blow swings to both sides: the areas of its lobes are
+smaller."""
 SCALES = 3.0
-"""The widths of the blows of one record differ by at most this factor from the largest one."""
+"""The widths of the blows of one record differ by at most this factor from the largest one: the lobes of a ringing are
+narrower, a drift or a change of level is wider."""
 STANDS_OUT = 2.0
-"""A blow is this much higher than what swings before it."""
+"""A blow is this much higher than what swings before it: a lobe of a ringing has a deeper one before it.
+
+Chosen: a blow may begin while what was struck before still swings, by less than half of it."""
+APART = 0.3
+"""Share of its width around a blow in which no second one is looked for: the feet of a pulse reach beyond its box."""
+BESIDE = 3
+"""Widths to either side of a box in which a lobe of the other sign makes it one of a ringing: one and a half
+periods."""
+SURE = 3.0
+"""Standard deviations of noise taken off such a lobe: what noise alone may be, one in a thousand times."""
+LINE_BLOCKS = 64
+"""Blocks over whose medians the baseline is fitted: enough that blows fill fewer than half of them, and their
+4032 pairs cost nothing."""
+LINE_SAMPLES = 4096
+"""Samples of a block whose median is taken: it is then known to 2 % of the noise, in bounded time."""
+NOISE_SAMPLES = 2**20
+"""Differences of neighbours of which the noise is taken: more would not change it by a thousandth."""
+MEAN_SAMPLES = 2**17
+"""Samples whose means over boxes give the noise of a width: bounds the time of long records."""
+NARROWEST = 3
+"""Samples of the narrowest box: a single wild sample, or two, is no blow."""
+ROUNDING = 1e-12
+"""Share of the largest mean below which a box is rounding, where a record has no noise at all."""
 
 
 class Line(NamedTuple):
-    """A straight zero line: value at the first sample, and rise a sample."""
+    """A straight baseline: value at the first sample, and rise a sample."""
 
     level: float
     slope: float
@@ -55,7 +84,7 @@ class Box(NamedTuple):
         return self.first + self.width
 
 
-def robust_line(values: Array, blocks: int = 64) -> Line:
+def robust_line(values: Array, blocks: int = LINE_BLOCKS) -> Line:
     """Fit a line that blows do not bend: repeated medians over the medians of equal blocks.
 
     Half of the blocks may hold anything.
@@ -71,7 +100,7 @@ def robust_line(values: Array, blocks: int = 64) -> Line:
     """
     size = max(values.size // blocks, 1)
     count = values.size // size
-    stride = max(size // 4096, 1)
+    stride = max(size // LINE_SAMPLES, 1)
     middles = np.median(values[: count * size].reshape(count, size)[:, ::stride], axis=1)
     places = np.arange(count) * size + 0.5 * (size - 1)
     if count < 3:
@@ -96,9 +125,9 @@ def sample_noise(values: Array) -> float:
     >>> abs(sample_noise(1e3 * np.sin(20.0 * t) + noise) - 1.0) < 0.02
     True
     """
-    step = max(values.size // 2**20, 1)
+    step = max(values.size // NOISE_SAMPLES, 1)
     jumps = np.abs(values[1::step] - values[:-1:step][: values[1::step].size])
-    noise = 1.4826 / math.sqrt(2.0) * float(np.median(jumps)) if jumps.size else 0.0
+    noise = MAD_TO_SIGMA / math.sqrt(2.0) * float(np.median(jumps)) if jumps.size else 0.0
     steps = jumps[jumps > 0.0]
     return noise if noise > 0.0 or not steps.size else float(np.min(steps)) / math.sqrt(12.0)
 
@@ -111,7 +140,7 @@ def find_boxes(values: Array, line: Line, single: float) -> tuple[int, list[Box]
     values : ndarray
         The record.
     line : Line
-        Its zero line.
+        Its baseline.
     single : float
         Standard deviation of the noise of a single sample.
 
@@ -123,26 +152,26 @@ def find_boxes(values: Array, line: Line, single: float) -> tuple[int, list[Box]
     >>> sign, len(boxes), abs(boxes[0].first - 1000) < 20
     (-1, 1, True)
     """
-    found = {sign: _standing_out(values, line, sign) for sign in (1, -1)}
-    best = {sign: max(boxes, key=_energy, default=None) for sign, boxes in found.items()}
+    boxes_by_sign = {sign: _standing_out(values, line, sign) for sign in (1, -1)}
+    best = {sign: max(boxes, key=_energy, default=None) for sign, boxes in boxes_by_sign.items()}
     chosen = max(best, key=lambda sign: _energy(best[sign]))
     top = best[chosen]
     if top is None:
         return 1, []
-    alike = [box for box in found[chosen] if top.width / SCALES <= box.width <= top.width * SCALES]
-    kept: list[Box] = []
+    alike = [box for box in boxes_by_sign[chosen] if top.width / SCALES <= box.width <= top.width * SCALES]
+    blows: list[Box] = []
     claimed: list[Box] = []
     for box in sorted(alike, key=_energy, reverse=True):
         if box.width * box.mean < SMALLEST_AREA * top.width * top.mean or _touches(box, claimed):
             continue
         claimed.append(box)
-        if box.first >= 0.5 * box.width and not _swings(values, line, chosen, box, kept, single):
-            kept.append(box)
-    return chosen, sorted(kept)
+        if box.first >= 0.5 * box.width and not _swings(values, line, chosen, box, blows, single):
+            blows.append(box)
+    return chosen, sorted(blows)
 
 
 def _touches(box: Box, others: list[Box]) -> bool:
-    return any(box.first < o.last + 0.3 * o.width and o.first - 0.3 * o.width < box.last for o in others)
+    return any(box.first < o.last + APART * o.width and o.first - APART * o.width < box.last for o in others)
 
 
 def _energy(box: Box | None) -> float:
@@ -154,9 +183,9 @@ def _standing_out(values: Array, line: Line, sign: int) -> list[Box]:
     spread, before = 0.0, 1
     for width in _widths(values.size):
         means = _box_means(values, line, width)
-        spread = max(1.4826 * float(np.median(np.abs(means))), spread * math.sqrt(before / width))
+        spread = max(MAD_TO_SIGMA * float(np.median(np.abs(means))), spread * math.sqrt(before / width))
         before = width
-        least = max(spread * _threshold(values.size / width), 1e-12 * float(np.abs(means).max()))
+        least = max(spread * _threshold(values.size / width), ROUNDING * float(np.abs(means).max()))
         room = np.empty((values.size // width + 2, 2))
         count = strongest_boxes(values, line.level, line.slope, width, sign, least, room)
         boxes += [Box(int(first), width, float(mean)) for first, mean in room[:count]]
@@ -164,15 +193,16 @@ def _standing_out(values: Array, line: Line, sign: int) -> list[Box]:
 
 
 def _widths(size: int) -> list[int]:
-    """Return widths from 3 samples to a third of the record, half an octave apart."""
-    last = max(size // 3, 3)
-    return sorted({round(3.0 * math.sqrt(2.0) ** k) for k in range(1 + int(2.0 * math.log2(last / 3.0)))})
+    """Return widths from `NARROWEST` samples to a third of the record, half an octave apart."""
+    last = max(size // 3, NARROWEST)
+    octaves = math.log2(last / NARROWEST)
+    return sorted({round(NARROWEST * math.sqrt(2.0) ** k) for k in range(1 + int(2.0 * octaves))})
 
 
 def _box_means(values: Array, line: Line, width: int) -> Array:
-    """Return means of boxes side by side, at most about 2^17 samples of them, without the zero line."""
+    """Return means of boxes side by side, at most about 2^17 samples of them, without the baseline."""
     count = values.size // width
-    step = max(count * width // 2**17, 1)
+    step = max(count * width // MEAN_SAMPLES, 1)
     firsts = np.arange(0, count, step)
     means = values[: count * width].reshape(count, width)[firsts].mean(axis=1)
     return means - line.at(firsts * width + 0.5 * (width - 1))
@@ -190,17 +220,17 @@ def _threshold(places: float) -> float:
 
 def _swings(values: Array, line: Line, sign: int, box: Box, others: list[Box], single: float) -> bool:
     """Tell whether a box is one lobe of something that swings: what lies beside it is as deep as it is high."""
-    begin = max([box.first - 3 * box.width, 0, *(o.last for o in others if o.last <= box.first)])
-    end = min([box.last + 3 * box.width, values.size, *(o.first for o in others if o.first >= box.last)])
+    begin = max([box.first - BESIDE * box.width, 0, *(o.last for o in others if o.last <= box.first)])
+    end = min([box.last + BESIDE * box.width, values.size, *(o.first for o in others if o.first >= box.last)])
     half = max(box.width // 2, 2)
-    noise = 3.0 * single / math.sqrt(half)
+    noise = SURE * single / math.sqrt(half)
     before = _deepest(values, line, sign, begin, box.first, half) - noise
     after = _deepest(values, line, sign, box.last, end, half) - noise
     return before > box.mean / STANDS_OUT or after > box.mean
 
 
 def _deepest(values: Array, line: Line, sign: int, begin: int, end: int, width: int) -> float:
-    """Return how far the mean over a box falls below zero between two samples."""
+    """Return how far the mean over a box falls below the baseline between two samples."""
     if end - begin < width:
         return 0.0
     part = -sign * (values[begin:end] - line.at(0) - line.slope * np.arange(begin, end))

@@ -1,4 +1,4 @@
-"""What a record says: calibrated, examined, its blows measured."""
+"""A record evaluated: calibrated, examined, its blows measured."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ from strikewave.records.calibration import Calibration, calibrated, calibration_
 from strikewave.records.clock import even
 from strikewave.records.health import Examined, examine, level_step
 from strikewave.records.health_notice import FIGURES, HealthNotice, worst, worst_first
-from strikewave.records.measuring import RecordedPulse, find_pulses
+from strikewave.records.measuring import FEWEST, RecordedPulse, find_pulses
 from strikewave.records.record import Array, Channel, Record
 from strikewave.signal.filters import Filter
 
-FEWEST = 16
-"""Samples that a record needs."""
 MUCH, HALF = 0.9, 0.5
-"""What a filter may leave of a peak without a word, and without harm."""
+"""Shares of a peak that a filter must leave for no finding, and for one that harms nothing: what it takes off is
+reported with each peak in any case."""
+HALF_PERIOD = 0.5
+"""Periods of the cutoff that a record must hold: a filter that is slower than the record is a slip of units."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Request:
     channels : tuple of str
         Names, or numbers from 1; empty for all.
     calibrations : mapping
-        What is stated of the channels, over what the files beside the data say: a table a channel, or ``all``.
+        What is stated of the channels, over what the files beside the data state: a table a channel, or ``all``.
     drop_height : float
         Fall before the blow, m; NaN where none is stated.
     filter : Filter or None
@@ -50,12 +51,12 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class ChannelReading:
-    """One channel of a file, and what it says.
+    """One channel of a file, evaluated.
 
     Attributes
     ----------
     channel : Channel
-        In SI, on an even clock, without gaps; filtered where that was asked for.
+        In SI, uniformly sampled, without gaps; filtered where that was asked for.
     number : int
         Place in the file, from 1.
     pulses : tuple of RecordedPulse
@@ -100,7 +101,7 @@ class ChannelReading:
 
 @dataclass(frozen=True, eq=False)
 class FileReading:
-    """A file, and what it says."""
+    """A file, evaluated."""
 
     path: str
     format: str
@@ -124,29 +125,30 @@ class FileReading:
 
 
 def read_channel(channel: Channel, number: int, calibration: Calibration, request: Request) -> ChannelReading:
-    """Calibrate a channel, put it on an even clock, find and measure its blows, and examine it.
+    """Calibrate a channel, resample it uniformly, find and measure its blows, and examine it.
 
     Raises
     ------
     InputError
-        If the calibration does not fit, nobody gave a time or rate, or the filter is beyond the sampling rate.
+        If the calibration does not fit, neither time nor rate is given, or the filter is beyond the sampling rate.
     """
-    channel, said = calibrated(channel, calibration, f"calibration of {channel.name}")
+    channel, unit_findings = calibrated(channel, calibration, f"calibration of {channel.name}")
     holes = _holes(channel)
     channel, mended = even(channel)
-    findings = [*said, *mended]
+    findings = [*unit_findings, *mended]
     if channel.values.size < FEWEST or any(f.severity == "bad" and f.code == "not-a-number" for f in mended):
         if channel.values.size < FEWEST:
-            words = f"{channel.values.size} samples; a record needs at least {FEWEST}"
-            findings.append(HealthNotice("too-short", words, channel.values.size, severity="bad", harms=FIGURES))
+            message = f"{channel.values.size} samples; a record needs at least {FEWEST}"
+            findings.append(HealthNotice("too-short", message, channel.values.size, severity="bad", harms=FIGURES))
         return ChannelReading(channel, number, (), tuple(findings), calibration)
     pulses = _blows(channel)
     examined = Examined(channel.values, channel.step, channel.start, channel.unit, pulses, request.drop_height)
     findings += [*examine(examined), *_in_blows(holes, pulses)]
     unfiltered: tuple[RecordedPulse, ...] = ()
     if request.filter is not None:
-        if request.filter.cutoff * channel.duration < 0.5:
-            allowed = f"a cutoff of half a period a record at least, {0.5 / channel.duration:.3g} Hz for {channel.name}"
+        if request.filter.cutoff * channel.duration < HALF_PERIOD:
+            lowest = HALF_PERIOD / channel.duration
+            allowed = f"a cutoff of half a period a record at least, {lowest:.3g} Hz for {channel.name}"
             raise InputError("--filter", f"{request.filter.cutoff:g} Hz", allowed, "is kHz meant?")
         if not request.filter.cutoff < 0.5 * channel.sampling_rate:
             allowed = f"a cutoff below half the sampling rate of {channel.name}, {0.5 * channel.sampling_rate:g} Hz"
@@ -157,7 +159,9 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         findings += _changed(unfiltered, pulses)
         if len(pulses) == len(unfiltered):  # what a filter leaves beside a blow is no ringing
             pairs = zip(pulses, unfiltered, strict=True)
-            pulses = tuple(dataclasses.replace(two, ringing_frequency=one.ringing_frequency) for two, one in pairs)
+            pulses = tuple(
+                dataclasses.replace(after, ringing_frequency=before.ringing_frequency) for after, before in pairs
+            )
     return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
 
 
@@ -174,10 +178,10 @@ def _in_blows(holes: Array, pulses: Sequence[RecordedPulse]) -> list[HealthNotic
     for pulse in pulses:
         count = int(np.count_nonzero((holes >= pulse.begin) & (holes <= pulse.end)))
         if count:
-            words = f"{count} samples of the blow at {pulse.time:.6g} s are no numbers: its figures are not measured"
+            message = f"{count} samples of the blow at {pulse.time:.6g} s are no numbers: its figures are not measured"
             return [
                 HealthNotice(
-                    "blow-incomplete", words, count, severity="bad", harms=FIGURES, start=pulse.begin, end=pulse.end
+                    "blow-incomplete", message, count, severity="bad", harms=FIGURES, start=pulse.begin, end=pulse.end
                 )
             ]
     return []
@@ -186,17 +190,17 @@ def _in_blows(holes: Array, pulses: Sequence[RecordedPulse]) -> list[HealthNotic
 def _changed(before: Sequence[RecordedPulse], after: Sequence[RecordedPulse]) -> list[HealthNotice]:
     """Find a filter that takes much off the blows, or takes some away."""
     if len(before) != len(after):
-        words = f"the filter leaves {len(after)} of {len(before)} blows: take a higher cutoff"
-        return [HealthNotice("filter-changes", words, len(after) - len(before), severity="suspect")]
-    left = min((two.peak / one.peak for one, two in zip(before, after, strict=True)), default=1.0)
+        message = f"the filter leaves {len(after)} of {len(before)} blows: take a higher cutoff"
+        return [HealthNotice("filter-changes", message, len(after) - len(before), severity="suspect")]
+    left = min((new.peak / old.peak for old, new in zip(before, after, strict=True)), default=1.0)
     if left > MUCH:
         return []
-    words = f"the filter leaves {left:.0%} of a peak: quote it with the filter, or take a higher cutoff"
-    return [HealthNotice("filter-changes", words, left, severity="suspect" if left < HALF else "good")]
+    message = f"the filter leaves {left:.0%} of a peak: quote it with the filter, or take a higher cutoff"
+    return [HealthNotice("filter-changes", message, left, severity="suspect" if left < HALF else "good")]
 
 
 def _blows(channel: Channel) -> tuple[RecordedPulse, ...]:
-    """Return the blows of a channel; where its zero steps from one level to another, those above both levels."""
+    """Return the blows of a channel; where its baseline steps from one level to another, those above both levels."""
     step = level_step(channel.values)
     if step is None:
         return tuple(find_pulses(channel.values, channel.step, channel.start))
@@ -215,7 +219,7 @@ def _lowered_blows(channel: Channel, place: int, shift: float) -> tuple[Recorded
 
 
 def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: Request) -> FileReading:
-    """Return what the wanted channels of a record say.
+    """Return the wanted channels of a record, evaluated.
 
     Parameters
     ----------
@@ -255,13 +259,13 @@ def _by_number(
 ) -> tuple[dict[str, dict[str, Any]], list[HealthNotice]]:
     """Return calibrations by the numbers of their channels, and a finding for each channel that the file lacks."""
     known = record.keys
-    found: dict[str, dict[str, Any]] = {}
+    by_number: dict[str, dict[str, Any]] = {}
     unused = []
     for name, table in tables.items():
         if name != "all" and name not in known:
-            words = f"a calibration is for {show(name)}, which the file does not have: {nearest(name, known)}"
-            unused.append(HealthNotice("calibration-unused", words))
+            message = f"a calibration is for {show(name)}, which the file does not have: {nearest(name, known)}"
+            unused.append(HealthNotice("calibration-unused", message))
             continue
         key = name if name == "all" else str(known[name] + 1)
-        found[key] = {**found.get(key, {}), **table}
-    return found, unused
+        by_number[key] = {**by_number.get(key, {}), **table}
+    return by_number, unused

@@ -25,11 +25,11 @@ class Channel:
     values : ndarray
         Samples, float64; NaN where the file has none.
     step : float
-        Time between samples, s; NaN where the file does not say.
+        Time between samples, s; NaN where the file has none.
     start : float
         Time of the first sample, s.
     unit : str
-        Of the values, as the file writes it; empty where it does not say.
+        Of the values, as the file writes it; empty where it has none.
     stamps : ndarray or None
         The file's own time stamps, s, one a sample; None where it has a rate instead.
     """
@@ -103,11 +103,11 @@ class Record:
     @property
     def keys(self) -> dict[str, int]:
         """Place of each channel by what it can be called: its number from 1, its name, its name with its unit."""
-        found: dict[str, int] = {str(k + 1): k for k in range(len(self.channels))}
+        places: dict[str, int] = {str(k + 1): k for k in range(len(self.channels))}
         for k, channel in reversed(list(enumerate(self.channels))):
-            found |= {f"{channel.name} {o}{channel.unit}{c}": k for o, c in ("[]", "()")}
-            found[channel.name] = k
-        return found
+            places |= {f"{channel.name} {o}{channel.unit}{c}": k for o, c in ("[]", "()")}
+            places[channel.name] = k
+        return places
 
     def only(self, wanted: Sequence[str | int]) -> Record:
         """Return the record with some of its channels, in the order asked for; all of them for none asked."""

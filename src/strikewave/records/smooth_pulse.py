@@ -11,7 +11,21 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 MOST_SAMPLES = 240
-"""A longer stretch is averaged down to this many before it is fitted."""
+"""A longer stretch is averaged down to this many before it is fitted: about 50 for each parameter, and means lose
+little of a pulse that is 80 of them wide."""
+LOWEST, HIGHEST = (0.05, 0.2, 0.05, 0.3), (3.0, 4.0, 0.95, 4.0)
+"""Bounds of peak, length, share of rise and power, the first two over the guess: wide enough for a step and a spike,
+and so that no parameter runs away in noise."""
+BEFORE = 0.5
+"""Lengths before the first sample at which a pulse may begin: one that is cut has begun before its stretch."""
+GUESS = (1.0, -0.1, 1.2, 1.3)
+"""Peak, begin, length and power from which the fit begins: between a half-sine and a haversine."""
+SPREADS = (1.0, 0.1, 0.3, 0.2, 1.0)
+"""How far peak, begin, length, share of rise and power usually lie from the guess; scales the steps of the fit."""
+ROUNDS, CONVERGED = 50, 1e-6
+"""Evaluations of the fit at most, and the relative change below which it ends: noise moves the parameters far more."""
+INSIDE = 1e-6
+"""How far within its bounds the guess must lie, as the method asks."""
 
 
 class SmoothPulse(NamedTuple):
@@ -89,7 +103,7 @@ def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float, ri
     Parameters
     ----------
     time, values : ndarray
-        Samples around one pulse, its zero line taken off, s.
+        Samples around one pulse, its baseline taken off, s.
     begin, length : float
         Where the pulse is thought to lie, s.
     rise_share : float, optional
@@ -110,13 +124,14 @@ def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float, ri
     t = (time[:whole].reshape(-1, factor).mean(axis=1) - begin) / length
     scale = float(np.max(values)) or 1.0
     y = values[:whole].reshape(-1, factor).mean(axis=1) / scale
-    low, high = (0.05, t[0] - 0.5, 0.2, 0.05, 0.3), (3.0, t[-1], 4.0, 0.95, 4.0)
+    low = (LOWEST[0], t[0] - BEFORE, *LOWEST[1:])
+    high = (HIGHEST[0], t[-1], *HIGHEST[1:])
 
     def left(v: Array) -> Array:
         return SmoothPulse(*v).at(t) - y
 
-    start = np.clip((1.0, -0.1, 1.2, rise_share, 1.3), np.add(low, 1e-6), np.subtract(high, 1e-6))
-    best = least_squares(left, start, bounds=(low, high), x_scale=(1.0, 0.1, 0.3, 0.2, 1.0), max_nfev=50, xtol=1e-6)
+    start = np.clip((*GUESS[:3], rise_share, GUESS[3]), np.add(low, INSIDE), np.subtract(high, INSIDE))
+    best = least_squares(left, start, bounds=(low, high), x_scale=SPREADS, max_nfev=ROUNDS, xtol=CONVERGED)
     peak, first, run, share, power = (float(v) for v in best.x)
     misfit = math.sqrt(2.0 * best.cost / y.size) / peak
     return SmoothPulse(peak * scale, begin + first * length, run * length, share, power, misfit)

@@ -11,7 +11,14 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CONFIDENCE = 2.0
-"""Standard deviations by which the estimates of two windows may differ before the longer one counts as bent."""
+"""Standard deviations by which the estimates of two windows may differ before the longer one counts as bent.
+
+Less would stop the windows in noise, more would let them cut off a tip."""
+NARROWEST = 2
+"""Samples to either side of the first window: five, of which a parabola takes three."""
+LONGER = 1.4
+"""Times that each window is as long as the one before: half an octave, so that few are tried and none is far too
+long."""
 
 
 def smooth(values: Array, noise: float, longest: int) -> tuple[Array, Array]:
@@ -42,7 +49,7 @@ def smooth(values: Array, noise: float, longest: int) -> tuple[Array, Array]:
         return best, spread
     low, high = values - CONFIDENCE * noise, values + CONFIDENCE * noise
     going = np.ones(values.size, dtype=bool)
-    half = 2
+    half = NARROWEST
     while half <= min(longest, values.size // 2):
         weights, gain = _parabola(half)
         padded = np.pad(values, half, mode="edge")
@@ -53,7 +60,7 @@ def smooth(values: Array, noise: float, longest: int) -> tuple[Array, Array]:
         if not going.any():
             break
         best[going], spread[going] = estimate[going], gain * noise
-        half = max(half + 1, math.ceil(1.4 * half))
+        half = max(half + 1, math.ceil(LONGER * half))
     return best, spread
 
 

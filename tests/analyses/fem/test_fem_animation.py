@@ -27,7 +27,7 @@ HOSTILE = 'a <b> & "c" </script><script>alert(1)</script>'
 @pytest.fixture(scope="module")
 def solution():
     case = load_case("two-bars-fem", COARSE)
-    return run_model(case, build_model(case), stills=12)
+    return run_model(case, build_model(case), snapshots=12)
 
 
 @pytest.fixture(scope="module")

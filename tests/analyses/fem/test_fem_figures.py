@@ -18,7 +18,7 @@ from strikewave.analyses.fem.result import FemSolution
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice
 from strikewave.cases.case import load_case
-from strikewave.fem.measures import blow_axis, contact_measure, ledger_measure, near_axis
+from strikewave.fem.measures import balance_measure, blow_axis, contact_measure, near_axis
 from strikewave.fem.mesh import exterior, exterior_faces, joined
 from strikewave.fem.model import Contact, Symmetry
 
@@ -106,8 +106,8 @@ def test_nothing_that_touches_measures_none(run):
     assert contact_measure(still, "a") is None
 
 
-def test_ledger_measure_finds_the_leak_and_the_hourglass_share(mesh):
-    ledger = ledger_measure(synthetic.run(mesh, leak=-0.03, hourglass=0.02))
+def test_balance_measure_finds_the_leak_and_the_hourglass_share(mesh):
+    ledger = balance_measure(synthetic.run(mesh, leak=-0.03, hourglass=0.02))
     assert ledger.energy == pytest.approx(-0.03, rel=1e-12)
     assert ledger.hourglass == pytest.approx(
         0.02 / (1 - 0.02 - 0.02), rel=0.05

@@ -13,10 +13,18 @@ from strikewave.analyses.fem.figures import pictures as fem_pictures
 from strikewave.analyses.fem.report import fields as fem_fields
 from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.fem.run import run_fem
-from strikewave.fem.film import PER_TRANSIT, WAVE_INSTANTS, Film, Still, film_from, film_of, transit_time
 from strikewave.fem.mesh import joined, volumes
 from strikewave.fem.model import Contact, Fixed, Symmetry, Wall
 from strikewave.fem.skin import blow_contact, cut_of, faces_on, meeting_place, skin_of, symmetry_planes
+from strikewave.fem.snapshots import (
+    PER_TRANSIT,
+    WAVE_INSTANTS,
+    Snapshot,
+    SnapshotRecorder,
+    recorder_from_frames,
+    snapshot_recorder,
+    transit_time,
+)
 
 from ...fem import synthetic
 
@@ -48,7 +56,7 @@ def enclosed(skin):
 
 def still(skin, stress, time=0.0, strain=0.0):
     cells = np.broadcast_to(np.asarray(stress, np.float32), (len(skin.elements), 6))
-    return Still(
+    return Snapshot(
         time,
         np.zeros((len(skin.nodes), 3), np.float32),
         np.array(cells),
@@ -140,7 +148,7 @@ def test_the_wave_takes_the_way_to_the_far_end_at_the_speed_in_bars(bars):
 
 def test_a_film_keeps_few_even_instants_more_in_contact_and_those_of_the_wave(ball):
     frame = synthetic.frame(ball.mesh, 1e-5)
-    film = film_of(ball, 10)
+    film = snapshot_recorder(ball, 10)
     time = 1e-7 * np.arange(1001)
     touching = (time > 2e-5) & (time < 4e-5)
     largest = np.where(np.arange(1001) == 777, 9e8, 1e8)
@@ -159,18 +167,18 @@ def test_a_film_keeps_few_even_instants_more_in_contact_and_those_of_the_wave(ba
     assert (late > -1e-12).all()
     assert (late < 1e-7 + 1e-12).all()  # the next instant of the histories
     assert film.worst.time == pytest.approx(777e-7, rel=1e-12)
-    assert len(film.stills) <= 20 + 20 + WAVE_INSTANTS + 2
+    assert len(film.snapshots) <= 20 + 20 + WAVE_INSTANTS + 2
 
 
 @pytest.mark.parametrize("before", [0.0, 5.0])
 def test_a_run_that_went_on_after_first_touch_has_no_row_of_the_wave(ball, before):
-    frame, film = synthetic.frame(ball.mesh, 1e-5), film_of(ball)
+    frame, film = synthetic.frame(ball.mesh, 1e-5), snapshot_recorder(ball)
     rows = {f"force/{film.contact_name}": [np.array([0.0, 0.0, before])], "von_mises/ball": [np.array(1e6)]}
     engine = SimpleNamespace(recorder=SimpleNamespace(rows=rows, bearing=["ball"]), frame=lambda: frame)
     for k in range(30):
         engine.time = 1e-6 * (50 + k)
         rows[f"force/{film.contact_name}"].append(np.array([0.0, 0.0, 7.0]))
-        film.see(engine, last=k == 29)
+        film.observe(engine, last=k == 29)
     assert film.missed == (before > 0.0)
     assert len(film.wave) == (0 if before else WAVE_INSTANTS)
     assert film.last is not None
@@ -179,8 +187,8 @@ def test_a_run_that_went_on_after_first_touch_has_no_row_of_the_wave(ball, befor
 def test_a_film_of_a_large_model_keeps_fewer_instants(ball, monkeypatch):
     skin = skin_of(ball)
     each = 4 * (3 * len(skin.nodes) + 7 * len(skin.elements))
-    monkeypatch.setattr("strikewave.fem.film.LARGEST", 4 * each * 11)
-    assert Film(skin, 1e-5, "", 60).wanted == 11
+    monkeypatch.setattr("strikewave.fem.snapshots.LARGEST", 4 * each * 11)
+    assert SnapshotRecorder(skin, 1e-5, "", 60).wanted == 11
 
 
 def test_a_run_is_filmed_from_first_touch_on(bars):
@@ -188,7 +196,7 @@ def test_a_run_is_filmed_from_first_touch_on(bars):
     film = solution.film
     assert film.touched == 0.0
     assert len(film.wave) == WAVE_INSTANTS
-    assert film.stills[-1].time == pytest.approx(60e-6, rel=1e-9)
+    assert film.snapshots[-1].time == pytest.approx(60e-6, rel=1e-9)
     skin = film.skin
     for one in film.wave[:6]:  # ahead of the fastest wave nothing is loaded: c_p = 1.16 c_0 at nu = 0.3
         middle = solution.model.mesh.points[solution.model.mesh.hexahedra[skin.elements]].mean(axis=1)
@@ -311,7 +319,7 @@ def test_the_instant_of_the_pictures_is_that_of_the_force_of_the_blow_not_of_the
         one.stress[floor] = [0, 0, -1e15 * (40e-6 - time), 0, 0, 0]
         stills.append(one)
     run = synthetic.run(synthetic.mesh())  # whose half-sine of force on the ball peaks in the middle
-    film = Film(skin, 1e-5)
+    film = SnapshotRecorder(skin, 1e-5)
     film.whole.kept = stills
     found = fem_fields._pressed(SimpleNamespace(model=model, run=run), film)
     assert found.still.time == 0.5 * synthetic.DURATION
@@ -327,7 +335,7 @@ def test_the_largest_values_are_named_with_their_place_even_where_no_picture_sho
     assert hidden not in skin.elements
     frames[-1].plastic_strain[hidden] = 0.75
     frames[2].stress[hidden] = [0, 0, -7e9, 0, 0, 0]
-    film = film_from(ball, frames)
+    film = recorder_from_frames(ball, frames)
     assert film.largest["plastic_strain"] == (0.75, frames[-1].time, hidden)
     assert film.largest["von_mises"] == (pytest.approx(7e9), frames[2].time, hidden)
     place = ", ".join(f"{x * 1e3:.4g}" for x in middle[hidden])
@@ -353,7 +361,7 @@ def test_slender_bodies_lie_down_and_rows_fit_the_page(bars, ball):
 
 
 def test_frames_alone_make_pictures_too(ball):
-    film = film_from(ball, synthetic.frames(ball.mesh, 5))
-    assert [one.time for one in film.stills] == pytest.approx(np.linspace(0.0, synthetic.DURATION, 5).tolist())
+    film = recorder_from_frames(ball, synthetic.frames(ball.mesh, 5))
+    assert [one.time for one in film.snapshots] == pytest.approx(np.linspace(0.0, synthetic.DURATION, 5).tolist())
     assert film.worst.time == pytest.approx(0.5 * synthetic.DURATION)
     assert film.wave == []

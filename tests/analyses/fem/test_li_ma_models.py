@@ -9,7 +9,7 @@ import pytest
 from strikewave.analyses.fem.run import run_fem
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.cases.case import load_case
-from strikewave.fem.measures import ledger_measure
+from strikewave.fem.measures import balance_measure
 from strikewave.fem.model import NonReflecting
 from strikewave.papers.li_ma_2019.assumed import FRAME, answer, changed, dimensions, mesh_rows, seats, studied
 from strikewave.papers.li_ma_2019.runs import coarser
@@ -63,7 +63,7 @@ def test_the_object_weighs_what_the_paper_implies():
 @pytest.mark.parametrize("name", [RIGID, f"{RIGID}-quiet", WAVE, f"{WAVE}-quiet"])
 def test_energy_and_momentum_of_the_blow(name):
     solution = coarse(name)
-    ledger, run = ledger_measure(solution.run), solution.run
+    ledger, run = balance_measure(solution.run), solution.run
     assert abs(ledger.energy) < 1e-4
     assert ledger.momentum < 1e-9
     contact = next(iter(run.impulse))

@@ -1,4 +1,4 @@
-"""Case in, model of hexahedra out: parts, solids, what holds, loads and touches them."""
+"""Case in, finite element model out: parts, solids, what holds, loads and touches them."""
 
 from __future__ import annotations
 
@@ -48,9 +48,20 @@ from strikewave.fem.quality import check_mesh
 from strikewave.fem.solids import AnySolid, Bilinear, Elastic, JohnsonCook
 
 ROUGH = 2.0
-"""Largest factor by which an estimate of elements is too high."""
+"""Largest factor by which an estimate of elements is too high: what it refuses is too large without doubt."""
 LARGEST_HISTORY = 200_000
-"""Instants of the histories."""
+"""Instants of the histories: half a gigabyte for tens of parts, and no pulse needs as many."""
+FEWEST_INSTANTS = 3.0
+"""Intervals of the histories at least: fewer show no pulse at all."""
+ELASTIC = {"density": "a density", "youngs_modulus": "Young's modulus", "poissons_ratio": "Poisson's ratio"}
+"""Constants that every solid has, in words."""
+_KINDS: dict[type, tuple[type[Elastic], tuple[str, ...]]] = {
+    type(None): (Elastic, ()),
+    ElasticTable: (Elastic, ()),
+    BilinearTable: (Bilinear, ("yield_strength",)),
+    JohnsonCookTable: (JohnsonCook, ()),
+}
+"""The solid of each table, and what it takes of the material besides."""
 
 
 def build_model(case: Case, threads: int = 1) -> Model:
@@ -134,7 +145,7 @@ def check_elements(case: Case) -> tuple[MeshTable, FemTable]:
     for k, row in enumerate(fem.boundary):
         _boundary(row, f"fem.boundary.{k}")
     instants = fem.duration.si / fem.interval.si
-    if not 3.0 <= instants <= LARGEST_HISTORY:
+    if not FEWEST_INSTANTS <= instants <= LARGEST_HISTORY:
         allowed = f"between a {LARGEST_HISTORY}th and a third of the duration, {fem.duration.typed}"
         raise InputError("fem.interval", fem.interval.typed, allowed)
     return case.mesh, fem
@@ -170,28 +181,17 @@ def solid_of(part: AnyPart) -> AnySolid:
         hint = 'or one of your own: solid = { law = "elastic", density, youngs_modulus, poissons_ratio }'
         raise InputError(f"{path}.material", MISSING, "a material of the table (`strikewave materials`)", hint)
     kind, keys = _KINDS[type(table)]
-    given = _given(table, *(key for key in type(table).model_fields if key != "law")) if table else {}
+    constants = _given(table, *(key for key in type(table).model_fields if key != "law")) if table else {}
     for key in (*ELASTIC, *keys):
-        if key not in given:
-            given[key] = _of_material(row, key, f"{path}.solid.{key}")
-    if ("specific_heat" in given) != ("melting_temperature" in given):
-        lacking = "melting_temperature" if "specific_heat" in given else "specific_heat"
+        if key not in constants:
+            constants[key] = _of_material(row, key, f"{path}.solid.{key}")
+    if ("specific_heat" in constants) != ("melting_temperature" in constants):
+        lacking = "melting_temperature" if "specific_heat" in constants else "specific_heat"
         raise InputError(f"{path}.solid.{lacking}", MISSING, "both specific_heat and melting_temperature, or neither")
     try:
-        return kind(**given)
+        return kind(**constants)
     except InputError as error:
         raise InputError(f"{path}.solid.{error.field}", error.got, error.allowed, error.hint) from None
-
-
-ELASTIC = {"density": "a density", "youngs_modulus": "Young's modulus", "poissons_ratio": "Poisson's ratio"}
-"""Constants that every solid has, in words."""
-_KINDS: dict[type, tuple[type[Elastic], tuple[str, ...]]] = {
-    type(None): (Elastic, ()),
-    ElasticTable: (Elastic, ()),
-    BilinearTable: (Bilinear, ("yield_strength",)),
-    JohnsonCookTable: (JohnsonCook, ()),
-}
-"""The solid of each table, and what it takes of the material besides."""
 
 
 def _given(table: Any, *keys: str) -> dict[str, float]:
@@ -276,9 +276,7 @@ def _check_rigid(fem: FemTable, rigid: Collection[str]) -> None:
     ties = [(f"tie.{k}.{key}", getattr(x, key)) for k, x in enumerate(fem.tie) for key in ("side", "onto")]
     for field, side in (*held, *ties):
         if part_of(side) in rigid:
-            hint = (
-                f'{part_of(side)} is rigid: say how it may move by rigid = "z" and the like, how it begins by velocity'
-            )
+            hint = f'{part_of(side)} is rigid: state its freedoms by rigid = "z" or the like, its start by velocity'
             raise InputError(f"fem.{field}", side, "a side of a part that deforms", hint)
 
 
@@ -333,6 +331,6 @@ def _check_sides(mesh: Mesh, fem: FemTable) -> None:
             raise InputError(path, name, f"a side of {part}: {', '.join(known)}", _nearest_side(part, side, known))
     pairs = [(f"fem.contact.{k}.second", row.first, row.second) for k, row in enumerate(fem.contact)]
     pairs += [(f"fem.tie.{k}.onto", row.side, row.onto) for k, row in enumerate(fem.tie)]
-    for path, one, other in pairs:
-        if np.intersect1d(mesh.side(side_name(one)), mesh.side(side_name(other))).size:
-            raise InputError(path, other, f"a side that shares no nodes with {one}")
+    for path, first, second in pairs:
+        if np.intersect1d(mesh.side(side_name(first)), mesh.side(side_name(second))).size:
+            raise InputError(path, second, f"a side that shares no nodes with {first}")

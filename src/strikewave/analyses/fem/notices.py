@@ -12,30 +12,34 @@ from strikewave.base.materials import material
 from strikewave.base.result import LEDGER_LIMIT, Notice
 from strikewave.cases.case import Case
 from strikewave.fem.blow_measures import still_presses
-from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ledger_measure
+from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, balance_measure
+from strikewave.fem.mesh import TINY
 from strikewave.fem.model import Model, stays
+from strikewave.fem.repeated_blows import ROUNDING
 from strikewave.fem.run import FemRun
 from strikewave.fem.solids import Bilinear, JohnsonCook
 from strikewave.signal.pulse import FEWEST_INTERVALS
 
 FEWEST_FACES = 16.0
-"""Pressed faces of a whole contact below which its force hangs on the mesh: 9 are 5 % off Hertz's peak, 21 are 1 %."""
+"""Pressed faces of a whole contact below which its force depends on the mesh: 9 are 5 % off Hertz's peak, 21 are 1
+%."""
 ALL_PRESSED = 0.9
-"""Share of a surface that is pressed, above which its ends, not its faces, bound the contact."""
-ROUNDING = 1e-9
-"""Overlaps of less than this share of the whole are rounding."""
+"""Share of a surface that is pressed, above which its ends, not its faces, bound the contact: flat on flat presses all
+but a rim, a curved surface much less."""
 RESTLESS, REST_YIELD = 1e-9, 1e-4
-"""Shares of the energy of a blow that may be left as vibration before it, and taken by yield on the way to rest."""
+"""Shares of the energy of a blow that may be left as vibration before it, and taken by yield on the way to rest.
+
+Ten times what relaxation aims at (`strikewave.fem.repeated_blows.REST`); and a hundredth of the 1 % of the balance."""
 
 
 def all_notices(case: Case, model: Model, runs: Sequence[FemRun]) -> Iterator[Notice]:
-    """Yield what a user should know about all blows; of later ones what the first has not said, or breaks a limit."""
+    """Yield what a user should know about all blows; of later ones what is new, or breaks a limit."""
     first = list(notices(case, model, runs[0]))
     yield from first
-    said = {notice.code for notice in first}
+    codes = {notice.code for notice in first}
     for run in runs:
-        found = blow_notices(case, model, run) if run.blow > 1 else ()
-        yield from (notice for notice in found if notice.broken or notice.code not in said)
+        later = blow_notices(case, model, run) if run.blow > 1 else ()
+        yield from (notice for notice in later if notice.broken or notice.code not in codes)
         yield from _unfinished(model, run)
 
 
@@ -44,7 +48,7 @@ def notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     if run.stopped:
         message = f"the run ended early: {run.stopped}"
         yield Notice("stopped", message, float(run.time[-1]), model.controls.duration, broken=True)
-    yield from _ledgers(run)
+    yield from _balances(run)
     yield from model_notices(case, model)
     if run.added_mass > 0.0:
         share = run.added_mass / sum(part.mass for part in run.parts.values())
@@ -73,7 +77,7 @@ def blow_notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     if rest is not None and not rest.kinetic_share <= RESTLESS:
         message = f"before it, bodies still vibrate with {rest.kinetic_share:.1e} of the energy of the blow before"
         yield _named(run, Notice("blow-rest", message, rest.kinetic_share, RESTLESS))
-    yielded = rest.plastic_energy / max(run.initial_energy, 1e-300) if rest is not None else 0.0
+    yielded = rest.plastic_energy / max(run.initial_energy, TINY) if rest is not None else 0.0
     if rest is not None and yielded > REST_YIELD:
         message = (
             f"on the way to rest before it the bodies yield with {rest.plastic_energy:.3g} J, {yielded:.1e} of its"
@@ -82,8 +86,8 @@ def blow_notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     if run.stopped:
         message = f"the run ended early: {run.stopped}"
         yield _named(run, Notice("stopped", message, float(run.time[-1]), model.controls.duration, broken=True))
-    for found in (_ledgers(run), _contacts(run), _strength(case, model, run)):
-        yield from (_named(run, notice) for notice in found)
+    for group in (_balances(run), _contacts(run), _strength(case, model, run)):
+        yield from (_named(run, notice) for notice in group)
 
 
 def _named(run: FemRun, notice: Notice) -> Notice:
@@ -102,21 +106,21 @@ def _unfinished(model: Model, run: FemRun) -> Iterator[Notice]:
             yield Notice("blow-unfinished", message, float(run.time[-1]), model.controls.duration)
 
 
-def _ledgers(run: FemRun) -> Iterator[Notice]:
-    ledger = ledger_measure(run)
-    if not abs(ledger.energy) <= ENERGY_LIMIT:
-        what = "too much" if ledger.energy > 0.0 else "missing"
-        message = f"{abs(ledger.energy):.2%} of the energy is {what}: take a smaller fem.safety or smaller elements"
-        yield Notice("energy-ledger", message, abs(ledger.energy), ENERGY_LIMIT, broken=True)
-    if not ledger.hourglass <= HOURGLASS_LIMIT:
+def _balances(run: FemRun) -> Iterator[Notice]:
+    balance = balance_measure(run)
+    if not abs(balance.energy) <= ENERGY_LIMIT:
+        what = "too much" if balance.energy > 0.0 else "missing"
+        message = f"{abs(balance.energy):.2%} of the energy is {what}: take a smaller fem.safety or smaller elements"
+        yield Notice("energy-ledger", message, abs(balance.energy), ENERGY_LIMIT, broken=True)
+    if not balance.hourglass <= HOURGLASS_LIMIT:
         message = (
-            f"hourglass modes hold {ledger.hourglass:.1%} of the internal energy: take smaller elements, or "
+            f"hourglass modes hold {balance.hourglass:.1%} of the internal energy: take smaller elements, or "
             'elements = "full" for the part that bends'
         )
-        yield Notice("hourglass-energy", message, ledger.hourglass, HOURGLASS_LIMIT, broken=True)
-    if not ledger.momentum <= LEDGER_LIMIT:
-        message = f"the momentum ledger misses {ledger.momentum:.1e}"
-        yield Notice("momentum-ledger", message, ledger.momentum, LEDGER_LIMIT, broken=True)
+        yield Notice("hourglass-energy", message, balance.hourglass, HOURGLASS_LIMIT, broken=True)
+    if not balance.momentum <= LEDGER_LIMIT:
+        message = f"the momentum balance error is {balance.momentum:.1e}"
+        yield Notice("momentum-ledger", message, balance.momentum, LEDGER_LIMIT, broken=True)
 
 
 def _overlaps(model: Model, run: FemRun) -> Iterator[Notice]:
@@ -139,25 +143,25 @@ def _contacts(run: FemRun) -> Iterator[Notice]:
 
     interval = float(run.time[1] - run.time[0])
     for name in run.force:
-        found = contact_measure(run, name)
-        if found is None:
+        measure = contact_measure(run, name)
+        if measure is None:
             message = f"nothing touched in the contact {name}: a longer fem.duration, or another place or velocity"
             yield Notice("no-contact", message, 0.0, 0.0)
-        elif found.duration < FEWEST_INTERVALS * interval:
+        elif measure.duration < FEWEST_INTERVALS * interval:
             message = (
-                f"the contact {name} lasts {found.duration * 1e6:.3g} us, {found.duration / interval:.1f} intervals of "
-                "the histories: take a shorter fem.interval"
+                f"the contact {name} lasts {measure.duration * 1e6:.3g} us, {measure.duration / interval:.1f} "
+                "intervals of the histories: take a shorter fem.interval"
             )
-            yield Notice("fem-interval", message, found.duration / interval, FEWEST_INTERVALS)
+            yield Notice("fem-interval", message, measure.duration / interval, FEWEST_INTERVALS)
 
 
 def _coarse_contacts(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
-    """Say which contacts press so few faces of a larger surface that their force hangs on the mesh."""
-    found = sectors(case, model)
+    """Say which contacts press so few faces of a larger surface that their force depends on the mesh."""
+    sector_of = sectors(case, model)
     sides = model.touching
     for name, pressed in run.pressed.items():
         for side, (share, faces) in zip(sides[name], pressed.max(axis=0), strict=False):
-            pieces = found[side.partition(".")[0]].pieces
+            pieces = sector_of[side.partition(".")[0]].pieces
             if 0.0 < share < ALL_PRESSED and pieces * faces < FEWEST_FACES:
                 message = (
                     f"only {pieces * faces:.2g} faces of {side} are ever pressed at once: their number decides the "

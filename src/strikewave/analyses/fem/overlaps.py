@@ -13,9 +13,11 @@ from strikewave.fem.mesh import FACES, Mesh
 Array = NDArray[np.float64]
 
 NEAREST = 8
-"""Elements looked at for each place: those whose centres are nearest."""
+"""Elements looked at for each place, those whose centres are nearest: a corner has so many around it."""
 INSIDE = 0.25
-"""A place is inside an element where it is deeper behind each of its faces than this share of its smallest depth."""
+"""A place is inside an element where it is deeper behind each of its faces than this share of its smallest depth.
+
+Surfaces may overlap by a tenth of a face (`strikewave.fem.contact.SHALLOW`); what is deeper is a part out of place."""
 
 
 def check_apart(mesh: Mesh, pairs: Iterable[tuple[str, str, str]]) -> None:
@@ -33,8 +35,8 @@ def check_apart(mesh: Mesh, pairs: Iterable[tuple[str, str, str]]) -> None:
     InputError
         If a place within an element of one lies inside an element of the other.
     """
-    for path, one, other in pairs:
-        for this, that in ((one, other), (other, one)):
+    for path, first, second in pairs:
+        for this, that in ((first, second), (second, first)):
             place = _inside(mesh, this, that)
             if place is not None:
                 where = ", ".join(f"{x * 1e3:.4g}" for x in place)
@@ -59,9 +61,9 @@ def _inside(mesh: Mesh, this: str, that: str) -> Array | None:
     corners = mesh.points[mesh.hexahedra[mesh.elements_of(that)]]
     _, near = cKDTree(corners.mean(axis=1)).query(places, k=min(NEAREST, len(corners)))
     for column in np.asarray(near).reshape(len(places), -1).T:
-        found = np.flatnonzero(_in_elements(places, corners[column]))
-        if found.size:
-            return np.asarray(places[found[0]])
+        inside = np.flatnonzero(_in_elements(places, corners[column]))
+        if inside.size:
+            return np.asarray(places[inside[0]])
     return None
 
 

@@ -1,4 +1,4 @@
-"""[mesh] in, parts of hexahedra out: each by the function of its shape, turned and moved to its place."""
+"""[mesh] in, meshes of parts out: each by the function of its shape, turned and moved to its place."""
 
 from __future__ import annotations
 
@@ -24,17 +24,21 @@ from strikewave.cases.mesh_tables import (
     ShapedPart,
     Tube,
 )
-from strikewave.fem.grading import Grading, nodes_between
+from strikewave.fem.grading import GROWTH, Grading, nodes_between
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.round_shapes import TubeSize, ball, cylinder, half_cylinder, half_space, tube
 from strikewave.fem.shapes import FrameSize, block, frame, moved, renamed, turned
 
 LARGEST = 3_000_000
-"""Elements of a model: about 3 GB."""
+"""Elements of a model: about 3 GB, what a usual machine has to spare."""
+ROUNDING = 1e-9
+"""Share by which a size may exceed its part, by rounding of units."""
+LARGEST_FINE_CORE = 0.5
+"""Share of a radius that a core takes at most, as `strikewave.fem.sections.CORE`."""
 SHARE = {"whole": 1.0, "half": 0.5, "quarter": 0.25}
 """Of a body that a sector holds."""
 LENGTHS = ("width", "depth", "height", "length", "diameter", "outer_diameter", "radius")
-"""That say how large a shape is."""
+"""Fields of a shape that give its size: its elements cannot be larger."""
 
 
 def built_parts(table: MeshTable) -> list[Mesh]:
@@ -43,14 +47,14 @@ def built_parts(table: MeshTable) -> list[Mesh]:
     Raises
     ------
     InputError
-        If a shape cannot be as it is said to be, or a file does not hold what is said.
+        If a shape is impossible, or a file lacks a part that is named.
     """
-    meshes, seen = [], set()
+    meshes, read_files = [], set()
     for part in table.part:
         if not isinstance(part, FilePart):
             meshes.append(_placed(part, _named(part, functools.partial(_MAKERS[type(part)], part))))
-        elif part.file not in seen:
-            seen.add(part.file)
+        elif part.file not in read_files:
+            read_files.add(part.file)
             rows = [row for row in table.part if isinstance(row, FilePart) and row.file == part.file]
             meshes.append(_from_file(rows))
     return meshes
@@ -101,7 +105,7 @@ def estimated_elements(table: MeshTable) -> float:
     for part in shaped:
         longest = max((getattr(part, key) for key in LENGTHS if hasattr(part, key)), key=lambda length: length.si)
         most = longest.si * (2.0 if hasattr(part, "radius") else 1.0)
-        if part.size.si > most * (1.0 + 1e-9):
+        if part.size.si > most * (1.0 + ROUNDING):
             allowed = f"at most the part's largest length, {most * 1e3:.4g} mm"
             raise InputError(f"mesh.part.{part.name}.size", part.size.typed, allowed)
     return sum(_named(part, functools.partial(_estimate, part)) for part in shaped)
@@ -156,7 +160,7 @@ def _grading(part: ShapedPart, at: float = 0.0) -> Grading:
     if part.finest is None:
         return Grading(part.size.si)
     extent = part.extent.si if part.extent else 0.0
-    return Grading(part.size.si, part.finest.si, (at,), extent, part.growth.si if part.growth else 1.2)
+    return Grading(part.size.si, part.finest.si, (at,), extent, part.growth.si if part.growth else GROWTH)
 
 
 def _lines(part: Block | Frame) -> list[tuple[float, Grading]]:
@@ -221,6 +225,7 @@ _MAKERS: dict[type, Callable[[Any], Mesh]] = {
     HalfSpace: _half_space,
     Ball: _ball,
 }
+"""What makes the mesh of each shape."""
 
 
 def _count(length: float, sizes: Grading) -> int:
@@ -241,7 +246,7 @@ def _estimate(part: AnyShaped) -> float:
         wall = _count(max(outer - inner, sizes.finest), sizes)
         return share * math.pi * (inner + outer) / sizes.coarse * wall * _count(part.length.si, _along(part))
     radius = 0.5 * part.diameter.si if isinstance(part, Cylinder) else part.radius.si
-    core = max(1.0, sizes.extent / sizes.finest, 0.5 * radius / sizes.coarse)
+    core = max(1.0, sizes.extent / sizes.finest, LARGEST_FINE_CORE * radius / sizes.coarse)
     ring = _count(radius, sizes)
     disc = share * 4.0 * core * (core + 2.0 * ring)
     if isinstance(part, Cylinder):

@@ -21,12 +21,11 @@ from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.comparisons import comparisons
 from strikewave.fem.blow_measures import blow_measure
-from strikewave.fem.film import Film
 from strikewave.fem.measures import (
     ContactMeasure,
     PartMeasure,
+    balance_measure,
     contact_measure,
-    ledger_measure,
     mean_acceleration,
     mean_force,
     middles,
@@ -34,6 +33,7 @@ from strikewave.fem.measures import (
 )
 from strikewave.fem.model import Model
 from strikewave.fem.run import ENERGIES, FemRun, Frame
+from strikewave.fem.snapshots import SnapshotRecorder
 
 if TYPE_CHECKING:
     import xarray
@@ -62,7 +62,7 @@ class FemSolution(Result):
         Histories and ledger.
     frames : tuple of Frame
         Fields to be shown.
-    film : Film, optional
+    film : SnapshotRecorder, optional
         Instants that pictures are made of.
     later : tuple of FemRun
         The blows after the first, which is ``run``.
@@ -75,7 +75,7 @@ class FemSolution(Result):
     model: Model = field(repr=False)
     run: FemRun = field(repr=False)
     frames: tuple[Frame, ...] = field(repr=False)
-    film: Film | None = field(default=None, repr=False)
+    film: SnapshotRecorder | None = field(default=None, repr=False)
     later: tuple[FemRun, ...] = field(default=(), repr=False)
 
     @property
@@ -159,7 +159,7 @@ class FemSolution(Result):
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
-        run, ledger = self.run, ledger_measure(self.run)
+        run, ledger = self.run, balance_measure(self.run)
         energy = {name: float(run.energy[name][-1]) for name in ENERGIES}
         wholes, found = self.wholes, self.sectors
         contacts = {name: None if x is None else _contact(x, wholes[name]) for name, x in self.contacts.items()}
@@ -339,7 +339,7 @@ def _blow(solution: FemSolution) -> dict[str, Any]:
         "restitution": dict(found.restitution),
         "plastic_strain": dict(found.plastic_strain),
         "plastic_energy": dict(found.plastic_energy),
-        "energy_error": ledger_measure(solution.run).energy,
+        "energy_error": balance_measure(solution.run).energy,
         "rest": found.rest._asdict() if found.rest else None,
         "stopped": solution.run.stopped or None,
     }

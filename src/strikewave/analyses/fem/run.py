@@ -1,4 +1,4 @@
-"""A model of hexahedra: case in, solution out."""
+"""Explicit finite elements: case in, solution out."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from strikewave.analyses.fem.notices import all_notices
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.base import citations
 from strikewave.cases.case import Case
-from strikewave.fem.film import STILLS, film_of
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.model import Model, NonReflecting
 from strikewave.fem.run import Frame
+from strikewave.fem.snapshots import SNAPSHOTS, snapshot_recorder
 from strikewave.fem.solids import JohnsonCook
 
 if TYPE_CHECKING:
-    from strikewave.fem.solve import Asked, Writer
+    from strikewave.fem.solve import RunOptions, Writer
 
 
 @dataclass
@@ -49,12 +49,12 @@ class Watch:
     @property
     def shown(self) -> tuple[Frame, ...]:
         """The frames to be shown, in the order of time."""
-        found = {frame.time: frame for frame in (self.worst, self.last) if frame is not None}
-        return tuple(found[time] for time in sorted(found))
+        by_time = {frame.time: frame for frame in (self.worst, self.last) if frame is not None}
+        return tuple(by_time[time] for time in sorted(by_time))
 
 
 def run_fem(case: Case, threads: int = 1) -> FemSolution:
-    """Run the model of hexahedra of a case.
+    """Run the finite element model of a case.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def run_fem(case: Case, threads: int = 1) -> FemSolution:
     return run_model(case, build_model(case, threads))
 
 
-def run_model(case: Case, model: Model, asked: Asked | None = None, stills: int = STILLS) -> FemSolution:
+def run_model(case: Case, model: Model, options: RunOptions | None = None, snapshots: int = SNAPSHOTS) -> FemSolution:
     """Run the model of a case; see `run_fem`.
 
     Parameters
@@ -80,28 +80,28 @@ def run_model(case: Case, model: Model, asked: Asked | None = None, stills: int 
         What the model was built from.
     model : Model
         Of the case.
-    asked : Asked, optional
-        What is asked of the run besides its histories; the case says how many frames.
-    stills : int
-        Instants over the run that its film keeps, and as many again while anything touches.
+    options : RunOptions, optional
+        What the run does besides its histories; the number of frames is that of the case.
+    snapshots : int
+        Instants over the run that are kept for pictures, and as many again while anything touches.
     """
-    from strikewave.fem.solve import Asked, check_controls, solve_blows
+    from strikewave.fem.solve import RunOptions, check_controls, solve_blows
 
-    asked = asked or Asked()
-    watch, later = Watch(asked.writer), asked.later
+    options = options or RunOptions()
+    watch, later = Watch(options.writer), options.later
     frames = int(case.fem.frames.si) if case.fem else 0
     with fields_of_case(model):
         check_controls(model)
-        film = film_of(model, stills)
-        asked = asked._replace(writer=watch, later=later or (lambda _: Watch()), film=film, frames=frames)
-        run, *others = solve_blows(model, asked)
+        recorder = snapshot_recorder(model, snapshots)
+        options = options._replace(writer=watch, later=later or (lambda _: Watch()), observer=recorder, frames=frames)
+        run, *others = solve_blows(model, options)
     origin = [key for key in citations.SOURCES if case.source.startswith(key)][:1]
     solution = FemSolution(
         case=case,
         model=model,
         run=run,
         frames=watch.shown,
-        film=film,
+        film=recorder,
         notices=tuple(all_notices(case, model, (run, *others))),
         citations=(*origin, *sources(model)),
         later=tuple(others),
@@ -129,7 +129,7 @@ def first_step(model: Model) -> float:
     """Return the time step that a run begins with, s."""
     from strikewave.fem.engine import fitting, scaled_masses
 
-    controls, rigid = model.controls, {one.part for one in model.rigid}
+    controls, rigid = model.controls, {body.part for body in model.rigid}
     with fields_of_case(model):
         _, _, critical = scaled_masses(model, [name for name in model.mesh.names if name not in rigid])
     return fitting(controls.interval, controls.safety * critical)

@@ -23,12 +23,12 @@ from strikewave.base.errors import InputError
 from strikewave.base.json_document import head, plain, without
 from strikewave.cases.case import Case, dump_case
 from strikewave.fem.blow_measures import blow_measure
-from strikewave.fem.film import STILLS
-from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ContactMeasure, ledger_measure
+from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ContactMeasure, balance_measure
 from strikewave.fem.model import Model
 from strikewave.fem.quality import PartQuality, quality_report
 from strikewave.fem.run import ENERGIES
-from strikewave.fem.solve import Asked, Keep, Progress
+from strikewave.fem.snapshots import SNAPSHOTS
+from strikewave.fem.solve import Checkpoint, Progress, RunOptions
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
@@ -116,7 +116,7 @@ class FemCommand(Command[FemSolution]):
 
     @contextlib.contextmanager
     def under_way(self, folder: Path) -> Iterator[None]:
-        """Keep state and fields beside the folder until all is written."""
+        """Checkpoint state and fields beside the folder until all is written."""
         restart = self.choice.restart
         with (
             unfinished(folder, dump_case(self.case), restart, self.anew) as self.home,
@@ -130,19 +130,19 @@ class FemCommand(Command[FemSolution]):
         with progress() as report:
             return run_model(self.case, self.model, self._asked()._replace(report=report), self._stills())
 
-    def _asked(self) -> Asked:
+    def _asked(self) -> RunOptions:
         """Return what is asked of the run besides its histories."""
         if self.home is None or self.fields is None:
-            return Asked()
+            return RunOptions()
         state = self.home / STATE
-        keep = Keep(state, max(1, round(self.model.controls.intervals / STATES)))
-        asked = Asked(keep=keep, resume=state if self.choice.restart else None)
+        keep = Checkpoint(state, max(1, round(self.model.controls.intervals / STATES)))
+        asked = RunOptions(checkpoint=keep, resume=state if self.choice.restart else None)
         return asked._replace(writer=self.fields.of_blow(1), later=self.fields.of_blow)
 
     def _stills(self) -> int:
         """Return how many instants the run keeps for its pictures."""
         if not self.choice.animate:
-            return STILLS
+            return SNAPSHOTS
         from strikewave.analyses.fem.figures import animation
 
         return animation.STILLS
@@ -280,7 +280,7 @@ def _whole_cells(whole: WholeForce | None) -> list[str]:
 
 
 def _show_ledger(solution: FemSolution) -> None:
-    run, ledger = solution.run, ledger_measure(solution.run)
+    run, ledger = solution.run, balance_measure(solution.run)
     kinds = [name for name in ENERGIES if run.energy[name].any()]
     cells = [number(run.initial_energy, "J", "J"), *(number(float(run.energy[name][-1]), "J", "J") for name in kinds)]
     table("Energy at the end (J)", ["initial", *kinds], [cells], left=0)
@@ -307,7 +307,7 @@ def _show_blows(solution: FemSolution) -> None:
                 f"{body}: {number(pulse.rigid_peak, 'm/s^2', 'g', 5)}",
                 number(max(found.plastic_strain.values(), default=math.nan), "1", "1", 3),
                 number(sum(found.plastic_energy.values()), "J", "J", 3),
-                f"{ledger_measure(each.run).energy:+.1e}",
+                f"{balance_measure(each.run).energy:+.1e}",
             ]
         )
     heads = ["blow", "peak (kN)", "impulse (N s)", "lasts (us)", "restitution", "rigid peak (g)"]

@@ -1,4 +1,4 @@
-"""Sectors of a model of hexahedra: how much of each body is there, along which planes it was cut, what holds them."""
+"""Sectors of a finite element model: how much of each body is there, along which planes it was cut, what holds them."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from strikewave.cases.case import Case
 from strikewave.fem.boundary import unit
 from strikewave.fem.measures import PartMeasure, interval_means, part_measure
-from strikewave.fem.mesh import Mesh
 from strikewave.fem.model import Fixed, Guided, Model, NonReflecting, Symmetry
 from strikewave.fem.run import FemRun
+from strikewave.fem.skin import outward
 
 Array = NDArray[np.float64]
 
 ACROSS = 1e-6
-"""Sine of the angle below which a way lies in a plane."""
+"""Sine of the angle below which a way lies in a plane: files of meshes keep six digits or more."""
 
 
 @dataclass(frozen=True)
@@ -42,10 +42,10 @@ class Sector:
     @property
     def free(self) -> Array:
         """What projects a vector onto its planes of symmetry, (3, 3): what lies across them cancels in the whole."""
-        found = np.eye(3)
+        projector = np.eye(3)
         for normal in self.normals:
-            found = found - np.outer(normal, normal)
-        return found
+            projector = projector - np.outer(normal, normal)
+        return projector
 
 
 @dataclass(frozen=True)
@@ -69,90 +69,85 @@ def sectors(case: Case | None, model: Model) -> dict[str, Sector]:
     (4, ('ball.x-', 'ball.y-'))
     """
     mesh = model.mesh
-    found = {name: Sector() for name in mesh.names}
+    sector_of = {name: Sector() for name in mesh.names}
     for part in case.mesh.part if case is not None and case.mesh is not None else ():
         kind = getattr(part, "sector", "whole")
         if kind != "whole":
             sides = [name for axis in "xy" if (name := f"{part.name}.{axis}-") in mesh.sides]
             sides = sides if kind == "quarter" else sides[-1:]
-            found[part.name] = Sector(2 ** len(sides), tuple(sides), tuple(_outward(mesh, side) for side in sides))
+            normals = tuple(tuple(outward(mesh, side).tolist()) for side in sides)
+            sector_of[part.name] = Sector(2 ** len(sides), tuple(sides), normals)
     for name, parts in model.groups.items():
-        first, *others = (found[part] for part in parts)
-        found[name] = first if all(_alike(first, other) for other in others) else Sector()
-    return found
+        first, *others = (sector_of[part] for part in parts)
+        sector_of[name] = first if all(_alike(first, other) for other in others) else Sector()
+    return sector_of
 
 
-def open_cuts(model: Model, found: dict[str, Sector]) -> Iterator[str]:
+def open_cuts(model: Model, sector_of: dict[str, Sector]) -> Iterator[str]:
     """Yield the sides of sectors across whose planes of symmetry nodes may move."""
     held = {b.side for b in model.boundaries if isinstance(b, Symmetry | Fixed)}
     guided = {b.side: unit(b.axis, "axis") for b in model.boundaries if isinstance(b, Guided)}
     rigid = {body.part: body for body in model.rigid}
     for part in model.mesh.names:
-        sector = found[part]
+        sector = sector_of[part]
         for side, normal in zip(sector.sides, sector.normals, strict=True):
             along = guided.get(side, guided.get(part))
             if part in rigid:
-                kept = not any(rigid[part].rotations) and _in_plane(np.diag(rigid[part].translations), normal)
+                is_held = not any(rigid[part].rotations) and _in_plane(np.diag(rigid[part].translations), normal)
             else:
-                kept = side in held or (along is not None and _in_plane(along, normal))
-            if not kept:
+                is_held = side in held or (along is not None and _in_plane(along, normal))
+            if not is_held:
                 yield side
 
 
-def whole_forces(model: Model, run: FemRun, found: dict[str, Sector]) -> dict[str, WholeForce | None]:
+def whole_forces(model: Model, run: FemRun, sector_of: dict[str, Sector]) -> dict[str, WholeForce | None]:
     """Return `whole_force` of each contact and wall."""
-    return {name: whole_force(run, found, name, sides) for name, sides in model.touching.items()}
+    return {name: whole_force(run, sector_of, name, sides) for name, sides in model.touching.items()}
 
 
-def whole_force(run: FemRun, found: dict[str, Sector], name: str, sides: tuple[str, ...]) -> WholeForce | None:
+def whole_force(run: FemRun, sector_of: dict[str, Sector], name: str, sides: tuple[str, ...]) -> WholeForce | None:
     """Return the contact of the whole bodies; None where they are no sectors, or not the same.
 
     Forces across a plane of symmetry cancel with those on its mirror image; the others add up.
     """
-    impulse = whole_impulse(run, found, name, sides)
+    impulse = whole_impulse(run, sector_of, name, sides)
     if impulse is None:
         return None
     mean = np.linalg.norm(interval_means(impulse, run.time), axis=1)
     return WholeForce(float(mean.max(initial=0.0)), float(np.linalg.norm(impulse[-1])))
 
 
-def whole_impulse(run: FemRun, found: dict[str, Sector], name: str, sides: tuple[str, ...]) -> Array | None:
+def whole_impulse(run: FemRun, sector_of: dict[str, Sector], name: str, sides: tuple[str, ...]) -> Array | None:
     """Return the impulse of a contact of the whole bodies, N s, (instants, 3); None as of `whole_force`."""
-    both = [found[side.partition(".")[0]] for side in sides]
+    both = [sector_of[side.partition(".")[0]] for side in sides]
     if both[0].pieces == 1 or any(not _alike(both[0], other) for other in both):
         return None
     return np.asarray(both[0].pieces * (run.impulse[name] @ both[0].free))
 
 
-def blow_of_bodies(model: Model, run: FemRun, found: dict[str, Sector]) -> dict[str, PartMeasure]:
+def blow_of_bodies(model: Model, run: FemRun, sector_of: dict[str, Sector]) -> dict[str, PartMeasure]:
     """Return the blow that each body took: groups, then parts that nothing holds, then the others, the heaviest first.
 
     Held are parts with a fixed or non-reflecting side. What does not move comes last.
     """
     held = {b.side.partition(".")[0] for b in model.boundaries if isinstance(b, Fixed | NonReflecting)}
-    bodies = {name: part_measure(run, name, found[name].free) for name in (*run.groups, *run.parts)}
+    bodies = {name: part_measure(run, name, sector_of[name].free) for name in (*run.groups, *run.parts)}
 
     def place(name: str) -> tuple[bool, bool, bool, float]:
         body, part = bodies[name], name not in run.groups
-        return body.velocity_change == 0.0, part, part and name in held, -body.mass * found[name].pieces
+        return body.velocity_change == 0.0, part, part and name in held, -body.mass * sector_of[name].pieces
 
     return {name: bodies[name] for name in sorted(bodies, key=place)}
 
 
-def _alike(one: Sector, other: Sector) -> bool:
+def _alike(first: Sector, second: Sector) -> bool:
     """Tell whether two sectors were cut along the same planes, but for where these stand."""
-    return one.pieces == other.pieces and all(
-        any(float(np.linalg.norm(np.cross(normal, twin))) < ACROSS for twin in other.normals) for normal in one.normals
+    return first.pieces == second.pieces and all(
+        any(float(np.linalg.norm(np.cross(normal, twin))) < ACROSS for twin in second.normals)
+        for normal in first.normals
     )
 
 
 def _in_plane(ways: Array, normal: tuple[float, ...]) -> bool:
     """Tell whether all ways, unit vectors, lie in the plane of a normal."""
     return bool(np.all(np.abs(ways @ np.array(normal)) < ACROSS))
-
-
-def _outward(mesh: Mesh, side: str) -> tuple[float, ...]:
-    """Return the outward unit normal of a flat side."""
-    a, b, c, d = (mesh.points[mesh.side(side)[:, k]] for k in range(4))
-    normal = np.cross(c - a, d - b).sum(axis=0)
-    return tuple(float(x) for x in normal / np.linalg.norm(normal))

@@ -28,19 +28,25 @@ from strikewave.base.errors import InputError, show
 Array = NDArray[np.float64]
 
 LARGEST_FILE = 4 << 30
-"""Bytes."""
+"""Bytes of a file that is read, of histories of either code: millions of outputs of tens of contacts."""
 LONGEST_LINE = 1000
-"""Characters; LS-DYNA writes lines of less than 200."""
+"""Characters of a line; LS-DYNA writes less than 200, and a file without line ends is no text of its own."""
 MOST_SERIES = 20_000
-"""Sides of contacts that a file may hold, and names of energies."""
+"""Sides of contacts that a file may hold: bounds the memory of a file that names ever new ones."""
+MOST_ENERGIES = 200
+"""Names of energies that a file may hold; LS-DYNA writes about thirty."""
 LABELS = (b"time", b"x", b"y", b"z", b"mass", b"mx", b"my", b"mz")
 """Words before the numbers of a line of ``rcforc``."""
 SIDES = {b"slave": "A", b"surfa": "A", b"master": "B", b"surfb": "B"}
 """Words that begin a line of ``rcforc``, and the side that they name."""
 _FORTRAN = re.compile(rb"([+-]?\d+\.\d*)([+-]\d{3})")
+"""A number whose exponent of three digits has pushed out its letter."""
 _ENTRY = re.compile(rb"\s*(\S.*?)[ .]*\.\s*([-+]?[\d.][-+.\dEeDd]*|\*+)(?:\s|$)")
+"""A name, dots, and its value, or stars where it did not fit."""
 _CYCLE = re.compile(rb"\s*dt of cycle\s+\d+")
+"""First line of an output of ``glstat``."""
 _LEGEND = re.compile(rb"\s*(\d+)\s+(.*)")
+"""Number and title of a contact."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +66,7 @@ class ContactForce:
     force : array (outputs, 3)
         Resultant on this side.
     mass : array (outputs,)
-        Of the nodes that touch, where the file says so; else 0.
+        Of the nodes that touch, where the file has it; else 0.
     moment : array (outputs, 3) or None
         About the origin, where the file has it.
     """
@@ -124,8 +130,8 @@ def read_rcforc(path: Path) -> tuple[ContactForce, ...]:
                 raise _bad(path, number, line, f"at most {MOST_SERIES} sides of contacts")
         elif b"END LEGEND" in line or b"BEGIN LEGEND" in line:
             in_legend = b"BEGIN" in line
-        elif in_legend and (found := _LEGEND.match(line)):
-            titles[int(found[1])] = title_of(found[2])
+        elif in_legend and (legend := _LEGEND.match(line)):
+            titles[int(legend[1])] = title_of(legend[2])
     if not rows:
         raise InputError(
             "FILE", str(path), "lines such as 'slave 1 time ...' or 'SURFA 1 time ...'", "is it an rcforc?"
@@ -163,13 +169,13 @@ def read_glstat(path: Path) -> GlobalEnergies:
     for number, line in _lines(path):
         if _CYCLE.match(line):
             blocks.append({})
-        elif blocks and (found := _ENTRY.match(line)):
-            name = found[1].decode("utf-8", "replace").rstrip(" .")
+        elif blocks and (entry := _ENTRY.match(line)):
+            name = entry[1].decode("utf-8", "replace").rstrip(" .")
             names[name] = None
-            value = math.nan if found[2].startswith(b"*") else _number(path, number, line, found[2])
+            value = math.nan if entry[2].startswith(b"*") else _number(path, number, line, entry[2])
             blocks[-1][name] = blocks[-1].get(name, 0.0) + value
-            if len(names) > MOST_SERIES // 100:
-                raise _bad(path, number, line, f"at most {MOST_SERIES // 100} names of energies")
+            if len(names) > MOST_ENERGIES:
+                raise _bad(path, number, line, f"at most {MOST_ENERGIES} names of energies")
     if len(blocks) > 1 and not set.intersection(*map(set, blocks[:-1])) <= blocks[-1].keys():
         blocks.pop()  # cut off: it lacks what all others have
     if not any("time" in block for block in blocks):
@@ -180,7 +186,7 @@ def read_glstat(path: Path) -> GlobalEnergies:
     return GlobalEnergies(columns.pop("time"), columns)
 
 
-def title_of(held: bytes) -> str:
+def title_of(stored: bytes) -> str:
     r"""Return a title as text that does no harm on a screen.
 
     Examples
@@ -188,7 +194,7 @@ def title_of(held: bytes) -> str:
     >>> title_of(b"ball \x1b[31m  \0")
     'ball ?[31m'
     """
-    text = held.decode("utf-8", "replace").strip(" \0\r\n\t")
+    text = stored.decode("utf-8", "replace").strip(" \0\r\n\t")
     return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 

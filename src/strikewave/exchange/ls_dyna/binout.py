@@ -15,16 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
-from strikewave.exchange.ls_dyna.ascii import ContactForce, GlobalEnergies, last_pass, title_of
+from strikewave.exchange.ls_dyna.ascii import Array, ContactForce, GlobalEnergies, last_pass, title_of
 from strikewave.exchange.ls_dyna.lsda import archived, number_of
 
 MOST_OUTPUTS = 10_000_000
-"""Outputs that a file may hold."""
+"""Outputs that a file may hold: bounds the memory of a file that begins ever new ones."""
 _NONE = np.empty(0)
+"""Stands for an array that is missing."""
 FORCES = ("x_force", "y_force", "z_force")
+"""Arrays of the components of a contact force."""
 MOMENTS = ("x_moment", "y_moment", "z_moment")
+"""Those of its moment, which newer versions write."""
 
-Array = NDArray[np.float64]
 Held = dict[str, dict[str, NDArray[Any]]]
 """Arrays by the folder in which they lie, such as ``d000001``."""
 
@@ -39,19 +41,19 @@ def read_binout(paths: Sequence[Path]) -> tuple[tuple[ContactForce, ...], Global
     """
     branches: dict[str, Held] = {"rcforc": {}, "glstat": {}}
     for path in paths:
-        for found in archived(path):
-            words = found.path.split("/")[1:]
-            if len(words) == 3 and words[0] in branches:
-                branches[words[0]].setdefault(words[1], {})[words[2]] = np.array(found.values)
-                if len(branches[words[0]]) > MOST_OUTPUTS:
+        for array in archived(path):
+            folders = array.path.split("/")[1:]
+            if len(folders) == 3 and folders[0] in branches:
+                branches[folders[0]].setdefault(folders[1], {})[folders[2]] = np.array(array.values)
+                if len(branches[folders[0]]) > MOST_OUTPUTS:
                     raise InputError("FILE", str(path), f"at most {MOST_OUTPUTS} outputs")
     where = paths[0] if paths else Path("binout")
     return _contacts(where, branches["rcforc"]), _energies(where, branches["glstat"])
 
 
-def _contacts(path: Path, held: Held) -> tuple[ContactForce, ...]:
-    about = held.pop("metadata", {})
-    outputs = _in_order(path, "rcforc", held)
+def _contacts(path: Path, branch: Held) -> tuple[ContactForce, ...]:
+    about = branch.pop("metadata", {})
+    outputs = _in_order(path, "rcforc", branch)
     if not outputs or "ids" not in about:
         return ()
     for name in ("ids", "side", "legend_ids"):
@@ -80,33 +82,35 @@ def _contacts(path: Path, held: Held) -> tuple[ContactForce, ...]:
     )
 
 
-def _energies(path: Path, held: Held) -> GlobalEnergies | None:
-    held.pop("metadata", None)
-    outputs = _in_order(path, "glstat", held)
+def _energies(path: Path, branch: Held) -> GlobalEnergies | None:
+    branch.pop("metadata", None)
+    outputs = _in_order(path, "glstat", branch)
     if not outputs:
         return None
-    names = dict.fromkeys(name for one in outputs for name, values in one.items() if values.size and name != "time")
+    names = dict.fromkeys(
+        name for output in outputs for name, values in output.items() if values.size and name != "time"
+    )
     table = {}
     for name in names:
-        columns = [one.get(name) for one in outputs]
+        columns = [output.get(name) for output in outputs]
         if all(values is None or values.dtype.kind in "if" for values in columns):
             sums = [None if values is None else float(values.sum(dtype=float)) for values in columns]
             _check_finite(path, f"glstat {name}", np.array([total for total in sums if total is not None]))
             table[_words(name)] = np.array([math.nan if total is None else total for total in sums])
-    return GlobalEnergies(np.array([float(one["time"][0]) for one in outputs]), table)
+    return GlobalEnergies(np.array([float(output["time"][0]) for output in outputs]), table)
 
 
-def _in_order(path: Path, branch: str, held: Held) -> list[dict[str, NDArray[Any]]]:
+def _in_order(path: Path, branch: str, folders: Held) -> list[dict[str, NDArray[Any]]]:
     """Return the outputs that have a time by their number, without those that a restart wrote again.
 
     A last one that lacks what all others have was cut off, and is left out.
     """
-    outputs = [held[name] for name in sorted(held, key=number_of) if held[name].get("time", _NONE).size == 1]
+    outputs = [folders[name] for name in sorted(folders, key=number_of) if folders[name].get("time", _NONE).size == 1]
     if not outputs:
         return []
-    time = np.array([float(one["time"][0]) for one in outputs])
+    time = np.array([float(output["time"][0]) for output in outputs])
     _check_finite(path, f"{branch} time", time)
-    outputs = [one for one, keep in zip(outputs, last_pass(time), strict=True) if keep]
+    outputs = [output for output, keep in zip(outputs, last_pass(time), strict=True) if keep]
     if len(outputs) > 1 and not set.intersection(*map(set, outputs[:-1])) <= outputs[-1].keys():
         outputs.pop()
     return outputs
@@ -119,13 +123,13 @@ def _check_finite(path: Path, what: str, values: NDArray[Any]) -> None:
 
 def _table(path: Path, outputs: list[dict[str, NDArray[Any]]], names: tuple[str, ...], count: int) -> Array:
     """Return arrays of all outputs, (outputs, names, count); an output that lacks one is refused."""
-    for one in outputs:
+    for output in outputs:
         for name in names:
-            if one.get(name, _NONE).size != count:
-                got = f"{one.get(name, _NONE).size} numbers"
+            if output.get(name, _NONE).size != count:
+                got = f"{output.get(name, _NONE).size} numbers"
                 raise InputError(f"{path.name}, rcforc {name}", got, f"{count} in each output", "is the run whole?")
-            _check_finite(path, f"rcforc {name}", one[name])
-    return np.array([[one[name] for name in names] for one in outputs], float)
+            _check_finite(path, f"rcforc {name}", output[name])
+    return np.array([[output[name] for name in names] for output in outputs], float)
 
 
 def _titles(about: dict[str, NDArray[Any]]) -> dict[int, str]:

@@ -13,13 +13,17 @@ from strikewave.fem.mesh import Array, Index, Mesh
 
 Value = int | float | None
 ROUGH = 1e-9
-"""Largest share of a number that a standard field of ten columns may cut off; a long one has twenty."""
+"""Largest share of a number that a standard field of ten columns may cut off; a long one has twenty.
+
+Far below what two codes agree to, so that the deck is the model."""
+LONGEST_REMARK, REMARK_WIDTH = 2000, 78
+"""Characters of a remark, and of one of its lines: LS-DYNA reads 80 columns, two of them ``$`` and a blank."""
 
 
 def keyword(name: str, *cards: str | Sequence[Value]) -> list[str]:
     """Return the lines of a keyword; a card is a line as it is, or the values of its fields, None for a blank one.
 
-    Fields have ten columns; all of the keyword have twenty, said by ``+``, where ten would cut numbers off. A keyword
+    Fields have ten columns; all of the keyword have twenty, marked by ``+``, where ten would cut numbers off. A keyword
     with a line as it is, such as a title, must have numbers that go into ten.
 
     Examples
@@ -114,4 +118,4 @@ class Sets:
 
 def remark(lines: Sequence[str]) -> list[str]:
     """Return lines of a comment, none longer than 80 columns."""
-    return [f"$ {text}" for line in lines for text in textwrap.wrap(plain(line, 2000), 78)]
+    return [f"$ {text}" for line in lines for text in textwrap.wrap(plain(line, LONGEST_REMARK), REMARK_WIDTH)]

@@ -24,6 +24,7 @@ from strikewave.base.errors import InputError
 from strikewave.exchange.ls_dyna.ascii import title_of
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.run import Frame
+from strikewave.fem.vtkhdf import MOST_NODES
 
 if TYPE_CHECKING:
     from strikewave.exchange.units import UnitSystem
@@ -35,8 +36,10 @@ END = -999999.0
 """Stands in place of a time where the states of a file end, and before titles."""
 HEADER = 64
 """Words of control data; further ones may follow."""
-MOST_NODES = 20_000_000
-"""Nodes or elements of one kind that a file may claim to hold."""
+MOST_EXTRA = 1024
+"""Further words of control data at most; versions up to R16 write 64 or 128."""
+NUMBERS_PER_NODE = 100
+"""Numbers for each of them that a count of the header may stand for: states of solids have some tens."""
 TITLE = 72
 """Characters of a title; 4 to a word, in files of 8-byte words too."""
 HEADING, PART_TITLES, LISTS = 90000, 90001, (90001, 90002, 90020)
@@ -202,7 +205,7 @@ class _Reader:
         self.place = 0
         head = self.integers(HEADER)
         self.control = {name: int(head[k]) for name, k in CONTROL.items()}
-        further = self.integers(min(max(self.control["extra"], 0), 1024))
+        further = self.integers(min(max(self.control["extra"], 0), MOST_EXTRA))
         for name, k in EXTRA.items():
             self.control[name] = int(further[k - HEADER]) if k - HEADER < len(further) else 0
 
@@ -261,9 +264,9 @@ class _Reader:
 
     def titles(self) -> dict[int, str]:
         """Return the titles of parts by their numbers; leave the place where the states begin."""
-        found: dict[int, str] = {}
+        by_number: dict[int, str] = {}
         if self._next_real() != END:
-            return found
+            return by_number
         self.skip(1)
         while (kind := self._next_whole()) in KINDS:
             self.skip(1)
@@ -278,10 +281,10 @@ class _Reader:
                     raise _damaged(self.path, f"{count} titles")
                 rows = np.frombuffer(self.take(count * row.itemsize), row)
                 if kind == PART_TITLES:
-                    found = {int(n): title_of(text) for n, text in rows}
+                    by_number = {int(n): title_of(text) for n, text in rows}
             if self._next_real() == END:
                 self.skip(1)
-        return found
+        return by_number
 
     def _next_real(self) -> float:
         return float(self._peek(self.real)) if self.place + self.size <= self.held.size else np.nan
@@ -305,7 +308,7 @@ def _check(path: Path, control: dict[str, int]) -> None:
     if control["coordinates"] == 0 or control["stress"] not in (999, 1000):
         raise _refused(path, "no coordinates or no stress of solids in its states")
     for name in COUNTED:
-        if not 0 <= control[name] <= 100 * MOST_NODES:
+        if not 0 <= control[name] <= NUMBERS_PER_NODE * MOST_NODES:
             raise _damaged(path, f"{control[name]} {name.replace('_', ' ')}")
 
 
@@ -362,8 +365,8 @@ def _family(path: Path) -> tuple[Path, ...]:
     """Return the files of a run, the first one before those with numbers, in their order."""
     beside = path.absolute().parent
     numbered = re.compile(re.escape(path.name) + r"(\d{2,5})")
-    found = {int(match[1]): one for one in beside.iterdir() if (match := numbered.fullmatch(one.name))}
-    return (path, *(found[number] for number in sorted(found)))
+    by_number = {int(match[1]): file for file in beside.iterdir() if (match := numbered.fullmatch(file.name))}
+    return (path, *(by_number[number] for number in sorted(by_number)))
 
 
 def _names(numbers: tuple[int, ...], titles: dict[int, str]) -> tuple[str, ...]:

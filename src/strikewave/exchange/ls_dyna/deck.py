@@ -15,13 +15,12 @@ from strikewave.exchange.deck import (
     Heading,
     checked,
     has_one_point,
+    head_lines,
     left_out_of_all,
     mesh_columns,
-    nearest_node,
     or_smallest,
     plain,
     rows,
-    told,
     walls_at_rigid_nodes,
 )
 from strikewave.exchange.ls_dyna.cards import Sets, keyword, remark
@@ -33,7 +32,9 @@ from strikewave.fem.recorder import section_elements
 from strikewave.fem.solids import JohnsonCook
 
 NODE = "%8d%16.9e%16.9e%16.9e\n"
+"""A row of *NODE: a number of eight columns, coordinates of sixteen."""
 ELEMENT = "%8d" * 10 + "\n"
+"""A row of *ELEMENT_SOLID: its number, that of its part, eight nodes."""
 
 
 def ls_dyna_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
@@ -90,16 +91,16 @@ def _head(
     model: Model, system: UnitSystem, heading: Heading, left_out: tuple[str, ...], differs: tuple[str, ...]
 ) -> list[str]:
     length, mass, time = system.words
-    words = [
+    remarks = [
         f"{heading.title}: case {heading.case}, strikewave {heading.version}",
         f"units: {length}, {mass}, {time} ({system.name}), K; "
         f"1 of stress is {1.0 / system.stress:g} Pa, 1 of force {1.0 / system.force:g} N",
         *heading.notes,
-        *told("LS-DYNA", differs, left_out),
+        *head_lines("LS-DYNA", differs, left_out),
         *(f"wall {number}: {wall.name}" for number, wall in enumerate(model.walls, start=1)),
         *(f"section {number}: {section.name}" for number, section in enumerate(model.sections, start=1)),
     ]
-    return ["*KEYWORD", *keyword("TITLE", plain(heading.title.replace("&", "and"), 80)), *remark(words)]
+    return ["*KEYWORD", *keyword("TITLE", plain(heading.title.replace("&", "and"), 80)), *remark(remarks)]
 
 
 def _controls(model: Model, system: UnitSystem) -> Iterator[str]:
@@ -123,7 +124,7 @@ def _output(model: Model, system: UnitSystem, frames: int) -> Iterator[str]:
     """Yield what LS-DYNA writes: histories at each interval, fields at as many instants as asked for."""
     c = model.controls
     interval = c.interval * system.duration
-    asked = {
+    is_wanted = {
         "GLSTAT": True,
         "MATSUM": True,
         "RCFORC": bool(model.contacts),
@@ -132,11 +133,11 @@ def _output(model: Model, system: UnitSystem, frames: int) -> Iterator[str]:
         "ELOUT": bool(model.sections),
         "NODOUT": bool(model.points),
     }
-    for name in (name for name, wanted in asked.items() if wanted):
+    for name in (name for name, wanted in is_wanted.items() if wanted):
         yield from keyword(f"DATABASE_{name}", [interval])
     yield from keyword("DATABASE_BINARY_D3PLOT", [c.duration * system.duration / max(frames, 1)])
     for point in model.points:
-        node = nearest_node(model, point.part, point.place) + 1
+        node = model.mesh.nearest_node(point.part, point.place) + 1
         yield from keyword("DATABASE_HISTORY_NODE_ID", f"{node:10d}{plain(point.name, 70)}")
     for number, section in enumerate(model.sections, start=1):
         part = model.mesh.names.index(section.part) + 1

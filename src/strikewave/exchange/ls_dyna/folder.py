@@ -20,12 +20,10 @@ from strikewave.exchange.ls_dyna.d3plot import D3plot, read_d3plot
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.run import Frame
-from strikewave.signal.pulse import crossing
+from strikewave.signal.pulse import WIDTH_FRACTION, crossing
 
 NAMES = re.compile(r"(?P<job>(.+\.)?)(?P<name>rcforc|glstat|d3plot|binout\d*)", re.DOTALL)
 """Names of the files that are read; with ``jobid=JOB`` LS-DYNA puts the job before all."""
-WIDTH_SHARE = 0.1
-"""Share of the peak at which a pulse begins and ends."""
 ENERGIES = {
     "kinetic": ("kinetic energy",),
     "internal": ("internal energy",),
@@ -102,7 +100,7 @@ class Extreme:
 
 
 @dataclass(frozen=True)
-class Ledger:
+class EnergyHistory:
     """Energies over time: s and J, (instants,), by the words of `ENERGIES`."""
 
     time: Array
@@ -148,7 +146,7 @@ class LsDynaRun:
         Those that were read.
     contacts : tuple of Contact
         By number; none where no file of forces is there.
-    ledger : Ledger or None
+    energies : EnergyHistory or None
     fields : D3plot or None
     extremes : mapping of str to Extreme
         By part of the d3plot.
@@ -161,7 +159,7 @@ class LsDynaRun:
     folder: Path
     files: tuple[Path, ...]
     contacts: tuple[Contact, ...]
-    ledger: Ledger | None
+    energies: EnergyHistory | None
     fields: D3plot | None
     extremes: Mapping[str, Extreme]
     frames: int
@@ -185,34 +183,36 @@ def read_folder(folder: Path, units: UnitSystem) -> LsDynaRun:
     """
     if not folder.is_dir():
         raise InputError("FOLDER", str(folder), "a folder with rcforc, glstat, binout or d3plot")
-    held = _held(folder)
-    text = {name: held[name] for name in ("rcforc", "glstat") if name in held}
-    archives = [held[name] for name in sorted(held) if name.startswith("binout")]
+    by_name = _held(folder)
+    text = {name: by_name[name] for name in ("rcforc", "glstat") if name in by_name}
+    archives = [by_name[name] for name in sorted(by_name) if name.startswith("binout")]
     forces, energies = read_binout(archives) if archives and len(text) < 2 else ((), None)
     forces = read_rcforc(text["rcforc"]) if "rcforc" in text else forces
     energies = read_glstat(text["glstat"]) if "glstat" in text else energies
-    contacts, ledger = _contacts(forces, units), _ledger(energies, units) if energies else None
-    fields = read_d3plot(held["d3plot"], units) if "d3plot" in held else None
+    contacts, history = _contacts(forces, units), _history(energies, units) if energies else None
+    fields = read_d3plot(by_name["d3plot"], units) if "d3plot" in by_name else None
     extremes, times = _extremes(fields) if fields else ({}, [])
-    spans = [one.time for contact in contacts for one in contact.sides.values()]
-    spans += ([ledger.time] if ledger else []) + ([np.array(times)] if times else [])
-    files = (*text.values(), *(archives if len(text) < 2 else ()), *((held["d3plot"],) if fields else ()))
+    spans = [side.time for contact in contacts for side in contact.sides.values()]
+    spans += ([history.time] if history else []) + ([np.array(times)] if times else [])
+    files = (*text.values(), *(archives if len(text) < 2 else ()), *((by_name["d3plot"],) if fields else ()))
     first = min((float(time[0]) for time in spans if len(time)), default=math.nan)
     last = max((float(time[-1]) for time in spans if len(time)), default=math.nan)
-    return LsDynaRun(folder, files, contacts, ledger, fields, extremes, len(times), (first, last))
+    return LsDynaRun(folder, files, contacts, history, fields, extremes, len(times), (first, last))
 
 
 def _held(folder: Path) -> dict[str, Path]:
     """Return the files of a run by their names, without that of the job; those without one before all others."""
     try:
-        found = [(match, path) for path in folder.iterdir() if (match := NAMES.fullmatch(path.name)) and path.is_file()]
+        matches = [
+            (match, path) for path in folder.iterdir() if (match := NAMES.fullmatch(path.name)) and path.is_file()
+        ]
     except OSError as error:
         raise InputError("FOLDER", str(folder), "a folder that can be read", error.strerror or str(error)) from None
-    jobs = sorted({match["job"] for match, _ in found})
-    if not found or (len(jobs) > 1 and jobs[0]):
-        hint = f"it holds those of several jobs: {show(', '.join(jobs))}" if found else "none of them is there"
+    jobs = sorted({match["job"] for match, _ in matches})
+    if not matches or (len(jobs) > 1 and jobs[0]):
+        hint = f"it holds those of several jobs: {show(', '.join(jobs))}" if matches else "none of them is there"
         raise InputError("FOLDER", str(folder), "a folder with rcforc, glstat, binout or d3plot", hint)
-    return {match["name"]: path for match, path in found if match["job"] == jobs[0]}
+    return {match["name"]: path for match, path in matches if match["job"] == jobs[0]}
 
 
 def pulse_of(force: Force) -> Pulse | None:
@@ -230,10 +230,10 @@ def pulse_of(force: Force) -> Pulse | None:
     peak = float(size.max(initial=0.0))
     if not peak > 0.0:
         return None
-    above = np.flatnonzero(size > WIDTH_SHARE * peak)
+    above = np.flatnonzero(size > WIDTH_FRACTION * peak)
     places = [
-        crossing(size, int(above[0]), WIDTH_SHARE * peak, -1),
-        crossing(size, int(above[-1]), WIDTH_SHARE * peak, 1),
+        crossing(size, int(above[0]), WIDTH_FRACTION * peak, -1),
+        crossing(size, int(above[-1]), WIDTH_FRACTION * peak, 1),
     ]
     count = np.arange(size.size)
     begin, end = (float(t) for t in np.interp(places, count, force.time))
@@ -247,48 +247,48 @@ def pulse_of(force: Force) -> Pulse | None:
 
 
 def widened(
-    seen: Mapping[str, Extreme], frame: Frame, parts: Mapping[str, tuple[NDArray[Any], slice]]
+    so_far: Mapping[str, Extreme], frame: Frame, parts: Mapping[str, tuple[NDArray[Any], slice]]
 ) -> dict[str, Extreme]:
     """Return the extremes of parts with those of a further frame; ``parts`` are nodes and elements of each."""
     size, stress = np.linalg.norm(frame.displacement, axis=1), von_mises(frame.stress)
-    found = {}
+    extremes = {}
     for name, (nodes, elements) in parts.items():
         now = (size[nodes].max(), stress[elements].max(), frame.plastic_strain[elements].max())
-        before = seen.get(name, Extreme(0.0, 0.0, 0.0))
+        before = so_far.get(name, Extreme(0.0, 0.0, 0.0))
         most = map(max, (before.displacement, before.von_mises, before.plastic_strain), map(float, now))
-        found[name] = Extreme(*most)
-    return found
+        extremes[name] = Extreme(*most)
+    return extremes
 
 
 def _contacts(forces: tuple[ContactForce, ...], units: UnitSystem) -> tuple[Contact, ...]:
-    found: dict[int, Contact] = {}
-    for one in forces:
-        force = Force(one.time * units.time, one.force / units.force)
-        sides = found[one.number].sides if one.number in found else {}
-        if one.side in sides:
-            raise InputError(f"contact {one.number}, side {one.side}", "two forces", "one force on each side")
-        found[one.number] = Contact(one.number, one.title, {**sides, one.side: force})
-    return tuple(found[number] for number in sorted(found))
+    contacts: dict[int, Contact] = {}
+    for series in forces:
+        force = Force(series.time * units.time, series.force / units.force)
+        sides = contacts[series.number].sides if series.number in contacts else {}
+        if series.side in sides:
+            raise InputError(f"contact {series.number}, side {series.side}", "two forces", "one force on each side")
+        contacts[series.number] = Contact(series.number, series.title, {**sides, series.side: force})
+    return tuple(contacts[number] for number in sorted(contacts))
 
 
-def _ledger(energies: GlobalEnergies, units: UnitSystem) -> Ledger:
-    held = {}
+def _history(energies: GlobalEnergies, units: UnitSystem) -> EnergyHistory:
+    energy = {}
     for word, names in ENERGIES.items():
         columns = [energies.values[name] for name in names if name in energies.values]
         if columns:
-            held[word] = np.sum(columns, axis=0) / units.energy
-    return Ledger(energies.time * units.time, held)
+            energy[word] = np.sum(columns, axis=0) / units.energy
+    return EnergyHistory(energies.time * units.time, energy)
 
 
 def _extremes(fields: D3plot) -> tuple[dict[str, Extreme], list[float]]:
     """Return the extremes of the parts, without stress and strain of deleted elements, and the instants."""
     mesh = fields.mesh
     parts = {name: (mesh.nodes_of(name), mesh.elements_of(name)) for name in mesh.names}
-    found: dict[str, Extreme] = {}
+    extremes: dict[str, Extreme] = {}
     times = []
     for state in fields.states():
         stress = np.where(state.alive[:, None], state.frame.stress, 0.0)
         strain = np.where(state.alive, state.frame.plastic_strain, 0.0)
-        found = widened(found, dataclasses.replace(state.frame, stress=stress, plastic_strain=strain), parts)
+        extremes = widened(extremes, dataclasses.replace(state.frame, stress=stress, plastic_strain=strain), parts)
         times.append(state.frame.time)
-    return found, times
+    return extremes, times

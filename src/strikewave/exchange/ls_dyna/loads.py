@@ -15,10 +15,15 @@ from strikewave.fem.tie import TieState
 SEGMENTS, NODES = 0, 4
 """SURFATYP: a set of segments, a set of nodes."""
 SOFT = 1
-"""Contact stiffness from nodal masses and the time step too, as ours is."""
+"""Contact stiffness from nodal masses and the time step too, as that of strikewave is."""
 TRACKED = 1
 """IGNORE: overlaps before the blow stay as they are, without a force."""
 CONSTANT = Curve((0.0,), (1.0,))
+"""A load that does not change: gravity."""
+NO_DEATH, NO_END = 1e20, 1e28
+"""Time at which a contact or wall, and a prescribed motion, ends: LS-DYNA's own defaults for never."""
+DIGITS = 5
+"""Digits of what stands in ten columns beside a title: friction, and the reach of a tie."""
 STICKS = 1.0
 """FRIC of a wall from which on nodes do not slide at all."""
 
@@ -44,21 +49,21 @@ def load_lines(model: Model, system: UnitSystem, sets: Sets, ties: TieState) -> 
 
 
 def _held(model: Model, sets: Sets, ties: TieState) -> Iterator[str]:
-    for found in restraints(model, ties):
-        number = sets.nodes(" and ".join(found.sides), found.nodes)
-        axes = sets.axes(found.axes) if found.is_local else 0
-        yield from keyword("BOUNDARY_SPC_SET", [number, axes, *(int(held) for held in found.held), 0, 0, 0])
+    for restraint in restraints(model, ties):
+        number = sets.nodes(" and ".join(restraint.sides), restraint.nodes)
+        axes = sets.axes(restraint.axes) if restraint.is_local else 0
+        yield from keyword("BOUNDARY_SPC_SET", [number, axes, *(int(is_held) for is_held in restraint.held), 0, 0, 0])
 
 
 def _contact(number: int, contact: Contact, sets: Sets) -> list[str]:
     """Return a contact of two sides, each checked against the other; faces of solids have no thickness."""
     first, second = sets.segments(contact.first), sets.segments(contact.second)
-    friction = float(f"{contact.friction:.5g}")
+    friction = float(f"{contact.friction:.{DIGITS}g}")
     return keyword(
         "CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_ID",
         f"{number:10d}{plain(contact.name, 70)}",
         [first, second, SEGMENTS, SEGMENTS, 0, 0, 1, 1],
-        [friction, friction, 0.0, 0.0, 0.0, 0, 0.0, 1e20],
+        [friction, friction, 0.0, 0.0, 0.0, 0, 0.0, NO_DEATH],
         [1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0],
         [SOFT],
         [0.0],
@@ -69,12 +74,12 @@ def _contact(number: int, contact: Contact, sets: Sets) -> list[str]:
 def _tie(number: int, tie: Tie, system: UnitSystem, sets: Sets) -> list[str]:
     """Return a tie; nodes within 0.6 times the sum of both thicknesses are tied, which below 0 move nothing."""
     nodes = sets.nodes(tie.side, np.unique(sets.mesh.side(tie.side)))
-    reach = -float(f"{tie_distance(tie, sets.mesh) * system.distance:.5g}")
+    reach = -float(f"{tie_distance(tie, sets.mesh) * system.distance:.{DIGITS}g}")
     return keyword(
         "CONTACT_TIED_NODES_TO_SURFACE_CONSTRAINED_OFFSET_ID",
         f"{number:10d}{plain(f'{tie.side} on {tie.onto}', 70)}",
         [nodes, sets.segments(tie.onto), NODES, SEGMENTS, 0, 0, 1, 1],
-        [0.0, 0.0, 0.0, 0.0, 0.0, 0, 0.0, 1e20],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0, 0.0, NO_DEATH],
         [1.0, 1.0, reach, reach, 1.0, 1.0, 1.0, 1.0],
     )
 
@@ -87,7 +92,7 @@ def _wall(wall: Wall, system: UnitSystem, sets: Sets, ties: TieState) -> list[st
     friction = min(float(wall.friction), STICKS)
     return keyword(
         "RIGIDWALL_PLANAR",
-        [sets.nodes(wall.name, nodes), 0, 0, 0.0, 0.0, 1e20, 1.0],
+        [sets.nodes(wall.name, nodes), 0, 0, 0.0, 0.0, NO_DEATH, 1.0],
         [*tail.tolist(), *head.tolist(), friction, 0.0],
     )
 
@@ -102,7 +107,7 @@ def _driven(model: Model, boundary: Driven, system: UnitSystem, sets: Sets, ties
         way: list[Value] = [4, 0, curve, 1.0, sets.vector(boundary.direction)]
     else:
         way = [axis[0] + 1, 0, curve, axis[1], 0]
-    return keyword("BOUNDARY_PRESCRIBED_MOTION_SET", [nodes, *way, 1e28, 0.0])
+    return keyword("BOUNDARY_PRESCRIBED_MOTION_SET", [nodes, *way, NO_END, 0.0])
 
 
 def _pressed(model: Model, boundary: Pressure, system: UnitSystem, sets: Sets) -> list[str]:
@@ -122,13 +127,13 @@ def _gravity(model: Model, system: UnitSystem, sets: Sets) -> Iterator[str]:
 
 
 def _velocities(model: Model, system: UnitSystem) -> Iterator[str]:
-    rigid = {one.part: one for one in model.rigid}
+    rigid = {body.part: body for body in model.rigid}
     for number, name in enumerate(model.mesh.names, start=1):
-        given = np.array(model.velocity.get(name, (0.0, 0.0, 0.0)), float) * system.velocity
+        velocity = np.array(model.velocity.get(name, (0.0, 0.0, 0.0)), float) * system.velocity
         if name in rigid:
-            given = np.where(rigid[name].translations, given, 0.0)
-            if given.any():
-                yield from keyword("INITIAL_VELOCITY_RIGID_BODY", [number, *given.tolist(), 0.0, 0.0, 0.0])
-        elif given.any():
-            by_part: list[Value] = [number, 2, 0.0, *given.tolist(), 0, 0]
+            velocity = np.where(rigid[name].translations, velocity, 0.0)
+            if velocity.any():
+                yield from keyword("INITIAL_VELOCITY_RIGID_BODY", [number, *velocity.tolist(), 0.0, 0.0, 0.0])
+        elif velocity.any():
+            by_part: list[Value] = [number, 2, 0.0, *velocity.tolist(), 0, 0]
             yield from keyword("INITIAL_VELOCITY_GENERATION", by_part, [0.0] * 6 + [0, 0])

@@ -27,9 +27,9 @@ FOLDER, DATA = 2, 3
 TYPES = {1: "i1", 2: "i2", 3: "i4", 4: "i8", 5: "u1", 6: "u2", 7: "u4", 8: "u8", 9: "f4", 10: "f8"}
 """Types of arrays by their number."""
 LONGEST_PATH = 4096
-"""Characters."""
+"""Characters of a folder's path; those of LS-DYNA have some tens, and a hostile file could nest for ever."""
 MOST_ARRAYS = 20_000_000
-"""Records that a file may hold."""
+"""Records that a file may hold: millions of outputs of tens of arrays; bounds the time of records of no length."""
 
 
 class Archived(NamedTuple):

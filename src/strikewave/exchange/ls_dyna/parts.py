@@ -25,17 +25,17 @@ CONSTRAINED = {"": 0, "x": 1, "y": 2, "z": 3, "xy": 4, "yz": 5, "xz": 6, "xyz": 
 
 def part_lines(model: Model, system: UnitSystem) -> Iterator[str]:
     """Yield the lines of sections, hourglass control, parts and their solids."""
-    c, rigid = model.controls, {one.part: one for one in model.rigid}
+    c, rigid = model.controls, {body.part: body for body in model.rigid}
     sections = {name: FULL if name in c.full and name not in rigid else ONE_POINT for name in model.mesh.names}
     for kind in sorted(set(sections.values())):
         yield from keyword("SECTION_SOLID", [kind, kind])
     viscous = [or_smallest(c.quadratic_viscosity), or_smallest(c.linear_viscosity)]
     yield from keyword("HOURGLASS", [HOURGLASS, STIFFNESS, or_smallest(c.hourglass), 1, *viscous])
     for number, name in enumerate(model.mesh.names, start=1):
-        solid, body = model.solids[name], rigid.get(name)
-        state = number if isinstance(solid, JohnsonCook) and body is None else 0
+        solid, rigid_body = model.solids[name], rigid.get(name)
+        state = number if isinstance(solid, JohnsonCook) and rigid_body is None else 0
         yield from keyword("PART", plain(name, 70), [number, sections[name], number, state, HOURGLASS, 0, 0, 0])
-        yield from rigid_solid(number, solid, body, system) if body else material(number, solid, system)
+        yield from rigid_solid(number, solid, rigid_body, system) if rigid_body else material(number, solid, system)
 
 
 def material(number: int, solid: AnySolid, system: UnitSystem) -> list[str]:
@@ -89,7 +89,7 @@ def _johnson_cook(head: list[Value], moduli: list[float], solid: JohnsonCook, sy
 
 def rigid_solid(number: int, solid: AnySolid, rigid: Rigid, system: UnitSystem) -> list[str]:
     """Return the lines of the solid of a rigid part; its moduli stiffen contact alone."""
-    held = [
+    constraints = [
         CONSTRAINED["".join(axis for axis, free in zip("xyz", ways, strict=True) if not free)]
         for ways in (rigid.translations, rigid.rotations)
     ]
@@ -97,6 +97,6 @@ def rigid_solid(number: int, solid: AnySolid, rigid: Rigid, system: UnitSystem) 
     return keyword(
         "MAT_RIGID",
         [number, solid.density * system.density, *moduli, 0.0, 0.0, 0.0],
-        [1.0 if any(held) else 0.0, *held],
+        [1.0 if any(constraints) else 0.0, *constraints],
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     )

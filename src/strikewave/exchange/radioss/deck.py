@@ -15,13 +15,12 @@ from strikewave.exchange.deck import (
     Heading,
     checked,
     has_one_point,
+    head_lines,
     left_out_of_all,
     mesh_columns,
-    nearest_node,
     plain,
     real,
     rows,
-    told,
     walls_at_rigid_nodes,
 )
 from strikewave.exchange.radioss.blocks import Groups, Value, block
@@ -33,9 +32,15 @@ from strikewave.fem.recorder import section_elements
 from strikewave.fem.solids import JohnsonCook
 
 FORMAT = 2023
+"""Year of the format: the last that OpenRadioss' own documentation of cards describes."""
 NODE = "%10d%20.13e%20.13e%20.13e\n"
+"""A row of /NODE: a number of ten columns, coordinates of twenty."""
 ELEMENT = "%10d" * 9 + "\n"
+"""A row of /BRICK: its number and eight nodes."""
 ANIMATED = ("VECT/DISP", "VECT/VEL", "ELEM/VONM", "ELEM/EPSP", "BRICK/TENS/STRESS")
+"""Fields that are written: those of a run of strikewave."""
+LONGEST_REMARK, REMARK_WIDTH = 2000, 96
+"""Characters of a remark, and of one of its lines: OpenRadioss reads 100 columns."""
 
 
 def radioss_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
@@ -66,13 +71,15 @@ def radioss_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
 def _begin(system: UnitSystem, heading: Heading, left_out: tuple[str, ...], differs: tuple[str, ...]) -> list[str]:
     length, mass, time = system.words
     units = "".join(f"{word:>20}" for word in (mass, length, time))
-    words = [
+    remarks = [
         f"{heading.title}: case {heading.case}, strikewave {heading.version}; units {system.name}",
         *heading.notes,
-        *told("OpenRadioss", differs, left_out),
+        *head_lines("OpenRadioss", differs, left_out),
     ]
-    remarks = [f"# {line}" for text in words for line in textwrap.wrap(plain(text, 2000), 96)]
-    begin = ["#RADIOSS STARTER", *remarks, "/BEGIN", heading.stem, f"{FORMAT:10d}{0:10d}", units, units]
+    remark_lines = [
+        f"# {line}" for text in remarks for line in textwrap.wrap(plain(text, LONGEST_REMARK), REMARK_WIDTH)
+    ]
+    begin = ["#RADIOSS STARTER", *remark_lines, "/BEGIN", heading.stem, f"{FORMAT:10d}{0:10d}", units, units]
     return [*begin, *block("TITLE", heading.title)]
 
 
@@ -96,7 +103,7 @@ def _histories(model: Model) -> Iterator[str]:
             yield from block(f"TH/{kind}/1", kind.lower(), ["DEF"], *ten_each)
     if model.points:
         places: list[list[Value]] = [
-            [nearest_node(model, p.part, p.place) + 1, 0, f" {plain(p.name, 80)}"] for p in model.points
+            [model.mesh.nearest_node(p.part, p.place) + 1, 0, f" {plain(p.name, 80)}"] for p in model.points
         ]
         yield from block("TH/NODE/1", "points", ["D", "V", "A"], *places)
     for number, section in enumerate(model.sections, start=1):

@@ -16,6 +16,7 @@ from strikewave.fem.tie import TieState
 SHIFTED = 5
 """Inacti: overlaps before the blow stay as they are, without a force."""
 FREE_TO_TURN = (False, False, False)
+"""Rotations of nodes of solids, which have none to hold."""
 SLIDES, RUBS = 0, 2
 """Slide of a wall: without and with friction."""
 BY_BOXES = 2
@@ -24,11 +25,11 @@ BY_BOXES = 2
 
 def load_lines(model: Model, system: UnitSystem, groups: Groups, ties: TieState) -> Iterator[str]:
     """Yield the lines of all that holds, drives, loads and touches; groups go to ``groups``."""
-    for found in restraints(model, ties):
-        group = groups.nodes(" and ".join(found.sides), found.nodes)
-        skew = groups.skew(found.axes) if found.is_local else 0
-        held = [found.held, FREE_TO_TURN]
-        yield from restraint(groups.next("restraint"), " and ".join(found.sides), held, skew, group)
+    for group_held in restraints(model, ties):
+        group = groups.nodes(" and ".join(group_held.sides), group_held.nodes)
+        skew = groups.skew(group_held.axes) if group_held.is_local else 0
+        directions = [group_held.held, FREE_TO_TURN]
+        yield from restraint(groups.next("restraint"), " and ".join(group_held.sides), directions, skew, group)
     for number, contact in enumerate(model.contacts, start=1):
         yield from _contact(number, contact, groups)
     for number, tie in enumerate(model.ties, start=len(model.contacts) + 1):
@@ -117,9 +118,9 @@ def _gravity(model: Model, system: UnitSystem, groups: Groups) -> Iterator[str]:
 
 
 def _velocities(model: Model, system: UnitSystem, groups: Groups) -> Iterator[str]:
-    rigid = {one.part for one in model.rigid}
+    rigid = {body.part for body in model.rigid}
     for name in model.mesh.names:
-        given = np.array(model.velocity.get(name, (0.0, 0.0, 0.0)), float) * system.velocity
-        if given.any() and name not in rigid:
+        velocity = np.array(model.velocity.get(name, (0.0, 0.0, 0.0)), float) * system.velocity
+        if velocity.any() and name not in rigid:
             nodes = groups.nodes(f"nodes of {name}", model.mesh.nodes_of(name))
-            yield from block(f"INIVEL/TRA/{groups.next('velocity')}", name, [*given.tolist(), nodes, 0])
+            yield from block(f"INIVEL/TRA/{groups.next('velocity')}", name, [*velocity.tolist(), nodes, 0])

@@ -29,7 +29,7 @@ PLASTIC_RATE = 1
 
 def part_lines(model: Model, system: UnitSystem) -> Iterator[str]:
     """Yield the lines of properties, solids and parts; all three of a part have its number."""
-    rigid = {one.part for one in model.rigid}
+    rigid = {body.part for body in model.rigid}
     for number, name in enumerate(model.mesh.names, start=1):
         full = name in model.controls.full and name not in rigid
         yield from _solid_property(number, name, full, model)
@@ -97,19 +97,19 @@ def rigid_lines(model: Model, system: UnitSystem, groups: Groups) -> Iterator[st
         yield from block("NODE", None, [main, *(centre * system.distance).tolist()])
         group = groups.nodes(f"nodes of {rigid.part}", nodes)
         yield from block(f"RBODY/{count}", rigid.part, [main, 0, 0, 0, 0.0, group, 0, 0, 0], [0.0] * 3, [0.0] * 3, [0])
-        held = [tuple(not free for free in ways) for ways in (rigid.translations, rigid.rotations)]
-        if any(map(any, held)):
+        locked = [tuple(not free for free in ways) for ways in (rigid.translations, rigid.rotations)]
+        if any(map(any, locked)):
             alone = groups.next("nodes")
             groups.lines += block(f"GRNOD/NODE/{alone}", f"main node of {rigid.part}", [main])
-            yield from restraint(groups.next("restraint"), rigid.part, held, 0, alone)
+            yield from restraint(groups.next("restraint"), rigid.part, locked, 0, alone)
         velocity = np.where(rigid.translations, model.velocity.get(rigid.part, (0.0, 0.0, 0.0)), 0.0)
         if velocity.any():
             whole = groups.nodes(f"{rigid.part} with its main node", np.append(nodes, main - 1))
-            given = (velocity * system.velocity).tolist()
-            yield from block(f"INIVEL/TRA/{groups.next('velocity')}", rigid.part, [*given, whole, 0])
+            components = (velocity * system.velocity).tolist()
+            yield from block(f"INIVEL/TRA/{groups.next('velocity')}", rigid.part, [*components, whole, 0])
 
 
 def restraint(number: int, title: str, held: Sequence[tuple[bool, ...]], skew: int, group: int) -> list[str]:
     """Return what holds a group of nodes, translations and rotations by axis."""
-    ways = " ".join("".join(str(int(one)) for one in flags) for flags in held)
+    ways = " ".join("".join(str(int(flag)) for flag in flags) for flags in held)
     return block(f"BCS/{number}", title, [ways, skew, group])

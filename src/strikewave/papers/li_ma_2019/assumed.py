@@ -14,7 +14,7 @@ from typing import NamedTuple
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_fem
 from strikewave.cases.case import Case, load_case
-from strikewave.fem.measures import ledger_measure
+from strikewave.fem.measures import balance_measure
 from strikewave.papers.li_ma_2019.element_pulses import specimen_body
 from strikewave.papers.li_ma_2019.runs import coarser
 
@@ -100,7 +100,7 @@ class MeshRow:
 
 def mesh_row(solution: FemSolution, size: float) -> MeshRow:
     """Return the row of a run whose elements have ``size`` times those of the case."""
-    run, ledger = solution.run, ledger_measure(solution.run)
+    run, ledger = solution.run, balance_measure(solution.run)
     return MeshRow(size, run.elements, run.steps, run.seconds, ledger.energy, ledger.hourglass, answer(solution))
 
 

@@ -23,11 +23,11 @@ from strikewave.cases.case import Case
 from strikewave.cases.mesh_tables import AnyPart, Cylinder, Frame, HalfCylinder, Tube
 from strikewave.contact import AnyContact, Chain, Geometry, Spring, Stop, Touch, simulate, stiffness_of
 from strikewave.contact.chain import Link
-from strikewave.fem.measures import WIDTH_SHARE, interval_means, middles
+from strikewave.fem.measures import interval_means, middles
 from strikewave.fem.solids import AnySolid
 from strikewave.papers.li_ma_2019.beams import Wall
 from strikewave.papers.li_ma_2019.element_pulses import SPECIMEN
-from strikewave.signal.pulse import crossing
+from strikewave.signal.pulse import WIDTH_FRACTION, crossing
 from strikewave.waves import BONDED, BarRun, Impactor, Joint, Layer, Stack, Tap, run_bar
 
 Array = NDArray[np.float64]
@@ -429,7 +429,7 @@ def pulse_widths(time: Array, force: Array) -> Widths:
     >>> round(widths.whole, 3), round(widths.first, 3), widths.pulses
     (3.8, 1.8, 2)
     """
-    level = WIDTH_SHARE * float(force.max())
+    level = WIDTH_FRACTION * float(force.max())
     above = np.flatnonzero(force > level)
     first, last = int(above[0]), int(above[-1])
     places = [crossing(force, first, level, -1), crossing(force, first, level, 1), crossing(force, last, level, 1)]

@@ -12,7 +12,7 @@ from strikewave.analyses.fem.result import FemSolution
 from strikewave.base.json_document import without
 from strikewave.base.result import Notice, Result, Source
 from strikewave.base.units import DIMENSIONS, convertible, in_unit
-from strikewave.fem.measures import ledger_measure
+from strikewave.fem.measures import balance_measure
 from strikewave.papers.li_ma_2019.assumed import SHARE, DimensionStudy, MeshRow
 from strikewave.papers.li_ma_2019.body_rows import BodyRow, body_rows
 from strikewave.papers.li_ma_2019.further import Further
@@ -234,7 +234,7 @@ def number_document(row: NumberRow) -> dict[str, Any]:
 
 def element_document(solution: FemSolution) -> dict[str, Any]:
     """Return what a model of hexahedra took and how well it keeps its books."""
-    run, ledger = solution.run, ledger_measure(solution.run)
+    run, ledger = solution.run, balance_measure(solution.run)
     return {
         "case": solution.case.name,
         "elements": run.elements,

@@ -178,13 +178,13 @@ def coarser(case: Case, factor: float = COARSER) -> list[str]:
 def _run_elements(case: Case, threads: int, report: Report) -> FemSolution:
     from strikewave.analyses.fem.build import build_model
     from strikewave.analyses.fem.run import run_model
-    from strikewave.fem.solve import Asked, Progress
+    from strikewave.fem.solve import Progress, RunOptions
 
     def seen(progress: Progress) -> None:
         report(progress.time / progress.duration, f"{progress.left:.0f} s left of this run" if progress.time else "")
 
     report(0.0, "builds the mesh")
-    return run_model(case, build_model(case, threads), Asked(report=seen))
+    return run_model(case, build_model(case, threads), RunOptions(report=seen))
 
 
 def within(report: Report, begin: float, end: float, what: str = "") -> Report:

@@ -33,13 +33,14 @@ FORMATS = (
 )
 """Modules, in the order in which they are asked; text, which takes almost anything, comes last."""
 HEAD = 8192
-"""Bytes shown to ``sniff``."""
+"""Bytes shown to ``sniff``: HDF5 may begin behind a user block of 4096."""
 LARGEST_ARRAY = 16 * 2**30
-"""A file whose channels would take more bytes in memory is refused."""
+"""A file whose channels would take more bytes in memory is refused: 2 thousand million samples, what a workstation
+holds."""
 
 
 class Options(NamedTuple):
-    """What the user says about a file that the file does not say itself.
+    """What the user states about a file that the file itself does not.
 
     Attributes
     ----------

@@ -24,14 +24,21 @@ from strikewave.records.readers import LARGEST_ARRAY, Options
 from strikewave.records.record import Channel, Record
 
 MEMORY = 2**29
-"""What a child may take for a small file, bytes; larger files add `MEMORY_PER_BYTE`."""
+"""What a child may take for a small file, bytes: the libraries alone take 200 MB. Larger files add
+`MEMORY_PER_BYTE`."""
 MEMORY_PER_BYTE = 100
+"""Bytes of memory for each byte of a file: two bytes become a double and its time stamp, packed data several times
+that."""
 SECONDS = 20.0
-"""How long a child may take for a small file, s; each further megabyte adds one."""
+"""How long a child may take for a small file, s: importing its library takes some of them on a busy machine."""
+BYTES_PER_SECOND = 1e6
+"""What a child must read a second of a larger file: every library reads many times as much."""
+LONGEST_HINT = 200
+"""Characters of a library's own words in an error: a line or two."""
 
 
 def isolated(reader: str, path: Path, options: Options) -> Record:
-    """Let a child process call ``parse`` of a reader and return what it found.
+    """Let a child process call ``parse`` of a reader, and return its record.
 
     Parameters
     ----------
@@ -40,7 +47,7 @@ def isolated(reader: str, path: Path, options: Options) -> Record:
     path : Path
         The file.
     options : Options
-        What the user says about it.
+        What the user states about it.
     """
     size = path.stat().st_size
     with tempfile.TemporaryDirectory(prefix="strikewave-", ignore_cleanup_errors=True) as folder:
@@ -61,31 +68,31 @@ def isolated(reader: str, path: Path, options: Options) -> Record:
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
                 env=environment,
-                timeout=SECONDS + size / 1e6,
+                timeout=SECONDS + size / BYTES_PER_SECOND,
                 check=True,
             )
-            said = json.loads((Path(folder) / "said.json").read_text("utf-8"))
+            answer = json.loads((Path(folder) / "answer.json").read_text("utf-8"))
         except subprocess.TimeoutExpired:
             raise InputError("FILE", str(path), "a file that is whole", "reading it did not end") from None
         except (subprocess.CalledProcessError, OSError, ValueError):
             raise InputError("FILE", str(path), "a file that is whole", "its reader broke down") from None
-        return _record(path, reader, Path(folder), said)
+        return _record(path, reader, Path(folder), answer)
 
 
-def _record(path: Path, reader: str, folder: Path, said: dict[str, Any]) -> Record:
-    if "error" in said:
-        told = said["error"]
-        got = str(path) if told["field"] == "FILE" else told["got"]
-        raise InputError(told["field"], got, told["allowed"], told["hint"])
-    stamps = [np.fromfile(folder / f"stamps{k}", np.float64) for k in range(said["stamps"])]
+def _record(path: Path, reader: str, folder: Path, answer: dict[str, Any]) -> Record:
+    if "error" in answer:
+        error = answer["error"]
+        got = str(path) if error["field"] == "FILE" else error["got"]
+        raise InputError(error["field"], got, error["allowed"], error["hint"])
+    stamps = [np.fromfile(folder / f"stamps{k}", np.float64) for k in range(answer["stamps"])]
     channels = []
-    for k, channel in enumerate(said["channels"]):
-        size, held = channel.pop("size"), channel.pop("held")
+    for k, channel in enumerate(answer["channels"]):
+        size, stamps_of = channel.pop("size"), channel.pop("held")
         file = folder / f"values{k}"
         values = np.fromfile(file, np.float64) if size is None else np.broadcast_to(np.float64(np.nan), (size,))
         file.unlink(missing_ok=True)
-        channels.append(Channel(values=values, stamps=None if held is None else stamps[held], **channel))
-    findings = (HealthNotice(**{**one, "harms": tuple(one["harms"])}) for one in said["findings"])
+        channels.append(Channel(values=values, stamps=None if stamps_of is None else stamps[stamps_of], **channel))
+    findings = (HealthNotice(**{**finding, "harms": tuple(finding["harms"])}) for finding in answer["findings"])
     return Record(str(path), reader, tuple(channels), tuple(findings))
 
 
@@ -94,19 +101,19 @@ def work() -> None:
     task = json.loads(sys.stdin.read())
     folder = Path(task["folder"])
     _limit(task["memory"])
-    given = task["options"]
-    options = Options(given["rate"], given["time"], tuple(given["channels"]))
+    stated = task["options"]
+    options = Options(stated["rate"], stated["time"], tuple(stated["channels"]))
     try:
         record = importlib.import_module(f"{__package__}.{task['reader']}").parse(Path(task["path"]), options)
-        said = _written(record, folder)
+        answer = _written(record, folder)
     except InputError as error:
-        said = _failed(str(error.got), error.allowed, error.hint)
-        said["error"]["field"] = error.field
+        answer = _failed(str(error.got), error.allowed, error.hint)
+        answer["error"]["field"] = error.field
     except MemoryError:
-        said = _failed(task["path"], "a file that fits into memory", "read fewer channels")
+        answer = _failed(task["path"], "a file that fits into memory", "read fewer channels")
     except Exception as error:
-        said = _failed(task["path"], "a file that is whole", f"{type(error).__name__}: {error}"[:200])
-    (folder / "said.json").write_text(json.dumps(said), "utf-8")
+        answer = _failed(task["path"], "a file that is whole", f"{type(error).__name__}: {error}"[:LONGEST_HINT])
+    (folder / "answer.json").write_text(json.dumps(answer), "utf-8")
     sys.stdout.flush()
     os._exit(0)
 
@@ -125,15 +132,15 @@ def _limit(memory: int) -> None:
 
 
 def _written(record: Record, folder: Path) -> dict[str, Any]:
-    held: dict[int, int] = {}
+    stamps_by_id: dict[int, int] = {}
     channels: list[dict[str, Any]] = []
     for k, channel in enumerate(record.channels):
         absent = channel.values.strides == (0,) and channel.values.size > 1
         if not absent:
             channel.values.tofile(folder / f"values{k}")
-        if channel.stamps is not None and id(channel.stamps) not in held:
-            held[id(channel.stamps)] = len(held)
-            channel.stamps.tofile(folder / f"stamps{held[id(channel.stamps)]}")
+        if channel.stamps is not None and id(channel.stamps) not in stamps_by_id:
+            stamps_by_id[id(channel.stamps)] = len(stamps_by_id)
+            channel.stamps.tofile(folder / f"stamps{stamps_by_id[id(channel.stamps)]}")
         channels.append(
             {
                 "name": channel.name,
@@ -141,11 +148,11 @@ def _written(record: Record, folder: Path) -> dict[str, Any]:
                 "start": channel.start,
                 "unit": channel.unit,
                 "size": channel.values.size if absent else None,
-                "held": held.get(id(channel.stamps)) if channel.stamps is not None else None,
+                "held": stamps_by_id.get(id(channel.stamps)) if channel.stamps is not None else None,
             }
         )
     return {
         "channels": channels,
-        "stamps": len(held),
+        "stamps": len(stamps_by_id),
         "findings": [dataclasses.asdict(finding) for finding in record.findings],
     }

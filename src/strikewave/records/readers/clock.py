@@ -17,22 +17,48 @@ _SECONDS = {
     "ns": 1e-9, "nsec": 1e-9, "nanosecond": 1e-9, "nanoseconds": 1e-9,
     "ps": 1e-12, "min": 60.0, "minute": 60.0, "minutes": 60.0, "h": 3600.0,
 }  # fmt: skip
+"""Seconds of a unit of time as instruments write it, in English and German."""
 _HERTZ = {"": 1.0, "k": 1e3, "m": 1e6, "g": 1e9}
+"""Factors before Hz; ``m`` is mega, as no instrument samples in millihertz."""
 _DIGITS = re.compile(r"[+-]?(\d*)(?:[.,](\d*))?(?:[eE]([+-]?\d{1,4}))?")
+"""A printed number: whole digits, decimals, power of ten."""
 _NUMBER = r"([+-]?(?:\d{1,25}(?:[.,]\d{0,25})?|[.,]\d{1,25})(?:[eE][+-]?\d{1,3})?)"
+"""A number in a line; its parts are bounded, so that hostile lines take no time."""
 _LINK = r"\"?\s{0,5}(?:[\[(]([^\])]{1,12})[\])])?\"?\s{0,5}[:=,;\t ]\s{0,5}\"?(?:[A-Za-z]\w{0,9}:)?\s{0,5}"
+"""What stands between a name and its number: a unit in brackets, a mark, blanks, the letters of a drive or channel."""
 _AFTER = r"\"?[\s,;]{0,5}\"?([A-Za-zµμ/]{0,14})"
+"""A unit after the number."""
 _RATE = r"sampl(?:e|ing)[ _-]?(?:rate|frequency|freq\.?)|fs|f_s|abtastrate|abtastfrequenz|samples per second"
+"""Names of a sampling rate, in English and German."""
 _INTERVAL = (
     r"sampl(?:e|ing)[ _-]?(?:interval|period|time)|abtast(?:intervall|zeit|periode)|dt|delta[ _-]?[tx]|tinc|"
     r"xincr|x[ _-]?increment|(?:horizontal|time)[ _-](?:interval|step|increment)|time ?step|increment"
 )
+"""Names of a step in time."""
 _START = r"t0|x0|t_0|xzero|start"
-_SAID = {
-    kind: re.compile(rf"(?<![A-Za-z0-9_])(?:{words}){_LINK}{_NUMBER}{_AFTER}", re.IGNORECASE)
-    for kind, words in (("rate", _RATE), ("interval", _INTERVAL), ("start", _START))
+"""Names of the time of the first sample."""
+_STATED = {
+    kind: re.compile(rf"(?<![A-Za-z0-9_])(?:{names}){_LINK}{_NUMBER}{_AFTER}", re.IGNORECASE)
+    for kind, names in (("rate", _RATE), ("interval", _INTERVAL), ("start", _START))
 }
+"""Patterns of a rate, a step and a start in the lines above the data."""
 _CHUNK = 2**20
+"""Time stamps compared at once: keeps the memory beside them small."""
+_LONGEST_SETTING = 500
+"""Characters of a line in which a rate or step is looked for: bounds the time of patterns on hostile lines."""
+_WITHIN_DIGIT = 1.01
+"""Times the last printed digit that stamps may stray by: rounding by half a digit at both ends, and floating point."""
+_WITHIN_STEP = 0.01
+"""Share of a step by which stamps may stray whose digits are finer than it."""
+_EVEN = 0.1
+"""Share of a step by which stamps may stray and still have the mean step: jitter, not gaps."""
+_ROUNDING = 8.0
+"""Units in the last place by which computed stamps may stray."""
+_ALIKE, _FAR_LARGER = 0.95, 1.5
+"""Share of differences that must be the usual one, and how many times it the others must be, where there are gaps
+alone."""
+_COARSE = 4.0
+"""Printed digits within a step below which the step is taken over a lag, where rounding counts less."""
 
 
 def seconds_in(unit: str) -> float | None:
@@ -87,7 +113,7 @@ def rises_evenly(values: Array, digit: float) -> bool:
     if values.size < 3 or not np.all(np.isfinite(values)) or np.any(np.diff(values) < 0.0):
         return False
     step = (values[-1] - values[0]) / (values.size - 1)
-    room = 1.01 * digit if np.unique(values).size < values.size or digit < step else 0.01 * step
+    room = _WITHIN_DIGIT * digit if np.unique(values).size < values.size or digit < step else _WITHIN_STEP * step
     return bool(step > 0.0 and _strays(values, step) <= room + 1e-9 * np.abs(values).max())
 
 
@@ -110,13 +136,13 @@ def step_of(stamps: Array, digit: float) -> float:
         return math.nan
     step = float(stamps[-1] - stamps[0]) / (stamps.size - 1)
     strays = _strays(stamps, step)
-    noise = 8.0 * np.finfo(float).eps * max(abs(float(stamps[0])), abs(float(stamps[-1])))
-    if step > 0.0 and strays <= 0.1 * step + noise:
+    noise = _ROUNDING * np.finfo(float).eps * max(abs(float(stamps[0])), abs(float(stamps[-1])))
+    if step > 0.0 and strays <= _EVEN * step + noise:
         return step
     typical, gaps = _typical(stamps)
-    if step > 0.0 and strays <= 1.01 * digit + noise and not gaps:
+    if step > 0.0 and strays <= _WITHIN_DIGIT * digit + noise and not gaps:
         return step
-    if typical <= 4.0 * digit and not gaps:
+    if typical <= _COARSE * digit and not gaps:
         lag = max(1, stamps.size // 8)
         typical = float(np.nanmedian(stamps[lag:] - stamps[:-lag])) / lag
     return typical if typical > 0.0 else math.nan
@@ -139,9 +165,9 @@ def _typical(stamps: Array) -> tuple[float, bool]:
     if not differences.size:
         return math.nan, False
     middle = float(np.median(differences))
-    same = np.abs(differences - middle) <= 0.1 * abs(middle)
+    same = np.abs(differences - middle) <= _EVEN * abs(middle)
     rest = differences[~same]
-    return middle, bool(middle > 0.0 and same.mean() >= 0.95 and np.all(np.abs(rest) >= 1.5 * middle))
+    return middle, bool(middle > 0.0 and same.mean() >= _ALIKE and np.all(np.abs(rest) >= _FAR_LARGER * middle))
 
 
 def said_step(lines: Sequence[str]) -> tuple[float, float]:
@@ -152,21 +178,21 @@ def said_step(lines: Sequence[str]) -> tuple[float, float]:
     >>> said_step(["Sampling rate: 200 kHz", "t0 = -1 ms"])
     (5e-06, -0.001)
     """
-    interval = _said(lines, "interval")
-    rate = _said(lines, "rate")
+    interval = _stated(lines, "interval")
+    rate = _stated(lines, "rate")
     step = interval if interval > 0.0 else 1.0 / rate if rate > 0.0 else math.nan
-    start = _said(lines, "start")
+    start = _stated(lines, "start")
     return (step if math.isfinite(step) else math.nan), (start if math.isfinite(start) else 0.0)
 
 
 def names_a_step(line: str) -> bool:
     """Tell whether a line names a rate, an interval or a start."""
-    return any(pattern.search(line[:500]) for pattern in _SAID.values())
+    return any(pattern.search(line[:_LONGEST_SETTING]) for pattern in _STATED.values())
 
 
-def _said(lines: Iterable[str], kind: str) -> float:
+def _stated(lines: Iterable[str], kind: str) -> float:
     for line in lines:
-        for match in _SAID[kind].finditer(line[:500]):
+        for match in _STATED[kind].finditer(line[:_LONGEST_SETTING]):
             factor = _hertz(match[1] or match[3]) if kind == "rate" else seconds_in(match[1] or match[3] or "s")
             if factor is not None:
                 value = float(match[2].replace(",", "."))

@@ -16,18 +16,25 @@ from strikewave.records.readers import LARGEST_ARRAY
 from strikewave.records.record import Array
 
 BLOCK = 8 * 2**20
-"""Bytes read at a time."""
+"""Bytes read at a time: large enough for Arrow to be fast, little beside the columns."""
 LONGEST_LINE = 2**20
-"""A longer line, in bytes, is refused."""
+"""A longer line, in bytes, is refused: ten thousand cells of a hundred characters."""
 MOST_COLUMNS = 10_000
-"""A line with more cells is refused."""
+"""A line with more cells is refused: no recorder has as many channels, and each column takes memory of its own."""
 COMMENTS = ("#", "%", "//")
 """A line that begins so is a comment."""
 _MISSING = frozenset({"nan", "+nan", "-nan", "na", "n/a", "null"})
+"""Words for a missing value, in small letters."""
 _NULLS = ["", " ", "nan", "NaN", "NAN", "+nan", "-nan", "-NaN", "NA", "N/A", "n/a", "null", "NULL"]
+"""The same as Arrow takes them, letter by letter."""
 _SMALL = 16 * 2**10
+"""Bytes of a block below which it is read line by line and not halved again: some hundred lines."""
+_THREADED = 2**20
+"""Bytes of a block from which on Arrow takes threads: smaller ones are read before threads have begun."""
 _CONTROL = bytes(set(range(32)) - {9, 10, 12, 13, 26}) + b"\x7f"
+"""Bytes that no text has: all control characters but tab, line ends, form feed and the old end of file."""
 _ENDS = " \t\r\n\x1a\ufeff"
+"""What may stand at either end of a line and means nothing; the last is the mark of byte order."""
 
 
 class Marks(NamedTuple):
@@ -128,7 +135,7 @@ def cells_of(line: str, marks: Marks) -> list[str]:
 
 
 def number(cell: str, decimal: str = ".") -> float | None:
-    """Return what a cell says: NaN where it is empty or says so, None where it is no finite number.
+    """Return the number in a cell: NaN where it is empty or a word for none, None where it is no finite number.
 
     Examples
     --------
@@ -187,9 +194,9 @@ def _fit(lines: Iterable[str], marks: Marks) -> tuple[int, int, int]:
     whole = inside = numbers = 0
     for line in lines:
         values = [number(cell, marks.decimal) for cell in cells_of(line, marks)[:MOST_COLUMNS]]
-        found = sum(value is not None and value == value for value in values)
-        clean = found > 0 and None not in values
-        whole, inside, numbers = whole + clean, inside + clean * found, numbers + found
+        count = sum(value is not None and value == value for value in values)
+        clean = count > 0 and None not in values
+        whole, inside, numbers = whole + clean, inside + clean * count, numbers + count
     return whole, inside, 0 if whole else numbers
 
 
@@ -273,19 +280,19 @@ def blocks(region: Region) -> Iterator[bytes]:
     InputError
         If a line is longer than a block.
     """
-    held = carried = b""
+    lines = carried = b""
     skip = region.skip
     for raw in _raw(region):
         whole = carried + raw
         end = whole.rfind(b"\n") + 1
         if len(whole) - end > LONGEST_LINE:
             raise refuse(region.path, f"lines of at most {LONGEST_LINE} bytes", "is this a text file of numbers?")
-        if held:
-            yield held
-        held, carried = whole[:end], whole[end:]
-        while skip and held:
-            held, skip = held[held.find(b"\n") + 1 :], skip - 1
-    last = held + carried
+        if lines:
+            yield lines
+        lines, carried = whole[:end], whole[end:]
+        while skip and lines:
+            lines, skip = lines[lines.find(b"\n") + 1 :], skip - 1
+    last = lines + carried
     while skip and last:
         last, skip = last.partition(b"\n")[2], skip - 1
     if region.cut:
@@ -324,23 +331,23 @@ def _at_once(block: bytes, grid: Grid) -> list[Array] | None:
 
     delimiter, decimal = grid.marks
     names = [str(k) for k in range(grid.width)]
-    kept = [names[k] for k in grid.wanted]
+    wanted = [names[k] for k in grid.wanted]
     convert = fast.ConvertOptions(
-        column_types=dict.fromkeys(kept, pa.float64()),
-        include_columns=kept,
+        column_types=dict.fromkeys(wanted, pa.float64()),
+        include_columns=wanted,
         null_values=_NULLS,
         decimal_point=decimal,
     )
     try:
         table = fast.read_csv(
             pa.BufferReader(block if delimiter else _single_blanks(block)),
-            fast.ReadOptions(column_names=names, use_threads=len(block) > 2**20),
+            fast.ReadOptions(column_names=names, use_threads=len(block) > _THREADED),
             fast.ParseOptions(delimiter=delimiter or " "),
             convert,
         )
     except pa.ArrowInvalid:
         return None
-    columns = [_floats(table.column(k)) for k in range(len(kept))]
+    columns = [_floats(table.column(k)) for k in range(len(wanted))]
     return None if any(np.isinf(column).any() for column in columns) else columns
 
 
@@ -348,8 +355,8 @@ def _floats(column: Any) -> Array:
     """Return an Arrow column of float64, NaN where it has nothing; Arrow's own way would import pandas (0.3 s)."""
     parts = []
     for chunk in column.chunks:
-        valid, held = chunk.buffers()
-        part = np.frombuffer(held, np.float64, len(chunk), 8 * chunk.offset)
+        valid, data = chunk.buffers()
+        part = np.frombuffer(data, np.float64, len(chunk), 8 * chunk.offset)
         if chunk.null_count:
             bits = np.unpackbits(np.frombuffer(valid, np.uint8), bitorder="little")
             part = np.where(bits[chunk.offset : chunk.offset + len(chunk)], part, np.nan)

@@ -21,16 +21,27 @@ from strikewave.records.record import Channel, Record
 Array = NDArray[np.float64]
 
 MOST_ARRAYS = 10_000
-"""A file with more arrays is refused."""
+"""A file with more arrays is refused: no recorder has as many channels, and each takes time to look at."""
 MOST_COLUMNS = 64
-"""A 2-D array whose short side is longer is no table of channels."""
+"""A 2-D array whose short side is longer is no table of channels: pictures and maps are wider."""
 LARGEST_RATIO = 1000.0
-"""A file that claims to hold more bytes than this for each byte it has is refused, once it claims `FREE_BYTES`."""
+"""A file that claims to hold more bytes than this for each byte it has is refused, once it claims `FREE_BYTES`.
+
+Deflate packs 1032 to 1 at best; measured records, with noise in them, pack 10 to 1."""
 FREE_BYTES = 256 * 2**20
+"""Bytes that any file may claim, however small: no machine is harmed by them. A constant record packs as well as
+that."""
+LONGEST_TEXT = 200
+"""Characters of an attribute that is shown: a line or two."""
+MOST_NAMED = 8
+"""Arrays named in a finding, and `LONGEST_NAMED` characters of each: enough to know them, few enough for a line."""
+LONGEST_NAMED = 40
+"""See `MOST_NAMED`."""
 
 TIMES = {"time", "t", "times", "timestamp", "timestamps", "zeit", "temps"}
 """Names of arrays that hold time; others that only sound like it do so where none of these is there."""
 _AXES = {"x", "s"}
+"""Names that are time in text, where columns are few, and more often something else in files of named arrays."""
 _RATES = {
     "fs",
     "sampling_rate",
@@ -41,8 +52,11 @@ _RATES = {
     "samplefreq",
     "rate",
 }
+"""Names of attributes and scalars that hold a sampling rate, Hz."""
 _STEPS = {"dt", "wf_increment", "sampling_interval", "sample_interval", "sampling_period", "delta_t", "time_step"}
+"""Those of a step, s."""
 _STARTS = {"t0", "start_time", "wf_start_offset", "starttime"}
+"""Those of the time of the first sample, s."""
 
 
 class Column(NamedTuple):
@@ -57,13 +71,13 @@ class Column(NamedTuple):
     load : callable
         Returns the samples.
     unit : str
-        As the file writes it; empty where it does not say.
+        As the file writes it; empty where it has none.
     step, start : float
-        What the file says of the even grid of this array, s; NaN where it does not say.
+        Uniform sampling of this array by the file, s; NaN where it states none.
     folder : str
         Arrays of the same folder share their time.
     time : bool
-        True where the file itself says that this array is time.
+        True where the file marks this array as time.
     """
 
     name: str
@@ -82,7 +96,7 @@ def damaged(path: Path, hint: str, allowed: str = "a file that is whole") -> Inp
 
 
 def extra(module: str, path: Path) -> Any:
-    """Import a module that comes with the extra ``formats``; say how to install it where it is missing."""
+    """Import a module that comes with the extra ``formats``; an error tells how to install it."""
     try:
         return importlib.import_module(module)
     except ImportError:
@@ -115,23 +129,23 @@ def text(value: object) -> str:
         value = value.reshape(-1)[0]
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
-    return " ".join(value.split())[:200] if isinstance(value, str) else ""
+    return " ".join(value.split())[:LONGEST_TEXT] if isinstance(value, str) else ""
 
 
 def number(value: object) -> float:
     """Return an attribute as a finite float; NaN for what is none."""
     try:
         array = np.asarray(value)
-        found = float(array.reshape(-1)[0]) if array.size == 1 and array.dtype.kind in "biuf" else float(text(value))
+        parsed = float(array.reshape(-1)[0]) if array.size == 1 and array.dtype.kind in "biuf" else float(text(value))
     except (ValueError, TypeError, OverflowError):
         return math.nan
-    return found if math.isfinite(found) else math.nan
+    return parsed if math.isfinite(parsed) else math.nan
 
 
-def grid_of(said: Iterable[tuple[str, object]]) -> tuple[float, float]:
-    """Return step and start, s, from named attributes or scalars such as ``fs`` or ``dt``; NaN where none says."""
+def grid_of(attributes: Iterable[tuple[str, object]]) -> tuple[float, float]:
+    """Return step and start, s, from named attributes or scalars such as ``fs`` or ``dt``; NaN without them."""
     step = start = math.nan
-    for name, value in said:
+    for name, value in attributes:
         word, unit = name_and_unit(name.rpartition("/")[2])
         word = word.strip().lower().replace(" ", "_")
         factor = {"khz": 1e3, "mhz": 1e6}.get(unit.lower(), 1.0)
@@ -144,9 +158,9 @@ def grid_of(said: Iterable[tuple[str, object]]) -> tuple[float, float]:
     return step, start
 
 
-def on_grids(columns: Sequence[Column], said: Mapping[str, Iterable[tuple[str, object]]]) -> list[Column]:
-    """Give the longest arrays of each folder the step and start that attributes or scalars of the folder say."""
-    grids = {folder: grid_of(named) for folder, named in said.items()}
+def on_grids(columns: Sequence[Column], attributes: Mapping[str, Iterable[tuple[str, object]]]) -> list[Column]:
+    """Give the longest arrays of each folder the step and start that attributes or scalars of the folder state."""
+    grids = {folder: grid_of(named) for folder, named in attributes.items()}
     longest: dict[str, int] = {}
     for column in columns:
         longest[column.folder] = max(column.size, longest.get(column.folder, 0))
@@ -173,12 +187,40 @@ def floats(values: Any) -> Array:
     return np.ascontiguousarray(array.reshape(-1), dtype=np.float64)
 
 
-def columns_of(name: str, array: Any, unit: str = "", folder: str = "", **said: Any) -> list[Column]:
+class Scaled:
+    """Slices of an array with scale, offset and fill value of the CF conventions applied.
+
+    Parameters
+    ----------
+    load : callable
+        Returns a slice as a new array of float64.
+    attribute : callable
+        Returns an attribute by its name, None where there is none.
+    shape : tuple of int
+        Of the array.
+    """
+
+    def __init__(
+        self, load: Callable[[Any], Array], attribute: Callable[[str], object], shape: tuple[int, ...]
+    ) -> None:
+        self.load, self.attribute, self.shape = load, attribute, shape
+
+    def __getitem__(self, key: Any) -> Array:
+        values = self.load(key)
+        for name in ("_FillValue", "missing_value"):
+            values[values == number(self.attribute(name))] = np.nan
+        scale, offset = number(self.attribute("scale_factor")), number(self.attribute("add_offset"))
+        if not np.isnan(scale):
+            values *= scale
+        return values if np.isnan(offset) else values + offset
+
+
+def columns_of(name: str, array: Any, unit: str = "", folder: str = "", **details: Any) -> list[Column]:
     """Return the columns of a 1-D or 2-D array that is sliced only when a column is loaded; none for another one."""
     shape = array.shape
     long = [extent for extent in shape if extent != 1]
     if len(long) == 1 or (len(shape) == 1 and shape[0]):
-        return [Column(name, int(np.prod(shape)), lambda: array[...], unit, folder=folder, **said)]
+        return [Column(name, int(np.prod(shape)), lambda: array[...], unit, folder=folder, **details)]
     if len(long) != 2 or len(shape) != 2 or min(shape) > MOST_COLUMNS or min(shape) < 1:
         return []
     across = shape[0] < shape[1]
@@ -186,7 +228,7 @@ def columns_of(name: str, array: Any, unit: str = "", folder: str = "", **said: 
     def load(k: int) -> Callable[[], Any]:
         return (lambda: array[k, :]) if across else (lambda: array[:, k])
 
-    return [Column(f"{name} {k + 1}", max(shape), load(k), unit, folder=folder, **said) for k in range(min(shape))]
+    return [Column(f"{name} {k + 1}", max(shape), load(k), unit, folder=folder, **details) for k in range(min(shape))]
 
 
 def assemble(
@@ -194,7 +236,7 @@ def assemble(
     form: str,
     columns: Sequence[Column],
     options: Options,
-    said: tuple[float, float] = (math.nan, math.nan),
+    grid: tuple[float, float] = (math.nan, math.nan),
     findings: Iterable[HealthNotice] = (),
 ) -> Record:
     """Make a record of a file's arrays.
@@ -210,8 +252,8 @@ def assemble(
         NaN, at no cost in memory.
     options : Options
         ``rate`` overrules every time, ``time`` names the time array.
-    said : tuple of float
-        Step and start, s, that hold for the whole file; NaN where it does not say.
+    grid : tuple of float
+        Step and start, s, that hold for the whole file; NaN where it states none.
     findings : iterable of HealthNotice
         What reading showed so far.
     """
@@ -222,14 +264,16 @@ def assemble(
         raise damaged(path, f"it has {len(columns)}", f"a file with at most {MOST_ARRAYS} arrays")
     clocks = _clocks(columns, options)
     rest = [column for column in columns if all(column is not clock for clock in clocks)]
-    found = [(column, _clock_of(column, clocks)) for column in rest]
-    kept, ignored = _kept(found, bool(clocks) and options.rate is None)
-    if not kept:
+    with_clock = [(column, _clock_of(column, clocks)) for column in rest]
+    channels_with_clock, ignored = _kept(with_clock, bool(clocks) and options.rate is None)
+    if not channels_with_clock:
         raise damaged(path, "it has nothing but time", "a file with samples")
-    wanted = [_wanted(k, column, options) for k, (column, _) in enumerate(kept, start=1)]
-    guard(path, 8.0 * sum(column.size for (column, _), want in zip(kept, wanted, strict=True) if want))
+    wanted = [_wanted(k, column, options) for k, (column, _) in enumerate(channels_with_clock, start=1)]
+    guard(path, 8.0 * sum(column.size for (column, _), want in zip(channels_with_clock, wanted, strict=True) if want))
     stamps: dict[int, tuple[Array, float, float]] = {}
-    channels = [_channel(*pair, want, options, said, stamps) for pair, want in zip(kept, wanted, strict=True)]
+    channels = [
+        _channel(*pair, want, options, grid, stamps) for pair, want in zip(channels_with_clock, wanted, strict=True)
+    ]
     return Record(str(path), form, tuple(channels), (*findings, *left_out([c.name for c in ignored])))
 
 
@@ -237,7 +281,8 @@ def left_out(names: Sequence[str]) -> tuple[HealthNotice, ...]:
     """Return the word on arrays that are no channels."""
     if not names:
         return ()
-    listed = ", ".join(str(name)[:40] for name in names[:8]) + (", ..." if len(names) > 8 else "")
+    listed = ", ".join(str(name)[:LONGEST_NAMED] for name in names[:MOST_NAMED])
+    listed += ", ..." if len(names) > MOST_NAMED else ""
     return (
         HealthNotice("array-ignored", f"{len(names)} arrays are no channels: {listed}", len(names), severity="good"),
     )
@@ -246,19 +291,19 @@ def left_out(names: Sequence[str]) -> tuple[HealthNotice, ...]:
 def _clocks(columns: Sequence[Column], options: Options) -> list[Column]:
     """Return the arrays that hold time: the one that the user names, else those that the file or their name tells."""
     if options.time is not None:
-        asked, names = str(options.time).strip(), [column.name for column in columns]
-        chosen = [c for c in columns if asked in (c.name, _named(c)[0])]
-        if not chosen and asked.isdecimal() and 1 <= int(asked) <= len(columns):
-            chosen = [columns[int(asked) - 1]]
+        wanted, names = str(options.time).strip(), [column.name for column in columns]
+        chosen = [c for c in columns if wanted in (c.name, _named(c)[0])]
+        if not chosen and wanted.isdecimal() and 1 <= int(wanted) <= len(columns):
+            chosen = [columns[int(wanted) - 1]]
         if not chosen:
-            raise InputError("--time", options.time, "the name or number of an array", nearest(asked, names))
+            raise InputError("--time", options.time, "the name or number of an array", nearest(wanted, names))
         return chosen[:1]
     marked = [column for column in columns if column.time]
-    words = [_named(column)[0].removeprefix(column.folder).lower() for column in columns]
-    named = [column for column, word in zip(columns, words, strict=True) if word in TIMES]
+    lowered = [_named(column)[0].removeprefix(column.folder).lower() for column in columns]
+    named = [column for column, word in zip(columns, lowered, strict=True) if word in TIMES]
     if not marked + named:
-        named = [c for c, word in zip(columns, words, strict=True) if word not in _AXES and is_time(word, "")]
-    return marked + [column for column in named if all(column is not one for one in marked)]
+        named = [c for c, word in zip(columns, lowered, strict=True) if word not in _AXES and is_time(word, "")]
+    return marked + [column for column in named if all(column is not clock for clock in marked)]
 
 
 def _clock_of(column: Column, clocks: Sequence[Column]) -> Column | None:
@@ -267,20 +312,20 @@ def _clock_of(column: Column, clocks: Sequence[Column]) -> Column | None:
 
 
 def _kept(
-    found: list[tuple[Column, Column | None]], timed: bool
+    with_clock: list[tuple[Column, Column | None]], timed: bool
 ) -> tuple[list[tuple[Column, Column | None]], list[Column]]:
     """Keep the arrays over time; without time those with a grid of their own, else those of the fullest length."""
-    keep = [pair for pair in found if pair[1] is not None or not math.isnan(pair[0].step)]
+    keep = [pair for pair in with_clock if pair[1] is not None or not math.isnan(pair[0].step)]
     if not keep:
-        sizes = [column.size for column, _ in found]
+        sizes = [column.size for column, _ in with_clock]
         fullest = max(set(sizes), key=lambda size: (size * sizes.count(size), size), default=0)
-        keep = [pair for pair in found if pair[0].size == fullest and not timed]
-    return keep, [column for column, _ in found if all(column is not pair[0] for pair in keep)]
+        keep = [pair for pair in with_clock if pair[0].size == fullest and not timed]
+    return keep, [column for column, _ in with_clock if all(column is not pair[0] for pair in keep)]
 
 
 def _wanted(k: int, column: Column, options: Options) -> bool:
-    asked = {str(word).strip() for word in options.channels}
-    return not asked or bool(asked & {str(k), column.name, _named(column)[0]})
+    names = {str(word).strip() for word in options.channels}
+    return not names or bool(names & {str(k), column.name, _named(column)[0]})
 
 
 def _channel(
@@ -288,30 +333,30 @@ def _channel(
     clock: Column | None,
     wanted: bool,
     options: Options,
-    said: tuple[float, float],
+    grid: tuple[float, float],
     stamps: dict[int, tuple[Array, float, float]],
 ) -> Channel:
     """Load one channel and lay it on its grid."""
     name, unit = _named(column)
     step, start = (
-        own if not math.isnan(own) else of for own, of in zip((column.step, column.start), said, strict=True)
+        own if not math.isnan(own) else of for own, of in zip((column.step, column.start), grid, strict=True)
     )
-    held = None
+    own_stamps = None
     if options.rate is not None:
         step = 1.0 / options.rate
     elif clock is not None and wanted:
         if id(clock) not in stamps:
             stamps[id(clock)] = _stamps(clock)
-        held, step, start = stamps[id(clock)]
+        own_stamps, step, start = stamps[id(clock)]
     values = floats(column.load()) if wanted else np.broadcast_to(np.float64(np.nan), (column.size,))
-    if held is not None and held.size != values.size:
-        held = None
+    if own_stamps is not None and own_stamps.size != values.size:
+        own_stamps = None
     start = 0.0 if math.isnan(start) else start
-    return Channel(name, values, step, start, unit, held)
+    return Channel(name, values, step, start, unit, own_stamps)
 
 
 def _named(column: Column) -> tuple[str, str]:
-    """Return name and unit, the unit from the name where the file does not say it otherwise."""
+    """Return name and unit, the unit from the name where the file does not state it."""
     own = column.name.removeprefix(column.folder)
     name, unit = name_and_unit(own)
     return column.name[: len(column.name) - len(own)] + (name or own), column.unit or unit

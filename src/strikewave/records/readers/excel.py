@@ -22,8 +22,9 @@ MOST_ROWS = 2**20
 MOST_CELLS = 20_000_000
 """A workbook with more cells is refused; reading them would take minutes."""
 MOST_SHEETS = 100
+"""Sheets of a workbook that are read: a hundred blows, one a sheet."""
 LONGEST_HEAD = 200
-"""Rows before the first row of numbers."""
+"""Rows before the first row of numbers that are kept: names and units stand in the last two, settings above them."""
 
 
 def sniff(head: bytes) -> bool:
@@ -38,7 +39,7 @@ def read(path: Path, options: Options) -> Record:
     openpyxl = extra("openpyxl", path)
     try:
         with zipfile.ZipFile(path) as packed:
-            guard(path, float(sum(one.file_size for one in packed.infolist())))
+            guard(path, float(sum(entry.file_size for entry in packed.infolist())))
     except zipfile.BadZipFile as error:
         raise damaged(path, str(error)) from None
     with path.open("rb") as opened, warnings.catch_warnings():
@@ -50,11 +51,11 @@ def read(path: Path, options: Options) -> Record:
             sheets = book.worksheets[:MOST_SHEETS]
             for sheet in sheets:
                 sheet.reset_dimensions()
-                found, cells = _columns(path, sheet.iter_rows(values_only=True), left)
+                sheet_columns, cells = _columns(path, sheet.iter_rows(values_only=True), left)
                 left -= cells
                 place = f"{sheet.title}/" if len(sheets) > 1 else ""
-                columns += [one._replace(name=place + one.name, folder=place) for one in found]
-            skipped = [one.name for one in columns if one.size == 0]
+                columns += [entry._replace(name=place + entry.name, folder=place) for entry in sheet_columns]
+            skipped = [entry.name for entry in columns if entry.size == 0]
             return assemble(path, "excel", columns, options, findings=left_out(skipped))
         finally:
             book.close()
@@ -63,7 +64,7 @@ def read(path: Path, options: Options) -> Record:
 def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[list[Column], int]:
     """Return the columns of a sheet and how many cells it has."""
     above: list[tuple[Any, ...]] = []
-    held: dict[int, array[float]] = {}
+    numbers_at: dict[int, array[float]] = {}
     cells = count = 0
     for k, row in enumerate(rows):
         cells += len(row) + 1
@@ -72,17 +73,17 @@ def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[li
         if not count and not _numeric(row):
             above = [*above, row][-LONGEST_HEAD:]
             continue
-        for place in set(held).union(range(len(row))):
+        for place in set(numbers_at).union(range(len(row))):
             value = _number(row[place] if place < len(row) else None)
-            if place not in held:
+            if place not in numbers_at:
                 if math.isnan(value):
                     continue
-                held[place] = array("d", [math.nan]) * count
-            held[place].append(value)
+                numbers_at[place] = array("d", [math.nan]) * count
+            numbers_at[place].append(value)
         count += 1
-    names = _names(above, max(held, default=-1) + 1)
+    names = _names(above, max(numbers_at, default=-1) + 1)
     columns = []
-    for place, numbers in sorted(held.items()):
+    for place, numbers in sorted(numbers_at.items()):
         values = np.frombuffer(numbers, np.float64)
         (name, unit) = names[place]
         columns.append(Column(name or f"column {place + 1}", values.size, _loader(values), unit))

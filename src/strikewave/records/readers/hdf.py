@@ -18,13 +18,13 @@ from strikewave.records.readers.common import (
     MOST_ARRAYS,
     MOST_COLUMNS,
     Column,
+    Scaled,
     assemble,
     columns_of,
     damaged,
     grid_of,
     guard,
     left_out,
-    number,
     on_grids,
     text,
 )
@@ -32,8 +32,11 @@ from strikewave.records.readers.headings import is_time
 from strikewave.records.record import Record
 
 DEEPEST = 16
-"""Groups in groups."""
+"""Groups in groups: measured files have three or four, and a hostile one could nest for ever."""
+MOST_ATTRIBUTES = 200
+"""Attributes of a group or array that are read: rates, units and scales are among the first few."""
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
+"""First bytes of HDF5, at the beginning or after a user block of 512 bytes or twice as many and so on."""
 
 
 def sniff(head: bytes) -> bool:
@@ -51,21 +54,21 @@ def parse(path: Path, options: Options) -> Record:
     h5py = importlib.import_module("h5py")
     columns: list[Column] = []
     skipped: list[str] = []
-    said: dict[str, list[tuple[str, Any]]] = {}
+    attributes: dict[str, list[tuple[str, Any]]] = {}
     with h5py.File(path, "r") as file:
-        said[""] = _attributes(file)
+        attributes[""] = _attributes(file)
         for count, (folder, name, data) in enumerate(_datasets(file, h5py), start=1):
             if count > MOST_ARRAYS:
                 raise damaged(path, f"it has more than {MOST_ARRAYS} arrays", "a file with fewer arrays")
             if data.size == 1 and data.dtype.kind in "biuf":
-                said.setdefault(folder, _attributes(data.parent)).append((name, data[()]))
-            elif found := _columns(path, folder, name, data):
-                columns += found
+                attributes.setdefault(folder, _attributes(data.parent)).append((name, data[()]))
+            elif dataset_columns := _columns(path, folder, name, data):
+                columns += dataset_columns
             else:
                 skipped.append(f"{folder}{name}")
-        for folder in {column.folder for column in columns} - set(said):
-            said[folder] = _attributes(file[folder])
-        return assemble(path, "hdf", on_grids(columns, said), options, grid_of(said[""]), left_out(skipped))
+        for folder in {column.folder for column in columns} - set(attributes):
+            attributes[folder] = _attributes(file[folder])
+        return assemble(path, "hdf", on_grids(columns, attributes), options, grid_of(attributes[""]), left_out(skipped))
 
 
 def _datasets(group: Any, h5py: Any, folder: str = "", depth: int = 0) -> Iterator[tuple[str, str, Any]]:
@@ -107,37 +110,29 @@ def _columns(path: Path, folder: str, name: str, data: Any) -> list[Column]:
     names = _block_names(data)
     step, start = grid_of(named.items())
     index = name == "axis1" and data.dtype.kind == "f"
-    found = columns_of(folder + name, _Scaled(data), _unit(named), folder, step=step, start=start, time=index)
-    return [c._replace(name=folder + names[k] if len(names) == len(found) else c.name) for k, c in enumerate(found)]
+    scaled = Scaled(lambda key: data.astype(np.float64)[key], data.attrs.get, data.shape)
+    columns = columns_of(
+        folder + name,
+        scaled,
+        _unit(named),
+        folder,
+        step=step,
+        start=start,
+        time=index,
+    )
+    return [c._replace(name=folder + names[k] if len(names) == len(columns) else c.name) for k, c in enumerate(columns)]
 
 
 def _fields(folder: str, name: str, data: Any) -> list[Column]:
     """Return the numeric fields of a table."""
-    found: list[Column] = []
+    columns: list[Column] = []
     place = f"{folder}{name}/"
     for field in (data.dtype.names or ())[:MOST_COLUMNS]:
         kind = data.dtype[field]
         if len(data.shape) == 1 and kind.base.kind in "biuf" and len(kind.shape) <= 1:
             index = field == "index" and kind.base.kind == "f"
-            found += columns_of(place + field, _Field(data, field), folder=place, time=index)
-    return found
-
-
-class _Scaled:
-    """Slices of a dataset with scale, offset and fill value of the CF conventions applied."""
-
-    def __init__(self, data: Any) -> None:
-        self.data, self.shape = data, data.shape
-
-    def __getitem__(self, key: Any) -> Any:
-        fill = [number(self.data.attrs.get(name)) for name in ("_FillValue", "missing_value")]
-        scale, offset = number(self.data.attrs.get("scale_factor")), number(self.data.attrs.get("add_offset"))
-        values = self.data.astype(np.float64)[key]
-        for value in fill:
-            values[values == value] = np.nan
-        if not np.isnan(scale):
-            values *= scale
-        return values if np.isnan(offset) else values + offset
+            columns += columns_of(place + field, _Field(data, field), folder=place, time=index)
+    return columns
 
 
 class _Field:
@@ -163,15 +158,15 @@ def _block_names(data: Any) -> list[str]:
     return [text(value) for value in items[()]]
 
 
-def _attributes(thing: Any) -> list[tuple[str, Any]]:
+def _attributes(node: Any) -> list[tuple[str, Any]]:
     """Return the attributes that can be read."""
-    found = []
-    for name in list(thing.attrs)[:200]:
+    attributes = []
+    for name in list(node.attrs)[:MOST_ATTRIBUTES]:
         try:
-            found.append((name, thing.attrs[name]))
+            attributes.append((name, node.attrs[name]))
         except (OSError, TypeError, ValueError, RuntimeError, KeyError):
             continue
-    return found
+    return attributes
 
 
 def _unit(named: dict[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""What the lines above columns of numbers say: names, and units."""
+"""Names and units from the lines above columns of numbers."""
 
 from __future__ import annotations
 
@@ -10,23 +10,32 @@ from strikewave.records.readers.clock import names_a_step, seconds_in
 from strikewave.records.readers.columns import COMMENTS, Marks, cells_of, is_comment, number
 
 LONGEST_NAME = 200
+"""Characters of a heading that are looked at: bounds the time of patterns on hostile lines."""
+LONGEST_UNIT = 40
+"""Characters of a unit; the longest that instruments write has 13."""
 _BRACKETS = re.compile(r"^(.*?)\s*[\[({]([^\[\](){}]{1,30})[\])}]$")
+"""A name with a unit in brackets."""
 _BEHIND = re.compile(r"/|,|\sin\s")
+"""Marks before a unit without brackets."""
 _KNOWN = re.compile(
     r"[pnuµμmkMG]?(?:s|V|A|g|N|Pa|m|m/s|m/s\^?2|m/s²|m/s/s|Hz|Ω|bar|C|W|J|eu|EU)|°C?|deg|rad|rpm|%|psi|gn|g0|"
     r"(?:milli|micro|nano|kilo)?(?:second|volt|amp(?:ere)?|meter|metre|newton|pascal)s?|"
     r"sec|min|[um]sec|[mµuμ]?strain|[µuμ]m/m|[µuμ]?[εe]|counts?|lbf?",
     re.IGNORECASE,
 )
+"""Units as instruments write them; anything else behind a mark is part of the name."""
 _TIME = re.compile(
     r"(?:[\w.-]{1,30}[ _-]){0,3}(?:time|zeit|timestamp|messzeit)(?:[ _-]?(?:axis|base|stamp|value|achse|\d{1,3}))?"
     r"|t|x|x[ _-]?(?:axis|value|achse)|s|secs?|seconds?|sekunden?|temps|tiempo|tempo|elapsed|zeitachse|timebase",
     re.IGNORECASE,
 )
+"""Headings of time, in several languages."""
 _COUNTER = re.compile(
     r"#|no\.?|nr\.?|n|index|sequence|samples?|points?|sample[ _-]?(?:no\.?|number|index)", re.IGNORECASE
 )
+"""Headings of a column that counts samples."""
 _Y_UNITS = re.compile(r"(?:vertical|y)[ _-]?units?(?:[ _-]label)?", re.IGNORECASE)
+"""Names of a line that gives the units of all columns after time."""
 
 
 class Headings(NamedTuple):
@@ -65,7 +74,7 @@ def name_and_unit(text: str) -> tuple[str, str]:
 
 def is_unit(text: str) -> bool:
     """Tell whether a word is a unit that instruments write."""
-    return bool(_KNOWN.fullmatch(text.strip(" \"'()[]")[:40]))
+    return bool(_KNOWN.fullmatch(text.strip(" \"'()[]")[:LONGEST_UNIT]))
 
 
 def is_time(name: str, unit: str) -> bool:

@@ -1,4 +1,4 @@
-"""IDE: files of enDAQ and Mide recorders, calibrated as the file says.
+"""IDE: files of enDAQ and Mide recorders, calibrated by the file.
 
 The numbers of such a file can be written as expressions; here only a decimal number or one fraction is taken. The file
 is read in a child process with limits.
@@ -17,6 +17,9 @@ from strikewave.records.readers.common import MOST_ARRAYS, Column, assemble, dam
 from strikewave.records.record import Record
 
 _MICROSECOND = 1e-6
+"""s; times of such a file are in microseconds."""
+_MOST_PER_BYTE = 8
+"""Samples for each byte of the file at most: a sample has one bit at least."""
 
 
 def sniff(head: bytes) -> bool:
@@ -37,14 +40,14 @@ def parse(path: Path, options: Options) -> Record:
     extra("idelib.parsers", path).valEval = _ratio
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        held = idelib.importFile(str(path), quiet=True)
-        with held:
+        opened = idelib.importFile(str(path), quiet=True)
+        with opened:
             columns: list[Column] = []
             skipped: list[str] = []
-            for channel in list(held.channels.values())[:MOST_ARRAYS]:
-                found = _columns(path, channel)
-                columns += found
-                skipped += [str(channel.name)] * (not found)
+            for channel in list(opened.channels.values())[:MOST_ARRAYS]:
+                channel_columns = _columns(path, channel)
+                columns += channel_columns
+                skipped += [str(channel.name)] * (not channel_columns)
             return assemble(path, "ide", columns, options, findings=left_out(skipped))
 
 
@@ -60,7 +63,7 @@ def _columns(path: Path, channel: Any) -> list[Column]:
     size = len(events)
     if not size:
         return []
-    if size * len(channel.subchannels) > 8 * path.stat().st_size:
+    if size * len(channel.subchannels) > _MOST_PER_BYTE * path.stat().st_size:
         raise damaged(path, f"channel {channel.name} claims {size} samples")
     guard(path, 8.0 * size * (len(channel.subchannels) + 1))
     values = events.arraySlice()

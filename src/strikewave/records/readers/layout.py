@@ -24,12 +24,26 @@ from strikewave.records.readers.columns import (
 from strikewave.records.readers.headings import Headings, find_headings
 
 HEAD = 2**20
-"""Bytes from the beginning in which header and first data are looked for."""
+"""Bytes from the beginning in which header and first data are looked for: heads of loggers have kilobytes."""
 _PART = 2**16
+"""Bytes from the middle and the end of a large file that are looked at: some hundred lines."""
+_LINES, _MIDDLE_LINES, _SHORT = 200, 100, 500
+"""Lines of the beginning and the end, and of the middle, by which marks and columns are judged; a shorter file is
+judged by all of its lines."""
+_MOST_JUDGED, _FEWEST_JUDGED = 2**18, 8
+"""Characters of those lines at most, for lines of thousands of cells, and lines that are left at least."""
+_CLEAN = 5
+"""One line in so many must be numbers alone for the others to be left out as words, errors or heads."""
+_SPARSE = 100
+"""A column with a value in fewer than one line in so many holds settings, not samples."""
+_FEWEST_ALIKE, _FEWEST_MANY = 8, 50
+"""Numbers above the last one, all of as many digits, or so many of any, by which it is known to be cut."""
 _OVER = re.compile(
     r"[+-]?\d\S*|[<>+-]?\s?(?:over\w*|ovr|ovld|o\.?l\.?|inf\w*|∞|clip\w*|error)|-{1,9}|\*{1,9}|\?{1,9}", re.IGNORECASE
 )
+"""Cells of a line of data that hold no number: over the range, an error, blanks of dashes and the like."""
 _DECIMALS = re.compile(r"[+-]?\d*(?:[.,](\d*))?(?:[eE][+-]?(\d*))?")
+"""Decimals and digits of the power of a printed number."""
 
 
 class Look(NamedTuple):
@@ -86,11 +100,13 @@ def look_at(path: Path) -> Look:
         lines, ends = lines[:-1], lines_of(decode(tail, encoding))[1:]
         between = lines_of(decode(middle, encoding))[1:-1]
     else:
-        ends, between = lines[-200:], lines[len(lines) // 2 :][:100]
+        ends, between = lines[-_LINES:], lines[len(lines) // 2 :][:_MIDDLE_LINES]
     if not lines:
         raise refuse(path, f"lines of at most {LONGEST_LINE} bytes", "is this a text file of numbers?")
     ended = not ends or not ends[-1].strip(" \t\x1a")
-    return Look(path, size, encoding, lone, lines, between[:100], [e for e in ends if e.strip()][-200:], ended)
+    return Look(
+        path, size, encoding, lone, lines, between[:_MIDDLE_LINES], [e for e in ends if e.strip()][-_LINES:], ended
+    )
 
 
 def lay_out(look: Look) -> Layout:
@@ -101,19 +117,19 @@ def lay_out(look: Look) -> Layout:
     InputError
         If there are no columns of numbers, or too many.
     """
-    short = len(look.head) <= 500 and look.size <= HEAD
+    short = len(look.head) <= _SHORT and look.size <= HEAD
     body = [
         line
-        for line in (look.head if short else look.head[:200] + look.middle + look.tail[:-1])
+        for line in (look.head if short else look.head[:_LINES] + look.middle + look.tail[:-1])
         if line.strip() and not is_comment(line)
     ]
-    while sum(map(len, body)) > 2**18 and len(body) > 8:
+    while sum(map(len, body)) > _MOST_JUDGED and len(body) > _FEWEST_JUDGED:
         body = body[::2]
     marks = find_marks(body, look.path)
     rows = [[number(cell, marks.decimal) for cell in cells_of(line, marks)] for line in body]
     rows = [row for row in rows if any(v is not None and v == v for v in row)]
     clean = [row for row in rows if None not in row]
-    rows = clean if len(clean) >= max(2, len(rows) // 5) else rows
+    rows = clean if len(clean) >= max(2, len(rows) // _CLEAN) else rows
     if not rows:
         raise refuse(look.path, "columns of numbers", "no line of it holds numbers only")
     width = Counter(map(len, rows)).most_common(1)[0][0]
@@ -134,13 +150,15 @@ def _columns_with_numbers(
     filled, full, findings = [], [], []
     for k, column in enumerate(zip(*rows, strict=True)):
         here = [value is not None and value == value for value in column]
-        numbers, words = sum(here), column.count(None)
-        sparse = numbers <= len(rows) // 100 or (numbers == 1 and here[0] and len(rows) > 2)
-        if numbers > words and not sparse:
+        numbers, word_count = sum(here), column.count(None)
+        sparse = numbers <= len(rows) // _SPARSE or (numbers == 1 and here[0] and len(rows) > 2)
+        if numbers > word_count and not sparse:
             filled.append(k)
             full += [k] if 2 * numbers >= len(rows) else []
-        elif numbers or words:
-            what = "holds words" if words >= numbers else f"has a value in {numbers} of {len(rows)} lines looked at"
+        elif numbers or word_count:
+            what = (
+                "holds words" if word_count >= numbers else f"has a value in {numbers} of {len(rows)} lines looked at"
+            )
             findings.append(
                 HealthNotice("column-dropped", f"column {k + 1} is left out: it {what}", k + 1.0, severity="good")
             )
@@ -155,11 +173,11 @@ def _labels(
     """Say which columns hold settings beside the first lines of the data."""
     rows = [cells for cells in (cells_of(line, marks) for line in body) if len(cells) == width]
     numbers = [row for row in rows if all(number(row[k], marks.decimal) is not None for k in filled)]
-    said = {finding.value for finding in known}
+    reported = {finding.value for finding in known}
     return [
         HealthNotice("column-dropped", f"column {k + 1} is left out: it holds settings", k + 1.0, severity="good")
         for k in range(width)
-        if k not in filled and k + 1.0 not in said and any(row[k] for row in numbers)
+        if k not in filled and k + 1.0 not in reported and any(row[k] for row in numbers)
     ]
 
 
@@ -171,8 +189,8 @@ def _first_line(look: Look, marks: Marks, width: int, full: list[int]) -> int:
         return [number(cells[k] if k < len(cells) else "", marks.decimal) for k in full]
 
     def holds(line: str, least: int) -> bool:
-        found = [] if is_comment(line) else values(line)
-        return sum(v is not None and v == v for v in found) >= least
+        numbers = [] if is_comment(line) else values(line)
+        return sum(v is not None and v == v for v in numbers) >= least
 
     for least in (len(full), 1):
         first = next((k for k, line in enumerate(look.head) if holds(line, least)), None)
@@ -197,7 +215,7 @@ def _nearly(line: str, marks: Marks, width: int, full: list[int]) -> bool:
 
 def is_cut(look: Look, layout: Layout) -> bool:
     """Tell whether the last line lacks columns, or ends in a number that was cut."""
-    lines = look.tail if look.size > HEAD else [x for x in look.head[layout.first :] if x.strip()][-200:]
+    lines = look.tail if look.size > HEAD else [x for x in look.head[layout.first :] if x.strip()][-_LINES:]
     if len(lines) < 3 or is_comment(lines[-1]):
         return False
     *before, last = (cells_of(line, layout.marks) for line in lines if not is_comment(line))
@@ -215,9 +233,11 @@ def _number_is_cut(before: list[list[str]], last: list[str], layout: Layout) -> 
     if k != len(last) - 1 or k not in layout.filled:
         return False
     above = [_digits(row[k]) for row in before if k < len(row) and row[k]]
-    alike = len(above) >= 8 and len(set(above)) == 1
+    alike = len(above) >= _FEWEST_ALIKE and len(set(above)) == 1
     own = _digits(last[k])
-    return (alike or len(above) >= 50) and any(mine < min(theirs) for mine, *theirs in zip(own, *above, strict=True))
+    return (alike or len(above) >= _FEWEST_MANY) and any(
+        digits < min(others) for digits, *others in zip(own, *above, strict=True)
+    )
 
 
 def _digits(cell: str) -> tuple[int, int]:

@@ -35,10 +35,25 @@ from strikewave.records.readers.text import odd_cells, one_each
 from strikewave.records.record import Array, Channel, Record
 
 _BEGIN = b"LabVIEW Measurement"
+"""First words of a file with a header."""
 _MARK = b"***End_of_Header***"
+"""Ends the header of the file, and that of each segment."""
 _LARGEST_HEADER = 2**20
+"""Bytes of a header: LabVIEW writes some hundred, and a line for each channel."""
 _MOST_SEGMENTS = 10_000
+"""Segments of a file: as many blows of one test, and each is looked at."""
+_BLOCK = 2**22
+"""Bytes in which lines are counted at a time: keeps the memory small."""
+_EDGE = 4096
+"""Bytes at both ends of a segment by which its digits are judged: some tens of lines."""
+_MOST_JUDGED = 64
+"""Columns whose digits are judged one by one; of more only the first, which holds time."""
+_SAME_STEP = 0.01
+"""Share by which the steps of segments may differ where one goes on from the other."""
+_ROUNDING, _PER_SAMPLE = 8.0, 1e-9
+"""Units in the last place, and share of a step a sample, within which header and stamps agree: both are printed."""
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";", "space": "", "": "\t"}
+"""Marks between cells by the word of the header; empty for blanks."""
 
 
 class Segment(NamedTuple):
@@ -69,7 +84,7 @@ def sniff(head: bytes) -> bool:
 def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
     r"""Read a LabVIEW measurement file.
 
-    Segments are joined where their clock goes on; else only the first is read, and a finding says so.
+    Segments are joined where their clock goes on; else only the first is read, and a finding reports it.
 
     Raises
     ------
@@ -88,12 +103,12 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
     >>> [(c.name, c.unit, c.step, c.values.tolist()) for c in record.channels]
     [('board', 'g', 5e-06, [1.5, 2.5])]
     """
-    with path.open("rb") as opened, mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ) as held:
-        encoding = encoding_of(held[:_LARGEST_HEADER])
+    with path.open("rb") as opened, mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        encoding = encoding_of(content[:_LARGEST_HEADER])
         if encoding is None or encoding.startswith("utf-16"):
             raise refuse(path, "a LabVIEW measurement file in ASCII or UTF-8")
-        keys, segments = _segments(path, held, encoding)
-        ended = held[-1:] in (b"\n", b"\r")
+        keys, segments = _segments(path, content, encoding)
+        ended = content[-1:] in (b"\n", b"\r")
     marks = _marks(path, keys)
     layout = _columns(segments[0], _said(keys, "X_Columns", "One").casefold(), path)
     labels = [name_and_unit(segments[0].columns[k]) for k, _ in layout]
@@ -102,16 +117,16 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
     units = [(units[k] if k < len(units) else "") or labels[k][1] for k in range(len(names))]
     blank = [Channel(name, np.empty(0), unit=unit) for name, unit in zip(names, units, strict=True)]
     wanted = {c.name for c in Record(str(path), "lvm", tuple(blank)).only(options.channels).channels}
-    asked = [name in wanted for name in names]
+    is_wanted = [name in wanted for name in names]
     if options.time is not None and options.time.strip().casefold() not in ("x_value", "1"):
         raise InputError("--time", options.time, "X_Value", nearest(options.time, ["X_Value"]))
-    runs, findings = _runs(path, encoding, marks, segments, layout, asked, options, ended)
-    channels = [_channel(runs, j, blank[j], asked[j], options) for j in range(len(names))]
+    runs, findings = _runs(path, encoding, marks, segments, layout, is_wanted, options, ended)
+    channels = [_channel(runs, j, blank[j], is_wanted[j], options) for j in range(len(names))]
     size = max(channel.values.size for channel in channels)
     if size < 2:
         raise refuse(path, "at least two lines of numbers")
     unread = np.broadcast_to(np.float64(np.nan), (size,))
-    whole = [c if want else replace(c, values=unread) for c, want in zip(channels, asked, strict=True)]
+    whole = [c if want else replace(c, values=unread) for c, want in zip(channels, is_wanted, strict=True)]
     return Record(str(path), "lvm", tuple(whole), tuple(findings))
 
 
@@ -121,7 +136,7 @@ def _runs(
     marks: Marks,
     segments: list[Segment],
     layout: Sequence[tuple[int, int | None]],
-    asked: list[bool],
+    is_wanted: list[bool],
     options: Options,
     ended: bool,
 ) -> tuple[list[Read], list[HealthNotice]]:
@@ -131,11 +146,11 @@ def _runs(
     for k, segment in enumerate(segments):
         alike = segment.columns == segments[0].columns
         run = (
-            _run(path, encoding, marks, segment, layout, asked, segment is segments[-1] and not ended)
+            _run(path, encoding, marks, segment, layout, is_wanted, segment is segments[-1] and not ended)
             if alike
             else None
         )
-        if run is None or (runs and not _goes_on(runs[-1], run, asked, options)):
+        if run is None or (runs and not _goes_on(runs[-1], run, is_wanted, options)):
             what = "the clock starts anew in" if alike else "other channels begin in"
             message = f"it holds {len(segments)} segments; {what} number {k + 1}: read up to there"
             findings.append(HealthNotice("segments", message, float(len(segments))))
@@ -145,45 +160,45 @@ def _runs(
     return runs, findings
 
 
-def _segments(path: Path, held: mmap.mmap, encoding: str) -> tuple[dict[str, list[str]], list[Segment]]:
+def _segments(path: Path, content: mmap.mmap, encoding: str) -> tuple[dict[str, list[str]], list[Segment]]:
     """Find the headers of file and segments."""
-    if not len(held) or held.find(b"\n" + _BEGIN) >= 0:
+    if not len(content) or content.find(b"\n" + _BEGIN) >= 0:
         raise refuse(path, "one record in a file", "several files are in this one: split them")
     marks: list[int] = []
-    at = held.find(_MARK)
+    at = content.find(_MARK)
     while at >= 0 and len(marks) <= _MOST_SEGMENTS:
         marks.append(at)
-        at = held.find(_MARK, at + 1)
+        at = content.find(_MARK, at + 1)
     if len(marks) < 2:
         raise refuse(path, "a LabVIEW measurement file that is whole", f"it lacks {_MARK.decode()}")
     if len(marks) > _MOST_SEGMENTS:
         raise refuse(path, f"at most {_MOST_SEGMENTS} segments")
-    begins = [max(held.rfind(b"\nChannels", last, mark) + 1, last) for last, mark in pairwise(marks)]
+    begins = [max(content.rfind(b"\nChannels", last, mark) + 1, last) for last, mark in pairwise(marks)]
     if marks[0] > _LARGEST_HEADER or any(m - b > _LARGEST_HEADER for m, b in zip(marks[1:], begins, strict=True)):
         raise refuse(path, "a LabVIEW measurement file that is whole", "a header has no end")
-    keys = _keys(held[: marks[0]], encoding)
+    keys = _keys(content[: marks[0]], encoding)
     mark = _marks(path, keys)
     segments, line, counted = [], 1, 0
     for k, begin in enumerate(begins):
-        head = _after(held, marks[k + 1])
-        start = _after(held, head)
-        names = cells_of(decode(held[head : min(start, head + _LARGEST_HEADER)], encoding), mark)
-        line, counted = line + _lines(held, counted, start), start
-        end = begins[k + 1] if k + 1 < len(begins) else len(held)
+        head = _after(content, marks[k + 1])
+        start = _after(content, head)
+        names = cells_of(decode(content[head : min(start, head + _LARGEST_HEADER)], encoding), mark)
+        line, counted = line + _lines(content, counted, start), start
+        end = begins[k + 1] if k + 1 < len(begins) else len(content)
         if end < start:
             raise refuse(path, "a LabVIEW measurement file that is whole", "a segment lacks its names")
-        segments.append(Segment(_keys(held[begin : marks[k + 1]], encoding), names, start, end, line))
+        segments.append(Segment(_keys(content[begin : marks[k + 1]], encoding), names, start, end, line))
     return keys, segments
 
 
-def _after(held: mmap.mmap, at: int) -> int:
-    end = held.find(b"\n", at)
-    return len(held) if end < 0 else end + 1
+def _after(content: mmap.mmap, at: int) -> int:
+    end = content.find(b"\n", at)
+    return len(content) if end < 0 else end + 1
 
 
-def _lines(held: mmap.mmap, start: int, end: int) -> int:
-    step = 2**22
-    return sum(held[k : min(k + step, end)].count(b"\n") for k in range(start, end, step))
+def _lines(content: mmap.mmap, start: int, end: int) -> int:
+    step = _BLOCK
+    return sum(content[k : min(k + step, end)].count(b"\n") for k in range(start, end, step))
 
 
 def _keys(header: bytes, encoding: str) -> dict[str, list[str]]:
@@ -213,19 +228,19 @@ def _columns(segment: Segment, kind: str, path: Path) -> list[tuple[int, int | N
     names = [name.casefold() for name in segment.columns]
     if not names or len(names) > MOST_COLUMNS:
         raise refuse(path, f"1 to {MOST_COLUMNS} columns")
-    found: list[tuple[int, int | None]] = []
+    columns: list[tuple[int, int | None]] = []
     time: int | None = None
     for k, name in enumerate(names):
         if name == "x_value":
             time = k
         elif name not in ("comment", ""):
-            found.append((k, None if kind == "no" else time))
+            columns.append((k, None if kind == "no" else time))
     claimed = number(_said(segment.keys, "Channels", ""))
-    if claimed is not None and 0 < claimed < len(found):
-        found = found[: int(claimed)]
-    if not found:
+    if claimed is not None and 0 < claimed < len(columns):
+        columns = columns[: int(claimed)]
+    if not columns:
         raise refuse(path, "a LabVIEW measurement file that is whole", "it names no channels")
-    return found
+    return columns
 
 
 def _run(
@@ -234,24 +249,28 @@ def _run(
     marks: Marks,
     segment: Segment,
     layout: Sequence[tuple[int, int | None]],
-    asked: Sequence[bool],
+    is_wanted: Sequence[bool],
     unended: bool,
 ) -> Read:
     """Read one segment."""
-    kept = sorted({k for pair, want in zip(layout, asked, strict=True) if want for k in pair if k is not None})
+    read_columns = sorted(
+        {k for pair, want in zip(layout, is_wanted, strict=True) if want for k in pair if k is not None}
+    )
     region = Region(path, encoding, segment.start, segment.end, line=segment.line)
-    cut, digits = _look(region, marks, max(kept), unended)
+    cut, digits = _look(region, marks, max(read_columns), unended)
     width = len(segment.columns)
     table = parse(
-        region._replace(cut=cut), Grid(marks, width, tuple(kept)), 100 + (segment.end - segment.start) // (4 * width)
+        region._replace(cut=cut),
+        Grid(marks, width, tuple(read_columns)),
+        100 + (segment.end - segment.start) // (4 * width),
     )
-    found = dict(zip(kept, table.columns, strict=True))
+    values_of = dict(zip(read_columns, table.columns, strict=True))
     values, stamps, steps, starts = [], [], [], []
-    for j, ((k, time), want) in enumerate(zip(layout, asked, strict=True)):
-        own = _trimmed(found[k], _nth(segment.keys, "Samples", j)) if want else np.empty(0)
-        clock = found[time][: own.size] if want and time is not None else None
-        said = _nth(segment.keys, "Delta_X", j)
-        step = said if said > 0.0 else math.nan
+    for j, ((k, time), want) in enumerate(zip(layout, is_wanted, strict=True)):
+        own = _trimmed(values_of[k], _nth(segment.keys, "Samples", j)) if want else np.empty(0)
+        clock = values_of[time][: own.size] if want and time is not None else None
+        stated = _nth(segment.keys, "Delta_X", j)
+        step = stated if stated > 0.0 else math.nan
         start = _nth(segment.keys, "X0", j)
         if clock is not None and clock.size:
             digit = digits.get(time or 0, 0.0)
@@ -270,15 +289,15 @@ def _look(region: Region, marks: Marks, last: int, unended: bool) -> tuple[bool,
     end = region.end or 0
     with region.path.open("rb") as opened:
         opened.seek(region.start)
-        head = opened.read(min(4096, end - region.start))
-        opened.seek(max(region.start, end - 4096))
+        head = opened.read(min(_EDGE, end - region.start))
+        opened.seek(max(region.start, end - _EDGE))
         tail = opened.read(end - opened.tell())
     first = [cells_of(line, marks) for line in lines_of(decode(head, region.encoding))[:-1]]
     rows = [cells_of(line, marks) for line in lines_of(decode(tail, region.encoding)) if line.strip()]
     cut = unended and len(rows) > 1 and (len(rows[-1]) <= last or number(rows[-1][last], marks.decimal) is None)
     digits = {
         k: max(last_digit(row[k] for row in part if len(row) > k) for part in (first, rows[1:-1]))
-        for k in range(last + 1 if last < 64 else 1)
+        for k in range(last + 1 if last < _MOST_JUDGED else 1)
     }
     return cut, digits
 
@@ -296,25 +315,26 @@ def _trimmed(values: Array, samples: float) -> Array:
     return values
 
 
-def _agreed(said: float, seen: float, stamps: Array, digit: float) -> float:
+def _agreed(stated: float, measured: float, stamps: Array, digit: float) -> float:
     """Return the step of the header where the stamps agree with it within their rounding, else that of the stamps."""
     room = max(
-        2.0 * digit + 8.0 * np.finfo(float).eps * float(np.abs(stamps[[0, -1]]).max()), 1e-9 * said * stamps.size
+        2.0 * digit + _ROUNDING * np.finfo(float).eps * float(np.abs(stamps[[0, -1]]).max()),
+        _PER_SAMPLE * stated * stamps.size,
     )
-    off = abs(said * (stamps.size - 1) - float(stamps[-1] - stamps[0]))
-    return said if off <= room else seen
+    off = abs(stated * (stamps.size - 1) - float(stamps[-1] - stamps[0]))
+    return stated if off <= room else measured
 
 
-def _goes_on(before: Read, after: Read, asked: Sequence[bool], options: Options) -> bool:
+def _goes_on(before: Read, after: Read, is_wanted: Sequence[bool], options: Options) -> bool:
     """Tell whether the clock of a segment goes on where the one before it ends."""
     if options.rate is not None:
         return True
-    for j, want in enumerate(asked):
+    for j, want in enumerate(is_wanted):
         if not want or not after.values[j].size or not before.values[j].size:
             continue
         step = before.steps[j]
         due = before.starts[j] + before.values[j].size * step
-        if not abs(after.starts[j] - due) <= 0.5 * step or not abs(after.steps[j] - step) <= 0.01 * step:
+        if not abs(after.starts[j] - due) <= 0.5 * step or not abs(after.steps[j] - step) <= _SAME_STEP * step:
             return False
     return True
 

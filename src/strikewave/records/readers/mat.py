@@ -28,14 +28,18 @@ from strikewave.records.readers.common import (
 from strikewave.records.record import Record
 
 DEEPEST = 8
-"""Structs in structs."""
+"""Structs in structs: measured files have two or three, and a hostile one could nest for ever."""
 _TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+"""NumPy's types by the numbers of MATLAB's."""
 _MATRIX, _COMPRESSED = 14, 15
+"""Types of elements that hold an array, and one that is packed."""
 _STRUCT, _NUMBERS, _COMPLEX = 2, range(6, 16), 0x0800
+"""Classes of arrays, and the flag of complex ones."""
 _OLD_TYPES = ("f8", "f4", "i4", "i2", "u2", "u1")
+"""NumPy's types by the third digit of the type of version 4."""
 
 
-class _Found(NamedTuple):
+class _Variable(NamedTuple):
     folder: str
     name: str
     array: Any
@@ -50,33 +54,33 @@ def sniff(head: bytes) -> bool:
 
 def read(path: Path, options: Options) -> Record:
     """Read the numeric arrays of a MATLAB file, those in structs too."""
-    held = memoryview(np.memmap(path, np.uint8, "r"))  # type: ignore[arg-type]
+    content = memoryview(np.memmap(path, np.uint8, "r"))  # type: ignore[arg-type]
     skipped: list[str] = []
-    found: list[_Found] = []
-    new = held[124:128].tobytes() in (b"\x00\x01IM", b"\x01\x00MI")
-    for one in _variables(path, held, skipped) if new else _old_variables(path, held):
-        found.append(one)
-        if len(found) + len(skipped) > MOST_ARRAYS:
+    arrays: list[_Variable] = []
+    new = content[124:128].tobytes() in (b"\x00\x01IM", b"\x01\x00MI")
+    for variable in _variables(path, content, skipped) if new else _old_variables(path, content):
+        arrays.append(variable)
+        if len(arrays) + len(skipped) > MOST_ARRAYS:
             raise damaged(path, f"it has more than {MOST_ARRAYS} arrays", "a file with fewer arrays")
-    said: dict[str, list[tuple[str, Any]]] = {"": []}
+    scalars: dict[str, list[tuple[str, Any]]] = {"": []}
     columns = []
-    for folder, name, array in found:
+    for folder, name, array in arrays:
         if array.size == 1:
-            said.setdefault(folder, []).append((name, array))
+            scalars.setdefault(folder, []).append((name, array))
         elif fresh := columns_of(folder + name, array, folder=folder):
             columns += fresh
         else:
             skipped.append(folder + name)
-    return assemble(path, "mat", on_grids(columns, said), options, grid_of(said[""]), left_out(skipped))
+    return assemble(path, "mat", on_grids(columns, scalars), options, grid_of(scalars[""]), left_out(skipped))
 
 
-def _variables(path: Path, held: memoryview, skipped: list[str]) -> Iterator[_Found]:
+def _variables(path: Path, content: memoryview, skipped: list[str]) -> Iterator[_Variable]:
     """Yield the arrays of versions 5 to 7."""
-    order = "<" if held[126:128].tobytes() == b"IM" else ">"
+    order = "<" if content[126:128].tobytes() == b"IM" else ">"
     at = 128
-    while at + 8 <= len(held):
-        kind, size = struct.unpack(order + "II", held[at : at + 8])
-        body = held[at + 8 : at + 8 + size]
+    while at + 8 <= len(content):
+        kind, size = struct.unpack(order + "II", content[at : at + 8])
+        body = content[at + 8 : at + 8 + size]
         if len(body) < size:
             raise damaged(path, "it ends within an array")
         if kind == _COMPRESSED:
@@ -87,7 +91,7 @@ def _variables(path: Path, held: memoryview, skipped: list[str]) -> Iterator[_Fo
 
 
 def _unpacked(path: Path, body: memoryview, order: str) -> tuple[int, memoryview]:
-    """Return kind and content of a compressed element, never more of it than it says and than fits."""
+    """Return kind and content of a compressed element, never more of it than it claims and than fits."""
     stream = zlib.decompressobj()
     head = stream.decompress(body, 8)
     if len(head) < 8:
@@ -113,7 +117,7 @@ def _elements(body: memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
 
 def _matrix(
     path: Path, body: memoryview, order: str, folder: str, field: str | None, skipped: list[str], depth: int
-) -> Iterator[_Found]:
+) -> Iterator[_Variable]:
     """Yield the numbers of one array, or of the fields of one struct."""
     parts = _elements(body, order)
     try:
@@ -134,41 +138,41 @@ def _matrix(
     elif kind in _NUMBERS and not flags & _COMPLEX and (stored := next(parts, (0, body))) and stored[0] in _TYPES:
         numbers = np.frombuffer(stored[1], order + _TYPES[stored[0]])
         if numbers.size != count:
-            raise damaged(path, f"{numbers.size} numbers where {shape} are told")
+            raise damaged(path, f"{numbers.size} numbers for a shape of {shape}")
         if numbers.size:
-            yield _Found(folder, name, numbers.reshape(shape, order="F"))
+            yield _Variable(folder, name, numbers.reshape(shape, order="F"))
     else:
         skipped.append(folder + name)
 
 
-def _old_head(held: Any, at: int) -> tuple[str, tuple[int, int], int, bool, int] | None:
+def _old_head(content: Any, at: int) -> tuple[str, tuple[int, int], int, bool, int] | None:
     """Return type, shape, place of the name, whether complex, and length of the name, for an array of version 4."""
-    if len(held) < at + 24:
+    if len(content) < at + 24:
         return None
     for order in "<>":
-        form, rows, across, imaginary, length = struct.unpack(order + "5i", bytes(held[at : at + 20]))
+        form, rows, across, imaginary, length = struct.unpack(order + "5i", bytes(content[at : at + 20]))
         thousands, rest = divmod(form, 1000)
         fits = thousands == "<>".index(order) and rest % 10 == 0 and rest // 10 < len(_OLD_TYPES)
         if not fits or imaginary not in (0, 1) or not 1 < length < 256 or min(rows, across) < 0:
             continue
-        name = bytes(held[at + 20 : at + 20 + length])
+        name = bytes(content[at + 20 : at + 20 + length])
         if name[-1:] == b"\0" and name[:-1].isascii() and name[:-1].decode("ascii").isidentifier():
             return order + _OLD_TYPES[rest // 10], (rows, across), at + 20, bool(imaginary), length
     return None
 
 
-def _old_variables(path: Path, held: memoryview) -> Iterator[_Found]:
+def _old_variables(path: Path, content: memoryview) -> Iterator[_Variable]:
     """Yield the arrays of version 4."""
     at = 0
-    while at < len(held):
-        if (head := _old_head(held, at)) is None:
+    while at < len(content):
+        if (head := _old_head(content, at)) is None:
             raise damaged(path, f"no array begins at byte {at}")
         kind, shape, begin, imaginary, length = head
-        name = bytes(held[begin : begin + length - 1]).decode("ascii")
+        name = bytes(content[begin : begin + length - 1]).decode("ascii")
         size = shape[0] * shape[1] * np.dtype(kind).itemsize
         begin += length
-        if begin + size > len(held):
+        if begin + size > len(content):
             raise damaged(path, "it ends within an array")
         if size and not imaginary:
-            yield _Found("", name, np.frombuffer(held[begin : begin + size], kind).reshape(shape, order="F"))
+            yield _Variable("", name, np.frombuffer(content[begin : begin + size], kind).reshape(shape, order="F"))
         at = begin + size * (2 if imaginary else 1)

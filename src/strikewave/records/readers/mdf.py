@@ -46,9 +46,9 @@ def parse(path: Path, options: Options) -> Record:
             for index, channel in enumerate(file.groups[group].channels):
                 if len(columns) + len(skipped) > MOST_ARRAYS:
                     raise damaged(path, f"it has more than {MOST_ARRAYS} channels", "a file with fewer channels")
-                found = _column(file, group, index, channel, raw)
-                columns += found
-                skipped += [channel.name] * (not found)
+                channel_columns = _column(file, group, index, channel, raw)
+                columns += channel_columns
+                skipped += [channel.name] * (not channel_columns)
         findings = [*left_out(skipped)]
         if raw:
             listed = ", ".join(raw[:8])

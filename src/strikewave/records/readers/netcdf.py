@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.records.readers import Options
-from strikewave.records.readers.common import Column, assemble, columns_of, grid_of, left_out, number, text
+from strikewave.records.readers.common import Column, Scaled, assemble, columns_of, grid_of, left_out, text
 from strikewave.records.record import Record
 
 
@@ -35,24 +35,15 @@ def read(path: Path, options: Options) -> Record:
                 own = variable._attributes
                 step, start = grid_of(own.items())
                 unit = text(own.get("units", own.get("unit")))
-                found = columns_of(name, _Scaled(variable.data, own), unit, step=step, start=start) if numeric else []
-                columns += found
-                skipped += [name] * (not found)
+                variable_columns = (
+                    columns_of(name, _scaled(variable.data, own), unit, step=step, start=start) if numeric else []
+                )
+                columns += variable_columns
+                skipped += [name] * (not variable_columns)
             record = assemble(path, "netcdf", columns, options, grid_of(scalars), left_out(skipped))
-            del variable, columns, found
+            del variable, columns, variable_columns
             return record
 
 
-class _Scaled:
-    """Slices of a variable with scale, offset and fill value of the CF conventions applied."""
-
-    def __init__(self, data: Any, named: dict[str, Any]) -> None:
-        self.data, self.named, self.shape = data, named, data.shape
-
-    def __getitem__(self, key: Any) -> Any:
-        values = np.array(self.data[key], np.float64)
-        for name in ("_FillValue", "missing_value"):
-            values[values == number(self.named.get(name))] = np.nan
-        scale, offset = number(self.named.get("scale_factor")), number(self.named.get("add_offset"))
-        values *= 1.0 if np.isnan(scale) else scale
-        return values if np.isnan(offset) else values + offset
+def _scaled(data: Any, attributes: dict[str, Any]) -> Scaled:
+    return Scaled(lambda key: np.array(data[key], np.float64), attributes.get, data.shape)

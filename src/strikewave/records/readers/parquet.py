@@ -12,6 +12,11 @@ from strikewave.records.readers import Options
 from strikewave.records.readers.common import Column, assemble, floats, grid_of, left_out, text
 from strikewave.records.record import Record
 
+_BATCH = 2**18
+"""Rows loaded at a time: 2 MB a column."""
+_LONGEST_VALUE = 200
+"""Bytes of metadata that are read: units are short, and pandas keeps its whole schema there."""
+
 
 def sniff(head: bytes) -> bool:
     """Return whether a file begins like Parquet."""
@@ -31,17 +36,17 @@ def read(path: Path, options: Options) -> Record:
                 columns.append(Column(field.name, rows, _loader(file, schema.names, k, rows), unit))
             else:
                 skipped.append(field.name)
-        said = grid_of(_decoded(schema.metadata).items())
-        return assemble(path, "parquet", columns, options, said, left_out(skipped))
+        grid = grid_of(_decoded(schema.metadata).items())
+        return assemble(path, "parquet", columns, options, grid, left_out(skipped))
 
 
 def _numeric(types: Any, kind: Any) -> bool:
-    asked = (types.is_integer, types.is_floating, types.is_boolean, types.is_timestamp, types.is_duration)
-    return any(ask(kind) for ask in asked)
+    tests = (types.is_integer, types.is_floating, types.is_boolean, types.is_timestamp, types.is_duration)
+    return any(test(kind) for test in tests)
 
 
 def _decoded(metadata: dict[bytes, bytes] | None) -> dict[str, str]:
-    return {text(name).lower(): text(value) for name, value in (metadata or {}).items() if len(value) < 200}
+    return {text(name).lower(): text(value) for name, value in (metadata or {}).items() if len(value) < _LONGEST_VALUE}
 
 
 def _loader(file: Any, names: list[str], k: int, rows: int) -> Any:
@@ -50,7 +55,7 @@ def _loader(file: Any, names: list[str], k: int, rows: int) -> Any:
     def load() -> Any:
         out, at = np.empty(rows), 0
         parts = []
-        for batch in file.iter_batches(2**18, columns=[names[k]], use_threads=False):
+        for batch in file.iter_batches(_BATCH, columns=[names[k]], use_threads=False):
             values = batch.column(0).to_numpy(zero_copy_only=False)
             if values.dtype.kind in "mM":
                 parts.append(values)

@@ -25,6 +25,9 @@ _MAGIC = {
     b"RG01": ("5", "bin5000"),
     b"RG03": ("DHO", "dho1000"),
 }
+"""Family and parser of RigolWFM by the first four bytes."""
+_MOST_CHANNELS = 4
+"""Analog channels of any of these oscilloscopes."""
 
 
 def sniff(head: bytes) -> bool:
@@ -42,8 +45,8 @@ def read(path: Path, options: Options) -> Record:
 def parse(path: Path, options: Options) -> Record:
     """Read a Rigol file in this process, with nothing of RigolWFM but its parsers."""
     package = types.ModuleType("RigolWFM")
-    found = importlib.util.find_spec("RigolWFM")
-    package.__path__ = list(found.submodule_search_locations or []) if found else []
+    spec = importlib.util.find_spec("RigolWFM")
+    package.__path__ = list(spec.submodule_search_locations or []) if spec else []
     sys.modules["RigolWFM"] = package
     parsers, channels = extra("RigolWFM.rigol", path), extra("RigolWFM.channel", path)
     family, form = _family(path)
@@ -52,7 +55,7 @@ def parse(path: Path, options: Options) -> Record:
         waveform = parsers.parse_file(family, str(path))[0]
         form = form or getattr(waveform, "parser_name", "") or type(waveform).__module__.rpartition(".")[2]
         columns = []
-        for k in range(1, 5):
+        for k in range(1, _MOST_CHANNELS + 1):
             channel = channels.Channel(waveform, k, form)
             if channel.enabled and channel.volts is not None and len(channel.volts):
                 columns.append(_column(channel))

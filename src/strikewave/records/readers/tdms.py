@@ -35,10 +35,10 @@ def read(path: Path, options: Options) -> Record:
 
 
 def _column(channel: Any, name: str) -> Column:
-    """Return a channel with the grid and unit that its properties say."""
-    said = channel.properties
-    step = number(said.get("wf_increment"))
-    start = number(said.get("wf_start_offset"))
-    unit = text(said.get("unit_string")) or text(said.get("NI_UnitDescription"))
+    """Return a channel with the grid and unit of its properties."""
+    properties = channel.properties
+    step = number(properties.get("wf_increment"))
+    start = number(properties.get("wf_start_offset"))
+    unit = text(properties.get("unit_string")) or text(properties.get("NI_UnitDescription"))
     folder = f"{channel.group_name}/"
     return Column(name, len(channel), channel.read_data, unit, step if step > 0.0 else float("nan"), start, folder)

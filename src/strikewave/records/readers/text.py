@@ -35,6 +35,17 @@ from strikewave.records.readers.layout import Layout, Look, is_cut, lay_out, loo
 from strikewave.records.record import Array, Channel, Record
 
 _SHOWN = 1000
+"""Lines by which a column is judged to be time or a count."""
+_FIRST = 20
+"""Lines in which time without a name must rise evenly by its own digits, before all are looked at."""
+_EDGE_LINES = 50
+"""Lines at either end by which the digits of time are judged: they may grow fewer as it grows."""
+_AFTER_HEAD = 40
+"""Lines after the head in which a rate is looked for too: some instruments write settings beside the first data."""
+_MARKED = 20
+"""Lines of samples by which two first numbers are known to be none: start and step of Tektronix and the like."""
+_SPARE = 1.05
+"""Times the lines that a file is thought to have: lines grow longer with time."""
 
 
 def sniff(head: bytes) -> bool:
@@ -67,38 +78,38 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
     shown, findings = _channels(look, layout, time)
     wanted = _wanted(str(path), shown, options.channels)
     clock = None if options.rate is not None else time
-    found, said = _numbers(look, layout, wanted if clock is None else {*wanted, clock})
-    stamps, lost = _with_time(found, clock, layout)
-    step, start, skip, told = _grid(look, layout, clock, stamps, [] if time is not None else list(shown))
-    size = next(iter(found.values())).size - skip
+    columns, odd = _numbers(look, layout, wanted if clock is None else {*wanted, clock})
+    stamps, lost = _with_time(columns, clock, layout)
+    step, start, skip, notes = _grid(look, layout, clock, stamps, [] if time is not None else list(shown))
+    size = next(iter(columns.values())).size - skip
     if size < 2:
         raise refuse(path, "at least two lines of numbers")
     if options.rate is not None:
         step, start = 1.0 / options.rate, 0.0
     unread = np.broadcast_to(np.float64(np.nan), (size,))
     channels = [
-        Channel(name, found[k][skip:] if k in wanted else unread, step, start, unit, stamps)
+        Channel(name, columns[k][skip:] if k in wanted else unread, step, start, unit, stamps)
         for k, (name, unit) in shown.items()
     ]
-    return Record(str(path), "text", tuple(channels), (*findings, *said, *lost, *told))
+    return Record(str(path), "text", tuple(channels), (*findings, *odd, *lost, *notes))
 
 
-def _wanted(path: str, shown: dict[int, tuple[str, str]], asked: Sequence[str]) -> set[int]:
+def _wanted(path: str, shown: dict[int, tuple[str, str]], names: Sequence[str]) -> set[int]:
     """Return the columns of the channels asked for; the others keep their place and cost no memory."""
     columns = {name: k for k, (name, _) in shown.items()}
     blank = Record(path, "text", tuple(Channel(name, np.empty(0)) for name in columns))
-    return {columns[channel.name] for channel in blank.only(asked).channels}
+    return {columns[channel.name] for channel in blank.only(names).channels}
 
 
 def _numbers(look: Look, layout: Layout, columns: set[int]) -> tuple[dict[int, Array], list[HealthNotice]]:
-    """Read columns of numbers; say which cells are none, and whether the last line was cut."""
-    kept, cut = tuple(sorted(columns)), is_cut(look, layout)
+    """Read columns of numbers; report cells that are none, and a last line that was cut."""
+    wanted, cut = tuple(sorted(columns)), is_cut(look, layout)
     region = Region(look.path, look.encoding, skip=layout.first, cut=cut, lone_returns=look.lone_returns)
-    table = parse(region, Grid(layout.marks, layout.width, kept, layout.headings.header), _expected(look))
+    table = parse(region, Grid(layout.marks, layout.width, wanted, layout.headings.header), _expected(look))
     findings = odd_cells(table)
     if cut:
         findings.append(HealthNotice("truncated", "the last line is cut: it is left out"))
-    return dict(zip(kept, table.columns, strict=True)), findings
+    return dict(zip(wanted, table.columns, strict=True)), findings
 
 
 def _time_column(look: Look, layout: Layout, options: Options) -> int | None:
@@ -149,7 +160,7 @@ def _values(look: Look, layout: Layout, column: int) -> tuple[list[str], Array]:
 
 def _even(look: Look, layout: Layout, column: int) -> bool:
     cells, values = _values(look, layout, column)
-    return rises_evenly(values[:20], last_digit(cells[:20])) and rises_evenly(values, _coarsest(cells))
+    return rises_evenly(values[:_FIRST], last_digit(cells[:_FIRST])) and rises_evenly(values, _coarsest(cells))
 
 
 def _rises(look: Look, layout: Layout, column: int) -> bool:
@@ -159,7 +170,7 @@ def _rises(look: Look, layout: Layout, column: int) -> bool:
 
 def _coarsest(cells: Sequence[str]) -> float:
     """Return the last digit of times whose digits may grow fewer as they grow."""
-    return max(last_digit(cells[:50]), last_digit(cells[-50:]))
+    return max(last_digit(cells[:_EDGE_LINES]), last_digit(cells[-_EDGE_LINES:]))
 
 
 def _channels(look: Look, layout: Layout, time: int | None) -> tuple[dict[int, tuple[str, str]], list[HealthNotice]]:
@@ -200,7 +211,7 @@ def _expected(look: Look) -> int:
     """Return about how many lines the file has."""
     lines = (look.head[-200:] + look.middle + look.tail) or [""]
     letters = 2 if look.encoding.startswith("utf-16") else 1
-    return int(1.05 * look.size / (letters * (1 + sum(map(len, lines)) / len(lines)))) + 100
+    return int(_SPARE * look.size / (letters * (1 + sum(map(len, lines)) / len(lines)))) + 100
 
 
 def odd_cells(table: Table) -> list[HealthNotice]:
@@ -212,34 +223,34 @@ def odd_cells(table: Table) -> list[HealthNotice]:
     return [HealthNotice("not-a-number", message, float(table.words))]
 
 
-def _with_time(found: dict[int, Array], clock: int | None, layout: Layout) -> tuple[Array | None, list[HealthNotice]]:
+def _with_time(columns: dict[int, Array], clock: int | None, layout: Layout) -> tuple[Array | None, list[HealthNotice]]:
     """Return the stamps, s; leave out lines without time."""
     if clock is None:
         return None, []
-    here = np.isfinite(found[clock])
+    here = np.isfinite(columns[clock])
     lost = int(here.size - here.sum())
     if lost:
-        for k, values in found.items():
-            found[k] = values[here]
+        for k, values in columns.items():
+            columns[k] = values[here]
     message = f"{lost} lines have no time: they are left out"
-    said = [HealthNotice("time-missing", message, float(lost))] if lost else []
-    return to_seconds(found[clock], layout.headings.units[clock]), said
+    findings = [HealthNotice("time-missing", message, float(lost))] if lost else []
+    return to_seconds(columns[clock], layout.headings.units[clock]), findings
 
 
 def _grid(
     look: Look, layout: Layout, clock: int | None, stamps: Array | None, loose: list[int]
 ) -> tuple[float, float, int, list[HealthNotice]]:
-    """Return step, start, how many first lines are no samples, and what is to be said of it."""
+    """Return step, start, how many first lines are no samples, and findings."""
     if clock is not None and stamps is not None and stamps.size:
         unit = seconds_in(layout.headings.units[clock]) or 1.0
-        cells = _cells(look.head[layout.first :][:50], layout, clock)
-        digit = max(last_digit(cells), last_digit(_cells(look.tail[-51:-1], layout, clock))) * unit
-        said = []
+        cells = _cells(look.head[layout.first :][:_EDGE_LINES], layout, clock)
+        digit = max(last_digit(cells), last_digit(_cells(look.tail[-_EDGE_LINES - 1 : -1], layout, clock))) * unit
+        findings = []
         if not layout.headings.named and digit == 1.0 and np.all(np.diff(stamps[:_SHOWN]) == 1.0):
             message = f"column {clock + 1} rises by 1 a line, taken as time in s: if it counts samples, give --rate"
-            said = [HealthNotice("counter", message)]
-        return step_of(stamps, digit), float(stamps[0]), 0, said
-    step, start = said_step([re.sub(r"^[#%/\s]+", "", line) for line in look.head[: layout.first + 40]])
+            findings = [HealthNotice("counter", message)]
+        return step_of(stamps, digit), float(stamps[0]), 0, findings
+    step, start = said_step([re.sub(r"^[#%/\s]+", "", line) for line in look.head[: layout.first + _AFTER_HEAD]])
     names, units, _ = layout.headings
     for k in range(layout.width):
         value = number(units[k], layout.marks.decimal)
@@ -247,7 +258,7 @@ def _grid(
             step = value if value > 0.0 else step
         if value is not None and value == value and names[k].casefold() == "start":
             start = value
-    rows = [cells_of(line, layout.marks) for line in look.head[layout.first : layout.first + 22]]
+    rows = [cells_of(line, layout.marks) for line in look.head[layout.first : layout.first + _MARKED + 2]]
     if np.isnan(step) and _begins_with_a_clock(rows, loose, layout.marks.decimal):
         begun = [number(rows[k][loose[0]], layout.marks.decimal) or 0.0 for k in (0, 1)]
         message = "the first two lines are start and step of all columns: they are no samples"
@@ -257,7 +268,7 @@ def _grid(
 
 def _begins_with_a_clock(rows: list[list[str]], shown: list[int], decimal: str) -> bool:
     """Tell whether all columns share two first numbers, a start and a step, written as no sample is: 1e-07."""
-    if len(shown) < 2 or len(rows) < 22 or any(len(row) <= shown[-1] for row in rows):
+    if len(shown) < 2 or len(rows) < _MARKED + 2 or any(len(row) <= shown[-1] for row in rows):
         return False
     start, step = ({rows[k][j] for j in shown} for k in (0, 1))
     samples = [row[j] for row in rows[2:] for j in shown]

@@ -17,7 +17,11 @@ from strikewave.records.readers.common import MOST_ARRAYS, Column, assemble, dam
 from strikewave.records.record import Record
 
 TIME_RESPONSE = 1
+"""Function type of a time response."""
+MEASURED = 58
+"""Data set of a function at a degree of freedom."""
 _HEAD = re.compile(rb"\A[ \r\n]*-1 *\r?\n *\d{1,5}[bB \r\n]")
+"""Beginning of a data set: -1 in a line, then its number."""
 
 
 def sniff(head: bytes) -> bool:
@@ -37,37 +41,37 @@ def read(path: Path, options: Options) -> Record:
         columns: list[Column] = []
         skipped: list[str] = []
         for k, kind in enumerate(kinds):
-            found = _columns(file.read_sets(k), len(columns)) if kind == 58 else []
-            columns += found
-            skipped += [f"data set {kind}"] * (not found)
+            set_columns = _columns(file.read_sets(k), len(columns)) if kind == MEASURED else []
+            columns += set_columns
+            skipped += [f"data set {kind}"] * (not set_columns)
         return assemble(path, "uff", columns, options, findings=left_out(skipped))
     raise damaged(path, "it cannot be opened")
 
 
-def _columns(held: dict[str, Any], count: int) -> list[Column]:
+def _columns(data_set: dict[str, Any], count: int) -> list[Column]:
     """Return a time response, with its abscissa where that is uneven."""
-    values = held["data"]
-    if held["func_type"] != TIME_RESPONSE or np.iscomplexobj(values) or not len(values):
+    values = data_set["data"]
+    if data_set["func_type"] != TIME_RESPONSE or np.iscomplexobj(values) or not len(values):
         return []
     folder = f"{count}"
-    unit = _label(held, "ordinate_axis_units_lab")
-    even = held["abscissa_spacing"] == 1
-    values = values[: held["num_pts"]] if held["num_pts"] > 0 else values
-    step, start = (held["abscissa_inc"], held["abscissa_min"]) if even else (math.nan, math.nan)
+    unit = _label(data_set, "ordinate_axis_units_lab")
+    even = data_set["abscissa_spacing"] == 1
+    values = values[: data_set["num_pts"]] if data_set["num_pts"] > 0 else values
+    step, start = (data_set["abscissa_inc"], data_set["abscissa_min"]) if even else (math.nan, math.nan)
     step = step if step > 0.0 else math.nan
-    column = Column(_name(held, count), len(values), lambda: values, unit, step, start, folder)
+    column = Column(_name(data_set, count), len(values), lambda: values, unit, step, start, folder)
     if even:
         return [column]
-    stamps, scale = held["x"][: len(values)], _label(held, "abscissa_axis_units_lab")
+    stamps, scale = data_set["x"][: len(values)], _label(data_set, "abscissa_axis_units_lab")
     return [column, Column("time", len(stamps), lambda: stamps, scale, folder=folder, time=True)]
 
 
-def _name(held: dict[str, Any], count: int) -> str:
-    """Return the label of the ordinate, the entity or the first line of the header, whichever says something."""
-    names = (_label(held, name) for name in ("ordinate_axis_lab", "rsp_ent_name", "id1"))
+def _name(data_set: dict[str, Any], count: int) -> str:
+    """Return the label of the ordinate, the entity or the first line of the header, the first that is filled."""
+    names = (_label(data_set, name) for name in ("ordinate_axis_lab", "rsp_ent_name", "id1"))
     return next((name for name in names if name), f"channel {count + 1}")
 
 
-def _label(held: dict[str, Any], name: str) -> str:
-    label = text(held.get(name, ""))
+def _label(data_set: dict[str, Any], name: str) -> str:
+    label = text(data_set.get(name, ""))
     return "" if label.upper() in ("NONE", "NULL") else label

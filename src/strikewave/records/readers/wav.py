@@ -14,10 +14,17 @@ from strikewave.records.readers.common import Column, assemble, damaged
 from strikewave.records.record import Record
 
 BLOCK = 2**18
-"""Frames of 24-bit samples that are unpacked at a time."""
+"""Frames of 24-bit samples that are unpacked at a time: 3 MB, little beside the channel."""
 _INTEGERS = {8: "u1", 16: "i2", 32: "i4"}
+"""NumPy's types of integers by their bits; those of 8 bits have no sign."""
 _FLOATS = {32: "f4", 64: "f8"}
-_PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
+"""NumPy's types of floats by their bits."""
+_PCM, _EXTENSIBLE = 1, 0xFFFE
+"""Formats: plain integers, and one that names its format farther on."""
+_MOST_CHUNKS = 1000
+"""Chunks before the samples: players write a few, and a hostile file could have them without end."""
+_UNKNOWN_SIZE = 2**32 - 1
+"""Size of the samples where 32 bits do not hold it."""
 
 
 class _Layout(NamedTuple):
@@ -48,10 +55,10 @@ def read(path: Path, options: Options) -> Record:
     if not kind:
         raise damaged(path, f"samples of {layout.bits} bits, kind {layout.kind}", "WAV of plain integers or floats")
     shape = (frames, layout.channels) + ((3,) if layout.bits == 24 else ())
-    held = np.memmap(path, layout.order + kind, "r", layout.begin, shape)
+    samples = np.memmap(path, layout.order + kind, "r", layout.begin, shape)
     scale = 2.0 ** (layout.bits - 1) if integer else 1.0
     columns = [
-        Column(f"channel {k + 1}", frames, lambda k=k: _scaled(held[:, k], layout, scale))  # type: ignore[misc]
+        Column(f"channel {k + 1}", frames, lambda k=k: _scaled(samples[:, k], layout, scale))  # type: ignore[misc]
         for k in range(layout.channels)
     ]
     findings = [
@@ -59,7 +66,7 @@ def read(path: Path, options: Options) -> Record:
             "wav-scale", f"integers of {layout.bits} bits, 1 is full scale: give a sensitivity", scale, severity="good"
         )
     ] * integer
-    if layout.begin + layout.size > path.stat().st_size and layout.size < 2**32 - 1:
+    if layout.begin + layout.size > path.stat().st_size and layout.size < _UNKNOWN_SIZE:
         findings.append(HealthNotice("cut-off", "the file ends before its samples do", float(frames)))
     return assemble(path, "wav", columns, options, (1.0 / layout.rate if layout.rate else np.nan, 0.0), findings)
 
@@ -70,7 +77,7 @@ def _layout(path: Path) -> _Layout:
     with path.open("rb") as file:
         order = ">" if file.read(12)[:4] == b"RIFX" else "<"
         form, big = b"", 0
-        for _ in range(1000):
+        for _ in range(_MOST_CHUNKS):
             head = file.read(8)
             if len(head) < 8:
                 break
@@ -84,7 +91,9 @@ def _layout(path: Path) -> _Layout:
                 kind, channels, rate, _, _, bits = struct.unpack(order + "HHIIHH", form[:16])
                 if kind == _EXTENSIBLE and len(form) >= 26:
                     kind = struct.unpack(order + "H", form[24:26])[0]
-                return _Layout(order, kind, channels, rate, bits, begin, big if big and length == 2**32 - 1 else length)
+                return _Layout(
+                    order, kind, channels, rate, bits, begin, big if big and length == _UNKNOWN_SIZE else length
+                )
             if begin + length > size:
                 break
             file.seek(begin + length + length % 2)

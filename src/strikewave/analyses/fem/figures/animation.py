@@ -30,9 +30,9 @@ from strikewave.analyses.fem.figures.cut import (
 from strikewave.analyses.fem.figures.pictures import frame_window, instant_words
 from strikewave.analyses.fem.sectors import whole_impulse
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.fem.film import Film, Still
 from strikewave.fem.measures import blow_axis, interval_means, mean_acceleration, mean_force, middles
 from strikewave.fem.skin import Skin
+from strikewave.fem.snapshots import Snapshot, SnapshotRecorder
 from strikewave.reporting.animation.gif import write_gif
 from strikewave.reporting.animation.page import (
     Animation,
@@ -161,10 +161,10 @@ def movie_of(
     return Movie(time, images, shown, scale, width, extend, traces_of(solution))
 
 
-def chosen(film: Film) -> list[Still]:
+def chosen(film: SnapshotRecorder) -> list[Snapshot]:
     """Return the instants that are shown, in the order of time: most of them while bodies touch."""
     touching = {still.time for still in film.contact.kept}
-    apart = [still for still in film.stills if still.time not in touching]
+    apart = [still for still in film.snapshots if still.time not in touching]
     kept = [film.contact.kept[k] for k in even_rows(len(touching), TOUCHING)] if touching else []
     most = APART if kept else TOUCHING + APART
     kept += [apart[k] for k in even_rows(len(apart), most)] if apart else []
@@ -210,7 +210,7 @@ def _curves(time: Array, values: Mapping[str, Array]) -> dict[str, tuple[Array, 
     return {printable(shortened(name, 48)): thin(time, values[name]) for name in kept}
 
 
-def _canvas(skin: Skin, seen: Seen) -> Callable[[Still, Array], Image]:
+def _canvas(skin: Skin, seen: Seen) -> Callable[[Snapshot, Array], Image]:
     """Return what makes a picture of the bodies at an instant, by the colours of their faces."""
     left, right, low, high = seen.window
     each = min(LARGEST_SIDES[0] / (right - left), LARGEST_SIDES[1] / (high - low))
@@ -218,7 +218,7 @@ def _canvas(skin: Skin, seen: Seen) -> Callable[[Still, Array], Image]:
     figure = Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
     canvas = FigureCanvasAgg(figure)
 
-    def draw(still: Still, colours: Array) -> Image:
+    def draw(still: Snapshot, colours: Array) -> Image:
         figure.clear()
         draw_body(figure.add_axes((0.0, 0.0, 1.0, 1.0)), skin, still, seen, colours, bar=False)
         canvas.draw()

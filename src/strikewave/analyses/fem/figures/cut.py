@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.fem.figures.pictures import SMALLEST_LINED, View, frame_window, instant_words, paint_faces
-from strikewave.fem.film import Still
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.skin import Skin
+from strikewave.fem.snapshots import Snapshot
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,7 +67,7 @@ class Quantity(NamedTuple):
     unit: str
     scale: float
     colours: str
-    of: Callable[[Skin, Still], Array]
+    of: Callable[[Skin, Snapshot], Array]
 
     @property
     def signed(self) -> bool:
@@ -75,7 +75,7 @@ class Quantity(NamedTuple):
         return self.colours == "RdBu_r"
 
 
-def axial_stress(skin: Skin, still: Still) -> Array:
+def axial_stress(skin: Skin, still: Snapshot) -> Array:
     """Return the stress a . sigma a along the axis of the blow, Pa, tension positive, (elements,)."""
     x, y, z = skin.axis
     weights = np.array([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x])
@@ -100,7 +100,7 @@ class Zone:
     faces: NDArray[np.intp]
     reach: float
 
-    def middle(self, skin: Skin, still: Still) -> Array:
+    def middle(self, skin: Skin, still: Snapshot) -> Array:
         """Return the middle of the faces at an instant, (3,), m, on the plane of the mirror where that is near."""
         place = skin.moved(still.displacement)[skin.faces[self.faces]].mean(axis=(0, 1))
         mirror = skin.cut.mirror
@@ -108,7 +108,7 @@ class Zone:
             place = place - mirror.height(place) * mirror.normal
         return np.asarray(place)
 
-    def window(self, skin: Skin, still: Still, frame: Array) -> Window:
+    def window(self, skin: Skin, still: Snapshot, frame: Array) -> Window:
         """Return what is shown at an instant, mm: all pressed faces, and no more void below or above than needed."""
         moved = skin.moved(still.displacement) @ frame.T
         x, y = (frame @ self.middle(skin, still))[:2]
@@ -121,14 +121,14 @@ class Zone:
         return tuple(1e3 * end for end in (x - reach, x + reach, y - reach, y + reach))  # type: ignore[return-value]
 
 
-def cut_figure(skin: Skin, stills: Sequence[Still], quantity: str = "von_mises") -> Figure:
+def cut_figure(skin: Skin, stills: Sequence[Snapshot], quantity: str = "von_mises") -> Figure:
     """Draw the bodies cut open at some instants, in one scale of colours.
 
     Parameters
     ----------
     skin : Skin
         What can be seen.
-    stills : sequence of Still
+    stills : sequence of Snapshot
         At least one.
     quantity : str
         One of `QUANTITIES`.
@@ -141,7 +141,7 @@ def cut_figure(skin: Skin, stills: Sequence[Still], quantity: str = "von_mises")
     return _sheet(skin, stills, Seen(frame, window), (shown, columns))
 
 
-def wave_figure(skin: Skin, stills: Sequence[Still], quantity: str = "axial_stress") -> Figure:
+def wave_figure(skin: Skin, stills: Sequence[Snapshot], quantity: str = "axial_stress") -> Figure:
     """Draw the bodies cut open at the instants that follow the wave, straight onto the cut, in one scale of colours."""
     shown = QUANTITIES[quantity]
     frame = sight(skin, stills, 0.0, lying=False)
@@ -151,7 +151,7 @@ def wave_figure(skin: Skin, stills: Sequence[Still], quantity: str = "axial_stre
     return _sheet(skin, stills, Seen(frame, window, np.inf), (shown, min(columns, len(stills))))
 
 
-def close_up_figure(skin: Skin, zone: Zone, pictures: Sequence[tuple[Still, str]]) -> Figure:
+def close_up_figure(skin: Skin, zone: Zone, pictures: Sequence[tuple[Snapshot, str]]) -> Figure:
     """Draw where bodies touch, straight onto the cut: an instant and a quantity for each picture, each in its scale."""
     from matplotlib.figure import Figure
 
@@ -169,14 +169,14 @@ def close_up_figure(skin: Skin, zone: Zone, pictures: Sequence[tuple[Still, str]
     return figure
 
 
-def seen_close_up(skin: Skin, zone: Zone, still: Still, name: str) -> Array:
+def seen_close_up(skin: Skin, zone: Zone, still: Snapshot, name: str) -> Array:
     """Return the values of the faces that a close-up shows of a quantity, in SI."""
     frame = sight(skin, [], 0.0, lying=False)
     inside = _inside(skin, still, frame, zone.window(skin, still, frame))
     return np.asarray(QUANTITIES[name].of(skin, still)[skin.element][inside])
 
 
-def _sheet(skin: Skin, stills: Sequence[Still], seen: Seen, looks: tuple[Quantity, int]) -> Figure:
+def _sheet(skin: Skin, stills: Sequence[Snapshot], seen: Seen, looks: tuple[Quantity, int]) -> Figure:
     """Draw instants in columns, in one scale of colours."""
     from matplotlib.figure import Figure
 
@@ -198,13 +198,13 @@ def _sheet(skin: Skin, stills: Sequence[Still], seen: Seen, looks: tuple[Quantit
     return figure
 
 
-def draw_body(axes: Any, skin: Skin, still: Still, seen: Seen, colours: Array, bar: bool = True) -> None:
+def draw_body(axes: Any, skin: Skin, still: Snapshot, seen: Seen, colours: Array, bar: bool = True) -> None:
     """Draw the bodies at an instant with their outlines.
 
     Parameters
     ----------
     axes : matplotlib axes
-    skin, still : Skin, Still
+    skin, still : Skin, Snapshot
     seen : Seen
     colours : array (faces, 3)
     bar : bool
@@ -225,7 +225,7 @@ def draw_body(axes: Any, skin: Skin, still: Still, seen: Seen, colours: Array, b
     frame_window(axes, window, bar)
 
 
-def sight(skin: Skin, stills: Sequence[Still], tilt: float, lying: bool = True) -> Array:
+def sight(skin: Skin, stills: Sequence[Snapshot], tilt: float, lying: bool = True) -> Array:
     """Return what is right, up and toward the eye, (3, 3), for a look onto the cut, from a little above.
 
     What is `SLENDER` times as high as wide is laid down where it may be.
@@ -239,7 +239,7 @@ def sight(skin: Skin, stills: Sequence[Still], tilt: float, lying: bool = True) 
     return View(toward=_vector(normal + tilt * up), up=_vector(up)).axes()
 
 
-def window_of(skin: Skin, stills: Sequence[Still], frame: Array, bar: bool = True) -> Window:
+def window_of(skin: Skin, stills: Sequence[Snapshot], frame: Array, bar: bool = True) -> Window:
     """Return the window that holds the bodies at all instants, left, right, low and high, mm; with room for a bar."""
     flat = np.concatenate([skin.moved(still.displacement) @ frame.T[:, :2] for still in stills]) * 1e3
     (left, low), (right, high) = flat.min(axis=0), flat.max(axis=0)
@@ -294,7 +294,7 @@ def _mappable(shown: Quantity, limits: tuple[float, float]) -> Any:
     return ScalarMappable(Normalize(*limits), shown.colours)
 
 
-def pressures(skin: Skin, still: Still) -> Array:
+def pressures(skin: Skin, still: Snapshot) -> Array:
     """Return the pressure -n . sigma n on the faces that may touch others, Pa, (faces,); 0 elsewhere."""
     found = np.zeros(len(skin.faces))
     own = np.flatnonzero(skin.touching >= 0)
@@ -306,7 +306,9 @@ def pressures(skin: Skin, still: Still) -> Array:
     return np.maximum(found, 0.0)
 
 
-def pressed_most(skin: Skin, stills: Sequence[Still], at: float, own: NDArray[np.bool_]) -> tuple[Still, Zone] | None:
+def pressed_most(
+    skin: Skin, stills: Sequence[Snapshot], at: float, own: NDArray[np.bool_]
+) -> tuple[Snapshot, Zone] | None:
     """Return the instant nearest to that of the largest force at which bodies press each other, and where.
 
     The faces are those of the side whose face bears the largest pressure then, above `PRESSED` of that. None where
@@ -316,7 +318,7 @@ def pressed_most(skin: Skin, stills: Sequence[Still], at: float, own: NDArray[np
     ----------
     skin : Skin
         What can be seen.
-    stills : sequence of Still
+    stills : sequence of Snapshot
         The instants that there are.
     at : float
         When the force of the contact is largest, s.
@@ -352,7 +354,7 @@ def _within(corners: Array, window: Window) -> NDArray[np.bool_]:
     )
 
 
-def _inside(skin: Skin, still: Still, frame: Array, window: Window) -> NDArray[np.bool_]:
+def _inside(skin: Skin, still: Snapshot, frame: Array, window: Window) -> NDArray[np.bool_]:
     """Return which faces can be seen in a window, but for those behind others."""
     corners = skin.moved(still.displacement)[skin.faces] @ frame.T
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])

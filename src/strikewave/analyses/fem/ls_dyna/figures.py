@@ -14,8 +14,8 @@ from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHO
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from strikewave.exchange.ls_dyna.beside import Beside, ForcePair
-    from strikewave.exchange.ls_dyna.folder import Contact, Ledger
+    from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
+    from strikewave.exchange.ls_dyna.folder import Contact, EnergyHistory
 
 OURS, THEIRS = BLUE, RED
 MOST = 6
@@ -27,12 +27,12 @@ TINY = 1e-4
 _LOOKS = {"kinetic": BLUE, "internal": RED, "hourglass": ORANGE, "contact": GREEN, "external": GREY, "total": "#000000"}
 
 
-def beside_sheet(beside: Beside, title: str) -> Figure:
+def beside_sheet(beside: RunComparison, title: str) -> Figure:
     """Draw the forces of both above their energies, on one sheet.
 
     Parameters
     ----------
-    beside : Beside
+    beside : RunComparison
         Both runs, or LS-DYNA's alone.
     title : str
         Stands above.
@@ -43,7 +43,7 @@ def beside_sheet(beside: Beside, title: str) -> Figure:
     sheet_title(figure, title)
     above, below = figure.subplots(2, 1)
     pairs = _drawn(beside)
-    draw_force(above, pairs[0]) if pairs else draw_contacts(above, beside.theirs.contacts)
+    draw_force(above, pairs[0]) if pairs else draw_contacts(above, beside.ls_dyna.contacts)
     _draw_ledgers(below, beside)
     return figure
 
@@ -62,7 +62,7 @@ def contact_figure(contacts: tuple[Contact, ...]) -> Figure:
     return figure
 
 
-def energy_figure(beside: Beside) -> Figure:
+def energy_figure(beside: RunComparison) -> Figure:
     """Draw the energies of both, as wide as a page."""
     figure, axes = _alone((WHOLE[0], HALF[1] * 1.2))
     _draw_ledgers(axes, beside)
@@ -71,10 +71,10 @@ def energy_figure(beside: Beside) -> Figure:
 
 def draw_force(axes: Any, pair: ForcePair) -> None:
     """Draw the size of a contact force of both about its pulse, and the peaks."""
-    pulses = [pulse for pulse in (pair.ours, pair.theirs) if pulse]
+    pulses = [pulse for pulse in (pair.strikewave, pair.ls_dyna) if pulse]
     scale, unit = _clock(max((pulse.end for pulse in pulses), default=float(pair.curves[0].time[-1])))
     looks = (("strikewave", OURS, "-"), (f"LS-DYNA, contact {pair.contact.number} side {pair.side}", THEIRS, "--"))
-    for (label, colour, dash), curve, pulse in zip(looks, pair.curves, (pair.ours, pair.theirs), strict=True):
+    for (label, colour, dash), curve, pulse in zip(looks, pair.curves, (pair.strikewave, pair.ls_dyna), strict=True):
         axes.plot(*thin(curve.time / scale, curve.size / 1e3), dash, color=colour, linewidth=1.5, label=label)
         if pulse:
             axes.plot(pulse.at / scale, pulse.peak / 1e3, "o", markersize=4, color=colour)
@@ -102,7 +102,7 @@ def draw_contacts(axes: Any, contacts: tuple[Contact, ...]) -> None:
     _legend(axes, f"{len(ranked)} of {len(contacts)}: those that reach farthest" if len(contacts) > MOST else None)
 
 
-def draw_energies(axes: Any, ledgers: Mapping[str, Ledger]) -> None:
+def draw_energies(axes: Any, ledgers: Mapping[str, EnergyHistory]) -> None:
     """Draw the energies of one run or both over time: ours in full lines, LS-DYNA's dashed."""
     reach = {who: {name: _reach(v) for name, v in ledger.energy.items()} for who, ledger in ledgers.items()}
     most = max((far for one in reach.values() for far in one.values()), default=0.0)
@@ -126,8 +126,8 @@ def _reach(values: NDArray[np.float64]) -> float:
     return float(np.nan_to_num(np.abs(values)).max(initial=0.0))
 
 
-def _draw_ledgers(axes: Any, beside: Beside) -> None:
-    held = {"strikewave": beside.ours.ledger if beside.ours else None, "LS-DYNA": beside.theirs.ledger}
+def _draw_ledgers(axes: Any, beside: RunComparison) -> None:
+    held = {"strikewave": beside.strikewave.energies if beside.strikewave else None, "LS-DYNA": beside.ls_dyna.energies}
     ledgers = {who: ledger for who, ledger in held.items() if ledger is not None and len(ledger.time)}
     if ledgers:
         draw_energies(axes, ledgers)
@@ -135,10 +135,10 @@ def _draw_ledgers(axes: Any, beside: Beside) -> None:
         _nothing(axes, "Energy", "no glstat or binout is there")
 
 
-def _drawn(beside: Beside) -> list[ForcePair]:
+def _drawn(beside: RunComparison) -> list[ForcePair]:
     """Return the pairs in which something touches, the largest force first."""
-    touched = [pair for pair in beside.forces if pair.ours or pair.theirs]
-    return sorted(touched, key=lambda pair: -max(one.peak for one in (pair.ours, pair.theirs) if one))
+    touched = [pair for pair in beside.forces if pair.strikewave or pair.ls_dyna]
+    return sorted(touched, key=lambda pair: -max(one.peak for one in (pair.strikewave, pair.ls_dyna) if one))
 
 
 def _alone(size: tuple[float, float]) -> tuple[Figure, Any]:

@@ -11,7 +11,7 @@ from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
-    from strikewave.exchange.ls_dyna.beside import Beside, ForcePair
+    from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
     from strikewave.exchange.ls_dyna.folder import Contact, Extreme, LsDynaRun, Pulse
 
 _METHOD = (
@@ -35,7 +35,7 @@ _FIELDS = (("displacement", 1e-3), ("von_mises", 1e6), ("plastic_strain", 1.0))
 def ls_dyna_report(result: LsDynaResult) -> str:
     """Return the report as one HTML page: no script, nothing fetched."""
     beside = result.found
-    theirs, ours = beside.theirs, beside.ours
+    theirs, ours = beside.ls_dyna, beside.strikewave
     sections = [_read(theirs), _forces(beside), _energies(beside)]
     sections += [_fields(beside)] if theirs.fields or (ours and ours.extremes) else []
     sections.append(chapters.warnings(result.notices))
@@ -43,15 +43,15 @@ def ls_dyna_report(result: LsDynaResult) -> str:
     return chapters.result_page(result, summary, sections)
 
 
-def _summary(beside: Beside) -> str:
+def _summary(beside: RunComparison) -> str:
     pair = _largest(beside)
-    if pair and pair.ours and pair.theirs:
+    if pair and pair.strikewave and pair.ls_dyna:
         return (
-            f"Contact {pair.name}: LS-DYNA reaches {with_unit(pair.theirs.peak, 'N', 'kN')}, ours "
-            f"{with_unit(pair.ours.peak, 'N', 'kN')} ({share(pair.difference('peak'))}); width "
+            f"Contact {pair.name}: LS-DYNA reaches {with_unit(pair.ls_dyna.peak, 'N', 'kN')}, ours "
+            f"{with_unit(pair.strikewave.peak, 'N', 'kN')} ({share(pair.difference('peak'))}); width "
             f"{share(pair.difference('width'))}, impulse {share(pair.difference('impulse'))}."
         )
-    found = {contact.name: pulse_of(contact.first) for contact in beside.theirs.contacts}
+    found = {contact.name: pulse_of(contact.first) for contact in beside.ls_dyna.contacts}
     touched = {name: pulse for name, pulse in found.items() if pulse}
     if not touched:
         return "No contact force is in the folder." if not found else "Nothing touched."
@@ -59,13 +59,13 @@ def _summary(beside: Beside) -> str:
     return f"Contact {name} of LS-DYNA reaches {with_unit(most.peak, 'N', 'kN')}; nothing of ours lies beside it."
 
 
-def _key_numbers(beside: Beside) -> list[tuple[str, str]]:
+def _key_numbers(beside: RunComparison) -> list[tuple[str, str]]:
     pair = _largest(beside)
-    numbers = [("contacts", f"{len(beside.theirs.contacts)}"), ("states of d3plot", f"{beside.theirs.frames}")]
-    if pair and pair.ours and pair.theirs:
+    numbers = [("contacts", f"{len(beside.ls_dyna.contacts)}"), ("states of d3plot", f"{beside.ls_dyna.frames}")]
+    if pair and pair.strikewave and pair.ls_dyna:
         numbers = [
-            ("peak, LS-DYNA", with_unit(pair.theirs.peak, "N", "kN")),
-            ("peak, ours", with_unit(pair.ours.peak, "N", "kN")),
+            ("peak, LS-DYNA", with_unit(pair.ls_dyna.peak, "N", "kN")),
+            ("peak, ours", with_unit(pair.strikewave.peak, "N", "kN")),
             ("peak, apart", share(pair.difference("peak"))),
             ("width, apart", share(pair.difference("width"))),
             ("impulse, apart", share(pair.difference("impulse"))),
@@ -74,9 +74,9 @@ def _key_numbers(beside: Beside) -> list[tuple[str, str]]:
     return numbers
 
 
-def _largest(beside: Beside) -> ForcePair | None:
-    both = [pair for pair in beside.forces if pair.ours and pair.theirs]
-    return max(both, key=lambda pair: pair.ours.peak if pair.ours else 0.0, default=None)
+def _largest(beside: RunComparison) -> ForcePair | None:
+    both = [pair for pair in beside.forces if pair.strikewave and pair.ls_dyna]
+    return max(both, key=lambda pair: pair.strikewave.peak if pair.strikewave else 0.0, default=None)
 
 
 def share(value: float) -> str:
@@ -104,29 +104,29 @@ def _read(theirs: LsDynaRun) -> Section:
     return Section("What was read", words + _METHOD, [Table("Files", ["file", "bytes"], rows)])
 
 
-def _forces(beside: Beside) -> Section:
+def _forces(beside: RunComparison) -> Section:
     from strikewave.analyses.fem.ls_dyna import figures as ls_dyna
 
     parts: list[Part] = []
     for pair in beside.forces:
         caption = f"Size of the contact force {pair.name}: ours in a full line, LS-DYNA's dashed."
         parts += [pair_table(pair), Picture(ls_dyna.force_figure(pair), caption)]
-    parts.append(contact_table(beside.theirs.contacts))
-    if not beside.forces and beside.theirs.contacts:
-        parts.append(Picture(ls_dyna.contact_figure(beside.theirs.contacts), "Sizes of LS-DYNA's contact forces."))
+    parts.append(contact_table(beside.ls_dyna.contacts))
+    if not beside.forces and beside.ls_dyna.contacts:
+        parts.append(Picture(ls_dyna.contact_figure(beside.ls_dyna.contacts), "Sizes of LS-DYNA's contact forces."))
     return Section("Contact forces", _APART if beside.forces else "", parts)
 
 
 def pair_table(pair: ForcePair) -> Table:
     """Return the numbers of a contact of both."""
     rows: list[list[Cell]] = [
-        [words, *(_cell(pulse, what, scale) for pulse in (pair.theirs, pair.ours)), share(pair.difference(what))]
+        [words, *(_cell(pulse, what, scale) for pulse in (pair.ls_dyna, pair.strikewave)), share(pair.difference(what))]
         for words, what, scale in (
             ("peak (kN)", "peak", 1e3), ("impulse (N s)", "impulse", 1.0), ("width (µs)", "width", 1e-6),
         )
     ]  # fmt: skip
     rows += [
-        [words, *(_cell(pulse, what, 1e-6) for pulse in (pair.theirs, pair.ours)), NONE]
+        [words, *(_cell(pulse, what, 1e-6) for pulse in (pair.ls_dyna, pair.strikewave)), NONE]
         for words, what in (("peak at (µs)", "at"), ("begins (µs)", "begin"), ("ends (µs)", "end"))
     ]
     rows.append(["begins later (µs)", written(pair.shift * 1e6), NONE, NONE])
@@ -156,16 +156,16 @@ def _cell(pulse: Pulse | None, what: str, scale: float) -> str:
     return NONE if pulse is None else written(getattr(pulse, what) / scale)
 
 
-def _energies(beside: Beside) -> Section:
+def _energies(beside: RunComparison) -> Section:
     from strikewave.analyses.fem.ls_dyna import figures as ls_dyna
 
     picture = Picture(ls_dyna.energy_figure(beside), "Energies: ours in full lines, LS-DYNA's dashed.")
     return Section("Energies", _BOOKS, [energy_table(beside), picture])
 
 
-def energy_table(beside: Beside) -> Table:
+def energy_table(beside: RunComparison) -> Table:
     """Return the energies of both: the largest in size over time, and at the end."""
-    runs = [beside.theirs.ledger, beside.ours.ledger if beside.ours else None]
+    runs = [beside.ls_dyna.energies, beside.strikewave.energies if beside.strikewave else None]
     rows: list[list[Cell]] = []
     for word in ENERGIES:
         curves = [run.energy.get(word) if run else None for run in runs]
@@ -177,7 +177,7 @@ def energy_table(beside: Beside) -> Table:
     return Table("Energies", heads, rows, empty="No glstat or binout with energies is there.")
 
 
-def _fields(beside: Beside) -> Section:
+def _fields(beside: RunComparison) -> Section:
     words = (
         "Largest in each part at the instants of its fields; of an element with several points, their mean; stress and "
         "strain without deleted elements."
@@ -185,9 +185,9 @@ def _fields(beside: Beside) -> Section:
     return Section("Fields", words, [field_table(beside)])
 
 
-def field_table(beside: Beside) -> Table:
+def field_table(beside: RunComparison) -> Table:
     """Return the extremes of the parts of both, pairs first."""
-    theirs, ours = beside.theirs.extremes, beside.ours.extremes if beside.ours else {}
+    theirs, ours = beside.ls_dyna.extremes, beside.strikewave.extremes if beside.strikewave else {}
     pairs: list[tuple[str | None, str | None]] = [(other, name) for name, other in beside.parts.items()]
     pairs += [(other, None) for other in theirs if other not in beside.parts.values()]
     pairs += [(None, name) for name in ours if name not in beside.parts]

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from strikewave.base.result import Result, Source
-from strikewave.exchange.ls_dyna.beside import Beside, ForcePair
-from strikewave.exchange.ls_dyna.folder import Contact, Extreme, Ledger, Pulse, pulse_of
+from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
+from strikewave.exchange.ls_dyna.folder import Contact, EnergyHistory, Extreme, Pulse, pulse_of
 from strikewave.reporting import measured_files as measured
 
 UNITS = {
@@ -28,7 +28,7 @@ class LsDynaResult(Result):
 
     Attributes
     ----------
-    found : Beside
+    found : RunComparison
         Both runs, and what they differ in.
     asked : str
         Command line that gives the same again.
@@ -38,21 +38,21 @@ class LsDynaResult(Result):
 
     command: ClassVar[str] = "ls-dyna"
 
-    found: Beside
+    found: RunComparison
     asked: str = ""
     digests: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
         """The case of ours that it is laid beside, or the name of its folder."""
-        theirs, ours = self.found.theirs, self.found.ours
+        theirs, ours = self.found.ls_dyna, self.found.strikewave
         return f"LS-DYNA beside strikewave: {ours.title}" if ours else f"LS-DYNA: {folder_name(theirs.folder)}"
 
     @property
     def source(self) -> Source:
         """The files by their SHA-256, and what was asked of them."""
         text = measured.identity(self.asked, self.digests)
-        return Source("records", folder_name(self.found.theirs.folder), text, "record.toml", self.digests, self.asked)
+        return Source("records", folder_name(self.found.ls_dyna.folder), text, "record.toml", self.digests, self.asked)
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -60,7 +60,7 @@ class LsDynaResult(Result):
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
-        found, theirs, ours = self.found, self.found.theirs, self.found.ours
+        found, theirs, ours = self.found, self.found.ls_dyna, self.found.strikewave
         parts = {name: {"number": n, **_extreme(theirs.extremes.get(name))} for name, n in theirs.parts.items()}
         content = {
             "folder": str(theirs.folder),
@@ -68,7 +68,7 @@ class LsDynaResult(Result):
             "span": theirs.span,
             "states": theirs.frames,
             "contacts": [_contact(contact) for contact in theirs.contacts],
-            "energy": _ledger(theirs.ledger),
+            "energy": _ledger(theirs.energies),
             "parts": parts,
         }
         if ours is not None:
@@ -76,7 +76,7 @@ class LsDynaResult(Result):
                 "folder": str(ours.folder),
                 "title": ours.title,
                 "contacts": {pair.name: _pair(pair) for pair in found.forces},
-                "energy": _ledger(ours.ledger),
+                "energy": _ledger(ours.energies),
                 "parts": {name: {"of": found.parts.get(name), **_extreme(one)} for name, one in ours.extremes.items()},
             }
         return content
@@ -105,8 +105,8 @@ def _pair(pair: ForcePair) -> dict[str, Any]:
     return {
         "number": pair.contact.number,
         "side": pair.side,
-        "ls_dyna": _pulse(pair.theirs),
-        "ours": _pulse(pair.ours),
+        "ls_dyna": _pulse(pair.ls_dyna),
+        "ours": _pulse(pair.strikewave),
         **{f"{what}_difference": pair.difference(what) for what in ("peak", "impulse", "width")},
         "shift": pair.shift,
         "angle": pair.angle,
@@ -114,7 +114,7 @@ def _pair(pair: ForcePair) -> dict[str, Any]:
     }
 
 
-def _ledger(ledger: Ledger | None) -> dict[str, dict[str, float]] | None:
+def _ledger(ledger: EnergyHistory | None) -> dict[str, dict[str, float]] | None:
     if ledger is None:
         return None
     return {name: {"largest": float(v[abs(v).argmax()]), "last": float(v[-1])} for name, v in ledger.energy.items()}

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from strikewave.analyses.fem.ls_dyna.report import contact_table, energy_table, field_table, pair_table
 from strikewave.analyses.fem.ls_dyna.result import LsDynaResult, folder_name
-from strikewave.exchange.ls_dyna.beside import Beside, ForcePair, lay_beside, read_ours
+from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison, compare_runs, read_strikewave
 from strikewave.exchange.ls_dyna.folder import LsDynaRun, read_folder
 from strikewave.exchange.units import UnitSystem
 from strikewave.reporting import measured_files as measured
@@ -29,9 +29,9 @@ class LsDynaCommand(Command[LsDynaResult]):
 
     def solve(self) -> LsDynaResult:
         """Return both runs, and what they differ in."""
-        ours = None if self.beside is None else read_ours(self.beside)
+        ours = None if self.beside is None else read_strikewave(self.beside)
         theirs = read_folder(self.folder, self.system)
-        found = lay_beside(theirs, ours, self.contacts, self.parts) if ours else Beside(theirs)
+        found = compare_runs(theirs, ours, self.contacts, self.parts) if ours else RunComparison(theirs)
         read = [*theirs.files, *([ours.folder / "histories.nc", ours.folder / "field.vtkhdf"] if ours else [])]
         digests = measured.digests_of(read)
         return LsDynaResult(found, self.asked, digests, notices=found.warnings)
@@ -61,12 +61,12 @@ def read_run(command: LsDynaCommand, output: Output) -> int:
     return run_and_write(command, output, usual, None)
 
 
-def _show(found: Beside) -> None:
+def _show(found: RunComparison) -> None:
     """Print contacts, energies, fields, and how far both are apart."""
-    _show_read(found.theirs)
+    _show_read(found.ls_dyna)
     for pair in found.forces:
         _show_pair(pair)
-    for made in (contact_table(found.theirs.contacts), energy_table(found), field_table(found)):
+    for made in (contact_table(found.ls_dyna.contacts), energy_table(found), field_table(found)):
         if made.rows:
             table(made.caption, list(made.columns), [[str(cell) for cell in row] for row in made.rows], left=2)
 

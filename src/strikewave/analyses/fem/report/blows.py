@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from strikewave.analyses.fem.sectors import blow_of_bodies
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.fem.blow_measures import blow_measure
-from strikewave.fem.measures import ledger_measure
+from strikewave.fem.measures import balance_measure
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def _yield(solution: FemSolution) -> Table:
             values = [rest.kinetic_share, rest.plastic_energy, rest.retreat * 1e6]
             way = [str(rest.maxima), str(rest.steps), *(written(value, 3) for value in values)]
         cells = [NONE if math.isnan(strain) else written(strain), *(written(value) for value in energy)]
-        rows.append([str(found.blow), *cells, f"{ledger_measure(blow.run).energy:+.1e}", *way])
+        rows.append([str(found.blow), *cells, f"{balance_measure(blow.run).energy:+.1e}", *way])
     heads = ["blow", "plastic strain, largest", "taken by yield (J)", "energy at its start (J)", "energy error"]
     heads += ["maxima to rest before it", "steps", "kinetic energy left (share)", "yield on the way (J)"]
     return Table("Yield and rest of each blow", [*heads, "begins farther away by (µm)"], rows)

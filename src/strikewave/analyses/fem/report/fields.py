@@ -15,10 +15,10 @@ from strikewave.analyses.fem.figures.cut import (
     seen_close_up,
     wave_figure,
 )
-from strikewave.fem.film import Film, Still, film_from
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.measures import contact_measure
 from strikewave.fem.skin import blow_contact, faces_on
+from strikewave.fem.snapshots import Snapshot, SnapshotRecorder, recorder_from_frames
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import Part, Picture, Section, written
 
@@ -44,7 +44,7 @@ _END_OF_SCALE = (
 class Pressed(NamedTuple):
     """The instant nearest to the largest force of the contact of the blow, where it presses, and that in words."""
 
-    still: Still
+    still: Snapshot
     zone: Zone
     words: str
 
@@ -53,9 +53,9 @@ def fields_section(solution: FemSolution) -> Section:
     """Return the pictures of the fields, with what is seen in them."""
     film = getattr(solution, "film", None)
     frames = solution.frames or solution.run.frames
-    if film is None or not film.stills:
-        film = film_from(solution.model, frames) if frames else None
-    if film is None or not film.stills:
+    if film is None or not film.snapshots:
+        film = recorder_from_frames(solution.model, frames) if frames else None
+    if film is None or not film.snapshots:
         return Section("Fields", "No frame of the fields was kept for pictures.")
     pressed = _pressed(solution, film)
     mesh = solution.model.mesh
@@ -65,7 +65,7 @@ def fields_section(solution: FemSolution) -> Section:
     return Section("Fields", f"{_HOW}{opened} {largest_words(film, mesh)}".rstrip(), parts)
 
 
-def largest_words(film: Film, mesh: Mesh) -> str:
+def largest_words(film: SnapshotRecorder, mesh: Mesh) -> str:
     """Say where von Mises stress and plastic strain are largest of all elements, seen or not; nothing where none is."""
     names, words = {"von_mises": "von Mises stress", "plastic_strain": "plastic strain"}, []
     for name, spot in film.largest.items():
@@ -85,7 +85,7 @@ def place_words(mesh: Mesh, element: int) -> str:
     return f"{mesh.names[int(mesh.part[element])]} at ({place}) mm"
 
 
-def _pressed(solution: FemSolution, film: Film) -> Pressed | None:
+def _pressed(solution: FemSolution, film: SnapshotRecorder) -> Pressed | None:
     """Return when and where the contact of the blow presses, nearest to its largest force; None where it does not."""
     model: Model = solution.model
     meeting = blow_contact(model)
@@ -93,12 +93,12 @@ def _pressed(solution: FemSolution, film: Film) -> Pressed | None:
     if meeting is None or found is None:
         return None
     own = faces_on(film.skin, model.mesh, model.touching[meeting.name])
-    pressed = pressed_most(film.skin, film.stills, found.at, own)
+    pressed = pressed_most(film.skin, film.snapshots, found.at, own)
     words = f"the kept instant nearest to the peak of the force of {meeting.name}, at {_instant_words(found.at)}"
     return None if pressed is None else Pressed(*pressed, words)
 
 
-def _opened(film: Film) -> str:
+def _opened(film: SnapshotRecorder) -> str:
     """Say where the bodies are cut open."""
     cut = film.skin.cut
     if not cut.symmetric:
@@ -108,9 +108,9 @@ def _opened(film: Film) -> str:
     return "The bodies are seen from a plane of symmetry; the quarter that is modelled is mirrored at the other plane."
 
 
-def _whole(film: Film, pressed: Pressed | None) -> Picture:
+def _whole(film: SnapshotRecorder, pressed: Pressed | None) -> Picture:
     """Return the bodies cut open when the force of the blow is largest, or else the stress, and at the end."""
-    stills = film.stills
+    stills = film.snapshots
     still, when = (film.worst or stills[-1], "when the stress is largest")
     if pressed is not None:
         still, when = pressed.still, pressed.words
@@ -122,11 +122,11 @@ def _whole(film: Film, pressed: Pressed | None) -> Picture:
     return Picture(cut_figure(film.skin, shown), f"{words} {_END_OF_SCALE}")
 
 
-def _close_up(film: Film, pressed: Pressed | None, mesh: Mesh) -> list[Part]:
+def _close_up(film: SnapshotRecorder, pressed: Pressed | None, mesh: Mesh) -> list[Part]:
     """Return where bodies press each other, and what yielded there; nothing where nothing is pressed."""
     if pressed is None:
         return []
-    (still, zone, when), last = pressed, film.stills[-1]
+    (still, zone, when), last = pressed, film.snapshots[-1]
     pictures = [(still, "von_mises")]
     words = (
         f"Where bodies touch, straight onto the cut, within about {zone.reach * 1e3:.2g} mm: von Mises stress at "
@@ -144,7 +144,7 @@ def _close_up(film: Film, pressed: Pressed | None, mesh: Mesh) -> list[Part]:
     return [Picture(close_up_figure(film.skin, zone, pictures), words)]
 
 
-def _wave(film: Film) -> list[Part]:
+def _wave(film: SnapshotRecorder) -> list[Part]:
     """Return the row of instants after first touch; nothing where nothing touches, or the run went on later."""
     if len(film.wave) < FEWEST_OF_WAVE or film.touched is None:
         return []
@@ -158,7 +158,7 @@ def _wave(film: Film) -> list[Part]:
     return [Picture(wave_figure(film.skin, film.wave), words)]
 
 
-def _instant(still: Still) -> str:
+def _instant(still: Snapshot) -> str:
     return _instant_words(still.time)
 
 

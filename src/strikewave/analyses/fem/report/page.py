@@ -18,11 +18,11 @@ from strikewave.base.result import LEDGER_LIMIT
 from strikewave.fem.measures import (
     ENERGY_LIMIT,
     HOURGLASS_LIMIT,
+    BalanceMeasure,
     ContactMeasure,
-    LedgerMeasure,
     PartMeasure,
+    balance_measure,
     contact_measure,
-    ledger_measure,
     part_measure,
 )
 from strikewave.fem.quality import quality_report
@@ -147,7 +147,7 @@ def _summary(run: FemRun, wholes: dict[str, WholeForce | None], bodies: dict[str
     ]
     if moved:
         words.append(f"Rigid-body peak and change of velocity: {listed(moved[:4])}.")
-    ledger = ledger_measure(run)
+    ledger = balance_measure(run)
     words.append(_energy_words(ledger))
     return " ".join(words)
 
@@ -178,7 +178,7 @@ def _key_numbers(
         ]
     for name, body in list(bodies.items())[:1]:
         numbers.append((f"rigid-body peak of {shortened(name, 28)}", with_unit(body.rigid_peak, "m/s^2", "g")))
-    ledger = ledger_measure(run)
+    ledger = balance_measure(run)
     return [
         *numbers,
         ("energy error", _share(ledger.energy)),
@@ -384,7 +384,7 @@ def _quality_table(model: Model) -> Table:
     return Table(caption, heads, rows)
 
 
-def _energy_words(ledger: LedgerMeasure) -> str:
+def _energy_words(ledger: BalanceMeasure) -> str:
     """Say whether the books balance."""
     limit, glass = f"{100.0 * ENERGY_LIMIT:.0f} %", f"{100.0 * HOURGLASS_LIMIT:.0f} %"
     words = f"The energy ledger is off by {_share(ledger.energy)}, "
@@ -404,7 +404,7 @@ def _energy_words(ledger: LedgerMeasure) -> str:
 
 
 def _ledgers(run: FemRun) -> Section:
-    ledger = ledger_measure(run)
+    ledger = balance_measure(run)
     checks = [
         ("energy, largest error", ledger.energy, ENERGY_LIMIT, "of the energy in play"),
         ("hourglass energy, largest", ledger.hourglass, HOURGLASS_LIMIT, "of the largest internal energy"),

@@ -11,7 +11,7 @@ from strikewave.base.materials import Material, material
 from strikewave.base.quantities import PROVENANCES
 from strikewave.base.units import DIMENSIONS, convertible
 from strikewave.cases.case import Case
-from strikewave.fem.measures import ledger_measure
+from strikewave.fem.measures import balance_measure
 from strikewave.reporting.numbers import spelled
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Section, Table, Tag, written
 
@@ -295,7 +295,7 @@ def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = 
     """Say what the models of hexahedra took and how well they keep their books; ``tables`` are shown behind."""
     rows: list[list[Cell]] = []
     for one in solutions:
-        found, ledger = one.run, ledger_measure(one.run)
+        found, ledger = one.run, balance_measure(one.run)
         rows.append(
             [
                 one.case.name,

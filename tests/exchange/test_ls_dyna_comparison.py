@@ -10,8 +10,8 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.exchange.ls_dyna.agreement import agreement
-from strikewave.exchange.ls_dyna.beside import OurRun, lay_beside, read_ours, slip
-from strikewave.exchange.ls_dyna.folder import ENERGIES, Force, Ledger, pulse_of, read_folder
+from strikewave.exchange.ls_dyna.comparison import StrikewaveRun, compare_runs, read_strikewave, slip
+from strikewave.exchange.ls_dyna.folder import ENERGIES, EnergyHistory, Force, pulse_of, read_folder
 from strikewave.exchange.units import SYSTEMS
 from strikewave.fem.measures import contact_measure
 
@@ -43,7 +43,7 @@ def folder(solution, tmp_path_factory):
     from strikewave.fem.vtkhdf import FieldWriter
 
     home = tmp_path_factory.mktemp("ours")
-    solution.save(home / "histories.nc")
+    solution.data.to_netcdf(home / "histories.nc", engine="h5netcdf")
     with FieldWriter(home / "field.vtkhdf", solution.model.mesh) as writer:
         for frame in solution.frames:
             writer.add(frame)
@@ -52,7 +52,7 @@ def folder(solution, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def ours(folder):
-    return read_ours(folder)
+    return read_strikewave(folder)
 
 
 @pytest.fixture
@@ -66,8 +66,8 @@ def written(tmp_path, ours, solution):
         time = (force.time + shift) * units.factor(time=1)
         held = {7: turn * factor * force.force * units.force, 9: None}
         (home / "rcforc").write_text(rcforc(held, {7: title, 9: "self"}, time))
-        energy = {ENERGIES[word][0]: values * factor * units.energy for word, values in ours.ledger.energy.items()}
-        (home / "glstat").write_text(glstat(ours.ledger.time * units.factor(time=1), energy))
+        energy = {ENERGIES[word][0]: values * factor * units.energy for word, values in ours.energies.energy.items()}
+        (home / "glstat").write_text(glstat(ours.energies.time * units.factor(time=1), energy))
         mesh = solution.model.mesh
         states = [
             (
@@ -111,28 +111,28 @@ def missing(ours):
 @pytest.mark.parametrize("units", [*SYSTEMS])
 def test_our_run_written_by_ls_dyna_in_any_units_is_no_different(written, ours, units):
     system = SYSTEMS[units]
-    found = lay_beside(read_folder(written(system), system), ours)
+    found = compare_runs(read_folder(written(system), system), ours)
     (pair,) = found.forces
     assert (pair.contact.number, pair.side, found.warnings) == (7, "A", ())
     for what in ("peak", "width"):
         assert abs(pair.difference(what)) < DIGITS, what
     assert pair.difference("impulse") == pytest.approx(-missing(ours), abs=DIGITS)
-    assert abs(pair.shift) < DIGITS * pair.ours.width
+    assert abs(pair.shift) < DIGITS * pair.strikewave.width
     assert abs(pair.plain.magnitude) < DIGITS
     assert pair.plain.rms < DIGITS
     assert pair.plain.phase < 1e-4  # arccos near 1: the root of the differences' squares
-    for word, values in ours.ledger.energy.items():
+    for word, values in ours.energies.energy.items():
         np.testing.assert_allclose(
-            found.theirs.ledger.energy[word], values, rtol=DIGITS, atol=DIGITS * 1e-3 * np.abs(values).max()
+            found.ls_dyna.energies.energy[word], values, rtol=DIGITS, atol=DIGITS * 1e-3 * np.abs(values).max()
         )
     assert found.parts == {"ball": "ball", "ground": "ground"}
     for name, one in ours.extremes.items():
         for what, value in dataclasses.asdict(one).items():
-            assert getattr(found.theirs.extremes[name], what) == pytest.approx(value, rel=1e-6), (name, what)
+            assert getattr(found.ls_dyna.extremes[name], what) == pytest.approx(value, rel=1e-6), (name, what)
 
 
 def test_a_known_factor_and_shift_are_found(written, ours):
-    found = lay_beside(read_folder(written(factor=1.07, shift=4e-6), MM), ours)
+    found = compare_runs(read_folder(written(factor=1.07, shift=4e-6), MM), ours)
     (pair,) = found.forces
     assert pair.difference("peak") == pytest.approx(0.07, abs=DIGITS)
     assert pair.difference("impulse") == pytest.approx(1.07 * (1.0 - missing(ours)) - 1.0, abs=DIGITS)
@@ -146,14 +146,14 @@ def test_a_known_factor_and_shift_are_found(written, ours):
 
 
 def test_the_side_whose_impulse_points_as_ours_is_taken(written, ours):
-    (pair,) = lay_beside(read_folder(written(turn=-1.0), MM), ours).forces
+    (pair,) = compare_runs(read_folder(written(turn=-1.0), MM), ours).forces
     assert pair.side == "B"
     assert abs(pair.difference("peak")) < DIGITS
     assert pair.angle < 0.01
 
 
 def test_sectors_that_differ_are_named(written, ours):
-    found = lay_beside(read_folder(written(factor=4.0), MM), ours)
+    found = compare_runs(read_folder(written(factor=4.0), MM), ours)
     assert ("sector", 4.0) in [(notice.code, notice.limit) for notice in found.warnings]
 
 
@@ -166,7 +166,7 @@ def test_sectors_that_differ_are_named(written, ours):
     ],
 )
 def test_units_that_were_mistaken_are_named_and_nothing_else(written, ours, true, said, told):
-    found = lay_beside(read_folder(written(SYSTEMS[true]), SYSTEMS[said]), ours)
+    found = compare_runs(read_folder(written(SYSTEMS[true]), SYSTEMS[said]), ours)
     (notice,) = found.warnings
     assert notice.code == "units"
     assert "is --units right?" in notice.message
@@ -174,41 +174,45 @@ def test_units_that_were_mistaken_are_named_and_nothing_else(written, ours, true
 
 
 def test_a_force_off_by_a_million_alone_is_a_slip_too(written, ours):
-    (notice,) = lay_beside(read_folder(written(factor=1e6, fields=False), MM), ours).warnings
+    (notice,) = compare_runs(read_folder(written(factor=1e6, fields=False), MM), ours).warnings
     assert f"peak of {NAME} 1e+06" in notice.message
 
 
 def test_contacts_go_together_by_title_by_being_alone_or_as_asked(written, ours):
-    two = OurRun(ours.folder, ours.title, {NAME: ours.forces[NAME], "other": ours.forces[NAME]}, ours.ledger, {})
+    two = StrikewaveRun(
+        ours.folder, ours.title, {NAME: ours.forces[NAME], "other": ours.forces[NAME]}, ours.energies, {}
+    )
     theirs = read_folder(written(title=NAME.upper(), fields=False), MM)
-    assert [pair.name for pair in lay_beside(theirs, two).forces] == [NAME]
+    assert [pair.name for pair in compare_runs(theirs, two).forces] == [NAME]
     theirs = read_folder(written(title="nothing alike", fields=False), MM)
-    assert lay_beside(theirs, two).forces == ()
-    assert [notice.code for notice in lay_beside(theirs, two).warnings] == ["contact-unpaired"] * 2
-    assert [pair.name for pair in lay_beside(theirs, two, {"other": 7}).forces] == ["other"]
-    assert [pair.name for pair in lay_beside(theirs, ours).forces] == [NAME]
+    assert compare_runs(theirs, two).forces == ()
+    assert [notice.code for notice in compare_runs(theirs, two).warnings] == ["contact-unpaired"] * 2
+    assert [pair.name for pair in compare_runs(theirs, two, {"other": 7}).forces] == ["other"]
+    assert [pair.name for pair in compare_runs(theirs, ours).forces] == [NAME]
     for asked in ({"nobody": 7}, {NAME: 8}):
         with pytest.raises(InputError, match="--contact"):
-            lay_beside(theirs, ours, asked)
+            compare_runs(theirs, ours, asked)
 
 
 def test_contacts_without_titles_are_numbered_as_in_our_deck(written, ours):
-    two = OurRun(ours.folder, ours.title, {NAME: ours.forces[NAME], "other": ours.forces[NAME]}, ours.ledger, {})
+    two = StrikewaveRun(
+        ours.folder, ours.title, {NAME: ours.forces[NAME], "other": ours.forces[NAME]}, ours.energies, {}
+    )
     theirs = read_folder(written(fields=False), MM)
     touching = max(theirs.contacts, key=lambda contact: contact.number == 7)
     numbered = [dataclasses.replace(touching, number=k, title="") for k in (2, 1, 5)]
-    found = lay_beside(dataclasses.replace(theirs, contacts=tuple(numbered)), two)
+    found = compare_runs(dataclasses.replace(theirs, contacts=tuple(numbered)), two)
     assert [(pair.name, pair.contact.number) for pair in found.forces] == [(NAME, 1), ("other", 2)]
     titled = [dataclasses.replace(contact, title="of another deck") for contact in numbered[:1]]
     mixed = dataclasses.replace(theirs, contacts=(*titled, *numbered[1:]))
-    assert lay_beside(mixed, two).forces == ()
+    assert compare_runs(mixed, two).forces == ()
 
 
 def test_what_touches_in_one_run_alone_is_said(written, ours):
     force = ours.forces[NAME]
     still = dataclasses.replace(force, force=0.0 * force.force, impulse=np.zeros(3))
-    quiet = OurRun(ours.folder, ours.title, {NAME: still}, ours.ledger, {})
-    found = lay_beside(read_folder(written(fields=False), MM), quiet)
+    quiet = StrikewaveRun(ours.folder, ours.title, {NAME: still}, ours.energies, {})
+    found = compare_runs(read_folder(written(fields=False), MM), quiet)
     assert [notice.code for notice in found.warnings] == ["no-contact"]
     assert math.isnan(found.forces[0].difference("peak"))
 
@@ -216,15 +220,15 @@ def test_what_touches_in_one_run_alone_is_said(written, ours):
 def test_forces_and_energies_come_from_binout_where_there_is_no_text(written, ours):
     home = written(fields=False)
     text = read_folder(home, MM)
-    force, ledger = ours.forces[NAME], ours.ledger
+    force, energies = ours.forces[NAME], ours.energies
     rows = [("/rcforc/metadata", "ids", 3, [7, 7]), (".", "side", 3, [0, 1])]
     for k, (time, vector) in enumerate(zip(force.time, force.force * MM.force, strict=True), 1):
         rows.append((f"/rcforc/d{k:06d}", "time", 10, [time]))
         rows += [(".", f"{axis}_force", 10, [x, -x]) for axis, x in zip("xyz", vector, strict=True)]
-    for k, time in enumerate(ledger.time):
+    for k, time in enumerate(energies.time):
         rows += [(f"/glstat/d{k:06d}", "time", 10, [time])]
         rows += [
-            (".", ENERGIES[word][0].replace(" ", "_"), 10, [v[k] * MM.energy]) for word, v in ledger.energy.items()
+            (".", ENERGIES[word][0].replace(" ", "_"), 10, [v[k] * MM.energy]) for word, v in energies.energy.items()
         ]
     (home / "binout0000").write_bytes(binout(rows))
     for name in ("rcforc", "glstat"):
@@ -232,7 +236,7 @@ def test_forces_and_energies_come_from_binout_where_there_is_no_text(written, ou
     archive = read_folder(home, MM)
     assert archive.contacts[0].first.force == pytest.approx(force.force, rel=1e-12, abs=1e-12)
     assert text.contacts[0].first.force == pytest.approx(force.force, rel=DIGITS, abs=1e-12)
-    assert archive.ledger.energy["total"] == pytest.approx(ledger.energy["total"], rel=1e-12)
+    assert archive.energies.energy["total"] == pytest.approx(energies.energy["total"], rel=1e-12)
 
 
 def test_sprague_and_geers_measures_of_known_curves():
@@ -258,7 +262,7 @@ def test_a_result_of_ours_that_is_damaged_is_refused(tmp_path, folder, damage):
         held = (folder / "histories.nc").read_bytes()
         (tmp_path / "histories.nc").write_bytes(held[:5000] if damage == "truncated" else b"nothing" * 100)
     with pytest.raises(InputError, match="--compare"):
-        read_ours(tmp_path)
+        read_strikewave(tmp_path)
 
 
 @pytest.mark.verify
@@ -341,7 +345,7 @@ def test_work_on_walls_is_contact_energy_as_ours(tmp_path):
     lines = iter(block.format(value) for value in walls)
     text = "\n".join(line if "external work" not in line else f"{line}\n{next(lines)}" for line in text.splitlines())
     (tmp_path / "glstat").write_text(text + "\n")
-    held = read_folder(tmp_path, SYSTEMS["SI"]).ledger.energy
+    held = read_folder(tmp_path, SYSTEMS["SI"]).energies.energy
     assert held["contact"].tolist() == [1.25, 2.5]
 
 
@@ -351,8 +355,8 @@ def test_our_internal_energy_is_with_the_work_of_bulk_viscosity(folder, ours):
     with xarray.open_dataset(folder / "histories.nc", engine="h5netcdf") as held:
         internal, viscous = (held[f"energy.{name}"].values for name in ("internal", "viscous"))
     assert viscous.max() > 1e-4 * internal.max()
-    assert np.array_equal(ours.ledger.energy["internal"], internal + viscous)
-    assert "viscous" not in ours.ledger.energy
+    assert np.array_equal(ours.energies.energy["internal"], internal + viscous)
+    assert "viscous" not in ours.energies.energy
 
 
 def test_stress_and_strain_of_deleted_elements_do_not_count(tmp_path):
@@ -368,13 +372,13 @@ def test_stress_and_strain_of_deleted_elements_do_not_count(tmp_path):
     assert found.displacement == pytest.approx(2.0 * math.sqrt(3.0), rel=1e-15)
 
 
-def test_of_several_blows_the_first_is_laid_beside_and_that_is_said(tmp_path, folder, written):
+def test_of_several_blows_only_the_first_is_compared_and_reported(tmp_path, folder, written):
     for name in ("histories.nc", "histories-2.nc", "histories-3.nc"):
         (tmp_path / name).write_bytes((folder / "histories.nc").read_bytes())
-    found = lay_beside(read_folder(written(fields=False), MM), read_ours(tmp_path))
+    found = compare_runs(read_folder(written(fields=False), MM), read_strikewave(tmp_path))
     (notice,) = found.warnings
     assert (notice.code, notice.value) == ("blows", 3.0)
-    assert "the first alone is laid beside" in notice.message
+    assert "only the first is compared" in notice.message
 
 
 @pytest.mark.verify
@@ -395,13 +399,16 @@ def test_runs_of_the_same_name_do_not_overwrite_each_other(strikewave, written, 
 def test_pictures_of_nothing_say_so(tmp_path):
     from strikewave.analyses.fem.ls_dyna.figures import beside_sheet
     from strikewave.analyses.fem.ls_dyna.report import ls_dyna_report
-    from strikewave.exchange.ls_dyna.beside import Beside
+    from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
+    from strikewave.exchange.ls_dyna.comparison import RunComparison
     from strikewave.exchange.ls_dyna.folder import Contact, LsDynaRun
 
     empty = LsDynaRun(tmp_path, (), (), None, None, {}, 0, (math.nan, math.nan))
     assert "no rcforc or binout is there" in [
-        t.get_text() for axes in beside_sheet(Beside(empty), "").axes for t in axes.texts
+        t.get_text() for axes in beside_sheet(RunComparison(empty), "").axes for t in axes.texts
     ]
     still = Contact(1, "", {"A": Force(np.array([0.0]), np.zeros((1, 3)))})
-    one = dataclasses.replace(empty, contacts=(still,), ledger=Ledger(np.array([0.0]), {"kinetic": np.array([np.nan])}))
-    assert "Nothing touched." in ls_dyna_report(Beside(one), "")
+    one = dataclasses.replace(
+        empty, contacts=(still,), energies=EnergyHistory(np.array([0.0]), {"kinetic": np.array([np.nan])})
+    )
+    assert "Nothing touched." in ls_dyna_report(LsDynaResult(RunComparison(one), "", {}))

@@ -8,19 +8,19 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from strikewave.base.errors import InputError
-from strikewave.fem import again
+from strikewave.fem import repeated_blows
 from strikewave.fem import solve as solve_module
-from strikewave.fem.again import bodies_of_engine, next_blow
 from strikewave.fem.blow_measures import blow_measure, restitution, still_presses
 from strikewave.fem.bodies import way_back
 from strikewave.fem.engine import Engine
-from strikewave.fem.measures import contact_measure, ledger_measure, mean_force
+from strikewave.fem.measures import balance_measure, contact_measure, mean_force
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import Contact, Controls, Curve, Driven, Fixed, Guided, Model, Rigid, Symmetry, Tie, Wall
+from strikewave.fem.repeated_blows import bodies_of_engine, next_blow
 from strikewave.fem.restart import path_of_blow
 from strikewave.fem.shapes import block, moved, turned
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
-from strikewave.fem.solve import Asked, Keep, solve_blows
+from strikewave.fem.solve import Checkpoint, RunOptions, solve_blows
 
 from .bodies import STEEL, Ball, ball_on_base, rod_on_wall
 
@@ -30,7 +30,9 @@ WALL = "rod.z--wall"
 
 
 def blows(model, count, **asked):
-    return solve_blows(replace(model, controls=replace(model.controls, blows=count)), Asked(**asked) if asked else None)
+    return solve_blows(
+        replace(model, controls=replace(model.controls, blows=count)), RunOptions(**asked) if asked else None
+    )
 
 
 def with_rest(monkeypatch, share):
@@ -93,7 +95,7 @@ def test_a_bar_on_a_wall_flies_off_and_comes_back():
     assert np.abs(second.parts["rod"].displacement[0]).max() < 1e-9
     assert second.impulse[WALL][-1] == pytest.approx(first.impulse[WALL][-1], rel=1e-6, abs=1e-12)
     assert second.time[0] == 0.0
-    assert abs(ledger_measure(second).energy) < 1e-4
+    assert abs(balance_measure(second).energy) < 1e-4
 
 
 def test_a_turned_flight_ends_where_it_began_with_its_stress_turned():
@@ -191,7 +193,7 @@ def test_each_blow_keeps_its_own_ledger(dented):
     """Energy within 1e-5; it begins with the blow and what residual stress holds; momentum to rounding."""
     blow = 0.5 * dented[0].parts["ball"].mass * 3.0**2
     for run in dented:
-        assert abs(ledger_measure(run).energy) < 1e-5
+        assert abs(balance_measure(run).energy) < 1e-5
         assert run.momentum_error < 1e-12
         assert run.energy["plastic"][0] == run.energy["viscous"][0] == 0.0
         held = sum(run.energy[name][0] for name in ("kinetic", "internal", "hourglass"))
@@ -272,10 +274,10 @@ def test_a_bar_pulled_and_then_pressed_yields_early_where_hardening_is_kinematic
     sigma = YIELD + SLOPE * (strain - YIELD / E)
     for kinematic, expected in ((1.0, sigma - 2.0 * YIELD), (0.0, -sigma)):
         pulled = Engine(driven_element([strain, strain - sigma / E], kinematic))
-        energy = solve_module._one_blow(pulled, Asked()).energy_in_play
+        energy = solve_module._one_blow(pulled, RunOptions()).energy_in_play
         pressed = next_blow(with_state_of(pulled, driven_element([-strain], kinematic)), energy)
         assert pressed.rest.plastic_energy == 0.0
-        run = solve_module._one_blow(pressed, Asked(frames=201))
+        run = solve_module._one_blow(pressed, RunOptions(frames=201))
         grown = np.array([frame.plastic_strain[0] for frame in run.frames])
         begins = run.frames[int(np.flatnonzero(grown > grown[0] + 1e-7)[0])].stress[0, 2]
         assert begins == pytest.approx(expected, abs=4e6)
@@ -284,8 +286,12 @@ def test_a_bar_pulled_and_then_pressed_yields_early_where_hardening_is_kinematic
 def with_state_of(engine, model):
     """An engine of another model with the shape and the elements of one."""
     other = Engine(model)
-    left = {key: value for key, value in again.state_of(engine).items() if key == "x" or key.startswith("elements/")}
-    again.put_back(other, {**again.state_of(other), **left})
+    left = {
+        key: value
+        for key, value in repeated_blows.state_of(engine).items()
+        if key == "x" or key.startswith("elements/")
+    }
+    repeated_blows.put_back(other, {**repeated_blows.state_of(other), **left})
     return other
 
 
@@ -324,12 +330,12 @@ def stacked(speed=4.0, solid=STEEL):
 
 
 def test_what_stands_goes_on_to_touch_and_what_strikes_does_not():
-    calm = again.quiet(stacked())
+    calm = repeated_blows.quiet(stacked())
     assert [each.name for each in calm.contacts] == ["plate.z--base.z+"]
     assert calm.velocity == {}
     wall = Wall("up.z-", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
     floor = Wall("base.z-", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
-    assert again.quiet(replace(stacked(), walls=(wall, floor))).walls == (floor,)
+    assert repeated_blows.quiet(replace(stacked(), walls=(wall, floor))).walls == (floor,)
 
 
 def test_a_plate_that_stands_on_a_base_is_struck_again_alike():
@@ -349,8 +355,8 @@ def test_a_striker_that_would_stand_in_a_bulge_begins_farther_away():
     bodies = bodies_of_engine(engine)
     plate = next(body for body in bodies if body.parts == ("plate",))
     engine.x[plate.nodes, 2] += 50e-6
-    engine.meet(engine.x)
-    retreat = again._step_back(engine, bodies, {})
+    engine.detect_contacts(engine.x)
+    retreat = repeated_blows._step_back(engine, bodies, {})
     assert 50e-6 <= retreat <= 51e-6
     assert not [each for each in engine.overlaps if each.contact == "up.z--plate.z+"]
 
@@ -411,7 +417,7 @@ def kept(tmp_path):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(solve_module, "REPORT", -1.0)
         with pytest.raises(StopError):
-            blows(model, 3, keep=Keep(path, 40), report=watch)
+            blows(model, 3, checkpoint=Checkpoint(path, 40), report=watch)
     return model, path
 
 

@@ -1,4 +1,4 @@
-"""Instants of a run that pictures are made of, chosen while it goes on, of what can be seen alone; SI.
+"""Snapshots of a run for its pictures, chosen while it goes on, of what can be seen alone; SI.
 
 Kept are instants evenly over the run and, more densely, while the bodies of the blow touch; some that follow the first
 wave; and that of the largest stress. Their number is bounded: where too many come, every other one goes.
@@ -25,16 +25,23 @@ if TYPE_CHECKING:
 Single = NDArray[np.float32]
 
 LARGEST = 256_000_000
-"""Bytes that the instants of a film take at most, about."""
-STILLS = 24
-"""Instants over the run, and as many again while bodies touch, that pictures need."""
+"""Bytes that snapshots take at most, about: little beside the elements of a mesh that has so many faces."""
+SNAPSHOTS = 24
+"""Snapshots over the run, and as many again while bodies touch: an instant within 2 % of any that a picture asks
+for."""
+FEWEST = 8
+"""Snapshots over the run at least, whatever the memory: below, the peak of a blow falls between them."""
 WAVE_INSTANTS, PER_TRANSIT = 8, 6
-"""Instants after first touch that follow the wave, and how many of them a transit takes."""
+"""Snapshots after first touch that follow the wave, and how many of them a transit takes: the rest show its return."""
 LARGER = 1.02
-"""An instant counts as that of the largest stress where this is so many times that of the one before."""
+"""A snapshot counts as that of the largest stress where this is so many times that of the one before.
+
+Stress that grows throughout a run would have a snapshot at every instant; 2 % is not seen in a picture."""
+EARLY = 1e-6
+"""Share of the time between snapshots of the wave by which one may come early, so that rounding does not skip it."""
 
 
-class Still(NamedTuple):
+class Snapshot(NamedTuple):
     """An instant: time, s; displacement of the nodes of a skin, m; stress and plastic strain of its elements."""
 
     time: float
@@ -56,14 +63,14 @@ class Thinned:
 
     def __init__(self, wanted: int) -> None:
         self.wanted, self.every, self.offered = wanted, 1, 0
-        self.kept: list[Still] = []
+        self.kept: list[Snapshot] = []
 
     def wants(self) -> bool:
         """Count an item that is offered, and tell whether it is to be kept."""
         self.offered += 1
         return (self.offered - 1) % self.every == 0
 
-    def add(self, still: Still) -> None:
+    def add(self, still: Snapshot) -> None:
         """Keep an item."""
         self.kept.append(still)
         if len(self.kept) >= 2 * self.wanted:
@@ -71,8 +78,8 @@ class Thinned:
 
 
 @dataclass
-class Film:
-    """Keeps instants of a run for its pictures.
+class SnapshotRecorder:
+    """Keeps snapshots of a run for its pictures.
 
     Parameters
     ----------
@@ -89,14 +96,14 @@ class Film:
     ----------
     whole, contact : Thinned
         What is kept over the run, and while the bodies touch.
-    wave : list of Still
+    wave : list of Snapshot
         What follows the first wave.
-    worst, last : Still or None
+    worst, last : Snapshot or None
         The instants of the largest stress and of the end.
     touched : float or None
         First touch, s.
     missed : bool
-        Whether first touch was before the film began, as where an interrupted run goes on.
+        Whether first touch was before the first instant seen, as where an interrupted run goes on.
     largest : dict of str to Spot
         "von_mises", Pa, and "plastic_strain" of all elements, seen or not, at the instants that were kept.
     """
@@ -104,21 +111,21 @@ class Film:
     skin: Skin
     transit: float
     contact_name: str = ""
-    wanted: int = STILLS
-    worst: Still | None = field(default=None, init=False)
-    last: Still | None = field(default=None, init=False)
+    wanted: int = SNAPSHOTS
+    worst: Snapshot | None = field(default=None, init=False)
+    last: Snapshot | None = field(default=None, init=False)
     touched: float | None = field(default=None, init=False)
-    wave: list[Still] = field(default_factory=list, init=False)
+    wave: list[Snapshot] = field(default_factory=list, init=False)
     missed: bool = field(default=False, init=False)
     largest: dict[str, Spot] = field(default_factory=dict, init=False)
     _largest: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
         each = 4 * (3 * len(self.skin.nodes) + 7 * len(self.skin.elements))
-        self.wanted = max(8, min(self.wanted, LARGEST // (4 * each)))
+        self.wanted = max(FEWEST, min(self.wanted, LARGEST // (4 * each)))
         self.whole, self.contact = Thinned(self.wanted), Thinned(self.wanted)
 
-    def see(self, engine: Engine, last: bool) -> None:
+    def observe(self, engine: Engine, last: bool) -> None:
         """Look at a run at an instant of its histories, the last one or not."""
         rows = engine.recorder.rows
         forces = rows[f"force/{self.contact_name}"] if self.contact_name else [np.zeros(3)]
@@ -131,7 +138,9 @@ class Film:
 
     def offer(self, time: float, touching: bool, largest: float, frame: Callable[[], Frame]) -> None:
         """Take an instant where it is wanted: whether bodies touch, the largest stress, and how to get the rest."""
-        keepers = [one for one in (self.whole, self.contact if touching else None) if one is not None and one.wants()]
+        keepers = [
+            rows for rows in (self.whole, self.contact if touching else None) if rows is not None and rows.wants()
+        ]
         if self.touched is None and touching:
             self.touched = time
         followed = self.touched is not None and not self.missed and len(self.wave) < WAVE_INSTANTS
@@ -149,9 +158,9 @@ class Film:
 
     def _next_wave(self) -> float:
         """Return when the next instant that follows the wave is due, s."""
-        return (self.touched or 0.0) + (len(self.wave) + 1 - 1e-6) * self.transit / PER_TRANSIT
+        return (self.touched or 0.0) + (len(self.wave) + 1 - EARLY) * self.transit / PER_TRANSIT
 
-    def _still(self, frame: Frame) -> Still:
+    def _still(self, frame: Frame) -> Snapshot:
         skin = self.skin
         for name, values in (("von_mises", von_mises(frame.stress)), ("plastic_strain", frame.plastic_strain)):
             element = int(np.argmax(values))
@@ -159,28 +168,29 @@ class Film:
                 self.largest[name] = Spot(float(values[element]), frame.time, element)
         cells = (frame.displacement[skin.nodes], frame.stress[skin.elements], frame.plastic_strain[skin.elements])
         displacement, stress, strain = (np.asarray(values, np.float32) for values in cells)
-        return Still(frame.time, displacement, stress, strain)
+        return Snapshot(frame.time, displacement, stress, strain)
 
     @property
-    def stills(self) -> list[Still]:
+    def snapshots(self) -> list[Snapshot]:
         """All instants, in the order of time."""
-        ends = [one for one in (self.worst, self.last) if one is not None]
-        found = {one.time: one for one in (*self.whole.kept, *self.contact.kept, *self.wave, *ends)}
-        return [found[time] for time in sorted(found)]
+        ends = [snapshot for snapshot in (self.worst, self.last) if snapshot is not None]
+        by_time = {snapshot.time: snapshot for snapshot in (*self.whole.kept, *self.contact.kept, *self.wave, *ends)}
+        return [by_time[time] for time in sorted(by_time)]
 
 
-def film_of(model: Model, wanted: int = STILLS) -> Film:
-    """Return a film for a model that is to be run."""
+def snapshot_recorder(model: Model, wanted: int = SNAPSHOTS) -> SnapshotRecorder:
+    """Return a recorder for a model that is to be run."""
     meeting = blow_contact(model)
-    return Film(skin_of(model), transit_time(model), "" if meeting is None else meeting.name, wanted)
+    return SnapshotRecorder(skin_of(model), transit_time(model), "" if meeting is None else meeting.name, wanted)
 
 
-def film_from(model: Model, frames: Sequence[Frame]) -> Film:
-    """Return a film of whole fields that were kept, which knows nothing of contacts."""
-    film = film_of(model, max(len(frames), 1))
+def recorder_from_frames(model: Model, frames: Sequence[Frame]) -> SnapshotRecorder:
+    """Return a recorder that has seen some whole fields, and knows nothing of contacts."""
+    recorder = snapshot_recorder(model, max(len(frames), 1))
     for frame in frames:
-        film.offer(frame.time, False, float(von_mises(frame.stress).max(initial=0.0)), itertools.repeat(frame).__next__)
-    return film
+        largest = float(von_mises(frame.stress).max(initial=0.0))
+        recorder.offer(frame.time, False, largest, itertools.repeat(frame).__next__)
+    return recorder
 
 
 def transit_time(model: Model) -> float:

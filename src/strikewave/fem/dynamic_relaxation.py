@@ -7,7 +7,7 @@ what the vibration itself would.
 
 A small maximum may be that of a fast vibration, while a slow one has only begun. A body rests when its kinetic energy
 stays below the wanted one, with nothing set to zero, as long as the longest rise to a maximum before; and as long as a
-wave takes to and fro.
+wave takes there and back.
 
 Sources: P. A. Cundall 1976, Explicit finite-difference methods in geomechanics, Numerical Methods in Engineering,
 Proc. EF Conference, Blacksburg, 132-150; M. R. Barnes 1999, International Journal of Space Structures 14, 89-104.
@@ -26,7 +26,8 @@ from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import Array
 
 MOST_MAXIMA = 300
-"""Maxima of a body after which it is taken as it is."""
+"""Maxima of a body after which it is taken as it is: each takes a share of the vibration, and bodies that come to rest
+at all have done so after some tens."""
 
 
 class Settled(NamedTuple):
@@ -74,7 +75,7 @@ def settle(engine: Engine, bodies: Sequence[Body], wanted: float, most: int) -> 
     Parameters
     ----------
     engine : Engine
-        Of a model without velocities and loads; `Engine.stand` has been called.
+        Of a model without velocities and loads; `Engine.initialize` has been called.
     bodies : sequence of Body
     wanted : float
         Kinetic energy to which they come to rest, J.
@@ -84,8 +85,8 @@ def settle(engine: Engine, bodies: Sequence[Body], wanted: float, most: int) -> 
     watch, rigid = _Watch(engine, bodies, wanted), [body.nodes for body in engine.bodies]
     first = engine.steps
     while not watch.over and engine.steps - first < most and engine.goes_on:
-        engine.ahead = min(engine.ahead, engine.model.controls.safety * engine.critical)
-        engine.act()
+        engine.dt_next = min(engine.dt_next, engine.model.controls.safety * engine.critical)
+        engine.assemble_forces()
         engine.step()
         square = np.einsum("n,ni,ni->n", engine.own_mass, engine.v, engine.v)
         passed = watch.passed(np.asarray(0.5 * np.bincount(watch.owner, square, len(bodies)), float))
@@ -99,8 +100,8 @@ def settle(engine: Engine, bodies: Sequence[Body], wanted: float, most: int) -> 
 
 
 def _crossing_steps(engine: Engine, body: Body) -> int:
-    """Return the steps that a wave takes through a body, to and fro."""
+    """Return the steps that a wave takes through a body and back."""
     places = engine.model.mesh.points[body.nodes]
     slowest = min(engine.model.solids[part].wave_speed for part in body.parts)
     reach = 2.0 * float(np.linalg.norm(np.ptp(places, axis=0)))
-    return int(np.ceil(reach / (slowest * engine.ahead)))
+    return int(np.ceil(reach / (slowest * engine.dt_next)))
