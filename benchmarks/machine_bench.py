@@ -7,7 +7,7 @@ import numpy as np
 from timing import best, table, write
 
 from strikewave import load_case
-from strikewave.machines import run_rotary
+from strikewave.machines import run_machine
 from strikewave.machines.quick import quick_run
 from strikewave.studies.map.cells import machine_of
 from strikewave.studies.map.study import axis_of, make_map, plan_of
@@ -37,7 +37,7 @@ def rows():
     found = [
         (
             f"full run, 11 blows, tolerance {tolerance:g}",
-            write(best(lambda t=tolerance: run_rotary(machine, t))),
+            write(best(lambda t=tolerance: run_machine(machine, t))),
             "",
             "",
         )

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from strikewave import load_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import IntegrationError
-from strikewave.machines import blows, run_rotary
+from strikewave.machines import blows, run_machine
 from strikewave.machines.quick import quick_run, why_not
 from strikewave.studies.settings.candidate import supply
 
@@ -21,7 +21,7 @@ def machine_with(*changes):
 
 def both(machine, **options):
     """A fast run and the blows of the full one."""
-    return quick_run(machine, **options), blows(run_rotary(machine, 1e-9))
+    return quick_run(machine, **options), blows(run_machine(machine, 1e-9))
 
 
 def miss(run, full, name):
@@ -141,7 +141,7 @@ def test_stop_and_retreat_go_on_where_passes_miss():
     """The object comes down onto its stop only after the next striker has passed: the stop's largest force, and how far
     behind its place the face was, against the full run. Its force is read there every 20 us, of a bounce of ms."""
     machine = machine_with("object.spring=3 kN/m", "object.preload=60 N", "object.damper=5 N s/m", "feed.blows=8")
-    whole = run_rotary(machine, 1e-8)
+    whole = run_machine(machine, 1e-8)
     run, full = quick_run(machine), blows(whole)
     assert [b.kind for b in run.blows] == [b.kind for b in full]
     assert sum(b.kind == "missed" for b in full) >= 4
@@ -206,7 +206,7 @@ def test_a_striker_that_meets_the_edge_is_told():
     """The object is not back when the next nose comes in from the side."""
     machine = machine_with("machine.face_width=98 mm", "object.spring=4 kN/m", "object.preload=100 N")
     with pytest.raises(IntegrationError, match="striker 4 met the edge"):
-        run_rotary(machine, 1e-7)
+        run_machine(machine, 1e-7)
     with pytest.raises(IntegrationError, match="edge"):
         quick_run(machine)
 

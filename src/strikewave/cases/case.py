@@ -28,7 +28,7 @@ from pydantic import (
 from strikewave.base.errors import MISSING, InputError, InputErrors, nearest, show
 from strikewave.base.quantities import Provenance, ToleranceBand, Value
 from strikewave.cases.fem_tables import FemTable
-from strikewave.cases.machine_tables import AnyLaunched, AnyMachine
+from strikewave.cases.machine_tables import AnyMachine
 from strikewave.cases.mesh_tables import FilePart, MeshTable
 from strikewave.cases.paths import Form, row_name
 from strikewave.cases.tables import (
@@ -37,11 +37,12 @@ from strikewave.cases.tables import (
     AnyStriker,
     ContactTable,
     FeedTable,
+    LaunchedTable,
     LoadTable,
-    Machine,
     Object,
     Published,
     Recorder,
+    RotaryTable,
     SensorTable,
     Solver,
     StackTable,
@@ -84,7 +85,7 @@ class Impact(NamedTuple):
 class Rig(NamedTuple):
     """The tables of a rotary machine, all of them there."""
 
-    machine: Machine
+    machine: RotaryTable
     striker: Striker
     feed: FeedTable
     object: Object
@@ -120,7 +121,7 @@ class Case(Table):
     @classmethod
     def _strict(cls, raw: Any, info: ValidationInfo) -> Any:
         """Ask for every quantity, but in a machine without a drive."""
-        free = not isinstance(info.data.get("machine", raw), Machine | None)
+        free = not isinstance(info.data.get("machine", raw), RotaryTable | None)
         if free or not isinstance(raw, Mapping) or info.field_name is None:
             return raw
         return STRICT[info.field_name].model_validate(raw)
@@ -128,7 +129,7 @@ class Case(Table):
     @model_validator(mode="after")
     def _whole(self) -> Case:
         """Refuse a case without anything to run, and a machine without one of its tables."""
-        needed = [name for name in RIG if name != "feed" or isinstance(self.machine, Machine | None)]
+        needed = [name for name in RIG if name != "feed" or isinstance(self.machine, RotaryTable | None)]
         lacking = [name for name in ("mesh", "fem") if getattr(self, name) is None]
         if len(lacking) == 1:
             examples = {"mesh": "[[mesh.part]], once for each part", "fem": '[fem] with its duration = "80 us"'}
@@ -184,7 +185,7 @@ class Case(Table):
         """
         striker, struck, contact, recorder = self.impact()
         if not (
-            isinstance(self.machine, Machine)
+            isinstance(self.machine, RotaryTable)
             and isinstance(striker, Striker)
             and isinstance(struck, Object)
             and self.feed is not None
@@ -193,9 +194,9 @@ class Case(Table):
             raise InputError("machine.kind", kind, "rotary", "this needs a rotary machine, such as case li-ma-2019")
         return Rig(self.machine, striker, self.feed, struck, contact, recorder)
 
-    def launched(self) -> AnyLaunched | None:
+    def launched(self) -> LaunchedTable | None:
         """Return the machine if it is one without a drive."""
-        return None if isinstance(self.machine, Machine) else self.machine
+        return self.machine if isinstance(self.machine, LaunchedTable) else None
 
     def values(self) -> dict[str, Value]:
         """Return every quantity by its path, such as ``machine.speed`` or ``stack.layer.upper.length``."""

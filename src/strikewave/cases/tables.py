@@ -16,6 +16,7 @@ from strikewave.base.quantities import (
     Damping,
     Duration,
     FeedTime,
+    FollowTime,
     Force,
     Frequency,
     Inertia,
@@ -83,7 +84,13 @@ class Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Machine(Table):
+class MachineTable(Table):
+    """[machine] of any kind."""
+
+    kind: str
+
+
+class RotaryTable(MachineTable):
     """[machine]: a rotary machine.
 
     ``blow_angle`` is that between the outward radius and the blow at the strike position: 0, where it is left out, is
@@ -111,6 +118,12 @@ class Machine(Table):
     speed_ripple: MaybeRipple = None
     ripple_order: MaybeTurns = None
     ripple_phase: MaybeAngle = None
+
+
+class LaunchedTable(MachineTable):
+    """[machine] without a drive: ``follow``, how long it is followed after first touch (10 ms)."""
+
+    follow: FollowTime = Value(si=10e-3, typed="10 ms")
 
 
 class OwnStriker(Table):

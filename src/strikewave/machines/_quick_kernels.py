@@ -48,11 +48,11 @@ from strikewave.machines._kernels import (
     REACH,
     SECOND,
     SINE,
-    RotarySystem,
+    MachineSystem,
+    machine_rates,
     own_switch,
     own_switches,
     place_bases,
-    rotary_rates,
 )
 from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, OBJECT, STRIKER, layout_of
 from strikewave.machines._note_kernels import (
@@ -127,11 +127,11 @@ class Train(NamedTuple):
     least: int
 
 
-class Machine(NamedTuple):
+class TrainTables(NamedTuple):
     """One machine as both systems, and its riders."""
 
     coast: CoastSystem
-    blow: RotarySystem
+    blow: MachineSystem
     riders: Riders
 
 
@@ -178,7 +178,7 @@ def face_of(system, t, y, mode, memory):
 @called_kernel
 def coast_rates(system, t, y, mode, memory, dy):
     """Fill the time derivative of the whole state: a machine that no striker touches."""
-    rotary_rates(system, t, y, mode, memory, dy)
+    machine_rates(system, t, y, mode, memory, dy)
 
 
 @called_kernel

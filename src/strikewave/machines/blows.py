@@ -1,4 +1,4 @@
-"""What a run of the rotary machine did to the object, blow by blow."""
+"""What a run of a machine did to the object, blow by blow."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from strikewave.contact.elastoplastic import spot_after
 from strikewave.contact.law import check_end
 from strikewave.machines._layout import APEX_SWITCH
-from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.run import MachineRun
 from strikewave.signal.pulse import measure_pulse
 
 Array = NDArray[np.float64]
@@ -102,14 +102,14 @@ class Blow:
     turntable_speed: float
 
 
-def contact_table(run: RotaryRun) -> Array:
+def contact_table(run: MachineRun) -> Array:
     """Return all contacts in order of time: begin, end, approach speed, striker (from 0), pass; shape (N, 5)."""
     table = run.contacts()
     angles = run.sample(table[:, 0]).turntable_angle if len(table) else np.empty(0)
     return np.column_stack([table, np.round(angles / run.machine.pitch)])
 
 
-def counted_passes(run: RotaryRun) -> dict[int, float]:
+def counted_passes(run: MachineRun) -> dict[int, float]:
     """Return the passes whose apex fell while the object was held in place: pass number to time, s."""
     begin, end = run.held
     times = run.switch_times(APEX_SWITCH)
@@ -118,7 +118,7 @@ def counted_passes(run: RotaryRun) -> dict[int, float]:
     return {round(a / run.machine.pitch): float(t) for a, t in zip(angles, times, strict=True)}
 
 
-def blows(run: RotaryRun) -> tuple[Blow, ...]:
+def blows(run: MachineRun) -> tuple[Blow, ...]:
     """List the blows of a run in order of time, missed passes among them.
 
     A pass belongs to the list when its striker touched the object, or when its apex fell while the
@@ -139,7 +139,7 @@ def blows(run: RotaryRun) -> tuple[Blow, ...]:
 
 
 def pulse_window(
-    run: RotaryRun, touch: float, until: float = math.inf, step: float = SAMPLE_STEP
+    run: MachineRun, touch: float, until: float = math.inf, step: float = SAMPLE_STEP
 ) -> tuple[Array, Array, Array]:
     """Return time since first touch, contact force and rigid acceleration about a blow.
 
@@ -152,7 +152,7 @@ def pulse_window(
     return since, moments.contact_force, moments.rigid_acceleration
 
 
-def _missed(run: RotaryRun, index: int, number: int, time: float) -> Blow:
+def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
     nothing = dict.fromkeys(
         (
             *("approach_speed", "rebound_speed", "restitution", "rigid_peak", "width", "rise"),
@@ -175,7 +175,7 @@ def _missed(run: RotaryRun, index: int, number: int, time: float) -> Blow:
     )
 
 
-def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
+def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
     struck = run.machine.struck
     begin, striker, last = float(rows[0, 0]), int(rows[0, 3]), float(rows[:, 1].max())
     since, force, acceleration = pulse_window(run, begin, min(until, last + WINDOW_AFTER) - begin)
@@ -223,7 +223,7 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
     )
 
 
-def _work(run: RotaryRun, rows: Array) -> tuple[float, float]:
+def _work(run: MachineRun, rows: Array) -> tuple[float, float]:
     """Return the largest indentation of some contacts, m, and their restitution by work given back over work taken."""
     deepest, taken, back = 0.0, 0.0, 0.0
     for begin, end in rows[:, :2]:
@@ -237,7 +237,7 @@ def _work(run: RotaryRun, rows: Array) -> tuple[float, float]:
     return deepest, math.sqrt(back / taken) if taken > 0.0 else math.nan
 
 
-def _kind(run: RotaryRun, rows: Array, width: float) -> tuple[str, float]:
+def _kind(run: MachineRun, rows: Array, width: float) -> tuple[str, float]:
     """Return the kind of a blow and when it ends, s: later light touches, a pulse width off, are no part of it."""
     last = float(rows[:, 1].max())
     gaps = np.flatnonzero(rows[1:, 0] - rows[:-1, 1] > width)

@@ -1,13 +1,12 @@
 """The fast run of the rotary machine: rigid between blows, whole bodies within them, and the blows as a table.
 
 Between two blows nothing of what rings in frame and mounts is left that the blows could see, yet it holds a full
-run (`strikewave.machines.rotary.run_rotary`) to steps of some 50 us. Here the object is one body and the strikers
+run (`strikewave.machines.run.run_machine`) to steps of some 50 us. Here the object is one body and the strikers
 ride on their steady circles until the next touch; see `_quick_kernels`.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -20,13 +19,13 @@ from strikewave.contact._integrator import Control, empty_record
 from strikewave.contact.law import elastic_indentation
 from strikewave.machines import _note_kernels as column
 from strikewave.machines import _quick_kernels as kernels
-from strikewave.machines._kernels import BASE_ROWS, LAYERED, RotarySystem
+from strikewave.machines._kernels import BASE_ROWS, LAYERED, MachineSystem
 from strikewave.machines._layout import OBJECT, layout_of
 from strikewave.machines._note_kernels import Notes
-from strikewave.machines._quick_kernels import CoastSystem, Frame, Machine, Part, Riders, Train
+from strikewave.machines._quick_kernels import CoastSystem, Frame, Part, Riders, Train, TrainTables
 from strikewave.machines.blows import DOUBLE_SHARE, GLANCING_SHARE
 from strikewave.machines.feed import expected_time
-from strikewave.machines.machine import RotaryMachine, rotary_system, start_state
+from strikewave.machines.machine import Machine, machine_system, start_state
 
 Array = NDArray[np.float64]
 
@@ -90,7 +89,7 @@ class QuickRun:
 
     Attributes
     ----------
-    machine : RotaryMachine
+    machine : Machine
         What ran, with its own feed.
     table : ndarray
         One row a pass, columns as `_quick_kernels` names them.
@@ -104,7 +103,7 @@ class QuickRun:
         Steps taken between blows and in blows.
     """
 
-    machine: RotaryMachine
+    machine: Machine
     table: Array
     end: float
     let_go: float
@@ -147,7 +146,7 @@ _COLUMNS = {
 }
 
 
-def _finished(machine: RotaryMachine, noted: Array) -> Array:
+def _finished(machine: Machine, noted: Array) -> Array:
     """Return the table of blows: a double one ends with its last release, a missed one has how far the face was off."""
     table = noted.copy()
     kinds = np.array(_kinds(machine, table), dtype=object)
@@ -157,7 +156,7 @@ def _finished(machine: RotaryMachine, noted: Array) -> Array:
     return table
 
 
-def _kinds(machine: RotaryMachine, table: Array) -> list[str]:
+def _kinds(machine: Machine, table: Array) -> list[str]:
     limit = GLANCING_SHARE * machine.nominal_approach
     return [_kind(row, limit) for row in table]
 
@@ -171,7 +170,7 @@ def _kind(row: Array, limit: float) -> str:
     return "double" if row[column.LATER] > DOUBLE_SHARE * row[column.IMPULSE] else "full"
 
 
-def why_not(machine: RotaryMachine) -> str:
+def why_not(machine: Machine) -> str:
     """Return in words why a machine must not be run fast; nothing where it may.
 
     The object counts as one body between blows: on spring and stop it must swing far more slowly than its frame
@@ -193,7 +192,7 @@ def why_not(machine: RotaryMachine) -> str:
 
 
 def quick_run(
-    machine: RotaryMachine,
+    machine: Machine,
     blows: int | None = None,
     tolerance: float = 1e-6,
     quiet: float = QUIET_SHARE,
@@ -204,7 +203,7 @@ def quick_run(
 
     Parameters
     ----------
-    machine : RotaryMachine
+    machine : Machine
         What to run.
     blows : int, optional
         Stop after so many passes, whatever the feed's own number and hold, without the retraction.
@@ -229,9 +228,9 @@ def quick_run(
         raise ValueError(reason)
     asked = machine
     if blows is not None:
-        machine = dataclasses.replace(machine, feed=dataclasses.replace(machine.feed, blows=blows, hold=math.inf))
+        machine = machine.with_feed(blows=blows, hold=math.inf)
     tables, going, struck = quick_tables(machine)
-    notes = empty_notes(machine.feed.blows + _SPARE_ROWS)
+    notes = empty_notes(machine.drive.feed.blows + _SPARE_ROWS)
     approach = machine.nominal_approach
     train = Train(quiet, 0.5 * machine.struck.mass * approach**2, 0 if blows is None else blows, repeats, least)
     before = _energy(machine, tables, going, 0.0)
@@ -253,9 +252,9 @@ def quick_run(
     return QuickRun(asked, table, float(end), lost, float(abs(missing) / flowed), steps)
 
 
-def _energy(machine: RotaryMachine, tables: Machine, going: Part, time: float) -> float:
+def _energy(machine: Machine, tables: TrainTables, going: Part, time: float) -> float:
     """Return the energy of object, turntable, belt and motor, J."""
-    energy, disc = float(kernels.rigid_energy(tables.coast, time, going)), machine.turntable
+    energy, disc = float(kernels.rigid_energy(tables.coast, time, going)), machine.drive.turntable
     if not disc.rigid_belt:
         at = layout_of(tables.coast)
         twist, motor = float(going.y[at.belt_twist]), float(going.y[at.motor_speed])
@@ -271,14 +270,14 @@ def empty_notes(rows: int) -> Notes:
     return Notes(np.full((rows, column.BLOW_COLUMNS), np.nan), samples, contacts, counts, np.zeros(column.NUMBERS))
 
 
-def controls(machine: RotaryMachine, tolerance: float, tables: Machine) -> tuple[Control, Control]:
+def controls(machine: Machine, tolerance: float, tables: TrainTables) -> tuple[Control, Control]:
     """Return how to integrate what coasts and a blow."""
-    approach, radius, q = machine.nominal_approach, machine.turntable.radius, machine.engagement
+    approach, radius, q = machine.nominal_approach, machine.radius, machine.engagement
     depth = elastic_indentation(machine.strikers.first.contact, machine.struck.nose_mass, approach)
-    pitch_time = machine.pitch / machine.turntable.speed
-    end = 3.0 * expected_time(machine.feed, pitch_time)
+    pitch_time = machine.pitch / machine.drive.turntable.speed
+    end = 3.0 * expected_time(machine.drive.feed, pitch_time)
 
-    def scaled(system: CoastSystem | RotarySystem, place: float) -> Array:
+    def scaled(system: CoastSystem | MachineSystem, place: float) -> Array:
         at = layout_of(system)
         scale = np.zeros(at.states)
         scale[at.positions], scale[at.speeds] = place, approach
@@ -291,9 +290,9 @@ def controls(machine: RotaryMachine, tolerance: float, tables: Machine) -> tuple
     return coast, blow
 
 
-def quick_tables(machine: RotaryMachine) -> tuple[Machine, Part, Part]:
+def quick_tables(machine: Machine) -> tuple[TrainTables, Part, Part]:
     """Return a machine as the tables that the kernels take, and its two parts at the valve signal."""
-    full, struck = rotary_system(machine), machine.struck
+    full, struck = machine_system(machine), machine.struck
     at, chain, start = layout_of(full), full.chain, start_state(machine, full)
     full.settings[LAYERED] = 0.0
     nodes, links = np.arange(len(chain.bodies) + chain.bases.shape[1]), np.arange(len(chain.joins))
@@ -302,7 +301,7 @@ def quick_tables(machine: RotaryMachine) -> tuple[Machine, Part, Part]:
     one = np.r_[of_bodies[at.strikers][0], of_bodies[at.object]]
     of_blow = np.r_[links[at.contacts][0], links[at.mounts][0], links[at.frame], held]
     in_blow = [*one, of_bases[0], carriage]
-    blow = RotarySystem(_part_of(chain, chain.bodies[one], of_blow, in_blow), full.seats[:1].copy(), full.settings)
+    blow = MachineSystem(_part_of(chain, chain.bodies[one], of_blow, in_blow), full.seats[:1].copy(), full.settings)
     masses = chain.bodies[at.strikers, MASS]
     stretches = masses / np.array([s.mount_stiffness for s in machine.strikers.each])
     coast = CoastSystem(
@@ -325,7 +324,7 @@ def quick_tables(machine: RotaryMachine) -> tuple[Machine, Part, Part]:
     going.y[riding.turntable] = start.y[at.turntable]
     going.mode[riding.held_modes], going.mode[riding.on_face] = start.mode[at.held_modes], start.mode[at.on_face]
     going.memory[riding.own_memory] = start.memory[at.own_memory]
-    return Machine(coast, blow, riders), going, _at_rest(blow)
+    return TrainTables(coast, blow, riders), going, _at_rest(blow)
 
 
 def _part_of(chain: ChainTables, bodies: Array, links: NDArray[np.int64], nodes: list[int]) -> ChainTables:
@@ -336,7 +335,7 @@ def _part_of(chain: ChainTables, bodies: Array, links: NDArray[np.int64], nodes:
     return ChainTables(bodies, np.zeros((BASE_ROWS, len(nodes) - len(bodies))), joins, chain.values[links].copy())
 
 
-def _at_rest(system: CoastSystem | RotarySystem) -> Part:
+def _at_rest(system: CoastSystem | MachineSystem) -> Part:
     """Return a part at rest; what has not yielded has not grown."""
     at = layout_of(system)
     memory = np.zeros(at.memories)

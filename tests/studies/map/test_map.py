@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from strikewave import load_case
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Range, ToleranceBand
-from strikewave.machines import StruckObject, blows, run_rotary
+from strikewave.machines import StruckObject, blows, run_machine
 from strikewave.machines.quick import quick_run
 from strikewave.studies.map.cells import (
     FIELDS,
@@ -212,7 +212,7 @@ def test_hold_ends_the_own_blows_as_in_full():
     is never even, nor does a full run of it with its own feed confirm it."""
     case = load_case("li-ma-2019", ["feed.blows=6", "feed.hold=70 ms"])
     machine = machine_of(case)
-    full = blows(run_rotary(machine, 1e-7))
+    full = blows(run_machine(machine, 1e-7))
     run = quick_run(machine, 12)
     assert own_blows(run, 6).stop == len(full) < 6
     cell = cell_of(case, 6, 0)

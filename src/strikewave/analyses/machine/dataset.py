@@ -16,7 +16,7 @@ from strikewave.cases.case import Case
 from strikewave.machines import Blow
 from strikewave.machines._kernels import stroke_places
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window
-from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import Moments, StackSpan
 from strikewave.sensors.channel import Channel
 from strikewave.waves.li_ma import ROUTES
@@ -107,7 +107,7 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates, {"route": seen.view.route})
 
 
-def _place_variables(case: Case, run: RotaryRun, time: Array, train: Moments) -> dict[str, Any]:
+def _place_variables(case: Case, run: MachineRun, time: Array, train: Moments) -> dict[str, Any]:
     """Return where turntable and carriage are; nothing for a machine without a feed."""
     if not {"feed", "fed", "retract", "brake"} <= dict(run.phases).keys():
         return {}
@@ -177,7 +177,7 @@ def _reading_variables(histories: Sequence[BlowHistory | None], channels: Sequen
     return found
 
 
-def _field_variables(run: RotaryRun) -> dict[str, Any]:
+def _field_variables(run: MachineRun) -> dict[str, Any]:
     """Return the force along the stack over time in the first blow that touched."""
     span = next((span for span in run.spans if isinstance(span, StackSpan) and span.field_position.size), None)
     if span is None:

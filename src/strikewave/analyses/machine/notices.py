@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from strikewave.analyses.machine.launched import Release
+from strikewave.analyses.machine.kind import Release
 from strikewave.analyses.machine.readings import (
     BlowHistory,
     BlowReading,
@@ -16,7 +16,7 @@ from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import force_words, law_notices, yield_notices
 from strikewave.machines import Blow
-from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import StackSpan
 from strikewave.signal.pulse import FEWEST_INTERVALS, measure_pulse
 from strikewave.waves.limits import (
@@ -132,7 +132,7 @@ def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
 
 
 def wave_notices(
-    run: RotaryRun,
+    run: MachineRun,
     histories: Sequence[BlowHistory | None],
     readings: Sequence[BlowReading | None],
     bandwidth: float,
@@ -162,7 +162,7 @@ def contact_rise(span: StackSpan) -> float:
 
 def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notice]:
     """Say what a user of a machine without a drive should know."""
-    yield from start.told
+    yield from start.notices
     machine, touched = case.launched(), seen.run.contacts()
     if machine is None or not len(touched):
         return

@@ -8,19 +8,16 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from strikewave.analyses.machine.consistency import misfits
+from strikewave.analyses.machine.consistency import inconsistencies
 from strikewave.analyses.machine.struck_object import layered_object, object_bodies
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case, Rig
 from strikewave.cases.contact_of_case import face_contact, or_else
-from strikewave.cases.tables import FeedTable, OwnStriker
-from strikewave.cases.tables import Machine as MachineTable
-from strikewave.contact import (
-    AnyContact,
-)
-from strikewave.machines import Feed, RotaryMachine, Strikers, StruckObject, Turntable
+from strikewave.cases.tables import FeedTable, OwnStriker, RotaryTable
+from strikewave.contact import AnyContact
+from strikewave.machines import Feed, Machine, RotaryDrive, Strikers, StruckObject, Turntable
 from strikewave.machines import Striker as BuiltStriker
 
 T = TypeVar("T")
@@ -65,7 +62,7 @@ def _with_own(table: TableT, given: dict[str, Value]) -> TableT:
     return table.model_copy(update={key: value for key, value in given.items() if key in type(table).model_fields})
 
 
-def _turntable(table: MachineTable) -> Turntable:
+def _turntable(table: RotaryTable) -> Turntable:
     """Return the turntable; motor and belt as it would have them."""
     return _filled(
         Turntable,
@@ -79,15 +76,13 @@ def _turntable(table: MachineTable) -> Turntable:
     )
 
 
-def build_rotary(case: Case) -> RotaryMachine:
+def build_rotary(case: Case) -> Machine:
     """Turn a case of the rotary machine into the machine that runs; see `build_machine`."""
     rig = case.rig()
     layered = layered_object(case)
     bodies = object_bodies(case, layered)
-    machine = RotaryMachine(
-        turntable=_turntable(rig.machine),
+    machine = Machine(
         strikers=_strikers(rig),
-        feed=_feed(rig.feed),
         struck=_filled(
             StruckObject,
             rig.object,
@@ -95,12 +90,16 @@ def build_rotary(case: Case) -> RotaryMachine:
             friction=or_else(rig.object.friction, 0.0),
             stiction=None if rig.object.stiction is None else rig.object.stiction.si,
         ),
-        engagement=rig.machine.engagement.si,
+        start=RotaryDrive(
+            turntable=_turntable(rig.machine),
+            feed=_feed(rig.feed),
+            engagement=rig.machine.engagement.si,
+            blow_angle=or_else(rig.machine.blow_angle, 0.0),
+            face_width=or_else(rig.machine.face_width, math.inf),
+        ),
         layered=layered,
-        blow_angle=or_else(rig.machine.blow_angle, 0.0),
-        face_width=or_else(rig.machine.face_width, math.inf),
     )
-    lines = [str(error) for error in misfits(case, machine)]
+    lines = [str(error) for error in inconsistencies(case, machine)]
     if lines:
         raise InputErrors(lines)
     return machine

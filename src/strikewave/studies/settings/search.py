@@ -15,7 +15,7 @@ from strikewave.base.errors import InputError, InputErrors, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
 from strikewave.cases.case import FORM, Case
-from strikewave.machines import RotaryRun, blows, run_rotary
+from strikewave.machines import MachineRun, blows, run_machine
 from strikewave.studies.settings.candidate import Candidate, Goal, Observation, limits_of, misses, observe_blows
 from strikewave.studies.settings.estimate import (
     Support,
@@ -176,7 +176,7 @@ class Design:
         """Return the case at settings: engagement, stiffness, speed."""
         return self.rig.case.with_values(self.changes(settings))
 
-    def run(self, settings: Array, tolerance: float) -> tuple[RotaryRun, Observation | None]:
+    def run(self, settings: Array, tolerance: float) -> tuple[MachineRun, Observation | None]:
         """Run the machine at settings.
 
         Raises
@@ -184,7 +184,7 @@ class Design:
         InputError, InputErrors, IntegrationError, ValueError
             If it does not fit together, or cannot be followed.
         """
-        run = run_rotary(build_machine(self.case_at(settings)), tolerance)
+        run = run_machine(build_machine(self.case_at(settings)), tolerance)
         return run, observe_blows(run, blows(run), self.goal)
 
 
