@@ -271,7 +271,7 @@ def test_open_ledger_breaks_a_limit():
 
 @given(arrival=st.floats(0, 1), speed=st.floats(1, 200), strikers=st.integers(1, 20))
 def test_feed_arrives_where_it_is_told(published, arrival, speed, strikers):
-    feed = build_machine(published).feed
+    feed = build_machine(published).drive.feed
     feed = type(feed)(**{**feed.__dict__, "arrival": arrival})
     pitch = 2 * math.pi / strikers
     start = angle_at_valve_signal(feed, speed, pitch)

@@ -377,7 +377,7 @@ def test_stack_that_cannot_be_struck_is_refused_in_one_line(changes, line):
 
 
 def test_hundred_blows_are_allowed():
-    assert build_machine(load_case(CASE, ["feed.blows=100"])).feed.blows == 100
+    assert build_machine(load_case(CASE, ["feed.blows=100"])).drive.feed.blows == 100
 
 
 def test_frame_that_could_fall_apart_is_refused():

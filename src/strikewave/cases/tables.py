@@ -26,6 +26,7 @@ from strikewave.base.quantities import (
     MaybeAngle,
     MaybeArea,
     MaybeBits,
+    MaybeBlowCount,
     MaybeDamping,
     MaybeDensity,
     MaybeError,
@@ -39,6 +40,7 @@ from strikewave.base.quantities import (
     MaybeInertia,
     MaybeLayerSpeed,
     MaybeLength,
+    MaybeLongest,
     MaybeLoss,
     MaybeMass,
     MaybeModulus,
@@ -121,9 +123,16 @@ class RotaryTable(MachineTable):
 
 
 class LaunchedTable(MachineTable):
-    """[machine] without a drive: ``follow``, how long it is followed after first touch (10 ms)."""
+    """[machine] without a drive: ``follow``, how long it is followed after first touch (10 ms).
+
+    ``until`` may say instead that it is followed over its rebounds: until it rests ("rest"), or until a brake catches
+    it at the top of its rebound ("brake") after so many blows (``brake_after``, 1); but not beyond ``longest`` (10 s).
+    """
 
     follow: FollowTime = Value(si=10e-3, typed="10 ms")
+    until: Literal["time", "rest", "brake"] | None = None
+    brake_after: MaybeBlowCount = None
+    longest: MaybeLongest = None
 
 
 class OwnStriker(Table):

@@ -60,13 +60,13 @@ SETTINGS = (
     *("inertia", "drag", "set_speed", "gain", "torque", "ripple", "ripple_order", "ripple_phase"),
     *("motor_inertia", "belt_stiffness", "belt_damping", "weight_moment"),
     *("valve_delay", "stroke", "stroke_time", "acceleration", "cushion", "hold", "release_delay", "retract_time"),
-    *("blows", "layered", "along", "across", "half_face", "pitch"),
+    *("blows", "stop_at_touch", "along", "across", "half_face", "pitch"),
 )
 """Names of `MachineSystem.settings`, SI; see `strikewave.machines.run.machine_system`."""
 (INERTIA, DRAG, SET_SPEED, GAIN, TORQUE, RIPPLE, RIPPLE_ORDER, RIPPLE_PHASE) = range(8)
 (MOTOR_INERTIA, BELT_STIFFNESS, BELT_DAMPING, WEIGHT_MOMENT) = range(8, 12)
 (VALVE_DELAY, STROKE, STROKE_TIME, ACCELERATE, CUSHION, HOLD, RELEASE_DELAY, RETRACT_TIME) = range(12, 20)
-(BLOWS, LAYERED, ALONG, ASIDE, HALF_FACE, PITCH) = range(20, 26)
+(BLOWS, STOP_AT_TOUCH, ALONG, ASIDE, HALF_FACE, PITCH) = range(20, 26)
 FEED_TIMES = (VALVE_DELAY, STROKE_TIME, HOLD, RELEASE_DELAY, RETRACT_TIME)
 """How long each phase of the feed lasts: places in the settings."""
 
@@ -291,7 +291,7 @@ def own_switch(system, own, t, y, mode, memory):
 def machine_switch(system, k, t, y, mode, memory):
     """Change the mode at switch k: a link, the drive, the feed, a striker at its apex or at an edge.
 
-    Where the struck object is a stack of layers, the first touch stops the integration.
+    Where the struck object is a stack of layers, or rebounds are followed, each touch stops the integration.
     """
     at = layout_of(system)
     place_bases(system, t, y, mode, memory)
@@ -300,7 +300,7 @@ def machine_switch(system, k, t, y, mode, memory):
     code = link_switch(system.chain, k, y, mode, memory)
     if link_of(k) < at.contacts.stop and code == RESTART:
         mode[at.touched] = 1
-        if system.settings[LAYERED] > 0.0:
+        if system.settings[STOP_AT_TOUCH] > 0.0:
             return STOP
     return code
 

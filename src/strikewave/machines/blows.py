@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from strikewave.contact.elastoplastic import spot_after
 from strikewave.contact.law import check_end
 from strikewave.machines._layout import APEX_SWITCH
+from strikewave.machines.rebounds import blow_numbers
 from strikewave.machines.run import MachineRun
 from strikewave.signal.pulse import measure_pulse
 
@@ -32,14 +33,14 @@ WINDOW_BEFORE, WINDOW_AFTER, SAMPLE_STEP = 50e-6, 1.5e-3, 0.25e-6
 
 @dataclass(frozen=True)
 class Blow:
-    """One pass of one striker, all its re-contacts included; SI.
+    """One pass of one striker, or one of the rebounds of a launched machine, all its re-contacts included; SI.
 
     Attributes
     ----------
     index : int
         Number of the blow, from 1.
     kind : str
-        full, glancing (approach below half the nominal speed), double (a second group of contacts, more
+        full, glancing (approach below half the nominal speed of a drive), double (a second group of contacts, more
         than a pulse width later, carries a tenth of the impulse) or missed.
     striker : int
         Which striker, from 1.
@@ -103,8 +104,13 @@ class Blow:
 
 
 def contact_table(run: MachineRun) -> Array:
-    """Return all contacts in order of time: begin, end, approach speed, striker (from 0), pass; shape (N, 5)."""
+    """Return all contacts in order of time: begin, end, approach speed, striker (from 0), pass; shape (N, 5).
+
+    The passes of a launched machine that is followed over its rebounds are its blows.
+    """
     table = run.contacts()
+    if run.machine.rebounds is not None:
+        return np.column_stack([table, blow_numbers(table)])
     angles = run.sample(table[:, 0]).turntable_angle if len(table) else np.empty(0)
     return np.column_stack([table, np.round(angles / run.machine.pitch)])
 
@@ -242,7 +248,7 @@ def _kind(run: MachineRun, rows: Array, width: float) -> tuple[str, float]:
     last = float(rows[:, 1].max())
     gaps = np.flatnonzero(rows[1:, 0] - rows[:-1, 1] > width)
     end = float(rows[: gaps[0] + 1, 1].max()) if gaps.size else last
-    if rows[0, 2] < GLANCING_SHARE * run.machine.nominal_approach:
+    if run.machine.launch is None and rows[0, 2] < GLANCING_SHARE * run.machine.nominal_approach:
         return "glancing", end
     if gaps.size:
         later, _ = run.impulses(float(rows[gaps[0] + 1, 0]), last)

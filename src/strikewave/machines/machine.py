@@ -43,6 +43,7 @@ from strikewave.machines._kernels import (
 from strikewave.machines._layout import layout_of
 from strikewave.machines.feed import Feed, angle_at_valve_signal
 from strikewave.machines.layered import LayeredObject
+from strikewave.machines.rebounds import Rebounds
 from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, StruckObject
 from strikewave.machines.turntable import Turntable, speed_after_wait
 
@@ -98,7 +99,9 @@ class Launch:
     travel : float, optional
         Time from the release to first touch, s.
     follow : float, optional
-        How long to follow after first touch, s.
+        How long to follow after first touch at most, s.
+    rebounds : Rebounds, optional
+        How long to follow it over its rebounds; without it only the first blow counts.
     """
 
     striker_speed: float = 0.0
@@ -107,6 +110,7 @@ class Launch:
     striker_gravity: float = 0.0
     travel: float = 0.0
     follow: float = 10e-3
+    rebounds: Rebounds | None = None
 
 
 @dataclass(frozen=True)
@@ -248,6 +252,11 @@ class Machine:
         return self.start if isinstance(self.start, Launch) else None
 
     @property
+    def rebounds(self) -> Rebounds | None:
+        """How far a launched machine is followed over its rebounds, if it is."""
+        return self.start.rebounds if isinstance(self.start, Launch) else None
+
+    @property
     def drive(self) -> RotaryDrive:
         """The rotary drive.
 
@@ -326,7 +335,7 @@ def machine_system(machine: Machine) -> MachineSystem:
     joins, of_links = link_arrays(links, nodes)
     chain = ChainTables(bodies, np.zeros((BASE_ROWS, count + 1)), joins, of_links)
     settings |= {
-        "layered": 0.0 if machine.layered is None else 1.0,
+        "stop_at_touch": 0.0 if machine.layered is None and machine.rebounds is None else 1.0,
         "along": machine.radius * math.cos(angle),
         "across": machine.radius * math.sin(angle),
         "pitch": machine.pitch,

@@ -19,7 +19,7 @@ from strikewave.contact._integrator import Control, empty_record
 from strikewave.contact.law import elastic_indentation
 from strikewave.machines import _note_kernels as column
 from strikewave.machines import _quick_kernels as kernels
-from strikewave.machines._kernels import BASE_ROWS, LAYERED, MachineSystem
+from strikewave.machines._kernels import BASE_ROWS, STOP_AT_TOUCH, MachineSystem
 from strikewave.machines._layout import OBJECT, layout_of
 from strikewave.machines._note_kernels import Notes
 from strikewave.machines._quick_kernels import CoastSystem, Frame, Part, Riders, Train, TrainTables
@@ -294,7 +294,7 @@ def quick_tables(machine: Machine) -> tuple[TrainTables, Part, Part]:
     """Return a machine as the tables that the kernels take, and its two parts at the valve signal."""
     full, struck = machine_system(machine), machine.struck
     at, chain, start = layout_of(full), full.chain, start_state(machine, full)
-    full.settings[LAYERED] = 0.0
+    full.settings[STOP_AT_TOUCH] = 0.0
     nodes, links = np.arange(len(chain.bodies) + chain.bases.shape[1]), np.arange(len(chain.joins))
     of_bodies, of_bases = nodes[: len(chain.bodies)], nodes[len(chain.bodies) :]
     carriage, held = of_bases[at.carriage], links[at.support :]

@@ -16,6 +16,7 @@ from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import force_words, law_notices, yield_notices
 from strikewave.machines import Blow
+from strikewave.machines.rebounds import REST_SHARE
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import StackSpan
 from strikewave.signal.pulse import FEWEST_INTERVALS, measure_pulse
@@ -63,8 +64,20 @@ def _changed(case: Case) -> Iterator[Notice]:
         yield Notice("changed-case", message, float(len(changed)), 0.0)
 
 
+def _wanted(case: Case, made: int) -> float:
+    """Return how many blows a case asks for; as many as came where it is followed until it rests."""
+    if case.feed is not None:
+        return case.feed.blows.si
+    launched = case.launched()
+    if launched is None or launched.until in (None, "time"):
+        return 1.0
+    after = launched.brake_after
+    return float(made) if launched.until == "rest" else 1.0 if after is None else after.si
+
+
 def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
-    made, wanted = sum(blow.kind != "missed" for blow in found), case.feed.blows.si if case.feed else 1.0
+    made = sum(blow.kind != "missed" for blow in found)
+    wanted = _wanted(case, made)
     if made != wanted:
         message = f"{made} blows instead of the {wanted:.0f} wanted"
         yield Notice("blow-count", message, float(made), wanted, broken=True)
@@ -166,13 +179,32 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
     machine, touched = case.launched(), seen.run.contacts()
     if machine is None or not len(touched):
         return
-    message = (
-        f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): unless "
-        "something catches it, what rebounds comes again"
-    )
-    yield Notice("first-blow-only", message, machine.follow.si, 0.0)
+    if seen.machine.rebounds is None:
+        message = (
+            f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): unless "
+            "something catches it, what rebounds comes again"
+        )
+        yield Notice("first-blow-only", message, machine.follow.si, 0.0)
+    else:
+        yield _rebound_notice(seen)
     if touched[-1, 1] >= seen.run.end:
         message = (
             "striker and object still touch at the end: width, impulse and rebound are not those of the whole blow"
         )
         yield Notice("contact-not-over", f"{message}; raise machine.follow", seen.run.end, machine.follow.si)
+
+
+def _rebound_notice(seen: Observed) -> Notice:
+    """Report how following over rebounds ended."""
+    run, count = seen.run, len(seen.blows)
+    if run.ended == "brake":
+        message = f"a brake catches it at the top of its rebound after {count} blows and takes {run.braked:.3g} J"
+        return Notice("brake", message, run.braked, 0.0)
+    if run.ended == "rest":
+        limit = REST_SHARE * float(run.contacts()[0, 2])
+        message = (
+            f"it rests after {count} blows: it comes again with less than {limit:.3g} m/s, {REST_SHARE:g} of the first"
+        )
+        return Notice("rest", message, run.end, limit)
+    message = f"followed for {run.end:.4g} s and {count} blows: it neither rests nor is it caught by then"
+    return Notice("follow-ended", f"{message}; raise machine.longest, or take a time (machine.until)", run.end, run.end)
