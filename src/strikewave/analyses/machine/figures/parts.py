@@ -67,6 +67,11 @@ def quantity(name: str, value: Value | None, si: str = "", unit: str = "", spell
     return [Entry(name, words, value.provenance)]
 
 
+def shown(value: Value, si: str, unit: str) -> str:
+    """Write a value of a case in a unit, as a drawing shows it."""
+    return quantity("", value, si, unit)[0].shown
+
+
 def length(name: str, value: Value | None) -> list[Entry]:
     """Return an entry in mm."""
     return quantity(name, value, "m", "mm")
@@ -87,6 +92,13 @@ def mass(name: str, value: Value | None) -> list[Entry]:
     """Return an entry in kg, below a tenth in g."""
     small = value is not None and value.si < 0.1
     return quantity(name, value, "kg", "gram" if small else "kg", "g" if small else "kg")
+
+
+def provenance_words(parts: Sequence[PartEntry]) -> str:
+    """Say how many of the numbers of some parts are published, measured, inferred, assumed, fitted."""
+    marks = [entry.provenance for part in parts for entry in part.entries if entry.provenance != "computed"]
+    counted = [f"{marks.count(word)} {word}" for word in MARKS if word in marks]
+    return f"Of the {len(marks)} numbers shown {', '.join(counted)}."
 
 
 def machine_parts(case: Case, geometry: StrikeGeometry) -> list[PartEntry]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, Setting
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Length, Mass, MaybeGap, MaybeShare, Restitution
@@ -107,3 +107,29 @@ class Amplifier(LaunchedKind):
             bodies=(FLOOR, *(row.name for row in self.body), STRIKER, OBJECT),
             notices=tuple(notices),
         )
+
+    def drawing(self, case: Case) -> Drawing:
+        """Return a schematic."""
+        from strikewave.analyses.machine.figures import schematic as s
+        from strikewave.analyses.machine.figures.parts import PartEntry, length, mass, quantity
+
+        drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
+        drop += quantity("restitution, floor", self.restitution)
+        parts = [PartEntry("floor", "fall and floor", drop)]
+        for row in self.body:
+            entries = [*mass("mass", row.mass), *quantity("restitution above", row.restitution)]
+            parts.append(PartEntry(row.name, row.name, [*entries, *length("gap above", row.gap)]))
+        parts += [s.striker_part(case, "striker"), s.contact_part(case, "contact"), s.object_part(case, "object")]
+        sketch = s.Schematic(parts)
+        sketch.ground((1.6, 0.6), (8.4, 0.6))
+        sketch.number("floor", (1.2, 0.9))
+        count = len(self.body) + 2
+        step = 6.4 / count
+        for k, place in enumerate((*(row.name for row in self.body), "striker", "object")):
+            half, low = 1.8 - 1.2 * k / count, 1.1 + k * step
+            look = "body" if place == "object" else "striker"
+            sketch.block((5.0 - half, low), (5.0 + half, low + 0.72 * step), look, place)
+        sketch.number("contact", (6.2, 1.1 + (count - 1) * step - 0.14 * step))
+        sketch.arrow((2.2, 6.4), (2.2, 4.8), "all fall")
+        sketch.blow((8.4, 5.2), (8.4, 6.8))
+        return sketch.drawing("The velocity amplifier")

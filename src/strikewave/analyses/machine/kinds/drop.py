@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, Setting
 from strikewave.base.quantities import Length, MaybeShare
 
 if TYPE_CHECKING:
@@ -41,3 +41,26 @@ class Drop(LaunchedKind):
 
         speed, travel, energy = fall(self.height, self.friction, mass)
         return Release(energy, travel, object=-speed)
+
+    def drawing(self, case: Case) -> Drawing:
+        """Return a schematic."""
+        from strikewave.analyses.machine.figures import schematic as s
+        from strikewave.analyses.machine.figures.parts import PartEntry, quantity, shown
+
+        drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
+        parts = [PartEntry("fall", "fall", drop), s.object_part(case, "table with load")]
+        sketch = s.Schematic([*parts, s.contact_part(case, "shaper"), s.striker_part(case, "anvil")])
+        for x in (2.4, 7.6):
+            sketch.line((x, 1.6), (x, 8.0))
+        sketch.block((2.2, 5.2), (7.8, 6.0), "body", "object")
+        sketch.block((4.0, 6.0), (6.0, 6.5), "body 2")
+        sketch.block((4.4, 1.6), (5.6, 2.0), "stop")
+        sketch.number("contact", (6.1, 2.0))
+        sketch.block((1.6, 0.7), (8.4, 1.6), "striker", "striker")
+        sketch.dimension((3.4, 2.0), (3.4, 5.2), shown(self.height, "m", "m"))
+        sketch.number("fall", (3.0, 3.6))
+        sketch.line((3.1, 2.0), (4.4, 2.0), dashed=True)
+        sketch.arrow((5.0, 5.1), (5.0, 3.6), "falls")
+        sketch.blow((9.0, 2.2), (9.0, 3.8))
+        sketch.ground((0.8, 0.4), (9.2, 0.4))
+        return sketch.drawing("The drop table")

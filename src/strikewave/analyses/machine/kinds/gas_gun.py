@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import FREE_OBJECT, LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, Setting
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import (
     MaybeAmbient,
@@ -90,6 +90,32 @@ class GasGun(LaunchedKind):
             heat_ratio=or_else(self.heat_ratio, AIR_HEAT_RATIO),
         )
         return _from_reservoir(gun, or_else(self.sound_speed, AIR_SOUND_SPEED))
+
+    def drawing(self, case: Case) -> Drawing:
+        """Return a schematic."""
+        from strikewave.analyses.machine.figures import schematic as s
+        from strikewave.analyses.machine.figures.parts import PartEntry, length, quantity
+
+        gas = [*quantity("speed", self.speed, "m/s", "m/s"), *quantity("pressure", self.pressure, "Pa", "bar")]
+        gas += [
+            *quantity("volume", self.volume, "m^3", "cm^3", "cm³"),
+            *length("bore", self.bore),
+            *length("barrel", self.length),
+        ]
+        gas += quantity("friction", self.friction, "", "", "N")
+        parts = [PartEntry("gun", "gun", gas), s.striker_part(case, "projectile"), s.contact_part(case, "contact")]
+        sketch = s.Schematic([*parts, s.object_part(case, "object")])
+        sketch.block((0.3, 3.2), (2.2, 4.8), "disc", "gun")
+        sketch.line((2.2, 4.3), (5.2, 4.3))
+        sketch.line((2.2, 3.7), (5.2, 3.7))
+        sketch.ball((5.9, 4.0), 0.3, "striker")
+        sketch.number("striker", (5.9, 4.8))
+        sketch.arrow((5.6, 3.3), (6.6, 3.3), "flies")
+        sketch.number("contact", (7.3, 4.8))
+        sketch.block((7.4, 3.1), (8.4, 4.9), "body", "object")
+        sketch.blow((7.4, 5.6), (8.8, 5.6))
+        s.bearing(sketch, case, (9.6, 4.0), (8.4, 4.0))
+        return sketch.drawing("The gas gun")
 
 
 def _from_reservoir(gun: launch.GasGun, sound_speed: float) -> Release:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, Setting
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.quantities import Count, Inertia, Length, MaybeAngle, MaybeLength, MaybeMass, MaybeTorque
@@ -90,6 +90,42 @@ class Machete(LaunchedKind):
             )
             notices.append(Notice("effective-mass", message, mass, hammer.effective_mass))
         return Release(energy, _turning_time(hammer, teeth), object=-speed, notices=tuple(notices))
+
+    def drawing(self, case: Case) -> Drawing:
+        """Return a schematic."""
+        from strikewave.analyses.machine.figures import schematic as s
+        from strikewave.analyses.machine.figures.parts import PartEntry, length, mass, quantity
+
+        arm = [*quantity("teeth", self.teeth), *quantity("teeth of the wheel", self.wheel_teeth)]
+        arm += [*quantity("inertia", self.inertia, "", "", "kg m²"), *length("shaft to head", self.radius)]
+        arm += [*mass("mass", self.mass), *length("shaft to centre", self.centre)]
+        arm += quantity("strike angle", self.strike_angle, "rad", "deg", "°")
+        arm += quantity("friction", self.friction, "", "", "N m")
+        weight = [*mass("mass", self.weight), *length("radius of its drum", self.drum)]
+        parts = [PartEntry("arm", "arm and ratchet", arm), PartEntry("weight", "weight", weight)]
+        parts += [s.object_part(case, "object in the head"), s.contact_part(case, "contact")]
+        sketch = s.Schematic([*parts, s.striker_part(case, "anvil")])
+        shaft, reach = (4.0, 6.0), 4.4
+        drawn = 2.0 * math.pi * self.teeth.si / self.wheel_teeth.si
+        turn = [2.0 * math.pi * k / self.wheel_teeth.si for k in range(int(self.wheel_teeth.si) + 1)]
+        sketch.ball(shaft, 0.9, "disc")
+        for a in turn:
+            tips = [(shaft[0] + r * math.sin(a), shaft[1] + r * math.cos(a)) for r in (0.9, 1.05)]
+            sketch.line(*tips)
+        drawn_back = (shaft[0] - 1.8 * math.sin(drawn), shaft[1] - 1.8 * math.cos(drawn))
+        sketch.line(shaft, drawn_back, dashed=True)
+        sketch.block((3.85, shaft[1] - reach), (4.15, shaft[1]), "hub")
+        sketch.number("arm", (4.0, 4.4))
+        if self.weight is not None:
+            sketch.line((4.5, 6.0), (4.5, 3.6))
+            sketch.block((4.2, 2.7), (5.0, 3.6), "ground")
+            sketch.number("weight", (5.4, 3.2))
+        sketch.block((3.4, 1.2), (4.7, 2.2), "body", "object")
+        sketch.number("contact", (4.95, 2.45))
+        sketch.block((4.8, 0.9), (6.2, 2.5), "striker", "striker")
+        sketch.ground((6.2, 0.5), (6.2, 2.9))
+        sketch.blow((3.2, 0.7), (1.8, 0.7))
+        return sketch.drawing("The Machete hammer")
 
 
 def _turning_time(hammer: launch.MacheteHammer, teeth: int) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import FREE_OBJECT, LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, Setting
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import Length, Mass, MaybeInertia, MaybeTime, SwingAngle
@@ -79,3 +79,29 @@ class Pendulum(LaunchedKind):
         swing = math.sqrt(arm.reduced_length / STANDARD_GRAVITY) * float(ellipk(math.sin(0.5 * angle) ** 2))
         speed = float(launch.pendulum_speed(arm, angle)) / arm.radius
         return Release(float(launch.pendulum_energy(arm, angle)), swing, arm=speed, pendulum=arm)
+
+    def drawing(self, case: Case) -> Drawing:
+        """Return a schematic."""
+        from strikewave.analyses.machine.figures import schematic as s
+        from strikewave.analyses.machine.figures.parts import PartEntry, length, mass, quantity
+
+        arm = [*quantity("release angle", self.angle, "rad", "deg", "°"), *mass("mass", self.mass)]
+        arm += [*length("pivot to centre", self.centre), *length("pivot to striker", self.radius)]
+        arm += [*quantity("inertia", self.inertia, "", "", "kg m²"), *quantity("period", self.period, "s", "s")]
+        parts = [PartEntry("arm", "arm", arm), s.striker_part(case, "striker"), s.contact_part(case, "contact")]
+        sketch = s.Schematic([*parts, s.object_part(case, "object")])
+        pivot, reach = (5.0, 7.2), 5.0
+        angle = self.angle.si
+        released = (pivot[0] - reach * math.sin(angle), pivot[1] - reach * math.cos(angle))
+        sketch.line(pivot, released, dashed=True)
+        sketch.block((4.85, pivot[1] - reach), (5.15, pivot[1]), "hub")
+        sketch.ball(pivot, 0.15, "ground")
+        sketch.number("arm", (5.0, 5.4))
+        sketch.block((4.6, 1.7), (5.5, 2.5), "striker", "striker")
+        turn = [angle * k / 40.0 for k in range(41)]
+        sketch.line(*[(pivot[0] - 2.0 * math.sin(a), pivot[1] - 2.0 * math.cos(a)) for a in turn])
+        sketch.number("contact", (5.6, 3.0))
+        sketch.block((5.6, 1.5), (7.2, 2.7), "body", "object")
+        s.bearing(sketch, case, (8.8, 2.1), (7.2, 2.1))
+        sketch.blow((6.2, 3.4), (7.8, 3.4))
+        return sketch.drawing("The pendulum")
