@@ -25,6 +25,7 @@ KINDS = {
     "machete": "machete-13-teeth",
     "gas-gun": "en-166-ball",
     "amplifier": "rodgers-2009-amplifier",
+    "dual-mass-amplifier": "dual-mass-amplifier",
 }
 LEDGER = 1e-6
 """The stated limit of every ledger."""

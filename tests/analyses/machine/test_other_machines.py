@@ -14,6 +14,7 @@ CASES = {
     "machete": "machete-13-teeth",
     "gas-gun": "en-166-ball",
     "amplifier": "rodgers-2009-amplifier",
+    "dual-mass-amplifier": "dual-mass-amplifier",
 }
 FORM = Form(Case, "case", "")
 
