@@ -122,8 +122,8 @@ def test_what_does_not_fit_is_refused(change, words):
 
 def test_a_table_still_on_its_shaper_is_reported():
     near = run_case(load_case(CASE, ["machine.gap=1 mm"]))
-    assert "table-on-shaper" in [notice.code for notice in near.warnings]
-    assert "table-on-shaper" not in [notice.code for notice in run_case(load_case(CASE)).warnings]
+    assert "table-on-shaper" in [notice.code for notice in near.notices]
+    assert "table-on-shaper" not in [notice.code for notice in run_case(load_case(CASE)).notices]
 
 
 def test_the_pad_may_be_any_law():

@@ -109,7 +109,7 @@ def test_an_arm_swings_back():
 def test_what_never_comes_again_is_followed_to_the_end():
     solution = run_case(load_case("en-166-ball", ["machine.until=rest", "machine.longest=0.1 s"]))
     assert len(solution.blows) == 1
-    (notice,) = [notice for notice in solution.warnings if notice.code == "follow-ended"]
+    (notice,) = [notice for notice in solution.notices if notice.code == "follow-ended"]
     assert "machine.longest" in notice.message
     assert dict(solution.phases)["end"] == pytest.approx(0.1, abs=2e-5)
 
@@ -118,8 +118,8 @@ def test_a_run_tells_how_it_ended():
     solution = run_case(bouncing("brake", "machine.brake_after=2"))
     assert not solution.broken
     assert [name for name, _ in solution.phases] == ["release", "blows", "brake", "end"]
-    assert "brake" in [notice.code for notice in solution.warnings]
-    assert "first-blow-only" not in [notice.code for notice in solution.warnings]
+    assert "brake" in [notice.code for notice in solution.notices]
+    assert "first-blow-only" not in [notice.code for notice in solution.notices]
 
 
 @pytest.mark.parametrize(
