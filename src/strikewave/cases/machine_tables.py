@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args
 from pydantic import BeforeValidator, Field
 
 from strikewave.base.errors import MISSING, InputError, nearest
-from strikewave.cases.tables import MachineTable
+from strikewave.cases.tables import LaunchedTable, MachineTable
 
 KINDS_FOLDER = "strikewave.analyses.machine.kinds"
 """The package whose modules are the kinds of machines; adding a module there adds a kind."""
@@ -32,7 +32,9 @@ def _kind_of(table: type[MachineTable]) -> str:
 
 
 def _tables_of_folder() -> dict[str, type[MachineTable]]:
-    """Return the class of each module of the folder by its kind.
+    """Return the class of each module of the folder by its kind, machines with a drive first.
+
+    A path that names no kind, such as machine.speed, means the first table that has it: studies are of the drive.
 
     Raises
     ------
@@ -51,7 +53,7 @@ def _tables_of_folder() -> dict[str, type[MachineTable]]:
         if len(own) != 1 or not _kind_of(own[0]):
             raise TypeError(f"{module.__name__} must have one class of a machine with its kind, got {own}")
         tables[_kind_of(own[0])] = own[0]
-    return tables
+    return dict(sorted(tables.items(), key=lambda item: issubclass(item[1], LaunchedTable)))
 
 
 KINDS = _tables_of_folder()

@@ -15,7 +15,7 @@ from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
 from strikewave.cases.case import Case, parse_case
 from strikewave.machines import Machine
-from strikewave.machines.quick import QuickRun, quick_run, why_not
+from strikewave.machines.fast_train import FastTrain, fast_train, why_not
 from strikewave.studies.map.regimes import CYCLES, FAILED, IRREGULAR, UNKNOWN, Regime, regime_of
 from strikewave.studies.map.return_time import arrivals
 from strikewave.uncertainty.statistics import variation
@@ -156,7 +156,7 @@ def cell_of(case: Case, blows: int, train: int) -> Array:
         return out
     for length in dict.fromkeys((max(blows, train), blows)):
         try:
-            run = quick_run(machine, length, repeats=REPEATS if length > blows else 0.0, least=blows)
+            run = fast_train(machine, length, repeats=REPEATS if length > blows else 0.0, least=blows)
         except (IntegrationError, ValueError) as error:
             out[PLACE["reason"]] = _reason(str(error))
             continue
@@ -172,7 +172,7 @@ def _reason(text: str) -> int:
     return EDGE if "edge" in text else CROWDED if "another striker" in text else LOST
 
 
-def measured(run: QuickRun, blows: int, train: int) -> Array:
+def measured(run: FastTrain, blows: int, train: int) -> Array:
     """Return what a fast run comes to, in the order of `FIELDS`."""
     machine = run.machine
     missed = np.isnan(run.column("approach_speed"))
@@ -201,13 +201,13 @@ def measured(run: QuickRun, blows: int, train: int) -> Array:
     return np.array([found[name] for name in FIELDS], dtype=float)
 
 
-def own_blows(run: QuickRun, blows: int) -> slice:
+def own_blows(run: FastTrain, blows: int) -> slice:
     """Return which passes of a run are the machine's own: so many at most, and those before its hold is over."""
     feed = run.machine.drive.feed
     return slice(0, min(blows, int(np.sum(run.column("time") <= feed.valve_delay + feed.stroke_time + feed.hold))))
 
 
-def train_regime(run: QuickRun, missed: NDArray[np.bool_], train: int) -> Regime:
+def train_regime(run: FastTrain, missed: NDArray[np.bool_], train: int) -> Regime:
     """Return the regime of the second half of a train, or of its last quarter where only that has settled.
 
     A train that ended early repeats at its end, so that as many turns as are needed may be looked at there.
