@@ -65,7 +65,7 @@ TABLES = (
     *("mesh", "fem"),
 )
 """The tables of a case that hold quantities."""
-RIG = ("machine", "striker", "feed", "object", "contact", "recorder")
+ROTARY_TABLES = ("machine", "striker", "feed", "object", "contact", "recorder")
 """The tables that a rotary machine needs; a machine without a drive has no feed."""
 VECTOR = frozenset("xyz")
 """The keys of a vector."""
@@ -82,7 +82,7 @@ class Impact(NamedTuple):
     recorder: Recorder
 
 
-class Rig(NamedTuple):
+class RotaryTables(NamedTuple):
     """The tables of a rotary machine, all of them there."""
 
     machine: RotaryTable
@@ -129,12 +129,12 @@ class Case(Table):
     @model_validator(mode="after")
     def _whole(self) -> Case:
         """Refuse a case without anything to run, and a machine without one of its tables."""
-        needed = [name for name in RIG if name != "feed" or isinstance(self.machine, RotaryTable | None)]
+        needed = [name for name in ROTARY_TABLES if name != "feed" or isinstance(self.machine, RotaryTable | None)]
         lacking = [name for name in ("mesh", "fem") if getattr(self, name) is None]
         if len(lacking) == 1:
             examples = {"mesh": "[[mesh.part]], once for each part", "fem": '[fem] with its duration = "80 us"'}
             raise InputError(lacking[0], MISSING, examples[lacking[0]])
-        alone = not any(getattr(self, name) is not None for name in RIG)
+        alone = not any(getattr(self, name) is not None for name in ROTARY_TABLES)
         if alone and not self.stack.layer and lacking:
             needed_tables = "[machine] with its tables, [[stack.layer]] with [load], or [mesh] with [fem]"
             raise InputError("", MISSING, needed_tables)
@@ -175,7 +175,7 @@ class Case(Table):
             raise InputError("machine", MISSING, "[machine] with its tables", hint)
         return Impact(*parts)  # type: ignore[arg-type]
 
-    def rig(self) -> Rig:
+    def rotary_tables(self) -> RotaryTables:
         """Return the tables of a rotary machine.
 
         Raises
@@ -192,7 +192,7 @@ class Case(Table):
         ):
             kind = getattr(self.machine, "kind", MISSING)
             raise InputError("machine.kind", kind, "rotary", "this needs a rotary machine, such as case li-ma-2019")
-        return Rig(self.machine, striker, self.feed, struck, contact, recorder)
+        return RotaryTables(self.machine, striker, self.feed, struck, contact, recorder)
 
     def launched(self) -> LaunchedTable | None:
         """Return the machine if it is one without a drive."""

@@ -60,7 +60,7 @@ class Layout(NamedTuple):
         Whether there is a rail.
     positions, speeds, turntable : slice
         Of the state: bodies; turntable, belt and motor.
-    dissipated, ledger, energies, held_energies : slice
+    dissipated, of_drive, energies, held_energies : slice
         Of the state: links; drive, drag and feed; both; both from the support on.
     angle, turntable_speed, belt_twist, motor_speed, driven, dragged, fed : int
         Of the state.
@@ -100,7 +100,7 @@ class Layout(NamedTuple):
     belt_twist: int
     motor_speed: int
     dissipated: slice
-    ledger: slice
+    of_drive: slice
     driven: int
     dragged: int
     fed: int
@@ -141,8 +141,8 @@ def layout(bodies: int, links: int, seats: int, strikers: int) -> Layout:
     support = mounts + whole
     angle = 2 * bodies
     dissipated = angle + 4
-    ledger = dissipated + links
-    states = ledger + 3
+    of_drive = dissipated + links
+    states = of_drive + 3
     on_face = links + 5
     touching = on_face + strikers
     modes = touching + min(mounted, 1)
@@ -172,11 +172,11 @@ def layout(bodies: int, links: int, seats: int, strikers: int) -> Layout:
         turntable_speed=angle + 1,
         belt_twist=angle + 2,
         motor_speed=angle + 3,
-        dissipated=slice(dissipated, ledger),
-        ledger=slice(ledger, states),
-        driven=ledger,
-        dragged=ledger + 1,
-        fed=ledger + 2,
+        dissipated=slice(dissipated, of_drive),
+        of_drive=slice(of_drive, states),
+        driven=of_drive,
+        dragged=of_drive + 1,
+        fed=of_drive + 2,
         energies=slice(dissipated, states),
         held_energies=slice(dissipated + support, states),
         states=states,

@@ -133,15 +133,15 @@ def blows(run: MachineRun) -> tuple[Blow, ...]:
     table, counted = contact_table(run), counted_passes(run)
     passes = sorted({*counted, *(int(p) for p in table[:, 4])})
     starts = [float(table[table[:, 4] == p, 0][0]) if p in table[:, 4] else counted[p] for p in passes]
-    found = []
+    listed = []
     for index, (number, start) in enumerate(zip(passes, starts, strict=True), start=1):
         until = starts[index] if index < len(starts) else run.end
         rows = table[table[:, 4] == number]
         if len(rows):
-            found.append(_struck(run, index, rows, until))
+            listed.append(_struck(run, index, rows, until))
         else:
-            found.append(_missed(run, index, number, start))
-    return tuple(found)
+            listed.append(_missed(run, index, number, start))
+    return tuple(listed)
 
 
 def pulse_window(

@@ -98,7 +98,7 @@ class FastTrain:
     let_go : float
         Energy that still rang when blows were taken as over, J.
     energy_error : float
-        Energy that the ledger misses, what was let go counted as lost, over the energy that flowed.
+        Energy that the balance misses, what was let go counted as lost, over the energy that flowed.
     steps : (int, int)
         Steps taken between blows and in blows.
     """
@@ -118,12 +118,12 @@ class FastTrain:
     @property
     def blows(self) -> tuple[TrainBlow, ...]:
         """The passes in order of time, missed ones among them."""
-        found = []
+        listed = []
         for index, (kind, row) in enumerate(zip(self.kinds, self.table, strict=True), start=1):
             values = {name: float(row[k]) for name, k in _COLUMNS.items()}
             striker, contacts = int(row[column.STRIKER]) + 1, int(row[column.CONTACTS])
-            found.append(TrainBlow(index=index, kind=kind, striker=striker, contacts=contacts, **values))
-        return tuple(found)
+            listed.append(TrainBlow(index=index, kind=kind, striker=striker, contacts=contacts, **values))
+        return tuple(listed)
 
     def column(self, name: str) -> Array:
         """Return one quantity of every pass, by the name that `TrainBlow` has for it."""
@@ -244,7 +244,7 @@ def fast_train(
     dissipated = np.concatenate(
         [going.y[circling.dissipated], of_blow[at.contacts], of_blow[at.mounts], of_blow[at.frame : at.support]]
     )
-    driven, dragged, fed = going.y[circling.ledger]
+    driven, dragged, fed = going.y[circling.of_drive]
     flowed = abs(driven) + dragged + np.abs(dissipated).sum() + abs(lost)
     missing = gained - (driven - dragged - dissipated.sum() - lost + fed)
     table = _finished(machine, passes.table[: passes.counts[column.ROWS_USED]])

@@ -200,7 +200,7 @@ def run_machine(
             f"after {state.time:.3g} s only {done} of {machine.drive.feed.blows} passes were made and the turntable "
             f"turns at {state.y[at.turntable_speed]:.3g} rad/s: give it more inertia or torque, or less engagement"
         )
-    dissipated, (driven, dragged, fed) = state.y[at.dissipated], state.y[at.ledger]
+    dissipated, (driven, dragged, fed) = state.y[at.dissipated], state.y[at.of_drive]
     gained = energy(system, state) - energy(system, start)
     flowed = abs(driven) + dragged + np.abs(dissipated).sum() + braked
     if machine.launch is not None:

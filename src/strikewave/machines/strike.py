@@ -242,7 +242,7 @@ class _Strike:
         dissipated[at.stop] += lost_stop
         if at.rubs:
             dissipated[at.rail] += lost_rail
-        end.y[at.ledger] += moved[of.ledger]
+        end.y[at.of_drive] += moved[of.of_drive]
         end.y[at.fed] += fed
 
     def _beyond_bodies(self, bodies: State, speed: float, stands: float, relative: Array) -> float:

@@ -75,7 +75,7 @@ def tolerances_of(case: Case) -> tuple[Tolerance, ...]:
     >>> [(one.path, one.count) for one in tolerances_of(case)]
     [('feed.arrival', 1), ('striker.mass', 4)]
     """
-    rig = case.rig()
+    rig = case.rotary_tables()
     numbers = range(1, int(rig.machine.strikers.si) + 1)
     rows = {int(row.number.si): row for row in rig.striker.each}
     found = []
@@ -178,7 +178,7 @@ def drawn_case(case: Case, tolerances: Sequence[Tolerance], numbers: Sequence[fl
         if not one.strikers:
             once[one.path] = _exactly(one, next(left))
     made = case.with_values(once, keep_tolerances=False)
-    return made.model_copy(update={"striker": _with_rows(made.rig().striker, own)}) if own else made
+    return made.model_copy(update={"striker": _with_rows(made.rotary_tables().striker, own)}) if own else made
 
 
 def _with_rows(striker: Any, own: dict[int, dict[str, Value]]) -> Any:

@@ -23,7 +23,7 @@ FASTEST_BELT = 1e5
 
 def inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]:
     """Yield an error for each pair of values of a rotary machine that does not fit together."""
-    yield from _strike_inconsistencies(case.rig().machine, machine)
+    yield from _strike_inconsistencies(case.rotary_tables().machine, machine)
     yield from _striker_inconsistencies(case, machine)
     yield from _drive_inconsistencies(case, machine)
     yield from _object_inconsistencies(case, machine)
@@ -75,7 +75,7 @@ def _strike_inconsistencies(m: RotaryTable, machine: Machine) -> Iterator[InputE
 
 def _of(case: Case, number: int, key: str) -> str:
     """Return the path of a value of one striker: its own where it has one, else that of all."""
-    rows = {int(row.number.si): row for row in case.rig().striker.each}
+    rows = {int(row.number.si): row for row in case.rotary_tables().striker.each}
     own = number in rows and getattr(rows[number], key) is not None
     return f"striker.each.{number}.{key}" if own else f"striker.{key}"
 
@@ -110,7 +110,7 @@ def _striker_inconsistencies(case: Case, machine: Machine) -> Iterator[InputErro
 
 def _overlaps(case: Case, machine: Machine) -> Iterator[InputError]:
     """Yield an error for the first two noses that overlap."""
-    striker, each = case.rig().striker, machine.strikers.each
+    striker, each = case.rotary_tables().striker, machine.strikers.each
     count, pitch = len(each), machine.pitch
     own = {int(row.number.si): row.nose_radius for row in striker.each if row.nose_radius is not None}
     for i in range(count if count > 1 else 0):
@@ -121,13 +121,13 @@ def _overlaps(case: Case, machine: Machine) -> Iterator[InputError]:
         if chord <= both:
             allowed = f"fewer, or smaller noses: {i + 1} and {following + 1} overlap "
             allowed += f"({chord * 1e3:.3g} mm from axis to axis, noses of {both * 1e3:.3g} mm together)"
-            yield InputError("machine.strikers", case.rig().machine.strikers.typed, allowed)
+            yield InputError("machine.strikers", case.rotary_tables().machine.strikers.typed, allowed)
             return
 
 
 def _drive_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]:
     """Yield an error for a drive that cannot do what is asked, or that no step could follow."""
-    m, disc = case.rig().machine, machine.drive.turntable
+    m, disc = case.rotary_tables().machine, machine.drive.turntable
     interval = machine.pitch / disc.speed
     drag = disc.drag * disc.speed
     if drag >= disc.torque:
@@ -136,7 +136,7 @@ def _drive_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]
     if interval > LONGEST_INTERVAL:
         allowed = f"a striking interval of at most {LONGEST_INTERVAL:g} s (here {interval:.3g} s)"
         yield InputError("machine.speed", m.speed.typed, allowed, "turn faster, or take more strikers")
-    carried = sum(one.mass * (disc.radius + one.reach_error) ** 2 for one in machine.strikers.each)
+    carried = sum(striker.mass * (disc.radius + striker.reach_error) ** 2 for striker in machine.strikers.each)
     if disc.inertia <= carried:
         allowed = f"more than that of the strikers alone ({carried:.4g} kg m^2)"
         yield InputError("machine.inertia", m.inertia.typed, allowed, "it includes them")
@@ -156,7 +156,7 @@ def _drive_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]
 
 def _object_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]:
     """Yield an error for an object that its spring, frame or rail cannot hold."""
-    o, struck = case.rig().object, machine.struck
+    o, struck = case.rotary_tables().object, machine.struck
     weight = struck.mass * struck.gravity
     if struck.preload <= weight:
         allowed = f"more than the weight along the blow ({weight:.4g} N)"
@@ -171,11 +171,11 @@ def _object_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError
 
 def _feed_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]:
     """Yield an error for a feed that does not clear the strikers, or whose times do not fit."""
-    f, feed = case.rig().feed, machine.drive.feed
+    f, feed = case.rotary_tables().feed, machine.drive.feed
     beyond = max(reach_beyond(machine, striker) for striker in machine.strikers.each)
     least = machine.engagement + max(beyond, 0.0)
     if feed.stroke <= least:
-        allowed = f"more than machine.engagement ({case.rig().machine.engagement.typed})"
+        allowed = f"more than machine.engagement ({case.rotary_tables().machine.engagement.typed})"
         if beyond > 0.0:
             allowed = f"more than {least * 1e3:.4g} mm, how far the noses reach over the face at rest"
         yield InputError("feed.stroke", f.stroke.typed, allowed, "a shorter stroke does not clear the strikers")

@@ -1,4 +1,4 @@
-"""What a user should know about a run: broken ledgers, odd blows, yield, what the recorder misses."""
+"""What a user should know about a run: broken balances, odd blows, yield, what the recorder misses."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from strikewave.analyses.machine.kind import Release
-from strikewave.analyses.machine.readings import (
+from strikewave.analyses.machine.sensor_readings import (
     BlowHistory,
     BlowReading,
     Observed,
@@ -29,17 +29,17 @@ from strikewave.waves.limits import (
 )
 
 
-def notices(case: Case, found: Sequence[Blow]) -> tuple[Notice, ...]:
-    """Return the notices of a run but for its ledger and its waves.
+def notices(case: Case, blows: Sequence[Blow]) -> tuple[Notice, ...]:
+    """Return the notices of a run but for its balances and its waves.
 
     Parameters
     ----------
     case : Case
         What ran.
-    found : sequence of Blow
+    blows : sequence of Blow
         Its blows.
     """
-    struck = [blow for blow in found if blow.kind != "missed"]
+    struck = [blow for blow in blows if blow.kind != "missed"]
     listed = [*_changed(case), *law_notices(case)]
     if not struck:
         listed.append(
@@ -53,7 +53,7 @@ def notices(case: Case, found: Sequence[Blow]) -> tuple[Notice, ...]:
             )
         )
         return tuple(listed)
-    listed += [*_odd_blows(case, found), *_rail(case), *_yield(case, struck), *_recorder(case, struck)]
+    listed += [*_odd_blows(case, blows), *_rail(case), *_yield(case, struck), *_recorder(case, struck)]
     return tuple(listed)
 
 
@@ -75,19 +75,19 @@ def _wanted(case: Case, made: int) -> float:
     return float(made) if launched.until == "rest" else 1.0 if after is None else after.si
 
 
-def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
-    made = sum(blow.kind != "missed" for blow in found)
+def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
+    made = sum(blow.kind != "missed" for blow in blows)
     wanted = _wanted(case, made)
     if made != wanted:
         message = f"{made} blows instead of the {wanted:.0f} wanted"
         yield Notice("blow-count", message, float(made), wanted, broken=True)
-    odd = [f"{blow.index} {blow.kind}" for blow in found if blow.kind != "full"]
+    odd = [f"{blow.index} {blow.kind}" for blow in blows if blow.kind != "full"]
     if odd:
         message = "not every blow is full: " + ", ".join(odd)
-        if any(blow.kind == "double" for blow in found):
+        if any(blow.kind == "double" for blow in blows):
             message += "; impulse and velocity change of a double blow span its whole pass"
         yield Notice("blow-kind", message, float(len(odd)), 0.0)
-    away = [blow for blow in found if blow.kind == "missed" and blow.retreat > 0.0]
+    away = [blow for blow in blows if blow.kind == "missed" and blow.retreat > 0.0]
     if away:
         farthest = max(blow.retreat for blow in away)
         message = (
@@ -96,7 +96,7 @@ def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
             "friction or a longer interval"
         )
         yield Notice("object-away", message, farthest, 0.0)
-    cut = [str(blow.index) for blow in found if blow.kind != "missed" and not blow.width > 0.0]
+    cut = [str(blow.index) for blow in blows if blow.kind != "missed" and not blow.width > 0.0]
     if cut:
         message = f"no width: the acceleration stays above 10 % of its peak around blow {', '.join(cut)}"
         yield Notice("pulse-width", message, float(len(cut)), 0.0)
@@ -104,7 +104,7 @@ def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
 
 def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     parts = case.impact()
-    advice = ", or trust the rigid pulse, which hangs on frame and mount, more than the contact force"
+    advice = ", or trust the rigid pulse, which depends on frame and mount, more than the contact force"
     peak = max(blow.peak_force for blow in struck)
     yield from yield_notices(parts.striker, parts.contact, parts.object.material, peak, advice)
 
@@ -113,7 +113,7 @@ def _rail(case: Case) -> Iterator[Notice]:
     """Say where the rail holds the object against the spring, away from its stop."""
     if case.launched() is not None or case.object is None:
         return
-    o = case.rig().object
+    o = case.rotary_tables().object
     holds = max((value.si for value in (o.friction, o.stiction) if value is not None), default=0.0)
     if holds > o.preload.si:
         message = (

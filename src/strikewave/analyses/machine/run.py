@@ -14,7 +14,8 @@ from strikewave.analyses.machine.dataset import build_dataset
 from strikewave.analyses.machine.kind import Release, kind_of
 from strikewave.analyses.machine.launched import line_collisions, release
 from strikewave.analyses.machine.notices import launch_notices, notices, wave_notices
-from strikewave.analyses.machine.readings import (
+from strikewave.analyses.machine.result import RigidReference, Solution
+from strikewave.analyses.machine.sensor_readings import (
     BlowReading,
     Observed,
     View,
@@ -22,7 +23,6 @@ from strikewave.analyses.machine.readings import (
     blow_reading,
     without_peaks,
 )
-from strikewave.analyses.machine.result import RigidReference, Solution
 from strikewave.base import citations
 from strikewave.base.errors import InputError
 from strikewave.base.result import Comparison, ledger_notices

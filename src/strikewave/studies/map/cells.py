@@ -135,7 +135,9 @@ def machine_of(case: Case) -> Machine:
     """Return the machine of a case with its object as two bodies on the frame, whatever the case has."""
     machine = build_machine(case)
     if machine.launch is not None:
-        raise InputError("machine.kind", case.rig().machine.kind, "rotary", "a map is of a machine that strikes again")
+        raise InputError(
+            "machine.kind", case.rotary_tables().machine.kind, "rotary", "a map is of a machine that strikes again"
+        )
     return dataclasses.replace(machine, layered=None)
 
 

@@ -446,5 +446,5 @@ def plan_of(case: Case, axes: tuple[Axis, ...], own: int | None = None, train: i
     paths = [axis.path for axis in axes]
     if len(set(paths)) < len(paths):
         raise InputError("--y", paths[-1], "another quantity than the other axes")
-    count = int(case.rig().feed.blows.si) if own is None else own
+    count = int(case.rotary_tables().feed.blows.si) if own is None else own
     return Plan(dump_case(case), axes, count, train)

@@ -322,7 +322,7 @@ def yield_load(case: Case) -> float | None:
 
     None where yielding is modelled, or the load is not known.
     """
-    rig = case.rig()
+    rig = case.rotary_tables()
     if rig.contact.yield_pressure is not None:
         return None
     pair = material(rig.striker.material), material(rig.object.material)
@@ -338,10 +338,10 @@ def yield_load(case: Case) -> float | None:
 
 def _noses(case: Case) -> set[tuple[float, float]]:
     """Return radius and contact length of the strikers' noses, m: the common ones, and those of single strikers."""
-    table = case.rig().striker
+    table = case.rotary_tables().striker
     own = {
         ((row.nose_radius or table.nose_radius).si, (row.contact_length or table.contact_length).si)
         for row in table.each
     }
-    alike = len(table.each) < case.rig().machine.strikers.si
+    alike = len(table.each) < case.rotary_tables().machine.strikers.si
     return own | {(table.nose_radius.si, table.contact_length.si)} if alike else own

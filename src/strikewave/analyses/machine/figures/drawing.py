@@ -185,7 +185,7 @@ def _draw_radius(axes: Any, case: Case, geometry: StrikeGeometry, angle: float) 
     """Dimension the path from the axis to a nose that stands clear of the strike; return its angle, rad."""
     end = _clear_nose(geometry, angle, 1.2)
     axes.annotate("", end, (0.0, 0.0), arrowprops={**_ARROW, "arrowstyle": "-|>", "color": INK}, zorder=4)
-    (entry,) = length("R", case.rig().machine.radius)
+    (entry,) = length("R", case.rotary_tables().machine.radius)
     _marked(axes, tuple(0.45 * end), f"R {entry.shown}", entry.provenance)
     return math.atan2(end[1], end[0])
 
@@ -203,7 +203,7 @@ def _draw_directions(axes: Any, case: Case, made: Outlines) -> None:
     begin = places.wall - 0.3 * geometry.radius
     axes.annotate("", (begin + wide, top), (begin, top), arrowprops=arrow, zorder=5)
     axes.text(begin + wide + 0.04 * geometry.radius, top, "blow", color=RED, fontsize=9, va="center", zorder=5)
-    gravity = case.rig().object.gravity.si
+    gravity = case.rotary_tables().object.gravity.si
     if gravity:
         ends = (begin, begin + wide) if gravity > 0.0 else (begin + wide, begin)
         above = top + 0.13 * geometry.radius
@@ -260,7 +260,7 @@ def _marked(axes: Any, place: tuple[float, ...], words: str, provenance: str, si
 
 def _draw_close(axes: Any, case: Case, made: Outlines, magnified: float) -> None:
     """Draw the strike itself: a nose at first touch and at the strike position, the face between, the engagement."""
-    geometry, machine = made.geometry, case.rig().machine
+    geometry, machine = made.geometry, case.rotary_tables().machine
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
     size = min(right - left, top - bottom)
@@ -327,7 +327,7 @@ def _frame(left: float, bottom: float, width: float, height: float) -> Any:
 def scale_words(case: Case, made: Outlines) -> list[str]:
     """Say what is drawn to scale and what is not."""
     geometry, stack = made.geometry, bool(case.stack.layer)
-    striker = case.rig().striker
+    striker = case.rotary_tables().striker
     layers = ["layers"] if stack and made.to_scale else []
     noses = ["noses"] if striker.nose_radius.si <= LARGEST_NOSE * geometry.radius else []
     width = ["face width"] if geometry.face_width is not None else []

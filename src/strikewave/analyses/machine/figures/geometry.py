@@ -141,7 +141,7 @@ def strike_geometry(case: Case) -> StrikeGeometry | None:
     """
     if not isinstance(case.machine, RotaryTable):
         return None
-    machine, striker = case.rig().machine, case.rig().striker
+    machine, striker = case.rotary_tables().machine, case.rotary_tables().striker
     angle, width, radius = machine.blow_angle, machine.face_width, machine.radius.si
     count = int(machine.strikers.si)
     return StrikeGeometry(

@@ -108,8 +108,8 @@ def machine_parts(case: Case, geometry: StrikeGeometry) -> list[PartEntry]:
 
 def _struck_by(case: Case, geometry: StrikeGeometry) -> Iterator[PartEntry]:
     """Yield turntable, strikers and the strike itself."""
-    rig = case.rig()
-    machine, striker = rig.machine, rig.striker
+    tables = case.rotary_tables()
+    machine, striker = tables.machine, tables.striker
     yield PartEntry(
         "turntable",
         "turntable",
@@ -148,7 +148,7 @@ def _struck_by(case: Case, geometry: StrikeGeometry) -> Iterator[PartEntry]:
 
 def _object(case: Case) -> Iterator[PartEntry]:
     """Yield nose, frame and assembly, or the layers of a stack."""
-    struck, layers = case.rig().object, case.stack.layer
+    struck, layers = case.rotary_tables().object, case.stack.layer
     for layer in layers[:MOST_LAYERS]:
         entries = length("length", layer.length)
         entries += length("diameter", layer.diameter)
@@ -167,8 +167,8 @@ def _object(case: Case) -> Iterator[PartEntry]:
 
 def _held_by(case: Case) -> Iterator[PartEntry]:
     """Yield what holds and feeds the object."""
-    rig = case.rig()
-    struck, feed = rig.object, rig.feed
+    tables = case.rotary_tables()
+    struck, feed = tables.object, tables.feed
     preload = quantity("preload", struck.preload, "", "", "N")
     yield PartEntry("spring", "heavy-load spring", [*stiffness("rate", struck.spring), *preload])
     yield PartEntry("damper", "damper", damping("damping", struck.damper))
