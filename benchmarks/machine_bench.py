@@ -7,8 +7,8 @@ import numpy as np
 from timing import best, table, write
 
 from strikewave import load_case
-from strikewave.machines import run_rotary
-from strikewave.machines.quick import quick_run
+from strikewave.machines import run_machine
+from strikewave.machines.fast_train import fast_train
 from strikewave.studies.map.cells import machine_of
 from strikewave.studies.map.study import axis_of, make_map, plan_of
 
@@ -37,7 +37,7 @@ def rows():
     found = [
         (
             f"full run, 11 blows, tolerance {tolerance:g}",
-            write(best(lambda t=tolerance: run_rotary(machine, t))),
+            write(best(lambda t=tolerance: run_machine(machine, t))),
             "",
             "",
         )
@@ -45,8 +45,8 @@ def rows():
     ]
     least = floor()
     for name, blows in (("fast run, 11 blows", None), (f"fast run, {TRAIN} blows", TRAIN)):
-        seconds = best(lambda b=blows: quick_run(machine, b))
-        steps = sum(quick_run(machine, blows).steps)
+        seconds = best(lambda b=blows: fast_train(machine, b))
+        steps = sum(fast_train(machine, blows).steps)
         found.append(
             (name, write(seconds), f"{steps} steps of {write(seconds / steps)}", f"{seconds / steps / least:.0f} x")
         )

@@ -14,9 +14,9 @@ def fast_train() -> None:
     """Run a machine without its bodies between blows."""
     from strikewave import load_case
     from strikewave.analyses.machine.build import build_machine
-    from strikewave.machines.quick import quick_run
+    from strikewave.machines.fast_train import fast_train
 
-    quick_run(build_machine(load_case("li-ma-2019", ["feed.blows=2"])))
+    fast_train(build_machine(load_case("li-ma-2019", ["feed.blows=2"])))
 
 
 def machine() -> None:

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from strikewave import load_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputErrors
-from strikewave.machines import blows, run_rotary
+from strikewave.machines import blows, run_machine
 from strikewave.machines._kernels import stroke_profile
 from strikewave.machines.turntable import spin_up_time
 
@@ -48,14 +48,14 @@ def test_half_and_half_is_the_cycloid():
 
 def test_hold_ends_the_blows():
     """The retract command comes 100 ms after the arrival, whatever is still wanted."""
-    run = run_rotary(machine_of("feed.hold=100 ms"))
+    run = run_machine(machine_of("feed.hold=100 ms"))
     begin, end = run.held
     assert end - begin == pytest.approx(0.1, abs=1e-12)
     assert len(blows(run)) < 11
 
 
 def speed_lost(*changes):
-    run = run_rotary(machine_of("feed.blows=1", *changes))
+    run = run_machine(machine_of("feed.blows=1", *changes))
     first = blows(run)[0]
     end = run.contacts()[:, 1].max()
     before, after = run.sample(np.array([first.time - 1e-6, end + 1e-6])).turntable_speed
@@ -82,7 +82,7 @@ def test_belt_swings_at_its_own_frequency_after_a_blow():
         "machine.speed_gain=1e-6 N m s/rad",
         "feed.retract_time=200 ms",
     )
-    run = run_rotary(machine)
+    run = run_machine(machine)
     after = run.contacts()[:, 1].max() + 1e-3
     omega = math.sqrt(40000.0 * (1.0 / 4.0 + 1.0 / 2.0))
     times = after + np.linspace(0.0, 0.12, 4001)
@@ -95,18 +95,18 @@ def test_belt_swings_at_its_own_frequency_after_a_blow():
 
 def test_rigid_belt_adds_the_motor_to_spin_up():
     plain, geared = machine_of(), machine_of("machine.motor_inertia=0.25 kg m^2", "machine.belt_ratio=4")
-    assert geared.turntable.turning == pytest.approx(8.0, rel=1e-12)
-    assert spin_up_time(geared.turntable) == pytest.approx(
-        spin_up_time(dataclasses.replace(plain.turntable, inertia=8.0)), rel=1e-12
+    assert geared.drive.turntable.turning == pytest.approx(8.0, rel=1e-12)
+    assert spin_up_time(geared.drive.turntable) == pytest.approx(
+        spin_up_time(dataclasses.replace(plain.drive.turntable, inertia=8.0)), rel=1e-12
     )
 
 
 def test_stiff_belt_comes_near_the_rigid_one():
     """The share of the belt in the speed lost falls with its stiffness."""
     motor = ("machine.motor_inertia=0.2 kg m^2", "machine.belt_ratio=3")
-    rigid = blows(run_rotary(machine_of("feed.blows=3", *motor)))
+    rigid = blows(run_machine(machine_of("feed.blows=3", *motor)))
     stiff = blows(
-        run_rotary(
+        run_machine(
             machine_of("feed.blows=3", *motor, "machine.belt_stiffness=1e8 N m/rad", "machine.belt_damping=1000")
         )
     )
@@ -123,9 +123,9 @@ def test_ripple_swings_the_speed_by_its_share():
         "machine.ripple_order=2",
         "machine.speed_gain=0.01 N m s/rad",
     )
-    run = run_rotary(machine)
+    run = run_machine(machine)
     moments = run.sample(np.linspace(0.0, 0.25, 4000))
-    swing = moments.turntable_speed / machine.turntable.speed - 1.0
+    swing = moments.turntable_speed / machine.drive.turntable.speed - 1.0
     # before the first touch, at 0.27 s; the start at speed is 1e-4 off
     assert swing == pytest.approx(0.005 * np.sin(2.0 * moments.turntable_angle), abs=1.5e-4)
     assert run.energy_error < 1e-6
@@ -133,7 +133,7 @@ def test_ripple_swings_the_speed_by_its_share():
 
 def thrown(*changes):
     machine = machine_of("feed.blows=1", "object.damper=0", "object.stop_restitution=0.1", *changes)
-    run = run_rotary(machine)
+    run = run_machine(machine)
     return machine, run, blows(run)[0]
 
 
@@ -157,7 +157,7 @@ def test_retreat_against_spring_and_friction(friction):
 
 def test_friction_beyond_the_spring_keeps_the_object_away():
     """Where the rails hold more than the spring pulls, the object stays where the first blow left it."""
-    run = run_rotary(machine_of("object.friction=900", "object.spring=1 kN/m", "object.stop_restitution=0.1"))
+    run = run_machine(machine_of("object.friction=900", "object.spring=1 kN/m", "object.stop_restitution=0.1"))
     found = blows(run)
     kinds = [blow.kind for blow in found]
     assert "missed" in kinds[2:]
@@ -170,8 +170,8 @@ def test_friction_beyond_the_spring_keeps_the_object_away():
 def test_rail_on_a_stack_loses_what_it_loses_between_blows():
     """The same rail under a stack of layers: ledger, and the retreat within the difference of the two objects."""
     stack = build_machine(load_case("li-ma-2019-fig13", ["object.friction=100", "feed.blows=2"]))
-    run = run_rotary(stack)
-    bare = run_rotary(build_machine(load_case("li-ma-2019-fig13", ["feed.blows=2"])))
+    run = run_machine(stack)
+    bare = run_machine(build_machine(load_case("li-ma-2019-fig13", ["feed.blows=2"])))
     assert run.energy_error < 1e-6
     assert blows(run)[0].retreat < 0.95 * blows(bare)[0].retreat
     assert all(blow.momentum_error < 1e-6 for blow in blows(run))

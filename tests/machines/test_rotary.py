@@ -13,7 +13,7 @@ from strikewave import load_case, run_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.notices import notices
 from strikewave.base.result import ledger_notices
-from strikewave.machines import blows, run_rotary
+from strikewave.machines import blows, run_machine
 from strikewave.machines.blows import contact_table
 from strikewave.machines.feed import angle_at_valve_signal
 
@@ -31,7 +31,7 @@ def independent_blow(machine, speed, slowest, duration=400e-6):
     force clipped at zero; the object rests in the strike position.
     """
     s, o = machine.strikers.first, machine.struck
-    radius, q = machine.turntable.radius, machine.engagement
+    radius, q = machine.drive.turntable.radius, machine.engagement
     k, n, chi = s.contact.stiffness, s.contact.exponent, s.contact.hysteresis_factor
     # on its mount the striker runs steadily on the circle R / (1 - m w^2 / k)
     circle = radius / (1 - s.mass * speed**2 / s.mount_stiffness)
@@ -118,7 +118,7 @@ def test_rigid_peak_against_an_independent_scipy_machine(mass, nose, total, fram
         ],
     )
     machine = build_machine(case)
-    second = blows(run_rotary(machine))[1]
+    second = blows(run_machine(machine))[1]
     expected = independent_blow(machine, second.turntable_speed, slowest).max()
     assert second.rigid_peak == pytest.approx(expected, rel=1e-3)
 
@@ -150,8 +150,8 @@ def test_approach_speed_of_an_object_at_rest_is_that_of_the_cam():
     """w sqrt(2 R q - q^2), once the object has come to rest: few strikers leave it the time."""
     case = load_case("li-ma-2019", ["machine.strikers=1", "object.stop_restitution=0.1", "feed.blows=3"])
     machine = build_machine(case)
-    found = blows(run_rotary(machine))
-    radius, q = machine.turntable.radius, machine.engagement
+    found = blows(run_machine(machine))
+    radius, q = machine.drive.turntable.radius, machine.engagement
     for blow in found[1:]:
         circle = radius / (1 - machine.strikers.mass * blow.turntable_speed**2 / machine.strikers.first.mount_stiffness)
         nominal = blow.turntable_speed * math.sqrt(circle**2 - (radius - q) ** 2)
@@ -271,7 +271,7 @@ def test_open_ledger_breaks_a_limit():
 
 @given(arrival=st.floats(0, 1), speed=st.floats(1, 200), strikers=st.integers(1, 20))
 def test_feed_arrives_where_it_is_told(published, arrival, speed, strikers):
-    feed = build_machine(published).feed
+    feed = build_machine(published).drive.feed
     feed = type(feed)(**{**feed.__dict__, "arrival": arrival})
     pitch = 2 * math.pi / strikers
     start = angle_at_valve_signal(feed, speed, pitch)
@@ -284,7 +284,7 @@ def test_peak_of_a_long_pass_is_found_wherever_it_lies():
     """A deep engagement presses for milliseconds: the table's peak is that of the whole train, finely sampled."""
     case = load_case("li-ma-2019", ["machine.engagement=50 mm", "feed.stroke=80 mm", "feed.blows=1"])
     machine = build_machine(case)
-    result = run_rotary(machine)
+    result = run_machine(machine)
     found = blows(result)
     times = np.linspace(0.0, result.end, 400_001)
     moments = result.sample(times)
@@ -295,7 +295,7 @@ def test_peak_of_a_long_pass_is_found_wherever_it_lies():
 def test_each_contact_belongs_to_the_pass_of_its_striker():
     case = load_case("li-ma-2019", ["machine.engagement=50 mm", "feed.stroke=80 mm", "feed.blows=2"])
     machine = build_machine(case)
-    table = contact_table(run_rotary(machine))
+    table = contact_table(run_machine(machine))
     assert len(table) > 2
     assert np.all(table[:, 4] % machine.strikers.count == table[:, 3])
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from strikewave import load_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, InputErrors, IntegrationError
-from strikewave.machines import blows, run_rotary
+from strikewave.machines import blows, run_machine
 
 RIGID = ("striker.mount_stiffness=1e12", "striker.mount_damping=0", "feed.blows=1")
 """Without the mount's stretch a nose runs on the circle itself."""
@@ -40,11 +40,11 @@ def test_first_touch_is_where_circle_and_plane_cross(angle, engagement, speed):
         "feed.stroke_time=10 ms",
         "feed.stroke=120 mm",
     )
-    run = run_rotary(machine)
+    run = run_machine(machine)
     first = blows(run)[0]
-    radius, a = machine.turntable.radius, machine.blow_angle
+    radius, a = machine.drive.turntable.radius, machine.drive.blow_angle
     touch = a - math.acos(math.cos(a) - engagement / radius)
-    assert machine.first_touch == pytest.approx(touch, abs=1e-15)
+    assert machine.drive.first_touch == pytest.approx(touch, abs=1e-15)
     turned = run.sample(np.array([first.time])).turntable_angle[0]
     # the object still rests on a stop that moves by 1e-6 of a metre, and 1e-5 of the speed
     assert turned % (2.0 * math.pi) == pytest.approx(touch % (2.0 * math.pi), abs=2e-3)
@@ -62,8 +62,8 @@ def test_blow_along_the_path_has_the_speed_of_the_rim():
         "machine.speed=200 rpm",
         "machine.strikers=1",
     )
-    first = blows(run_rotary(machine))[0]
-    assert machine.nominal_approach == pytest.approx(machine.turntable.speed * 0.2, rel=1e-6)
+    first = blows(run_machine(machine))[0]
+    assert machine.nominal_approach == pytest.approx(machine.drive.turntable.speed * 0.2, rel=1e-6)
     assert first.approach_speed == pytest.approx(first.turntable_speed * 0.2, rel=1e-3)
 
 
@@ -85,12 +85,12 @@ def test_nose_that_pushes_slips_off_the_edge_of_the_face():
         "feed.blows=1",
         "contact.restitution=0.1",
     )
-    run = run_rotary(machine)
+    run = run_machine(machine)
     rows = run.contacts()
     angle = run.sample(rows[:, 1]).turntable_angle.max() % (2.0 * math.pi)
-    half = 0.5 * machine.face_width / machine.turntable.radius
-    assert machine.leaves == pytest.approx(math.acos(1.0 - half), rel=1e-12)
-    assert angle == pytest.approx(machine.leaves, abs=1e-9)
+    half = 0.5 * machine.drive.face_width / machine.drive.turntable.radius
+    assert machine.drive.leaves == pytest.approx(math.acos(1.0 - half), rel=1e-12)
+    assert angle == pytest.approx(machine.drive.leaves, abs=1e-9)
     assert run.energy_error < 1e-6
     later = run.sample(np.linspace(rows[:, 1].max() + 1e-6, run.end, 2000))
     assert np.all(later.contact_force == 0.0)
@@ -100,7 +100,7 @@ def test_nose_that_comes_behind_the_face_is_named():
     """An object pressed beyond the edge of its narrow face is still away when the next nose comes across it."""
     changes = ["machine.face_width=94 mm", "object.mass=0.459 kg"]
     with pytest.raises(IntegrationError, match="met the edge of the face"):
-        run_rotary(machine_of(*changes))
+        run_machine(machine_of(*changes))
 
 
 def test_face_too_narrow_for_its_cam_is_refused_with_the_width_it_needs():
@@ -137,7 +137,7 @@ def test_angle_error_moves_one_blow_in_time(error, tmp_path):
     changed = build_machine(load_case(str(tmp_path / "case.toml"), changes))
     assert changed.strikers.each[1].mass == 1.5
     assert changed.strikers.each[0] == base.strikers.each[0]
-    plain, moved = blows(run_rotary(base)), blows(run_rotary(changed))
+    plain, moved = blows(run_machine(base)), blows(run_machine(changed))
     for a, b in zip(plain, moved, strict=True):
         expected = -error / a.turntable_speed if b.striker == 2 else 0.0
         # the heavier striker pushes the object farther: it comes back another way by some microseconds
@@ -150,8 +150,8 @@ def test_reach_error_is_engagement(tmp_path):
 
     rows = "".join(f'\n[[striker.each]]\nnumber = {i}\nreach_error = "0.4 mm"\n' for i in (1, 2, 3, 4))
     (tmp_path / "case.toml").write_text(dump_case(load_case("li-ma-2019", ["feed.blows=3"])) + rows)
-    farther = blows(run_rotary(build_machine(load_case(str(tmp_path / "case.toml")))))
-    nearer = blows(run_rotary(machine_of("feed.blows=3", "machine.radius=200.4 mm", "machine.engagement=5.901265 mm")))
+    farther = blows(run_machine(build_machine(load_case(str(tmp_path / "case.toml")))))
+    nearer = blows(run_machine(machine_of("feed.blows=3", "machine.radius=200.4 mm", "machine.engagement=5.901265 mm")))
     for a, b in zip(farther, nearer, strict=True):
         # the object rests 0.4 mm farther out relative to the carriage's stroke: only rounding differs
         assert a.approach_speed == pytest.approx(b.approach_speed, rel=1e-6)
@@ -170,11 +170,11 @@ def test_row_for_a_striker_that_there_is_not_is_named(tmp_path):
 def test_times_of_touch_converge_with_the_tolerance():
     """Each switch is located on dense output of order 7: its error falls as the tolerance of a step does."""
     machine = machine_of("feed.blows=3", "object.friction=30", "object.stiction=45")
-    best = run_rotary(machine, 1e-11).contacts()[:, 0]
+    best = run_machine(machine, 1e-11).contacts()[:, 0]
     tolerances = np.array([1e-4, 1e-5, 1e-6, 1e-7, 1e-8])
     errors = []
     for tolerance in tolerances:
-        found = run_rotary(machine, tolerance).contacts()[:, 0]
+        found = run_machine(machine, tolerance).contacts()[:, 0]
         assert found.size == best.size
         errors.append(np.abs(found - best).max())
     rate = np.polyfit(np.log(tolerances), np.log(errors), 1)[0]

@@ -14,7 +14,8 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.run import observe
 from strikewave.base.errors import StrikewaveError
 from strikewave.machines import _stack_kernels as column
-from strikewave.machines import blows, rotary, run_rotary
+from strikewave.machines import blows, run_machine
+from strikewave.machines import run as machine_runs
 from strikewave.machines import strike as one_blow
 from strikewave.machines._layout import layout_of
 from strikewave.machines.layered import LayeredObject, machine_grid
@@ -67,7 +68,7 @@ def test_stack_of_short_parts_is_nose_and_assembly_on_their_frame(base):
     struck = dataclasses.replace(
         base.struck, nose_mass=masses[0], assembly_mass=sum(masses[1:]), frame_stiffness=9e7, frame_damping=200.0
     )
-    chain = run_rotary(dataclasses.replace(base, struck=struck, layered=None))
+    chain = run_machine(dataclasses.replace(base, struck=struck, layered=None))
     expected = blows(chain)[0]
     times = expected.time + np.arange(0.0, 400e-6, 1e-7)
     bodies = chain.sample(times)
@@ -78,7 +79,7 @@ def test_stack_of_short_parts_is_nose_and_assembly_on_their_frame(base):
         machine = with_stack(base, Stack(tuple(parts), (frame, BONDED)), 1, 12.5e-9)
         assert machine.layered.grid.mismatch < 1e-12
         assert (machine.struck.nose_mass, machine.struck.mass) == pytest.approx((0.06, 0.48), rel=1e-12)
-        run = run_rotary(machine)
+        run = run_machine(machine)
         found, moments = blows(run)[0], run.sample(times)
         assert (found.kind, found.striker, found.contacts) == (expected.kind, expected.striker, expected.contacts)
         assert found.approach_speed == pytest.approx(expected.approach_speed, rel=1e-6)
@@ -115,8 +116,8 @@ def test_bonded_cut_changes_nothing(base):
     """A layer cut in two bonded halves is the same bar: every history to rounding of a chain of contacts."""
     nose, assembly, frame = part("nose", 0.06, 2e-6), part("assembly", 0.4, 9e-6), Joint(9e7, 200.0)
     halves = [dataclasses.replace(assembly, name=name, length=0.5 * assembly.length) for name in "ab"]
-    one = run_rotary(with_stack(base, Stack((nose, assembly), (frame,)), 1, 50e-9, ((1, 1.0),)))
-    two = run_rotary(with_stack(base, Stack((nose, *halves), (frame, BONDED)), 1, 50e-9, ((2, 1.0),)))
+    one = run_machine(with_stack(base, Stack((nose, assembly), (frame,)), 1, 50e-9, ((1, 1.0),)))
+    two = run_machine(with_stack(base, Stack((nose, *halves), (frame, BONDED)), 1, 50e-9, ((2, 1.0),)))
     (first,), (second,) = stack_spans(one), stack_spans(two)
     scale = np.abs(first.history).max(axis=0)
     assert first.history.shape == second.history.shape
@@ -188,7 +189,7 @@ def struck_stacks(draw):
 def test_ledgers_close_whatever_the_stack(base, drawn):
     """Energy to 1e-6 of what flowed, which is what steps of 50 ns leave; momentum to 1e-9, which is rounding."""
     stack, first = drawn
-    run = run_rotary(with_stack(base, stack, first, 50e-9))
+    run = run_machine(with_stack(base, stack, first, 50e-9))
     assert run.energy_error < 1e-6
     assert stack_spans(run)
     for span in stack_spans(run):
@@ -207,8 +208,8 @@ def run_and_book_the_frame(machine):
         booked.append((end.y - start.y)[at.dissipated][at.frame])
         return span, end
 
-    with mock.patch.object(rotary, "strike", strike):
-        return run_rotary(machine), booked
+    with mock.patch.object(machine_runs, "strike", strike):
+        return run_machine(machine), booked
 
 
 @pytest.mark.verify
@@ -272,7 +273,7 @@ def test_energy_ledger_closes_with_the_step(base, name):
     """Second order: the trapezoidal rule everywhere. Between blows the integrator adds its own 1e-10."""
     errors = []
     for step in (100e-9, 50e-9, 25e-9):
-        errors.append(run_rotary(with_stack(base, STACKS[name], 1, step), tolerance=1e-11).energy_error)
+        errors.append(run_machine(with_stack(base, STACKS[name], 1, step), tolerance=1e-11).energy_error)
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx(2.0, abs=0.25), f"orders {orders}, errors {errors}"
     assert errors[-1] < 5e-8, errors
@@ -284,7 +285,7 @@ def test_energy_ledger_closes_with_the_step(base, name):
 @pytest.mark.parametrize("name", STACKS)
 def test_blow_is_force_impulse_and_momentum_at_once(base, name):
     """The table's impulse is mass times velocity change, and the integral of the force that the history shows."""
-    run = run_rotary(with_stack(base, STACKS[name], 1, 25e-9))
+    run = run_machine(with_stack(base, STACKS[name], 1, 25e-9))
     mass = run.machine.struck.mass
     found = blows(run)
     assert any(blow.kind != "missed" for blow in found)
@@ -324,7 +325,7 @@ def test_taps_see_the_mean_of_the_layer_they_are_in(base):
     """Total acceleration at many places of the assembly, averaged over its mass, is its rigid acceleration."""
     stack = STACKS["compliant frame"]
     places = tuple((1, (k + 0.5) / 40) for k in range(40))
-    run = run_rotary(with_stack(base, stack, 1, 25e-9, places))
+    run = run_machine(with_stack(base, stack, 1, 25e-9, places))
     (span,) = stack_spans(run)
     mean = np.mean([span.tap(k)[1] for k in range(40)], axis=0)
     speed = span.history[:, column.ASSEMBLY_SPEED]
@@ -338,7 +339,7 @@ def test_open_gap_leaves_the_last_part_behind(base):
         (part("n", 0.06, 2e-6), part("a", 0.2, 8e-6), part("b", 0.2, 6e-6)),
         (Joint(2e8, 100.0), Joint(unilateral=True, gap=0.5)),
     )
-    run = run_rotary(with_stack(base, stack, 1, 50e-9, ((2, 0.0), (2, 1.0), (1, 1.0))))
+    run = run_machine(with_stack(base, stack, 1, 50e-9, ((2, 0.0), (2, 1.0), (1, 1.0))))
     span = stack_spans(run)[0]
     assert np.all(span.taps.force[:, 0] == 0.0)
     assert np.abs(span.taps.force[:, 2]).max() < 1e-9 * span.history[:, column.CONTACT_FORCE].max()
@@ -376,7 +377,7 @@ def test_stack_that_cannot_be_struck_is_refused_in_one_line(changes, line):
 
 
 def test_hundred_blows_are_allowed():
-    assert build_machine(load_case(CASE, ["feed.blows=100"])).feed.blows == 100
+    assert build_machine(load_case(CASE, ["feed.blows=100"])).drive.feed.blows == 100
 
 
 def test_frame_that_could_fall_apart_is_refused():

@@ -9,7 +9,7 @@ from strikewave import load_case, run_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.materials import material
 from strikewave.contact import Contact, PressureCap, exact, hertz, johnson, line_cap, palmgren, point_cap, solve_impact
-from strikewave.machines import blows, run_rotary
+from strikewave.machines import blows, run_machine
 from strikewave.machines._stack_kernels import INDENTATION
 from strikewave.machines.spans import StackSpan
 from strikewave.waves import Impactor, Layer, Stack, Tap, Wanted, run_bar
@@ -58,7 +58,7 @@ def test_what_stays_follows_from_the_deepest_indentation():
 def test_a_blow_on_a_stack_begins_at_the_dent_of_the_one_before():
     """First touch is where the spot's surface is: at the residual indentation of the blow before."""
     machine = build_machine(load_case("li-ma-2019-fig13", [YIELDS, "feed.blows=2"]))
-    found = run_rotary(machine)
+    found = run_machine(machine)
     first, second = (span for span in found.spans if isinstance(span, StackSpan))
     left = blows(found)[0].residual_indentation
     assert first.history[0, INDENTATION] == 0.0

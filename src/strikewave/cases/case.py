@@ -28,7 +28,7 @@ from pydantic import (
 from strikewave.base.errors import EXISTING_FILE, MISSING, InputError, InputErrors, nearest, show
 from strikewave.base.quantities import Provenance, ToleranceBand, Value
 from strikewave.cases.fem_tables import FemTable
-from strikewave.cases.machine_tables import AnyLaunched, AnyMachine
+from strikewave.cases.machine_tables import AnyMachine
 from strikewave.cases.mesh_tables import FilePart, MeshTable
 from strikewave.cases.paths import Form, row_name
 from strikewave.cases.tables import (
@@ -37,11 +37,12 @@ from strikewave.cases.tables import (
     AnyStriker,
     ContactTable,
     FeedTable,
+    LaunchedTable,
     LoadTable,
-    Machine,
     Object,
     Published,
     Recorder,
+    RotaryTable,
     SensorTable,
     Solver,
     StackTable,
@@ -66,7 +67,7 @@ TABLES = (
     *("mesh", "fem"),
 )
 """The tables of a case that hold quantities, in the order in which they are written."""
-RIG = ("machine", "striker", "feed", "object", "contact", "recorder")
+ROTARY_TABLES = ("machine", "striker", "feed", "object", "contact", "recorder")
 """The tables that a rotary machine needs; a machine without a drive has no feed."""
 VECTOR = frozenset("xyz")
 """The keys of a vector."""
@@ -83,10 +84,10 @@ class Impact(NamedTuple):
     recorder: Recorder
 
 
-class Rig(NamedTuple):
+class RotaryTables(NamedTuple):
     """The tables of a rotary machine, all of them there."""
 
-    machine: Machine
+    machine: RotaryTable
     striker: Striker
     feed: FeedTable
     object: Object
@@ -122,7 +123,7 @@ class Case(Table):
     @classmethod
     def _strict(cls, raw: Any, info: ValidationInfo) -> Any:
         """Ask for every quantity, but in a machine without a drive."""
-        free = not isinstance(info.data.get("machine", raw), Machine | None)
+        free = not isinstance(info.data.get("machine", raw), RotaryTable | None)
         if free or not isinstance(raw, Mapping) or info.field_name is None:
             return raw
         return STRICT[info.field_name].model_validate(raw)
@@ -130,12 +131,12 @@ class Case(Table):
     @model_validator(mode="after")
     def _whole(self) -> Case:
         """Refuse a case without anything to run, and a machine without one of its tables."""
-        needed = [name for name in RIG if name != "feed" or isinstance(self.machine, Machine | None)]
+        needed = [name for name in ROTARY_TABLES if name != "feed" or isinstance(self.machine, RotaryTable | None)]
         lacking = [name for name in ("mesh", "fem") if getattr(self, name) is None]
         if len(lacking) == 1:
             examples = {"mesh": "[[mesh.part]], once for each part", "fem": '[fem] with its duration = "80 us"'}
             raise InputError(lacking[0], MISSING, examples[lacking[0]])
-        alone = not any(getattr(self, name) is not None for name in RIG)
+        alone = not any(getattr(self, name) is not None for name in ROTARY_TABLES)
         if alone and not self.stack.layer and lacking:
             needed_tables = "[machine] with its tables, [[stack.layer]] with [load], or [mesh] with [fem]"
             raise InputError("", MISSING, needed_tables)
@@ -176,7 +177,7 @@ class Case(Table):
             raise InputError("machine", MISSING, "[machine] with its tables", hint)
         return Impact(*parts)  # type: ignore[arg-type]
 
-    def rig(self) -> Rig:
+    def rotary_tables(self) -> RotaryTables:
         """Return the tables of a rotary machine.
 
         Raises
@@ -186,18 +187,18 @@ class Case(Table):
         """
         striker, struck, contact, recorder = self.impact()
         if not (
-            isinstance(self.machine, Machine)
+            isinstance(self.machine, RotaryTable)
             and isinstance(striker, Striker)
             and isinstance(struck, Object)
             and self.feed is not None
         ):
             kind = getattr(self.machine, "kind", MISSING)
             raise InputError("machine.kind", kind, "rotary", "this needs a rotary machine, such as case li-ma-2019")
-        return Rig(self.machine, striker, self.feed, struck, contact, recorder)
+        return RotaryTables(self.machine, striker, self.feed, struck, contact, recorder)
 
-    def launched(self) -> AnyLaunched | None:
+    def launched(self) -> LaunchedTable | None:
         """Return the machine if it is one without a drive."""
-        return None if isinstance(self.machine, Machine) else self.machine
+        return self.machine if isinstance(self.machine, LaunchedTable) else None
 
     def values(self) -> dict[str, Value]:
         """Return every quantity by its path, such as ``machine.speed`` or ``stack.layer.upper.length``."""

@@ -1,154 +1,63 @@
-"""[machine] of the machines without a drive, by their kind: what is let go, and how it comes to the blow."""
+"""[machine] of any kind: the tables of all kinds, found in the folder that holds one module a kind.
+
+A kind of machine is one class, in one module: its table in a case file, how it comes to first touch, its words, its
+sources, its drawing. That class needs what stands above this room, and a case needs its table to be read. So this
+room knows the folder by its name alone, as it knows the contact laws of installed packages by their entry points: it
+imports each module there and takes the class that it registers, and nothing else of it. What a module imports at its
+head is therefore read with every case: tables and quantities, never numba; physics is imported where it is used.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, TypeAlias, get_args
+import functools
+import importlib
+import operator
+import pkgutil
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args
 
 from pydantic import BeforeValidator, Field
 
 from strikewave.base.errors import MISSING, InputError, nearest
-from strikewave.base.quantities import (
-    Count,
-    FollowTime,
-    Inertia,
-    Length,
-    Mass,
-    MaybeAmbient,
-    MaybeAngle,
-    MaybeFriction,
-    MaybeGap,
-    MaybeHeatRatio,
-    MaybeInertia,
-    MaybeLength,
-    MaybeMass,
-    MaybePressure,
-    MaybeShare,
-    MaybeSpeed,
-    MaybeTime,
-    MaybeTorque,
-    MaybeVolume,
-    Restitution,
-    SwingAngle,
-    Value,
-)
-from strikewave.cases.tables import Machine, Name, Table
+from strikewave.cases.tables import LaunchedTable, MachineTable
 
-
-class Launched(Table):
-    """What every machine without a drive has: ``follow``, how long it is watched after first touch."""
-
-    follow: FollowTime = Value(si=10e-3, typed="10 ms")
-
-
-class FallingBall(Launched):
-    """[machine]: a ball that falls on the object; [striker] is the ball, in free flight where it has no mount.
-
-    ``friction`` is that of its guide as a share of its weight (0).
-    """
-
-    kind: Literal["falling-ball"]
-    height: Length
-    friction: MaybeShare = None
-
-
-class Drop(Launched):
-    """[machine]: a table that falls with the object on an anvil; [contact] is the pulse shaper between them.
-
-    [object] is the table with what it carries, [striker] the anvil, on its mount to the ground or free to move.
-    ``friction`` is that of the guides as a share of the weight (0).
-    """
-
-    kind: Literal["drop"]
-    height: Length
-    friction: MaybeShare = None
-
-
-class Pendulum(Launched):
-    """[machine]: an arm let go at an ``angle`` from hanging, whose [striker] meets the object at the lowest point.
-
-    ``mass``, ``centre`` (of gravity from the pivot) and ``inertia`` (about the pivot) are those of the whole arm, the
-    striker included; ``period`` of small swings may stand for the inertia. ``radius`` is pivot to striker.
-    """
-
-    kind: Literal["pendulum"]
-    angle: SwingAngle
-    mass: Mass
-    centre: Length
-    radius: Length
-    inertia: MaybeInertia = None
-    period: MaybeTime = None
-
-
-class Machete(Launched):
-    """[machine]: a Machete hammer, drawn back by ``teeth`` of its ratchet wheel of ``wheel_teeth``.
-
-    The object sits in the head of the arm and meets a fixed anvil, which is [striker]. ``weight`` hangs on a ``drum``
-    of that radius; ``inertia`` is that of arm, head and counterweight about the shaft, ``radius`` shaft to head;
-    ``mass`` and ``centre`` are those of an arm that is not balanced. ``friction`` is the torque of the shaft;
-    ``strike_angle`` is where the arm strikes, from hanging down.
-    """
-
-    kind: Literal["machete"]
-    teeth: Count
-    wheel_teeth: Count
-    inertia: Inertia
-    radius: Length
-    weight: MaybeMass = None
-    drum: MaybeLength = None
-    mass: MaybeMass = None
-    centre: MaybeLength = None
-    friction: MaybeTorque = None
-    strike_angle: MaybeAngle = None
-
-
-class GasGun(Launched):
-    """[machine]: a gun whose projectile, [striker], flies at the object.
-
-    Either its ``speed`` is known, or it follows, as an upper bound, from the reservoir (absolute ``pressure``,
-    ``volume``), the barrel (diameter ``bore``, ``length``, ``friction`` in N), the ``ambient`` pressure (1 atm), the
-    ``heat_ratio`` of the gas (1.4) and its ``sound_speed`` (343 m/s).
-    """
-
-    kind: Literal["gas-gun"]
-    speed: MaybeSpeed = None
-    pressure: MaybePressure = None
-    volume: MaybeVolume = None
-    bore: MaybeLength = None
-    length: MaybeLength = None
-    friction: MaybeFriction = None
-    ambient: MaybeAmbient = None
-    heat_ratio: MaybeHeatRatio = None
-    sound_speed: MaybeSpeed = None
-
-
-class BodyTable(Table):
-    """[[machine.body]]: a body of the amplifier below the striker: restitution to the body above, and gap to it (0)."""
-
-    name: Name
-    mass: Mass
-    restitution: Restitution
-    gap: MaybeGap = None
-
-
-class Amplifier(Launched):
-    """[machine]: bodies that fall in a line on a floor and hit one another, each faster than the one below.
-
-    From the floor up: the rows of [[machine.body]], [striker], [object]. ``restitution`` is that of the lowest body on
-    the floor, ``gap`` that between striker and object (0); the restitution of those two is that of [contact].
-    """
-
-    kind: Literal["amplifier"]
-    height: Length
-    restitution: Restitution
-    gap: MaybeGap = None
-    friction: MaybeShare = None
-    body: tuple[BodyTable, ...] = ()
-
-
-AnyLaunched: TypeAlias = FallingBall | Drop | Pendulum | Machete | GasGun | Amplifier
-KINDS = {str(table.model_fields["kind"].annotation.__args__[0]): table for table in (Machine, *get_args(AnyLaunched))}
-"""Every machine that there is: its kind and its table."""
+KINDS_FOLDER = "strikewave.analyses.machine.kinds"
+"""The package whose modules are the kinds of machines; adding a module there adds a kind."""
 BAR_ALONE = "a bar is no machine: give [[stack.layer]] and [load], and `strikewave wave` runs it"
+
+
+def _kind_of(table: type[MachineTable]) -> str:
+    """Return the kind that a table is of: the one value that its field ``kind`` may have; empty for a base class."""
+    named = get_args(table.model_fields["kind"].annotation)
+    return str(named[0]) if len(named) == 1 else ""
+
+
+def _tables_of_folder() -> dict[str, type[MachineTable]]:
+    """Return the class of each module of the folder by its kind, machines with a drive first.
+
+    A path that names no kind, such as machine.speed, means the first table that has it: studies are of the drive.
+
+    Raises
+    ------
+    TypeError
+        If a module has not exactly one class of a kind.
+    """
+    folder = importlib.import_module(KINDS_FOLDER)
+    tables: dict[str, type[MachineTable]] = {}
+    for found in pkgutil.iter_modules(folder.__path__):
+        module = importlib.import_module(f"{KINDS_FOLDER}.{found.name}")
+        own = [
+            item
+            for item in vars(module).values()
+            if isinstance(item, type) and issubclass(item, MachineTable) and item.__module__ == module.__name__
+        ]
+        if len(own) != 1 or not _kind_of(own[0]):
+            raise TypeError(f"{module.__name__} must have one class of a machine with its kind, got {own}")
+        tables[_kind_of(own[0])] = own[0]
+    return dict(sorted(tables.items(), key=lambda item: issubclass(item[1], LaunchedTable)))
+
+
+KINDS = _tables_of_folder()
+"""Every kind of machine that there is, and its table."""
 
 
 def _of_known_kind(raw: Any) -> Any:
@@ -160,5 +69,9 @@ def _of_known_kind(raw: Any) -> Any:
     raise InputError("kind", kind, "one of " + ", ".join(f"'{known}'" for known in KINDS), hint)
 
 
-AnyMachine = Annotated[Machine | AnyLaunched, Field(discriminator="kind"), BeforeValidator(_of_known_kind)]
+if TYPE_CHECKING:
+    AnyMachine: TypeAlias = MachineTable
+else:
+    _any = functools.reduce(operator.or_, KINDS.values())
+    AnyMachine = Annotated[_any, Field(discriminator="kind"), BeforeValidator(_of_known_kind)]
 """[machine] of any kind."""

@@ -59,9 +59,9 @@ class Form:
 
         Examples
         --------
-        >>> from strikewave.cases.tables import Machine
+        >>> from strikewave.cases.tables import RotaryTable
         >>> document = {}
-        >>> Form(Machine, "machine", 'radius="1 m"').change(document, "radius=0.2")
+        >>> Form(RotaryTable, "machine", 'radius="1 m"').change(document, "radius=0.2")
         >>> document["radius"]["value"]
         '0.2 m'
         """

@@ -16,6 +16,7 @@ from strikewave.base.quantities import (
     Damping,
     Duration,
     FeedTime,
+    FollowTime,
     Force,
     Frequency,
     Inertia,
@@ -25,6 +26,7 @@ from strikewave.base.quantities import (
     MaybeAngle,
     MaybeArea,
     MaybeBits,
+    MaybeBlowCount,
     MaybeDamping,
     MaybeDensity,
     MaybeError,
@@ -38,6 +40,7 @@ from strikewave.base.quantities import (
     MaybeInertia,
     MaybeLayerSpeed,
     MaybeLength,
+    MaybeLongest,
     MaybeLoss,
     MaybeMass,
     MaybeModulus,
@@ -110,7 +113,13 @@ class Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Machine(Table):
+class MachineTable(Table):
+    """[machine] of any kind."""
+
+    kind: str
+
+
+class RotaryTable(MachineTable):
     """[machine]: a rotary machine.
 
     ``blow_angle`` is that between the outward radius and the blow at the strike position: 0, where it is left out, is
@@ -138,6 +147,19 @@ class Machine(Table):
     speed_ripple: MaybeRipple = None
     ripple_order: MaybeTurns = None
     ripple_phase: MaybeAngle = None
+
+
+class LaunchedTable(MachineTable):
+    """[machine] without a drive: ``follow``, how long it is followed after first touch (10 ms).
+
+    ``until`` may say instead that it is followed over its rebounds: until it rests ("rest"), or until a brake catches
+    it at the top of its rebound ("brake") after so many blows (``brake_after``, 1); but not beyond ``longest`` (10 s).
+    """
+
+    follow: FollowTime = Value(si=10e-3, typed="10 ms")
+    until: Literal["time", "rest", "brake"] | None = None
+    brake_after: MaybeBlowCount = None
+    longest: MaybeLongest = None
 
 
 class OwnStriker(Table):

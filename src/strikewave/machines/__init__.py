@@ -2,21 +2,23 @@
 
 from strikewave.machines.blows import Blow, blows
 from strikewave.machines.feed import Feed
-from strikewave.machines.machine import Launch, RotaryMachine, Striker, Strikers
-from strikewave.machines.rotary import RotaryRun, run_rotary
+from strikewave.machines.machine import Arm, Launch, Machine, RotaryDrive, Striker, Strikers
+from strikewave.machines.run import MachineRun, run_machine
 from strikewave.machines.struck_object import StruckObject
 from strikewave.machines.turntable import Turntable
 
 __all__ = [
+    "Arm",
     "Blow",
     "Feed",
     "Launch",
-    "RotaryMachine",
-    "RotaryRun",
+    "Machine",
+    "MachineRun",
+    "RotaryDrive",
     "Striker",
     "Strikers",
     "StruckObject",
     "Turntable",
     "blows",
-    "run_rotary",
+    "run_machine",
 ]

@@ -1,4 +1,4 @@
-"""Compiled rotary machine: turntable, strikers on mounts, fed carriage and struck object as one system.
+"""Compiled machine: turntable, strikers on mounts, fed carriage and struck object as one system.
 
 The seats on the turntable and the carriage are the bases of the chain of bodies; `_layout` says where what stands.
 
@@ -60,19 +60,19 @@ SETTINGS = (
     *("inertia", "drag", "set_speed", "gain", "torque", "ripple", "ripple_order", "ripple_phase"),
     *("motor_inertia", "belt_stiffness", "belt_damping", "weight_moment"),
     *("valve_delay", "stroke", "stroke_time", "acceleration", "cushion", "hold", "release_delay", "retract_time"),
-    *("blows", "layered", "along", "across", "half_face", "pitch"),
+    *("blows", "stop_at_touch", "along", "across", "half_face", "pitch"),
 )
-"""Names of `RotarySystem.settings`, SI; see `strikewave.machines.rotary.rotary_system`."""
+"""Names of `MachineSystem.settings`, SI; see `strikewave.machines.run.machine_system`."""
 (INERTIA, DRAG, SET_SPEED, GAIN, TORQUE, RIPPLE, RIPPLE_ORDER, RIPPLE_PHASE) = range(8)
 (MOTOR_INERTIA, BELT_STIFFNESS, BELT_DAMPING, WEIGHT_MOMENT) = range(8, 12)
 (VALVE_DELAY, STROKE, STROKE_TIME, ACCELERATE, CUSHION, HOLD, RELEASE_DELAY, RETRACT_TIME) = range(12, 20)
-(BLOWS, LAYERED, ALONG, ASIDE, HALF_FACE, PITCH) = range(20, 26)
+(BLOWS, STOP_AT_TOUCH, ALONG, ASIDE, HALF_FACE, PITCH) = range(20, 26)
 FEED_TIMES = (VALVE_DELAY, STROKE_TIME, HOLD, RELEASE_DELAY, RETRACT_TIME)
 """How long each phase of the feed lasts: places in the settings."""
 
 
-class RotarySystem(NamedTuple):
-    """The rotary machine as tables: chain of bodies, seats and settings."""
+class MachineSystem(NamedTuple):
+    """A machine as tables: chain of bodies, seats and settings."""
 
     chain: ChainTables
     seats: np.ndarray
@@ -162,7 +162,7 @@ def place_bases(system, t, y, mode, memory):
 
 
 @leaf_kernel
-def rotary_rates(system, t, y, mode, memory, dy):
+def machine_rates(system, t, y, mode, memory, dy):
     """Fill the time derivative of the whole state."""
     at, bodies, bases, settings = layout_of(system), system.chain.bodies, system.chain.bases, system.settings
     place_bases(system, t, y, mode, memory)
@@ -216,7 +216,7 @@ def own_switches(system, t, y, mode, memory, g):
 
 
 @leaf_kernel
-def rotary_switches(system, t, y, mode, memory, g):
+def machine_switches(system, t, y, mode, memory, g):
     """Fill the switch functions of links, drive, feed, passing strikers and edges of the face."""
     at = layout_of(system)
     on_face = mode[at.on_face]
@@ -288,10 +288,10 @@ def own_switch(system, own, t, y, mode, memory):
 
 
 @leaf_kernel
-def rotary_switch(system, k, t, y, mode, memory):
+def machine_switch(system, k, t, y, mode, memory):
     """Change the mode at switch k: a link, the drive, the feed, a striker at its apex or at an edge.
 
-    Where the struck object is a stack of layers, the first touch stops the integration.
+    Where the struck object is a stack of layers, or rebounds are followed, each touch stops the integration.
     """
     at = layout_of(system)
     place_bases(system, t, y, mode, memory)
@@ -300,7 +300,7 @@ def rotary_switch(system, k, t, y, mode, memory):
     code = link_switch(system.chain, k, y, mode, memory)
     if link_of(k) < at.contacts.stop and code == RESTART:
         mode[at.touched] = 1
-        if system.settings[LAYERED] > 0.0:
+        if system.settings[STOP_AT_TOUCH] > 0.0:
             return STOP
     return code
 
@@ -308,9 +308,9 @@ def rotary_switch(system, k, t, y, mode, memory):
 @overload(_integrator.derivatives, jit_options=LEAF)
 def _derivatives(system, t, y, mode, memory, dy):
     def rates(system, t, y, mode, memory, dy):
-        rotary_rates(system, t, y, mode, memory, dy)
+        machine_rates(system, t, y, mode, memory, dy)
 
-    return rates if is_a(system, RotarySystem) else None
+    return rates if is_a(system, MachineSystem) else None
 
 
 @overload(_integrator.forces, jit_options=LEAF)
@@ -319,15 +319,15 @@ def _forces(system, t, y, mode, memory, out):
         place_bases(system, t, y, mode, memory)
         chain_forces(system.chain, y, mode, memory, out)
 
-    return fill if is_a(system, RotarySystem) else None
+    return fill if is_a(system, MachineSystem) else None
 
 
 @overload(_integrator.switches, jit_options=LEAF)
 def _switches(system, t, y, mode, memory, g):
     def fill(system, t, y, mode, memory, g):
-        rotary_switches(system, t, y, mode, memory, g)
+        machine_switches(system, t, y, mode, memory, g)
 
-    return fill if is_a(system, RotarySystem) else None
+    return fill if is_a(system, MachineSystem) else None
 
 
 @overload(_integrator.horizon, jit_options=LEAF)
@@ -335,12 +335,12 @@ def _horizon(system, t, y, mode, memory):
     def most(system, t, y, mode, memory):
         return np.inf
 
-    return most if is_a(system, RotarySystem) else None
+    return most if is_a(system, MachineSystem) else None
 
 
 @overload(_integrator.switch, jit_options=LEAF)
 def _switch(system, k, t, y, mode, memory):
     def change(system, k, t, y, mode, memory):
-        return rotary_switch(system, k, t, y, mode, memory)
+        return machine_switch(system, k, t, y, mode, memory)
 
-    return change if is_a(system, RotarySystem) else None
+    return change if is_a(system, MachineSystem) else None

@@ -1,20 +1,20 @@
 """Where everything stands in the state, the modes, the memory and the switch functions of a machine.
 
-Three systems share one order of things: the whole machine (strikers, nose and assembly as bodies), the machine that
-coasts in a fast run (the object is one body, the strikers ride on their circles), and the strikers alone, beside a
+Three systems share one order of things: the whole machine (strikers, nose and assembly as bodies), the machine in
+free flight in a fast run (the object is one body, the strikers ride on their circles), and the strikers alone, beside a
 stack of layers. What a system has none of is an empty part.
 
-- bodies: strikers, nose, assembly; while it coasts nose and assembly are one body;
+- bodies: strikers, nose, assembly; in free flight nose and assembly are one body;
 - bases: a seat for each striker that is a body, then the carriage;
 - links: contacts, mounts, frame, then what holds the object: support, stop, and a rail where one rubs;
 - state: positions and speeds of the bodies, turntable angle and speed, belt twist and motor speed, then energies:
   dissipated in each link, given by the drive, lost in drag and belt, given by the feed;
 - modes: of the links, of drive and feed, passes counted, whether this pass has touched, the striker (from 1) that met
-  the edge of the face, whether each striker is before the face, and while it coasts which striker touches (-1: none);
+  the edge of the face, whether each striker is before the face, and in free flight which striker touches (-1: none);
 - memory: approach speed of each link, begin of the feed's phase, angle of the next apex, then how deep each link has
   yielded, and how much its radius has grown by that;
 - switch functions: of the links, then the machine's own: where the drive reaches its torque, where it lets go, the end
-  of the feed's phase, an apex, while it coasts the first touch of each striker, then each at an edge of the face.
+  of the feed's phase, an apex, in free flight the first touch of each striker, then each at an edge of the face.
 
 Who owns what: ``contact`` owns the chain (`strikewave.contact._chain_kernels.ChainTables`): bodies, links and their
 laws, and of each of the four arrays what belongs to them. It finds its parts by their order alone: positions, speeds,
@@ -38,7 +38,7 @@ FULL_TORQUE_SWITCH, NO_TORQUE_SWITCH, FEED_SWITCH, APEX_SWITCH = 0, 1, 2, 3
 _DRIVE_FEED_APEX = 4
 """How many those are."""
 STRIKER, OBJECT = 0, 0
-"""Numbers of the bodies of a fast run: of the one striker in a blow, and of the object while it coasts."""
+"""Numbers of the bodies of a fast run: of the one striker in a blow, and of the object in free flight."""
 
 
 class Layout(NamedTuple):
@@ -60,7 +60,7 @@ class Layout(NamedTuple):
         Whether there is a rail.
     positions, speeds, turntable : slice
         Of the state: bodies; turntable, belt and motor.
-    dissipated, ledger, energies, held_energies : slice
+    dissipated, of_drive, energies, held_energies : slice
         Of the state: links; drive, drag and feed; both; both from the support on.
     angle, turntable_speed, belt_twist, motor_speed, driven, dragged, fed : int
         Of the state.
@@ -100,7 +100,7 @@ class Layout(NamedTuple):
     belt_twist: int
     motor_speed: int
     dissipated: slice
-    ledger: slice
+    of_drive: slice
     driven: int
     dragged: int
     fed: int
@@ -135,22 +135,22 @@ class Layout(NamedTuple):
 @register_jitable(**LEAF)
 def layout(bodies: int, links: int, seats: int, strikers: int) -> Layout:
     """Return the layout of a system of so many bodies, links, seats that are bases, and strikers."""
-    riders = strikers - seats
+    mounted = strikers - seats
     whole = 1 if bodies - seats == 2 else 0
     contacts, mounts = whole * seats, (whole + 1) * seats
     support = mounts + whole
     angle = 2 * bodies
     dissipated = angle + 4
-    ledger = dissipated + links
-    states = ledger + 3
+    of_drive = dissipated + links
+    states = of_drive + 3
     on_face = links + 5
     touching = on_face + strikers
-    modes = touching + min(riders, 1)
+    modes = touching + min(mounted, 1)
     depths = links + 2
     growths = depths + links
     own = SWITCHES * links
     touches = _DRIVE_FEED_APEX
-    edges = touches + riders
+    edges = touches + mounted
     switches = own + edges + strikers
     return Layout(
         strikers=slice(0, seats),
@@ -172,11 +172,11 @@ def layout(bodies: int, links: int, seats: int, strikers: int) -> Layout:
         turntable_speed=angle + 1,
         belt_twist=angle + 2,
         motor_speed=angle + 3,
-        dissipated=slice(dissipated, ledger),
-        ledger=slice(ledger, states),
-        driven=ledger,
-        dragged=ledger + 1,
-        fed=ledger + 2,
+        dissipated=slice(dissipated, of_drive),
+        of_drive=slice(of_drive, states),
+        driven=of_drive,
+        dragged=of_drive + 1,
+        fed=of_drive + 2,
         energies=slice(dissipated, states),
         held_energies=slice(dissipated + support, states),
         states=states,

@@ -17,9 +17,9 @@ from strikewave.machines._kernels import (
     HALF_FACE,
     RETRACTING,
     STROKE,
+    machine_rates,
     own_switch,
     own_switches,
-    rotary_rates,
 )
 from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, layout_of
 from strikewave.waves._kernels import (
@@ -163,7 +163,7 @@ def move_machine(system, t, dt, y, mode, memory, push, rates):
     y[at.turntable_speed] += dt * old[at.turntable_speed]
     y[at.belt_twist] += dt * old[at.belt_twist]
     y[at.motor_speed] += dt * old[at.motor_speed]
-    rotary_rates(system, t, y, mode, memory, new)
+    machine_rates(system, t, y, mode, memory, new)
     for i in range(x.size):
         v[i] += 0.5 * dt * (new_v[i] - push[i] / bodies[i, MASS] - old_v[i])
     for i in (at.turntable_speed, at.belt_twist, at.motor_speed):
@@ -228,7 +228,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
     dt, z, last = tables.step, tables.impedance[0], tables.nodes.size - 1
     rates, push, contact = np.empty((2, y.size)), np.zeros(speeds.size), np.empty(CONTACT_SIZE)
     mass = system.chain.bodies[s, MASS]
-    rotary_rates(system, blow.time, y, mode, memory, rates[0])
+    machine_rates(system, blow.time, y, mode, memory, rates[0])
     begin_contact(law, contact, blow.approach, blow.deepest)
     u_face, u_end, u_nose, u_assembly, v_face, v_end = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     v_nose, v_assembly = blow.nose_speed, blow.assembly_speed

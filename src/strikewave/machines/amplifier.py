@@ -258,7 +258,7 @@ class Collisions:
 
     @property
     def energy_error(self) -> float:
-        """Energy that the ledger misses, from the start to the last collision, over the energy of the start.
+        """Energy that the balance misses, from the start to the last collision, over the energy of the start.
 
         Only with floors and ceilings at rest: one that moves does work.
         """
@@ -268,7 +268,7 @@ class Collisions:
 
     @property
     def momentum_error(self) -> float:
-        """Momentum that the ledger misses over the largest momentum that a collision passed on."""
+        """Momentum that the balance misses over the largest momentum that a collision passed on."""
         masses, last = self._finite_masses, len(self.line.masses) - 2
         change = float(masses @ (self._flights[-1].speeds - self._flights[0].speeds))
         fell = float(masses.sum()) * self.line.gravity * self._flights[-1].time

@@ -1,4 +1,4 @@
-"""What a run of the rotary machine did to the object, blow by blow."""
+"""What a run of a machine did to the object, blow by blow."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from strikewave.contact.elastoplastic import spot_after
 from strikewave.contact.law import check_end
 from strikewave.machines._layout import APEX_SWITCH
-from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.rebounds import blow_numbers
+from strikewave.machines.run import MachineRun
 from strikewave.signal.pulse import measure_pulse
 
 Array = NDArray[np.float64]
@@ -32,14 +33,14 @@ WINDOW_BEFORE, WINDOW_AFTER, SAMPLE_STEP = 50e-6, 1.5e-3, 0.25e-6
 
 @dataclass(frozen=True)
 class Blow:
-    """One pass of one striker, all its re-contacts included; SI.
+    """One pass of one striker, or one of the rebounds of a launched machine, all its re-contacts included; SI.
 
     Attributes
     ----------
     index : int
         Number of the blow, from 1.
     kind : str
-        full, glancing (approach below half the nominal speed), double (a second group of contacts, more
+        full, glancing (approach below half the nominal speed of a drive), double (a second group of contacts, more
         than a pulse width later, carries a tenth of the impulse) or missed.
     striker : int
         Which striker, from 1.
@@ -102,14 +103,19 @@ class Blow:
     turntable_speed: float
 
 
-def contact_table(run: RotaryRun) -> Array:
-    """Return all contacts in order of time: begin, end, approach speed, striker (from 0), pass; shape (N, 5)."""
+def contact_table(run: MachineRun) -> Array:
+    """Return all contacts in order of time: begin, end, approach speed, striker (from 0), pass; shape (N, 5).
+
+    The passes of a launched machine that is followed over its rebounds are its blows.
+    """
     table = run.contacts()
+    if run.machine.rebounds is not None:
+        return np.column_stack([table, blow_numbers(table)])
     angles = run.sample(table[:, 0]).turntable_angle if len(table) else np.empty(0)
     return np.column_stack([table, np.round(angles / run.machine.pitch)])
 
 
-def counted_passes(run: RotaryRun) -> dict[int, float]:
+def counted_passes(run: MachineRun) -> dict[int, float]:
     """Return the passes whose apex fell while the object was held in place: pass number to time, s."""
     begin, end = run.held
     times = run.switch_times(APEX_SWITCH)
@@ -118,7 +124,7 @@ def counted_passes(run: RotaryRun) -> dict[int, float]:
     return {round(a / run.machine.pitch): float(t) for a, t in zip(angles, times, strict=True)}
 
 
-def blows(run: RotaryRun) -> tuple[Blow, ...]:
+def blows(run: MachineRun) -> tuple[Blow, ...]:
     """List the blows of a run in order of time, missed passes among them.
 
     A pass belongs to the list when its striker touched the object, or when its apex fell while the
@@ -127,19 +133,19 @@ def blows(run: RotaryRun) -> tuple[Blow, ...]:
     table, counted = contact_table(run), counted_passes(run)
     passes = sorted({*counted, *(int(p) for p in table[:, 4])})
     starts = [float(table[table[:, 4] == p, 0][0]) if p in table[:, 4] else counted[p] for p in passes]
-    found = []
+    listed = []
     for index, (number, start) in enumerate(zip(passes, starts, strict=True), start=1):
         until = starts[index] if index < len(starts) else run.end
         rows = table[table[:, 4] == number]
         if len(rows):
-            found.append(_struck(run, index, rows, until))
+            listed.append(_struck(run, index, rows, until))
         else:
-            found.append(_missed(run, index, number, start))
-    return tuple(found)
+            listed.append(_missed(run, index, number, start))
+    return tuple(listed)
 
 
 def pulse_window(
-    run: RotaryRun, touch: float, until: float = math.inf, step: float = SAMPLE_STEP
+    run: MachineRun, touch: float, until: float = math.inf, step: float = SAMPLE_STEP
 ) -> tuple[Array, Array, Array]:
     """Return time since first touch, contact force and rigid acceleration about a blow.
 
@@ -152,7 +158,7 @@ def pulse_window(
     return since, moments.contact_force, moments.rigid_acceleration
 
 
-def _missed(run: RotaryRun, index: int, number: int, time: float) -> Blow:
+def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
     nothing = dict.fromkeys(
         (
             *("approach_speed", "rebound_speed", "restitution", "rigid_peak", "width", "rise"),
@@ -175,7 +181,7 @@ def _missed(run: RotaryRun, index: int, number: int, time: float) -> Blow:
     )
 
 
-def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
+def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
     struck = run.machine.struck
     begin, striker, last = float(rows[0, 0]), int(rows[0, 3]), float(rows[:, 1].max())
     since, force, acceleration = pulse_window(run, begin, min(until, last + WINDOW_AFTER) - begin)
@@ -223,7 +229,7 @@ def _struck(run: RotaryRun, index: int, rows: Array, until: float) -> Blow:
     )
 
 
-def _work(run: RotaryRun, rows: Array) -> tuple[float, float]:
+def _work(run: MachineRun, rows: Array) -> tuple[float, float]:
     """Return the largest indentation of some contacts, m, and their restitution by work given back over work taken."""
     deepest, taken, back = 0.0, 0.0, 0.0
     for begin, end in rows[:, :2]:
@@ -237,12 +243,12 @@ def _work(run: RotaryRun, rows: Array) -> tuple[float, float]:
     return deepest, math.sqrt(back / taken) if taken > 0.0 else math.nan
 
 
-def _kind(run: RotaryRun, rows: Array, width: float) -> tuple[str, float]:
+def _kind(run: MachineRun, rows: Array, width: float) -> tuple[str, float]:
     """Return the kind of a blow and when it ends, s: later light touches, a pulse width off, are no part of it."""
     last = float(rows[:, 1].max())
     gaps = np.flatnonzero(rows[1:, 0] - rows[:-1, 1] > width)
     end = float(rows[: gaps[0] + 1, 1].max()) if gaps.size else last
-    if rows[0, 2] < GLANCING_SHARE * run.machine.nominal_approach:
+    if run.machine.launch is None and rows[0, 2] < GLANCING_SHARE * run.machine.nominal_approach:
         return "glancing", end
     if gaps.size:
         later, _ = run.impulses(float(rows[gaps[0] + 1, 0]), last)

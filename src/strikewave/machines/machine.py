@@ -1,20 +1,21 @@
-"""The machine as parts and as the tables that the kernels take: turntable or launch, strikers, feed, object.
+"""A machine as parts and as the tables that the kernels take: strikers, object, and a rotary drive or a launch.
 
-Each nose runs on a circle; the object's plane face stands across the direction of the blow and moves back along
-it. At the strike position that direction makes the blow angle with the radius. At 0 the strike is that of a cam: the
-face stands across the line from the axis, ``engagement`` inside the noses' reach, so that a nose meets it at the
-angle arccos(1 - q/R) before its apex with the normal speed w sqrt(2 R q - q^2), which falls as the object has not
+In a `RotaryDrive` each nose runs on a circle; the object's plane face stands across the direction of the blow and moves
+back along it. At the strike position that direction makes the blow angle with the radius. At 0 the strike is that of a
+cam: the face stands across the line from the axis, ``engagement`` inside the noses' reach, so that a nose meets it at
+the angle arccos(1 - q/R) before its apex with the normal speed w sqrt(2 R q - q^2), which falls as the object has not
 come back all the way. At a right angle the strike is tangential, with the whole speed of the rim; a face of finite
 width then lets the nose pass, which slips off its edge.
 
 A machine with a `Launch` has no drive: one striker that flies, swings on an arm or waits, and an object that may come
-to it, just before first touch.
+to it, just before first touch. What the kernels need of a drive that is not there stands in `_launch_settings`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,20 +27,23 @@ from strikewave.contact.motion import State
 from strikewave.machines._kernels import (
     ACROSS,
     BASE_ROWS,
+    BELT_STIFFNESS,
     CARRIED,
     FIRST,
     HELD,
     INERTIA,
+    MOTOR_INERTIA,
     SECOND,
     SETTINGS,
     WAITING,
     WEIGHT_MOMENT,
-    RotarySystem,
+    MachineSystem,
     place_bases,
 )
 from strikewave.machines._layout import layout_of
 from strikewave.machines.feed import Feed, angle_at_valve_signal
 from strikewave.machines.layered import LayeredObject
+from strikewave.machines.rebounds import Rebounds
 from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, StruckObject
 from strikewave.machines.turntable import Turntable, speed_after_wait
 
@@ -48,12 +52,39 @@ Array = NDArray[np.float64]
 FOREVER = 1e9
 """A time that never comes, s."""
 BEFORE_TOUCH = 10e-6
-"""How long before first touch a launched machine begins, s."""
+"""How long before first touch a launched machine begins, s: the first touch is a located switch like all others, and
+10 us at 100 m/s are 1 mm, far more than any contact is deep."""
+UNIT_RADIUS, UNIT_INERTIA = 1.0, 1.0
+"""Of the turntable of a launched machine without an arm, m and kg m^2: it stands still, so any positive ones do."""
+NO_LAST_PASS = 10**6
+"""Passes after which the feed of a launched machine would retract: it has neither a next striker nor a feed."""
+
+
+@dataclass(frozen=True)
+class Arm:
+    """The arm of a pendulum that carries the striker; it hangs straight down at the strike.
+
+    Parameters
+    ----------
+    inertia : float
+        About the pivot, with the striker, kg m^2.
+    radius : float
+        Pivot to striker, m.
+    speed : float
+        `BEFORE_TOUCH` of first touch, rad/s.
+    weight_moment : float
+        Weight times the distance of the centre of gravity from the pivot, N m.
+    """
+
+    inertia: float
+    radius: float
+    speed: float
+    weight_moment: float
 
 
 @dataclass(frozen=True)
 class Launch:
-    """How a machine without a drive begins, just before first touch; speeds along the blow.
+    """How a machine without a drive begins, `BEFORE_TOUCH` of first touch; speeds along the blow.
 
     Parameters
     ----------
@@ -61,25 +92,25 @@ class Launch:
         Of a striker that flies, m/s.
     object_speed : float, optional
         Of the object, m/s; below 0 where it comes to the striker.
-    arm_speed : float, optional
-        Of the arm that carries the striker, rad/s.
-    weight_moment : float, optional
-        Weight of the arm times the distance of its centre of gravity, N m: it hangs straight at the strike.
+    arm : Arm, optional
+        What carries the striker, where an arm does.
     striker_gravity : float, optional
         Gravity along the blow that a flying striker feels, m/s^2.
     travel : float, optional
         Time from the release to first touch, s.
     follow : float, optional
-        How long to follow after first touch, s.
+        How long to follow after first touch at most, s.
+    rebounds : Rebounds, optional
+        How long to follow it over its rebounds; without it only the first blow counts.
     """
 
     striker_speed: float = 0.0
     object_speed: float = 0.0
-    arm_speed: float = 0.0
-    weight_moment: float = 0.0
+    arm: Arm | None = None
     striker_gravity: float = 0.0
     travel: float = 0.0
     follow: float = 10e-3
+    rebounds: Rebounds | None = None
 
 
 @dataclass(frozen=True)
@@ -141,45 +172,29 @@ class Strikers:
 
 
 @dataclass(frozen=True)
-class RotaryMachine:
-    """Turntable, strikers, feed, object, and how they meet.
+class RotaryDrive:
+    """Turntable, feed, and how the strikers on the one meet the object on the other.
 
     Parameters
     ----------
     turntable : Turntable
-        With its drive.
-    strikers : Strikers
-        On the turntable.
+        With motor, controller and brake.
     feed : Feed
         Of the object.
-    struck : StruckObject
-        As bodies.
     engagement : float
-        How far before the place of a nose at the strike position the face rests, along the blow, m.
-    layered : LayeredObject, optional
-        The object's layers, if it has any.
+        How far before the place of a nose at the strike position the face rests, along the blow, m: the radial overlap
+        of striker path and struck face.
     blow_angle : float, optional
         Of the blow from the outward radius at the strike position, rad: 0 as a cam, pi/2 along the path.
     face_width : float, optional
         Of the face across the blow, m, about the strike position.
-    launch : Launch, optional
-        How it begins where it has no drive.
     """
 
     turntable: Turntable
-    strikers: Strikers
     feed: Feed
-    struck: StruckObject
     engagement: float
-    layered: LayeredObject | None = None
     blow_angle: float = 0.0
     face_width: float = math.inf
-    launch: Launch | None = None
-
-    @property
-    def pitch(self) -> float:
-        """Angle between strikers, rad."""
-        return 2.0 * math.pi / self.strikers.count
 
     @property
     def first_touch(self) -> float:
@@ -193,11 +208,8 @@ class RotaryMachine:
     def nominal_approach(self) -> float:
         """Approach speed at set speed on an object at rest in the strike position, m/s: w R sin(a - p).
 
-        As a cam it is w sqrt(2 R q - q^2). A launch gives it.
+        As a cam it is w sqrt(2 R q - q^2).
         """
-        if self.launch is not None:
-            arm = self.launch.arm_speed * self.turntable.radius
-            return arm + self.launch.striker_speed - self.launch.object_speed
         reach = math.cos(self.blow_angle) - self.engagement / self.turntable.radius
         return self.turntable.speed * self.turntable.radius * math.sqrt(1.0 - reach**2)
 
@@ -213,7 +225,81 @@ class RotaryMachine:
         return self.blow_angle + math.asin(min(way, 1.0))
 
 
-def machine_links(machine: RotaryMachine) -> tuple[list[Link], list[str]]:
+@dataclass(frozen=True)
+class Machine:
+    """Strikers, struck object, and what brings them together: a rotary drive, or a launch just before first touch.
+
+    Parameters
+    ----------
+    strikers : Strikers
+        On the turntable; the one that flies, swings or waits.
+    struck : StruckObject
+        As bodies.
+    start : RotaryDrive or Launch
+        What brings them together.
+    layered : LayeredObject, optional
+        The object's layers, if it has any.
+    """
+
+    strikers: Strikers
+    struck: StruckObject
+    start: RotaryDrive | Launch
+    layered: LayeredObject | None = None
+
+    @property
+    def launch(self) -> Launch | None:
+        """How it begins where it has no drive."""
+        return self.start if isinstance(self.start, Launch) else None
+
+    @property
+    def rebounds(self) -> Rebounds | None:
+        """How far a launched machine is followed over its rebounds, if it is."""
+        return self.start.rebounds if isinstance(self.start, Launch) else None
+
+    @property
+    def drive(self) -> RotaryDrive:
+        """The rotary drive.
+
+        Raises
+        ------
+        ValueError
+            If it has none.
+        """
+        if isinstance(self.start, Launch):
+            raise ValueError("a launched machine has no drive")
+        return self.start
+
+    @property
+    def pitch(self) -> float:
+        """Angle between strikers, rad."""
+        return 2.0 * math.pi / self.strikers.count
+
+    @property
+    def radius(self) -> float:
+        """Of the path of the strikers, m; `UNIT_RADIUS` where nothing turns."""
+        if isinstance(self.start, RotaryDrive):
+            return self.start.turntable.radius
+        return UNIT_RADIUS if self.start.arm is None else self.start.arm.radius
+
+    @property
+    def engagement(self) -> float:
+        """How far before the place of a nose at the strike position the face rests, m; 0 at a launch."""
+        return self.start.engagement if isinstance(self.start, RotaryDrive) else 0.0
+
+    @property
+    def nominal_approach(self) -> float:
+        """Approach speed at first touch, m/s: at set speed on an object at rest, or as the launch gives it."""
+        if isinstance(self.start, RotaryDrive):
+            return self.start.nominal_approach
+        arm = 0.0 if self.start.arm is None else self.start.arm.speed * self.start.arm.radius
+        return arm + self.start.striker_speed - self.start.object_speed
+
+    def with_feed(self, **changes: Any) -> Machine:
+        """Return the machine with some settings of its feed changed."""
+        return replace(self, start=replace(self.drive, feed=replace(self.drive.feed, **changes)))
+
+
+def machine_links(machine: Machine) -> tuple[list[Link], list[str]]:
     """Return the links and the node names of the machine, bodies first."""
     count, strikers = machine.strikers.count, machine.strikers
     names, seats = [f"striker {i + 1}" for i in range(count)], [f"seat {i + 1}" for i in range(count)]
@@ -230,22 +316,43 @@ def machine_links(machine: RotaryMachine) -> tuple[list[Link], list[str]]:
     return links, [*names, NOSE, ASSEMBLY, *seats, CARRIAGE]
 
 
-def rotary_system(machine: RotaryMachine) -> RotarySystem:
+def machine_system(machine: Machine) -> MachineSystem:
     """Return the machine as the tables that the kernels take."""
     links, nodes = machine_links(machine)
-    count, disc, feed, struck = machine.strikers.count, machine.turntable, machine.feed, machine.struck
-    angle, launch = machine.blow_angle, machine.launch or Launch()
+    count, struck, start = machine.strikers.count, machine.struck, machine.start
+    if isinstance(start, RotaryDrive):
+        angle, pull, settings = start.blow_angle, 0.0, _drive_settings(start)
+    else:
+        angle, pull, settings = _arm_angle(start), start.striker_gravity, _launch_settings(start)
     bodies, seats = np.zeros((count + 2, 3)), np.zeros((count, 3))
     for i, striker in enumerate(machine.strikers.each):
         stands = machine.pitch * i + angle - striker.angle_error
         flies = striker.mount_stiffness == 0.0
-        bodies[i] = striker.mass, launch.striker_gravity if flies else 0.0, 0.0 if flies else striker.mass
-        seats[i] = math.cos(stands), math.sin(stands), disc.radius + striker.reach_error
+        bodies[i] = striker.mass, pull if flies else 0.0, 0.0 if flies else striker.mass
+        seats[i] = math.cos(stands), math.sin(stands), machine.radius + striker.reach_error
     bodies[count] = struck.nose_mass, struck.gravity, 0.0
     bodies[count + 1] = struck.assembly_mass, struck.gravity, 0.0
     joins, of_links = link_arrays(links, nodes)
     chain = ChainTables(bodies, np.zeros((BASE_ROWS, count + 1)), joins, of_links)
-    settings = {
+    settings |= {
+        "stop_at_touch": 0.0 if machine.layered is None and machine.rebounds is None else 1.0,
+        "along": machine.radius * math.cos(angle),
+        "across": machine.radius * math.sin(angle),
+        "pitch": machine.pitch,
+    }
+    values = np.array([settings[name] for name in SETTINGS], dtype=float)
+    return MachineSystem(chain, seats, values)
+
+
+def _arm_angle(launch: Launch) -> float:
+    """Return the angle of the blow from the outward radius, rad: an arm strikes along its path."""
+    return 0.0 if launch.arm is None else 0.5 * math.pi
+
+
+def _drive_settings(drive: RotaryDrive) -> dict[str, float]:
+    """Return what the kernels are told of turntable, feed and face."""
+    disc, feed = drive.turntable, drive.feed
+    return {
         "inertia": disc.turning if disc.rigid_belt else disc.inertia,
         "drag": disc.drag,
         "set_speed": disc.speed,
@@ -257,7 +364,7 @@ def rotary_system(machine: RotaryMachine) -> RotarySystem:
         "motor_inertia": disc.motor_inertia,
         "belt_stiffness": disc.belt_stiffness,
         "belt_damping": disc.belt_damping,
-        "weight_moment": launch.weight_moment,
+        "weight_moment": 0.0,
         "valve_delay": feed.valve_delay,
         "stroke": feed.stroke,
         "stroke_time": feed.stroke_time,
@@ -267,27 +374,46 @@ def rotary_system(machine: RotaryMachine) -> RotarySystem:
         "release_delay": feed.release_delay,
         "retract_time": feed.retract_time,
         "blows": feed.blows,
-        "layered": 0.0 if machine.layered is None else 1.0,
-        "along": disc.radius * math.cos(angle),
-        "across": disc.radius * math.sin(angle),
-        "half_face": 0.5 * machine.face_width,
-        "pitch": machine.pitch,
+        "half_face": 0.5 * drive.face_width,
     }
-    values = np.array([settings[name] for name in SETTINGS], dtype=float)
-    return RotarySystem(chain, seats, values)
 
 
-def start_state(machine: RotaryMachine, system: RotarySystem) -> State:
+def _launch_settings(launch: Launch) -> dict[str, float]:
+    """Return what the kernels are told where nothing is driven or fed: an arm that hangs free, and an end in time.
+
+    No motor, belt, brake or ripple; the object is in place from the start, on a face without edges, and the run ends
+    with the hold of the feed. A stroke of 0 tells the kernels that there is no feed.
+    """
+    absent = (
+        *("drag", "set_speed", "gain", "torque", "ripple", "ripple_order", "ripple_phase", "motor_inertia"),
+        *("belt_damping", "valve_delay", "stroke", "release_delay"),
+    )
+    return dict.fromkeys(absent, 0.0) | {
+        "inertia": UNIT_INERTIA if launch.arm is None else launch.arm.inertia,
+        "belt_stiffness": math.inf,
+        "weight_moment": 0.0 if launch.arm is None else launch.arm.weight_moment,
+        "stroke_time": 1.0,
+        "acceleration": 0.5,
+        "cushion": 0.5,
+        "retract_time": 1.0,
+        "hold": BEFORE_TOUCH + launch.follow,
+        "blows": NO_LAST_PASS,
+        "half_face": math.inf,
+    }
+
+
+def start_state(machine: Machine, system: MachineSystem) -> State:
     """Return the state at the valve signal: at speed, object at rest on its stop, carriage retracted."""
-    if machine.launch is not None:
-        return _launched_state(machine, machine.launch, system)
-    at, disc, struck, feed = layout_of(system), machine.turntable, machine.struck, machine.feed
+    if isinstance(machine.start, Launch):
+        return _launched_state(machine, machine.start, system)
+    drive, at, struck = machine.start, layout_of(system), machine.struck
+    disc, feed = drive.turntable, drive.feed
     start = _blank_state(system)
     _, y, modes, memory = start
     x, v = y[at.positions], y[at.speeds]
     modes[at.feed] = WAITING
-    memory[at.next_apex] = machine.pitch + machine.leaves
-    y[at.angle] = angle_at_valve_signal(feed, disc.speed, machine.pitch) + machine.leaves
+    memory[at.next_apex] = machine.pitch + drive.leaves
+    y[at.angle] = angle_at_valve_signal(feed, disc.speed, machine.pitch) + drive.leaves
     swing = disc.ripple * math.sin(disc.ripple_order * y[at.angle] + disc.ripple_phase)
     speed = speed_after_wait(disc, feed.wait)
     speed += swing * disc.speed
@@ -301,16 +427,16 @@ def start_state(machine: RotaryMachine, system: RotarySystem) -> State:
         larger = 1.0 / (1.0 - striker.mass * speed**2 / striker.mount_stiffness)
         x[i] = bases[PLACE, i] - (larger - 1.0) * bases[SECOND, i]
         v[i] = larger * bases[SPEED, i]
-    x[at.assembly] = -machine.engagement + feed.stroke
+    x[at.assembly] = -drive.engagement + feed.stroke
     x[at.nose] = x[at.assembly] + struck.nose_mass * struck.gravity / struck.frame_stiffness
     modes[at.link_modes] = modes_at(system, y)
-    before = np.abs(bases[ACROSS, at.strikers]) <= 0.5 * machine.face_width
+    before = np.abs(bases[ACROSS, at.strikers]) <= 0.5 * drive.face_width
     modes[at.on_face] = before
     modes[at.contacts] = np.where(before, modes[at.contacts], OPEN)
     return start
 
 
-def _blank_state(system: RotarySystem) -> State:
+def _blank_state(system: MachineSystem) -> State:
     """Return a state with nothing in it but that no link has yielded."""
     at = layout_of(system)
     memory = np.zeros(at.memories)
@@ -318,21 +444,22 @@ def _blank_state(system: RotarySystem) -> State:
     return State(0.0, np.zeros(at.states), np.zeros(at.modes, dtype=np.int64), memory)
 
 
-def _launched_state(machine: RotaryMachine, launch: Launch, system: RotarySystem) -> State:
+def _launched_state(machine: Machine, launch: Launch, system: MachineSystem) -> State:
     """Return the state `BEFORE_TOUCH` of a launched machine: striker or arm moving, object in place."""
     at, struck, start = layout_of(system), machine.struck, _blank_state(system)
     _, y, modes, memory = start
     x, v = y[at.positions], y[at.speeds]
     modes[at.feed], modes[at.on_face] = HELD, 1
     memory[at.next_apex] = FOREVER
-    y[at.angle], y[at.turntable_speed] = machine.first_touch - launch.arm_speed * BEFORE_TOUCH, launch.arm_speed
+    turning = 0.0 if launch.arm is None else launch.arm.speed
+    y[at.angle], y[at.turntable_speed] = -turning * BEFORE_TOUCH, turning
     place_bases(system, 0.0, y, modes, memory)
-    bases, rest = system.chain.bases, -machine.engagement
+    bases = system.chain.bases
     if machine.strikers.first.mount_stiffness > 0.0:
         x[0], v[0] = bases[PLACE, 0], bases[SPEED, 0]
     else:
-        x[0], v[0] = rest - launch.striker_speed * BEFORE_TOUCH, launch.striker_speed
-    x[at.nose] = x[at.assembly] = rest - launch.object_speed * BEFORE_TOUCH
+        x[0], v[0] = -launch.striker_speed * BEFORE_TOUCH, launch.striker_speed
+    x[at.nose] = x[at.assembly] = -launch.object_speed * BEFORE_TOUCH
     if launch.object_speed == 0.0:
         x[at.nose] += struck.nose_mass * struck.gravity / struck.frame_stiffness
     v[at.nose] = v[at.assembly] = launch.object_speed
@@ -340,28 +467,28 @@ def _launched_state(machine: RotaryMachine, launch: Launch, system: RotarySystem
     return start
 
 
-def nodes_at(system: RotarySystem, y: Array) -> Array:
+def nodes_at(system: MachineSystem, y: Array) -> Array:
     """Return where bodies and bases stand, m; the bases as placed last."""
     return np.concatenate([y[layout_of(system).positions], system.chain.bases[PLACE]])
 
 
-def modes_at(system: RotarySystem, y: Array, deepest: Array | None = None) -> NDArray[np.int64]:
+def modes_at(system: MachineSystem, y: Array, deepest: Array | None = None) -> NDArray[np.int64]:
     """Return the mode of each link in a state, the bases as placed last; see `first_modes`."""
     speeds = np.concatenate([y[layout_of(system).speeds], system.chain.bases[SPEED]])
     return first_modes(system.chain.links, nodes_at(system, y), deepest, speeds)
 
 
-def energy(machine: RotaryMachine, system: RotarySystem, state: State) -> float:
+def energy(system: MachineSystem, state: State) -> float:
     """Return kinetic energy of turntable, motor and bodies, energy stored in links and belt, and of height, J."""
-    at, disc, y, bodies = layout_of(system), machine.turntable, state.y, system.chain.bodies
+    at, y, bodies, settings = layout_of(system), state.y, system.chain.bodies, system.settings
     place_bases(system, state.time, y, state.mode, state.memory)
     first = system.chain.bases[FIRST, at.strikers]
-    inertia = system.settings[INERTIA] - float(bodies[at.strikers, CARRIED] @ first**2)
+    inertia = float(settings[INERTIA]) - float(bodies[at.strikers, CARRIED] @ first**2)
     stored = stored_energy(system.chain.links, nodes_at(system, y), state.memory[at.depths], state.mode)
-    if not disc.rigid_belt:
+    if settings[BELT_STIFFNESS] < np.inf:
         twist, motor = y[at.belt_twist], y[at.motor_speed]
-        stored += 0.5 * disc.belt_stiffness * twist**2 + 0.5 * disc.motor_inertia * motor**2
+        stored += 0.5 * settings[BELT_STIFFNESS] * twist**2 + 0.5 * settings[MOTOR_INERTIA] * motor**2
     height = -float(np.sum(bodies[:, MASS] * bodies[:, GRAVITY] * y[at.positions]))
-    height -= float(system.settings[WEIGHT_MOMENT]) * math.cos(y[at.angle])
+    height -= float(settings[WEIGHT_MOMENT]) * math.cos(y[at.angle])
     moving = 0.5 * inertia * y[at.turntable_speed] ** 2 + 0.5 * float(bodies[:, MASS] @ y[at.speeds] ** 2)
     return moving + stored + height

@@ -89,10 +89,10 @@ class ChainSpan:
         """Return begin, end, approach speed and striker (from 0) of each contact, shape (N, 4)."""
         rows = []
         for striker, link in enumerate(np.arange(self.motion.links)[self.layout.contacts]):
-            found = contacts(self.motion, link)
+            touches = contacts(self.motion, link)
             # a contact that only stopped this span belongs to the next one
-            found = found[found[:, 0] < self.end]
-            rows.append(np.column_stack([found, np.full(len(found), striker, dtype=float)]))
+            touches = touches[touches[:, 0] < self.end]
+            rows.append(np.column_stack([touches, np.full(len(touches), striker, dtype=float)]))
         return np.concatenate(rows)
 
     def switches(self) -> Array:

@@ -31,7 +31,7 @@ from strikewave.contact._law_kernels import DAMPING, OFFSET, PRELOAD, STIFFNESS,
 from strikewave.contact.chain import stored_energy
 from strikewave.contact.motion import State
 from strikewave.machines import _stack_kernels as column
-from strikewave.machines._kernels import ACROSS, HALF_FACE, RotarySystem, place_bases
+from strikewave.machines._kernels import ACROSS, HALF_FACE, MachineSystem, place_bases
 from strikewave.machines._layout import layout_of
 from strikewave.machines._stack_kernels import COLUMNS, CROWDED, ENDLESS, Blow, Supports, follow
 from strikewave.machines.layered import LayeredObject
@@ -63,7 +63,7 @@ def kept_step(grid: Grid) -> float:
 def strike(
     layered: LayeredObject,
     struck: StruckObject,
-    system: RotarySystem,
+    system: MachineSystem,
     start: State,
     field: bool = False,
 ) -> tuple[StackSpan, State]:
@@ -75,7 +75,7 @@ def strike(
         What is struck.
     struck : StruckObject
         The same as bodies, with what supports it.
-    system : RotarySystem
+    system : MachineSystem
         The machine with these bodies.
     start : State
         Its state at first touch.
@@ -133,14 +133,14 @@ def strike(
     return span, end
 
 
-Alone = tuple[RotarySystem, Array, NDArray[np.int64], Array]
+Alone = tuple[MachineSystem, Array, NDArray[np.int64], Array]
 """The machine without the object: system, state, modes, memory."""
 
 
 class _Strike:
     """What the steps of one blow share: the state at first touch, and the stack in its moving frame."""
 
-    def __init__(self, layered: LayeredObject, struck: StruckObject, system: RotarySystem, start: State) -> None:
+    def __init__(self, layered: LayeredObject, struck: StruckObject, system: MachineSystem, start: State) -> None:
         self.layered, self.struck, self.system, self.start = layered, struck, system, start
         self.layout = at = layout_of(system)
         place_bases(system, start.time, start.y, start.mode, start.memory)
@@ -242,7 +242,7 @@ class _Strike:
         dissipated[at.stop] += lost_stop
         if at.rubs:
             dissipated[at.rail] += lost_rail
-        end.y[at.ledger] += moved[of.ledger]
+        end.y[at.of_drive] += moved[of.of_drive]
         end.y[at.fed] += fed
 
     def _beyond_bodies(self, bodies: State, speed: float, stands: float, relative: Array) -> float:
@@ -264,7 +264,7 @@ class _Strike:
         return waves.energy(self.tables, self.waves) + moving + stored_energy(held, nodes) - as_bodies
 
 
-def _ease(system: RotarySystem, bodies: State, energy: float) -> None:
+def _ease(system: MachineSystem, bodies: State, energy: float) -> None:
     """Take an energy out of the frame's bend, as far as there is any; the centre of mass stays.
 
     Parts that an open joint let fly apart stand farther from each other than the frame is bent.
@@ -278,7 +278,7 @@ def _ease(system: RotarySystem, bodies: State, energy: float) -> None:
     x[at.assembly] += less * masses[0] / masses.sum()
 
 
-def _supports(system: RotarySystem) -> Supports:
+def _supports(system: MachineSystem) -> Supports:
     """Return what holds the end, from the links of the machine."""
     at, values = layout_of(system), system.chain.values
     spring, stop = values[at.support], values[at.stop]
@@ -295,14 +295,14 @@ def _end_force(supports: Supports, place: float, speed: float) -> float:
     return spring - stop
 
 
-def _strikers_only(system: RotarySystem) -> RotarySystem:
+def _strikers_only(system: MachineSystem) -> MachineSystem:
     """Return the machine with its strikers on their mounts alone; nodes are strikers, then bases."""
     at, chain = layout_of(system), system.chain
     bodies, joins = chain.bodies[at.strikers].copy(), chain.joins[at.mounts].copy()
     nodes = joins[:, [BEHIND, AHEAD]]
     joins[:, [BEHIND, AHEAD]] = np.where(nodes >= len(bodies), nodes - (len(chain.bodies) - len(bodies)), nodes)
     alone = ChainTables(bodies, chain.bases.copy(), joins, chain.values[at.mounts].copy())
-    return RotarySystem(alone, system.seats, system.settings)
+    return MachineSystem(alone, system.seats, system.settings)
 
 
 def _settle_in(layered: LayeredObject, tables: Tables, state: Waves, held: float, relative: Array) -> None:

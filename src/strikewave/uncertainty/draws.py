@@ -76,7 +76,7 @@ def tolerances_of(case: Case) -> tuple[Tolerance, ...]:
     >>> [(tolerance.path, tolerance.count) for tolerance in tolerances_of(case)]
     [('feed.arrival', 1), ('striker.mass', 4)]
     """
-    rig = case.rig()
+    rig = case.rotary_tables()
     numbers = range(1, int(rig.machine.strikers.si) + 1)
     rows = {int(row.number.si): row for row in rig.striker.each}
     tolerances = []
@@ -181,7 +181,7 @@ def drawn_case(case: Case, tolerances: Sequence[Tolerance], numbers: Sequence[fl
         if not tolerance.strikers:
             once[tolerance.path] = _exactly(tolerance, next(left))
     changed = case.with_values(once, keep_tolerances=False)
-    return changed.model_copy(update={"striker": _with_rows(changed.rig().striker, own)}) if own else changed
+    return changed.model_copy(update={"striker": _with_rows(changed.rotary_tables().striker, own)}) if own else changed
 
 
 def _with_rows(striker: Any, own: dict[int, dict[str, Value]]) -> Any:

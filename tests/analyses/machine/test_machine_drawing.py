@@ -23,8 +23,8 @@ from strikewave.analyses.machine.figures.geometry import (
     strike_geometry,
 )
 from strikewave.analyses.machine.figures.parts import MARKS, machine_parts
+from strikewave.analyses.machine.kinds.falling_ball import FallingBall
 from strikewave.analyses.machine.report import report
-from strikewave.cases.machine_tables import FallingBall
 
 CAM = StrikeGeometry(radius=0.2, strikers=4, engagement=5.5e-3, nose_radius=0.01)
 TANGENTIAL = dataclasses.replace(CAM, blow_angle=0.5 * math.pi, face_width=0.04)

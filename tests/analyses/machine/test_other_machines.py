@@ -14,6 +14,7 @@ CASES = {
     "machete": "machete-13-teeth",
     "gas-gun": "en-166-ball",
     "amplifier": "rodgers-2009-amplifier",
+    "dual-mass-amplifier": "dual-mass-amplifier",
 }
 FORM = Form(Case, "case", "")
 
@@ -196,7 +197,7 @@ def test_a_case_is_written_so_that_it_reads_the_same(name):
 @pytest.mark.parametrize("kind", [kind for kind in CASES if kind != "drop"])
 def test_what_needs_a_rotary_machine_says_so(kind):
     with pytest.raises(InputError, match=r"machine.kind: got .*this needs a rotary machine"):
-        load_case(CASES[kind]).rig()
+        load_case(CASES[kind]).rotary_tables()
 
 
 def test_paths_of_a_machine_know_its_kind():

@@ -14,6 +14,7 @@ CASES = {
     "machete-13-teeth": "13 teeth",
     "en-166-ball": "speed 45 m/s",
     "rodgers-2009-amplifier": "drop height 0.5 m",
+    "dual-mass-amplifier": "drop height 0.5 m, gap 10 mm",
 }
 
 

@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 from strikewave import load_case
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Range, ToleranceBand
-from strikewave.machines import StruckObject, blows, run_rotary
-from strikewave.machines.quick import quick_run
+from strikewave.machines import StruckObject, blows, run_machine
+from strikewave.machines.fast_train import fast_train
 from strikewave.studies.map.cells import (
     FIELDS,
     PLACE,
@@ -109,7 +109,7 @@ def twelve():
 def test_twelve_strikers_with_their_own_reach_are_period_12():
     """As many turns as that takes: in 84 blows, but not in 60, of which the first half is left out."""
     machine = twelve()
-    cells = [measured(quick_run(machine, length), 3, length) for length in (84, 60)]
+    cells = [measured(fast_train(machine, length), 3, length) for length in (84, 60)]
     assert [cell[PLACE["period"]] for cell in cells] == [12, 0]
     assert cells[0][PLACE["reason"]] == 0
     assert "too short" in REASONS[int(cells[1][PLACE["reason"]])]
@@ -188,7 +188,7 @@ def test_cell_is_the_fast_run_of_its_case():
     case = case_at(
         load_case("li-ma-2019", ["feed.blows=3"]), plan.axes, (plan.axes[0].values[2], plan.axes[1].values[1])
     )
-    run = quick_run(machine_of(case), 12)
+    run = fast_train(machine_of(case), 12)
     peaks = run.column("rigid_peak")[:3]
     assert row[2, PLACE["cv"]] == variation(peaks) == np.std(peaks, ddof=1) / np.mean(peaks)
     assert row[2, PLACE["peak"]] == peaks.mean()
@@ -198,7 +198,7 @@ def test_cell_is_the_fast_run_of_its_case():
 def test_missed_blows_are_left_out_of_the_variation_but_are_never_even():
     changes = ["object.spring=1 kN/m", "object.preload=30 N", "object.damper=0 N s/m", "feed.blows=6"]
     case = load_case("li-ma-2019", changes)
-    cell, peaks = cell_of(case, 6, 0), quick_run(machine_of(case)).column("rigid_peak")
+    cell, peaks = cell_of(case, 6, 0), fast_train(machine_of(case)).column("rigid_peak")
     assert cell[PLACE["missed"]] == np.isnan(peaks).sum() > 0
     struck = peaks[~np.isnan(peaks)]
     assert cell[PLACE["cv"]] == pytest.approx(np.std(struck, ddof=1) / np.mean(struck), rel=1e-12)
@@ -212,8 +212,8 @@ def test_hold_ends_the_own_blows_as_in_full():
     is never even, nor does a full run of it with its own feed confirm it."""
     case = load_case("li-ma-2019", ["feed.blows=6", "feed.hold=70 ms"])
     machine = machine_of(case)
-    full = blows(run_rotary(machine, 1e-7))
-    run = quick_run(machine, 12)
+    full = blows(run_machine(machine, 1e-7))
+    run = fast_train(machine, 12)
     assert own_blows(run, 6).stop == len(full) < 6
     cell = cell_of(case, 6, 0)
     assert cell[PLACE["missed"]] == 6 - len(full)

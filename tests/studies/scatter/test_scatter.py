@@ -13,7 +13,7 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, IntegrationError
 from strikewave.base.quantities import Range
 from strikewave.cases.case import dump_case, load_case, parse_case
-from strikewave.machines import blows, run_rotary
+from strikewave.machines import blows, run_machine
 from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result
 from strikewave.studies.scatter.study import Plan, scatter
 from strikewave.studies.settings.candidate import supply
@@ -119,7 +119,7 @@ def test_intervals_scatter_as_the_angles_of_the_strikers():
     study = scatter(case, Plan(60, 11, "none"))
     speed, half = case.machine.speed.si, math.radians(0.1)
     intervals = np.array([run.interval[1:] - study.still.interval[1:] for run in study.runs])
-    numbers = [blow.striker for blow in blows(run_rotary(build_machine(case), 1e-7))]
+    numbers = [blow.striker for blow in blows(run_machine(build_machine(case), 1e-7))]
     errors = study.numbers[:, np.array(numbers) - 1]
     np.testing.assert_allclose(intervals, -np.diff(errors, axis=1) / speed, rtol=0.0, atol=0.02 * half / speed)
     cut = float(stats.truncnorm(-3.0, 3.0).std())
@@ -128,7 +128,7 @@ def test_intervals_scatter_as_the_angles_of_the_strikers():
 
 def test_the_nominal_run_is_the_dynamics_alone():
     case = case_with(*ANGLES, *FEW_BLOWS)
-    found = blows(run_rotary(build_machine(case), 1e-9))
+    found = blows(run_machine(build_machine(case), 1e-9))
     still = scatter(case, Plan(10, 1, "none")).still
     # steps of 1e-7 instead of 1e-9 change a peak by less than 1e-6 of it
     np.testing.assert_allclose(still.peak, [blow.rigid_peak for blow in found], rtol=1e-6)
@@ -136,7 +136,7 @@ def test_the_nominal_run_is_the_dynamics_alone():
 
 def test_a_missed_blow_has_no_interval_before_or_after():
     case = case_with("feed.blows=4")
-    found = list(blows(run_rotary(build_machine(case), 1e-7)))
+    found = list(blows(run_machine(build_machine(case), 1e-7)))
     found[1] = replace(found[1], kind="missed", rigid_peak=math.nan, width=math.nan, retreat=math.nan)
     run = of_blows(found)
     assert np.isnan(run.interval).tolist() == [True, True, True, False]
@@ -161,9 +161,9 @@ def test_a_motion_that_cannot_be_followed_is_tried_again(monkeypatch):
         tried.append(tolerance)
         if len(tried) == 1:
             raise IntegrationError("lost")
-        return run_rotary(machine, tolerance)
+        return run_machine(machine, tolerance)
 
-    monkeypatch.setattr("strikewave.studies.scatter.runs.run_rotary", run)
+    monkeypatch.setattr("strikewave.studies.scatter.runs.run_machine", run)
     assert run_result(case_with("feed.blows=1")).kinds == ("full",)
     assert tried == [1e-7, 1e-8]
 
@@ -402,7 +402,7 @@ def test_the_stop_of_equal_blows_bears_them():
     case = load_case(EQUAL)
     tolerances = tolerances_of(case)
     for row in drawn(tolerances, quantiles(tolerances, 10, 20190321)):
-        run = run_rotary(build_machine(drawn_case(case, tolerances, row)), 1e-7)
+        run = run_machine(build_machine(drawn_case(case, tolerances, row)), 1e-7)
         assert supply(run, [blow.time for blow in blows(run)]).stop_force < LARGEST_STOP_FORCE
 
 

@@ -13,7 +13,7 @@ from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import dump_case, load_case, parse_case, read_case_text
-from strikewave.machines import blows, run_rotary
+from strikewave.machines import blows, run_machine
 from strikewave.studies.settings.candidate import Goal, limits_of, observe_blows, supply, yield_load
 from strikewave.studies.settings.estimate import (
     Support,
@@ -224,7 +224,7 @@ def test_written_case_meets_the_goal(studies, which):
     study, wanted = studies[which], GOALS[which][0]
     assert study.best is not None
     case = parse_case(dump_case(study.case_of()))
-    found = blows(run_rotary(build_machine(case), case.solver.tolerance.si))
+    found = blows(run_machine(build_machine(case), case.solver.tolerance.si))
     assert [blow.kind for blow in found] == ["full"] * 6
     assert median(blow.rigid_peak for blow in found[1:]) == pytest.approx(wanted.peak, rel=5e-3)
     assert median(blow.width for blow in found[1:]) == pytest.approx(wanted.width, rel=5e-3)
@@ -235,7 +235,7 @@ def test_what_is_stated_is_that_of_an_independent_run(studies):
     """First, typical and worst peak, scatter and retreat are those of the run of the case file, to rounding."""
     best = studies[0].best
     case = parse_case(dump_case(studies[0].case_of()))
-    found = blows(run_rotary(build_machine(case), case.solver.tolerance.si))
+    found = blows(run_machine(build_machine(case), case.solver.tolerance.si))
     peaks = [blow.rigid_peak for blow in found]
     seen = best.seen
     assert seen.peak.first == pytest.approx(peaks[0], rel=1e-9)
@@ -287,7 +287,7 @@ def test_stop_force_is_that_of_the_momentum_it_turns(published):
 
     The force is rebuilt here from places and speeds by the laws of the machine's docs, on a fine grid.
     """
-    run = run_rotary(build_machine(published), 1e-9)
+    run = run_machine(build_machine(published), 1e-9)
     found = blows(run)
     machine, struck = run.machine, run.machine.struck
     first, second = found[1], found[2]
@@ -319,7 +319,7 @@ def with_row(row):
 def seen_in(*changes, row="", tolerance=1e-8):
     """Return case, run and what it showed of the published machine with four blows."""
     case = with_row(row) if row else load_case("li-ma-2019", ["feed.blows=4", *changes])
-    run = run_rotary(build_machine(case), tolerance)
+    run = run_machine(build_machine(case), tolerance)
     return case, run, observe_blows(run, blows(run), goal())
 
 
@@ -342,7 +342,7 @@ def test_without_drive_the_turntable_slows_by_what_blows_take():
     """Energy taken by the first three blows is that which turntable and motor lose between first and last touch."""
     _, run, seen = seen_in(*UNDRIVEN)
     speeds = run.sample(np.array([blow.time for blow in blows(run)])).turntable_speed
-    energy = 0.5 * run.machine.turntable.turning * (speeds[0] ** 2 - speeds[-1] ** 2) / 3.0
+    energy = 0.5 * run.machine.drive.turntable.turning * (speeds[0] ** 2 - speeds[-1] ** 2) / 3.0
     assert seen.supply.energy_taken == pytest.approx(energy, rel=0.02)  # the fourth blow counts besides
     assert abs(seen.supply.speed_regained) < 2e-4 * seen.supply.speed_lost  # E/(J w) to the first order, dw/2w
 
@@ -363,7 +363,7 @@ def test_blows_take_the_same_whatever_drives():
 def test_worst_striker_sets_stretch_and_yield_load():
     """A heavier striker on a softer mount with a sharper nose: its own stretch, and its load at first yield."""
     found = seen_in(row='number = 2\nmass = "1.5 kg"\nmount_stiffness = "200 MN/m"\nnose_radius = "5 mm"')
-    w = found[1].machine.turntable.speed
+    w = found[1].machine.drive.turntable.speed
     assert limit("mount_stretch", found) == pytest.approx(1.5 * w**2 * 0.2 / (2e8 - 1.5 * w**2), rel=1e-12)
     sharp = yield_load(load_case("li-ma-2019", ["striker.nose_radius=5 mm"]))
     assert yield_load(found[0]) == pytest.approx(sharp, rel=1e-12)

@@ -70,7 +70,7 @@ def test_folder_holds_case_document_and_picture(strikewave):
     assert "warning [contact-yield]" in err
     case = load_case("found")
     assert case.name == "settings-20ms-4000g-200us"
-    assert case.rig().feed.blows.si == 3
+    assert case.rotary_tables().feed.blows.si == 3
     with Path("found/case.toml").open("rb") as file:
         engagement = tomllib.load(file)["machine"]["engagement"]
     assert engagement["provenance"] == "assumed"

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.columns import shown_in
+from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.words import MACHINES, launch_tables, reference_law
 from strikewave.reporting.chapters import layer_steps, ledger_table
 from strikewave.reporting.numbers import fixed, heads, listed, with_unit
@@ -69,13 +70,8 @@ def _strike_words(case: Case) -> str:
 
 def _drawing(case: Case) -> list[Part]:
     """Return the drawing of the machine with its numbers; nothing for a machine that is not drawn."""
-    from strikewave.analyses.machine.figures.drawing import drawing_words, machine_drawing
-
-    figure = machine_drawing(case)
-    if figure is None:
-        return []
-    words = f"The machine with its numbers, at first touch. {drawing_words(case)}"
-    return [Picture(figure, words, f"Drawing of the rotary machine with a list of its parts. {drawing_words(case)}")]
+    drawing = kind_of(case).drawing(case)
+    return [] if drawing is None else [Picture(*drawing)]
 
 
 def blow_table(solution: Solution) -> Section:

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.columns import BLOW_UNITS
-from strikewave.analyses.machine.readings import BlowHistory, Observed, View
+from strikewave.analyses.machine.sensor_readings import BlowHistory, Observed, View
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case
 from strikewave.machines import Blow
 from strikewave.machines._kernels import stroke_places
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window
-from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import Moments, StackSpan
 from strikewave.sensors.channel import Channel
 from strikewave.waves.li_ma import ROUTES
@@ -35,7 +35,7 @@ def carriage_position(case: Case, phases: Sequence[tuple[str, float]], time: Arr
 
     Both strokes begin and end where the phases of the run say.
     """
-    feed, at = case.rig().feed, dict(phases)
+    feed, at = case.rotary_tables().feed, dict(phases)
     rise, fall = (0.5 if share is None else share.si for share in (feed.acceleration, feed.cushion))
 
     def moved(begin: float, end: float) -> Array:
@@ -50,13 +50,13 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
     """Sample a run and what was seen of it into a dataset."""
     import xarray
 
-    run, found = seen.run, seen.blows
+    run, blows = seen.run, seen.blows
     time = np.arange(0.0, run.end, case.solver.output_step.si)
     time = time[time <= run.end]  # rounding may lead beyond
     train = run.sample(time)
     pulse_time = np.arange(-round(WINDOW_BEFORE / PULSE_STEP), round(WINDOW_AFTER / PULSE_STEP) + 1) * PULSE_STEP
-    force, acceleration = (np.full((len(found), pulse_time.size), np.nan) for _ in range(2))
-    for row, blow in enumerate(found):
+    force, acceleration = (np.full((len(blows), pulse_time.size), np.nan) for _ in range(2))
+    for row, blow in enumerate(blows):
         if blow.kind != "missed":
             since, f, a = pulse_window(run, blow.time, WINDOW_AFTER, PULSE_STEP)
             first = round((since[0] - pulse_time[0]) / PULSE_STEP)
@@ -86,16 +86,16 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
     variables |= _place_variables(case, run, time, train)
     for column in (f.name for f in dataclasses.fields(Blow)):
         if column not in ("index", "kind"):
-            values = np.array([getattr(b, column) for b in found])
+            values = np.array([getattr(b, column) for b in blows])
             variables[f"blow_{column}"] = quantity(
                 "blow", values, BLOW_UNITS.get(column, "1"), column.replace("_", " ")
             )
-    variables["blow_kind"] = quantity("blow", np.array([b.kind for b in found], dtype=object), "1", "kind")
+    variables["blow_kind"] = quantity("blow", np.array([b.kind for b in blows], dtype=object), "1", "kind")
     coordinates = {
         "time": quantity("time", time, "s", f"time after {begun}"),
         "pulse_time": quantity("pulse_time", pulse_time, "s", "time after first touch"),
         "record_time": quantity("record_time", record_time, "s", f"time after {begun}"),
-        "blow": ("blow", np.array([b.index for b in found], dtype=np.int64)),
+        "blow": ("blow", np.array([b.index for b in blows], dtype=np.int64)),
     }
     if seen.taps:
         variables |= _tap_variables(seen.histories, len(seen.taps), pulse_time, seen.view)
@@ -107,7 +107,7 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates, {"route": seen.view.route})
 
 
-def _place_variables(case: Case, run: RotaryRun, time: Array, train: Moments) -> dict[str, Any]:
+def _place_variables(case: Case, run: MachineRun, time: Array, train: Moments) -> dict[str, Any]:
     """Return where turntable and carriage are; nothing for a machine without a feed."""
     if not {"feed", "fed", "retract", "brake"} <= dict(run.phases).keys():
         return {}
@@ -160,7 +160,7 @@ def _route_variables(histories: Sequence[BlowHistory | None], taps: int, pulse_t
 
 def _reading_variables(histories: Sequence[BlowHistory | None], channels: Sequence[Channel]) -> dict[str, Any]:
     """Return what each sensor's recorder kept of each blow, and when each of its records begins."""
-    found: dict[str, Any] = {}
+    variables: dict[str, Any] = {}
     for k, channel in enumerate(channels):
         readings = [history.readings[k] if history is not None else None for history in histories]
         size = max((reading.values.size for reading in readings if reading is not None), default=0)
@@ -171,13 +171,13 @@ def _reading_variables(histories: Sequence[BlowHistory | None], channels: Sequen
                 start[row] = reading.time[0] if reading.time.size else np.nan
                 step = float(reading.time[1] - reading.time[0]) if reading.time.size > 1 else step
         name, where = channel.sensor.name, f"reading_{k + 1}"
-        found[where] = quantity(("blow", f"sample_{k + 1}"), values, "m/s^2", f"reading of the sensor {name}")
-        found[where][2].update(sensor=name, step=step)
-        found[f"{where}_start"] = quantity("blow", start, "s", f"first sample of {name} after first touch")
-    return found
+        variables[where] = quantity(("blow", f"sample_{k + 1}"), values, "m/s^2", f"reading of the sensor {name}")
+        variables[where][2].update(sensor=name, step=step)
+        variables[f"{where}_start"] = quantity("blow", start, "s", f"first sample of {name} after first touch")
+    return variables
 
 
-def _field_variables(run: RotaryRun) -> dict[str, Any]:
+def _field_variables(run: MachineRun) -> dict[str, Any]:
     """Return the force along the stack over time in the first blow that touched."""
     span = next((span for span in run.spans if isinstance(span, StackSpan) and span.field_position.size), None)
     if span is None:

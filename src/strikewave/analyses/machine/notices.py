@@ -1,4 +1,4 @@
-"""What a user should know about a run: broken ledgers, odd blows, yield, what the recorder misses."""
+"""What a user should know about a run: broken balances, odd blows, yield, what the recorder misses."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from strikewave.analyses.machine.launched import Release
-from strikewave.analyses.machine.readings import (
+from strikewave.analyses.machine.kind import Release
+from strikewave.analyses.machine.sensor_readings import (
     BlowHistory,
     BlowReading,
     Observed,
@@ -16,7 +16,8 @@ from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import force_words, law_notices, yield_notices
 from strikewave.machines import Blow
-from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.rebounds import REST_SHARE
+from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import StackSpan
 from strikewave.signal.pulse import FEWEST_INTERVALS, measure_pulse
 from strikewave.waves.limits import (
@@ -28,17 +29,17 @@ from strikewave.waves.limits import (
 )
 
 
-def notices(case: Case, found: Sequence[Blow]) -> tuple[Notice, ...]:
-    """Return the notices of a run but for its ledger and its waves.
+def notices(case: Case, blows: Sequence[Blow]) -> tuple[Notice, ...]:
+    """Return the notices of a run but for its balances and its waves.
 
     Parameters
     ----------
     case : Case
         What ran.
-    found : sequence of Blow
+    blows : sequence of Blow
         Its blows.
     """
-    struck = [blow for blow in found if blow.kind != "missed"]
+    struck = [blow for blow in blows if blow.kind != "missed"]
     listed = [*_changed(case), *law_notices(case)]
     if not struck:
         listed.append(
@@ -52,7 +53,7 @@ def notices(case: Case, found: Sequence[Blow]) -> tuple[Notice, ...]:
             )
         )
         return tuple(listed)
-    listed += [*_odd_blows(case, found), *_rail(case), *_yield(case, struck), *_recorder(case, struck)]
+    listed += [*_odd_blows(case, blows), *_rail(case), *_yield(case, struck), *_recorder(case, struck)]
     return tuple(listed)
 
 
@@ -63,18 +64,30 @@ def _changed(case: Case) -> Iterator[Notice]:
         yield Notice("changed-case", message, float(len(changed)), 0.0)
 
 
-def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
-    made, wanted = sum(blow.kind != "missed" for blow in found), case.feed.blows.si if case.feed else 1.0
+def _wanted(case: Case, made: int) -> float:
+    """Return how many blows a case asks for; as many as came where it is followed until it rests."""
+    if case.feed is not None:
+        return case.feed.blows.si
+    launched = case.launched()
+    if launched is None or launched.until in (None, "time"):
+        return 1.0
+    after = launched.brake_after
+    return float(made) if launched.until == "rest" else 1.0 if after is None else after.si
+
+
+def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
+    made = sum(blow.kind != "missed" for blow in blows)
+    wanted = _wanted(case, made)
     if made != wanted:
         message = f"{made} blows instead of the {wanted:.0f} wanted"
         yield Notice("blow-count", message, float(made), wanted, broken=True)
-    odd = [f"{blow.index} {blow.kind}" for blow in found if blow.kind != "full"]
+    odd = [f"{blow.index} {blow.kind}" for blow in blows if blow.kind != "full"]
     if odd:
         message = "not every blow is full: " + ", ".join(odd)
-        if any(blow.kind == "double" for blow in found):
+        if any(blow.kind == "double" for blow in blows):
             message += "; impulse and velocity change of a double blow span its whole pass"
         yield Notice("blow-kind", message, float(len(odd)), 0.0)
-    away = [blow for blow in found if blow.kind == "missed" and blow.retreat > 0.0]
+    away = [blow for blow in blows if blow.kind == "missed" and blow.retreat > 0.0]
     if away:
         farthest = max(blow.retreat for blow in away)
         message = (
@@ -83,7 +96,7 @@ def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
             "friction or a longer interval"
         )
         yield Notice("object-away", message, farthest, 0.0)
-    cut = [str(blow.index) for blow in found if blow.kind != "missed" and not blow.width > 0.0]
+    cut = [str(blow.index) for blow in blows if blow.kind != "missed" and not blow.width > 0.0]
     if cut:
         message = f"no width: the acceleration stays above 10 % of its peak around blow {', '.join(cut)}"
         yield Notice("pulse-width", message, float(len(cut)), 0.0)
@@ -91,7 +104,7 @@ def _odd_blows(case: Case, found: Sequence[Blow]) -> Iterator[Notice]:
 
 def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     parts = case.impact()
-    advice = ", or trust the rigid pulse, which hangs on frame and mount, more than the contact force"
+    advice = ", or trust the rigid pulse, which depends on frame and mount, more than the contact force"
     peak = max(blow.peak_force for blow in struck)
     yield from yield_notices(parts.striker, parts.contact, parts.object.material, peak, advice)
 
@@ -100,7 +113,7 @@ def _rail(case: Case) -> Iterator[Notice]:
     """Say where the rail holds the object against the spring, away from its stop."""
     if case.launched() is not None or case.object is None:
         return
-    o = case.rig().object
+    o = case.rotary_tables().object
     holds = max((value.si for value in (o.friction, o.stiction) if value is not None), default=0.0)
     if holds > o.preload.si:
         message = (
@@ -132,7 +145,7 @@ def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
 
 
 def wave_notices(
-    run: RotaryRun,
+    run: MachineRun,
     histories: Sequence[BlowHistory | None],
     readings: Sequence[BlowReading | None],
     bandwidth: float,
@@ -162,17 +175,36 @@ def contact_rise(span: StackSpan) -> float:
 
 def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notice]:
     """Say what a user of a machine without a drive should know."""
-    yield from start.told
+    yield from start.notices
     machine, touched = case.launched(), seen.run.contacts()
     if machine is None or not len(touched):
         return
-    message = (
-        f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): unless "
-        "something catches it, what rebounds comes again"
-    )
-    yield Notice("first-blow-only", message, machine.follow.si, 0.0)
+    if seen.machine.rebounds is None:
+        message = (
+            f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): unless "
+            "something catches it, what rebounds comes again"
+        )
+        yield Notice("first-blow-only", message, machine.follow.si, 0.0)
+    else:
+        yield _rebound_notice(seen)
     if touched[-1, 1] >= seen.run.end:
         message = (
             "striker and object still touch at the end: width, impulse and rebound are not those of the whole blow"
         )
         yield Notice("contact-not-over", f"{message}; raise machine.follow", seen.run.end, machine.follow.si)
+
+
+def _rebound_notice(seen: Observed) -> Notice:
+    """Report how following over rebounds ended."""
+    run, count = seen.run, len(seen.blows)
+    if run.ended == "brake":
+        message = f"a brake catches it at the top of its rebound after {count} blows and takes {run.braked:.3g} J"
+        return Notice("brake", message, run.braked, 0.0)
+    if run.ended == "rest":
+        limit = REST_SHARE * float(run.contacts()[0, 2])
+        message = (
+            f"it rests after {count} blows: it comes again with less than {limit:.3g} m/s, {REST_SHARE:g} of the first"
+        )
+        return Notice("rest", message, run.end, limit)
+    message = f"followed for {run.end:.4g} s and {count} blows: it neither rests nor is it caught by then"
+    return Notice("follow-ended", f"{message}; raise machine.longest, or take a time (machine.until)", run.end, run.end)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave._version import __version__
 from strikewave.analyses.machine.columns import BLOW_UNITS, HIDDEN
-from strikewave.analyses.machine.readings import BlowReading
+from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
 from strikewave.base.result import SCHEMA, Comparison, Notice, Result, Source, comparison_document
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case

@@ -8,19 +8,16 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from strikewave.analyses.machine.consistency import misfits
+from strikewave.analyses.machine.consistency import inconsistencies
 from strikewave.analyses.machine.struck_object import layered_object, object_bodies
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
-from strikewave.cases.case import Case, Rig
+from strikewave.cases.case import Case, RotaryTables
 from strikewave.cases.contact_of_case import face_contact, or_else
-from strikewave.cases.tables import FeedTable, OwnStriker
-from strikewave.cases.tables import Machine as MachineTable
-from strikewave.contact import (
-    AnyContact,
-)
-from strikewave.machines import Feed, RotaryMachine, Strikers, StruckObject, Turntable
+from strikewave.cases.tables import FeedTable, OwnStriker, RotaryTable
+from strikewave.contact import AnyContact
+from strikewave.machines import Feed, Machine, RotaryDrive, Strikers, StruckObject, Turntable
 from strikewave.machines import Striker as BuiltStriker
 
 T = TypeVar("T")
@@ -29,7 +26,7 @@ T = TypeVar("T")
 TableT = TypeVar("TableT", bound=BaseModel)
 
 
-def _strikers(rig: Rig) -> Strikers:
+def _strikers(tables: RotaryTables) -> Strikers:
     """Return the strikers, each with what it has for itself.
 
     Raises
@@ -37,23 +34,23 @@ def _strikers(rig: Rig) -> Strikers:
     InputError
         If a row names a striker that there is not, or one twice.
     """
-    face, count = material(rig.object.material, "object.material"), int(rig.machine.strikers.si)
+    face, count = material(tables.object.material, "object.material"), int(tables.machine.strikers.si)
     own: dict[int, OwnStriker] = {}
-    for row in rig.striker.each:
+    for row in tables.striker.each:
         number = int(row.number.si)
         if number > count or number in own:
             allowed = f"each of the strikers 1 to {count} once at most"
             raise InputError(f"striker.each.{number}.number", row.number.typed, allowed)
         own[number] = row
-    common = face_contact(rig.striker, rig.contact, face)
-    each = tuple(_striker(rig, own.get(number), common, face) for number in range(1, count + 1))
-    return Strikers(each, rig.contact.slowest_approach.si, rig.contact.yields == "face")
+    common = face_contact(tables.striker, tables.contact, face)
+    each = tuple(_striker(tables, own.get(number), common, face) for number in range(1, count + 1))
+    return Strikers(each, tables.contact.slowest_approach.si, tables.contact.yields == "face")
 
 
-def _striker(rig: Rig, own: OwnStriker | None, common: AnyContact, face: Material) -> BuiltStriker:
+def _striker(tables: RotaryTables, own: OwnStriker | None, common: AnyContact, face: Material) -> BuiltStriker:
     """Return one striker, as all are or with what it has for itself."""
     given = {key: value for key, value in own or () if isinstance(value, Value)}
-    table, pair = _with_own(rig.striker, given), _with_own(rig.contact, given)
+    table, pair = _with_own(tables.striker, given), _with_own(tables.contact, given)
     its_own = bool({"nose_radius", "contact_length", "restitution"} & given.keys())
     contact = face_contact(table, pair, face) if its_own else common
     errors = {key: or_else(getattr(table, key), 0.0) for key in ("angle_error", "reach_error")}
@@ -65,7 +62,7 @@ def _with_own(table: TableT, given: dict[str, Value]) -> TableT:
     return table.model_copy(update={key: value for key, value in given.items() if key in type(table).model_fields})
 
 
-def _turntable(table: MachineTable) -> Turntable:
+def _turntable(table: RotaryTable) -> Turntable:
     """Return the turntable; motor and belt as it would have them."""
     return _filled(
         Turntable,
@@ -79,28 +76,30 @@ def _turntable(table: MachineTable) -> Turntable:
     )
 
 
-def build_rotary(case: Case) -> RotaryMachine:
+def build_rotary(case: Case) -> Machine:
     """Turn a case of the rotary machine into the machine that runs; see `build_machine`."""
-    rig = case.rig()
+    tables = case.rotary_tables()
     layered = layered_object(case)
     bodies = object_bodies(case, layered)
-    machine = RotaryMachine(
-        turntable=_turntable(rig.machine),
-        strikers=_strikers(rig),
-        feed=_feed(rig.feed),
+    machine = Machine(
+        strikers=_strikers(tables),
         struck=_filled(
             StruckObject,
-            rig.object,
+            tables.object,
             **bodies._asdict(),
-            friction=or_else(rig.object.friction, 0.0),
-            stiction=None if rig.object.stiction is None else rig.object.stiction.si,
+            friction=or_else(tables.object.friction, 0.0),
+            stiction=None if tables.object.stiction is None else tables.object.stiction.si,
         ),
-        engagement=rig.machine.engagement.si,
+        start=RotaryDrive(
+            turntable=_turntable(tables.machine),
+            feed=_feed(tables.feed),
+            engagement=tables.machine.engagement.si,
+            blow_angle=or_else(tables.machine.blow_angle, 0.0),
+            face_width=or_else(tables.machine.face_width, math.inf),
+        ),
         layered=layered,
-        blow_angle=or_else(rig.machine.blow_angle, 0.0),
-        face_width=or_else(rig.machine.face_width, math.inf),
     )
-    lines = [str(error) for error in misfits(case, machine)]
+    lines = [str(error) for error in inconsistencies(case, machine)]
     if lines:
         raise InputErrors(lines)
     return machine

@@ -11,9 +11,11 @@ import numpy as np
 
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.dataset import build_dataset
-from strikewave.analyses.machine.launched import Release, line_collisions, release
+from strikewave.analyses.machine.kind import Release, kind_of
+from strikewave.analyses.machine.launched import line_collisions, release
 from strikewave.analyses.machine.notices import launch_notices, notices, wave_notices
-from strikewave.analyses.machine.readings import (
+from strikewave.analyses.machine.result import RigidReference, Solution
+from strikewave.analyses.machine.sensor_readings import (
     BlowReading,
     Observed,
     View,
@@ -21,7 +23,6 @@ from strikewave.analyses.machine.readings import (
     blow_reading,
     without_peaks,
 )
-from strikewave.analyses.machine.result import RigidReference, Solution
 from strikewave.base import citations
 from strikewave.base.errors import InputError
 from strikewave.base.result import Comparison, ledger_notices
@@ -30,8 +31,8 @@ from strikewave.cases.comparisons import comparisons
 from strikewave.cases.contact_of_case import contact_stiffness
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import build_taps, check_route
-from strikewave.contact import damping_law, factor, solve_impact
-from strikewave.machines import Blow, RotaryMachine, blows, run_rotary
+from strikewave.contact import damping_law, solve_impact
+from strikewave.machines import Blow, Machine, blows, run_machine
 from strikewave.machines.spans import StackSpan
 from strikewave.machines.strike import kept_step
 from strikewave.sensors.channel import channel_notices, sensor_sources
@@ -42,15 +43,6 @@ from strikewave.waves.setup import wave_setup
 
 LOWEST_BANDWIDTH = 1e3
 """Lowest bandwidth of the acceleration of a blow, which lasts a millisecond, Hz."""
-
-
-_LAUNCH_SOURCES = {
-    "drop": ("jesd22-b104",),
-    "pendulum": ("iso-148-2",),
-    "gas-gun": ("rohrbach-2012", "siegel-1965"),
-    "amplifier": ("rodgers-2009",),
-}
-"""Kind of machine: sources of what brings it to the blow."""
 
 
 def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Solution:
@@ -107,27 +99,26 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
         ledger=ledger,
         comparisons=compare(case, seen.blows, readings),
         notices=(*ledger_notices(ledger), *listed),
-        reference=printed_law_on_rigid_object(case, machine),
+        reference=rigid_reference(case, machine),
         readings=readings,
         waves=wave_setup(machine.layered.stack, machine.layered.grid) if machine.layered else None,
         citations=_citations(case, seen),
         histories=build_dataset(case, seen),
         launch=launch_of(machine, start) if start else {},
-        collisions=line_collisions(case, start) if start else (),
+        collisions=line_collisions(start) if start else (),
     )
 
 
-def launch_of(machine: RotaryMachine, start: Release) -> dict[str, float]:
+def launch_of(machine: Machine, start: Release) -> dict[str, float]:
     """Return what is said of a machine without a drive: see `strikewave.analyses.machine.result.LAUNCH_UNITS`."""
-    arm, striker = machine.turntable, machine.strikers.first
-    said = {
-        "approach_speed": start.arm * arm.radius + start.striker - start.object,
+    striker, arm = machine.strikers.first, start.pendulum
+    speed, energy = (0.0, 0.0) if arm is None else (start.arm * arm.radius, 0.5 * arm.inertia * start.arm**2)
+    numbers = {
+        "approach_speed": speed + start.striker - start.object,
         "energy_released": start.energy,
-        "energy_at_touch": 0.5 * striker.mass * start.striker**2
-        + 0.5 * machine.struck.mass * start.object**2
-        + (0.5 * arm.inertia * start.arm**2 if start.arm else 0.0),
+        "energy_at_touch": 0.5 * striker.mass * start.striker**2 + 0.5 * machine.struck.mass * start.object**2 + energy,
     }
-    return said if start.line is None else {**said, "gain": start.line.gain}
+    return numbers if start.gain is None else {**numbers, "gain": start.gain}
 
 
 def observe(case: Case, progress: Callable[[float], None] | None = None) -> Observed:
@@ -143,7 +134,7 @@ def observe(case: Case, progress: Callable[[float], None] | None = None) -> Obse
     view = View(channels, stated_bandwidth(case, stack), case.impact().recorder.begin, route)
     if machine.layered is not None:
         check_rates(case, view, kept_step(machine.layered.grid))
-    run = run_rotary(machine, case.solver.tolerance.si, progress)
+    run = run_machine(machine, case.solver.tolerance.si, progress)
     found = blows(run)
     if case.launched() is not None:
         found = tuple(dataclasses.replace(blow, turntable_speed=math.nan) for blow in found)
@@ -187,20 +178,14 @@ def stated_bandwidth(case: Case, stack: Stack | None) -> float:
     return np.inf if stack is None else honest_bandwidth(stack)
 
 
-def printed_law_on_rigid_object(case: Case, machine: RotaryMachine) -> RigidReference:
-    """Return what the contact gives on a rigid object, with no frame and no mount, at the nominal approach speed.
+def rigid_reference(case: Case, machine: Machine) -> RigidReference:
+    """Return what a contact gives on a rigid object, with no frame and no mount, at the nominal approach speed.
 
-    Of a rotary machine: the printed law, damping by eq (24) of Li & Ma 2019, and a massive turntable. Of a machine
-    without a drive: the law of the case, between the mass that strikes (of an arm the effective one) and the object's.
+    The kind of the machine says which contact, and which mass stands behind the striker.
     """
-    mass, striker = machine.struck.mass, machine.strikers.first
-    if machine.launch is None:
-        chi = float(factor("li-ma-printed", case.impact().contact.restitution.si))
-        contact, against = contact_stiffness(case).contact(chi), np.inf
-    else:
-        arm = machine.turntable
-        contact, against = striker.contact, arm.inertia / arm.radius**2 if machine.launch.arm_speed else striker.mass
-    blow = solve_impact(contact, against, mass, machine.nominal_approach)
+    contact, behind = kind_of(case).rigid_contact(case, machine)
+    mass = machine.struck.mass
+    blow = solve_impact(contact, behind, mass, machine.nominal_approach)
     force = float(blow.peak_force)
     return RigidReference(machine.nominal_approach, force, force / mass, float(blow.duration))
 
@@ -248,7 +233,7 @@ def _citations(case: Case, seen: Observed) -> tuple[str, ...]:
     contact = case.impact().contact
     keys = [origin, contact_stiffness(case).source, "hunt-crossley-1975", damping_law(contact.damping).source]
     keys += ["thornton-1997"] if contact.yield_pressure is not None else []
-    keys += ["schwager-poschel-2007", "hairer-1993", *_LAUNCH_SOURCES.get(getattr(case.machine, "kind", ""), ())]
+    keys += ["schwager-poschel-2007", "hairer-1993", *kind_of(case).sources]
     if seen.machine.layered:
         keys += ["kolsky-1963", *(["li-ma-2019"] if case.solver.route != EXACT else [])]
     keys += sensor_sources(seen.view.channels)

@@ -14,8 +14,8 @@ from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
 from strikewave.cases.case import Case, parse_case
-from strikewave.machines import RotaryMachine
-from strikewave.machines.quick import QuickRun, quick_run, why_not
+from strikewave.machines import Machine
+from strikewave.machines.fast_train import FastTrain, fast_train, why_not
 from strikewave.studies.map.regimes import CYCLES, FAILED, IRREGULAR, UNKNOWN, Regime, regime_of
 from strikewave.studies.map.return_time import arrivals
 from strikewave.uncertainty.statistics import variation
@@ -131,11 +131,13 @@ def case_at(case: Case, axes: tuple[Axis, ...], values: tuple[float, ...], keep_
     return case.with_values(changes, keep_tolerances)
 
 
-def machine_of(case: Case) -> RotaryMachine:
+def machine_of(case: Case) -> Machine:
     """Return the machine of a case with its object as two bodies on the frame, whatever the case has."""
     machine = build_machine(case)
     if machine.launch is not None:
-        raise InputError("machine.kind", case.rig().machine.kind, "rotary", "a map is of a machine that strikes again")
+        raise InputError(
+            "machine.kind", case.rotary_tables().machine.kind, "rotary", "a map is of a machine that strikes again"
+        )
     return dataclasses.replace(machine, layered=None)
 
 
@@ -156,7 +158,7 @@ def cell_of(case: Case, blows: int, train: int) -> Array:
         return out
     for length in dict.fromkeys((max(blows, train), blows)):
         try:
-            run = quick_run(machine, length, repeats=REPEATS if length > blows else 0.0, least=blows)
+            run = fast_train(machine, length, repeats=REPEATS if length > blows else 0.0, least=blows)
         except (IntegrationError, ValueError) as error:
             out[PLACE["reason"]] = _reason(str(error))
             continue
@@ -172,7 +174,7 @@ def _reason(text: str) -> int:
     return EDGE if "edge" in text else CROWDED if "another striker" in text else LOST
 
 
-def measured(run: QuickRun, blows: int, train: int) -> Array:
+def measured(run: FastTrain, blows: int, train: int) -> Array:
     """Return what a fast run comes to, in the order of `FIELDS`."""
     machine = run.machine
     missed = np.isnan(run.column("approach_speed"))
@@ -180,7 +182,7 @@ def measured(run: QuickRun, blows: int, train: int) -> Array:
     peaks, times, struck = run.column("rigid_peak")[own], run.column("time")[own], ~missed[own]
     leaves = (run.column("face_speed") + run.column("velocity_change"))[own][struck]
     back = arrivals(machine.struck, float(leaves[-1])) if leaves.size and leaves[-1] > 0.0 else (np.nan, np.nan)
-    period = machine.pitch / machine.turntable.speed
+    period = machine.pitch / machine.drive.turntable.speed
     regime = train_regime(run, missed, train)
     short = train > 0 and regime.code == UNKNOWN
     found = {
@@ -201,13 +203,13 @@ def measured(run: QuickRun, blows: int, train: int) -> Array:
     return np.array([found[name] for name in FIELDS], dtype=float)
 
 
-def own_blows(run: QuickRun, blows: int) -> slice:
+def own_blows(run: FastTrain, blows: int) -> slice:
     """Return which passes of a run are the machine's own: so many at most, and those before its hold is over."""
-    feed = run.machine.feed
+    feed = run.machine.drive.feed
     return slice(0, min(blows, int(np.sum(run.column("time") <= feed.valve_delay + feed.stroke_time + feed.hold))))
 
 
-def train_regime(run: QuickRun, missed: NDArray[np.bool_], train: int) -> Regime:
+def train_regime(run: FastTrain, missed: NDArray[np.bool_], train: int) -> Regime:
     """Return the regime of the second half of a train, or of its last quarter where only that has settled.
 
     A train that ended early repeats at its end, so that as many turns as are needed may be looked at there.
@@ -215,7 +217,7 @@ def train_regime(run: QuickRun, missed: NDArray[np.bool_], train: int) -> Regime
     if train == 0:
         return Regime(UNKNOWN, 0)
     states = np.column_stack([run.column("approach_speed"), run.column("angle")])
-    scales = np.array([run.machine.nominal_approach, abs(run.machine.first_touch)])
+    scales = np.array([run.machine.nominal_approach, abs(run.machine.drive.first_touch)])
     turn = _turn(run.machine)
     count = len(states)
     half = count // 2 if count >= train else min(count // 2, max(count - CYCLES * turn, 0))
@@ -223,7 +225,7 @@ def train_regime(run: QuickRun, missed: NDArray[np.bool_], train: int) -> Regime
     return regimes[1] if regimes[0].code == IRREGULAR and regimes[1].period else regimes[0]
 
 
-def _turn(machine: RotaryMachine) -> int:
+def _turn(machine: Machine) -> int:
     """Return after how many blows the strikers come again: their number where they differ, else one."""
     first, *others = machine.strikers.each
     return machine.strikers.count if any(other != first for other in others) else 1

@@ -21,7 +21,7 @@ from strikewave.base.result import Result, Source
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
-from strikewave.machines.rotary import run_rotary
+from strikewave.machines.run import run_machine
 from strikewave.studies.map.cells import (
     FIELDS,
     PLACE,
@@ -434,8 +434,8 @@ def in_full(case: Case, count: int) -> tuple[float, float]:
         If not all blows came.
     """
     machine = machine_of(case)
-    machine = dataclasses.replace(machine, feed=dataclasses.replace(machine.feed, blows=count))
-    peaks = np.array([blow.rigid_peak for blow in blows(run_rotary(machine, TESTED))[:count] if blow.kind != "missed"])
+    machine = machine.with_feed(blows=count)
+    peaks = np.array([blow.rigid_peak for blow in blows(run_machine(machine, TESTED))[:count] if blow.kind != "missed"])
     if peaks.size < count:
         raise StrikewaveError(f"{peaks.size} of {count} blows came")
     return variation(peaks), float(peaks.mean())
@@ -446,5 +446,5 @@ def plan_of(case: Case, axes: tuple[Axis, ...], own: int | None = None, train: i
     paths = [axis.path for axis in axes]
     if len(set(paths)) < len(paths):
         raise InputError("--y", paths[-1], "another quantity than the other axes")
-    count = int(case.rig().feed.blows.si) if own is None else own
+    count = int(case.rotary_tables().feed.blows.si) if own is None else own
     return Plan(dump_case(case), axes, count, train)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, InputErrors, IntegrationError, show
 from strikewave.cases.case import Case
-from strikewave.machines import Blow, RotaryMachine, RotaryRun, blows, run_rotary
+from strikewave.machines import Blow, Machine, MachineRun, blows, run_machine
 from strikewave.studies.workers import Workers
 from strikewave.uncertainty.draws import Tolerance, drawn_case
 from strikewave.uncertainty.statistics import variation
@@ -96,11 +96,11 @@ def run_result(case: Case) -> RunResult:
         return RunResult(failure=show(str(error), 200).strip('"'))
 
 
-def _followed(machine: RotaryMachine) -> RotaryRun:
+def _followed(machine: Machine) -> MachineRun:
     try:
-        return run_rotary(machine, RUN_TOLERANCE)
+        return run_machine(machine, RUN_TOLERANCE)
     except IntegrationError:
-        return run_rotary(machine, FINER)
+        return run_machine(machine, FINER)
 
 
 def of_blows(found: Sequence[Blow]) -> RunResult:

@@ -16,7 +16,7 @@ from strikewave.base.materials import Material, material
 from strikewave.base.result import LEDGER_LIMIT
 from strikewave.cases.case import Case
 from strikewave.contact import Geometry, first_yield, stiffness_law
-from strikewave.machines import Blow, RotaryRun, Striker, Turntable
+from strikewave.machines import Blow, MachineRun, Striker, Turntable
 from strikewave.machines.blows import contact_table
 from strikewave.machines.spans import ChainSpan
 from strikewave.studies.settings.estimate import disc_stress, rim_speed_at_yield
@@ -181,7 +181,7 @@ def rank_key(candidate: Candidate) -> tuple[bool, float, float]:
     return True, far, candidate.seen.supply.stop_force
 
 
-def observe_blows(run: RotaryRun, found: Sequence[Blow], goal: Goal) -> Observation | None:
+def observe_blows(run: MachineRun, found: Sequence[Blow], goal: Goal) -> Observation | None:
     """Return what a run showed; None where no striker touched the object."""
     struck = [blow for blow in found if blow.kind != "missed"]
     if not struck:
@@ -195,7 +195,7 @@ def observe_blows(run: RotaryRun, found: Sequence[Blow], goal: Goal) -> Observat
         interval=Spread(median(gaps), gaps[0], _farthest(gaps, goal.interval), variation(gaps)),
         kinds=tuple(blow.kind for blow in found),
         touched_again=_touched_again(run, [blow.width for blow in struck]),
-        wanted=run.machine.feed.blows,
+        wanted=run.machine.drive.feed.blows,
         approach=median(blow.approach_speed for blow in struck),
         velocity_change=median(blow.velocity_change for blow in struck),
         peak_force=max(blow.peak_force for blow in struck),
@@ -205,7 +205,7 @@ def observe_blows(run: RotaryRun, found: Sequence[Blow], goal: Goal) -> Observat
     )
 
 
-def _touched_again(run: RotaryRun, widths: Sequence[float]) -> int:
+def _touched_again(run: MachineRun, widths: Sequence[float]) -> int:
     """Return how many blows have a contact more than a pulse width after the one before it.
 
     Such a blow is called double where that carries a tenth of the impulse; lighter ones count here too.
@@ -226,7 +226,7 @@ def _farthest(values: Sequence[float], goal: float) -> float:
     return max(values, key=lambda value: abs(value - goal) if math.isfinite(value) else math.inf)
 
 
-def supply(run: RotaryRun, touches: Sequence[float]) -> Supply:
+def supply(run: MachineRun, touches: Sequence[float]) -> Supply:
     """Return what stop and drive bear from the first touch to the retraction; see `Supply`.
 
     The force of the stop is that of `StruckObject`: k d + c d', never negative, d = compression at rest - (x + q).
@@ -234,12 +234,12 @@ def supply(run: RotaryRun, touches: Sequence[float]) -> Supply:
     return Supply(_stop_force(run, touches), *_taken(run, touches))
 
 
-def _held_until(run: RotaryRun) -> float:
+def _held_until(run: MachineRun) -> float:
     """Return when the object is retracted, s."""
     return dict(run.phases)["retract"]
 
 
-def _stop_force(run: RotaryRun, touches: Sequence[float]) -> float:
+def _stop_force(run: MachineRun, touches: Sequence[float]) -> float:
     """Return the largest force of the stop, N."""
     struck = run.machine.struck
     times = np.arange(touches[0], max(_held_until(run), touches[-1]) + SAMPLE_STEP, SAMPLE_STEP)
@@ -249,13 +249,13 @@ def _stop_force(run: RotaryRun, touches: Sequence[float]) -> float:
     return float(np.max(force[deep > 0.0], initial=0.0))
 
 
-def _taken(run: RotaryRun, touches: Sequence[float]) -> tuple[float, float, float, float]:
+def _taken(run: MachineRun, touches: Sequence[float]) -> tuple[float, float, float, float]:
     """Return what blows take from the drive, and what it makes good; see `Supply`.
 
     A blow takes what the drive gives until the next one touches, less what stays in turntable, motor and belt and what
     drag and belt lose: a ripple of the drive, which gives and takes by itself, cancels.
     """
-    disc, n = run.machine.turntable, len(touches)
+    disc, n = run.machine.drive.turntable, len(touches)
     spacing = (touches[-1] - touches[0]) / (n - 1) if n > 1 else run.machine.pitch / disc.speed
     after = min(max(_held_until(run), touches[-1]), touches[-1] + 0.9 * spacing)
     given, stored, speed = _drive(run, np.array([*touches, after]))
@@ -265,12 +265,12 @@ def _taken(run: RotaryRun, touches: Sequence[float]) -> tuple[float, float, floa
     return float(np.mean(taken)), float(np.max(lost)), regained, float(np.min(speed[:-1]))
 
 
-def _drive(run: RotaryRun, times: Array) -> tuple[Array, Array, Array]:
+def _drive(run: MachineRun, times: Array) -> tuple[Array, Array, Array]:
     """Return at some times the work of the drive less drag and slip of the belt (J), energy stored (J), speed (rad/s).
 
     Stored in turntable, motor and belt; the object is a nose on a frame, so that one span holds the whole run.
     """
-    disc, span = run.machine.turntable, run.spans[0]
+    disc, span = run.machine.drive.turntable, run.spans[0]
     assert isinstance(span, ChainSpan)
     states, _ = span.motion.sample(times)
     at = span.layout
@@ -282,13 +282,13 @@ def _drive(run: RotaryRun, times: Array) -> tuple[Array, Array, Array]:
     return given, stored, speed
 
 
-def limits_of(case: Case, run: RotaryRun, seen: Observation, goal: Goal) -> tuple[Limit, ...]:
+def limits_of(case: Case, run: MachineRun, seen: Observation, goal: Goal) -> tuple[Limit, ...]:
     """Return the values of a setting that have a limit.
 
     The mean torque is what makes good the energy of a blow, E/(w T), and the drag at set speed. Stretch of the mount
     and first yield are those of the striker that is worst off.
     """
-    machine, disc = run.machine, run.machine.turntable
+    machine, disc = run.machine, run.machine.drive.turntable
     strength = goal.disc.yield_strength or math.nan
     stretch = max(mount_stretch(striker, disc) for striker in machine.strikers.each)
     torque = seen.supply.energy_taken / (disc.speed * goal.interval) + disc.drag * disc.speed
@@ -296,7 +296,7 @@ def limits_of(case: Case, run: RotaryRun, seen: Observation, goal: Goal) -> tupl
         Limit("rim_speed", disc.speed * disc.radius, rim_speed_at_yield(goal.disc, strength), "m/s"),
         Limit("disc_stress", disc_stress(goal.disc, disc.speed, disc.radius), strength, "Pa"),
         Limit("mount_stretch", stretch, STRETCH_SHARE * machine.engagement, "m"),
-        Limit("retreat", seen.retreat, machine.feed.stroke, "m"),
+        Limit("retreat", seen.retreat, machine.drive.feed.stroke, "m"),
         Limit("mean_torque", torque, disc.torque, "N m"),
         Limit("speed_drop", 1.0 - seen.supply.slowest / disc.speed, LARGEST_DROP, "1"),
         Limit("energy_error", seen.energy_error, LEDGER_LIMIT, "1"),
@@ -322,7 +322,7 @@ def yield_load(case: Case) -> float | None:
 
     None where yielding is modelled, or the load is not known.
     """
-    rig = case.rig()
+    rig = case.rotary_tables()
     if rig.contact.yield_pressure is not None:
         return None
     pair = material(rig.striker.material), material(rig.object.material)
@@ -338,10 +338,10 @@ def yield_load(case: Case) -> float | None:
 
 def _noses(case: Case) -> set[tuple[float, float]]:
     """Return radius and contact length of the strikers' noses, m: the common ones, and those of single strikers."""
-    table = case.rig().striker
+    table = case.rotary_tables().striker
     own = {
         ((row.nose_radius or table.nose_radius).si, (row.contact_length or table.contact_length).si)
         for row in table.each
     }
-    alike = len(table.each) < case.rig().machine.strikers.si
+    alike = len(table.each) < case.rotary_tables().machine.strikers.si
     return own | {(table.nose_radius.si, table.contact_length.si)} if alike else own

@@ -64,10 +64,10 @@ def _misses(axes: Any, candidates: Sequence[Candidate]) -> None:
 
 def _scatter(axes: Any, candidates: Sequence[Candidate]) -> None:
     """Draw the scatter of the peaks against the largest force of the stop; filled where the goal is met."""
-    counts = sorted({round(one.case.rig().machine.strikers.si) for one in candidates})
+    counts = sorted({round(one.case.rotary_tables().machine.strikers.si) for one in candidates})
     for k, count in enumerate(counts):
         marker, colour = MARKERS[k % len(MARKERS)]
-        mine = [one for one in candidates if round(one.case.rig().machine.strikers.si) == count]
+        mine = [one for one in candidates if round(one.case.rotary_tables().machine.strikers.si) == count]
         for met, fill in ((True, colour), (False, "none")):
             points = [one for one in mine if one.meets == met]
             if points:

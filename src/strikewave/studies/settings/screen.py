@@ -88,7 +88,7 @@ def _print(study: SettingsStudy) -> None:
     first = study.candidates[0]
     say(_header(study.case, study.goal, first))
     met = sum(one.meets for one in study.candidates)
-    others = {one.case.rig().machine.strikers.si: one for one in reversed(study.candidates)}
+    others = {one.case.rotary_tables().machine.strikers.si: one for one in reversed(study.candidates)}
     shown = [one for one in study.candidates if one in study.candidates[:SHOWN] or one in others.values()]
     wide = shutil.get_terminal_size((160, 24)).columns >= WIDE
     kinds = [k for k in range(len(COLUMNS)) if wide or k not in LEFT_OUT]

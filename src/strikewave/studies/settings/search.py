@@ -15,7 +15,7 @@ from strikewave.base.errors import InputError, InputErrors, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
 from strikewave.cases.case import FORM, Case
-from strikewave.machines import RotaryRun, blows, run_rotary
+from strikewave.machines import MachineRun, blows, run_machine
 from strikewave.studies.settings.candidate import Candidate, Goal, Observation, limits_of, misses, observe_blows
 from strikewave.studies.settings.estimate import (
     Support,
@@ -83,7 +83,7 @@ class Design:
     @cached_property
     def start(self) -> Array:
         """First estimates of engagement (m), stiffness (N/m) and speed (rad/s)."""
-        case = self.rig.case.rig()
+        case = self.rig.case.rotary_tables()
         radius, speed = case.machine.radius.si, turntable_speed(self.rig.strikers, self.goal.interval)
         approach = approach_speed(self.velocity_change, case.contact.restitution.si)
         depth = engagement(min(approach, approach_at(self.deepest, speed, radius)), speed, radius)
@@ -103,14 +103,14 @@ class Design:
     @property
     def object_mass(self) -> float:
         """Mass of the object, kg."""
-        mass = self.rig.case.rig().object.mass
+        mass = self.rig.case.rotary_tables().object.mass
         assert mass is not None
         return mass.si
 
     @property
     def deepest(self) -> float:
         """Largest engagement, m."""
-        case = self.rig.case.rig()
+        case = self.rig.case.rotary_tables()
         return largest_engagement(self.rig.strikers, case.machine.radius.si, case.feed.stroke.si)
 
     @property
@@ -122,23 +122,23 @@ class Design:
     @cached_property
     def support(self) -> Support:
         """What brings the object back."""
-        table = self.rig.case.rig().object
+        table = self.rig.case.rotary_tables().object
         return self.rig.support or Support(table.spring.si, table.preload.si, table.damper.si)
 
     def estimates(self) -> dict[str, float]:
         """Return the closed forms that the search begins with; SI."""
-        table = self.rig.case.rig().object
+        table = self.rig.case.rotary_tables().object
         weight = self.object_mass * table.gravity.si
         depth, stiffness, speed = (float(x) for x in self.start)
         arc = return_arc(self.support, self.object_mass, self.velocity_change, weight)
         settled = settling_time(self.support, self.object_mass, self.velocity_change, table.stop_restitution.si, weight)
         return {
             "velocity_change": self.velocity_change,
-            "approach": approach_speed(self.velocity_change, self.rig.case.rig().contact.restitution.si),
+            "approach": approach_speed(self.velocity_change, self.rig.case.rotary_tables().contact.restitution.si),
             "engagement": depth,
             "stiffness": stiffness,
             "turntable_speed": speed,
-            "passage_time": passage_time(depth, speed, self.rig.case.rig().machine.radius.si),
+            "passage_time": passage_time(depth, speed, self.rig.case.rotary_tables().machine.radius.si),
             "return_time": arc.time,
             "retreat": arc.retreat,
             "settling_time": settled,
@@ -165,7 +165,7 @@ class Design:
 
     def _feed_times(self, depth: float) -> dict[str, float]:
         """Return the times of the feed that are too long to clear the strikers before and after the blows."""
-        feed, period = self.rig.case.rig().feed, self.goal.interval
+        feed, period = self.rig.case.rotary_tables().feed, self.goal.interval
         longest = {
             "stroke_time": feed_time(feed.arrival.si * period, depth, feed.stroke.si),
             "retract_time": feed_time(period - feed.release_delay.si, depth, feed.stroke.si),
@@ -176,7 +176,7 @@ class Design:
         """Return the case at settings: engagement, stiffness, speed."""
         return self.rig.case.with_values(self.changes(settings))
 
-    def run(self, settings: Array, tolerance: float) -> tuple[RotaryRun, Observation | None]:
+    def run(self, settings: Array, tolerance: float) -> tuple[MachineRun, Observation | None]:
         """Run the machine at settings.
 
         Raises
@@ -184,7 +184,7 @@ class Design:
         InputError, InputErrors, IntegrationError, ValueError
             If it does not fit together, or cannot be followed.
         """
-        run = run_rotary(build_machine(self.case_at(settings)), tolerance)
+        run = run_machine(build_machine(self.case_at(settings)), tolerance)
         return run, observe_blows(run, blows(run), self.goal)
 
 

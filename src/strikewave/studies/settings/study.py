@@ -269,7 +269,7 @@ def check_goal(case: Case, goal: Goal, choice: Choice) -> None:
         allowed = f"at most {longest:.4g} us, a tenth of the interval"
         raise InputError("--width", f"{goal.width * 1e6:.4g} us", allowed, "longer pulses run into the next blow")
     _check_strikers(case, choice)
-    feed, typed = case.rig().feed, f"{goal.interval * 1e3:.4g} ms"
+    feed, typed = case.rotary_tables().feed, f"{goal.interval * 1e3:.4g} ms"
     if feed.release_delay.si >= goal.interval:
         allowed = f"less than the interval, {typed}: the next striker comes before the object leaves"
         raise InputError("feed.release_delay", feed.release_delay.typed, allowed, "shorten it by --set")
@@ -294,7 +294,7 @@ def _check_strikers(case: Case, choice: Choice) -> None:
     odd = [number for number in choice.strikers if not 1 <= number <= MOST_STRIKERS]
     if odd:
         raise InputError("--strikers", odd[0], f"a whole number from 1 to {MOST_STRIKERS}")
-    rows = {int(row.number.si): row for row in case.rig().striker.each}
+    rows = {int(row.number.si): row for row in case.rotary_tables().striker.each}
     last = max(rows, default=0)
     if choice.strikers and min(choice.strikers) < last:
         allowed = f"at most {min(choice.strikers)}, as --strikers asks"
@@ -314,7 +314,7 @@ def least_width(case: Case, goal: Goal, choice: Choice) -> float:
 
     Source: docs/settings.md.
     """
-    rig = case.rig()
+    rig = case.rotary_tables()
     assert rig.object.mass is not None
     if any(row.nose_radius or row.contact_length for row in rig.striker.each):
         return 0.0
@@ -337,7 +337,7 @@ def sensible_strikers(case: Case, goal: Goal, choice: Choice) -> tuple[list[int]
     InputError
         If none is left; a peak beyond what the largest engagement reaches is named with the largest one.
     """
-    rig = case.rig()
+    rig = case.rotary_tables()
     wanted = choice.strikers or tuple(sorted({*STRIKERS, int(rig.machine.strikers.si)}))
     radius, stroke = rig.machine.radius.si, rig.feed.stroke.si
     change = pulse_velocity_change(goal.peak, goal.width)
@@ -382,7 +382,7 @@ def supports(case: Case, goal: Goal, strikers: int) -> list[Support | None]:
     The first arc takes between the passage of a nose and about half the interval; what would retreat beyond the stroke,
     or press the stop by more than half the retreat, comes last.
     """
-    rig = case.rig()
+    rig = case.rotary_tables()
     assert rig.object.mass is not None
     mass, change = rig.object.mass.si, pulse_velocity_change(goal.peak, goal.width)
     weight, restitution = mass * rig.object.gravity.si, rig.object.stop_restitution.si
@@ -435,7 +435,7 @@ def design_settings(
         for mass in masses
         for support in supports(case, goal, number)
     ]
-    own = any(row.mass is not None for row in case.rig().striker.each)
+    own = any(row.mass is not None for row in case.rotary_tables().striker.each)
     heavier = 0 if choice.masses or own else len(MASS_SHARES) * len(numbers)
     whole = len(first) + heavier
     found = list(_candidates(first, progress, 0, whole))
@@ -457,7 +457,7 @@ def _other_masses(found: Sequence[tuple[Design, Candidate | str]], numbers: Sequ
         mine = [(d, one) for d, one in found if d.rig.strikers == number and isinstance(one, Candidate)]
         if mine:
             design, _ = min(mine, key=lambda pair: rank_key(pair[1]))
-            mass = design.rig.case.rig().striker.mass.si
+            mass = design.rig.case.rotary_tables().striker.mass.si
             for share in MASS_SHARES:
                 yield dataclasses.replace(design, rig=design.rig._replace(mass=share * mass))
 

@@ -22,7 +22,14 @@ from strikewave.analyses.machine.figures.geometry import (
     stretched,
     strike_geometry,
 )
-from strikewave.analyses.machine.figures.parts import MARKS, PartEntry, length, machine_parts, significant
+from strikewave.analyses.machine.figures.parts import (
+    MARKS,
+    PartEntry,
+    length,
+    machine_parts,
+    provenance_words,
+    significant,
+)
 from strikewave.reporting.style import BLUE, GREY, RED
 
 if TYPE_CHECKING:
@@ -65,7 +72,7 @@ def machine_drawing(case: Case) -> Figure | None:
     close, enlarged = view(figure, CLOSE, close_limits(made.geometry))
     _draw_close(close, case, made, enlarged / scale)
     _draw_notes(figure, case, made)
-    _list_parts(figure, parts)
+    list_parts(figure, parts)
     return figure
 
 
@@ -142,7 +149,7 @@ def _draw_whole(axes: Any, case: Case, made: Outlines, parts: Sequence[PartEntry
     }
     for number, part in enumerate(parts, 1):
         if part.place in at:
-            _balloon(axes, number, at[part.place])
+            balloon(axes, number, at[part.place])
 
 
 def _clear_nose(geometry: StrikeGeometry, angle: float, towards: float) -> Array:
@@ -154,7 +161,8 @@ def _clear_nose(geometry: StrikeGeometry, angle: float, towards: float) -> Array
     return np.asarray(noses[int(np.argmin(away))])
 
 
-def _balloon(axes: Any, number: int, place: tuple[float, float]) -> None:
+def balloon(axes: Any, number: int, place: tuple[float, float]) -> None:
+    """Draw the number of a part in a circle."""
     look = {"boxstyle": "circle,pad=0.2", "facecolor": "white", "edgecolor": INK, "linewidth": 0.8}
     axes.text(*place, str(number), ha="center", va="center", fontsize=7.5, color=INK, bbox=look, zorder=6)
 
@@ -177,7 +185,7 @@ def _draw_radius(axes: Any, case: Case, geometry: StrikeGeometry, angle: float) 
     """Dimension the path from the axis to a nose that stands clear of the strike; return its angle, rad."""
     end = _clear_nose(geometry, angle, 1.2)
     axes.annotate("", end, (0.0, 0.0), arrowprops={**_ARROW, "arrowstyle": "-|>", "color": INK}, zorder=4)
-    (entry,) = length("R", case.rig().machine.radius)
+    (entry,) = length("R", case.rotary_tables().machine.radius)
     _marked(axes, tuple(0.45 * end), f"R {entry.shown}", entry.provenance)
     return math.atan2(end[1], end[0])
 
@@ -195,7 +203,7 @@ def _draw_directions(axes: Any, case: Case, made: Outlines) -> None:
     begin = places.wall - 0.3 * geometry.radius
     axes.annotate("", (begin + wide, top), (begin, top), arrowprops=arrow, zorder=5)
     axes.text(begin + wide + 0.04 * geometry.radius, top, "blow", color=RED, fontsize=9, va="center", zorder=5)
-    gravity = case.rig().object.gravity.si
+    gravity = case.rotary_tables().object.gravity.si
     if gravity:
         ends = (begin, begin + wide) if gravity > 0.0 else (begin + wide, begin)
         above = top + 0.13 * geometry.radius
@@ -252,7 +260,7 @@ def _marked(axes: Any, place: tuple[float, ...], words: str, provenance: str, si
 
 def _draw_close(axes: Any, case: Case, made: Outlines, magnified: float) -> None:
     """Draw the strike itself: a nose at first touch and at the strike position, the face between, the engagement."""
-    geometry, machine = made.geometry, case.rig().machine
+    geometry, machine = made.geometry, case.rotary_tables().machine
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
     size = min(right - left, top - bottom)
@@ -319,7 +327,7 @@ def _frame(left: float, bottom: float, width: float, height: float) -> Any:
 def scale_words(case: Case, made: Outlines) -> list[str]:
     """Say what is drawn to scale and what is not."""
     geometry, stack = made.geometry, bool(case.stack.layer)
-    striker = case.rig().striker
+    striker = case.rotary_tables().striker
     layers = ["layers"] if stack and made.to_scale else []
     noses = ["noses"] if striker.nose_radius.si <= LARGEST_NOSE * geometry.radius else []
     width = ["face width"] if geometry.face_width is not None else []
@@ -352,18 +360,19 @@ def _draw_notes(figure: Figure, case: Case, made: Outlines) -> None:
         axes.text(0.0, 2.5 - 0.165 * k, line, fontsize=8, va="center", color="#4d5760")
     for k, (word, (letter, colour)) in enumerate(MARKS.items()):
         x, y = 0.1 + 1.4 * (k % 2), 0.62 - 0.25 * (k // 2)
-        _mark(axes, (x, y), letter, colour)
+        mark(axes, (x, y), letter, colour)
         axes.text(x + 0.15, y, "follows from these" if word == "computed" else word, fontsize=8, va="center")
 
 
-def _mark(axes: Any, place: tuple[float, float], letter: str, colour: str) -> None:
+def mark(axes: Any, place: tuple[float, float], letter: str, colour: str) -> None:
+    """Draw the mark of a provenance."""
     look = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": colour, "linewidth": 1.1}
     axes.text(*place, letter, fontsize=6.5, ha="center", va="center", color=INK, bbox=look)
 
 
-def _list_parts(figure: Figure, parts: Sequence[PartEntry]) -> None:
+def list_parts(figure: Figure, parts: Sequence[PartEntry]) -> None:
     """List the parts with their numbers, as the balloons count them."""
-    width, height = SIZE
+    width, height = figure.get_size_inches()
     axes = figure.add_axes((6.55 / width, 0.0, 3.2 / width, 1.0))
     axes.set_axis_off()
     axes.set_xlim(0.0, 3.2)
@@ -373,13 +382,13 @@ def _list_parts(figure: Figure, parts: Sequence[PartEntry]) -> None:
     y = height - 0.2
     for number, part in enumerate(parts, 1):
         if part.place:
-            _balloon(axes, number, (0.12, y))
+            balloon(axes, number, (0.12, y))
         axes.text(0.3, y, part.name, fontsize=8, fontweight="bold", va="center", parse_math=False)
         y -= step
         for entry in part.entries:
             axes.text(0.3, y, entry.name, fontsize=8, va="center", color="#4d5760")
             axes.text(2.75, y, entry.shown, fontsize=8, va="center", ha="right")
-            _mark(axes, (2.95, y), *MARKS[entry.provenance])
+            mark(axes, (2.95, y), *MARKS[entry.provenance])
             y -= step
         y -= 0.25 * step
 
@@ -388,6 +397,4 @@ def drawing_words(case: Case) -> str:
     """Say in words what the drawing shows, for its caption: what is published, measured, inferred, assumed, fitted."""
     geometry = strike_geometry(case)
     parts = [] if geometry is None else machine_parts(case, geometry)
-    marks = [entry.provenance for part in parts for entry in part.entries if entry.provenance != "computed"]
-    counted = [f"{marks.count(word)} {word}" for word in MARKS if word in marks]
-    return f"Of the {len(marks)} numbers shown {', '.join(counted)}."
+    return provenance_words(parts)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
-from strikewave.cases.tables import Machine
+from strikewave.cases.tables import RotaryTable
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
@@ -139,9 +139,9 @@ def strike_geometry(case: Case) -> StrikeGeometry | None:
     >>> strike_geometry(load_case("li-ma-2019")).strikers
     4
     """
-    if not isinstance(case.machine, Machine):
+    if not isinstance(case.machine, RotaryTable):
         return None
-    machine, striker = case.rig().machine, case.rig().striker
+    machine, striker = case.rotary_tables().machine, case.rotary_tables().striker
     angle, width, radius = machine.blow_angle, machine.face_width, machine.radius.si
     count = int(machine.strikers.si)
     return StrikeGeometry(

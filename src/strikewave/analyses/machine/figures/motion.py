@@ -145,7 +145,7 @@ def _variable(solution: Solution, name: str) -> Array | None:
 
 def _integrated_angle(solution: Solution) -> Array:
     """Return the turntable's angle, rad, from its speed and from where it stands at the valve signal."""
-    table, machine = solution.case.rig().feed, solution.case.rig().machine
+    table, machine = solution.case.rotary_tables().feed, solution.case.rotary_tables().machine
     known = {f.name: getattr(table, f.name, None) for f in fields(Feed)}
     feed = Feed(**{name: value.si for name, value in known.items() if value is not None})
     first = angle_at_valve_signal(feed, machine.speed.si, 2.0 * math.pi / machine.strikers.si)

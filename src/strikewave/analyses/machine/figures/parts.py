@@ -67,6 +67,11 @@ def quantity(name: str, value: Value | None, si: str = "", unit: str = "", spell
     return [Entry(name, words, value.provenance)]
 
 
+def shown(value: Value, si: str, unit: str) -> str:
+    """Write a value of a case in a unit, as a drawing shows it."""
+    return quantity("", value, si, unit)[0].shown
+
+
 def length(name: str, value: Value | None) -> list[Entry]:
     """Return an entry in mm."""
     return quantity(name, value, "m", "mm")
@@ -89,6 +94,13 @@ def mass(name: str, value: Value | None) -> list[Entry]:
     return quantity(name, value, "kg", "gram" if small else "kg", "g" if small else "kg")
 
 
+def provenance_words(parts: Sequence[PartEntry]) -> str:
+    """Say how many of the numbers of some parts are published, measured, inferred, assumed, fitted."""
+    marks = [entry.provenance for part in parts for entry in part.entries if entry.provenance != "computed"]
+    counted = [f"{marks.count(word)} {word}" for word in MARKS if word in marks]
+    return f"Of the {len(marks)} numbers shown {', '.join(counted)}."
+
+
 def machine_parts(case: Case, geometry: StrikeGeometry) -> list[PartEntry]:
     """Return the parts of a rotary machine in the order in which a blow runs through them."""
     return [*_struck_by(case, geometry), *_object(case), *_held_by(case)]
@@ -96,8 +108,8 @@ def machine_parts(case: Case, geometry: StrikeGeometry) -> list[PartEntry]:
 
 def _struck_by(case: Case, geometry: StrikeGeometry) -> Iterator[PartEntry]:
     """Yield turntable, strikers and the strike itself."""
-    rig = case.rig()
-    machine, striker = rig.machine, rig.striker
+    tables = case.rotary_tables()
+    machine, striker = tables.machine, tables.striker
     yield PartEntry(
         "turntable",
         "turntable",
@@ -136,7 +148,7 @@ def _struck_by(case: Case, geometry: StrikeGeometry) -> Iterator[PartEntry]:
 
 def _object(case: Case) -> Iterator[PartEntry]:
     """Yield nose, frame and assembly, or the layers of a stack."""
-    struck, layers = case.rig().object, case.stack.layer
+    struck, layers = case.rotary_tables().object, case.stack.layer
     for layer in layers[:MOST_LAYERS]:
         entries = length("length", layer.length)
         entries += length("diameter", layer.diameter)
@@ -155,8 +167,8 @@ def _object(case: Case) -> Iterator[PartEntry]:
 
 def _held_by(case: Case) -> Iterator[PartEntry]:
     """Yield what holds and feeds the object."""
-    rig = case.rig()
-    struck, feed = rig.object, rig.feed
+    tables = case.rotary_tables()
+    struck, feed = tables.object, tables.feed
     preload = quantity("preload", struck.preload, "", "", "N")
     yield PartEntry("spring", "heavy-load spring", [*stiffness("rate", struck.spring), *preload])
     yield PartEntry("damper", "damper", damping("damping", struck.damper))

@@ -1,9 +1,9 @@
 """Compiled fast run of the rotary machine: rigid between blows, whole bodies within them.
 
-While it coasts, the object is one body on spring, damper, stop and rail, and every striker rides on its steady circle
+In free flight the object is one body on spring, damper, stop and rail, and every striker rides on its steady circle
 of radius R / (1 - m w^2/k). At first touch the striker that touches, its mount, nose, frame, assembly, supports and
-turntable are followed as `_kernels` has them, the other strikers still riding; once all is quiet they are one body
-and riders again, with their momentum and mean places. What still rings is let go, and counted.
+turntable are followed as `_kernels` has them, the other strikers still circling; once all is quiet they are one body
+and on their circles again, with their momentum and mean places. What still rings is let go, and counted.
 """
 
 import math
@@ -48,20 +48,20 @@ from strikewave.machines._kernels import (
     REACH,
     SECOND,
     SINE,
-    RotarySystem,
+    MachineSystem,
+    machine_rates,
     own_switch,
     own_switches,
     place_bases,
-    rotary_rates,
 )
 from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, OBJECT, STRIKER, layout_of
-from strikewave.machines._note_kernels import (
+from strikewave.machines._pass_kernels import (
     LET_GO,
     ROWS_USED,
     measure_row,
     missed_row,
     note_blow,
-    note_coast,
+    note_flight,
     open_row,
     repeats,
 )
@@ -76,7 +76,7 @@ _STRETCH = 3
 
 
 class Frame(NamedTuple):
-    """The frame of an object that coasts: mass of its nose, kg, stiffness, N/m, gravity, m/s^2, share of the nose."""
+    """The frame of an object in flight: mass of its nose, kg, stiffness, N/m, gravity, m/s^2, share of the nose."""
 
     nose_mass: float
     stiffness: float
@@ -84,7 +84,7 @@ class Frame(NamedTuple):
     share: float
 
 
-class CoastSystem(NamedTuple):
+class FlightSystem(NamedTuple):
     """Object as one body on the carriage, the strikers that ride before it, and what is left of their spots, m."""
 
     chain: ChainTables
@@ -94,7 +94,7 @@ class CoastSystem(NamedTuple):
     frame: Frame
 
 
-class Riders(NamedTuple):
+class MountedStrikers(NamedTuple):
     """What the strikers differ in, one row each: law of the contact, mount, seat, mass, and how their spot yielded."""
 
     laws: np.ndarray
@@ -127,12 +127,12 @@ class Train(NamedTuple):
     least: int
 
 
-class Machine(NamedTuple):
-    """One machine as both systems, and its riders."""
+class TrainTables(NamedTuple):
+    """One machine as both systems, and its mounted."""
 
-    coast: CoastSystem
-    blow: RotarySystem
-    riders: Riders
+    flight: FlightSystem
+    blow: MachineSystem
+    mounted: MountedStrikers
 
 
 @leaf_kernel
@@ -167,7 +167,7 @@ def bend_of(frame, acceleration):
 
 @called_kernel
 def face_of(system, t, y, mode, memory):
-    """Return place of the struck face of the coasting object, m: the frame bends as its acceleration wants."""
+    """Return place of the struck face of an object in free flight, m: the frame bends as its acceleration wants."""
     at, frame = layout_of(system), system.frame
     place_bases(system, t, y, mode, memory)
     a = frictionless(system.chain, OBJECT, y, mode, memory)
@@ -176,13 +176,13 @@ def face_of(system, t, y, mode, memory):
 
 
 @called_kernel
-def coast_rates(system, t, y, mode, memory, dy):
+def flight_rates(system, t, y, mode, memory, dy):
     """Fill the time derivative of the whole state: a machine that no striker touches."""
-    rotary_rates(system, t, y, mode, memory, dy)
+    machine_rates(system, t, y, mode, memory, dy)
 
 
 @called_kernel
-def coast_switches(system, t, y, mode, memory, g):
+def flight_switches(system, t, y, mode, memory, g):
     """Fill the switch functions of links, drive, feed, apexes; then of each nose: first touch, edge of the face."""
     at, face = layout_of(system), face_of(system, t, y, mode, memory)
     link_switches(system.chain, y, mode, memory, g)
@@ -199,7 +199,7 @@ def coast_switches(system, t, y, mode, memory, g):
 
 
 @called_kernel
-def coast_switch(system, k, t, y, mode, memory):
+def flight_switch(system, k, t, y, mode, memory):
     """Change the mode at switch k; a first touch, an apex and an edge met stop the integration."""
     at, face = layout_of(system), face_of(system, t, y, mode, memory)
     own = k - at.own_switches.start
@@ -224,9 +224,9 @@ def coast_switch(system, k, t, y, mode, memory):
 @overload(_integrator.derivatives, jit_options=LEAF)
 def _derivatives(system, t, y, mode, memory, dy):
     def rates(system, t, y, mode, memory, dy):
-        coast_rates(system, t, y, mode, memory, dy)
+        flight_rates(system, t, y, mode, memory, dy)
 
-    return rates if is_a(system, CoastSystem) else None
+    return rates if is_a(system, FlightSystem) else None
 
 
 @overload(_integrator.forces, jit_options=LEAF)
@@ -235,15 +235,15 @@ def _forces(system, t, y, mode, memory, out):
         place_bases(system, t, y, mode, memory)
         chain_forces(system.chain, y, mode, memory, out)
 
-    return fill if is_a(system, CoastSystem) else None
+    return fill if is_a(system, FlightSystem) else None
 
 
 @overload(_integrator.switches, jit_options=LEAF)
 def _switches(system, t, y, mode, memory, g):
     def fill(system, t, y, mode, memory, g):
-        coast_switches(system, t, y, mode, memory, g)
+        flight_switches(system, t, y, mode, memory, g)
 
-    return fill if is_a(system, CoastSystem) else None
+    return fill if is_a(system, FlightSystem) else None
 
 
 @overload(_integrator.horizon, jit_options=LEAF)
@@ -251,28 +251,28 @@ def _horizon(system, t, y, mode, memory):
     def most(system, t, y, mode, memory):
         return np.inf
 
-    return most if is_a(system, CoastSystem) else None
+    return most if is_a(system, FlightSystem) else None
 
 
 @overload(_integrator.switch, jit_options=LEAF)
 def _switch(system, k, t, y, mode, memory):
     def change(system, k, t, y, mode, memory):
-        return coast_switch(system, k, t, y, mode, memory)
+        return flight_switch(system, k, t, y, mode, memory)
 
-    return change if is_a(system, CoastSystem) else None
+    return change if is_a(system, FlightSystem) else None
 
 
 @called_kernel
-def rigid_energy(coast, t, part):
-    """Return the energy of object and turntable while they coast, J; belt and motor keep theirs."""
-    y, at, frame = part.y, layout_of(coast), coast.frame
-    place_bases(coast, t, y, part.mode, part.memory)
-    mass, gravity = coast.chain.bodies[OBJECT, MASS], coast.chain.bodies[OBJECT, GRAVITY]
+def rigid_energy(flight, t, part):
+    """Return the energy of object and turntable while they flight, J; belt and motor keep theirs."""
+    y, at, frame = part.y, layout_of(flight), flight.frame
+    place_bases(flight, t, y, part.mode, part.memory)
+    mass, gravity = flight.chain.bodies[OBJECT, MASS], flight.chain.bodies[OBJECT, GRAVITY]
     centre, speed = y[at.positions][OBJECT] + frame.share * bend_of(frame, 0.0), y[at.speeds][OBJECT]
     turning = y[at.turntable_speed]
-    out = 0.5 * mass * speed * speed - mass * gravity * centre + 0.5 * coast.settings[INERTIA] * turning * turning
+    out = 0.5 * mass * speed * speed - mass * gravity * centre + 0.5 * flight.settings[INERTIA] * turning * turning
     for i in (at.support, at.stop):
-        out += spring_energy(coast.chain, i, y)
+        out += spring_energy(flight.chain, i, y)
     return out
 
 
@@ -292,46 +292,46 @@ def blow_energy(blow, t, part):
 
 
 @called_kernel
-def begin_blow(coast, blow, strikers, going, struck, t):
-    """Set the bodies of a blow from what coasts to the first touch of the striker that the coasting mode names."""
-    riding, at, chain, frame = layout_of(coast), layout_of(blow), blow.chain, coast.frame
-    i = going.mode[riding.touching]
+def begin_blow(flight, blow, strikers, going, struck, t):
+    """Set the bodies of a blow from free flight to the first touch of the striker that its modes name."""
+    circling, at, chain, frame = layout_of(flight), layout_of(blow), blow.chain, flight.frame
+    i = going.mode[circling.touching]
     y, z, mode, memory = struck.y, going.y, struck.mode, struck.memory
     copy(strikers.laws[i], chain.values[at.contacts.start])
     copy(strikers.mounts[i], chain.values[at.mounts.start])
     copy(strikers.seats[i], blow.seats[STRIKER])
     chain.bodies[STRIKER, MASS] = chain.bodies[STRIKER, CARRIED] = strikers.masses[i]
     mode[at.contacts][STRIKER] = mode[at.mounts][STRIKER] = mode[at.frame] = PUSHING
-    copy(going.mode[riding.held_modes], mode[at.held_modes])
+    copy(going.mode[circling.held_modes], mode[at.held_modes])
     mode[at.on_face][STRIKER] = 1
-    copy(going.memory[riding.own_memory], memory[at.own_memory])
+    copy(going.memory[circling.own_memory], memory[at.own_memory])
     memory[at.depths][STRIKER], memory[at.growths][STRIKER] = strikers.deepest[i], strikers.growth[i]
-    face = face_of(coast, t, z, going.mode, going.memory)
-    place, speed, _ = nose_motion(coast, i, z[riding.angle], z[riding.turntable_speed])
-    centre, fast = z[riding.positions][OBJECT] + frame.share * bend_of(frame, 0.0), z[riding.speeds][OBJECT]
+    face = face_of(flight, t, z, going.mode, going.memory)
+    place, speed, _ = nose_motion(flight, i, z[circling.angle], z[circling.turntable_speed])
+    centre, fast = z[circling.positions][OBJECT] + frame.share * bend_of(frame, 0.0), z[circling.speeds][OBJECT]
     x, v = y[at.positions], y[at.speeds]
     x[STRIKER], x[at.nose], x[at.assembly] = place, face, (centre - frame.share * face) / (1.0 - frame.share)
     v[STRIKER], v[at.nose], v[at.assembly] = speed, fast, fast
-    copy(z[riding.turntable], y[at.turntable])
-    copy(z[riding.held_energies], y[at.held_energies])
+    copy(z[circling.turntable], y[at.turntable])
+    copy(z[circling.held_energies], y[at.held_energies])
     memory[at.contacts][STRIKER] = max(speed - fast, 0.0)
-    return rigid_energy(coast, t, going) - blow_energy(blow, t, struck)
+    return rigid_energy(flight, t, going) - blow_energy(blow, t, struck)
 
 
 @called_kernel
-def ringing(coast, blow, struck, t):
+def ringing(flight, blow, struck, t):
     """Return the energy that rings in the frame, J, and how far the nose that would ride is from the face, m.
 
     The frame rings about the bend with which it carries its nose; the striker rings about its steady circle. The
     distance is less what both swing; a nose that has left the face is far from it.
     """
-    at, chain, bases, frame = layout_of(blow), blow.chain, blow.chain.bases, coast.frame
+    at, chain, bases, frame = layout_of(blow), blow.chain, blow.chain.bases, flight.frame
     y, mode, memory = struck.y, struck.mode, struck.memory
     x, v = y[at.positions], y[at.speeds]
     place_bases(blow, t, y, mode, memory)
     pulled, _, _ = press(chain, at.support, y, mode, memory)
     pushed, _, _ = press(chain, at.stop, y, mode, memory)
-    carried = bend_of(frame, (pushed - pulled) / coast.chain.bodies[OBJECT, MASS] + frame.gravity)
+    carried = bend_of(frame, (pushed - pulled) / flight.chain.bodies[OBJECT, MASS] + frame.gravity)
     bend = x[at.nose] - x[at.assembly] - carried
     reduced = frame.nose_mass * (1.0 - frame.share)
     of_frame = 0.5 * frame.stiffness * bend * bend + 0.5 * reduced * (v[at.nose] - v[at.assembly]) ** 2
@@ -347,38 +347,38 @@ def ringing(coast, blow, struck, t):
 
 
 @called_kernel
-def end_blow(coast, blow, strikers, going, struck, t):
-    """Let object and striker coast again, with their momentum and mean places; return the energy let go, J."""
-    riding, at, frame = layout_of(coast), layout_of(blow), coast.frame
-    i, share = going.mode[riding.touching], frame.share
+def end_blow(flight, blow, strikers, going, struck, t):
+    """Let object and striker flight again, with their momentum and mean places; return the energy let go, J."""
+    circling, at, frame = layout_of(flight), layout_of(blow), flight.frame
+    i, share = going.mode[circling.touching], frame.share
     y, z, mode = struck.y, going.y, going.mode
     x, v = y[at.positions], y[at.speeds]
     before = blow_energy(blow, t, struck)
-    z[riding.positions][OBJECT] = share * x[at.nose] + (1.0 - share) * x[at.assembly] - share * bend_of(frame, 0.0)
-    z[riding.speeds][OBJECT] = share * v[at.nose] + (1.0 - share) * v[at.assembly]
-    copy(y[at.turntable], z[riding.turntable])
-    first, inertia, mass = blow.chain.bases[FIRST, STRIKER], coast.settings[INERTIA], blow.chain.bodies[STRIKER, MASS]
+    z[circling.positions][OBJECT] = share * x[at.nose] + (1.0 - share) * x[at.assembly] - share * bend_of(frame, 0.0)
+    z[circling.speeds][OBJECT] = share * v[at.nose] + (1.0 - share) * v[at.assembly]
+    copy(y[at.turntable], z[circling.turntable])
+    first, inertia, mass = blow.chain.bases[FIRST, STRIKER], flight.settings[INERTIA], blow.chain.bodies[STRIKER, MASS]
     own = inertia - mass * first * first
-    z[riding.turntable_speed] = (own * y[at.turntable_speed] + first * mass * v[STRIKER]) / inertia
-    if coast.settings[BELT_STIFFNESS] == np.inf:
-        z[riding.motor_speed] = z[riding.turntable_speed]
-    copy(y[at.held_energies], z[riding.held_energies])
-    copy(struck.mode[at.held_modes], mode[riding.held_modes])
-    copy(struck.memory[at.own_memory], going.memory[riding.own_memory])
-    half, on_face = coast.settings[HALF_FACE], mode[riding.on_face]
-    for j in range(coast.seats.shape[0]):
-        _, _, across = nose_motion(coast, j, z[riding.angle], z[riding.turntable_speed])
+    z[circling.turntable_speed] = (own * y[at.turntable_speed] + first * mass * v[STRIKER]) / inertia
+    if flight.settings[BELT_STIFFNESS] == np.inf:
+        z[circling.motor_speed] = z[circling.turntable_speed]
+    copy(y[at.held_energies], z[circling.held_energies])
+    copy(struck.mode[at.held_modes], mode[circling.held_modes])
+    copy(struck.memory[at.own_memory], going.memory[circling.own_memory])
+    half, on_face = flight.settings[HALF_FACE], mode[circling.on_face]
+    for j in range(flight.seats.shape[0]):
+        _, _, across = nose_motion(flight, j, z[circling.angle], z[circling.turntable_speed])
         on_face[j] = 1 if abs(across) <= half else 0
     deepest, growth = spot_of(blow.chain, struck.memory, at.contacts.start)
-    _keep_spot(strikers, coast.left, i, deepest, growth)
-    place_bases(coast, t, z, mode, going.memory)
-    if riding.rubs:
-        slips = z[riding.speeds][OBJECT] - coast.chain.bases[SPEED, riding.carriage]
-        if mode[riding.rail] == STICKING:
-            z[riding.speeds][OBJECT] = coast.chain.bases[SPEED, riding.carriage]
+    _keep_spot(strikers, flight.left, i, deepest, growth)
+    place_bases(flight, t, z, mode, going.memory)
+    if circling.rubs:
+        slips = z[circling.speeds][OBJECT] - flight.chain.bases[SPEED, circling.carriage]
+        if mode[circling.rail] == STICKING:
+            z[circling.speeds][OBJECT] = flight.chain.bases[SPEED, circling.carriage]
         else:
-            mode[riding.rail] = SLIDING if slips > 0.0 else SLIDING_BACK
-    return before - rigid_energy(coast, t, going)
+            mode[circling.rail] = SLIDING if slips > 0.0 else SLIDING_BACK
+    return before - rigid_energy(flight, t, going)
 
 
 @leaf_kernel
@@ -391,60 +391,60 @@ def _keep_spot(strikers, left, i, deepest, growth):
 
 
 @called_kernel
-def crowded(coast, blow, struck, i):
+def crowded(flight, blow, struck, i):
     """Tell whether another striker than i, which rides, is behind the face while a blow lasts."""
-    at, y, half = layout_of(blow), struck.y, coast.settings[HALF_FACE]
+    at, y, half = layout_of(blow), struck.y, flight.settings[HALF_FACE]
     face = y[at.positions][at.nose]
-    for j in range(coast.seats.shape[0]):
-        place, _, across = nose_motion(coast, j, y[at.angle], y[at.turntable_speed])
-        if j != i and abs(across) <= half and place > face + coast.left[j]:
+    for j in range(flight.seats.shape[0]):
+        place, _, across = nose_motion(flight, j, y[at.angle], y[at.turntable_speed])
+        if j != i and abs(across) <= half and place > face + flight.left[j]:
             return True
     return False
 
 
 @kernel
-def follow_blow(machine, going, struck, control, train, notes, t):
+def follow_blow(machine, going, struck, control, train, passes, t):
     """Follow one blow from first touch until all is quiet; return why it came back, and when."""
-    coast, blow, riders = machine.coast, machine.blow, machine.riders
+    flight, blow, mounted = machine.flight, machine.blow, machine.mounted
     at, y, mode, memory = layout_of(blow), struck.y, struck.mode, struck.memory
-    i = going.mode[layout_of(coast).touching]
+    i = going.mode[layout_of(flight).touching]
     work = np.empty(y.size)
-    notes.numbers[LET_GO] += begin_blow(coast, blow, riders, going, struck, t)
-    if not open_row(coast, blow, going, struck, notes, t):
+    passes.numbers[LET_GO] += begin_blow(flight, blow, mounted, going, struck, t)
+    if not open_row(flight, blow, going, struck, passes, t):
         return TOO_MANY, t
     h = control.first_step
     while True:
         why, t, h, steps, _ = advance(blow, control, t, h, y, mode, memory, struck.record, at.switches)
-        note_blow(coast, blow, struck, notes, steps, work)
+        note_blow(flight, blow, struck, passes, steps, work)
         if why in (_integrator.STUCK, END):
             return STUCK if why == _integrator.STUCK else LATE, t
         if why == STOPPED and mode[at.edge]:
             return AT_EDGE, t
         if why == STOPPED:
             break
-        if crowded(coast, blow, struck, i):
+        if crowded(flight, blow, struck, i):
             return CROWDED, t
         if mode[at.contacts][STRIKER] != OPEN:
             continue
-        of_frame, apart = ringing(coast, blow, struck, t)
+        of_frame, apart = ringing(flight, blow, struck, t)
         if apart > 0.0 and of_frame <= train.share * train.energy:
             break
-    notes.numbers[LET_GO] += end_blow(coast, blow, riders, going, struck, t)
-    measure_row(notes)
+    passes.numbers[LET_GO] += end_blow(flight, blow, mounted, going, struck, t)
+    measure_row(passes)
     return DONE if why == STOPPED else QUIET, t
 
 
 @kernel
-def run_train(machine, going, struck, controls, train, notes):
+def run_train(machine, going, struck, controls, train, passes):
     """Run a machine from the valve signal; return why it ended, and when."""
-    coast, control = machine.coast, controls[0]
-    at, y, mode, memory = layout_of(coast), going.y, going.mode, going.memory
+    flight, control = machine.flight, controls[0]
+    at, y, mode, memory = layout_of(flight), going.y, going.mode, going.memory
     work = np.empty(y.size)
     t, h, looked = 0.0, control.first_step, 0
     while True:
         mode[at.touching] = -1
-        why, t, h, steps, events = advance(coast, control, t, h, y, mode, memory, going.record, at.switches)
-        note_coast(coast, going, notes, steps, work)
+        why, t, h, steps, events = advance(flight, control, t, h, y, mode, memory, going.record, at.switches)
+        note_flight(flight, going, passes, steps, work)
         if why in (_integrator.STUCK, END):
             return STUCK if why == _integrator.STUCK else LATE, t
         if why == FULL:
@@ -452,21 +452,21 @@ def run_train(machine, going, struck, controls, train, notes):
         if mode[at.edge]:
             return AT_EDGE, t
         if mode[at.touching] >= 0:
-            code, t = follow_blow(machine, going, struck, controls[1], train, notes, t)
+            code, t = follow_blow(machine, going, struck, controls[1], train, passes, t)
             if code != QUIET:
                 return code, t
             h = control.first_step
         elif going.record.event[events - 1, 0] - at.own_switches.start == FEED_SWITCH:
             return DONE, t
-        elif not missed_row(coast, going, notes, t, face_of(coast, t, y, mode, memory)):
+        elif not missed_row(flight, going, passes, t, face_of(flight, t, y, mode, memory)):
             return TOO_MANY, t
-        rows = notes.counts[ROWS_USED]
+        rows = passes.counts[ROWS_USED]
         if train.most and mode[at.passes] >= train.most:
             return DONE, t
         if (
             train.repeats > 0.0
             and rows > max(looked, train.least)
-            and repeats(notes.table, rows - 1, train.repeats, coast.seats.shape[0])
+            and repeats(passes.table, rows - 1, train.repeats, flight.seats.shape[0])
         ):
             return DONE, t
         looked = rows

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import bisect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,10 +15,19 @@ from strikewave.contact._integrator import Control
 from strikewave.contact._law_kernels import DAMPER
 from strikewave.contact.law import elastic_indentation, striking_law
 from strikewave.contact.motion import State, integrate
-from strikewave.machines._kernels import RETRACTING
+from strikewave.machines._kernels import RETRACTING, MachineSystem
 from strikewave.machines._layout import FEED_SWITCH, Layout, layout_of
 from strikewave.machines.feed import expected_time
-from strikewave.machines.machine import BEFORE_TOUCH, RotaryMachine, energy, rotary_system, start_state
+from strikewave.machines.machine import (
+    BEFORE_TOUCH,
+    Launch,
+    Machine,
+    RotaryDrive,
+    energy,
+    machine_system,
+    start_state,
+)
+from strikewave.machines.rebounds import end_at_touch, top_of_flight
 from strikewave.machines.spans import ChainSpan, Moments, Span, StackSpan
 from strikewave.machines.strike import strike
 from strikewave.machines.turntable import braking_time, spin_up_time
@@ -27,25 +36,31 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class RotaryRun:
-    """A run of the machine; time 0 is the valve signal, or just before first touch of a launched machine.
+class MachineRun:
+    """A run of a machine; time 0 is the valve signal, or just before first touch of a launched machine.
 
     Attributes
     ----------
-    machine : RotaryMachine
+    machine : Machine
         What ran.
     spans : tuple of Span
         Everything between valve signal (or launch) and end, one span after the other.
     phases : tuple of (str, float)
         Name and time of each phase, s.
     energy_error : float
-        Energy that the ledger misses over the energy that flowed.
+        Energy that the balance misses over the energy that flowed.
+    ended : str
+        How following over rebounds ended: "rest", "brake", or "" where its time was over.
+    braked : float
+        Kinetic energy that a brake took, J.
     """
 
-    machine: RotaryMachine
+    machine: Machine
     spans: tuple[Span, ...]
     phases: tuple[tuple[str, float], ...]
     energy_error: float
+    ended: str = ""
+    braked: float = 0.0
 
     @property
     def end(self) -> float:
@@ -96,8 +111,7 @@ class RotaryRun:
 
     def contacts(self) -> Array:
         """Return begin, end (s), approach speed (m/s) and striker (from 0) of each contact in order of time."""
-        rows = np.concatenate([span.contacts() for span in self.spans])
-        return rows[np.argsort(rows[:, 0], kind="stable")]
+        return _contacts(self.spans)
 
     def switch_times(self, which: int) -> Array:
         """Return when one of the machine's own switches changed, s."""
@@ -110,10 +124,10 @@ class RotaryRun:
         return sum(part[0] for part in parts), sum(part[1] for part in parts)
 
 
-def run_rotary(
-    machine: RotaryMachine, tolerance: float = 1e-9, progress: Callable[[float], None] | None = None
-) -> RotaryRun:
-    """Run the machine from rest to rest.
+def run_machine(
+    machine: Machine, tolerance: float = 1e-9, progress: Callable[[float], None] | None = None
+) -> MachineRun:
+    """Run a machine: one with a drive from rest to rest, one without from just before first touch.
 
     Spin-up and braking follow closed forms; from the valve signal to the end of the retraction everything
     is integrated together, with every contact, stop, drive limit and feed phase as a located switch. Where
@@ -121,7 +135,7 @@ def run_rotary(
 
     Parameters
     ----------
-    machine : RotaryMachine
+    machine : Machine
         What to run.
     tolerance : float, optional
         Local error of a step over the scales of one contact.
@@ -135,11 +149,10 @@ def run_rotary(
     ValueError
         If the drive cannot hold the set speed.
     """
-    disc, feed = machine.turntable, machine.feed
     contacts = [striker.contact for striker in machine.strikers.each]
     if machine.layered is not None and any(striking_law(contact)[DAMPER] for contact in contacts):
         raise ValueError("a machine's striker takes a contact with hysteresis, not with a damper")
-    system = rotary_system(machine)
+    system = machine_system(machine)
     at = layout_of(system)
     start = state = start_state(machine, system)
     approach = machine.nominal_approach
@@ -147,21 +160,34 @@ def run_rotary(
     depth = elastic_indentation(machine.strikers.first.contact, machine.struck.nose_mass, approach)
     scale = np.full(start.y.size, 0.5 * machine.struck.mass * approach**2)
     scale[at.positions], scale[at.speeds] = depth, approach
-    scale[[at.angle, at.belt_twist]] = depth / disc.radius
-    scale[[at.turntable_speed, at.motor_speed]] = approach / disc.radius
+    scale[[at.angle, at.belt_twist]] = depth / machine.radius
+    scale[[at.turntable_speed, at.motor_speed]] = approach / machine.radius
     control = Control(tolerance, scale, 2e-3 * depth / approach, longest, 3.0 * expected)
     report = None if progress is None else (lambda t: progress(min(t / expected, 1.0)))
     spans: list[Span] = []
+    sizes, rebounds, ended, braked = (len(system.chain.joins), at.switches), machine.rebounds, "", 0.0
     while True:
-        motion = integrate(system, state, control, (len(system.chain.joins), at.switches), report)
+        motion = integrate(system, state, control, sizes, report)
         if motion.record.time.size:  # none where the next striker touches at once
             spans.append(ChainSpan(machine.struck, at, motion))
-        state = motion.end
+        before, state = state, motion.end
         if state.mode[at.edge]:
             raise IntegrationError(_at_the_edge(machine, state, at))
         untouched = not np.any(state.mode[at.contacts] != OPEN)
-        if machine.layered is None or untouched or state.time >= control.end:
+        if (machine.layered is None and rebounds is None) or untouched or state.time >= control.end:
             break
+        if rebounds is not None:
+            if state.time >= expected:
+                break
+            ended = end_at_touch(rebounds, _contacts(spans), state.time, float(state.memory[at.contacts][0]))
+            if ended == "brake":
+                flight = integrate(system, before, _until_top(control, spans), sizes)
+                spans[-1] = ChainSpan(machine.struck, at, flight)
+                state, braked = _caught(machine.start, system, flight.end)
+            if ended:
+                break
+        if machine.layered is None:
+            continue
         first = not any(isinstance(span, StackSpan) for span in spans)
         blow, state = strike(machine.layered, machine.struck, system, state, field=first)
         spans.append(blow)
@@ -171,46 +197,76 @@ def run_rotary(
     if machine.launch is None and not finished:
         done = int(state.mode[at.passes])
         raise IntegrationError(
-            f"after {state.time:.3g} s only {done} of {feed.blows} passes were made and the turntable turns at "
-            f"{state.y[at.turntable_speed]:.3g} rad/s: give it more inertia or torque, or less engagement"
+            f"after {state.time:.3g} s only {done} of {machine.drive.feed.blows} passes were made and the turntable "
+            f"turns at {state.y[at.turntable_speed]:.3g} rad/s: give it more inertia or torque, or less engagement"
         )
-    dissipated, (driven, dragged, fed) = state.y[at.dissipated], state.y[at.ledger]
-    gained = energy(machine, system, state) - energy(machine, system, start)
-    flowed = abs(driven) + dragged + np.abs(dissipated).sum()
+    dissipated, (driven, dragged, fed) = state.y[at.dissipated], state.y[at.of_drive]
+    gained = energy(system, state) - energy(system, start)
+    flowed = abs(driven) + dragged + np.abs(dissipated).sum() + braked
     if machine.launch is not None:
         flowed += 0.5 * float(system.chain.bodies[:, MASS] @ start.y[at.speeds] ** 2)
-    missing = gained - (driven - dragged - dissipated.sum() + fed)
-    run = RotaryRun(machine, tuple(spans), (), float(abs(missing) / flowed))
+    missing = gained - (driven - dragged - dissipated.sum() - braked + fed)
+    run = MachineRun(machine, tuple(spans), (), float(abs(missing) / flowed), ended, braked)
     last_speed = float(state.y[at.turntable_speed])
     return replace(run, phases=_phases(run, last_speed))
 
 
-def _pace(machine: RotaryMachine) -> tuple[float, float]:
+def _contacts(spans: Sequence[Span]) -> Array:
+    """Return the contacts of some spans; see `MachineRun.contacts`."""
+    rows = np.concatenate([span.contacts() for span in spans])
+    return np.asarray(rows[np.argsort(rows[:, 0], kind="stable")])
+
+
+def _until_top(control: Control, spans: Sequence[Span]) -> Control:
+    """Return the same control, to the top of the flight that ends with the last span."""
+    flight = spans[-1]
+    assert isinstance(flight, ChainSpan)
+    return control._replace(end=top_of_flight(flight, float(_contacts(spans)[-1, 1])))
+
+
+def _caught(launch: Launch | RotaryDrive, system: MachineSystem, state: State) -> tuple[State, float]:
+    """Return a state in which what was launched stands still, and the kinetic energy that its brake took, J."""
+    at, moving = layout_of(system), energy(system, state)
+    stopped = state._replace(y=state.y.copy())
+    if isinstance(launch, Launch):
+        speeds = stopped.y[at.speeds]
+        if launch.object_speed:
+            speeds[at.object] = 0.0
+        if launch.striker_speed:
+            speeds[at.strikers] = 0.0
+        if launch.arm is not None:
+            speeds[at.strikers] = stopped.y[at.turntable_speed] = 0.0
+    return stopped, moving - energy(system, stopped)
+
+
+def _pace(machine: Machine) -> tuple[float, float]:
     """Return about how long a run takes, and its longest step, s."""
-    if machine.launch is not None:
-        whole = BEFORE_TOUCH + machine.launch.follow
+    if isinstance(machine.start, Launch):
+        whole = BEFORE_TOUCH + machine.start.follow
         return whole, 0.02 * whole
-    pitch_time = machine.pitch / machine.turntable.speed
-    return expected_time(machine.feed, pitch_time), 0.02 * pitch_time
+    pitch_time = machine.pitch / machine.start.turntable.speed
+    return expected_time(machine.start.feed, pitch_time), 0.02 * pitch_time
 
 
-def _at_the_edge(machine: RotaryMachine, state: State, at: Layout) -> str:
+def _at_the_edge(machine: Machine, state: State, at: Layout) -> str:
     """Return in words that a striker met the edge of the face."""
     striker, x = int(state.mode[at.edge]), state.y[at.positions]
     deep = float(x[striker - 1] - x[at.nose])
     return (
         f"at {state.time:.4g} s striker {striker} met the edge of the face {deep * 1e3:.3g} mm behind it: make "
-        f"machine.face_width ({machine.face_width * 1e3:.4g} mm) larger, or machine.engagement "
+        f"machine.face_width ({machine.drive.face_width * 1e3:.4g} mm) larger, or machine.engagement "
         f"({machine.engagement * 1e3:.4g} mm) smaller; or the object has not come back yet"
     )
 
 
-def _phases(run: RotaryRun, last_speed: float) -> tuple[tuple[str, float], ...]:
+def _phases(run: MachineRun, last_speed: float) -> tuple[tuple[str, float], ...]:
     """Return name and time of each phase."""
-    disc, feed, touched = run.machine.turntable, run.machine.feed, run.contacts()
-    if run.machine.launch is not None:
+    start, touched = run.machine.start, run.contacts()
+    if isinstance(start, Launch):
         touch = [("blows", float(touched[0, 0]))] if len(touched) else []
-        return (("release", -run.machine.launch.travel), *touch, ("end", run.end))
+        how = [(run.ended, run.end)] if run.ended else []
+        return (("release", -start.travel), *touch, *how, ("end", run.end))
+    disc, feed = start.turntable, start.feed
     times = run.switch_times(FEED_SWITCH)  # feed, fed, perhaps the end of the hold, retract, back
     at_speed = -feed.wait
     named = [

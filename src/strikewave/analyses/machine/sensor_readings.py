@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow
-from strikewave.machines.machine import RotaryMachine
-from strikewave.machines.rotary import RotaryRun
+from strikewave.machines.machine import Machine
+from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import StackSpan
 from strikewave.sensors import Reading, read
 from strikewave.sensors.channel import Channel, SensorPulse, sensor_pulse
@@ -91,7 +91,7 @@ class BlowHistory(NamedTuple):
     front: float
 
 
-def blow_history(run: RotaryRun, blow: Blow, view: View, routes: bool = False) -> BlowHistory:
+def blow_history(run: MachineRun, blow: Blow, view: View, routes: bool = False) -> BlowHistory:
     """Return what taps and sensors show of a blow that touched; with ``routes``, also by those of the paper.
 
     Before first touch everything moves as the rigid assembly does; the history ends with the blow's window,
@@ -173,7 +173,7 @@ def blow_reading(history: BlowHistory, view: View) -> BlowReading:
 class Observed(NamedTuple):
     """A run and all that was seen of it: blows, how it was looked at, names of taps; histories and readings a blow."""
 
-    run: RotaryRun
+    run: MachineRun
     blows: tuple[Blow, ...]
     view: View
     taps: tuple[str, ...]
@@ -181,6 +181,6 @@ class Observed(NamedTuple):
     readings: tuple[BlowReading | None, ...]
 
     @property
-    def machine(self) -> RotaryMachine:
+    def machine(self) -> Machine:
         """What ran."""
         return self.run.machine

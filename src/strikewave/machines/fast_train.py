@@ -1,13 +1,12 @@
 """The fast run of the rotary machine: rigid between blows, whole bodies within them, and the blows as a table.
 
 Between two blows nothing of what rings in frame and mounts is left that the blows could see, yet it holds a full
-run (`strikewave.machines.rotary.run_rotary`) to steps of some 50 us. Here the object is one body and the strikers
-ride on their steady circles until the next touch; see `_quick_kernels`.
+run (`strikewave.machines.run.run_machine`) to steps of some 50 us. Here the object is one body and the strikers
+ride on their steady circles until the next touch; see `_train_kernels`.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -18,15 +17,15 @@ from strikewave.base.errors import IntegrationError
 from strikewave.contact._chain_kernels import AHEAD, BEHIND, MASS, ChainTables
 from strikewave.contact._integrator import Control, empty_record
 from strikewave.contact.law import elastic_indentation
-from strikewave.machines import _note_kernels as column
-from strikewave.machines import _quick_kernels as kernels
-from strikewave.machines._kernels import BASE_ROWS, LAYERED, RotarySystem
+from strikewave.machines import _pass_kernels as column
+from strikewave.machines import _train_kernels as kernels
+from strikewave.machines._kernels import BASE_ROWS, STOP_AT_TOUCH, MachineSystem
 from strikewave.machines._layout import OBJECT, layout_of
-from strikewave.machines._note_kernels import Notes
-from strikewave.machines._quick_kernels import CoastSystem, Frame, Machine, Part, Riders, Train
+from strikewave.machines._pass_kernels import PassTable
+from strikewave.machines._train_kernels import FlightSystem, Frame, MountedStrikers, Part, Train, TrainTables
 from strikewave.machines.blows import DOUBLE_SHARE, GLANCING_SHARE
 from strikewave.machines.feed import expected_time
-from strikewave.machines.machine import RotaryMachine, rotary_system, start_state
+from strikewave.machines.machine import Machine, machine_system, start_state
 
 Array = NDArray[np.float64]
 
@@ -47,7 +46,7 @@ WHY = {
 
 
 @dataclass(frozen=True)
-class QuickBlow:
+class TrainBlow:
     """One pass of one striker, all its contacts included, as `strikewave.machines.Blow`; SI, NaN where missed.
 
     Attributes
@@ -85,26 +84,26 @@ class QuickBlow:
 
 
 @dataclass(frozen=True, eq=False)
-class QuickRun:
+class FastTrain:
     """A fast run.
 
     Attributes
     ----------
-    machine : RotaryMachine
+    machine : Machine
         What ran, with its own feed.
     table : ndarray
-        One row a pass, columns as `_quick_kernels` names them.
+        One row a pass, columns as `_train_kernels` names them.
     end : float
         Time of the end, s.
     let_go : float
         Energy that still rang when blows were taken as over, J.
     energy_error : float
-        Energy that the ledger misses, what was let go counted as lost, over the energy that flowed.
+        Energy that the balance misses, what was let go counted as lost, over the energy that flowed.
     steps : (int, int)
         Steps taken between blows and in blows.
     """
 
-    machine: RotaryMachine
+    machine: Machine
     table: Array
     end: float
     let_go: float
@@ -117,17 +116,17 @@ class QuickRun:
         return _kinds(self.machine, self.table)
 
     @property
-    def blows(self) -> tuple[QuickBlow, ...]:
+    def blows(self) -> tuple[TrainBlow, ...]:
         """The passes in order of time, missed ones among them."""
-        found = []
+        listed = []
         for index, (kind, row) in enumerate(zip(self.kinds, self.table, strict=True), start=1):
             values = {name: float(row[k]) for name, k in _COLUMNS.items()}
             striker, contacts = int(row[column.STRIKER]) + 1, int(row[column.CONTACTS])
-            found.append(QuickBlow(index=index, kind=kind, striker=striker, contacts=contacts, **values))
-        return tuple(found)
+            listed.append(TrainBlow(index=index, kind=kind, striker=striker, contacts=contacts, **values))
+        return tuple(listed)
 
     def column(self, name: str) -> Array:
-        """Return one quantity of every pass, by the name that `QuickBlow` has for it."""
+        """Return one quantity of every pass, by the name that `TrainBlow` has for it."""
         return np.asarray(self.table[:, _COLUMNS[name]])
 
 
@@ -147,7 +146,7 @@ _COLUMNS = {
 }
 
 
-def _finished(machine: RotaryMachine, noted: Array) -> Array:
+def _finished(machine: Machine, noted: Array) -> Array:
     """Return the table of blows: a double one ends with its last release, a missed one has how far the face was off."""
     table = noted.copy()
     kinds = np.array(_kinds(machine, table), dtype=object)
@@ -157,7 +156,7 @@ def _finished(machine: RotaryMachine, noted: Array) -> Array:
     return table
 
 
-def _kinds(machine: RotaryMachine, table: Array) -> list[str]:
+def _kinds(machine: Machine, table: Array) -> list[str]:
     limit = GLANCING_SHARE * machine.nominal_approach
     return [_kind(row, limit) for row in table]
 
@@ -171,7 +170,7 @@ def _kind(row: Array, limit: float) -> str:
     return "double" if row[column.LATER] > DOUBLE_SHARE * row[column.IMPULSE] else "full"
 
 
-def why_not(machine: RotaryMachine) -> str:
+def why_not(machine: Machine) -> str:
     """Return in words why a machine must not be run fast; nothing where it may.
 
     The object counts as one body between blows: on spring and stop it must swing far more slowly than its frame
@@ -192,19 +191,19 @@ def why_not(machine: RotaryMachine) -> str:
     return ""
 
 
-def quick_run(
-    machine: RotaryMachine,
+def fast_train(
+    machine: Machine,
     blows: int | None = None,
     tolerance: float = 1e-6,
     quiet: float = QUIET_SHARE,
     repeats: float = 0.0,
     least: int = 0,
-) -> QuickRun:
+) -> FastTrain:
     """Run a machine fast, from the valve signal to the end of the retraction.
 
     Parameters
     ----------
-    machine : RotaryMachine
+    machine : Machine
         What to run.
     blows : int, optional
         Stop after so many passes, whatever the feed's own number and hold, without the retraction.
@@ -229,56 +228,56 @@ def quick_run(
         raise ValueError(reason)
     asked = machine
     if blows is not None:
-        machine = dataclasses.replace(machine, feed=dataclasses.replace(machine.feed, blows=blows, hold=math.inf))
-    tables, going, struck = quick_tables(machine)
-    notes = empty_notes(machine.feed.blows + _SPARE_ROWS)
+        machine = machine.with_feed(blows=blows, hold=math.inf)
+    tables, going, struck = train_tables(machine)
+    passes = empty_passes(machine.drive.feed.blows + _SPARE_ROWS)
     approach = machine.nominal_approach
     train = Train(quiet, 0.5 * machine.struck.mass * approach**2, 0 if blows is None else blows, repeats, least)
     before = _energy(machine, tables, going, 0.0)
-    why, end = kernels.run_train(tables, going, struck, controls(machine, tolerance, tables), train, notes)
+    why, end = kernels.run_train(tables, going, struck, controls(machine, tolerance, tables), train, passes)
     if why != kernels.DONE:
         raise IntegrationError(f"at {end:.4g} s {WHY[why]}")
     gained = _energy(machine, tables, going, end) - before
-    lost = float(notes.numbers[column.LET_GO])
-    riding, at = layout_of(tables.coast), layout_of(tables.blow)
+    lost = float(passes.numbers[column.LET_GO])
+    circling, at = layout_of(tables.flight), layout_of(tables.blow)
     of_blow = struck.y[at.dissipated]
     dissipated = np.concatenate(
-        [going.y[riding.dissipated], of_blow[at.contacts], of_blow[at.mounts], of_blow[at.frame : at.support]]
+        [going.y[circling.dissipated], of_blow[at.contacts], of_blow[at.mounts], of_blow[at.frame : at.support]]
     )
-    driven, dragged, fed = going.y[riding.ledger]
+    driven, dragged, fed = going.y[circling.of_drive]
     flowed = abs(driven) + dragged + np.abs(dissipated).sum() + abs(lost)
     missing = gained - (driven - dragged - dissipated.sum() - lost + fed)
-    table = _finished(machine, notes.table[: notes.counts[column.ROWS_USED]])
-    steps = int(notes.counts[column.COAST_STEPS]), int(notes.counts[column.BLOW_STEPS])
-    return QuickRun(asked, table, float(end), lost, float(abs(missing) / flowed), steps)
+    table = _finished(machine, passes.table[: passes.counts[column.ROWS_USED]])
+    steps = int(passes.counts[column.FLIGHT_STEPS]), int(passes.counts[column.BLOW_STEPS])
+    return FastTrain(asked, table, float(end), lost, float(abs(missing) / flowed), steps)
 
 
-def _energy(machine: RotaryMachine, tables: Machine, going: Part, time: float) -> float:
+def _energy(machine: Machine, tables: TrainTables, going: Part, time: float) -> float:
     """Return the energy of object, turntable, belt and motor, J."""
-    energy, disc = float(kernels.rigid_energy(tables.coast, time, going)), machine.turntable
+    energy, disc = float(kernels.rigid_energy(tables.flight, time, going)), machine.drive.turntable
     if not disc.rigid_belt:
-        at = layout_of(tables.coast)
+        at = layout_of(tables.flight)
         twist, motor = float(going.y[at.belt_twist]), float(going.y[at.motor_speed])
         energy += 0.5 * disc.belt_stiffness * twist**2 + 0.5 * disc.motor_inertia * motor**2
     return energy
 
 
-def empty_notes(rows: int) -> Notes:
-    """Return notes with room for so many passes."""
+def empty_passes(rows: int) -> PassTable:
+    """Return passes with room for so many passes."""
     counts = np.zeros(column.COUNTS, dtype=np.int64)
     counts[column.CURRENT] = -1
     samples, contacts = np.empty((2, _MOST_SAMPLES)), np.empty((_MOST_CONTACTS, 4))
-    return Notes(np.full((rows, column.BLOW_COLUMNS), np.nan), samples, contacts, counts, np.zeros(column.NUMBERS))
+    return PassTable(np.full((rows, column.BLOW_COLUMNS), np.nan), samples, contacts, counts, np.zeros(column.NUMBERS))
 
 
-def controls(machine: RotaryMachine, tolerance: float, tables: Machine) -> tuple[Control, Control]:
-    """Return how to integrate what coasts and a blow."""
-    approach, radius, q = machine.nominal_approach, machine.turntable.radius, machine.engagement
+def controls(machine: Machine, tolerance: float, tables: TrainTables) -> tuple[Control, Control]:
+    """Return how to integrate free flight and a blow."""
+    approach, radius, q = machine.nominal_approach, machine.radius, machine.engagement
     depth = elastic_indentation(machine.strikers.first.contact, machine.struck.nose_mass, approach)
-    pitch_time = machine.pitch / machine.turntable.speed
-    end = 3.0 * expected_time(machine.feed, pitch_time)
+    pitch_time = machine.pitch / machine.drive.turntable.speed
+    end = 3.0 * expected_time(machine.drive.feed, pitch_time)
 
-    def scaled(system: CoastSystem | RotarySystem, place: float) -> Array:
+    def scaled(system: FlightSystem | MachineSystem, place: float) -> Array:
         at = layout_of(system)
         scale = np.zeros(at.states)
         scale[at.positions], scale[at.speeds] = place, approach
@@ -286,33 +285,33 @@ def controls(machine: RotaryMachine, tolerance: float, tables: Machine) -> tuple
         scale[[at.turntable_speed, at.motor_speed]] = approach / radius
         return scale
 
-    coast = Control(tolerance, scaled(tables.coast, q), 5e-3 * pitch_time, 0.1 * pitch_time, end)
+    flight = Control(tolerance, scaled(tables.flight, q), 5e-3 * pitch_time, 0.1 * pitch_time, end)
     blow = Control(tolerance, scaled(tables.blow, depth), 2e-3 * depth / approach, 0.02 * pitch_time, end)
-    return coast, blow
+    return flight, blow
 
 
-def quick_tables(machine: RotaryMachine) -> tuple[Machine, Part, Part]:
+def train_tables(machine: Machine) -> tuple[TrainTables, Part, Part]:
     """Return a machine as the tables that the kernels take, and its two parts at the valve signal."""
-    full, struck = rotary_system(machine), machine.struck
+    full, struck = machine_system(machine), machine.struck
     at, chain, start = layout_of(full), full.chain, start_state(machine, full)
-    full.settings[LAYERED] = 0.0
+    full.settings[STOP_AT_TOUCH] = 0.0
     nodes, links = np.arange(len(chain.bodies) + chain.bases.shape[1]), np.arange(len(chain.joins))
     of_bodies, of_bases = nodes[: len(chain.bodies)], nodes[len(chain.bodies) :]
     carriage, held = of_bases[at.carriage], links[at.support :]
     one = np.r_[of_bodies[at.strikers][0], of_bodies[at.object]]
     of_blow = np.r_[links[at.contacts][0], links[at.mounts][0], links[at.frame], held]
     in_blow = [*one, of_bases[0], carriage]
-    blow = RotarySystem(_part_of(chain, chain.bodies[one], of_blow, in_blow), full.seats[:1].copy(), full.settings)
+    blow = MachineSystem(_part_of(chain, chain.bodies[one], of_blow, in_blow), full.seats[:1].copy(), full.settings)
     masses = chain.bodies[at.strikers, MASS]
     stretches = masses / np.array([s.mount_stiffness for s in machine.strikers.each])
-    coast = CoastSystem(
+    flight = FlightSystem(
         _part_of(chain, np.array([[struck.mass, struck.gravity, 0.0]]), held, [at.assembly, carriage]),
         np.column_stack([full.seats, stretches]),
         full.settings,
         np.zeros(machine.strikers.count),
         Frame(struck.nose_mass, struck.frame_stiffness, struck.gravity, struck.nose_mass / struck.mass),
     )
-    riders = Riders(
+    mounted = MountedStrikers(
         chain.values[at.contacts].copy(),
         chain.values[at.mounts].copy(),
         full.seats,
@@ -320,12 +319,12 @@ def quick_tables(machine: RotaryMachine) -> tuple[Machine, Part, Part]:
         start.memory[at.depths][at.contacts].copy(),
         np.ones(machine.strikers.count),
     )
-    going, riding = _at_rest(coast), layout_of(coast)
-    going.y[riding.positions][OBJECT] = start.y[at.positions][at.assembly]
-    going.y[riding.turntable] = start.y[at.turntable]
-    going.mode[riding.held_modes], going.mode[riding.on_face] = start.mode[at.held_modes], start.mode[at.on_face]
-    going.memory[riding.own_memory] = start.memory[at.own_memory]
-    return Machine(coast, blow, riders), going, _at_rest(blow)
+    going, circling = _at_rest(flight), layout_of(flight)
+    going.y[circling.positions][OBJECT] = start.y[at.positions][at.assembly]
+    going.y[circling.turntable] = start.y[at.turntable]
+    going.mode[circling.held_modes], going.mode[circling.on_face] = start.mode[at.held_modes], start.mode[at.on_face]
+    going.memory[circling.own_memory] = start.memory[at.own_memory]
+    return TrainTables(flight, blow, mounted), going, _at_rest(blow)
 
 
 def _part_of(chain: ChainTables, bodies: Array, links: NDArray[np.int64], nodes: list[int]) -> ChainTables:
@@ -336,7 +335,7 @@ def _part_of(chain: ChainTables, bodies: Array, links: NDArray[np.int64], nodes:
     return ChainTables(bodies, np.zeros((BASE_ROWS, len(nodes) - len(bodies))), joins, chain.values[links].copy())
 
 
-def _at_rest(system: CoastSystem | RotarySystem) -> Part:
+def _at_rest(system: FlightSystem | MachineSystem) -> Part:
     """Return a part at rest; what has not yielded has not grown."""
     at = layout_of(system)
     memory = np.zeros(at.memories)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from strikewave import load_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import IntegrationError
-from strikewave.machines import blows, run_rotary
-from strikewave.machines.quick import quick_run, why_not
+from strikewave.machines import blows, run_machine
+from strikewave.machines.fast_train import fast_train, why_not
 from strikewave.studies.settings.candidate import supply
 
 
@@ -21,7 +21,7 @@ def machine_with(*changes):
 
 def both(machine, **options):
     """A fast run and the blows of the full one."""
-    return quick_run(machine, **options), blows(run_rotary(machine, 1e-9))
+    return fast_train(machine, **options), blows(run_machine(machine, 1e-9))
 
 
 def miss(run, full, name):
@@ -141,8 +141,8 @@ def test_stop_and_retreat_go_on_where_passes_miss():
     """The object comes down onto its stop only after the next striker has passed: the stop's largest force, and how far
     behind its place the face was, against the full run. Its force is read there every 20 us, of a bounce of ms."""
     machine = machine_with("object.spring=3 kN/m", "object.preload=60 N", "object.damper=5 N s/m", "feed.blows=8")
-    whole = run_rotary(machine, 1e-8)
-    run, full = quick_run(machine), blows(whole)
+    whole = run_machine(machine, 1e-8)
+    run, full = fast_train(machine), blows(whole)
     assert [b.kind for b in run.blows] == [b.kind for b in full]
     assert sum(b.kind == "missed" for b in full) >= 4
     borne = supply(whole, [b.time for b in full if b.kind != "missed"])
@@ -169,27 +169,27 @@ def test_ringing_that_is_let_go_changes_nothing():
     """The object's momentum is kept when it becomes one body, so it does not matter when: from 1e-2 of the energy
     still ringing to 1e-6, approach speeds stay within 4e-6 a blow."""
     machine = machine_with()
-    early, late = quick_run(machine, quiet=1e-2), quick_run(machine, quiet=1e-6)
+    early, late = fast_train(machine, quiet=1e-2), fast_train(machine, quiet=1e-6)
     assert early.let_go > late.let_go
     assert np.abs(early.column("approach_speed") / late.column("approach_speed") - 1.0).max() < 4e-5
 
 
 def test_tighter_steps_change_less_than_the_rigid_object_costs():
     machine = machine_with()
-    rough, fine = (quick_run(machine, tolerance=t, quiet=1e-6).column("rigid_peak") for t in (1e-6, 1e-9))
+    rough, fine = (fast_train(machine, tolerance=t, quiet=1e-6).column("rigid_peak") for t in (1e-6, 1e-9))
     assert np.abs(rough / fine - 1.0).max() < 3e-5
 
 
 def test_first_blows_do_not_depend_on_how_many_follow():
     machine = machine_with()
-    whole, longer = quick_run(machine), quick_run(machine, 30)
+    whole, longer = fast_train(machine), fast_train(machine, 30)
     assert np.array_equal(whole.table[:10], longer.table[:10])
     assert len(longer.table) == 30
 
 
 def test_a_train_that_repeats_ends_early():
     machine = machine_with("object.stop_restitution=0.1", "machine.speed=400 rpm")
-    short, long = quick_run(machine, 80, repeats=1e-4), quick_run(machine, 80)
+    short, long = fast_train(machine, 80, repeats=1e-4), fast_train(machine, 80)
     assert len(short.table) < len(long.table)
     assert short.column("approach_speed")[-1] == pytest.approx(long.column("approach_speed")[-1], rel=2e-3)
 
@@ -198,7 +198,7 @@ def test_what_is_no_single_body_is_refused():
     stiff = machine_with("object.stop_stiffness=20 MN/m")
     assert "frame's frequency" in why_not(stiff)
     with pytest.raises(ValueError, match="no single body"):
-        quick_run(stiff)
+        fast_train(stiff)
     assert "layers" in why_not(build_machine(load_case("li-ma-2019-fig13")))
 
 
@@ -206,9 +206,9 @@ def test_a_striker_that_meets_the_edge_is_told():
     """The object is not back when the next nose comes in from the side."""
     machine = machine_with("machine.face_width=98 mm", "object.spring=4 kN/m", "object.preload=100 N")
     with pytest.raises(IntegrationError, match="striker 4 met the edge"):
-        run_rotary(machine, 1e-7)
+        run_machine(machine, 1e-7)
     with pytest.raises(IntegrationError, match="edge"):
-        quick_run(machine)
+        fast_train(machine)
 
 
 def test_tangential_noses_slip_off_as_in_full():

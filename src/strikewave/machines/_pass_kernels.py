@@ -1,4 +1,4 @@
-"""Compiled notes of a fast run: the table of its blows, written while the steps come."""
+"""Compiled passes of a fast run: the table of its blows, written while the steps come."""
 
 from typing import NamedTuple
 
@@ -37,19 +37,19 @@ until the next pass, turntable's angle at first touch less that of the strike po
 to the last release."""
 BLOW_COLUMNS = 17
 
-CURRENT, SAMPLES, CONTACTS_SEEN, ROWS_USED, IN_TOUCH, FALLEN, COAST_STEPS, BLOW_STEPS, COUNTS = range(9)
-"""Places of `Notes.counts`: row of the blow that lasts (-1 where none), samples and contacts of it, rows, in touch,
+CURRENT, SAMPLES, CONTACTS_SEEN, ROWS_USED, IN_TOUCH, FALLEN, FLIGHT_STEPS, BLOW_STEPS, COUNTS = range(9)
+"""Places of `PassTable.counts`: row of the blow that lasts (-1 where none), samples and contacts of it, rows, in touch,
 whether the pulse has fallen, steps taken between blows and in blows."""
 LET_GO, FIRST_PLACE, HIGHEST, SPEED_BEFORE, TOP, NUMBERS = range(6)
-"""Places of `Notes.numbers`: energy let go, J; of the blow that lasts: place of the assembly at first touch and highest
-since, m, speed of the object at first touch, m/s, largest rigid acceleration sampled, m/s^2."""
+"""Places of `PassTable.numbers`: energy let go, J; of the blow that lasts: place of the assembly at first touch and
+highest since, m, speed of the object at first touch, m/s, largest rigid acceleration sampled, m/s^2."""
 LEVEL = 0.1
 """Share of the peak at which the width is taken."""
 _NODES, _WEIGHTS = (0.5 * v for v in np.polynomial.legendre.leggauss(5))
 _STOP_SAMPLES = 8
 
 
-class Notes(NamedTuple):
+class PassTable(NamedTuple):
     """What is written down: the table of blows, and of the one that lasts its samples and contacts.
 
     Samples are time and rigid acceleration; contacts are begin, end, impulse, and velocity change to their end.
@@ -63,105 +63,105 @@ class Notes(NamedTuple):
 
 
 @called_kernel
-def open_row(coast, blow, going, struck, notes, t):
+def open_row(flight, blow, going, struck, passes, t):
     """Begin the row of a pass at its first touch; a later touch of the same pass adds a contact to its row.
 
     Returns False where no row is left.
     """
-    counts, numbers, at, y = notes.counts, notes.numbers, layout_of(blow), struck.y
-    number = round(y[at.angle] / coast.settings[PITCH])
-    other = counts[CURRENT] < 0 or notes.table[counts[CURRENT], PASS] != number
-    if other and not _next_row(notes):
+    counts, numbers, at, y = passes.counts, passes.numbers, layout_of(blow), struck.y
+    number = round(y[at.angle] / flight.settings[PITCH])
+    other = counts[CURRENT] < 0 or passes.table[counts[CURRENT], PASS] != number
+    if other and not _next_row(passes):
         return False
-    if other or notes.table[counts[CURRENT], CONTACTS] == 0.0:
+    if other or passes.table[counts[CURRENT], CONTACTS] == 0.0:
         counts[SAMPLES] = counts[CONTACTS_SEEN] = counts[FALLEN] = 0
         numbers[TOP] = -np.inf
-        row = notes.table[counts[CURRENT]]
-        row[PASS], row[STRIKER], row[TIME] = number, going.mode[layout_of(coast).touching], t
+        row = passes.table[counts[CURRENT]]
+        row[PASS], row[STRIKER], row[TIME] = number, going.mode[layout_of(flight).touching], t
         row[APPROACH], row[PEAK], row[WIDTH] = struck.memory[at.contacts.start], np.nan, np.nan
         row[CONTACTS] = row[IMPULSE] = row[LATER] = row[VELOCITY_CHANGE] = row[LAST_CHANGE] = 0.0
         row[FACE], row[FACE_SPEED] = y[at.positions][at.nose], y[at.speeds][at.nose]
         row[DISC_SPEED] = y[at.turntable_speed]
-        row[ANGLE] = y[at.angle] - number * coast.settings[PITCH]
+        row[ANGLE] = y[at.angle] - number * flight.settings[PITCH]
         numbers[FIRST_PLACE] = numbers[HIGHEST] = y[at.positions][at.assembly]
         numbers[SPEED_BEFORE] = y[at.speeds][at.nose]
-    _open_contact(notes, t)
+    _open_contact(passes, t)
     return True
 
 
 @leaf_kernel
-def _next_row(notes):
+def _next_row(passes):
     """Begin another row; False where none is left."""
-    counts = notes.counts
-    if counts[ROWS_USED] == notes.table.shape[0]:
+    counts = passes.counts
+    if counts[ROWS_USED] == passes.table.shape[0]:
         return False
     counts[CURRENT] = counts[ROWS_USED]
     counts[ROWS_USED] += 1
-    notes.table[counts[CURRENT], STOP_FORCE] = 0.0
+    passes.table[counts[CURRENT], STOP_FORCE] = 0.0
     return True
 
 
 @leaf_kernel
-def _open_contact(notes, t):
-    counts = notes.counts
-    notes.table[counts[CURRENT], CONTACTS] += 1.0
+def _open_contact(passes, t):
+    counts = passes.counts
+    passes.table[counts[CURRENT], CONTACTS] += 1.0
     counts[IN_TOUCH] = 1
-    if counts[CONTACTS_SEEN] < notes.contacts.shape[0]:
-        notes.contacts[counts[CONTACTS_SEEN], 0] = notes.contacts[counts[CONTACTS_SEEN], 1] = t
-        notes.contacts[counts[CONTACTS_SEEN], 2] = notes.contacts[counts[CONTACTS_SEEN], 3] = 0.0
+    if counts[CONTACTS_SEEN] < passes.contacts.shape[0]:
+        passes.contacts[counts[CONTACTS_SEEN], 0] = passes.contacts[counts[CONTACTS_SEEN], 1] = t
+        passes.contacts[counts[CONTACTS_SEEN], 2] = passes.contacts[counts[CONTACTS_SEEN], 3] = 0.0
         counts[CONTACTS_SEEN] += 1
 
 
 @called_kernel
-def missed_row(coast, going, notes, t, face):
+def missed_row(flight, going, passes, t, face):
     """Write down the pass whose apex has just come, if the object was held in place and nothing touched it.
 
     Returns False where no row is left.
     """
-    at, counts = layout_of(coast), notes.counts
+    at, counts = layout_of(flight), passes.counts
     phase = going.mode[at.feed]
     held = phase == HELD or (phase == RELEASED and going.memory[at.feed_start] == t)
-    number = round(going.y[at.angle] / coast.settings[PITCH])
-    last = notes.table[counts[ROWS_USED] - 1, PASS] if counts[ROWS_USED] > 0 else -1.0
+    number = round(going.y[at.angle] / flight.settings[PITCH])
+    last = passes.table[counts[ROWS_USED] - 1, PASS] if counts[ROWS_USED] > 0 else -1.0
     if not held or number <= last:
         return True
-    if not _next_row(notes):
+    if not _next_row(passes):
         return False
-    row = notes.table[counts[CURRENT]]
-    row[PASS], row[STRIKER], row[TIME], row[FACE] = number, number % coast.seats.shape[0], t, face
+    row = passes.table[counts[CURRENT]]
+    row[PASS], row[STRIKER], row[TIME], row[FACE] = number, number % flight.seats.shape[0], t, face
     row[CONTACTS] = row[VELOCITY_CHANGE] = row[LAST_CHANGE] = 0.0
     row[DISC_SPEED] = going.y[at.turntable_speed]
     return True
 
 
 @called_kernel
-def note_blow(coast, blow, struck, notes, steps, work):
+def note_blow(flight, blow, struck, passes, steps, work):
     """Write down what the last steps of a blow show: rigid acceleration, impulse of the contact, its end, the stop."""
-    record, counts, numbers = struck.record, notes.counts, notes.numbers
-    row, at = notes.table[counts[CURRENT]], layout_of(blow)
-    contact, speeds, share = at.contacts.start, work[at.speeds], coast.frame.share
+    record, counts, numbers = struck.record, passes.counts, passes.numbers
+    row, at = passes.table[counts[CURRENT]], layout_of(blow)
+    contact, speeds, share = at.contacts.start, work[at.speeds], flight.frame.share
     counts[BLOW_STEPS] += steps
     for r in range(steps):
         closed = record.mode[r, contact] != OPEN
         if closed and counts[IN_TOUCH] == 0:
-            _open_contact(notes, record.time[r])
-        _note_support(blow, record, r, notes, work)
+            _open_contact(passes, record.time[r])
+        _note_support(blow, record, r, passes, work)
         for k in range(_NODES.size):
             if counts[FALLEN] == 0 or closed:
-                _sample_blow(blow, record, r, 0.5 + _NODES[k], closed * _WEIGHTS[k], notes, work)
+                _sample_blow(blow, record, r, 0.5 + _NODES[k], closed * _WEIGHTS[k], passes, work)
         after = record.mode[r + 1, contact] if r + 1 < steps else struck.mode[contact]
         if closed and after == OPEN:
             counts[IN_TOUCH] = 0
             evaluate(record.dense[r], 1.0, work)
             row[LAST_CHANGE] = share * speeds[at.nose] + (1.0 - share) * speeds[at.assembly] - numbers[SPEED_BEFORE]
-            notes.contacts[counts[CONTACTS_SEEN] - 1, 1] = record.time[r] + record.step[r]
-            notes.contacts[counts[CONTACTS_SEEN] - 1, 3] = row[LAST_CHANGE]
+            passes.contacts[counts[CONTACTS_SEEN] - 1, 1] = record.time[r] + record.step[r]
+            passes.contacts[counts[CONTACTS_SEEN] - 1, 3] = row[LAST_CHANGE]
 
 
 @called_kernel
-def _note_support(blow, record, r, notes, work):
+def _note_support(blow, record, r, passes, work):
     """Write down retreat and force of the stop at begin, middle and end of a step of a blow."""
-    numbers, row, at = notes.numbers, notes.table[notes.counts[CURRENT]], layout_of(blow)
+    numbers, row, at = passes.numbers, passes.table[passes.counts[CURRENT]], layout_of(blow)
     mode, memory = record.mode[r], record.memory[r]
     for k in range(3):
         evaluate(record.dense[r], 0.5 * k, work)
@@ -174,10 +174,10 @@ def _note_support(blow, record, r, notes, work):
 
 
 @called_kernel
-def _sample_blow(blow, record, r, x, weight, notes, work):
+def _sample_blow(blow, record, r, x, weight, passes, work):
     """Write down one sample of a step of a blow, at the fraction x of the step."""
-    counts, numbers, at, chain = notes.counts, notes.numbers, layout_of(blow), blow.chain
-    row, mode, memory = notes.table[counts[CURRENT]], record.mode[r], record.memory[r]
+    counts, numbers, at, chain = passes.counts, passes.numbers, layout_of(blow), blow.chain
+    row, mode, memory = passes.table[counts[CURRENT]], record.mode[r], record.memory[r]
     t = record.time[r] + x * record.step[r]
     evaluate(record.dense[r], x, work)
     place_bases(blow, t, work, mode, memory)
@@ -185,24 +185,24 @@ def _sample_blow(blow, record, r, x, weight, notes, work):
     for j in range(at.frame, chain.joins.shape[0]):
         force, _, _ = link_push(chain, j, work, mode, memory)
         pushed += force if j in (at.frame, at.stop) else -force
-    if counts[SAMPLES] < notes.samples.shape[1]:
-        notes.samples[0, counts[SAMPLES]] = t
+    if counts[SAMPLES] < passes.samples.shape[1]:
+        passes.samples[0, counts[SAMPLES]] = t
         a = pushed / chain.bodies[at.assembly, MASS] + chain.bodies[at.assembly, GRAVITY]
-        notes.samples[1, counts[SAMPLES]] = a
+        passes.samples[1, counts[SAMPLES]] = a
         counts[SAMPLES] += 1
         numbers[TOP] = max(numbers[TOP], a)
         counts[FALLEN] = 1 if weight == 0.0 and a < LEVEL * numbers[TOP] else 0
     if weight > 0.0:
         force, _, _ = press(chain, at.contacts.start, work, mode, memory)
         row[IMPULSE] += weight * record.step[r] * force
-        notes.contacts[counts[CONTACTS_SEEN] - 1, 2] += weight * record.step[r] * force
+        passes.contacts[counts[CONTACTS_SEEN] - 1, 2] += weight * record.step[r] * force
 
 
 @called_kernel
-def measure_row(notes):
+def measure_row(passes):
     """Find peak and width of the rigid acceleration of the blow that lasts, and what its later contacts add."""
-    count, row = notes.counts[SAMPLES], notes.table[notes.counts[CURRENT]]
-    time, a = notes.samples[0], notes.samples[1]
+    count, row = passes.counts[SAMPLES], passes.table[passes.counts[CURRENT]]
+    time, a = passes.samples[0], passes.samples[1]
     top = 0
     for k in range(count):
         if a[k] > a[top]:
@@ -226,24 +226,24 @@ def measure_row(notes):
             break
     row[WIDTH], row[LATER] = end - begin, 0.0
     later = False
-    for k in range(notes.counts[CONTACTS_SEEN]):
-        later = later or (k > 0 and notes.contacts[k, 0] - notes.contacts[k - 1, 1] > row[WIDTH])
+    for k in range(passes.counts[CONTACTS_SEEN]):
+        later = later or (k > 0 and passes.contacts[k, 0] - passes.contacts[k - 1, 1] > row[WIDTH])
         if later:
-            row[LATER] += notes.contacts[k, 2]
+            row[LATER] += passes.contacts[k, 2]
         else:
-            row[VELOCITY_CHANGE] = notes.contacts[k, 3]
+            row[VELOCITY_CHANGE] = passes.contacts[k, 3]
 
 
 @called_kernel
-def note_coast(coast, going, notes, steps, work):
+def note_flight(flight, going, passes, steps, work):
     """Write down retreat and force of the stop of the steps after a pass, until the next touch or the retraction."""
-    record, counts, numbers = going.record, notes.counts, notes.numbers
-    at = layout_of(coast)
+    record, counts, numbers = going.record, passes.counts, passes.numbers
+    at = layout_of(flight)
     place, speed, speed_before = work[at.positions], work[at.speeds], record.dense[:, 0, at.speeds]
-    counts[COAST_STEPS] += steps
+    counts[FLIGHT_STEPS] += steps
     if counts[CURRENT] < 0:
         return
-    row = notes.table[counts[CURRENT]]
+    row = passes.table[counts[CURRENT]]
     for r in range(steps):
         mode, memory, dense = record.mode[r], record.memory[r], record.dense[r]
         if mode[at.feed] == RETRACTING:
@@ -257,8 +257,8 @@ def note_coast(coast, going, notes, steps, work):
                 break
             evaluate(dense, k / _STOP_SAMPLES, work)
             t = record.time[r] + k / _STOP_SAMPLES * record.step[r]
-            place_bases(coast, t, work, mode, memory)
-            force, _, _ = press(coast.chain, at.stop, work, mode, memory)
+            place_bases(flight, t, work, mode, memory)
+            force, _, _ = press(flight.chain, at.stop, work, mode, memory)
             row[STOP_FORCE] = max(row[STOP_FORCE], force)
     if row[CONTACTS] > 0.0:
         row[RETREAT] = numbers[HIGHEST] - numbers[FIRST_PLACE]

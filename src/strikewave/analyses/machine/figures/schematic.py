@@ -1,0 +1,175 @@
+"""A schematic of a launched machine with its numbers: symbols, not to scale, and the list of parts beside them.
+
+A kind draws its own with a few symbols in a field of 10 by 10; each number carries the mark of its provenance, as in
+the drawing of the rotary machine.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from strikewave.analyses.machine.figures.drawing import balloon, list_parts, mark
+from strikewave.analyses.machine.figures.geometry import LOOKS
+from strikewave.analyses.machine.figures.parts import (
+    MARKS,
+    PartEntry,
+    damping,
+    mass,
+    provenance_words,
+    quantity,
+    stiffness,
+)
+from strikewave.analyses.machine.kind import Drawing
+from strikewave.cases.case import Case
+from strikewave.reporting.style import BLUE, GREY, RED
+
+SIZE = (9.8, 5.6)
+"""Of a schematic, inches."""
+FIELD = 10.0
+"""Width and height of the field in which symbols stand."""
+INK = "#1a1f24"
+Point = tuple[float, float]
+
+
+class Schematic:
+    """A field of symbols beside a list of parts.
+
+    Parameters
+    ----------
+    parts : sequence of PartEntry
+        The parts with their numbers; balloons bear their places in this list, from 1.
+    """
+
+    def __init__(self, parts: Sequence[PartEntry]) -> None:
+        self.parts = parts
+        self.figure = Figure(figsize=SIZE)
+        width, height = SIZE
+        self.axes = self.figure.add_axes((0.05 / width, 0.45 / height, 6.3 / width, (height - 0.5) / height))
+        self.axes.set_xlim(0.0, FIELD)
+        self.axes.set_ylim(0.0, FIELD * (height - 0.5) / 6.3)
+        self.axes.set_axis_off()
+
+    def block(self, low: Point, high: Point, look: str, part: str = "") -> None:
+        """Draw a rectangle from its lower left to its upper right corner, with the balloon of a part."""
+        fill, edge, width = LOOKS[look]
+        x, y = [low[0], high[0], high[0], low[0]], [low[1], low[1], high[1], high[1]]
+        self.axes.fill(x, y, facecolor=fill, edgecolor=edge, linewidth=width, zorder=2)
+        self.number(part, (0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])))
+
+    def ball(self, centre: Point, radius: float, look: str, part: str = "") -> None:
+        """Draw a circle, with the balloon of a part."""
+        fill, edge, width = LOOKS[look]
+        turn = np.linspace(0.0, 2.0 * math.pi, 90)
+        x, y = centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn)
+        self.axes.fill(x, y, facecolor=fill, edgecolor=edge, linewidth=width, zorder=2)
+        self.number(part, centre)
+
+    def line(self, *points: Point, dashed: bool = False) -> None:
+        """Draw a line through points."""
+        x, y = zip(*points, strict=True)
+        self.axes.plot(x, y, color=GREY if dashed else INK, linewidth=1.1, dashes=(6, 3) if dashed else (), zorder=1.5)
+
+    def ground(self, left: Point, right: Point) -> None:
+        """Draw what nothing moves: a line with hatches on its right-hand side, seen from its left end."""
+        self.line(left, right)
+        along = np.subtract(right, left)
+        length = float(np.hypot(*along))
+        unit = along / length
+        back = np.array([unit[1], -unit[0]]) - unit
+        for s in np.arange(0.25, length + 1e-9, 0.3):
+            foot = np.array(left) + s * unit
+            self.line((foot[0], foot[1]), (foot[0] + 0.18 * back[0], foot[1] + 0.18 * back[1]))
+
+    def spring(self, begin: Point, end: Point, part: str = "") -> None:
+        """Draw a spring between two points, with the balloon of a part beside its middle."""
+        way = np.subtract(end, begin)
+        across = np.array([-way[1], way[0]]) / np.hypot(*way)
+        shares, sides = [0.0, 0.15, *np.linspace(0.2, 0.8, 7), 0.85, 1.0], [0, 0, 1, -1, 1, -1, 1, -1, 1, 0, 0]
+        points = [np.array(begin) + s * way + 0.16 * side * across for s, side in zip(shares, sides, strict=True)]
+        self.line(*[(float(p[0]), float(p[1])) for p in points])
+        middle = 0.5 * np.add(begin, end) + 0.5 * across
+        self.number(part, (float(middle[0]), float(middle[1])))
+
+    def arrow(self, begin: Point, end: Point, words: str, colour: str = BLUE) -> None:
+        """Draw an arrow, with words on its right-hand side."""
+        look: dict[str, Any] = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.8, "mutation_scale": 14}
+        self.axes.annotate("", end, begin, arrowprops={**look, "shrinkA": 0, "shrinkB": 0}, zorder=3)
+        right = end if end[0] >= begin[0] else begin
+        self.axes.text(right[0] + 0.2, right[1], words, color=colour, fontsize=9, va="center", zorder=4)
+
+    def blow(self, begin: Point, end: Point) -> None:
+        """Draw the direction of the blow."""
+        self.arrow(begin, end, "blow", RED)
+
+    def dimension(self, begin: Point, end: Point, words: str) -> None:
+        """Draw a dimension between two points, with words beside its middle."""
+        arrow = {"arrowstyle": "<|-|>", "shrinkA": 0.0, "shrinkB": 0.0, "linewidth": 0.9, "mutation_scale": 8}
+        self.axes.annotate("", end, begin, arrowprops={**arrow, "color": INK}, zorder=3)
+        x, y = 0.5 * (begin[0] + end[0]), 0.5 * (begin[1] + end[1])
+        upright = abs(end[1] - begin[1]) > abs(end[0] - begin[0])
+        place = (x + 0.15, y) if upright else (x, y + 0.25)
+        side = "left" if upright else "center"
+        self.axes.text(*place, words, fontsize=8, ha=side, va="center", color=INK, zorder=4)
+
+    def number(self, part: str, place: Point) -> None:
+        """Draw the balloon of a part."""
+        names = [entry.place for entry in self.parts]
+        if part:
+            balloon(self.axes, names.index(part) + 1, place)
+
+    def drawing(self, what: str) -> Drawing:
+        """Return the schematic with its list of parts, of what it shows in words."""
+        list_parts(self.figure, self.parts)
+        axes = self.figure.add_axes((0.05 / SIZE[0], 0.05 / SIZE[1], 6.3 / SIZE[0], 0.35 / SIZE[1]))
+        axes.set_axis_off()
+        axes.set_xlim(0.0, 6.3)
+        axes.set_ylim(0.0, 0.35)
+        axes.text(0.0, 0.25, "Schematic, not to scale.", fontsize=8, va="center", color="#4d5760")
+        for k, (word, (letter, colour)) in enumerate(MARKS.items()):
+            mark(axes, (0.1 + 1.03 * k, 0.07), letter, colour)
+            words = "follows" if word == "computed" else word
+            axes.text(0.22 + 1.03 * k, 0.07, words, fontsize=8, va="center")
+        words = provenance_words(self.parts)
+        return Drawing(self.figure, f"{what}: schematic with its numbers, not to scale. {words}", f"{what}. {words}")
+
+
+def striker_part(case: Case, name: str) -> PartEntry:
+    """Return [striker] as a part, called as its machine calls it."""
+    striker = case.impact().striker
+    entries = [*mass("mass", striker.mass), *quantity("nose radius", striker.nose_radius, "m", "mm")]
+    entries += [*stiffness("mount", striker.mount_stiffness), *damping("mount, damping", striker.mount_damping)]
+    return PartEntry("striker", name, entries)
+
+
+def object_part(case: Case, name: str) -> PartEntry:
+    """Return [object] as a part, called as its machine calls it."""
+    struck = case.impact().object
+    entries = [*mass("mass", struck.mass), *mass("of it the nose", struck.nose_mass)]
+    entries += [*stiffness("frame", struck.frame_stiffness), *damping("frame, damping", struck.frame_damping)]
+    entries += [*stiffness("spring", struck.spring), *damping("damper", struck.damper)]
+    entries += stiffness("stop", struck.stop_stiffness)
+    return PartEntry("object", name, entries)
+
+
+def contact_part(case: Case, name: str) -> PartEntry:
+    """Return [contact] as a part, called as its machine calls it."""
+    contact = case.impact().contact
+    entries = [*quantity("restitution", contact.restitution)]
+    entries += quantity("force at depth", contact.reference_force, "N", "kN")
+    entries += [*quantity("depth", contact.reference_depth, "m", "mm"), *quantity("exponent", contact.exponent)]
+    return PartEntry("contact", f"{name}, {contact.law}", entries)
+
+
+def bearing(sketch: Schematic, case: Case, foot: Point, top: Point) -> None:
+    """Draw what holds an object at rest: a spring to the ground, or nothing."""
+    struck = case.impact().object
+    along = np.sign(np.subtract(top, foot))
+    if struck.spring is not None or struck.stop_stiffness is not None:
+        sketch.spring(top, foot)
+        wide = (-0.8 * along[1], 0.8 * along[0])
+        sketch.ground((foot[0] + wide[0], foot[1] + wide[1]), (foot[0] - wide[0], foot[1] - wide[1]))

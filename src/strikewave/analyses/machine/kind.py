@@ -1,0 +1,180 @@
+"""What a kind of machine says of itself: one class in a module of its own in the folder `kinds`.
+
+The class is the table [machine] of the case file, and it has all that only this kind knows: how it comes to first
+touch, its words, its sources, its drawing. Nothing else asks which kind a machine is. A module of the folder imports
+at its head only what a table needs (see `strikewave.cases.machine_tables`); physics is imported in its methods.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
+
+from strikewave.base.errors import MISSING, InputError
+from strikewave.base.result import Notice
+from strikewave.cases.tables import LaunchedTable, MachineTable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from strikewave.cases.case import Case
+    from strikewave.contact.law import AnyContact
+    from strikewave.machines import Machine
+    from strikewave.machines.amplifier import Collisions
+    from strikewave.machines.launch import Pendulum
+
+
+class Setting(NamedTuple):
+    """A setting that stands in the head of a result: field of the table, SI unit, unit shown, what it is called."""
+
+    field: str
+    unit: str
+    shown: str
+    name: str
+
+
+class Drawing(NamedTuple):
+    """A drawing of a machine, its caption, and what it shows for those who cannot see it."""
+
+    figure: Figure
+    caption: str
+    label: str
+
+
+class MachineKind(MachineTable):
+    """A kind of machine: its table, and what it says of itself.
+
+    Attributes
+    ----------
+    description : str
+        What it is and does, in two or three sentences.
+    chain : tuple of str
+        Its bodies and links in the order in which a blow runs through them.
+    settings : tuple of Setting
+        Its main settings.
+    sources : tuple of str
+        Keys of `strikewave.base.citations`: what its way to first touch follows.
+    reference_law : str
+        What is set beside the blows as the contact on a rigid object; see `rigid_contact`.
+    """
+
+    description: ClassVar[str]
+    chain: ClassVar[tuple[str, ...]]
+    settings: ClassVar[tuple[Setting, ...]]
+    sources: ClassVar[tuple[str, ...]] = ()
+    reference_law: ClassVar[str]
+
+    @abstractmethod
+    def rigid_contact(self, case: Case, machine: Machine) -> tuple[AnyContact, float]:
+        """Return the contact that is set beside the blows for comparison, and the mass behind the striker, kg."""
+
+    def drawing(self, case: Case) -> Drawing | None:
+        """Return the machine drawn with its numbers; None where it is not drawn."""
+        return None
+
+
+class Release(NamedTuple):
+    """How a machine comes to first touch, SI; speeds along the blow, at first touch.
+
+    Attributes
+    ----------
+    energy : float
+        What weight or gas gave the moving parts on the way, less friction, J.
+    travel : float
+        Time from the release (of a gun: the muzzle, so 0) to first touch, s.
+    striker, object : float
+        Speeds, m/s.
+    arm : float
+        Speed of an arm, rad/s.
+    pendulum : Pendulum or None
+        The arm that carries the striker.
+    gain : float or None
+        Of a machine that makes its object faster than it fell: the speed of the object over that of the fall.
+    line : Collisions or None
+        The collisions on the way, and after it.
+    bodies : tuple of str
+        Names of the bodies that collide, from the bottom.
+    notices : tuple of Notice
+        What a user should know of it.
+    """
+
+    energy: float
+    travel: float = 0.0
+    striker: float = 0.0
+    object: float = 0.0
+    arm: float = 0.0
+    pendulum: Pendulum | None = None
+    gain: float | None = None
+    line: Collisions | None = None
+    bodies: tuple[str, ...] = ()
+    notices: tuple[Notice, ...] = ()
+
+
+FREE_OBJECT = ("contact", "nose", "frame", "assembly", "support, where there is one")
+"""The end of the chain of a machine that strikes an object at rest."""
+
+
+class LaunchedKind(LaunchedTable, MachineKind):
+    """A kind of machine without a drive.
+
+    Attributes
+    ----------
+    falls : {"nothing", "striker", "object", "both"}
+        What gravity moves along the blow while it is followed. A striker falls with the blow; an object falls against
+        it, on what strikes it; both fall alike, against the blow.
+    mount : {"none", "optional", "needed"}
+        Whether the striker is held by a mount: one that flies is not.
+    """
+
+    falls: ClassVar[Literal["nothing", "striker", "object", "both"]] = "nothing"
+    mount: ClassVar[Literal["none", "optional", "needed"]] = "none"
+    reference_law: ClassVar[str] = "the contact law of the case"
+
+    @abstractmethod
+    def release(self, case: Case, mass: float) -> Release:
+        """Return how it comes to first touch with an object of so many kg.
+
+        Raises
+        ------
+        InputError, InputErrors
+            If it does not come there.
+        """
+
+    def rigid_contact(self, case: Case, machine: Machine) -> tuple[AnyContact, float]:
+        """Return the contact law of the case and the mass that strikes, of an arm the effective one."""
+        striker, launch = machine.strikers.first, machine.launch
+        arm = None if launch is None else launch.arm
+        return striker.contact, striker.mass if arm is None else arm.inertia / arm.radius**2
+
+    def inconsistencies(self, case: Case) -> Iterator[InputError]:
+        """Yield an error for each value of the striker that this kind cannot have, or needs."""
+        striker = case.impact().striker
+        mount = striker.mount_stiffness
+        if self.mount == "needed" and mount is None:
+            yield InputError("striker.mount_stiffness", MISSING, "of the striker on its arm", 'such as "300 MN/m"')
+        if self.mount == "none" and mount is not None:
+            yield InputError("striker.mount_stiffness", mount.typed, f"none: the striker of a {self.kind} flies")
+        if mount is None and striker.mount_damping is not None:
+            allowed = "only with striker.mount_stiffness: without it there is no mount"
+            yield InputError("striker.mount_damping", striker.mount_damping.typed, allowed, "remove it")
+
+
+def kind_of(case: Case) -> MachineKind:
+    """Return the machine of a case as its kind.
+
+    Raises
+    ------
+    InputError
+        If the case has no machine.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> kind_of(load_case("jesd22-b111-b")).sources
+    ('jesd22-b104',)
+    """
+    machine = case.machine
+    if not isinstance(machine, MachineKind):
+        raise InputError("machine", MISSING, "[machine] with its tables")
+    return machine

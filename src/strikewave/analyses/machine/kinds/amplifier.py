@@ -1,0 +1,135 @@
+"""A stacked velocity amplifier: bodies that fall in a line and hit one another, each faster than the one below."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, Setting
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.errors import InputError
+from strikewave.base.quantities import Length, Mass, MaybeGap, MaybeShare, Restitution
+from strikewave.base.result import Notice
+from strikewave.cases.tables import Name, Table
+
+if TYPE_CHECKING:
+    from strikewave.cases.case import Case
+
+LONGEST_LINE = 1.0
+"""How long a line is followed for its top body to be struck, s: as long as `machine.follow` may be."""
+MOST_COLLISIONS = 1000
+"""Collisions at which a line is given up: chosen; bodies that come to rest on one another collide without end."""
+FLOOR, STRIKER, OBJECT = "floor", "striker", "object"
+"""Names of the bodies that have no row of their own."""
+
+
+class BodyTable(Table):
+    """[[machine.body]]: a body of the amplifier below the striker: restitution to the body above, and gap to it (0)."""
+
+    name: Name
+    mass: Mass
+    restitution: Restitution
+    gap: MaybeGap = None
+
+
+class Amplifier(LaunchedKind):
+    """[machine]: bodies that fall in a line on a floor and hit one another, each faster than the one below.
+
+    From the floor up: the rows of [[machine.body]], [striker], [object]. ``restitution`` is that of the lowest body on
+    the floor, ``gap`` that between striker and object (0); the restitution of those two is that of [contact].
+    """
+
+    kind: Literal["amplifier"]
+    height: Length
+    restitution: Restitution
+    gap: MaybeGap = None
+    friction: MaybeShare = None
+    body: tuple[BodyTable, ...] = ()
+
+    description: ClassVar[str] = (
+        "A stacked velocity amplifier: bodies fall in a line, the lowest meets the floor, and each hits the next one, "
+        "which leaves faster than it came. The bodies below collide in pairs by their restitutions; the blow of the "
+        "last one, the striker, on the object is followed in full. The run begins just before that first touch."
+    )
+    chain: ClassVar[tuple[str, ...]] = ("floor", "bodies", "striker", "contact", "nose", "frame", "assembly")
+    settings: ClassVar[tuple[Setting, ...]] = (Setting("height", "m", "m", "drop height"),)
+    sources: ClassVar[tuple[str, ...]] = ("rodgers-2009",)
+    falls: ClassVar = "both"
+
+    def release(self, case: Case, mass: float) -> Release:
+        """Return striker and object as the collisions below leave them when they first meet."""
+        from strikewave.analyses.machine.falling import fall
+        from strikewave.cases.contact_of_case import or_else
+        from strikewave.machines.amplifier import Line, collide
+
+        parts = case.impact()
+        names = [FLOOR, STRIKER, OBJECT]
+        for row in self.body:
+            if row.name in names:
+                allowed = f"a name of its own, none of {', '.join(names)}"
+                raise InputError(f"machine.body.{row.name}.name", row.name, allowed)
+            names.append(row.name)
+        bodies = (*(row.mass.si for row in self.body), parts.striker.mass.si, mass)
+        speed, travel, energy = fall(self.height, self.friction, sum(bodies))
+        line = Line(
+            masses=(math.inf, *bodies),
+            restitutions=(
+                self.restitution.si,
+                *(row.restitution.si for row in self.body),
+                parts.contact.restitution.si,
+            ),
+            gaps=(0.0, *(or_else(row.gap, 0.0) for row in self.body), or_else(self.gap, 0.0)),
+            speeds=(0.0, *(-speed for _ in bodies)),
+            gravity=STANDARD_GRAVITY,
+        )
+        top = len(bodies) - 1
+        struck = next((c for c in collide(line, LONGEST_LINE, MOST_COLLISIONS).collisions if c.pair == top), None)
+        if struck is None:
+            allowed = f"a line whose object is struck within {LONGEST_LINE:g} s and {MOST_COLLISIONS} collisions"
+            hint = "take smaller gaps or lighter upper bodies"
+            raise InputError("machine.body", f"{len(bodies)} bodies", allowed, hint)
+        followed = collide(line, struck.time + self.follow.si, MOST_COLLISIONS)
+        notices = [Notice("line-of-bodies", word, float(len(followed.collisions)), 0.0) for word in followed.words]
+        again = sum(c.pair == top for c in followed.collisions) - 1
+        if again:
+            message = (
+                f"the striker meets the object {again} more times in the line of bodies: only the first is followed"
+            )
+            notices.append(Notice("later-blows", message, float(again), 0.0))
+        striker, thing = struck.before
+        return Release(
+            energy,
+            travel + struck.time,
+            striker=striker,
+            object=thing,
+            gain=followed.gain,
+            line=followed,
+            bodies=(FLOOR, *(row.name for row in self.body), STRIKER, OBJECT),
+            notices=tuple(notices),
+        )
+
+    def drawing(self, case: Case) -> Drawing:
+        """Return a schematic."""
+        from strikewave.analyses.machine.figures import schematic as s
+        from strikewave.analyses.machine.figures.parts import PartEntry, length, mass, quantity
+
+        drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
+        drop += quantity("restitution, floor", self.restitution)
+        parts = [PartEntry("floor", "fall and floor", drop)]
+        for row in self.body:
+            entries = [*mass("mass", row.mass), *quantity("restitution above", row.restitution)]
+            parts.append(PartEntry(row.name, row.name, [*entries, *length("gap above", row.gap)]))
+        parts += [s.striker_part(case, "striker"), s.contact_part(case, "contact"), s.object_part(case, "object")]
+        sketch = s.Schematic(parts)
+        sketch.ground((1.6, 0.6), (8.4, 0.6))
+        sketch.number("floor", (1.2, 0.9))
+        count = len(self.body) + 2
+        step = 6.4 / count
+        for k, place in enumerate((*(row.name for row in self.body), "striker", "object")):
+            half, low = 1.8 - 1.2 * k / count, 1.1 + k * step
+            look = "body" if place == "object" else "striker"
+            sketch.block((5.0 - half, low), (5.0 + half, low + 0.72 * step), look, place)
+        sketch.number("contact", (6.2, 1.1 + (count - 1) * step - 0.14 * step))
+        sketch.arrow((2.2, 6.4), (2.2, 4.8), "all fall")
+        sketch.blow((8.4, 5.2), (8.4, 6.8))
+        return sketch.drawing("The velocity amplifier")

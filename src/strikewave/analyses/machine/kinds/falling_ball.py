@@ -1,0 +1,56 @@
+"""A ball that falls on an object at rest."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, Setting
+from strikewave.base.quantities import Length, MaybeShare
+
+if TYPE_CHECKING:
+    from strikewave.cases.case import Case
+
+
+class FallingBall(LaunchedKind):
+    """[machine]: a ball that falls on the object; [striker] is the ball, in free flight where it has no mount.
+
+    ``friction`` is that of its guide as a share of its weight (0).
+    """
+
+    kind: Literal["falling-ball"]
+    height: Length
+    friction: MaybeShare = None
+
+    description: ClassVar[str] = (
+        "A falling ball: it is let go at a height and falls on the object, whose support carries it. The run begins "
+        "just before first touch."
+    )
+    chain: ClassVar[tuple[str, ...]] = ("falling ball", *FREE_OBJECT)
+    settings: ClassVar[tuple[Setting, ...]] = (Setting("height", "m", "m", "drop height"),)
+    falls: ClassVar = "striker"
+
+    def release(self, case: Case, mass: float) -> Release:
+        """Return a ball at v = sqrt(2 g (1 - friction) h)."""
+        from strikewave.analyses.machine.falling import fall
+
+        speed, travel, energy = fall(self.height, self.friction, case.impact().striker.mass.si)
+        return Release(energy, travel, striker=speed)
+
+    def drawing(self, case: Case) -> Drawing:
+        """Return a schematic."""
+        from strikewave.analyses.machine.figures import schematic as s
+        from strikewave.analyses.machine.figures.parts import PartEntry, quantity, shown
+
+        drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
+        parts = [PartEntry("fall", "fall", drop), s.striker_part(case, "ball"), s.contact_part(case, "contact")]
+        sketch = s.Schematic([*parts, s.object_part(case, "object")])
+        sketch.ball((5.0, 6.8), 0.6, "striker", "striker")
+        sketch.arrow((5.0, 6.0), (5.0, 4.4), "falls")
+        sketch.blow((8.6, 5.2), (8.6, 3.6))
+        sketch.dimension((3.2, 3.0), (3.2, 6.2), shown(self.height, "m", "m"))
+        sketch.number("fall", (2.8, 4.6))
+        sketch.line((2.9, 6.2), (4.6, 6.2), dashed=True)
+        sketch.block((3.6, 2.2), (6.4, 3.0), "body", "object")
+        sketch.number("contact", (7.0, 3.1))
+        s.bearing(sketch, case, (5.0, 0.9), (5.0, 2.2))
+        return sketch.drawing("The falling ball")

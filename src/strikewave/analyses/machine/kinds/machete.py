@@ -1,0 +1,153 @@
+"""A Machete hammer: an arm on a ratchet wheel, driven by a weight, with the object in its head."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, Setting
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.quantities import Count, Inertia, Length, MaybeAngle, MaybeLength, MaybeMass, MaybeTorque
+from strikewave.base.result import Notice
+
+if TYPE_CHECKING:
+    from strikewave.cases.case import Case
+    from strikewave.machines import launch
+
+SAME_MASS = 0.01
+"""Object and arm whose masses differ by less than this share are taken as one: chosen, well below what an effective
+mass is known to."""
+STARTS_WATCHED = 200
+"""Angles at which an arm must have been given energy, or it does not start, or stops on its way: chosen, some seven to
+each of 30 teeth."""
+
+
+class Machete(LaunchedKind):
+    """[machine]: a Machete hammer, drawn back by ``teeth`` of its ratchet wheel of ``wheel_teeth``.
+
+    The object sits in the head of the arm and meets a fixed anvil, which is [striker]. ``weight`` hangs on a ``drum``
+    of that radius; ``inertia`` is that of arm, head and counterweight about the shaft, ``radius`` shaft to head;
+    ``mass`` and ``centre`` are those of an arm that is not balanced. ``friction`` is the torque of the shaft;
+    ``strike_angle`` is where the arm strikes, from hanging down.
+    """
+
+    kind: Literal["machete"]
+    teeth: Count
+    wheel_teeth: Count
+    inertia: Inertia
+    radius: Length
+    weight: MaybeMass = None
+    drum: MaybeLength = None
+    mass: MaybeMass = None
+    centre: MaybeLength = None
+    friction: MaybeTorque = None
+    strike_angle: MaybeAngle = None
+
+    description: ClassVar[str] = (
+        "A Machete hammer: an arm is drawn back by a number of teeth of a ratchet wheel and driven by a weight; the "
+        "object sits in its head and meets a fixed anvil. Arm and weight are taken as what gives the object its speed. "
+        "The run begins just before first touch."
+    )
+    chain: ClassVar[tuple[str, ...]] = ("anvil", "contact", "nose", "frame", "assembly")
+    settings: ClassVar[tuple[Setting, ...]] = (
+        Setting("teeth", "", "", "teeth"),
+        Setting("weight", "kg", "kg", "weight"),
+        Setting("radius", "m", "m", "radius"),
+    )
+    mount: ClassVar = "optional"
+
+    def release(self, case: Case, mass: float) -> Release:
+        """Return an object at R sqrt(2 E/(J + M r^2)), in the head of the arm."""
+        from strikewave.cases.contact_of_case import or_else
+        from strikewave.cases.stack_of_case import checked, need
+        from strikewave.machines import launch
+
+        if self.teeth.si > self.wheel_teeth.si:
+            allowed = f"at most machine.wheel_teeth ({self.wheel_teeth.typed})"
+            raise InputError("machine.teeth", self.teeth.typed, allowed, "the arm would turn more than once")
+        for key, other in (("weight", "drum"), ("drum", "weight"), ("mass", "centre"), ("centre", "mass")):
+            if getattr(self, key) is not None:
+                need(getattr(self, other), f"machine.{other}", f"where there is machine.{key}")
+        hammer = launch.MacheteHammer(
+            teeth=int(self.wheel_teeth.si),
+            inertia=self.inertia.si,
+            radius=self.radius.si,
+            unbalance=or_else(self.mass, 0.0) * or_else(self.centre, 0.0),
+            weight=or_else(self.weight, 0.0),
+            drum=or_else(self.drum, 0.0),
+            friction=or_else(self.friction, 0.0),
+            strike_angle=or_else(self.strike_angle, 0.0),
+        )
+        teeth = int(self.teeth.si)
+        energy = float(checked("machine.teeth", lambda: launch.machete_energy(hammer, teeth)))
+        speed = float(launch.machete_speed(hammer, teeth))
+        notices = []
+        if abs(mass / hammer.effective_mass - 1.0) > SAME_MASS:
+            message = (
+                f"the object has {mass:.4g} kg and the arm an effective mass of {hammer.effective_mass:.4g} kg "
+                "(inertia over radius squared): the arm would strike with the latter"
+            )
+            notices.append(Notice("effective-mass", message, mass, hammer.effective_mass))
+        return Release(energy, _turning_time(hammer, teeth), object=-speed, notices=tuple(notices))
+
+    def drawing(self, case: Case) -> Drawing:
+        """Return a schematic."""
+        from strikewave.analyses.machine.figures import schematic as s
+        from strikewave.analyses.machine.figures.parts import PartEntry, length, mass, quantity
+
+        arm = [*quantity("teeth", self.teeth), *quantity("teeth of the wheel", self.wheel_teeth)]
+        arm += [*quantity("inertia", self.inertia, "", "", "kg m²"), *length("shaft to head", self.radius)]
+        arm += [*mass("mass", self.mass), *length("shaft to centre", self.centre)]
+        arm += quantity("strike angle", self.strike_angle, "rad", "deg", "°")
+        arm += quantity("friction", self.friction, "", "", "N m")
+        weight = [*mass("mass", self.weight), *length("radius of its drum", self.drum)]
+        parts = [PartEntry("arm", "arm and ratchet", arm), PartEntry("weight", "weight", weight)]
+        parts += [s.object_part(case, "object in the head"), s.contact_part(case, "contact")]
+        sketch = s.Schematic([*parts, s.striker_part(case, "anvil")])
+        shaft, reach = (4.0, 6.0), 4.4
+        drawn = 2.0 * math.pi * self.teeth.si / self.wheel_teeth.si
+        turn = [2.0 * math.pi * k / self.wheel_teeth.si for k in range(int(self.wheel_teeth.si) + 1)]
+        sketch.ball(shaft, 0.9, "disc")
+        for a in turn:
+            tips = [(shaft[0] + r * math.sin(a), shaft[1] + r * math.cos(a)) for r in (0.9, 1.05)]
+            sketch.line(*tips)
+        drawn_back = (shaft[0] - 1.8 * math.sin(drawn), shaft[1] - 1.8 * math.cos(drawn))
+        sketch.line(shaft, drawn_back, dashed=True)
+        sketch.block((3.85, shaft[1] - reach), (4.15, shaft[1]), "hub")
+        sketch.number("arm", (4.0, 4.4))
+        if self.weight is not None:
+            sketch.line((4.5, 6.0), (4.5, 3.6))
+            sketch.block((4.2, 2.7), (5.0, 3.6), "ground")
+            sketch.number("weight", (5.4, 3.2))
+        sketch.block((3.4, 1.2), (4.7, 2.2), "body", "object")
+        sketch.number("contact", (4.95, 2.45))
+        sketch.block((4.8, 0.9), (6.2, 2.5), "striker", "striker")
+        sketch.ground((6.2, 0.5), (6.2, 2.9))
+        sketch.blow((3.2, 0.7), (1.8, 0.7))
+        return sketch.drawing("The Machete hammer")
+
+
+def _turning_time(hammer: launch.MacheteHammer, teeth: int) -> float:
+    """Return how long an arm turns from rest, s: the integral of da/w(a), w from the energy given by then.
+
+    Raises
+    ------
+    InputErrors
+        If the arm does not start, or stops on the way.
+    """
+    import numpy as np
+    from scipy.integrate import quad
+
+    whole, b, g = teeth * hammer.pitch, hammer.strike_angle, STANDARD_GRAVITY
+
+    def given(turned: float) -> float:
+        torque = hammer.weight * g * hammer.drum - hammer.friction
+        return torque * turned + hammer.unbalance * g * (math.cos(whole + b - turned) - math.cos(whole + b))
+
+    if min(given(float(a)) for a in np.linspace(0.0, whole, STARTS_WATCHED + 1)[1:]) <= 0.0:
+        raise InputErrors([f"machine.teeth: the arm does not start from {teeth} teeth, or stops on its way"])
+    # a = whole s^2 takes the root out of the integrand at the start
+    rate = math.sqrt(2.0 / hammer.turning_inertia)
+    time, _ = quad(lambda s: 2.0 * whole * s / (rate * math.sqrt(given(whole * s * s))) if s else 0.0, 0.0, 1.0)
+    return float(time)

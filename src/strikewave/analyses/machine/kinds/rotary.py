@@ -1,0 +1,58 @@
+"""The rotary machine: a turntable carries the strikers, a feed brings the object into their path."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, ClassVar
+
+from strikewave.analyses.machine.kind import Drawing, MachineKind, Setting
+from strikewave.cases.tables import RotaryTable
+
+if TYPE_CHECKING:
+    from strikewave.cases.case import Case
+    from strikewave.contact.law import AnyContact
+    from strikewave.machines import Machine
+
+
+class Rotary(RotaryTable, MachineKind):
+    """[machine]: a rotary machine.
+
+    Its fields are those of `strikewave.cases.tables.RotaryTable`, which studies know too;
+    `strikewave.analyses.machine.rotary` builds it.
+    """
+
+    description: ClassVar[str] = (
+        "A rotary machine: a turntable carries the strikers, a hydraulic feed brings the object into their path, each "
+        "striker hits it in turn, and a preloaded spring and a damper bring it back to its stop before the next one "
+        "comes. After the wanted number of passes the feed "
+        "withdraws the object and the turntable is braked."
+    )
+    chain: ClassVar[tuple[str, ...]] = (
+        *("turntable", "mount", "striker", "contact", "nose", "frame", "assembly"),
+        *("spring, damper, stop", "carriage of the feed"),
+    )
+    settings: ClassVar[tuple[Setting, ...]] = (
+        Setting("speed", "rad/s", "rpm", ""),
+        Setting("strikers", "", "", "strikers"),
+        Setting("engagement", "m", "mm", "engagement"),
+    )
+    reference_law: ClassVar[str] = "the printed contact law"
+
+    def rigid_contact(self, case: Case, machine: Machine) -> tuple[AnyContact, float]:
+        """Return the printed law, damping by eq (24) of Li & Ma 2019, before a massive turntable."""
+        from strikewave.cases.contact_of_case import contact_stiffness
+        from strikewave.contact import factor
+
+        chi = float(factor("li-ma-printed", case.impact().contact.restitution.si))
+        return contact_stiffness(case).contact(chi), math.inf
+
+    def drawing(self, case: Case) -> Drawing | None:
+        """Return path, strike and parts with their numbers."""
+        from strikewave.analyses.machine.figures.drawing import drawing_words, machine_drawing
+
+        figure = machine_drawing(case)
+        if figure is None:
+            return None
+        words = drawing_words(case)
+        label = f"Drawing of the rotary machine with a list of its parts. {words}"
+        return Drawing(figure, f"The machine with its numbers, at first touch. {words}", label)
