@@ -225,7 +225,7 @@ def test_full_disk_leaves_nothing_half_written(strikewave, monkeypatch, tmp_path
     def full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("strikewave.analyses.machine.result.Solution.save", full)
+    monkeypatch.setattr("xarray.Dataset.to_netcdf", full)
     code, _, err = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--out", "a")
     assert code == 2
     assert "No space left" in err
@@ -236,10 +236,10 @@ def test_full_disk_leaves_nothing_half_written(strikewave, monkeypatch, tmp_path
 def test_interrupt_leaves_nothing_half_written(tmp_path, environment):
     """Ctrl-C while the result is being written."""
     program = (
-        "import sys, time; from strikewave.analyses.machine.result import Solution; save = Solution.save\n"
-        "def slow(self, path):\n"
-        "    save(self, path); print('writing', flush=True); time.sleep(60)\n"
-        "Solution.save = slow\n"
+        "import sys, time; from strikewave.reporting import run_and_write; write = run_and_write.write_files\n"
+        "def slow(result, folder):\n"
+        "    write(result, folder); print('writing', flush=True); time.sleep(60)\n"
+        "run_and_write.write_files = slow\n"
         "sys.argv = ['strikewave', 'run', 'li-ma-2019', '--set', 'feed.blows=1', '--out', 'a']\n"
         "from strikewave.cli.app import main; main()\n"
     )
