@@ -12,7 +12,20 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 
 FAILED = 10.0
-"""Residual of a target that a trial run has no number for."""
+"""Residual of a target that a trial run has no number for: as if it were eleven times the target, worse than any run
+that strikes, so that the search turns back."""
+MET = 1e-4
+"""Largest relative miss of a target that counts as met, where there are as many values as targets: below the digits of
+every published number."""
+ACCURACY = 1e-8
+"""Relative step of the values at which a search ends: below the seven digits that are written."""
+STEP = 1e-4
+"""Relative step of the differences that give the slopes: far above what the tolerance of a run errs by (1e-8), small
+against what bends the slopes."""
+SMALLEST_GAIN = 1e-14
+"""Relative gain and slope of the misfit at which a search ends: as good as none, so that `ACCURACY` decides."""
+DIGITS = 7
+"""Significant digits of a fitted value: its target is then met as well as with all of them."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +37,7 @@ class Fit:
     runs: int
 
 
-def calibrate(case: Case, accuracy: float = 1e-8) -> Fit:
+def calibrate(case: Case, accuracy: float = ACCURACY) -> Fit:
     """Fit the values marked ``fitted`` to the published numbers whose role is ``fitted``.
 
     Only targets of the first blow are met, so each trial runs a single blow. The values are searched on
@@ -41,7 +54,7 @@ def calibrate(case: Case, accuracy: float = 1e-8) -> Fit:
     ------
     InputError
         If nothing is marked fitted, a target is not of the first blow, there are more unknowns than targets,
-        or the search ends without meeting the targets to 1e-4.
+        or the search ends without meeting the targets to `MET`.
     """
     from scipy.optimize import least_squares
 
@@ -73,15 +86,17 @@ def calibrate(case: Case, accuracy: float = 1e-8) -> Fit:
     def miss(logs: np.ndarray) -> np.ndarray:
         nonlocal runs
         runs += 1
-        seen = observe(at(logs))
-        computed = [published_value(entry.quantity, seen.blows, seen.readings, entry.sensor) for entry in wanted]
+        run = observe(at(logs))
+        computed = [published_value(entry.quantity, run.blows, run.readings, entry.sensor) for entry in wanted]
         return np.array(
             [FAILED if c is None else c / entry.value.si - 1.0 for c, entry in zip(computed, wanted, strict=True)]
         )
 
-    answer = least_squares(miss, np.zeros(len(fields)), diff_step=1e-4, xtol=accuracy, ftol=1e-14, gtol=1e-14)
+    answer = least_squares(
+        miss, np.zeros(len(fields)), diff_step=STEP, xtol=accuracy, ftol=SMALLEST_GAIN, gtol=SMALLEST_GAIN
+    )
     misses = dict(zip(targets, (float(r) for r in answer.fun), strict=True))
-    if len(fields) == len(targets) and max(abs(r) for r in misses.values()) > 1e-4:
+    if len(fields) == len(targets) and max(abs(r) for r in misses.values()) > MET:
         raise InputError(
             "published", misses, "targets that the fitted values can meet", "start nearer, or fit other values"
         )
@@ -95,7 +110,7 @@ def calibrate(case: Case, accuracy: float = 1e-8) -> Fit:
 
 
 def rounded(typed: str | int | float, ratio: float) -> str | float:
-    """Return a typed quantity times a ratio in the same unit, to seven digits.
+    """Return a typed quantity times a ratio in the same unit, to `DIGITS`.
 
     Examples
     --------
@@ -103,6 +118,6 @@ def rounded(typed: str | int | float, ratio: float) -> str | float:
     '5 mm'
     """
     if not isinstance(typed, str):
-        return float(f"{typed * ratio:.7g}")
+        return float(f"{typed * ratio:.{DIGITS}g}")
     number, _, unit = typed.strip().partition(" ")
-    return f"{float(number) * ratio:.7g} {unit}".strip()
+    return f"{float(number) * ratio:.{DIGITS}g} {unit}".strip()

@@ -22,7 +22,7 @@ class Workers:
     """Processes that run functions; a context manager. With one, everything runs in this process.
 
     Ctrl-C is answered by the parent alone: an error in the ``with`` block ends the processes at once, whatever they
-    are about, so they must write nothing.
+    do, so they must write nothing.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def _begin(begin: Callable[..., None] | None, arguments: tuple[Any, ...]) -> Non
 
 @contextlib.contextmanager
 def _interrupts_later() -> Iterator[None]:
-    """Hold Ctrl-C back while processes are started, who keep it held back until they ignore it."""
+    """Block Ctrl-C while processes are started; they inherit the block, and ignore Ctrl-C once they run."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

@@ -148,7 +148,7 @@ def test_what_stands_on_the_end_is_read(strikewave, sensor, tmp_path):
     ("change", "told"),
     [
         ("accelerometer.channel=accel", "channel"),
-        ("accelerometer.file=none.csv", "exists"),
+        ("accelerometer.file=none.csv", "no such file"),
         ("accelerometer.unit=N", "acceleration"),
         ("accelerometer.unit=furlong", "accelerometer.unit"),
         ("accelerometer.sensitivity=1 mV/N", "accelerometer.sensitivity"),

@@ -7,9 +7,7 @@ import pytest
 
 from strikewave.analyses.impact.figures.contact import (
     asked_given,
-    force_indentation,
     impact_sheet,
-    phase_plane,
     stiffness_over_load,
 )
 from strikewave.base.materials import material
@@ -56,8 +54,8 @@ def legend(figure):
 
 
 def test_loops_stand_where_they_begin(blows):
-    figure = force_indentation(blows, ["a", "b", "c"])
-    (axes,) = figure.axes
+    figure = impact_sheet(blows, ["a", "b", "c"], "three blows")
+    _, axes, _ = figure.axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("indentation (µm)", "force (kN)")
     assert legend(figure) == ["a", "b", "c", "largest force"]
     assert len(curves(axes)) == 3
@@ -73,8 +71,7 @@ def test_loops_stand_where_they_begin(blows):
 
 
 def test_phase_plane_in_shares(blows):
-    figure = phase_plane(blows, ["a", "b", "c"])
-    (axes,) = figure.axes
+    _, _, axes = impact_sheet(blows, ["a", "b", "c"], "three blows").axes
     assert axes.get_xlabel() == "indentation / largest indentation (-)"
     assert axes.get_ylabel() == "rate / approach speed (-)"
     for line, blow in zip(curves(axes), blows, strict=True):

@@ -255,7 +255,7 @@ def test_out_replaces_another_impact_by_force_alone(strikewave):
 
 
 def test_the_history_that_is_written_identifies_its_own_law(strikewave):
-    """500 steps of 9 digits, without a zero line before: K, n, e and speed to 1e-3."""
+    """500 steps of 9 digits, without a baseline before: K, n, e and speed to 1e-3."""
     words = ("--m1", "0.2", "--m2", "inf", "--speed", "5")
     assert strikewave("impact", *words, *GIVEN, "-e", "0.6", "--out", "a")[0] == 0
     code, out, err = strikewave("identify", "a/history.csv", "--channel", "force", "--mass", "0.2", "--json")

@@ -160,7 +160,7 @@ def test_findings_are_marked_where_they_are():
     clipped = blows(3, limit=4000.0, noise=20.0).channels[0]
     figure = records.history(clipped)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert {"clipped", "blow", "peak", "zero line", "smooth pulse"} <= set(labels)
+    assert {"clipped", "blow", "peak", "baseline", "smooth pulse"} <= set(labels)
     hatched = [patch for patch in figure.axes[0].patches if patch.get_hatch()]
     assert hatched
     drift = blows(1).channels[0].with_finding(HealthNotice("zero-shift", "", start=3e-3))

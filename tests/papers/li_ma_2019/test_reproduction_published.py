@@ -210,7 +210,7 @@ def test_what_was_not_run_is_open(rows):
     assert unknown == NOT_SAID | {FACES, SLOPE, "yielding", SPECIMEN}
     assert table(rows, {QUIET: None, WAVE: ElementNumbers()}) == found
     assert {row.found for topic, row in found.items() if topic in unknown - NOT_SAID} == {
-        "The finite elements that would tell were not run."
+        "The finite elements that would answer this were not run."
     }
 
 

@@ -23,16 +23,16 @@ from strikewave.signal.srs import srs
 from strikewave.studies.buffer.candidate import RINGING, Goal, assess, look_closer, ranked, withstands
 from strikewave.studies.buffer.choice import Choice, stacks
 from strikewave.studies.buffer.moduli import confined, confinement
-from strikewave.studies.buffer.seat import (
+from strikewave.studies.buffer.mounting_site import (
+    BaseMotion,
     Blows,
-    Motion,
-    Seat,
-    Sheet,
+    GasketLayer,
+    MountingSite,
     blows_of,
     case_with,
     choose_sensor,
+    mounting_site_of,
     reading_of,
-    seat_of,
     usual_materials,
 )
 from strikewave.studies.buffer.study import design_buffer
@@ -75,18 +75,20 @@ def mm(size):
     return Value(si=size * 1e-3, typed=f"{size} mm")
 
 
-def seat(mass=5e-3, diameter=15.0, sensor=None):
+def site(mass=5e-3, diameter=15.0, sensor=None):
     """An ideal sensor and recorder."""
     shape = mm(diameter)
     area = 0.25 * math.pi * shape.si**2
     channel = Channel(sensor or Sensor(), None, Recorder())
     table = SensorTable(name="sensor", mass=f"{mass} kg")
-    return Seat(channel, table, {"diameter": shape}, mass, area)
+    return MountingSite(channel, table, {"diameter": shape}, mass, area)
 
 
 def half_sine(peak=1e4 * G, duration=200e-6, step=1e-7, rest=1.5e-3):
     t = np.arange(round((duration + rest) / step)) * step
-    return Motion("half-sine", np.where(t < duration, peak * np.sin(np.pi * t / duration), 0.0), step, rigid_peak=peak)
+    return BaseMotion(
+        "half-sine", np.where(t < duration, peak * np.sin(np.pi * t / duration), 0.0), step, rigid_peak=peak
+    )
 
 
 RUBBERS = Choice(("PTFE", "rubber"), (mm(0.5), mm(1)), 2)
@@ -94,7 +96,7 @@ RUBBERS = Choice(("PTFE", "rubber"), (mm(0.5), mm(1)), 2)
 
 @pytest.fixture(scope="module")
 def study():
-    return design_buffer(seat(), Blows((half_sine(duration=60e-6),)), RUBBERS, Goal(5e3 * G))
+    return design_buffer(site(), Blows((half_sine(duration=60e-6),)), RUBBERS, Goal(5e3 * G))
 
 
 # one mass on a spring
@@ -104,7 +106,7 @@ def study():
 @pytest.mark.parametrize("cycles", [0.2, 0.8, 1.7])
 def test_steel_pin_under_a_heavy_mass_reads_the_undamped_shock_response_spectrum(cycles, stiffer):
     """65Mn has no loss factor; of a pin of 12 mg under 0.5 kg a third moves along, 8e-6 of the mass."""
-    held, pin = seat(0.5, 1.0), (Sheet("65Mn", mm(2)),)
+    held, pin = site(0.5, 1.0), (GasketLayer("65Mn", mm(2)),)
     stiffness = material("65Mn").youngs_modulus * held.area / 2e-3
     natural = math.sqrt(stiffness / 0.5) / (2.0 * math.pi)
     motion = half_sine(duration=cycles / natural, step=2e-7, rest=2.0 / natural)
@@ -115,7 +117,7 @@ def test_steel_pin_under_a_heavy_mass_reads_the_undamped_shock_response_spectrum
 
 def test_a_short_blow_on_a_soft_buffer_reads_w_times_its_velocity_change():
     """An impulse on an undamped mass: a = w dv sin(w t); a blow of 0.02 periods is one within (pi 0.02)^2 / 8."""
-    held, pin = seat(0.5, 1.0), (Sheet("65Mn", mm(2)),)
+    held, pin = site(0.5, 1.0), (GasketLayer("65Mn", mm(2)),)
     w = math.sqrt(material("65Mn").youngs_modulus * held.area / 2e-3 / 0.5)
     motion = half_sine(duration=0.02 * 2.0 * math.pi / w, step=2e-8, rest=2.0 / w)
     candidate = assess(held, pin, motion, Goal(1e9))
@@ -125,21 +127,21 @@ def test_a_short_blow_on_a_soft_buffer_reads_w_times_its_velocity_change():
 
 def test_a_slow_blow_passes_and_loads_each_gasket_with_what_lies_above_it():
     """Far below resonance sensor and gaskets move as the surface: stress = (mass above its middle) a / A."""
-    held = seat()
+    held = site()
     motion = half_sine(duration=20e-3, step=2e-6, rest=1e-4)
-    sheets = (Sheet("PTFE", mm(1)), Sheet("PMMA", mm(2)))
+    stack = (GasketLayer("PTFE", mm(1)), GasketLayer("PMMA", mm(2)))
     goal = Goal(2e4 * G)
-    found = look_closer(held, assess(held, sheets, motion, goal), motion, goal)
-    masses = [material(s.material).density * held.area * s.thickness.si for s in sheets]
+    found = look_closer(held, assess(held, stack, motion, goal), motion, goal)
+    masses = [material(s.material).density * held.area * s.thickness.si for s in stack]
     above = [held.mass + masses[1] + 0.5 * masses[0], held.mass + 0.5 * masses[1]]
-    moduli = [material(s.material).youngs_modulus for s in sheets]
+    moduli = [material(s.material).youngs_modulus for s in stack]
     # the mounting rings at 10 kHz; (f T)^-2 of it, and the start of the pulse, leave some 1e-3
     assert found.peak == pytest.approx(1e4 * G, rel=3e-3)
     assert found.velocity_error == pytest.approx(0.0, abs=3e-3)
     stress = [m * 1e4 * G / held.area for m in above]
     assert found.leading.stress == pytest.approx(stress, rel=3e-3)
     assert found.leading.strain == pytest.approx([s / E for s, E in zip(stress, moduli, strict=True)], rel=3e-3)
-    sags = [m * G * s.thickness.si / (E * held.area) for m, s, E in zip(above, sheets, moduli, strict=True)]
+    sags = [m * G * s.thickness.si / (E * held.area) for m, s, E in zip(above, stack, moduli, strict=True)]
     assert found.sag == pytest.approx(sum(sags), rel=1e-12)
 
 
@@ -156,17 +158,19 @@ def test_the_direct_mounting_reads_the_surface(study):
 @pytest.mark.parametrize("name", ["PTFE", "rubber"])
 def test_thicker_gaskets_and_heavier_sensors_pass_less(name):
     motion, goal = half_sine(rest=0.1e-3, step=1e-6), Goal(1e4 * G)
-    by_size = [assess(seat(), (Sheet(name, mm(h)),), motion, goal).band.within_10 for h in (0.5, 1, 2, 3)]
-    by_mass = [assess(seat(m), (Sheet(name, mm(1)),), motion, goal).band.within_10 for m in (1e-3, 2e-3, 5e-3, 2e-2)]
+    by_size = [assess(site(), (GasketLayer(name, mm(h)),), motion, goal).band.within_10 for h in (0.5, 1, 2, 3)]
+    by_mass = [
+        assess(site(m), (GasketLayer(name, mm(1)),), motion, goal).band.within_10 for m in (1e-3, 2e-3, 5e-3, 2e-2)
+    ]
     assert by_size == sorted(by_size, reverse=True)
     assert by_mass == sorted(by_mass, reverse=True)
 
 
 @pytest.mark.verify
 def test_a_higher_limit_keeps_all_that_a_lower_one_keeps():
-    held, motion = seat(), half_sine(duration=60e-6, step=5e-7)
+    held, motion = site(), half_sine(duration=60e-6, step=5e-7)
     kept = [
-        {c.name for c in (assess(held, sheets, motion, Goal(limit * G)) for sheets in stacks(RUBBERS)) if c.keeps}
+        {c.name for c in (assess(held, stack, motion, Goal(limit * G)) for stack in stacks(RUBBERS)) if c.keeps}
         for limit in (3e3, 4e3, 6e3, 3e4)
     ]
     assert kept[0] < kept[2]
@@ -176,7 +180,7 @@ def test_a_higher_limit_keeps_all_that_a_lower_one_keeps():
 
 
 def test_a_reading_beyond_the_range_keeps_no_limit():
-    clipping = seat(sensor=Sensor(range=5e3 * G))
+    clipping = site(sensor=Sensor(range=5e3 * G))
     found = assess(clipping, (), half_sine(), Goal(9e3 * G))
     assert abs(found.peak) <= 5e3 * G * (1 + 1e-12)
     assert found.clipped
@@ -188,16 +192,16 @@ def test_a_reading_beyond_the_range_keeps_no_limit():
 
 
 def test_every_sequence_is_there_once_and_neighbours_of_one_material_count_as_one_gasket():
-    def merged(sheets):
+    def merged(stack):
         out = []
-        for sheet in sheets:
-            if out and out[-1][0] == sheet.material:
-                out[-1][1] = round(out[-1][1] + sheet.thickness.si, 9)
+        for layer in stack:
+            if out and out[-1][0] == layer.material:
+                out[-1][1] = round(out[-1][1] + layer.thickness.si, 9)
             else:
-                out.append([sheet.material, round(sheet.thickness.si, 9)])
+                out.append([layer.material, round(layer.thickness.si, 9)])
         return tuple(map(tuple, out))
 
-    kinds = [Sheet(name, mm(h)) for name in ("PTFE", "rubber") for h in (0.5, 1)]
+    kinds = [GasketLayer(name, mm(h)) for name in ("PTFE", "rubber") for h in (0.5, 1)]
     every = {merged(s) for k in range(4) for s in _sequences(kinds, k)}
     found = [merged(s) for s in stacks(dataclasses.replace(RUBBERS, layers=3))]
     assert len(found) == len(set(found))
@@ -210,10 +214,10 @@ def _sequences(kinds, length):
 
 def test_a_stack_that_is_left_out_reads_what_the_kept_one_reads():
     thin_first, thick_first = (
-        (Sheet("PTFE", mm(0.5)), Sheet("PTFE", mm(1))),
-        (Sheet("PTFE", mm(1)), Sheet("PTFE", mm(0.5))),
+        (GasketLayer("PTFE", mm(0.5)), GasketLayer("PTFE", mm(1))),
+        (GasketLayer("PTFE", mm(1)), GasketLayer("PTFE", mm(0.5))),
     )
-    one, other = (reading_of(seat(), sheets, half_sine()).values for sheets in (thin_first, thick_first))
+    one, other = (reading_of(site(), stack, half_sine()).values for stack in (thin_first, thick_first))
     # elements of another size: equal as far as they resolve the kink at the start of the half-sine
     assert np.max(np.abs(one - other)) < 1e-6 * np.max(np.abs(one))
 
@@ -240,7 +244,7 @@ def test_ranking_by_bandwidth_is_what_it_says(study):
     assert kept
     assert rest
     assert list(study.candidates) == kept + rest
-    keys = [(-float(f"{c.band.within_10:.1e}"), len(c.sheets), abs(c.peak)) for c in kept]
+    keys = [(-float(f"{c.band.within_10:.1e}"), len(c.stack), abs(c.peak)) for c in kept]
     assert keys == sorted(keys)
     assert [abs(c.peak) for c in rest] == sorted(abs(c.peak) for c in rest)
     assert all(abs(c.peak) <= study.goal.limit for c in kept)
@@ -251,7 +255,7 @@ def test_ranking_by_peak_is_what_it_says(study):
     assert [abs(c.peak) for c in kept] == sorted(abs(c.peak) for c in kept)
 
 
-def test_the_front_is_what_no_other_beats_in_both(study):
+def test_pareto_optimal_stacks_are_those_that_no_other_beats_in_both(study):
     for one in study.candidates:
         beaten = any(
             abs(other.peak) <= abs(one.peak)
@@ -275,42 +279,42 @@ def test_robust_means_that_every_variant_keeps_the_limit(study):
 @pytest.mark.verify
 def test_a_robust_stack_keeps_the_limit_over_the_whole_spread_of_its_modulus():
     """Rubber of 5 mm: 0.5 to 5 times the modulus, free and confined, on a grid five times as dense as the search's."""
-    held, motion, goal = seat(), half_sine(duration=60e-6, step=2e-7), Goal(9.9e3 * G)
+    held, motion, goal = site(), half_sine(duration=60e-6, step=2e-7), Goal(9.9e3 * G)
     study = design_buffer(held, Blows((motion,)), Choice(("rubber",), (mm(5),), 1), goal)
     assert study.robust.name == "rubber 5 mm"
-    rubber, sheets = material("rubber"), study.robust.sheets
+    rubber, stack = material("rubber"), study.robust.stack
     for factor in np.geomspace(0.5, 5.0, 25):
         for stiffer in (factor, confinement(rubber, held.area, 5e-3, factor)):
-            assert np.abs(reading_of(held, sheets, motion, [stiffer]).values).max() <= goal.limit
+            assert np.abs(reading_of(held, stack, motion, [stiffer]).values).max() <= goal.limit
 
 
 @pytest.mark.verify
 def test_a_peak_between_the_ends_of_the_spread_is_not_robust():
     """Ten cycles at sqrt(2.9) times the resonance: rubber of 0.5, 1 or 5 times its modulus is off it, of 2.9 on it."""
-    held, sheets = seat(), (Sheet("rubber", mm(5)),)
-    frequency = math.sqrt(2.9) * assess(held, sheets, half_sine(), Goal(G)).band.resonance
+    held, stack = site(), (GasketLayer("rubber", mm(5)),)
+    frequency = math.sqrt(2.9) * assess(held, stack, half_sine(), Goal(G)).band.resonance
     t = np.arange(0.0, 10.0 / frequency, 5e-7)
     burst = 1e3 * G * np.sin(2.0 * np.pi * frequency * t) * np.sin(np.pi * frequency * t / 10.0) ** 2
-    motion, goal = Motion("burst", np.concatenate([burst, np.zeros(2 * burst.size)]), 5e-7), Goal(4e3 * G)
-    found = look_closer(held, assess(held, sheets, motion, goal), motion, goal)
+    motion, goal = BaseMotion("burst", np.concatenate([burst, np.zeros(2 * burst.size)]), 5e-7), Goal(4e3 * G)
+    found = look_closer(held, assess(held, stack, motion, goal), motion, goal)
     assert found.keeps
     assert max(found.leading.softer, found.leading.stiffer, found.leading.confined) <= goal.limit
     assert not found.leading.robust
-    ends = [np.abs(reading_of(held, sheets, motion, [factor]).values).max() for factor in (0.5, 5.0)]
+    ends = [np.abs(reading_of(held, stack, motion, [factor]).values).max() for factor in (0.5, 5.0)]
     assert [found.leading.softer, found.leading.stiffer] == pytest.approx(ends, rel=1e-12)
-    assert np.abs(reading_of(held, sheets, motion, [2.9]).values).max() > goal.limit
+    assert np.abs(reading_of(held, stack, motion, [2.9]).values).max() > goal.limit
 
 
 @pytest.mark.verify
 def test_ranking_by_robust_puts_a_robust_stack_first():
     blows, goal = Blows((half_sine(duration=60e-6, step=2e-7),)), Goal(9.9e3 * G, "robust")
-    study = design_buffer(seat(), blows, Choice(("PTFE", "rubber"), (mm(1), mm(5)), 1), goal)
+    study = design_buffer(site(), blows, Choice(("PTFE", "rubber"), (mm(1), mm(5)), 1), goal)
     assert study.candidates[0] is study.robust
-    assert withstands(study.seat, study.robust, study.motion, goal)
+    assert withstands(study.site, study.robust, study.motion, goal)
     assert "not-robust" not in {n.code for n in study.warnings}
     places = [(not c.keeps, not c.robust) for c in study.candidates]
     assert places == sorted(places)
-    wide = design_buffer(seat(), blows, Choice(("PTFE", "rubber"), (mm(1), mm(5)), 1), Goal(9.9e3 * G))
+    wide = design_buffer(site(), blows, Choice(("PTFE", "rubber"), (mm(1), mm(5)), 1), Goal(9.9e3 * G))
     assert wide.candidates[0].band.within_10 > study.robust.band.within_10
     (notice,) = [n for n in wide.warnings if n.code == "not-robust"]
     assert "--rank robust" in notice.message
@@ -318,7 +322,7 @@ def test_ranking_by_robust_puts_a_robust_stack_first():
 
 @pytest.mark.verify
 def test_where_none_keeps_the_limit_the_lowest_peak_is_first_and_named():
-    study = design_buffer(seat(), Blows((half_sine(),)), RUBBERS, Goal(100 * G))
+    study = design_buffer(site(), Blows((half_sine(),)), RUBBERS, Goal(100 * G))
     assert study.broken
     assert study.best is None
     assert abs(study.candidates[0].peak) == min(abs(c.peak) for c in study.candidates)
@@ -330,7 +334,7 @@ def test_where_none_keeps_the_limit_the_lowest_peak_is_first_and_named():
 def test_a_heavy_sensor_makes_its_gasket_yield():
     """0.5 kg at some 7 000 g on 177 mm^2 press with 200 MPa; PTFE yields at 14.5."""
     blows = Blows((half_sine(duration=50e-6),))
-    buffered = design_buffer(seat(0.5), blows, Choice(("PTFE",), (mm(0.5),), 1), Goal(9.9e3 * G))
+    buffered = design_buffer(site(0.5), blows, Choice(("PTFE",), (mm(0.5),), 1), Goal(9.9e3 * G))
     assert buffered.best.name == "PTFE 0.5 mm"
     (notice,) = [n for n in buffered.warnings if n.code == "gasket-yield"]
     assert notice.limit == material("PTFE").yield_strength
@@ -343,8 +347,8 @@ def test_a_heavy_sensor_makes_its_gasket_yield():
 def test_a_history_that_ends_before_the_buffer_has_swung_is_named_and_never_robust(rest, whole, robust):
     """Rubber of 5 mm under 5 g swings at 0.90 kHz: half a period is 0.55 ms, 0.78 ms of half the modulus."""
     blows = Blows((half_sine(duration=60e-6, rest=rest, step=2e-7),))
-    study = design_buffer(seat(), blows, Choice(("rubber",), (mm(5),), 1), Goal(9.9e3 * G))
-    assert study.best.sheets
+    study = design_buffer(site(), blows, Choice(("rubber",), (mm(5),), 1), Goal(9.9e3 * G))
+    assert study.best.stack
     assert study.best.band.resonance == pytest.approx(902.0, rel=0.01)
     assert study.best.whole == whole
     assert ("short-history" in {n.code for n in study.warnings}) != whole
@@ -353,8 +357,8 @@ def test_a_history_that_ends_before_the_buffer_has_swung_is_named_and_never_robu
 
 def test_velocity_change_is_stated_only_where_the_sensor_has_come_to_rest():
     """Q = 10 at 1.5 kHz rings for 2.1 ms to 1/e: after 20 ms sensor and surface move alike, after 1 ms they do not."""
-    held, sheets, goal = seat(), (Sheet("rubber", mm(2)),), Goal(1e5 * G)
-    short, long = (assess(held, sheets, half_sine(duration=60e-6, rest=r, step=1e-6), goal) for r in (1e-3, 20e-3))
+    held, stack, goal = site(), (GasketLayer("rubber", mm(2)),), Goal(1e5 * G)
+    short, long = (assess(held, stack, half_sine(duration=60e-6, rest=r, step=1e-6), goal) for r in (1e-3, 20e-3))
     assert short.whole
     assert short.ringing > 0.5
     assert math.isnan(short.velocity_error)
@@ -368,7 +372,7 @@ def test_a_buffer_that_passes_less_than_the_pulse_holds_is_named_with_both_frequ
     assert motion.width == pytest.approx(HALF_SINE_WIDTH * 60e-6, rel=1e-4)
     for rigid, lost in ((None, True), (1e-3, True), (5e-3, False)):
         blows = Blows((dataclasses.replace(motion, rigid_width=rigid),))
-        study = design_buffer(seat(), blows, Choice(("rubber",), (mm(1),), 1), Goal(9e3 * G))
+        study = design_buffer(site(), blows, Choice(("rubber",), (mm(1),), 1), Goal(9e3 * G))
         assert study.best.name == "rubber 1 mm"
         found = [n for n in study.warnings if n.code == "pulse-lost"]
         assert bool(found) == lost
@@ -391,7 +395,7 @@ def cut_off():
     """All are cut off at 2000 g: only the element tells them apart; the limit is 5000 g."""
     blows = Blows((half_sine(duration=60e-6, step=2e-7),))
     choice = Choice(("PTFE", "rubber"), (mm(0.5), mm(1)), 1)
-    return design_buffer(seat(sensor=Sensor(range=2e3 * G)), blows, choice, Goal(5e3 * G))
+    return design_buffer(site(sensor=Sensor(range=2e3 * G)), blows, choice, Goal(5e3 * G))
 
 
 def test_stacks_that_are_cut_off_are_ranked_by_their_element(cut_off):
@@ -402,7 +406,7 @@ def test_stacks_that_are_cut_off_are_ranked_by_their_element(cut_off):
     assert [c.name for c in back] == [c.name for c in cut_off.candidates]
 
 
-def test_margin_and_front_of_stacks_that_are_cut_off_are_of_their_element(cut_off):
+def test_margin_and_pareto_optima_of_stacks_that_are_cut_off_are_of_their_element(cut_off):
     """What a stack must keep is the lower of limit and range."""
     for one in cut_off.candidates:
         assert one.true_peak == one.element_peak
@@ -421,7 +425,7 @@ def test_a_margin_is_above_zero_where_the_limit_is_kept_and_only_there(study, cu
 
 def test_variants_that_are_cut_off_count_with_their_element(cut_off):
     """Range 2000 g: softer and stiffer gaskets are told by what the element would put out, beyond it."""
-    looked = [c.leading for c in cut_off.candidates if c.leading is not None and c.sheets]
+    looked = [c.leading for c in cut_off.candidates if c.leading is not None and c.stack]
     assert looked
     assert all(min(found.softer, found.stiffer) > 2e3 * G * 1.01 for found in looked)
 
@@ -433,7 +437,7 @@ def test_a_stronger_blow_of_the_run_that_breaks_the_limit_is_named(reach, peak, 
     """4500 g keeps the limit of 5000 g, but is cut off by a range of 4000 g."""
     one = half_sine(peak=2e3 * G, duration=60e-6, step=2e-7)
     other = dataclasses.replace(half_sine(peak=peak * G, duration=60e-6, step=2e-7), name="blow 2")
-    held = seat(sensor=Sensor(range=reach))
+    held = site(sensor=Sensor(range=reach))
     study = design_buffer(held, Blows((one, other), 0), Choice(("PTFE",), (mm(1),), 1), Goal(5e3 * G))
     (notice,) = [n for n in study.warnings if n.code == "other-blow"]
     assert "blow 2" in notice.message
@@ -445,14 +449,14 @@ def test_a_stronger_blow_of_the_run_that_breaks_the_limit_is_named(reach, peak, 
 @pytest.mark.verify
 def test_steps_of_the_recorder_that_are_coarse_for_the_limit_are_named():
     """8 bits over 60 000 g have steps of 472 g."""
-    held = dataclasses.replace(seat(), channel=Channel(Sensor(range=6e4 * G), None, Recorder(bits=8)))
+    held = dataclasses.replace(site(), channel=Channel(Sensor(range=6e4 * G), None, Recorder(bits=8)))
     study = design_buffer(held, Blows((half_sine(duration=60e-6),)), RUBBERS, Goal(5e3 * G))
     (notice,) = [n for n in study.warnings if n.code == "coarse-steps"]
     assert notice.value == pytest.approx(6e4 * G / 127)
 
 
 def test_stacks_too_thick_to_try_are_counted():
-    study = design_buffer(seat(), Blows((half_sine(),)), Choice(("rubber",), (mm(1), mm(50)), 1), Goal(5e3 * G))
+    study = design_buffer(site(), Blows((half_sine(),)), Choice(("rubber",), (mm(1), mm(50)), 1), Goal(5e3 * G))
     (notice,) = [n for n in study.warnings if n.code == "stack-left-out"]
     assert notice.value == 1.0
     assert {c.name for c in study.candidates} == {"direct", "rubber 1 mm"}
@@ -472,24 +476,24 @@ def test_confined_disc_is_free_when_tall_and_as_stiff_as_its_bulk_when_thin():
 
 
 def test_neighbours_of_rubber_are_confined_as_one_disc():
-    area = seat().area
-    two = confined((Sheet("rubber", mm(1)), Sheet("rubber", mm(1)), Sheet("PTFE", mm(1))), area)
+    area = site().area
+    two = confined((GasketLayer("rubber", mm(1)), GasketLayer("rubber", mm(1)), GasketLayer("PTFE", mm(1))), area)
     assert two == [confinement(material("rubber"), area, 2e-3)] * 2 + [1.0]
 
 
 def test_thin_rubber_is_told_to_be_confined_and_its_loss_fit_told():
-    held, motion = seat(), half_sine(duration=60e-6, step=2e-7)
+    held, motion = site(), half_sine(duration=60e-6, step=2e-7)
     study = design_buffer(held, Blows((motion,)), Choice(("rubber",), (mm(0.5),), 1), Goal(9e3 * G))
     best = study.best
-    assert best.sheets
+    assert best.stack
     assert "elastomer-confined" in {n.code for n in study.warnings}
-    mounting = held.mounting(best.sheets)
+    mounting = held.mounting(best.stack)
     assert best.loss_error == max(mounting.loss(g).error for g in mounting.gaskets) > 0.0
 
 
 def test_a_stiffer_rubber_is_confined_by_the_same_bulk_modulus():
     """1/E_a - 1/K is one over (factor E (1 + 2 S^2)): K does not follow the factor."""
-    rubber, area = material("rubber"), seat().area
+    rubber, area = material("rubber"), site().area
     bulk = rubber.youngs_modulus / (3.0 * (1.0 - 2.0 * rubber.poissons_ratio))
     free = [1.0 / (1.0 / (rubber.youngs_modulus * confinement(rubber, area, 1e-3, f)) - 1.0 / bulk) for f in (1.0, 5.0)]
     assert free[1] == pytest.approx(5.0 * free[0], rel=1e-12)
@@ -500,9 +504,9 @@ def test_a_stiffer_rubber_is_confined_by_the_same_bulk_modulus():
 
 def _designed(case, blow="worst", goal=5e3 * G):
     table = choose_sensor(case, "buffered" if len(case.sensor) > 1 else None)
-    held = seat_of(table, case)
+    held = mounting_site_of(table, case)
     study = design_buffer(held, blows_of(case, table, blow), Choice(("PTFE", "rubber"), (mm(1), mm(2)), 1), Goal(goal))
-    return study, parse_case(dump_case(case_with(case, held, study.candidates[0].sheets)))
+    return study, parse_case(dump_case(case_with(case, held, study.candidates[0].stack)))
 
 
 @pytest.mark.verify
@@ -510,8 +514,8 @@ def _designed(case, blow="worst", goal=5e3 * G):
 def test_machine_case_with_the_first_stack_reads_the_same(recorder):
     case = load_case("li-ma-2019-fig5", [f"sensor.buffered.recorder={recorder}", "feed.blows=2"])
     study, back = _designed(case)
-    assert study.candidates[0].sheets
-    assert [sheet.typed for sheet in (g.thickness for g in back.sensor[-1].gasket)]
+    assert study.candidates[0].stack
+    assert [layer.typed for layer in (g.thickness for g in back.sensor[-1].gasket)]
     seen = observe(back)
     index = int(study.motion.name.removeprefix("blow ")) - 1
     place = [sensor.name for sensor in back.sensor].index("buffered")
@@ -526,7 +530,7 @@ def test_machine_case_with_the_first_stack_reads_the_same(recorder):
 def test_bar_case_with_the_first_stack_reads_the_same():
     study, back = _designed(parse_case(BAR))
     pulse = run_wave(back).sensors["acc"]
-    assert study.candidates[0].sheets
+    assert study.candidates[0].stack
     assert pulse.peak == pytest.approx(study.candidates[0].peak, rel=1e-9)
     assert pulse.width == pytest.approx(study.candidates[0].width, rel=1e-9)
 
@@ -566,7 +570,7 @@ def test_a_blow_that_a_case_cannot_have_is_refused_before_it_runs(monkeypatch):
     def never(*_):
         raise AssertionError("the machine ran")
 
-    monkeypatch.setattr("strikewave.studies.buffer.seat.observe", never)
+    monkeypatch.setattr("strikewave.studies.buffer.mounting_site.observe", never)
     case = load_case("li-ma-2019-fig5")
     for blow in ("99", "0", "-1", "8", "last"):
         with pytest.raises(InputError, match="worst, first, or a number from 1 to 7"):

@@ -13,11 +13,11 @@ from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Range, ToleranceBand
 from strikewave.machines import StruckObject, blows, run_machine
 from strikewave.machines.fast_train import fast_train
+from strikewave.studies.axes import axis_of, case_at
 from strikewave.studies.map.cells import (
     FIELDS,
     PLACE,
     REASONS,
-    case_at,
     cell_of,
     machine_of,
     measured,
@@ -28,7 +28,7 @@ from strikewave.studies.map.cells import (
 from strikewave.studies.map.regimes import IRREGULAR, MISSES, NO_RETURN, UNKNOWN, period_of, regime_of
 from strikewave.studies.map.return_time import arrivals, bounce_time
 from strikewave.studies.map.store import Store, rows_beside
-from strikewave.studies.map.study import MapStudy, axis_of, check_plan, confirmed, in_full, make_map, plan_of
+from strikewave.studies.map.study import MapStudy, check_plan, confirmed, in_full, make_map, plan_of
 from strikewave.studies.workers import Workers
 from strikewave.uncertainty.statistics import variation
 
@@ -185,9 +185,8 @@ def test_cell_is_the_fast_run_of_its_case():
     plan = small()
     start_worker(plan)
     row = row_of(1)
-    case = case_at(
-        load_case("li-ma-2019", ["feed.blows=3"]), plan.axes, (plan.axes[0].values[2], plan.axes[1].values[1])
-    )
+    at = (plan.axes[0].values[2], plan.axes[1].values[1])
+    case = case_at(load_case("li-ma-2019", ["feed.blows=3"]), plan.axes, at, "a cell")
     run = fast_train(machine_of(case), 12)
     peaks = run.column("rigid_peak")[:3]
     assert row[2, PLACE["cv"]] == variation(peaks) == np.std(peaks, ddof=1) / np.mean(peaks)
@@ -388,7 +387,7 @@ def test_nearest_case_keeps_the_tolerances_of_what_it_changes():
 
 def test_a_failed_cell_says_why():
     case = load_case("li-ma-2019", ["object.preload=5 N", "object.stop_stiffness=200 kN/m"])
-    weak = case_at(case, (axis_of(case, "object.preload", None, 2, False),), (1.0,))
+    weak = case_at(case, (axis_of(case, "object.preload", None, 2, False),), (1.0,), "weak")
     cell = cell_of(weak, 3, 0)
     assert cell[PLACE["reason"]] == 1
     assert math.isnan(cell[PLACE["cv"]])

@@ -14,11 +14,12 @@ import pytest
 import xarray
 
 from strikewave import load_case
+from strikewave.studies.axes import axis_of
 from strikewave.studies.map.cells import FIELDS, PLACE
 from strikewave.studies.map.figures import map_figure
 from strikewave.studies.map.regimes import FAILED
 from strikewave.studies.map.store import rows_beside
-from strikewave.studies.map.study import MapStudy, axis_of, plan_of
+from strikewave.studies.map.study import MapStudy, plan_of
 
 FEW = ("map", "li-ma-2019", "--points", "4x3", "--workers", "1", "--train", "0", "--set", "feed.blows=3")
 
@@ -52,7 +53,7 @@ def test_tables_fit_into_80_columns(strikewave, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     _, out, _ = strikewave(*FEW, "--want-cv", "20 %", "--panels", "object.damper=10 N s/m, 40 N s/m")
     heads = [line.split("  ")[0].strip() for line in out.splitlines()]
-    assert {"machine.speed (rpm)", "object.damper (N s/m)", "CV from 2nd blow (%)", "largest retreat (mm)"} <= set(
+    assert {"machine.speed (rpm)", "object.damper (N s/m)", "CV from 2nd blow (%)", "largest displacement (mm)"} <= set(
         heads
     )
 

@@ -118,7 +118,7 @@ def test_intervals_scatter_as_the_angles_of_the_strikers():
     case = case_with(*ANGLES, *SETTLED)
     study = scatter(case, Plan(60, 11, "none"))
     speed, half = case.machine.speed.si, math.radians(0.1)
-    intervals = np.array([run.interval[1:] - study.still.interval[1:] for run in study.runs])
+    intervals = np.array([run.interval[1:] - study.nominal_run.interval[1:] for run in study.runs])
     numbers = [blow.striker for blow in blows(run_machine(build_machine(case), 1e-7))]
     errors = study.numbers[:, np.array(numbers) - 1]
     np.testing.assert_allclose(intervals, -np.diff(errors, axis=1) / speed, rtol=0.0, atol=0.02 * half / speed)
@@ -129,7 +129,7 @@ def test_intervals_scatter_as_the_angles_of_the_strikers():
 def test_the_nominal_run_is_the_dynamics_alone():
     case = case_with(*ANGLES, *FEW_BLOWS)
     found = blows(run_machine(build_machine(case), 1e-9))
-    still = scatter(case, Plan(10, 1, "none")).still
+    still = scatter(case, Plan(10, 1, "none")).nominal_run
     # steps of 1e-7 instead of 1e-9 change a peak by less than 1e-6 of it
     np.testing.assert_allclose(still.peak, [blow.rigid_peak for blow in found], rtol=1e-6)
 
@@ -261,7 +261,7 @@ def test_groups_of_sobol_indices_count_together():
 
 
 def test_shares_alone_of_an_additive_model(rng):
-    """y = x1 + 2 x2 + 0 x3: shares 0.2, 0.8, 0; their sum may be 1, and the third is not told apart from 0."""
+    """y = x1 + 2 x2 + 0 x3: shares 0.2, 0.8, 0; their sum may be 1, and the third is not significant."""
     x = rng.normal(size=(3, 2000))
     effect = np.array([1.0, 2.0, 0.0])[:, None] * x
     found = variance_shares("y", ["a", "b", "c"], 100.0 + effect.sum(axis=0), 100.0 + effect, 1)
@@ -380,7 +380,7 @@ def test_the_machine_of_equal_blows_has_them(spring, runs):
     case = load_case(EQUAL, [f"object.spring={spring}"])
     study = scatter(case, Plan(runs, 20190321, "none", 2))
     within = study.figure("peak").within
-    assert study.still.variation("peak") < within.limit < LARGEST_CV
+    assert study.nominal_run.variation("peak") < within.limit < LARGEST_CV
     assert {len(run.kinds) for run in study.runs} == {11}
     assert study.kinds()["missed"] == (0, 0)
     assert study.largest_retreat < case.feed.stroke.si

@@ -163,7 +163,7 @@ def test_picture_shows_peaks_bands_and_shares(study):
     medians = next(line for line in peaks.lines if line.get_label() == "median").get_ydata()
     np.testing.assert_allclose(medians, np.median([run.peak for run in study.runs], axis=0) / 9.80665, rtol=1e-12)
     still = next(line for line in peaks.lines if line.get_label() == "dynamics alone").get_ydata()
-    np.testing.assert_allclose(still, study.still.peak / 9.80665, rtol=1e-12)
+    np.testing.assert_allclose(still, study.nominal_run.peak / 9.80665, rtol=1e-12)
     for axes, shares in ((between, study.shares[0]), (within, study.shares[1])):
         assert [text.get_text() for text in axes.get_yticklabels()] == [row.path for row in shares.rows]
         widths = [bar.get_width() for bar in axes.patches]

@@ -237,12 +237,14 @@ def test_what_is_stated_is_that_of_an_independent_run(studies):
     case = parse_case(dump_case(studies[0].case_of()))
     found = blows(run_machine(build_machine(case), case.solver.tolerance.si))
     peaks = [blow.rigid_peak for blow in found]
-    seen = best.seen
-    assert seen.peak.first == pytest.approx(peaks[0], rel=1e-9)
-    assert seen.peak.typical == pytest.approx(median(peaks[1:]), rel=1e-9)
-    assert abs(seen.peak.worst - best.goal.peak) == pytest.approx(max(abs(p - best.goal.peak) for p in peaks), rel=1e-6)
-    assert seen.peak.variation == pytest.approx(np.std(peaks, ddof=1) / np.mean(peaks), rel=1e-6)
-    assert seen.retreat == pytest.approx(max(blow.retreat for blow in found), rel=1e-9)
+    observation = best.observation
+    assert observation.peak.first == pytest.approx(peaks[0], rel=1e-9)
+    assert observation.peak.typical == pytest.approx(median(peaks[1:]), rel=1e-9)
+    assert abs(observation.peak.worst - best.goal.peak) == pytest.approx(
+        max(abs(p - best.goal.peak) for p in peaks), rel=1e-6
+    )
+    assert observation.peak.variation == pytest.approx(np.std(peaks, ddof=1) / np.mean(peaks), rel=1e-6)
+    assert observation.retreat == pytest.approx(max(blow.retreat for blow in found), rel=1e-9)
 
 
 def test_ranking_is_by_goal_then_scatter_then_stop_force(studies):
@@ -250,7 +252,9 @@ def test_ranking_is_by_goal_then_scatter_then_stop_force(studies):
         meets = [one.meets for one in study.candidates]
         assert meets == sorted(meets, reverse=True)
         keys = [
-            (round(one.seen.peak.variation, 3), one.seen.supply.stop_force) for one in study.candidates if one.meets
+            (round(one.observation.peak.variation, 3), one.observation.supply.stop_force)
+            for one in study.candidates
+            if one.meets
         ]
         assert keys == sorted(keys)
 
@@ -275,7 +279,7 @@ def test_higher_peaks_need_higher_approaches(machine):
         wanted = goal(20e-3, peak, 200e-6)
         study = design_settings(machine, wanted, Choice((4,), (1.0,)))
         found.append(min((one for one in study.candidates if one.meets), key=lambda one: one.largest_miss))
-    approaches = [one.seen.approach for one in found]
+    approaches = [one.observation.approach for one in found]
     depths = [one.case.values()["machine.engagement"].si for one in found]
     assert approaches == sorted(approaches)
     assert depths == sorted(depths)
@@ -306,8 +310,8 @@ def test_stop_force_is_that_of_the_momentum_it_turns(published):
 def test_turntable_makes_good_what_blows_take(studies):
     """Between the last two blows the controller regains something, and no more than a blow takes."""
     for study in studies:
-        seen = study.candidates[0].seen.supply
-        assert 0.0 < seen.speed_regained <= seen.speed_lost
+        observation = study.candidates[0].observation.supply
+        assert 0.0 < observation.speed_regained <= observation.speed_lost
 
 
 def with_row(row):
@@ -324,8 +328,8 @@ def seen_in(*changes, row="", tolerance=1e-8):
 
 
 def limit(name, found):
-    case, run, seen = found
-    return next(one.value for one in limits_of(case, run, seen, goal()) if one.name == name)
+    case, run, observation = found
+    return next(one.value for one in limits_of(case, run, observation, goal()) if one.name == name)
 
 
 @pytest.mark.parametrize("phase", [0, 90, 200])
@@ -340,11 +344,13 @@ UNDRIVEN = ("machine.speed_gain=1e-9 N m s/rad", "machine.drag=0 N m s/rad", "ma
 
 def test_without_drive_the_turntable_slows_by_what_blows_take():
     """Energy taken by the first three blows is that which turntable and motor lose between first and last touch."""
-    _, run, seen = seen_in(*UNDRIVEN)
+    _, run, observation = seen_in(*UNDRIVEN)
     speeds = run.sample(np.array([blow.time for blow in blows(run)])).turntable_speed
     energy = 0.5 * run.machine.drive.turntable.turning * (speeds[0] ** 2 - speeds[-1] ** 2) / 3.0
-    assert seen.supply.energy_taken == pytest.approx(energy, rel=0.02)  # the fourth blow counts besides
-    assert abs(seen.supply.speed_regained) < 2e-4 * seen.supply.speed_lost  # E/(J w) to the first order, dw/2w
+    assert observation.supply.energy_taken == pytest.approx(energy, rel=0.02)  # the fourth blow counts besides
+    assert (
+        abs(observation.supply.speed_regained) < 2e-4 * observation.supply.speed_lost
+    )  # E/(J w) to the first order, dw/2w
 
 
 def test_blows_take_the_same_whatever_drives():
@@ -373,7 +379,7 @@ def test_worst_striker_sets_stretch_and_yield_load():
 def test_one_blow_alone_has_no_scatter_and_may_meet():
     study = design_settings(load_case("li-ma-2019", ["feed.blows=1"]), goal(), Choice((4,), (1.0,)))
     assert study.best is not None
-    assert math.isnan(study.best.seen.peak.variation)
+    assert math.isnan(study.best.observation.peak.variation)
     assert "peak_scatter" not in {one.name for one in study.best.limits}
 
 
@@ -402,9 +408,9 @@ def test_no_run_is_shorter_than_the_least_width(published, mass):
         Rig(published.with_values({"feed.blows": Value(si=2, typed=2)}), 4, None, mass, "frame", ""), wanted
     )
     depth, stiffness, speed = design.start
-    _, seen = design.run(np.array([0.3 * depth, 50.0 * stiffness, speed]), 1e-7)
-    least = least_width(published, goal(peak=seen.peak.first), Choice(masses=(mass,)))
-    assert least < seen.width.first < 1.35 * least
+    _, observation = design.run(np.array([0.3 * depth, 50.0 * stiffness, speed]), 1e-7)
+    least = least_width(published, goal(peak=observation.peak.first), Choice(masses=(mass,)))
+    assert least < observation.width.first < 1.35 * least
 
 
 def test_width_below_the_least_is_refused_at_once(published):
@@ -438,12 +444,12 @@ def test_what_no_setting_can_do_names_the_field(published):
 @pytest.mark.verify
 def test_stop_limit_is_kept_or_named(machine, studies):
     """The least stop force without a limit becomes the limit: only what keeps it meets the goal."""
-    least = min(one.seen.supply.stop_force for one in studies[0].candidates if one.meets)
+    least = min(one.observation.supply.stop_force for one in studies[0].candidates if one.meets)
     bound = design_settings(machine, goal(stop_limit=1.001 * least), Choice((4,), (1.0,)))
-    assert all(one.seen.supply.stop_force <= 1.001 * least for one in bound.candidates if one.meets)
+    assert all(one.observation.supply.stop_force <= 1.001 * least for one in bound.candidates if one.meets)
     others = [one for one in bound.candidates if not one.meets]
     assert others
-    assert all("stop force" in one.obstacles for one in others if one.seen.supply.stop_force > 1.001 * least)
+    assert all("stop force" in one.obstacles for one in others if one.observation.supply.stop_force > 1.001 * least)
 
 
 # what is refused
@@ -452,9 +458,9 @@ def test_stop_limit_is_kept_or_named(machine, studies):
 def test_estimates_begin_within_a_third(studies):
     """The closed forms of approach and stiffness are first guesses: within a third of what full runs ask for."""
     best = studies[0].best
-    assert best.estimate["approach"] == pytest.approx(best.seen.approach, rel=0.33)
+    assert best.estimate["approach"] == pytest.approx(best.observation.approach, rel=0.33)
     assert best.estimate["stiffness"] == pytest.approx(best.case.values()["object.frame_stiffness"].si, rel=0.33)
-    assert best.estimate["velocity_change"] == pytest.approx(best.seen.velocity_change, rel=0.15)
+    assert best.estimate["velocity_change"] == pytest.approx(best.observation.velocity_change, rel=0.15)
     assert best.estimate["approach"] == approach_speed(best.estimate["velocity_change"], 0.7)
 
 

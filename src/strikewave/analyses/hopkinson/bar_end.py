@@ -34,15 +34,20 @@ Array = NDArray[np.float64]
 PER_PERIOD = 200
 """Samples of the common clock in a period of the bandwidth: central differences then err by 2e-4 there."""
 MOST_SAMPLES = 400_000
-"""Of the common clock."""
+"""Most samples of the common clock, 3 MB a history; a longer record gets fewer samples a period."""
 OF_SAMPLING = 0.1
 """Largest bandwidth that is chosen, over the sampling rate: cubics between ten samples a period err by 2e-4."""
 HIGHEST = 0.25
-"""Largest bandwidth that can be asked for, over the sampling rate."""
+"""Largest bandwidth that can be asked for, over the sampling rate: half of what the samples can hold, since no filter
+cuts off at once."""
 ROUNDING = 1e-9
-"""Share of the largest sample below which a reading is nothing."""
+"""Share of the largest sample below which a reading is nothing: what a filter leaves of zero."""
 SETTLING = 2.0
-"""Periods of the bandwidth before and after a stretch from which its filter takes what it needs."""
+"""Periods of the bandwidth before and after a stretch that its filter is given too: after two, what a low-pass of 4
+poles remembers of its begin has sunk to a hundredth."""
+SPEED_CHANGE = 1e-3
+"""Relative change of the bar speed by which its power in the reference is found: the difference of two runs is then
+exact to 1e-3, and far above rounding."""
 
 
 class Standing(NamedTuple):
@@ -98,7 +103,7 @@ class Comparison:
     motion : EndMotion
         The reference: velocity and acceleration of the sensor, force on the end.
     reading : ndarray
-        What the sensor wrote, in its unit, without zero line and delay.
+        Of the sensor, in its unit, without baseline and delay.
     both_waves : ndarray
         Velocity of the end by incident and reflected wave, m/s; NaN once the far end's echo comes to the gauge.
     joint : ndarray
@@ -321,7 +326,7 @@ def _echo(pulses: Pulses, bar: Bar, bandwidth: float) -> float:
 
 
 def _read(reading: Trace, begin: float, time: Array, low_pass: Filter) -> tuple[Array, float]:
-    """Return the filtered reading on the common clock without its zero line, and its noise at the bandwidth."""
+    """Return the filtered reading on the common clock without its baseline, and its noise at the bandwidth."""
     own = reading.time - begin
     if own[0] > time[0] + 1e-9 * reading.step or own[-1] < time[-1] - 1e-9 * reading.step:
         got = f"a record from {reading.time[0] * 1e6:.6g} to {reading.time[-1] * 1e6:.6g} us"
@@ -344,11 +349,10 @@ def _read(reading: Trace, begin: float, time: Array, low_pass: Filter) -> tuple[
 
 def _speed_power(incident: Array, step: float, bench: Bench, motion: EndMotion) -> float:
     """Return d ln a/d ln c of the reference at a constant density, by least squares over the pulse."""
-    change = 1e-3
-    faster = replace(bench.bar, modulus=bench.bar.modulus * (1.0 + change) ** 2)
+    faster = replace(bench.bar, modulus=bench.bar.modulus * (1.0 + SPEED_CHANGE) ** 2)
     moved = bench.standing.motion(incident, step, faster).acceleration
     a = motion.acceleration
-    return float((moved - a) @ a / (a @ a)) / change
+    return float((moved - a) @ a / (a @ a)) / SPEED_CHANGE
 
 
 def _spline(time: Array, values: Array, at: Array) -> Array:

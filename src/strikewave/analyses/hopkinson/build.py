@@ -34,11 +34,14 @@ from strikewave.records.health_notice import HealthNotice
 from strikewave.waves import Layer
 
 LARGEST_SAMPLES = 20_000_000
-"""A trace with more samples is refused: no shot needs them."""
+"""A trace with more samples is refused: they are 160 MB, and a shot of a millisecond needs some ten thousand."""
 SLOWEST, FASTEST = 500.0, 20_000.0
 """Bar speeds outside of these, m/s, are those of no solid: a unit is forgotten."""
 TINIEST, LARGEST_READING = 1e-30, 1e30
-"""Factors below and readings above are no readings of a sensor."""
+"""Factors below and readings above are no readings of a sensor; their squares still are numbers."""
+STEEL_RATIO = 0.29
+"""Poisson's ratio of a bar where neither it nor a material is stated: that of steel, of which most bars are. It only
+enters the dispersion."""
 
 
 def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> tuple[Bar, Elastic]:
@@ -53,7 +56,7 @@ def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> t
     if incident is not None and not (table.material or table.density or table.modulus or table.speed):
         own = incident
     poisson = table.poissons_ratio or own.poissons_ratio
-    nu = 0.29 if poisson is None else poisson.si
+    nu = STEEL_RATIO if poisson is None else poisson.si
     if own.material and poisson is None:
         nu = material(own.material).poissons_ratio
     diameter = table.diameter or (incident.diameter if incident is not None else None)
@@ -85,15 +88,17 @@ def _constants(path: str, name: str, stated: tuple[float | None, float | None, f
         density = known.density if density is None else density
         modulus = known.youngs_modulus if modulus is None and speed is None else modulus
     try:
-        found = elastic(density, modulus, speed)
+        constants = elastic(density, modulus, speed)
     except ValueError as error:
         allowed = "two of density, modulus and speed, or a material"
         raise InputError(path, "what is stated", allowed, str(error)) from None
-    if not SLOWEST <= found.speed <= FASTEST:
-        by = "as stated" if found.derived != "speed" else f"by {found.density:.4g} kg/m^3 and {found.modulus:.4g} Pa"
+    if not SLOWEST <= constants.speed <= FASTEST:
+        by = "as stated"
+        if constants.derived == "speed":
+            by = f"by {constants.density:.4g} kg/m^3 and {constants.modulus:.4g} Pa"
         allowed = f"a speed of {SLOWEST:g} to {FASTEST:g} m/s"
-        raise InputError(path, f"a bar speed of {found.speed:.4g} m/s {by}", allowed, "look at the units")
-    return found
+        raise InputError(path, f"a bar speed of {constants.speed:.4g} m/s {by}", allowed, "look at the units")
+    return constants
 
 
 def build_specimen(table: SpecimenTable) -> Specimen:
@@ -184,7 +189,7 @@ def check_setup(case: SplitBarCase) -> list[str]:
 
 
 class Gauged(NamedTuple):
-    """The strain of a gauge, what reading it showed, and file and name of the channel that it came from."""
+    """The strain of a gauge, the findings of reading it, and file and name of the channel that it came from."""
 
     trace: Trace
     findings: list[HealthNotice]
@@ -192,7 +197,7 @@ class Gauged(NamedTuple):
 
 
 def build_trace(case: SplitBarCase, table: GaugeTable, path: str, bar: Bar) -> Gauged:
-    """Read the strain of a gauge, and what reading it showed.
+    """Read the strain of a gauge, and the findings of reading it.
 
     Raises
     ------
@@ -205,7 +210,7 @@ def build_trace(case: SplitBarCase, table: GaugeTable, path: str, bar: Bar) -> G
 
 
 class Reading(NamedTuple):
-    """What an accelerometer wrote: the history, in m/s^2 or V as ``unit`` says, and what reading it showed."""
+    """Record of an accelerometer: the history, in m/s^2 or V as ``unit`` says, and the findings of reading it."""
 
     trace: Trace
     unit: str
@@ -254,7 +259,7 @@ def _calibration(table: AccelerometerTable) -> Calibration:
 
 
 def _channel(case: SplitBarCase, table: RecordedTable, path: str) -> tuple[Channel, list[HealthNotice]]:
-    """Read a channel on an even clock, and what reading it showed."""
+    """Read a channel with uniform sampling, and the findings of reading it."""
     options = Options(_si(table.rate), table.time, (table.channel,))
     try:
         channel, findings = even(read_record(recorded_file(case, table), options).channel(table.channel))

@@ -1,4 +1,4 @@
-"""Set-up in, solution out: an accelerometer on the end of a bar, and what to know of the comparison."""
+"""Set-up in, solution out: an accelerometer on the end of a bar, and the warnings on the comparison."""
 
 from __future__ import annotations
 
@@ -21,9 +21,11 @@ from strikewave.waves import BONDED, Layer, Stack
 from strikewave.waves.limits import REFUSED, layer_notices, rise_in_diameters, rise_notices
 
 MISFIT = 0.1
-"""Residual over the reading above which a word is said."""
+"""Residual over the reading above which it is warned of: a slope by least squares is then mostly that of something else
+than the reference. Chosen: a tenth."""
 REFLECTED_MISFIT = 0.05
-"""Share by which the reflected wave may contradict the model of the end without a word."""
+"""Share by which the reflected wave may contradict the model of the end with no warning. Chosen: gauges and bar
+speed are known to a few per cent."""
 
 
 def compare_accelerometer(case: SplitBarCase) -> SensorSolution:
@@ -43,20 +45,20 @@ def compare_accelerometer(case: SplitBarCase) -> SensorSolution:
     standing = _standing(setup, bar)
     bandwidth = setup.solver.bandwidth
     bench = Bench(bar, standing, setup.solver.dispersion)
-    found = compare_at_end(trace, reading.trace, bench, None if bandwidth is None else bandwidth.si)
+    comparison = compare_at_end(trace, reading.trace, bench, None if bandwidth is None else bandwidth.si)
     strength = material(table.material).yield_strength if table.material else None
     stack = _stack(bar_layer(bar, strength), standing)
-    rise = found.pulses.rise
+    rise = comparison.pulses.rise
     notices = [
         *reading_notices([*findings, *reading.findings]),
         *constant_notices({"incident": constants}),
-        *drift_notices(found.pulses.traces[:1], ["bar.incident.gauge"]),
-        *strain_notices(found.pulses),
-        *rise_notices(stack, rise, found.bandwidth.value),
-        *layer_notices(stack, _largest_forces(found, bar, stack)),
-        *_bandwidth_notices(found),
-        *_agreement_notices(found),
-        *_reflected_notices(found),
+        *drift_notices(comparison.pulses.traces[:1], ["bar.incident.gauge"]),
+        *strain_notices(comparison.pulses),
+        *rise_notices(stack, rise, comparison.bandwidth.value),
+        *layer_notices(stack, _largest_forces(comparison, bar, stack)),
+        *_bandwidth_notices(comparison),
+        *_agreement_notices(comparison),
+        *_reflected_notices(comparison),
         *_uncertainty_notices(setup),
     ]
     return SensorSolution(
@@ -64,8 +66,8 @@ def compare_accelerometer(case: SplitBarCase) -> SensorSolution:
         bar=bar,
         standing=standing,
         unit=reading.unit,
-        comparison=found,
-        rise_diameters=(ratio := rise_in_diameters(stack, rise, found.bandwidth.value)[0]),
+        comparison=comparison,
+        rise_diameters=(ratio := rise_in_diameters(stack, rise, comparison.bandwidth.value)[0]),
         quoted=ratio >= REFUSED,
         constants={"incident": constants},
         digests=digests(case),

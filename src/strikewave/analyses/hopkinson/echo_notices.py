@@ -1,4 +1,4 @@
-"""What to know of a bar calibrated by its echoes."""
+"""Warnings on a bar calibrated by its echoes."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ from strikewave.hopkinson import Bar
 from strikewave.hopkinson.echoes import Echoes, Way
 
 LENGTH_MISMATCH = 0.01
-"""Share by which a stated length may differ from round trips and speed without a word."""
+"""Share by which a stated length may differ from round trips and speed with no warning: a bar is measured better, and a
+wrong gauge distance shows itself here."""
 GAIN = 1e-3
-"""Share of amplitude that passes may seem to gain in a round trip without a word."""
+"""Share of amplitude that passes may seem to gain in a round trip with no warning: no bar gains any; a thousandth is
+what noise leaves of a good record."""
 OTHER_WAY = 0.5
-"""What is left of the times, or of the difference of the speed, with the other way, below which that is named."""
+"""Misfit of the times, or difference of the speed, with the other way over that with the stated one, below which the
+other way is proposed: it must be clearly better."""
 
 
 def echo_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:

@@ -184,34 +184,39 @@ def echo_summary(solution: EchoSolution) -> Figure:
 
 def draw_accelerations(axes: Any, solution: SensorSolution) -> None:
     """Draw the reference acceleration of the sensor, and its reading with the delay taken out."""
-    found = solution.comparison
+    comparison = solution.comparison
     words = "reading / sensitivity found" if solution.unit == "V" else "reading"
     for values, name, (colour, dash) in zip(
-        (found.motion.acceleration, solution.shown_acceleration), ("reference by the gauge", words), LOOKS, strict=False
+        (comparison.motion.acceleration, solution.shown_acceleration),
+        ("reference by the gauge", words),
+        LOOKS,
+        strict=False,
     ):
-        time, shown = thin(found.time, values)
+        time, shown = thin(comparison.time, values)
         axes.plot(time * 1e6, shown / (1e3 * STANDARD_GRAVITY), dash, color=colour, linewidth=1.3, label=name)
-    title = f"Acceleration at {found.bandwidth.value / 1e3:.3g} kHz" + ("" if solution.quoted else ": not to be quoted")
+    title = f"Acceleration at {comparison.bandwidth.value / 1e3:.3g} kHz" + (
+        "" if solution.quoted else ": not to be quoted"
+    )
     quiet(axes, title, AT_END, "acceleration (1000 g)")
     _above(axes, 2)
 
 
 def draw_sensor_difference(axes: Any, solution: SensorSolution) -> None:
     """Draw by how much the reading differs from the reference, over the peak of the reference."""
-    found = solution.comparison
-    time, shown = thin(found.time, solution.shown_acceleration - found.motion.acceleration)
-    axes.plot(time * 1e6, 100.0 * shown / found.peaks[0], color=BLUE, linewidth=1.1)
+    comparison = solution.comparison
+    time, shown = thin(comparison.time, solution.shown_acceleration - comparison.motion.acceleration)
+    axes.plot(time * 1e6, 100.0 * shown / comparison.peaks[0], color=BLUE, linewidth=1.1)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     quiet(axes, "Reading less reference", AT_END, "share of the peak (%)")
 
 
 def draw_velocities(axes: Any, solution: SensorSolution) -> None:
     """Draw the velocity of the sensor by the gauge, by both waves at the end, and by its integrated reading."""
-    found = solution.comparison
-    histories = (found.motion.velocity, solution.shown_velocity, found.both_waves)
+    comparison = solution.comparison
+    histories = (comparison.motion.velocity, solution.shown_velocity, comparison.both_waves)
     names, widths = ("reference", "reading", "both waves"), (3.0, 1.7, 1.0)
     for values, name, width, (colour, dash) in zip(histories, names, widths, LOOKS, strict=True):
-        time, shown = thin(found.time, values)
+        time, shown = thin(comparison.time, values)
         axes.plot(time * 1e6, shown, dash, color=colour, linewidth=width, label=name)
     quiet(axes, "Velocity", AT_END, "velocity (m/s)")
     _above(axes)
@@ -253,7 +258,7 @@ def sensor_summary(solution: SensorSolution) -> Figure:
 def uniformity(ratios: Sequence[float] = (0.1, 0.25, 0.5, 1.0), rise: float = 2.0, transits: int = 12) -> Figure:
     """Draw how the forces on an elastic specimen come together: a step, and a rise of so many transits.
 
-    The strip marks the 3 to 5 transits by which equilibrium is often taken for granted.
+    docs/hopkinson.md shows it. The strip marks the 3 to 5 transits by which equilibrium is often taken for granted.
 
     Examples
     --------

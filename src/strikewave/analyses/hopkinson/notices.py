@@ -15,24 +15,26 @@ from strikewave.hopkinson.pulses import Quiet
 from strikewave.records.health_notice import HealthNotice
 
 MISMATCH = 0.005
-"""Share by which stated density, modulus and speed may disagree without a word."""
-
+"""Share by which stated density, modulus and speed may disagree with no warning. Chosen: a bar's speed is measured to a
+few thousandths, where the modulus of a table holds to a per cent."""
 DRIFT = 4.0
-"""Standard errors by which means of parts of a quiet head may differ without a word."""
+"""Standard errors by which means of parts of a quiet head may differ with no warning: noise alone comes so far in fewer
+than one of ten thousand."""
 DRIFT_SHARE = 1e-3
-"""Share of the largest strain of the record below which such a difference is not worth one."""
+"""Share of the largest strain of the record below which such a difference is not warned of: it changes no result that
+is shown."""
 
 
 def digests(case: SplitBarCase) -> dict[str, str]:
     """Return the SHA-256 of the files that a set-up names, by these names; none of one that cannot be read."""
-    setup, found = case.setup, {}
+    setup, by_name = case.setup, {}
     records: list[RecordedTable | None] = [setup.bar.incident.gauge, setup.accelerometer]
     records.append(None if setup.bar.transmitted is None else setup.bar.transmitted.gauge)
     for record in records:
         if record is not None:
             with contextlib.suppress(OSError, ValueError), recorded_file(case, record).open("rb") as file:
-                found[record.file] = hashlib.file_digest(file, "sha256").hexdigest()
-    return found
+                by_name[record.file] = hashlib.file_digest(file, "sha256").hexdigest()
+    return by_name
 
 
 def citations(theory: str, others: list[str]) -> tuple[str, ...]:
@@ -41,7 +43,7 @@ def citations(theory: str, others: list[str]) -> tuple[str, ...]:
 
 
 def reading_notices(findings: Iterable[HealthNotice]) -> Iterator[Notice]:
-    """Yield what reading the records showed."""
+    """Yield the findings of reading the records."""
     for finding in findings:
         if finding.severity != "good":
             yield Notice(f"record-{finding.code}", finding.message, float(finding.value), 0.0)
@@ -49,23 +51,23 @@ def reading_notices(findings: Iterable[HealthNotice]) -> Iterator[Notice]:
 
 def constant_notices(constants: dict[str, Elastic]) -> Iterator[Notice]:
     """Yield bars whose stated modulus contradicts density and speed."""
-    for name, one in constants.items():
-        if abs(one.mismatch) > MISMATCH:
+    for name, elastic in constants.items():
+        if abs(elastic.mismatch) > MISMATCH:
             message = (
-                f"the modulus stated for the {name} bar differs by {one.mismatch:+.1%} from rho c^2 = "
-                f"{one.modulus / 1e9:.4g} GPa of its density and speed, which is used"
+                f"the modulus stated for the {name} bar differs by {elastic.mismatch:+.1%} from rho c^2 = "
+                f"{elastic.modulus / 1e9:.4g} GPa of its density and speed, which is used"
             )
-            yield Notice("constants-disagree", message, one.mismatch, MISMATCH)
+            yield Notice("constants-disagree", message, elastic.mismatch, MISMATCH)
 
 
 def drift_notices(quiets: Iterable[Quiet], names: Iterable[str]) -> Iterator[Notice]:
-    """Yield gauges whose zero line moves before the pulse."""
+    """Yield gauges whose baseline moves before the pulse."""
     for quiet, name in zip(quiets, names, strict=True):
         difference, error = quiet.drift
         limit = max(DRIFT * error, DRIFT_SHARE * float(abs(quiet.trace.strain).max()))
         if difference > limit:
             message = (
-                f"the zero line of {name} moves by {difference * 1e6:.3g} ustrain before the pulse, more than noise "
+                f"the baseline of {name} moves by {difference * 1e6:.3g} ustrain before the pulse, more than noise "
                 "does: forces and impulses are no surer than that"
             )
             yield Notice("baseline-drifts", message, difference, limit)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 SCHEMA = 1
-"""Of the files of a solution."""
+"""Version of the layout of the files of a solution; it rises when they change."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
+from strikewave.waves.limits import REFUSED, WARNED
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -48,7 +49,7 @@ _DOUBT = (
     "The uncertainty adds squares: the scatter of the slope by the residual, taken as noise of its own colour; by how "
     "much the noise of the reference lowers the slope; and what the set-up states for strain and bar speed. Nothing is "
     "in it for the mass on the end, nor for a wrong model of the end: for that the reflected wave, which the reference "
-    "does not use, is set beside."
+    "does not use, is compared with it."
 )
 
 
@@ -119,7 +120,7 @@ def _balance_table(solution: SplitBarSolution) -> Table:
         ["impulse on face 1 over face 2", f"{alike.force_ratio:.4f}", "1 but for the specimen's own momentum"],
         ["forces agree to 5 %", _agreeing(alike), f"in all over {alike.share:.0%} of the loading"],
         [
-            "impulse that is missing" if impulses.closure >= 0.0 else "impulse in surplus",
+            f"{_closing(solution)} impulse",
             f"{abs(impulses.closure):.2%}",
             f"of the incident one; limit {limits.momentum.si:.0%}",
         ],
@@ -178,14 +179,14 @@ def _bar_table(solution: SplitBarSolution) -> Table:
 
 
 def _striker_table(solution: SplitBarSolution) -> list[Table]:
-    found = solution.striker_check
-    if found is None:
+    check = solution.striker_check
+    if check is None:
         return []
     rows: list[list[Cell]] = [
-        ["plateau strain (µε)", written(found.strain * 1e6), written(found.strain_expected * 1e6)],
-        ["width at half height (µs)", written(found.duration * 1e6), written(found.duration_expected * 1e6)],
+        ["plateau strain (µε)", written(check.strain * 1e6), written(check.strain_expected * 1e6)],
+        ["width at half height (µs)", written(check.duration * 1e6), written(check.duration_expected * 1e6)],
     ]
-    caption = f"Incident pulse beside its striker; the plateau stands for {found.speed:.4g} m/s"
+    caption = f"Incident pulse, compared with what its striker makes; the plateau stands for {check.speed:.4g} m/s"
     return [Table(caption, ["quantity", "measured", "v Zs/((Zs+Zb) c), 2 Ls/cs"], rows)]
 
 
@@ -211,17 +212,17 @@ def _theory_table(solution: SplitBarSolution) -> list[Table]:
 
 def echo_tables(solution: EchoSolution) -> list[Table]:
     """Return the tables of a bar calibrated by its echoes."""
-    found = solution.echoes
-    band = found.frequency
+    echoes = solution.echoes
+    band = echoes.frequency
     rows: list[list[Cell]] = [
         [
             "bar speed (m/s)",
-            *_estimated(found.speed, 1.0),
+            *_estimated(echoes.speed, 1.0),
             f"{solution.difference:+.2%} off the stated {solution.bar.speed:.6g}",
         ],
-        ["length (mm)", *_estimated(found.round_trip, 1e3), _length_words(solution)],
-        ["attenuation (1/m)", *_estimated(found.attenuation, 1.0), "by energy, ends included"],
-        ["passes used", str(found.times.size), NONE, NONE, NONE, f"from number {found.first + 1} on"],
+        ["length (mm)", *_estimated(echoes.round_trip, 1e3), _length_words(solution)],
+        ["attenuation (1/m)", *_estimated(echoes.attenuation, 1.0), "by energy, ends included"],
+        ["passes used", str(echoes.times.size), NONE, NONE, NONE, f"from number {echoes.first + 1} on"],
         [
             "band (kHz)",
             f"{band[0] / 1e3:.3g} to {band[-1] / 1e3:.3g}",
@@ -232,7 +233,7 @@ def echo_tables(solution: EchoSolution) -> list[Table]:
         ],
     ]
     heads = ["quantity", "value", "standard error", "Student's factor, 95 %", "freedom", "note"]
-    return [Table(f"{solution.title}: what the echoes say, dispersion {found.theory}", heads, rows)]
+    return [Table(f"{solution.title}: what the echoes say, dispersion {echoes.theory}", heads, rows)]
 
 
 def _length_words(solution: EchoSolution) -> str:
@@ -287,7 +288,11 @@ def _agreement_table(solution: SensorSolution) -> Table:
         ["residual over reading", f"{found.agreement.residual:.2%}", "root mean square"],
         ["noise of the reference", with_unit(found.reference_noise, "m/s^2", "g"), "of the gauge, at the bandwidth"],
         ["noise of the reading", _read(found.reading_noise, solution.unit), "at the bandwidth"],
-        ["rise left, in diameters of travel", f"{solution.rise_diameters:.3g}", "not quoted below 2, warned below 5"],
+        [
+            "rise left, in diameters of travel",
+            f"{solution.rise_diameters:.3g}",
+            f"not quoted below {REFUSED:g}, warned below {WARNED:g}",
+        ],
         ["frequency at which the pulse sinks in noise", f"{found.bandwidth.noise / 1e3:.4g} kHz", "at the gauge"],
         ["velocity by both waves, off the model", reflected, "root mean square"],
         ["mass on the end", f"{standing.mass * 1e3:.4g} gram", f"sensor and rigid disk{disk}"],
@@ -361,14 +366,14 @@ def shot_report(solution: SplitBarSolution) -> str:
         ("largest true strain", f"{100.0 * summary['strain']:.3g} %"),
         ("median true rate", f"{summary['rate']:.0f} 1/s"),
         ("force difference", f"{solution.equilibrium.misfit:.1%}"),
-        (f"impulse {_closing(solution)}", f"{abs(solution.momentum.closure):.2%}"),
+        (f"{_closing(solution)} impulse", f"{abs(solution.momentum.closure):.2%}"),
     ]
     body = Section("Result", f"{_SHOT}\n\n{_SLOPE}", [*shot_tables(solution), *pictures])
     return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", words, numbers), body)
 
 
 def _closing(solution: SplitBarSolution) -> str:
-    return "missing" if solution.momentum.closure >= 0.0 else "in surplus"
+    return "missing" if solution.momentum.closure >= 0.0 else "excess"
 
 
 def sensor_report(solution: SensorSolution) -> str:
@@ -393,16 +398,16 @@ def sensor_report(solution: SensorSolution) -> str:
             "The strain at the gauge, and the windows of the pulses.",
         ),
     ]
-    said = _sensitivity(solution.sensitivity, solution.unit)
+    sensitivity = _sensitivity(solution.sensitivity, solution.unit)
     what = "The sensitivity of the sensor" if solution.unit == "V" else "The reading over the reference"
     words = (
-        f"{what} is {said} at {found.bandwidth.value / 1e3:.4g} kHz (standard uncertainty {share:.2%}), and "
+        f"{what} is {sensitivity} at {found.bandwidth.value / 1e3:.4g} kHz (standard uncertainty {share:.2%}), and "
         f"{found.agreement.residual:.1%} of the reading does not follow the reference."
         if solution.quoted
         else "The rise of the pulse is too steep at this bandwidth for accelerations to be quoted."
     )
     numbers = [
-        ("sensitivity" if solution.unit == "V" else "reading over reference", said if solution.quoted else NONE),
+        ("sensitivity" if solution.unit == "V" else "reading over reference", sensitivity if solution.quoted else NONE),
         ("standard uncertainty", f"{share:.2%}" if solution.quoted else NONE),
         ("largest acceleration", with_unit(solution.peaks[0], "m/s^2", "g")),
         ("velocity change", f"{found.velocities[0]:.4g} m/s"),
@@ -416,21 +421,21 @@ def echo_report(solution: EchoSolution) -> str:
     """Return the report of a bar calibrated by its echoes as one HTML page."""
     from strikewave.analyses.hopkinson.figures import draw_losses, draw_passes, draw_speed
 
-    found = solution.echoes
+    echoes = solution.echoes
     pictures = [
-        Picture(_figure(lambda axes: draw_passes(axes, found), True), "The passes of the pulse at the gauge."),
-        Picture(_figure(lambda axes: draw_speed(axes, found, solution.bar.speed)), "Phase speed by the echoes."),
-        Picture(_figure(lambda axes: draw_losses(axes, found)), "Attenuation by the echoes."),
+        Picture(_figure(lambda axes: draw_passes(axes, echoes), True), "The passes of the pulse at the gauge."),
+        Picture(_figure(lambda axes: draw_speed(axes, echoes, solution.bar.speed)), "Phase speed by the echoes."),
+        Picture(_figure(lambda axes: draw_losses(axes, echoes)), "Attenuation by the echoes."),
     ]
     words = (
-        f"The bar speed by {found.times.size} passes is {found.speed.value:.5g} m/s, "
+        f"The bar speed by {echoes.times.size} passes is {echoes.speed.value:.5g} m/s, "
         f"{solution.difference:+.2%} off the stated one."
     )
     numbers = [
-        ("bar speed", f"{found.speed.value:.5g} m/s"),
-        ("standard error", NONE if math.isnan(found.speed.error) else f"{found.speed.error:.2g} m/s"),
-        ("length", f"{found.length.value * 1e3:.5g} mm"),
-        ("attenuation", f"{found.attenuation.value:.3g} 1/m"),
+        ("bar speed", f"{echoes.speed.value:.5g} m/s"),
+        ("standard error", NONE if math.isnan(echoes.speed.error) else f"{echoes.speed.error:.2g} m/s"),
+        ("length", f"{echoes.length.value * 1e3:.5g} mm"),
+        ("attenuation", f"{echoes.attenuation.value:.3g} 1/m"),
     ]
     body = Section("Result", _ECHOES, [*echo_tables(solution), *pictures])
     return _page(solution, chapters.Summary("Report of a bar calibrated by its echoes", words, numbers), body)

@@ -38,13 +38,17 @@ from strikewave.hopkinson import (
 )
 from strikewave.hopkinson.checks import LASTING, Equilibrium, Momentum, StrikerCheck
 from strikewave.hopkinson.echoes import calibrate_bar
+from strikewave.hopkinson.uniformity import UNIFORM
 
 STRIKER_MISMATCH = 0.05
-"""Share by which the incident pulse may differ from what its striker should make without a word."""
+"""Share by which the incident pulse may differ from what its striker should make with no warning: the speed of a
+striker and the factor of a bridge are each known to a few per cent."""
 LATE_SHARE = 0.2
-"""Share of the rise time by which a wave may be late at the specimen without a word."""
-UNIFORM = 0.05
-"""Share of the mean force below which the difference of the forces counts as equilibrium."""
+"""Share of the rise time by which a wave may be late at the specimen with no warning: the forces
+then differ by a fifth of the plateau in the rise by timing alone."""
+FEWEST_SAMPLES = 10.0
+"""Fewest samples in the rise of the incident pulse with no warning: a wave that is a sample late then shifts the forces
+by a tenth of the plateau."""
 
 
 def run_split_bar(case: SplitBarCase) -> SplitBarSolution | SensorSolution | EchoSolution:
@@ -153,8 +157,9 @@ def _alignment_notices(reduction: Reduction, pulses: Pulses) -> Iterator[Notice]
             "a gauge distance or a bar speed off?"
         )
         yield Notice("waves-late", message, late, LATE_SHARE * waves.window)
-    if samples < 10.0:
-        yield Notice("few-samples", f"the rise of the incident pulse has {samples:.3g} samples", samples, 10.0)
+    if samples < FEWEST_SAMPLES:
+        message = f"the rise of the incident pulse has {samples:.3g} samples"
+        yield Notice("few-samples", message, samples, FEWEST_SAMPLES)
 
 
 def _balance_notices(alike: Equilibrium, impulses: Momentum, limits: LimitsTable) -> Iterator[Notice]:
@@ -164,8 +169,8 @@ def _balance_notices(alike: Equilibrium, impulses: Momentum, limits: LimitsTable
         )
         yield Notice("force-misfit", message, alike.misfit, limits.force_misfit.si, broken=True)
     if not abs(impulses.closure) <= limits.momentum.si:
-        words = "missing" if impulses.closure > 0.0 else "in surplus"
-        message = f"impulses do not close: {abs(impulses.closure):.1%} of the incident one is {words}"
+        kind = "missing" if impulses.closure > 0.0 else "excess"
+        message = f"impulses do not close: {kind} impulse of {abs(impulses.closure):.1%} of the incident one"
         yield Notice("momentum", message, impulses.closure, limits.momentum.si, broken=True)
     if math.isnan(alike.begin):
         message = (

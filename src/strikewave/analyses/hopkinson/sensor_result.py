@@ -1,4 +1,4 @@
-"""What an accelerometer on the end of a bar showed: sensitivity with its uncertainty, histories, files."""
+"""Result of an accelerometer on the end of a bar: sensitivity with its uncertainty, histories, files."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 KEPT_PER_PERIOD = 20
-"""Samples of the histories that are written, in a period of the bandwidth."""
+"""Samples of the histories that are written, in a period of the bandwidth: enough to draw them smoothly; the common
+clock has ten times as many."""
 _KEYS = {
     "s": "time rise width onset delay",
     "m/s": "velocity velocity_by_both_waves reference_velocity speed",
@@ -108,9 +109,9 @@ class SensorSolution(Outcome):
     @property
     def uncertainty(self) -> Uncertainty:
         """Relative standard uncertainties of the sensitivity."""
-        stated, found = self.case.setup.uncertainty, self.comparison
+        stated, comparison = self.case.setup.uncertainty, self.comparison
         strain, speed = (math.nan if value is None else value.si for value in (stated.strain, stated.speed))
-        return Uncertainty(found.scatter, found.bias, strain, abs(found.speed_power) * speed)
+        return Uncertainty(comparison.scatter, comparison.bias, strain, abs(comparison.speed_power) * speed)
 
     @property
     def peaks(self) -> tuple[float, float]:

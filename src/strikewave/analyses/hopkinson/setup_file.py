@@ -18,7 +18,7 @@ from strikewave.cases.paths import Form
 from strikewave.cases.tables import Table
 
 LARGEST_FILE = 1_000_000
-"""A set-up above this many bytes is refused."""
+"""A set-up above this many bytes is refused: a record was named in its place, since no set-up comes near."""
 FORM = Form(SplitBarSetup, "set-up", 'bar.incident.speed="4866 m/s"')
 """A set-up file."""
 
@@ -32,7 +32,7 @@ class SplitBarCase(NamedTuple):
 
 
 def example_setup() -> str:
-    """Return the text of a set-up of a shot to begin from, every key with a word.
+    """Return the text of a set-up of a shot to begin from, every key with a comment.
 
     Examples
     --------
@@ -142,9 +142,9 @@ def _toml(value: Any) -> Any:
     import tomlkit
 
     if isinstance(value, dict):
-        made: Any = tomlkit.inline_table() if "value" in value else tomlkit.table()
+        table: Any = tomlkit.inline_table() if "value" in value else tomlkit.table()
         plain_first = sorted(value.items(), key=lambda item: isinstance(item[1], dict) and "value" not in item[1])
         for key, entry in plain_first:
-            made[key] = _toml(entry)
-        return made
+            table[key] = _toml(entry)
+        return table
     return value

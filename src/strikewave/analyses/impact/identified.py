@@ -287,7 +287,7 @@ def _line(name: str, estimate: Estimate) -> tuple[str, str, str, str]:
     shown = _SHOWN.get(name, unit)
     called = _CALLED.get(name, name)
     if estimate.value is None:
-        return called, "not told", "-", unit
+        return called, "not determined", "-", unit
     value = number(estimate.value, unit, shown, 5) if shown != unit else significant(estimate.value, 5)
     if estimate.standard_error is None:
         return called, value, "given", shown

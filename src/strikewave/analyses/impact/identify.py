@@ -9,6 +9,9 @@ import typer
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output, Typed, bare_number, quantity
 
+MOST_STIFFNESS = 1e300
+"""Largest stiffness that is taken, N/m^n: any number whose products still are numbers; the unit depends on n."""
+
 
 def command(
     file: Annotated[

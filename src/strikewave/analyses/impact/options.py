@@ -13,7 +13,7 @@ from strikewave.base.units import parse_typed
 from strikewave.reporting.options import bare_number, parsed, quantity
 
 MOST_BLOWS = 1000
-"""At the same spot, at most."""
+"""Most blows on one spot. Chosen: a table of more is not read."""
 
 
 def radius(name: str, help: str) -> Any:

@@ -30,7 +30,10 @@ from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sin
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 MOST_ROWS = 200
-"""Blows, and findings, that a table lists."""
+"""Blows, and findings, that a table lists: ten screens; the CSV file has all."""
+LEFT_LEAST = 0.01
+"""Cutoff times duration of a half-sine below which a filter leaves less than 2 % of the peak: no number is then
+shown."""
 _LOOKS = {"good": "good", "suspect": "warned", "bad": "bad"}
 
 
@@ -45,13 +48,13 @@ def file_section(files: Sequence[FileReading], names: Names) -> Section:
     cells: list[list[Cell]] = []
     for file in files:
         for reading in file.channels:
-            found = [*file.findings, *reading.findings]
+            findings = [*file.findings, *reading.findings]
             means = {name: mean(values) for name in columns.names if (values := reading.figures(name))}
-            reasons = dict.fromkeys(f.message for f in found if f.severity != "good")
+            reasons = dict.fromkeys(f.message for f in findings if f.severity != "good")
             cells.append(
                 [
                     names[file.path],
-                    _tag(worst(found)),
+                    _tag(worst(findings)),
                     reading.channel.name,
                     file.format,
                     written(reading.channel.sampling_rate / 1e3) if reading.channel.step > 0.0 else NONE,
@@ -99,7 +102,7 @@ def health_section(files: Sequence[FileReading], names: Names) -> Section:
     ]
     text = (
         "A bad record goes into no mean. A suspect one loses the figures that the finding harms. A good finding is "
-        "worth a word and harms nothing, unless it says so."
+        "information and harms nothing, unless the column harms names a figure."
     )
     if len(groups) > MOST_ROWS:
         text += f" The worst {MOST_ROWS} of {len(groups)} findings are listed."
@@ -135,7 +138,7 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
                 ]
             )
     text = (
-        "The peak counts from the zero line before the blow. The rise is from 10 to 90 % of the peak, the width above "
+        "The peak counts from the baseline before the blow. The rise is from 10 to 90 % of the peak, the width above "
         "10 %, the velocity change from foot to foot, where 2 % of the peak is left. "
         + ("Ringing is what swings afterwards. " if rings else "No ringing stands out. ")
         + "The smooth pulse is the best fit of a half-sine's kin: the blow with little of its ringing. Where noise "
@@ -162,9 +165,9 @@ def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Na
             table.append([f"{what} ({shown})", one.n, *values, *map(percent, (one.cv, one.cv_low, one.cv_high))])
         if name in campaign.trends:
             line = campaign.trends[name]
-            clear = "yes" if math.isfinite(line.low) and not line.low <= 0.0 <= line.high else "no"
+            significant = "yes" if math.isfinite(line.low) and not line.low <= 0.0 <= line.high else "no"
             values = [number(name, unit, value, 3) for value in (line.slope, line.low, line.high)]
-            trends.append([f"{what} ({shown})", *values, percent(line.change), clear])
+            trends.append([f"{what} ({shown})", *values, percent(line.change), significant])
     gone: list[list[Cell]] = [
         [names.get(path, path), "all" if set(SUMMED) <= set(harmed) else _words(harmed), why]
         for path, harmed, why in campaign.left_out
@@ -174,7 +177,7 @@ def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Na
         Table("Means and scatter, with bounds at 95 %", heads, table, "No record gave a figure that can be trusted."),
         Table(
             "Trend a file, with bounds at 95 %",
-            ["figure", "change a file", "from", "to", "first to last", "clear of zero"],
+            ["figure", "change a file", "from", "to", "first to last", "significant (95 %)"],
             trends,
             "A trend needs values from three files.",
         ),
@@ -214,7 +217,7 @@ def _same_channel(files: Sequence[FileReading], campaign: Campaign) -> list[tupl
 
 
 def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter | None) -> Section:
-    """Say what the filter did to each blow, or what one would do."""
+    """Show what the filter did to each blow, or what one would do."""
     pulses = [
         pulse
         for _, reading in rows_of(files)
@@ -254,14 +257,14 @@ def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter |
 
 def _left(one: Filter, duration: float) -> list[str]:
     """Return what a filter leaves of peak and width of a half-sine."""
-    if one.cutoff * duration < 0.01:
+    if one.cutoff * duration < LEFT_LEAST:
         return ["below 2 %", NONE]
     effect = effect_on_half_sine(one, duration)
     return [percent(effect.peak), percent(effect.width)]
 
 
 def _filtered_table(files: Sequence[FileReading], names: Names) -> Table:
-    """Set the blows before the filter beside those after it."""
+    """Compare the blows before the filter with those after it."""
     rows = [(file, reading) for file, reading in rows_of(files) if reading.unfiltered]
     columns = Columns(("peak", "width"), units_of(rows))
     cells: list[list[Cell]] = []
@@ -291,15 +294,16 @@ def calibration_section(
     names: Names,
     stated: Sequence[tuple[str, str]],
 ) -> Section:
-    """Say what made SI of the files' numbers, and where all of it comes from."""
+    """List the calibrations, and where they come from."""
     groups: dict[tuple[str, str, str], list[str]] = {}
     for file, reading in rows_of(files):
-        said = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in reading.calibration.stated().items())
-        key = (reading.channel.name, said, reading.channel.unit)
+        stated_values = reading.calibration.stated().items()
+        calibration = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in stated_values)
+        key = (reading.channel.name, calibration, reading.channel.unit)
         groups.setdefault(key, []).append(names[file.path])
     rows: list[list[Cell]] = [
-        [name, said or "nothing was stated", spelled(unit) or "file's own numbers", _several(of)]
-        for (name, said, unit), of in groups.items()
+        [name, calibration or "nothing was stated", spelled(unit) or "file's own numbers", _several(of)]
+        for (name, calibration, unit), of in groups.items()
     ]
     parts: list[Part] = [
         Table(

@@ -12,9 +12,9 @@ from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Part, Picture, Section
 
 MOST_FILES = 6
-"""Files of which there are pictures."""
+"""Files of which there are pictures: each adds some 100 kB to a page that must open at once."""
 MOST_DRAWN = 12
-"""Channels of which there are pictures, in all files together."""
+"""Channels of which there are pictures, in all files together: two of each file."""
 
 
 def picture_section(files: Sequence[FileReading], names: Names) -> Section:
@@ -66,7 +66,7 @@ def _pictures(name: str, reading: ChannelReading) -> list[Part]:
         ),
         Picture(
             records.velocity(reading),
-            f"{who}: the integral of the record; the zero line before the first blow is taken off.",
+            f"{who}: the integral of the record; the baseline before the first blow is taken off.",
         ),
         Picture(
             spectra.spectrum(reading),
@@ -83,13 +83,13 @@ def response_section(files: Sequence[FileReading], names: Names) -> Section:
     if best is None:
         return Section(title, "No record that is not bad holds a blow and an acceleration: there is no spectrum.")
     file, reading = best
-    found = spectra.response(reading)
-    if found is None:
+    absolute = spectra.response(reading)
+    if absolute is None:
         return Section(title, "The record is too short beside its blow for a spectrum.")
     who = f"{names[file.path]}, {reading.channel.name}"
     text = (
         f"Of {who}, the first that is {reading.status}: from just before its first blow to {spectra.AFTER:g} lengths "
-        f"of the last one after it, zero line taken off, Q = {spectra.Q:g} (5 % of critical damping), 12 natural "
+        f"of the last one after it, baseline taken off, Q = {spectra.Q:g} (5 % of critical damping), 12 natural "
         "frequencies an octave. The oscillators swing on after the record."
     )
     harmed = [f.code for f in reading.findings if "spectrum" in f.harms]
@@ -98,7 +98,7 @@ def response_section(files: Sequence[FileReading], names: Names) -> Section:
     unit = reading.channel.unit
     parts: list[Part] = [
         Picture(
-            spectra.srs_figure(found, unit=unit),
+            spectra.srs_figure(absolute, unit=unit),
             "Largest response of oscillators whose base moves as the record says, over their natural frequency: "
             "upwards (positive), downwards (negative), and the larger of both (maximax).",
         )

@@ -17,7 +17,7 @@ from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Tag
 
 MOST_REASONS = 4
-"""Bad records whose reason the summary gives."""
+"""Bad records whose reason the summary gives: more are counted, and stand in the table of findings."""
 
 
 def record_report(result: RecordResult) -> str:
@@ -91,8 +91,8 @@ def _summary(files: Sequence[FileReading], campaigns: Sequence[Campaign], names:
     bad = [(names[file.path], f) for file in files for f in file.findings if f.severity == "bad"]
     several = len(campaigns) > 1
     for file, reading in rows_of(files):
-        found = [f for f in reading.findings if f.severity == "bad"]
-        bad += [(names[file.path] + (f", {reading.channel.name}," if several else ""), found[0])] if found else []
+        harmful = [f for f in reading.findings if f.severity == "bad"]
+        bad += [(names[file.path] + (f", {reading.channel.name}," if several else ""), harmful[0])] if harmful else []
     for name, finding in bad[:MOST_REASONS]:
         words.append(f"{name} is bad: {finding.message}.")
     if len(bad) > MOST_REASONS:
@@ -102,17 +102,17 @@ def _summary(files: Sequence[FileReading], campaigns: Sequence[Campaign], names:
 
 def _campaign_words(campaign: Campaign, unit: str, several: bool) -> str:
     where = f"{campaign.channel}: " if several else ""
-    found = campaign.statistics
-    if "peak" not in found:
+    statistics = campaign.statistics
+    if "peak" not in statistics:
         return f"{where}No record gave a peak that can be trusted."
-    one = found["peak"]
+    one = statistics["peak"]
     text = f"{where}{one.n} blow{'s' if one.n > 1 else ''}, peak {amount('peak', unit, one.mean)}"
     if one.n > 1:
         bounds = between("peak", unit, one.low, one.high)
         text += f" in the mean (95 % bounds {bounds}, scatter {percent(one.cv, 2)})"
     for name in ("width", "velocity_change"):
-        if name in found:
-            text += f", {called(name, unit)} {amount(name, unit, found[name].mean)}"
+        if name in statistics:
+            text += f", {called(name, unit)} {amount(name, unit, statistics[name].mean)}"
     line = campaign.trends.get("peak")
     if line is None or not math.isfinite(line.low):
         return text + "."

@@ -125,7 +125,7 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
 
 
 def notices_of(files: Sequence[FileReading]) -> tuple[Notice, ...]:
-    """Return what holds for all files, each word once."""
+    """Return the warnings on all files, each once."""
     found: dict[str, tuple[HealthNotice, int]] = {}
     for file in files:
         for code in {f.code for f in file.all_findings if f.code in ("unit-unknown", "not-calibrated", "unreadable")}:

@@ -20,9 +20,18 @@ from strikewave.reporting.terminal import number, say, significant, table
 from strikewave.signal.srs import Scope, Spectrum, octaves, srs
 
 KIND_UNITS = {"absolute": "m/s^2", "displacement": "m", "pseudo-velocity": "m/s"}
+"""Kinds of spectrum, with their SI unit for an acceleration."""
+SHOWN_UNITS = {"absolute": "g", "displacement": "mm", "pseudo-velocity": "m/s"}
+"""The units in which they are shown on the screen."""
 HIGHEST = 100e3
-"""Highest natural frequency unless said otherwise, Hz; at most 2/5 of the sampling rate."""
+"""Highest natural frequency by default, Hz: that to which spectra of pyroshock are asked for (from memory)."""
+OF_SAMPLING = 0.4
+"""Highest natural frequency by default, over the sampling rate: nearer to half of it a record holds little, and its
+filter has taken some."""
 MOST_FREQUENCIES = 1e5
+"""More frequencies are refused. Chosen: no screen shows finer steps, and each takes a pass over the record."""
+SHOWN_ROWS = 24
+"""Rows of the table on the screen, which it shows at once; the files have all."""
 
 
 class Wanted(NamedTuple):
@@ -99,7 +108,7 @@ class SpectrumResult(Result):
             "channel": reading.channel.name,
             "status": reading.status,
             "calibration": reading.calibration.stated(),
-            "zero_line": _zero(reading),
+            "zero_line": _baseline(reading),
             "q": first.q if math.isfinite(first.q) else "inf",
             "side": self.side,
             "part": first.part,
@@ -152,7 +161,7 @@ class SrsCommand(Command[SpectrumResult]):
         reading = measured.examined_channel(self.file, self.stated, self.options, "spectrum", "the spectrum")
         frequencies = _frequencies(wanted.frequencies, wanted.grid, reading.channel.sampling_rate)
         scope = _scope(wanted.part, wanted.end, reading)
-        values = reading.channel.values - _zero(reading)
+        values = reading.channel.values - _baseline(reading)
 
         def of(kind: str) -> Spectrum:
             return srs(values, reading.channel.step, frequencies, wanted.q, kind, scope)
@@ -230,7 +239,12 @@ def _scope(part: str, end: Typed | None, reading: ChannelReading) -> Scope:
     return Scope(part, after)
 
 
-def _zero(reading: ChannelReading) -> float:
+def _units(kind: str, in_g: bool) -> tuple[str, str]:
+    """Return SI unit and shown unit of a spectrum; the same one where the record is no acceleration."""
+    return KIND_UNITS[kind], SHOWN_UNITS[kind] if in_g else KIND_UNITS[kind]
+
+
+def _baseline(reading: ChannelReading) -> float:
     """Return the baseline: before the first blow, or the median of the record without one."""
     return reading.pulses[0].offset if reading.pulses else float(np.median(reading.channel.values))
 
@@ -238,14 +252,13 @@ def _zero(reading: ChannelReading) -> float:
 def _print(result: SpectrumResult) -> None:
     reading, spectra, side = result.reading, result.spectra, result.side
     first = spectra[0]
-    step = max(len(first.frequency) // 24, 1)
+    step = max(len(first.frequency) // SHOWN_ROWS, 1)
     shown = range(0, len(first.frequency), step)
     in_g = reading.channel.unit == "m/s^2"
-    screen = {"absolute": ("m/s^2", "g"), "displacement": ("m", "mm"), "pseudo-velocity": ("m/s", "m/s")}
-    columns = ["frequency (Hz)"] + [f"{s.kind} ({screen[s.kind][1] if in_g else 'own'})" for s in spectra]
+    columns = ["frequency (Hz)"] + [f"{s.kind} ({SHOWN_UNITS[s.kind] if in_g else 'own'})" for s in spectra]
     rows = [
         [significant(float(first.frequency[k]), 4)]
-        + [number(float(s.side(side)[k]), *(screen[s.kind] if in_g else (screen[s.kind][0],) * 2)) for s in spectra]
+        + [number(float(s.side(side)[k]), *_units(s.kind, in_g)) for s in spectra]
         for k in shown
     ]
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g}"

@@ -25,14 +25,14 @@ def short_names(paths: Sequence[str]) -> dict[str, str]:
     {'a/x.csv': 'a/x.csv', 'b/x.csv': 'b/x.csv', 'b/y.csv': 'y.csv'}
     """
     parts = {path: [part for part in re.split(r"[/\\]", path) if part] or [path] for path in paths}
-    found: dict[str, str] = {}
+    names: dict[str, str] = {}
     for path, own in parts.items():
         others = [other for other in parts if other != path and parts[other][-1] == own[-1]]
         length = 1
         while length < len(own) and any(parts[other][-length:] == own[-length:] for other in others):
             length += 1
-        found[path] = "/".join(own[-length:])
-    return found
+        names[path] = "/".join(own[-length:])
+    return names
 
 
 def rows_of(files: Sequence[FileReading]) -> list[Row]:
@@ -85,10 +85,10 @@ class Columns:
 
     def __init__(self, names: Sequence[str], units: Sequence[str]) -> None:
         self.names = names
-        found = {name: {figure_unit(name, unit)[1:] for unit in units} for name in names}
-        self.shared = {name: len(pairs) == 1 for name, pairs in found.items()}
+        heads_of = {name: {figure_unit(name, unit)[1:] for unit in units} for name in names}
+        self.shared = {name: len(pairs) == 1 for name, pairs in heads_of.items()}
         self.heads = []
-        for name, pairs in found.items():
+        for name, pairs in heads_of.items():
             what, unit = next(iter(pairs)) if self.shared[name] else (name.replace("_", " "), "")
             self.heads.append(f"{what} ({unit})" if unit else what)
 
@@ -166,5 +166,5 @@ def squeezed(
     places = [heads.index(name) for name in names]
     gone = [k for k in places if len(rows) > 1 and len({str(row[k]) for row in rows}) == 1]
     words = "".join(f", {heads[k]} {rows[0][k]}" for k in gone)
-    kept = [k for k in range(len(heads)) if k not in gone]
-    return [heads[k] for k in kept], [[row[k] for k in kept] for row in rows], words
+    left = [k for k in range(len(heads)) if k not in gone]
+    return [heads[k] for k in left], [[row[k] for k in left] for row in rows], words

@@ -1,4 +1,4 @@
-"""What the runs say of each published number of Li & Ma 2019."""
+"""Computed answers to each published number of Li & Ma 2019."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ TYPICAL_PEAK, TYPICAL_WIDTH = "typical peak", "typical width"
 DYNA_PEAK, DYNA_WIDTH, DYNA_FORCE = "rigid peak simulated", "rigid width simulated", "force simulated"
 WAVE_PEAK, WAVE_WIDTH, DYNA_WAVE_PEAK = "wave peak", "wave width", "wave peak simulated"
 SEVEN_BLOWS, SEVEN_WINDOW, ELEVEN_BLOWS = "comparison count", "comparison time", "count"
+"""Names of the published numbers that runs are compared with; see `published_numbers`."""
 
 
 @dataclass(frozen=True)
@@ -48,12 +49,15 @@ IMPACTS = {
     WAVE_WIDTH: Impact("fixture", "first.sensor_width", "oscilloscope"),
     DYNA_WAVE_PEAK: Impact("fixture", "first.sensor_peak", "oscilloscope"),
 }
+"""Published numbers that a machine case compares, each with where."""
 OF_THE_FIRST_BLOW = (RIGID_PEAK, RIGID_WIDTH, DYNA_PEAK, DYNA_WIDTH, DYNA_FORCE, WAVE_PEAK, WAVE_WIDTH, DYNA_WAVE_PEAK)
-"""What a model of hexahedra can be asked."""
+"""Published numbers of the first blow, which a finite-element model can be compared with."""
+SAME_NUMBER = 1e-9
+"""Relative difference up to which two published numbers are the same one: rounding of their units."""
 
 
 def number_rows(published: Sequence[PublishedNumber], runs: Runs) -> tuple[NumberRow, ...]:
-    """Set what the runs say beside every published number, like for like first.
+    """Compare the runs with every published number, like for like first.
 
     Where LS-DYNA gave it, these are the elements with the paper's own faces, then those with faces that reflect.
     """
@@ -84,12 +88,12 @@ def _comparison(solution: Solution, place: Impact, number: PublishedNumber) -> C
 
 
 def _by_elements(number: PublishedNumber, runs: Runs) -> Iterator[Computed]:
-    """Yield what models of hexahedra whose case compares the number say; on coarse meshes in the same role."""
+    """Yield the answers of finite-element models whose case compares the number; coarse meshes keep the role."""
     alike = number.origin == "simulated"
     models = sorted(runs.elements, key=lambda solution: (solution.case.name in NON_REFLECTING) != alike)
     for solution in models if number.name in OF_THE_FIRST_BLOW else ():
         for entry, row in zip(solution.case.published, solution.published, strict=True):
-            same = math.isclose(row.published, number.value, rel_tol=1e-9)
+            same = math.isclose(row.published, number.value, rel_tol=SAME_NUMBER)
             if same and row.measured_or_simulated == number.origin:
                 note = "; ".join(filter(None, ["coarse mesh" if runs.quick else "", entry.note]))
                 yield Computed(solution.case.name, row.computed, entry.role, note)
@@ -97,5 +101,5 @@ def _by_elements(number: PublishedNumber, runs: Runs) -> Iterator[Computed]:
 
 def element_pulse(solution: FemSolution) -> BodyPulse:
     """Return the pulse that a model was made for: of the specimen, or of the whole struck body."""
-    find = specimen_body if solution.case.name in (WAVE_ELEMENTS, QUIET_WAVE_ELEMENTS) else struck_body
-    return body_pulse(solution, find(solution))
+    body_of = specimen_body if solution.case.name in (WAVE_ELEMENTS, QUIET_WAVE_ELEMENTS) else struck_body
+    return body_pulse(solution, body_of(solution))

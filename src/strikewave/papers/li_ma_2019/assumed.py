@@ -1,4 +1,4 @@
-"""How the answers of the element models hang on their meshes, and on the dimensions that are only assumed.
+"""How the answers of the element models depend on their meshes, and on the dimensions that are only assumed.
 
 The paper gives no dimension. What stands on another part follows it: a taller frame carries the striker higher and
 leaves more room for what stands in its opening.
@@ -21,15 +21,17 @@ from strikewave.papers.li_ma_2019.runs import coarser
 Report = Callable[[float, str], None]
 
 SHARE = 0.1
-"""By which an assumed dimension is changed, up and down."""
+"""By which an assumed dimension is changed, up and down. Chosen: large enough to stand out of what a coarse mesh
+errs by, small enough that the answer goes nearly straight with it."""
 MESHES = (2.0, math.sqrt(2.0), 1.0)
-"""Sizes of elements, relative to those of the case."""
+"""Sizes of elements, relative to those of the case: three in equal ratios, from which convergence is read. The
+finest is the mesh of the case; each root of two takes four times as long."""
 STUDIED = "300 us"
-"""Long enough for the blow."""
+"""Duration of the runs of a study: one and a half published widths, so that the blow is over."""
 
 
 class Answer(NamedTuple):
-    """What an element model of a blow says.
+    """Answer of an element model of a blow.
 
     Attributes
     ----------
@@ -59,7 +61,7 @@ class Answer(NamedTuple):
 
 
 def answer(solution: FemSolution) -> Answer:
-    """Return what a run says of its blow; NaN where nothing touched."""
+    """Return the answer of a run; NaN where nothing touched."""
     name = next(iter(solution.contacts))
     touched, whole = solution.contacts[name], solution.wholes[name]
     if touched is None:
@@ -100,8 +102,8 @@ class MeshRow:
 
 def mesh_row(solution: FemSolution, size: float) -> MeshRow:
     """Return the row of a run whose elements have ``size`` times those of the case."""
-    run, ledger = solution.run, balance_measure(solution.run)
-    return MeshRow(size, run.elements, run.steps, run.seconds, ledger.energy, ledger.hourglass, answer(solution))
+    run, balance = solution.run, balance_measure(solution.run)
+    return MeshRow(size, run.elements, run.steps, run.seconds, balance.energy, balance.hourglass, answer(solution))
 
 
 def mesh_rows(
@@ -129,7 +131,7 @@ class Dimension:
     ----------
     name : str
     paths : tuple of str
-        Of the case; the first one is that which is told.
+        Of the case; the first one is that which is listed.
     together : bool
         Whether the others change by the length of the first, instead of by its factor.
     outside : str
@@ -162,11 +164,13 @@ FRAME = (
     Dimension("top wall", _part("frame.top")),
     Dimension("bottom wall", _part("frame.bottom")),
 )
+"""What both models assume of striker and frame."""
 SHELL = (
     Dimension("diameter of the shell", _part("shell.outer_diameter", "shell.inner_diameter"), together=True),
     Dimension("wall of the shell", _part("shell.inner_diameter"), outside="mesh.part.shell.outer_diameter"),
     Dimension("slope beyond yield", _part("striker.solid.tangent_modulus", "frame.solid.tangent_modulus")),
 )
+"""What the model of the rigid pulse assumes besides."""
 SENSOR = (
     Dimension("diameter of cylinders and sensor", _part("sensor.diameter", "upper.diameter", "lower.diameter")),
     Dimension("height of the sensor", _part("sensor.length")),
@@ -175,6 +179,7 @@ SENSOR = (
         _part(*(f"{name}.solid.tangent_modulus" for name in ("striker", "frame", "upper", "lower"))),
     ),
 )
+"""What the model of the wave assumes besides."""
 
 
 def dimensions(case: Case) -> tuple[Dimension, ...]:
@@ -211,14 +216,14 @@ def seats(values: Mapping[str, float]) -> dict[str, float]:
     """
     frame = {name: values[f"mesh.part.frame.{name}"] for name in ("height", "top", "bottom")}
     floor, opening = frame["bottom"], frame["height"] - frame["top"] - frame["bottom"]
-    found = {"mesh.part.striker.at.z": frame["height"] + values["mesh.part.striker.radius"]}
+    places = {"mesh.part.striker.at.z": frame["height"] + values["mesh.part.striker.radius"]}
     if "mesh.part.sensor.length" not in values:
-        return found | {"mesh.part.shell.at.z": floor, "mesh.part.shell.length": opening}
+        return places | {"mesh.part.shell.at.z": floor, "mesh.part.shell.length": opening}
     sensor = values["mesh.part.sensor.length"]
     cylinder = 0.5 * (opening - sensor)
-    found |= {f"mesh.part.{name}.length": cylinder for name in ("lower", "upper")}
+    places |= {f"mesh.part.{name}.length": cylinder for name in ("lower", "upper")}
     starts = {"lower": floor, "sensor": floor + cylinder, "upper": floor + cylinder + sensor}
-    return found | {f"mesh.part.{name}.at.z": start for name, start in starts.items()}
+    return places | {f"mesh.part.{name}.at.z": start for name, start in starts.items()}
 
 
 @dataclass(frozen=True)

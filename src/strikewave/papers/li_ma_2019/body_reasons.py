@@ -32,13 +32,22 @@ from strikewave.papers.li_ma_2019.solid_bars import (
 Array = NDArray[np.float64]
 
 COARSE, SHORT = 2.0, "fem.duration=400 us"
-"""By how much elements are larger than those of the case, and for how long it is run."""
+"""By how much elements are larger than those of the case, and for how long it is run: a sixteenth of the time, and long
+enough for the blow. What is compared has the same mesh on both sides."""
 EARLY = 40e-6
-"""How long a wall is followed as a beam without ends, s."""
+"""How long a wall is followed as a beam without ends, s: past the first maximum of the force, which comes after
+6 us (li-ma-2019-fem-rigid)."""
 STEPS = 1000
+"""Steps in that time; the sum over all steps before takes their square."""
+HUMP = 0.1
+"""Share of the largest force that a first maximum must exceed, so that ripple before the rise does not count."""
 MIDDLE, SIDE = "middle", "side"
+"""Points of the wall whose motion is recorded."""
 PUSH, RAMP, HOLD = 10e-6, 400e-6, 400e-6
-"""How far (m), and in which time (s) a wall is pushed to find its stiffness, and how long (s) it is then held."""
+"""How far (m), and in which time (s) a wall is pushed to find its stiffness, and how long (s) it is then held: the hold
+lasts two periods of the wall and more, so that what still swings cancels in the mean."""
+PUSH_INTERVAL = 2e-6
+"""Interval of the histories of that push, s: two hundred means over the time that it is held."""
 
 
 @dataclass(frozen=True)
@@ -76,14 +85,14 @@ class Humps(NamedTuple):
 
 
 def first_hump(force: Array) -> float:
-    """Return the first maximum of a force above a tenth of its largest value.
+    """Return the first maximum of a force above `HUMP` of its largest value.
 
     Examples
     --------
     >>> first_hump(np.array([0.0, 0.5, 3.0, 2.0, 9.0, 0.0]))
     3.0
     """
-    level = 0.1 * float(force.max())
+    level = HUMP * float(force.max())
     falls = np.flatnonzero((force[:-1] > level) & (np.diff(force) < 0.0))
     return float(force[falls[0]]) if falls.size else float(force.max())
 
@@ -144,27 +153,27 @@ def wall_stiffness(case: Case, threads: int = 1) -> float:
     """
     coarse = changed(case, coarser(case, COARSE))
     if coarse.mesh is None or coarse.fem is None:
-        raise ValueError("a case of hexahedra is wanted")
+        raise ValueError("a case with [[mesh.part]] and [fem] is needed")
     parts = tuple(
         part.model_copy(update={"elements": "full"}) if isinstance(part, Frame) else part
         for part in coarse.mesh.part
         if isinstance(part, Frame | HalfCylinder)
     )
     names = {part.name for part in parts}
-    kept = {
+    tables = {
         "contact": tuple(
             x for x in coarse.fem.contact if {x.first.partition(".")[0], x.second.partition(".")[0]} <= names
         ),
         "boundary": tuple(x for x in coarse.fem.boundary if x.kind == "symmetry" and x.side.partition(".")[0] in names),
         **dict.fromkeys(("tie", "group", "section", "point"), ()),
     }
-    made = coarse.model_copy(update={"mesh": MeshTable(part=parts), "fem": coarse.fem.model_copy(update=kept)})
+    pushed_case = coarse.model_copy(update={"mesh": MeshTable(part=parts), "fem": coarse.fem.model_copy(update=tables)})
     striker, frame = (next(x.name for x in parts if isinstance(x, shape)) for shape in (HalfCylinder, Frame))
-    solution = run_model(made, _pushed(build_model(made, threads), frame_blow(coarse), striker, frame))
-    found = whole_force(solution)
-    if found is None:
+    solution = run_model(pushed_case, _pushed(build_model(pushed_case, threads), frame_blow(coarse), striker, frame))
+    contact_force = whole_force(solution)
+    if contact_force is None:
         raise ValueError(f"the striker of {case.name} does not reach its frame")
-    time, force, _ = found
+    time, force, _ = contact_force
     points = solution.run.points
     late = solution.run.time > RAMP
     deflection = float((points[SIDE].displacement - points[MIDDLE].displacement)[late, 2].mean())
@@ -175,17 +184,17 @@ def _pushed(model: Model, blow: FrameBlow, striker: str, frame: str) -> Model:
     """Return a frame that stands still while the top of the striker is pushed down, slowly, and held."""
     height = blow.height - 0.5 * blow.top
     push = Curve((0.0, 0.5 * RAMP, RAMP), (0.0, 2.0 * PUSH / RAMP, 0.0))
-    held = (Fixed(f"{frame}.bottom"), Driven(f"{striker}.top", (0.0, 0.0, -1.0), push))
+    supports = (Fixed(f"{frame}.bottom"), Driven(f"{striker}.top", (0.0, 0.0, -1.0), push))
     return replace(
         elastic(model),
         velocity={},
         gravity=(0.0, 0.0, 0.0),
-        boundaries=(*model.boundaries, *held),
+        boundaries=(*model.boundaries, *supports),
         points=(
             Point(MIDDLE, frame, (0.0, 0.0, height)),
             Point(SIDE, frame, (0.5 * blow.width - 0.25 * blow.sides, 0.0, height)),
         ),
-        controls=replace(model.controls, duration=RAMP + HOLD, interval=2e-6),
+        controls=replace(model.controls, duration=RAMP + HOLD, interval=PUSH_INTERVAL),
     )
 
 
@@ -193,10 +202,10 @@ def reasons(case: Case, threads: int = 1) -> tuple[Reason, ...]:
     """Return why simple answers part from the elements of a case, with elements twice as large: half a minute."""
     blow = frame_blow(case)
     firm, as_is = yield_loss(case, threads)
-    found = [_of_yielding(case.name, firm, as_is)]
+    causes = [_of_yielding(case.name, firm, as_is)]
     if not blow.bonded:
-        found += [_of_inertia(case, firm), _of_clamping(case, blow, threads)]
-    return (*found, _of_slices(case, firm), *_of_solid_bar(case, threads))
+        causes += [_of_inertia(case, firm), _of_clamping(case, blow, threads)]
+    return (*causes, _of_slices(case, firm), *_of_solid_bar(case, threads))
 
 
 def _of_yielding(name: str, firm: SimpleAnswer, as_is: SimpleAnswer) -> Reason:

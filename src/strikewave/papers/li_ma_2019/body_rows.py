@@ -81,8 +81,8 @@ def compare(case: Case, solution: FemSolution) -> tuple[BodyRow, ...]:
 
 def body_rows(solutions: Sequence[FemSolution]) -> list[BodyRow]:
     """Return the table of all solutions that are a half-cylinder upon a frame without non-reflecting faces."""
-    kept = [one for one in solutions if _is_frame_blow(one.case)]
-    return [row for one in kept for row in compare(one.case, one)]
+    frame_blows = [one for one in solutions if _is_frame_blow(one.case)]
+    return [row for one in frame_blows for row in compare(one.case, one)]
 
 
 def _is_frame_blow(case: Case) -> bool:

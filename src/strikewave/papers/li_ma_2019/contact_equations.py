@@ -21,10 +21,11 @@ from strikewave.papers.li_ma_2019.examples import SAMPLES, Blow, ContactExample,
 from strikewave.papers.li_ma_2019.values import Values
 
 EXPONENT = 10.0 / 9.0
+"""Exponent n of the line contact, as (2) and (3) print it."""
 FORCE = 20e3
-"""Force of the rows on stiffness, N."""
+"""Force of the rows on stiffness, N: about the 19.7 kN that the paper simulates."""
 SHALLOW = 1e-6
-"""Depth at which K is read off Palmgren's formula, m."""
+"""Depth at which K is read off Palmgren's formula, m: any would do, since the formula is a power."""
 PRINTED_INTEGRAL = 0.3
 """The right side of (15)."""
 INTEGRAL = 0.25 * math.sqrt(math.pi) * math.gamma(19.0 / 18.0) / math.gamma(23.0 / 9.0)

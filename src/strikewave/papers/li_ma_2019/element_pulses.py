@@ -1,4 +1,4 @@
-"""What a model of hexahedra comes to: the pulse of its struck body, and the numbers that findings rest on."""
+"""Measures of a finite-element model: the pulse of its struck body, and the numbers that findings rest on."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ SPECIMEN = "sensor"
 SHELL = "shell"
 """Part that stands for the cylinder shell in the frame."""
 EARLY, LATE = (0.1, 0.3), (0.5, 0.9)
-"""Shares of the peak between which the rise of the contact force is steep early and late."""
+"""Shares of the peak between which the slope of the contact force is taken early, where the contact is elastic, and
+late, where it is plastic; the ends and the top are left out, where a pulse bends."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +51,8 @@ def struck_body(solution: FemSolution) -> str:
     run = solution.run
     if run.groups:
         return next(iter(run.groups))
-    still = [name for name, part in run.parts.items() if not part.velocity[0].any()] or list(run.parts)
-    return max(still, key=lambda name: run.parts[name].mass)
+    at_rest = [name for name, part in run.parts.items() if not part.velocity[0].any()] or list(run.parts)
+    return max(at_rest, key=lambda name: run.parts[name].mass)
 
 
 def body_pulse(solution: FemSolution, name: str) -> BodyPulse:
@@ -72,8 +73,8 @@ def body_pulse(solution: FemSolution, name: str) -> BodyPulse:
 
 def first_touch(solution: FemSolution) -> float:
     """Return when the first contact of the run begins, s; 0 where nothing touched."""
-    found = [contact_measure(solution.run, name) for name in solution.run.force]
-    return min((one.begin for one in found if one is not None), default=0.0)
+    contacts = [contact_measure(solution.run, name) for name in solution.run.force]
+    return min((contact.begin for contact in contacts if contact is not None), default=0.0)
 
 
 def specimen_body(solution: FemSolution) -> str:

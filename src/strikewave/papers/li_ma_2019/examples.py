@@ -25,11 +25,14 @@ Array = NDArray[np.float64]
 FarEnd = Literal["free", "matched", "rigid"]
 
 STEPS_OF_TRANSIT = 256
-"""Steps of the delay lines in which a wave crosses the specimen; all transits are whole numbers of them."""
+"""Steps of the delay lines in which a wave crosses the specimen; all transits are whole numbers of them, so that
+the delay lines are exact. A power of two: a place such as x/l = 1/4 lies on a step."""
 SAMPLES = 2001
-"""Samples of the integrated motion up to the largest indentation, and as many after it."""
+"""Samples of the integrated motion up to the largest indentation, and as many after it: the error of Simpson's rule,
+which takes an odd number, falls with its fourth power."""
 LEAST_REFLECTION = 0.05
-"""Share of a wave that both interfaces of a wave example must throw back."""
+"""Share of a wave that both interfaces of a wave example must reflect: the second echo has its square, a 400th of the
+wave, and the equations are judged by it."""
 FORCE = published_number("force simulated").value
 """Contact force that the paper simulates, N."""
 STRUCK_MASS = round(FORCE / published_number("rigid peak simulated").value, 3)
@@ -37,7 +40,11 @@ STRUCK_MASS = round(FORCE / published_number("rigid peak simulated").value, 3)
 SLOWEST = published_number("wave width").value
 """The paper's longest pulse, s."""
 TOLERANCE = 1e-12
-"""Local error of the integrated motion."""
+"""Local error of the integrated motion: as small as double precision bears, since formulas are judged by it."""
+FOLLOWED = 1.5
+"""Time of the integrated motion over the duration of the closed form, so that the release lies within it."""
+TURNING = 1e-9
+"""Accuracy of the time of the largest indentation, over the duration: there the rate, and so its error, is nothing."""
 
 
 @dataclass(frozen=True)
@@ -141,13 +148,13 @@ def solve_blow(example: ContactExample) -> Blow:
     closed = solve_impact(contact, example.striker_mass, example.struck_mass, example.speed)
     bodies = {"striker": example.striker_mass, "struck": example.struck_mass}
     chain = Chain(bodies, [Touch("striker", "struck", contact)])
-    motion = simulate(chain, {}, {"striker": example.speed}, 1.5 * float(closed.duration), TOLERANCE)
+    motion = simulate(chain, {}, {"striker": example.speed}, FOLLOWED * float(closed.duration), TOLERANCE)
     end = float(motion.contacts(0)[0, 1])
 
     def rate(time: float) -> float:
         return float(-np.diff(motion.speeds(time))[0])
 
-    turning = float(brentq(rate, 0.0, end, xtol=1e-9 * end))
+    turning = float(brentq(rate, 0.0, end, xtol=TURNING * end))
     mass = float(reduced_mass(example.striker_mass, example.struck_mass))
     damping = factor * law.stiffness / example.speed
     return Blow(example, law.stiffness, law.exponent, damping, mass, closed, motion, turning, end)
@@ -211,7 +218,7 @@ class WaveExample:
 
 @dataclass(frozen=True, eq=False)
 class Watched:
-    """What delay lines say of the specimen at x: time from the first arrival there (s), strain, m/s, m/s^2."""
+    """Waves in the specimen at x by delay lines: time from the first arrival there (s), strain, m/s, m/s^2."""
 
     time: Array
     strain: Array

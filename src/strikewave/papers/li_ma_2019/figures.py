@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.papers.li_ma_2019.values import EQUAL
 from strikewave.reporting.curves import Trace, above_right, thin
 from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, quiet
 from strikewave.waves.li_ma import arrivals
@@ -28,13 +29,15 @@ Array = NDArray[np.float64]
 INKS = {"measured": RED, "LS-DYNA": "#4d5760"}
 """Colour of a mark by where its number comes from."""
 STROKES = {"measured": (0, (5, 2)), "LS-DYNA": (0, (1, 1.5))}
+"""Dashes of a mark by where its number comes from."""
 ROLES = {"fitted": (RED, "D"), "predicted": (BLUE, "o"), "shown": (GREY, "s")}
 """Colour and shape of a number by its role."""
 CURVES = ((BLUE, "-"), (ORANGE, "-"), (GREEN, "--"), (GREEN, "-"))
+"""Colour and dashes of the first curves of a panel."""
 DIRECT, BUFFERED = BLUE, ORANGE
+"""Colours of the two sensors of Figure 5."""
 TWO_ROWS = (9.8, 6.2)
-EQUAL = 5e-7
-"""Relative difference that is said to be none."""
+"""Size of a figure of two rows, inches."""
 
 
 class Mark(NamedTuple):
@@ -159,7 +162,7 @@ def reading_traces(solution: Solution, sensor: str) -> list[Trace]:
 
 
 def passing_figure(solution: BarSolution, tap: int = 0) -> Figure:
-    """Draw how a wave passes to and fro in a layer, and the force at a place in it by three routes (Figure 7).
+    """Draw the multiple reflections of a wave in a layer, and the force at a place in it by three routes (Figure 7).
 
     On the left the way of the wave, with the instants at which it passes the place: as it must be (filled) and as the
     paper's equations print it (open). On the right the force there under a steep front.

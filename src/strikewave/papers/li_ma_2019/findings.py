@@ -13,13 +13,14 @@ from strikewave.papers.li_ma_2019.types import Answer, Consistency, ElementNumbe
 from strikewave.papers.li_ma_2019.wave_equations import mean_over_rigid
 
 SAME = 1.0 + 1e-6
-"""Factor up to which two computations of a number are the same."""
+"""Factor up to which two computations of a number are the same: above what integration leaves."""
 EXACT = 1.001
-"""Factor up to which a formula does what it is derived for."""
+"""Factor up to which a formula does what it is derived for. Chosen: a thousandth, less than any use of it feels."""
 RIGHT, PARTLY = 1.1, 1.5
-"""Factors, up or down, up to which a prediction is right, and partly right."""
+"""Factors, up or down, up to which a prediction is right, and partly right. Chosen: a tenth is what the paper calls
+good consistency of its simulation (peak +5 %, width +10 %)."""
 RESOLVED = 3.0
-"""Elements over the half width of a contact that resolve it."""
+"""Elements over the half width of a contact that resolve its pressure, an ellipse: fewer make steps of it."""
 LINE = ContactExample().contact_length
 """Of the example of (4), m; assumed."""
 
@@ -27,7 +28,8 @@ QUIET, REFLECTING, ELASTIC, WAVE = "quiet", "reflecting", "elastic", "wave"
 """Runs of finite elements: Figure 11 with the paper's non-reflecting faces, without, with them and without yielding;
 Figure 15 with them.
 """
-NOT_RUN = "The finite elements that would tell were not run."
+NOT_RUN = "The finite elements that would answer this were not run."
+"""Sentence of a finding whose runs were left out."""
 
 Rows = Mapping[str, EquationRow]
 Runs = Mapping[str, ElementNumbers | None]
@@ -122,7 +124,7 @@ def _check(checks: Sequence[Consistency], quantity: str, used: str) -> Consisten
 
 def _contact(rows: Rows, checks: Sequence[Consistency]) -> tuple[Finding, ...]:
     balances = ("(6)", "(7)", "(8)", "(9)", "(10)", "(11)", "(17)", "(18)", "(21)", "(22)")
-    kept = _worst(rows, "(1)", *balances)
+    deviation = _worst(rows, "(1)", *balances)
     before, after, loss = (rows[number].deviation or 0.0 for number in ("(12)", "(13)", "(16)"))
     low, high = delivered(0.1), delivered(0.9)
     stiffness = _value(rows["(4)"], "printed")
@@ -131,8 +133,8 @@ def _contact(rows: Rows, checks: Sequence[Consistency]) -> tuple[Finding, ...]:
         Finding(
             "form of the contact force, balances of energy and momentum",
             "an elastic and a damping force; what is lost is the work of damping",
-            f"Right to {kept:.0e}, against both bodies integrated in time.",
-            judged(1.0 + kept, SAME),
+            f"Right to {deviation:.0e}, against both bodies integrated in time.",
+            judged(1.0 + deviation, SAME),
             "(1), " + ", ".join(balances),
         ),
         Finding(
@@ -224,7 +226,7 @@ def _waves(rows: Rows, checks: Sequence[Consistency]) -> tuple[Finding, ...]:
 
 
 def _sensors(checks: Sequence[Consistency], modelled: float | None) -> Finding:
-    """Say what two sensors on one body tell."""
+    """Return the finding on two sensors on one body."""
     measured = _check(checks, "ratio of the peaks", "direct peak").value
     model = "" if modelled is None else f" Our model of both mounts gives {modelled:.2f} : 1 and does not settle it."
     return Finding(
@@ -274,7 +276,7 @@ def _experiments(checks: Sequence[Consistency]) -> tuple[Finding, ...]:
 
 
 def _mesh(checks: Sequence[Consistency]) -> Finding:
-    """Say whether the elements resolve the contact."""
+    """Return whether the elements resolve the contact."""
     half = _check(checks, "half width of an elastic contact", "smallest element").value
     element = published_number("smallest element").value
     radius, length = nose()
@@ -291,45 +293,45 @@ def _mesh(checks: Sequence[Consistency]) -> Finding:
 
 
 def _faces(quiet: ElementNumbers | None, reflecting: ElementNumbers | None) -> Finding:
-    """Say what non-reflecting faces do to the blow: the momentum that the body keeps decides."""
+    """Return what non-reflecting faces do to the blow: the momentum that the body keeps decides."""
     topic, paper = "non-reflecting faces on the struck body", "they keep reflected waves off the result"
     shown = "li-ma-2019-fem-rigid-quiet, li-ma-2019-fem-rigid"
     if quiet is None or quiet.impulse is None or quiet.momentum is None:
         return Finding(topic, paper, NOT_RUN, "open", shown)
-    kept = quiet.momentum / quiet.impulse
-    words = [f"they hold the body, which keeps {kept:.0%} of the impulse"]
+    share = quiet.momentum / quiet.impulse
+    effects = [f"they hold the body, which keeps {share:.0%} of the impulse"]
     if reflecting is not None:
         pairs = (
             ("impulse", quiet.impulse, reflecting.impulse, 1.0, ".2f", "N s"),
             ("rigid-body peak", quiet.rigid_peak, reflecting.rigid_peak, STANDARD_GRAVITY, ".0f", "g"),
             ("force", quiet.peak_force, reflecting.peak_force, 1e3, ".2f", "kN"),
         )
-        words += [
+        effects += [
             f"{what} {one / scale:{form}} {unit} with them, {other / scale:{form}} {unit} without"
             for what, one, other, scale, form, unit in pairs
             if one is not None and other is not None
         ]
-    return Finding(topic, paper, _sentence("; ".join(words) + "."), judged(kept), shown)
+    return Finding(topic, paper, _sentence("; ".join(effects) + "."), judged(share), shown)
 
 
 def _slopes(run: ElementNumbers | None, elastic: ElementNumbers | None) -> Finding:
-    """Say how the pulse rises, with and without yielding; what the paper's own bodies do stays open."""
+    """Return how the pulse rises, with and without yielding; what the paper's own bodies do stays open."""
     topic = "slope of the pulse"
     paper = "small while the contact is elastic, growing quickly once it is plastic"
     shown = "Figure 11; li-ma-2019-fem-rigid-quiet"
-    found, unyielding = _rise(run), _rise(elastic)
-    if found is None:
+    slopes, unyielding = _rise(run), _rise(elastic)
+    if slopes is None:
         return Finding(topic, paper, NOT_RUN, "open", shown)
-    told = f"In our frame the force rises by {_in_words(*found)}; "
+    result = f"In our frame the force rises by {_in_words(*slopes)}; "
     if unyielding is None:
-        told += "without yield it was not run"
+        result += "without yield it was not run"
     else:
-        steeper = found[1] / found[0] > RIGHT * unyielding[1] / unyielding[0]
-        told += f"without yield by {_in_words(*unyielding)}: yielding makes it {'' if steeper else 'no '}steeper"
+        steeper = slopes[1] / slopes[0] > RIGHT * unyielding[1] / unyielding[0]
+        result += f"without yield by {_in_words(*unyielding)}: yielding makes it {'' if steeper else 'no '}steeper"
     why = (
         "That is of a frame that rings and bends; no dimension is published, so that the paper's own bodies stay open."
     )
-    return Finding(topic, paper, f"{told}. {why}", "open", shown)
+    return Finding(topic, paper, f"{result}. {why}", "open", shown)
 
 
 def _rise(run: ElementNumbers | None) -> tuple[float, float] | None:
@@ -344,7 +346,7 @@ def _in_words(early: float, late: float) -> str:
 
 
 def _yielding(quiet: ElementNumbers | None, reflecting: ElementNumbers | None) -> Finding:
-    """Say whether bodies yield, and how far."""
+    """Return whether bodies yield, and how far."""
     topic, paper = "yielding", "slight plastic deformation of striker and frame, almost none of the shell"
     shown = "li-ma-2019-fem-rigid-quiet, li-ma-2019-fem-rigid"
     runs = [(words, run) for words, run in (("with", quiet), ("without", reflecting)) if run is not None]
@@ -352,34 +354,34 @@ def _yielding(quiet: ElementNumbers | None, reflecting: ElementNumbers | None) -
     stresses = [(words, run.shell_stress) for words, run in runs if run.shell_stress is not None]
     if not strains:
         return Finding(topic, paper, NOT_RUN, "open", shown)
-    found = (
+    result = (
         f"Largest plastic strain {', '.join(f'{strain:.2%} {words}' for words, strain in strains)} non-reflecting faces"
     )
-    found += "; it depends on the mesh and on the slope beyond yield, which is assumed."
+    result += "; it depends on the mesh and on the slope beyond yield, which is assumed."
     if stresses:
         bears = ", ".join(f"{stress / 1e6:.0f} MPa {words}" for words, stress in stresses)
         limit = published_number("2A12 yield strength").value
-        found += f" The shell, taken as elastic, bears {bears}; it would yield at {limit / 1e6:.0f} MPa."
-    return Finding(topic, paper, found, "partly" if max(strain for _, strain in strains) > 0.0 else "not", shown)
+        result += f" The shell, taken as elastic, bears {bears}; it would yield at {limit / 1e6:.0f} MPa."
+    return Finding(topic, paper, result, "partly" if max(strain for _, strain in strains) > 0.0 else "not", shown)
 
 
 def _specimen(run: ElementNumbers | None) -> Finding:
-    """Set the specimen's mean acceleration beside the simulated one; assumed shapes make it partly right at best."""
+    """Compare the specimen's mean acceleration with the simulated one; assumed shapes make it partly right at best."""
     topic, shown = "mean acceleration of the specimen between two cylinders", "Figure 15; li-ma-2019-fem-wave-quiet"
     printed, force = (published_number(name).value for name in ("wave peak simulated", "force simulated"))
     paper = f"{_g(printed)} in its finite elements, with non-reflecting faces"
     if run is None or run.mean_peak is None:
         return Finding(topic, paper, NOT_RUN, "open", shown)
-    words = f"{_g(run.mean_peak)}, mean of the part, with such faces"
+    result = f"{_g(run.mean_peak)}, mean of the part, with such faces"
     if run.section_peak is not None:
-        words += f"; {_g(run.section_peak)} in its mid section"
+        result += f"; {_g(run.section_peak)} in its mid section"
     if run.peak_force is not None:
-        words += (
+        result += (
             f"; under a force of {run.peak_force / 1e3:.1f} kN, where the paper has {force / 1e3:.1f} kN on the same "
         )
-        words += "frame at the same speed"
-    found = f"{words}. It moves by some per cent with the mesh; shape and joints are assumed."
-    return Finding(topic, paper, found, "not" if judged(run.mean_peak / printed) == "not" else "partly", shown)
+        result += "frame at the same speed"
+    result = f"{result}. It moves by some per cent with the mesh; shape and joints are assumed."
+    return Finding(topic, paper, result, "not" if judged(run.mean_peak / printed) == "not" else "partly", shown)
 
 
 def _g(acceleration: float) -> str:

@@ -13,14 +13,15 @@ from strikewave.papers.li_ma_2019.body_reasons import Reason, reasons
 from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS, Report, coarser, within
 
 NO_YIELD = tuple(f"mesh.part.{part}.solid.yield_strength=100 GPa" for part in ("striker", "frame"))
-"""Changes after which nothing yields."""
+"""Changes after which nothing yields: a strength that no blow of these bodies comes near."""
 STAGES = (0.12, 0.14, 0.2, 0.08, 0.12)
-"""About what share of the time meshes (twice), second blow, no yield and reasons take; the rest is for dimensions."""
+"""About what share of the time meshes (twice), second blow, no yield and reasons take; the rest is for
+dimensions. For the progress bar alone."""
 
 
 @dataclass(frozen=True)
 class Further:
-    """What the studies came to; empty where they were left out.
+    """Results of the studies; empty where they were left out.
 
     Attributes
     ----------
@@ -64,10 +65,10 @@ def run_further(threads: int = 1, report: Report = lambda share, words: None) ->
     within(report, *stages[3])(0.0, "the same bodies without yield")
     elastic = run_fem(studied(QUIET_ELEMENTS, NO_YIELD), threads)
     within(report, *stages[4])(0.0, "why masses and layers part from the elements")
-    found = tuple(reason for name in (RIGID_ELEMENTS, WAVE_ELEMENTS) for reason in reasons(load_case(name), threads))
+    causes = tuple(reason for name in (RIGID_ELEMENTS, WAVE_ELEMENTS) for reason in reasons(load_case(name), threads))
     middle = 0.5 * (begin + 1.0)
     dimensions = (
         dimension_study(RIGID_ELEMENTS, threads, report=within(report, begin, middle)),
         dimension_study(WAVE_ELEMENTS, threads, report=within(report, middle, 1.0)),
     )
-    return Further(meshes, dimensions, blows, elastic, found)
+    return Further(meshes, dimensions, blows, elastic, causes)

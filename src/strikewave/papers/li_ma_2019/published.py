@@ -17,17 +17,19 @@ from strikewave.contact import contact_modulus
 from strikewave.papers.li_ma_2019.types import Consistency, Origin, PublishedNumber
 
 EXPONENT = 10.0 / 9.0
+"""Exponent n of the line contact, as (2) and (3) print it."""
 _ORDER = 1.0 / (EXPONENT + 1.0)
 ELASTIC_DURATION = 2.0 * math.sqrt(math.pi) * math.gamma(1.0 + _ORDER) / math.gamma(0.5 + _ORDER)
 """T v0/d(max) of an elastic blow, 2 int_0^1 dx/sqrt(1 - x^(n + 1)) = 3.090488 for n = 10/9."""
 ELEMENTS = "li-ma-2019-fem-rigid"
 """Case whose nose and line of contact stand for those of the impact component, which the paper does not give."""
 STRIKERS = 4
-"""Impact components that would fit 7 blows in 150 ms at 730 r/min."""
+"""Impact components that would fit 7 blows in 150 ms at 730 r/min: they take 123 ms; three would take 164 ms."""
 ROUNDED = 0.1
-"""Two numbers agree with words such as "about" where they differ by less."""
+"""Two numbers agree with words such as "about" where they differ by less. Chosen: a tenth, by which a number rounded to
+one digit may be off."""
 
-_RIGID = "how its width was measured is not said"
+_WIDTH = "how its width was measured is not stated"
 _TABLES = (
     ("65Mn", "Tables 1, 2", ("7820 kg/m^3", "211 GPa", "0.288", "430 MPa")),
     ("2A12", "Table 1", ("2780 kg/m^3", "72 GPa", "0.33", "345 MPa")),
@@ -111,7 +113,7 @@ def _rigid() -> tuple[PublishedNumber, ...]:
         _number("simulated time", ten, "time that is simulated", "1 ms", "given"),
         _number("output interval", ten, "interval of the results", "1 us", "given"),
         _number("rigid peak", eleven, "first rigid-body pulse", "4151.25 g", "measured"),
-        _number("rigid width", eleven, "its width", "200 us", "measured", _RIGID),
+        _number("rigid width", eleven, "its width", "200 us", "measured", _WIDTH),
         _number(
             "rigid peak simulated",
             eleven,
@@ -121,7 +123,7 @@ def _rigid() -> tuple[PublishedNumber, ...]:
             "contact force over mass",
         ),
         _number("force simulated", eleven, "largest contact force", "19685.34 N", "simulated"),
-        _number("rigid width simulated", eleven, "its width", "220 us", "simulated", _RIGID),
+        _number("rigid width simulated", eleven, "its width", "220 us", "simulated", _WIDTH),
     )
 
 
@@ -129,7 +131,7 @@ def _wave() -> tuple[PublishedNumber, ...]:
     thirteen = "Figure 13"
     return (
         _number("wave peak", thirteen, "first pulse of the sensor between cylinders", "21909.89 g", "measured"),
-        _number("wave width", thirteen, "its width", "252 us", "measured", _RIGID),
+        _number("wave width", thirteen, "its width", "252 us", "measured", _WIDTH),
         _number("peak ratio", thirteen, "its peak over that of Figure 11", "4", "given", '"about"'),
         _number("wave peak simulated", "Figure 15", "first pulse, mean of the specimen", "22841.7 g", "simulated"),
     )

@@ -22,7 +22,7 @@ from strikewave.papers.li_ma_2019.runs import (
 )
 
 RUNS = 0.5
-"""Share of the time that the runs of the figures take, the studies the rest."""
+"""About what share of the time the runs of the figures take, the studies the rest: for the progress bar alone."""
 
 
 def reproduce(effort: Effort, report: Report = lambda share, words: None) -> Reproduction:
@@ -44,7 +44,7 @@ def reproduce(effort: Effort, report: Report = lambda share, words: None) -> Rep
     named = {QUIET: QUIET_ELEMENTS, REFLECTING: RIGID_ELEMENTS, WAVE: QUIET_WAVE_ELEMENTS}
     solutions = {name: runs.element_solution(case) for name, case in named.items()}
     solutions[ELASTIC] = further.elastic
-    measured = {name: None if found is None else element_numbers(found) for name, found in solutions.items()}
+    measured = {name: None if table is None else element_numbers(table) for name, table in solutions.items()}
     numbers = number_rows(published_numbers(), runs)
     found = findings(equations, checks, measured, _read_ratio(numbers))
     return Reproduction(

@@ -79,7 +79,7 @@ class Reproduction(Result):
         Published numbers among each other.
     findings : tuple of Finding
     further : Further
-        Studies of the models of hexahedra.
+        Studies of the finite-element models.
     effort : Effort
         How much was run.
     """
@@ -110,7 +110,7 @@ class Reproduction(Result):
 
     @functools.cached_property
     def bodies(self) -> list[BodyRow]:
-        """Masses on springs and layers for the bodies of the models of hexahedra, beside these."""
+        """Masses on springs and layers for the bodies of the finite-element models, beside these."""
         return body_rows(self.runs.elements)
 
     def units(self) -> dict[str, str]:
@@ -233,17 +233,17 @@ def number_document(row: NumberRow) -> dict[str, Any]:
 
 
 def element_document(solution: FemSolution) -> dict[str, Any]:
-    """Return what a model of hexahedra took and how well it keeps its books."""
-    run, ledger = solution.run, balance_measure(solution.run)
+    """Return what a finite-element run took, and its balance errors."""
+    run, balance = solution.run, balance_measure(solution.run)
     return {
         "case": solution.case.name,
         "elements": run.elements,
         "steps": run.steps,
         "step": run.step,
         "seconds": run.seconds,
-        "energy_error": ledger.energy,
-        "hourglass_share": ledger.hourglass,
-        "momentum_error": ledger.momentum,
+        "energy_error": balance.energy,
+        "hourglass_share": balance.hourglass,
+        "momentum_error": balance.momentum,
     }
 
 

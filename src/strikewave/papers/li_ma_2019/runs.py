@@ -1,4 +1,4 @@
-"""What is run to reproduce Li & Ma 2019: the machine, its stacks, a bar, and the models of hexahedra."""
+"""What is run to reproduce Li & Ma 2019: the machine, its stacks, a bar, and the finite-element models."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ NON_REFLECTING = (QUIET_ELEMENTS, QUIET_WAVE_ELEMENTS)
 """Those whose faces are as in the paper's own simulations."""
 ELEMENT_CASES = (RIGID_ELEMENTS, QUIET_ELEMENTS, WAVE_ELEMENTS, QUIET_WAVE_ELEMENTS)
 COARSER, SHORTER = 1.25, "fem.duration=400 us"
-"""By how much elements are larger where a run is to be quick, and for how long it then goes."""
+"""By how much elements are larger where a run is to be quick, and for how long it then goes: the time of a run falls
+with the fourth power of their size, here to two fifths, and the duration is twice the published width."""
 PASSING = (
     "stack.layer.sensor.material=2A12",
     "stack.layer.upper.length=60 mm",
@@ -42,7 +43,7 @@ PASSING = (
     "solver.step=2 ns",
     "solver.duration=30 us",
 )
-"""Changes to `BAR` that make the wave in its middle layer pass to and fro: aluminium under a steep front."""
+"""Changes to `BAR` that make a wave reflect again and again in its middle layer: aluminium under a steep front."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ class Effort:
     quick : bool
         Whether elements are `COARSER`.
     elements : bool
-        Whether the models of hexahedra are run at all.
+        Whether the finite-element models are run at all.
     studies : bool
         Whether they are studied further: meshes, assumed dimensions, a second blow; never where quick.
     threads : int
@@ -76,7 +77,7 @@ class Runs:
     machine, comparison, fixture, equal_blows : Solution
         Of Figures 9 and 11, 5, 13, and of the same machine with equal blows.
     bar, passing : BarSolution
-        The sensor fixture under a front of 5 us, and a stack in which the wave passes to and fro (Figure 7).
+        The sensor fixture under a front of 5 us, and a stack with multiple reflections (Figure 7).
     elements : tuple of FemSolution
         Of Figures 11 and 15; empty where they were left out.
     quick : bool
@@ -104,7 +105,7 @@ class Runs:
         return (*own, self.bar.case, *(solution.case for solution in self.elements))
 
     def element_solution(self, case: str) -> FemSolution | None:
-        """Return the solution of a model of hexahedra, or None."""
+        """Return the solution of a finite-element model, or None."""
         return next((solution for solution in self.elements if solution.case.name == case), None)
 
 
@@ -143,13 +144,13 @@ def run_all(effort: Effort, report: Report = lambda share, words: None) -> Runs:
 
 
 def element_cases(effort: Effort) -> list[Case]:
-    """Return the models of hexahedra to run."""
+    """Return the finite-element models to run."""
     cases = [load_case(name) for name in ELEMENT_CASES if name in bundled_cases()]
     return [load_case(case.name, quick_changes(case.name)) for case in cases] if effort.quick else cases
 
 
 def quick_changes(name: str) -> list[str]:
-    """Return what a quick run changes in a model of hexahedra.
+    """Return what a quick run changes in a finite-element model.
 
     Examples
     --------

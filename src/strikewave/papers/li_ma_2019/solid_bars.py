@@ -22,14 +22,24 @@ from strikewave.papers.li_ma_2019.element_pulses import struck_body, whole_force
 from strikewave.waves import Impactor, Sampled, Stack, Tap, run_bar
 
 BAR, END = "bar", "far end"
+"""Name of the part, and of the section whose acceleration is watched."""
 FINE = 2.0
-"""Elements of the contact in the Hertz half-width of the line, at the peak of the force."""
+"""Elements of the contact in the Hertz half-width of the line, at the peak of the force: enough for the force, where
+pressures take three."""
 ZONE, GROWTH = 2.0, 1.3
-"""Depth of the fine zone over that half-width; growth of elements beyond it."""
+"""Depth of the fine zone over that half-width, in which the stress below a Hertz line, p/sqrt(1 + (z/a)^2), falls to
+0.45 of its pressure, and growth of elements beyond it (chosen)."""
 ACROSS = 10.0
-"""Coarse elements over the radius of the striker and the side of the bar."""
+"""Coarse elements over the radius of the striker and the side of the bar: the wave of the blow is far longer."""
 LASTING = 1.8
-"""Duration of a run over the width of the force of two masses."""
+"""Duration of a run over the width of the force of two masses. Chosen: long enough that the blow, which ends later
+on a bar, is over."""
+INTERVAL = 0.5e-6
+"""Interval of the histories, s: half of that which the paper writes."""
+UNKNOWN_DURATION = 1e-3
+"""Duration in which the blow of two masses is solved to find its width, s: five times the published width."""
+WATCHED_ELEMENT = 0.1
+"""Height of the watched section over the free end, in coarse elements: within the last one."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +80,7 @@ def elastic(model: Model) -> Model:
     return replace(model, solids=solids)
 
 
-def solid_bar(case: Case, length: float | None = None, interval: float = 0.5e-6) -> BarBlow:
+def solid_bar(case: Case, length: float | None = None, interval: float = INTERVAL) -> BarBlow:
     """Return the blow of a frame's striker on a square bar of its solid, as thick as it is deep and as long as high.
 
     The striker is cut to the depth of the frame: what stands out beside a bar bears a part of the load there, which no
@@ -95,7 +105,7 @@ def solid_bar(case: Case, length: float | None = None, interval: float = 0.5e-6)
     parts = case.mesh.part if case.mesh else ()
     (striker,) = (part for part in parts if isinstance(part, HalfCylinder))
     (frame,) = (part for part in parts if isinstance(part, Frame))
-    found = BarBlow(
+    blow = BarBlow(
         striker=solid_of(striker),
         bar=solid_of(frame),
         radius=striker.radius.si,
@@ -103,10 +113,10 @@ def solid_bar(case: Case, length: float | None = None, interval: float = 0.5e-6)
         speed=vector(frame.velocity)[2] - vector(striker.velocity)[2],
         side=frame.depth.si,
         length=length or frame.height.si,
-        duration=1e-3,
+        duration=UNKNOWN_DURATION,
         interval=interval,
     )
-    return replace(found, duration=LASTING * bar_lumped(found).width)
+    return replace(blow, duration=LASTING * bar_lumped(blow).width)
 
 
 def bar_lumped(blow: BarBlow) -> SimpleAnswer:
@@ -147,7 +157,7 @@ def bar_dispersed(blow: BarBlow) -> float:
 
 
 def bar_case(blow: BarBlow, case: Case) -> Case:
-    """Return the case of a blow as hexahedra, with solids, length and radius of the frame's case."""
+    """Return the case of a blow in finite elements, with solids, length and radius of the frame's case."""
     parts = document_of(case)["mesh"]["part"]
     (striker,) = (part for part in parts if part["shape"] == "half-cylinder")
     (frame,) = (part for part in parts if part["shape"] == "frame")
@@ -177,7 +187,12 @@ def bar_case(blow: BarBlow, case: Case) -> Case:
                 "contact": [{"first": f"{BAR}.z+", "second": f"{striker['name']}.round"}],
                 "boundary": [{"kind": "symmetry", "side": cut} for cut in cuts],
                 "section": [
-                    {"name": END, "part": BAR, "point": {"z": _metres(0.1 * blow.side / ACROSS)}, "normal": "z"}
+                    {
+                        "name": END,
+                        "part": BAR,
+                        "point": {"z": _metres(WATCHED_ELEMENT * blow.side / ACROSS)},
+                        "normal": "z",
+                    }
                 ],
             },
         }
@@ -185,11 +200,11 @@ def bar_case(blow: BarBlow, case: Case) -> Case:
 
 
 def element_answer(solution: FemSolution, watched: float | None) -> SimpleAnswer:
-    """Return what elements say of the first contact of a model, of whole bodies; m/s^2 of what is watched."""
-    found = whole_force(solution)
-    if found is None:
+    """Return the answer of elements on the first contact of a model, of whole bodies; ``watched`` in m/s^2."""
+    contact_force = whole_force(solution)
+    if contact_force is None:
         raise ValueError(f"nothing touched in {solution.case.name}")
-    _, force, _ = found
+    _, force, _ = contact_force
     spans = np.diff(solution.run.time)
     body = struck_body(solution)
     mass = solution.sectors[body].pieces * {**solution.parts, **solution.groups}[body].mass
@@ -197,9 +212,9 @@ def element_answer(solution: FemSolution, watched: float | None) -> SimpleAnswer
 
 
 def bar_elements(blow: BarBlow, case: Case, threads: int = 1) -> SimpleAnswer:
-    """Return the answer of hexahedra, elastic: a quarter, as fine at the contact as its width asks for."""
-    made = bar_case(blow, case)
-    solution = run_model(made, elastic(build_model(made, threads)))
+    """Return the answer of finite elements, elastic: a quarter, as fine at the contact as its width asks for."""
+    struck_bar = bar_case(blow, case)
+    solution = run_model(struck_bar, elastic(build_model(struck_bar, threads)))
     speeds = solution.run.sections[END].velocity[:, 2]
     return element_answer(solution, float(-interval_means(speeds, solution.run.time).min()))
 

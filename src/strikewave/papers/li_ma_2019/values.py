@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+EQUAL = 5e-7
+"""Relative difference that is written as 0 %: as much is left by integration and rounding."""
+
 
 @dataclass(frozen=True)
 class Values:

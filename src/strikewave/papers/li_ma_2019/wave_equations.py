@@ -23,11 +23,15 @@ from strikewave.waves.li_ma import Sandwich, acceleration, arrivals, mean_accele
 Array = NDArray[np.float64]
 
 LOW_FREQUENCY = 2.0 * math.pi * 100.0
-"""rad/s: a wave over a thousand times as long as the example's bar is thick."""
+"""rad/s: a wave over a thousand times as long as the example's bar is thick, where c = sqrt(E/rho) must hold."""
 INTO_WINDOW = 0.3
-"""How far into its window, over t0, an equation with several waves is read."""
+"""How far into its window, over t0, an equation with several waves is read: away from its ends, where waves arrive."""
+BEHIND_FRONT = 0.01
+"""How far behind a front, over t0, its height is read: past the jump, long before the next one."""
+PASSED = 6.0
+"""Transits after the pulse for which a wave is followed: until the echoes that count have passed."""
 NOTHING = 1e-30
-"""Share of an area that stands for a free end; its inverse for a rigid wall."""
+"""Share of an area that stands for a free end; its inverse for a rigid wall: below rounding, and no division by 0."""
 SETTLED = 60.0
 """Transits after which a step has settled to rounding in all but extreme examples."""
 
@@ -64,7 +68,7 @@ def wave_values(example: WaveExample) -> dict[str, Values]:
     >>> round(values["(30)"].printed / values["(30)"].exact, 9)
     0.5
     """
-    seen = watch(example, step_of(example), 6.0)
+    seen = watch(example, step_of(example), PASSED)
     return {**_first(example, seen), **_echoes(example, seen), **_any_number(example), **_motion(example)}
 
 
@@ -87,7 +91,7 @@ def _echoes(example: WaveExample, seen: Watched) -> dict[str, Values]:
     sandwich, rest, transit = example.sandwich, example.rest, example.specimen.transit
     gamma, one, two = sandwich.gamma, sandwich.first_reflection, sandwich.second_reflection
     came = seen.arrivals()
-    first, second = (float(seen.strain[seen.at(came[k] + 0.01 * transit)]) for k in (0, 1))
+    first, second = (float(seen.strain[seen.at(came[k] + BEHIND_FRONT * transit)]) for k in (0, 1))
     terms = (gamma, gamma * two, -one * two, -one * two**2, one**2 * two**2)  # brackets as printed
     values = {
         "(30)": Values(rest * transit, 2.0 * rest * transit, float(came[1])),
@@ -111,7 +115,7 @@ def _any_number(example: WaveExample) -> dict[str, Values]:
     """Return (36) and (37): any number of waves."""
     sandwich, place, transit = example.sandwich, example.position, example.specimen.transit
     pulse = pulse_of(example, example.short)
-    seen = watch(example, pulse, example.short / transit + 6.0)
+    seen = watch(example, pulse, example.short / transit + PASSED)
     routes = ("as printed", "corrected")
     printed, corrected = (
         float(strain(sandwich, incident_of(example, pulse), place, seen.time, route).max()) for route in routes
@@ -133,7 +137,7 @@ def _motion(example: WaveExample) -> dict[str, Values]:
     specimen = example.specimen
     free, wall = (end_speeds(example, end) for end in ("free", "rigid"))
     pulse = pulse_of(example, example.slow)
-    seen = watch(example, pulse, example.slow / specimen.transit + 6.0)
+    seen = watch(example, pulse, example.slow / specimen.transit + PASSED)
     printed, corrected = (
         float(acceleration(example.sandwich, incident_of(example, pulse), example.position, seen.time, route).max())
         for route in ("as printed", "corrected")
@@ -221,7 +225,7 @@ def mean_over_rigid(example: WaveExample) -> float:
     1.0
     """
     pulse, specimen = pulse_of(example, example.slow), example.specimen
-    transits = example.slow / specimen.transit + 6.0
+    transits = example.slow / specimen.transit + PASSED
     first, last = (watch(example, pulse, transits, position=place) for place in (0.0, 1.0))
     times = first.time
     leaving = np.interp(times, last.time + specimen.transit, last.strain)

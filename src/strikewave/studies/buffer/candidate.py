@@ -18,17 +18,27 @@ from strikewave.sensors import Mounting, Reading, Sensor, output
 from strikewave.sensors.bandwidth import Band, band
 from strikewave.sensors.channel import sensor_pulse
 from strikewave.studies.buffer.moduli import SOFTEST, STIFFEST, confined, moduli, spread, variants
-from strikewave.studies.buffer.seat import Motion, Seat, Sheets, loads, read_on, reading_of
+from strikewave.studies.buffer.mounting_site import BaseMotion, GasketStack, MountingSite, loads, read_on, reading_of
 
 Array = NDArray[np.float64]
 
 ALIKE = 0.05
-"""Stacks whose peak and bandwidth differ by less are not distinct."""
+"""Stacks whose peak and bandwidth differ by less are not distinct: the moduli of a gasket are known within a factor of
+two at best, which moves both by far more."""
 SMALL_CHANGE = 1e-3
-"""Velocity change over the integral of |a| below which no relative error of it is stated."""
+"""Velocity change over the integral of |a| below which no relative error of it is stated: what is left of so much
+cancellation is mostly rounding and baseline."""
 RINGING = 0.02
-"""Swing of the velocity at the end, over its change, beyond which no error of that change is stated."""
+"""Swing of the velocity at the end, over its change, beyond which no error of that change is stated: the error is read
+at the last sample, and the swing moves it by as much. Chosen: 2 %, the error that such a reading is wanted for."""
+SHOWN_PERIODS = 0.5
+"""Periods of the resonance that a history must last after the surface's largest value: an oscillator swings to one side
+within half a period, and answers a blow with its largest value by then."""
+BANDWIDTH_DIGITS = 2
+"""Significant digits to which bandwidths are compared in a ranking: those that differ by less go by the number of
+gaskets, since a thinner stack is worth more than a per cent of bandwidth."""
 RANKS = ("bandwidth", "peak", "robust")
+"""What stacks that keep the limit may be ranked by; see `ranked`."""
 
 
 @dataclass(frozen=True)
@@ -53,14 +63,14 @@ class Goal:
 
 @dataclass(frozen=True)
 class Leading:
-    """What is found only of the first of a ranking, and of the front; peaks as `Candidate.true_peak`, m/s^2.
+    """What is computed only of the first of a ranking and of Pareto-optimal stacks; peaks as `Candidate.true_peak`.
 
     Attributes
     ----------
     softer, stiffer : float
-        With the moduli of all gaskets at the low and at the high end of their spread.
+        Peak, m/s^2, with the moduli of all gaskets at the low and at the high end of their spread.
     confined : float or None
-        With the moduli of the table where the faces of elastomers cannot slip; None without elastomers.
+        Peak, m/s^2, with the moduli of the table where the faces of elastomers cannot slip; None without elastomers.
     robust : bool
         Whether all `variants` keep the limit, in a history that is long enough for the softest.
     stress, strain : tuple of float
@@ -81,7 +91,7 @@ class Candidate:
 
     Attributes
     ----------
-    sheets : tuple of Sheet
+    stack : tuple of GasketLayer
         From the surface to the sensor.
     height : float
         Of the whole stack, m.
@@ -112,14 +122,14 @@ class Candidate:
         Whether the history lasts half a period of the resonance after the surface's largest value: else the largest
         reading may come after its end.
     pareto : bool
-        Whether no other stack has both a lower true peak and more bandwidth.
+        Whether it is Pareto-optimal: no other stack has both a lower true peak and more bandwidth.
     leading : Leading or None
-        What is found only of the first ones, and of those on the front.
+        What is computed only of the first ones, and of the Pareto-optimal ones.
     label : str
         What it is called, where not by its gaskets.
     """
 
-    sheets: Sheets
+    stack: GasketStack
     height: float
     peak: float
     width: float
@@ -142,7 +152,7 @@ class Candidate:
     @property
     def name(self) -> str:
         """What it is called: its gaskets from the surface to the sensor."""
-        return self.label or " | ".join(str(sheet) for sheet in self.sheets) or "direct"
+        return self.label or " | ".join(str(layer) for layer in self.stack) or "direct"
 
     @property
     def robust(self) -> bool:
@@ -162,19 +172,21 @@ def true_peak(reading: Reading) -> float:
     return reading.peak_before_clip if reading.clipped else abs(sensor_pulse(reading).peak)
 
 
-def assess(seat: Seat, sheets: Sheets, motion: Motion, goal: Goal) -> Candidate:
+def assess(site: MountingSite, stack: GasketStack, motion: BaseMotion, goal: Goal) -> Candidate:
     """Run one stack in time and find what it costs."""
-    return dataclasses.replace(assess_mounting(seat, seat.mounting(sheets), motion, goal), sheets=sheets)
+    return dataclasses.replace(assess_mounting(site, site.mounting(stack), motion, goal), stack=stack)
 
 
-def assess_mounting(seat: Seat, mounting: Mounting, motion: Motion, goal: Goal, label: str = "") -> Candidate:
+def assess_mounting(
+    site: MountingSite, mounting: Mounting, motion: BaseMotion, goal: Goal, label: str = ""
+) -> Candidate:
     """Run any mounting in time and find what it costs."""
-    reading, passed = read_on(seat, mounting, motion), band(mounting)
+    reading, passed = read_on(site, mounting, motion), band(mounting)
     pulse, highest = sensor_pulse(reading), true_peak(reading)
-    whole = not motion.after_peak * passed.resonance < 0.5
+    whole = not motion.after_peak * passed.resonance < SHOWN_PERIODS
     error, ringing = _velocity(reading, motion, passed.resonance)
     return Candidate(
-        sheets=(),
+        stack=(),
         height=sum(layer.thickness for layer in mounting.gaskets),
         peak=pulse.peak,
         width=pulse.width,
@@ -182,7 +194,7 @@ def assess_mounting(seat: Seat, mounting: Mounting, motion: Motion, goal: Goal, 
         element_peak=reading.peak_before_clip,
         true_peak=highest,
         keeps=bool(highest <= goal.limit and not reading.clipped),
-        margin=1.0 - highest / min(goal.limit, seat.range),
+        margin=1.0 - highest / min(goal.limit, site.range),
         band=passed,
         rigid_ratio=pulse.peak / motion.rigid_peak if motion.rigid_peak else math.nan,
         velocity_error=error if whole and ringing <= RINGING else math.nan,
@@ -194,7 +206,7 @@ def assess_mounting(seat: Seat, mounting: Mounting, motion: Motion, goal: Goal, 
     )
 
 
-def _velocity(reading: Reading, motion: Motion, resonance: float) -> tuple[float, float]:
+def _velocity(reading: Reading, motion: BaseMotion, resonance: float) -> tuple[float, float]:
     """Return how far the velocity change is off at the end, and half its swing in the last period, both relative."""
     change = motion.velocity_change
     if abs(change) <= SMALL_CHANGE * float(np.sum(np.abs(motion.acceleration))) * motion.step or reading.time.size < 2:
@@ -214,62 +226,63 @@ def _running(values: Array, step: float) -> Array:
     return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]))]) * step
 
 
-def look_closer(seat: Seat, candidate: Candidate, motion: Motion, goal: Goal) -> Candidate:
+def look_closer(site: MountingSite, candidate: Candidate, motion: BaseMotion, goal: Goal) -> Candidate:
     """Return a candidate with its sensitivity to the moduli, and the stress and strain of its gaskets."""
-    sheets = candidate.sheets
-    mounting = seat.mounting(sheets)
-    softer, stiffer = (_peak(seat, sheets, motion, moduli(sheets, place)) for place in (SOFTEST, STIFFEST))
-    factors = confined(sheets, seat.area)
-    held = _peak(seat, sheets, motion, factors) if any(factor != 1.0 for factor in factors) else None
-    moved = float(np.max(np.abs(output(Sensor(mounting=mounting), motion.acceleration, motion.step))))
-    stress = tuple(mass * moved / layer.area for mass, layer in loads(mounting))
+    stack = candidate.stack
+    mounting = site.mounting(stack)
+    softer, stiffer = (_peak(site, stack, motion, moduli(stack, place)) for place in (SOFTEST, STIFFEST))
+    factors = confined(stack, site.area)
+    no_slip = _peak(site, stack, motion, factors) if any(factor != 1.0 for factor in factors) else None
+    largest_acceleration = float(np.max(np.abs(output(Sensor(mounting=mounting), motion.acceleration, motion.step))))
+    stress = tuple(mass * largest_acceleration / layer.area for mass, layer in loads(mounting))
     strain = tuple(s / layer.modulus for s, layer in zip(stress, mounting.gaskets, strict=True))
-    robust = max(softer, stiffer, held or 0.0) <= goal.limit and withstands(seat, candidate, motion, goal)
-    return dataclasses.replace(candidate, leading=Leading(softer, stiffer, held, robust, stress, strain))
+    robust = max(softer, stiffer, no_slip or 0.0) <= goal.limit and withstands(site, candidate, motion, goal)
+    return dataclasses.replace(candidate, leading=Leading(softer, stiffer, no_slip, robust, stress, strain))
 
 
-def withstands(seat: Seat, candidate: Candidate, motion: Motion, goal: Goal) -> bool:
+def withstands(site: MountingSite, candidate: Candidate, motion: BaseMotion, goal: Goal) -> bool:
     """Return whether a stack keeps the limit with all `variants` of its moduli; it ends at the first that does not.
 
     The history must last half a period of the softest variant after the surface's largest value.
     """
-    sheets = candidate.sheets
-    if not candidate.keeps or candidate.band.resonance < slowest_shown(sheets, motion):
+    stack = candidate.stack
+    if not candidate.keeps or candidate.band.resonance < slowest_shown(stack, motion):
         return False
-    return all(_peak(seat, sheets, motion, factors) <= goal.limit for factors in variants(sheets, seat.area))
+    return all(_peak(site, stack, motion, factors) <= goal.limit for factors in variants(stack, site.area))
 
 
-def slowest_shown(sheets: Sheets, motion: Motion) -> float:
-    """Return the lowest resonance of which a history holds half a period with the softest moduli, Hz."""
-    softest = min((spread(material(sheet.material))[0] for sheet in sheets), default=1.0)
-    return 0.5 / (motion.after_peak * math.sqrt(softest)) if motion.after_peak > 0.0 else math.inf
+def slowest_shown(stack: GasketStack, motion: BaseMotion) -> float:
+    """Return the lowest resonance of which a history lasts `SHOWN_PERIODS` with the softest moduli, Hz."""
+    softest = min((spread(material(layer.material))[0] for layer in stack), default=1.0)
+    return SHOWN_PERIODS / (motion.after_peak * math.sqrt(softest)) if motion.after_peak > 0.0 else math.inf
 
 
-def _peak(seat: Seat, sheets: Sheets, motion: Motion, factors: Sequence[float]) -> float:
-    return true_peak(reading_of(seat, sheets, motion, factors))
+def _peak(site: MountingSite, stack: GasketStack, motion: BaseMotion, factors: Sequence[float]) -> float:
+    return true_peak(reading_of(site, stack, motion, factors))
 
 
 def ranked(candidates: Sequence[Candidate], goal: Goal) -> list[Candidate]:
     """Return candidates in order: those that keep the limit first, the others by their true peak.
 
-    By ``bandwidth`` the one that passes the highest frequency within 10 % comes first; what is equal to two digits
-    goes by fewer gaskets, then by the lower peak. By ``peak`` the lowest peak comes first. By ``robust`` those known
+    By ``bandwidth`` the one that passes the highest frequency within 10 % comes first; what is equal to
+    `BANDWIDTH_DIGITS` goes by fewer gaskets, then by the lower peak.
+    By ``peak`` the lowest peak comes first. By ``robust`` those known
     to be robust come first, then by bandwidth.
     """
 
     def key(candidate: Candidate) -> tuple[Any, ...]:
-        height = candidate.true_peak if math.isfinite(candidate.true_peak) else math.inf
-        layers, wide = len(candidate.sheets), candidate.band.within_10
+        peak = candidate.true_peak if math.isfinite(candidate.true_peak) else math.inf
+        layers, bandwidth = len(candidate.stack), candidate.band.within_10
         first = (not candidate.keeps, goal.rank == "robust" and not candidate.robust)
         if candidate.keeps and goal.rank != "peak":
-            return (*first, -float(f"{wide:.1e}"), layers, height)
-        return (*first, height, layers, -wide)
+            return (*first, -float(f"{bandwidth:.{BANDWIDTH_DIGITS - 1}e}"), layers, peak)
+        return (*first, peak, layers, -bandwidth)
 
     return sorted(candidates, key=key)
 
 
-def with_front(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return candidates with those marked that no other beats in both true peak and bandwidth, in the same order."""
+def with_pareto(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return candidates in the same order, those marked that are Pareto-optimal in true peak and bandwidth."""
     order = sorted(range(len(candidates)), key=lambda k: (candidates[k].true_peak, -candidates[k].band.within_10))
     marked, widest = set(), -math.inf
     for k in order:
@@ -287,10 +300,10 @@ def alike(one: Candidate, other: Candidate) -> bool:
 
 def distinct(candidates: Sequence[Candidate], count: int) -> list[Candidate]:
     """Return the first of a ranking, those left out that are `alike` to one before."""
-    found: list[Candidate] = []
+    first: list[Candidate] = []
     for candidate in candidates:
-        if len(found) == count:
+        if len(first) == count:
             break
-        if not any(alike(candidate, other) for other in found):
-            found.append(candidate)
-    return found
+        if not any(alike(candidate, other) for other in first):
+            first.append(candidate)
+    return first

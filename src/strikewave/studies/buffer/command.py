@@ -120,7 +120,7 @@ def _chosen(value: Value) -> Value:
 
 def _choice(names: list[str] | None, sizes: list[Value] | None, layers: int) -> Choice:
     from strikewave.studies.buffer.choice import Choice, stacks
-    from strikewave.studies.buffer.seat import usual_materials
+    from strikewave.studies.buffer.mounting_site import usual_materials
 
     thicknesses = tuple(
         _chosen(size) for size in sizes or [read_value(text, "--thickness", "m", THICKEST) for text in THICKNESSES]

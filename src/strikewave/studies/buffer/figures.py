@@ -15,45 +15,46 @@ from strikewave.sensors import transmission
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.studies.buffer.candidate import Candidate, distinct
 from strikewave.studies.buffer.result import BufferStudy
+from strikewave.studies.log_ticks import plain_log_ticks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SIZE = (9.0, 4.4)
 SHOWN = 3
-"""First of the ranking that are drawn."""
+"""First of the ranking that are drawn: as many as `STYLES` tells apart."""
 PERIODS = 4.0
-"""Of the slowest buffer that are shown after the blow."""
+"""Of the slowest buffer that are shown after the blow. Chosen: enough to see whether it rings on."""
 DARK = "#333333"
 STYLES = ((BLUE, "-"), (RED, "--"), (GREEN, "-."))
 
 
 def first_ones(study: BufferStudy) -> list[Candidate]:
     """Return the first distinct ones of the ranking that have gaskets."""
-    return distinct([candidate for candidate in study.candidates if candidate.sheets], SHOWN)
+    return distinct([candidate for candidate in study.candidates if candidate.stack], SHOWN)
 
 
 def peak_bandwidth(study: BufferStudy) -> Figure:
     """Draw the peak of each stack's reading against the frequency up to which it passes within 10 %."""
     figure, axes = _figure()
-    buffered = [candidate for candidate in study.candidates if candidate.sheets and np.isfinite(candidate.true_peak)]
-    kept = [c for c in buffered if c.keeps]
+    buffered = [candidate for candidate in study.candidates if candidate.stack and np.isfinite(candidate.true_peak)]
+    keeping = [c for c in buffered if c.keeps]
     clipped = [c for c in buffered if c.clipped]
     above = [c for c in buffered if not c.keeps and not c.clipped]
     _points(axes, above, "above the limit", color=GREY, marker="o", markersize=3, alpha=0.6)
     _points(axes, clipped, "cut off", color=ORANGE, marker="x", markersize=4)
-    _points(axes, kept, "keeps the limit", color=BLUE, marker="o", markersize=3.5)
+    _points(axes, keeping, "keeps the limit", color=BLUE, marker="o", markersize=3.5)
     front = sorted((c for c in buffered if c.pareto), key=lambda c: c.band.within_10)
     x, y = _places(front)
     if buffered:
-        axes.plot(x, y, "-", color=GREEN, linewidth=1.2, label="no other beats both", zorder=2)
+        axes.plot(x, y, "-", color=GREEN, linewidth=1.2, label="Pareto-optimal", zorder=2)
         axes.set_xscale("log")
         axes.set_yscale("log")
-        _plain_ticks(axes.xaxis)
-        _plain_ticks(axes.yaxis)
+        plain_log_ticks(axes.xaxis)
+        plain_log_ticks(axes.yaxis)
         first = first_ones(study)[0]
         axes.plot(*_places([first]), "s", color=RED, markersize=9, fillstyle="none", label=f"first: {first.name}")
-        if study.robust is not None and study.robust.sheets:
+        if study.robust is not None and study.robust.stack:
             name = f"robust: {study.robust.name}"
             axes.plot(*_places([study.robust]), "D", color=GREEN, markersize=9, fillstyle="none", label=name)
         if study.present is not None:
@@ -61,14 +62,14 @@ def peak_bandwidth(study: BufferStudy) -> Figure:
     else:
         _nothing(axes)
     axes.axhline(study.goal.limit / STANDARD_GRAVITY, color=DARK, linewidth=1.2, linestyle="--", label="limit")
-    if study.seat.range < study.goal.limit:
-        height = study.seat.range / STANDARD_GRAVITY
+    if study.site.range < study.goal.limit:
+        height = study.site.range / STANDARD_GRAVITY
         axes.axhline(height, color=ORANGE, linewidth=1.2, linestyle="-.", label="range")
     if np.isfinite(study.direct.true_peak):
         height = study.direct.true_peak / STANDARD_GRAVITY
         axes.axhline(height, color=GREY, linewidth=1.0, linestyle=":", label="direct")
-    title = f"What {study.seat.table.name} reads of {study.motion.name}, and what the buffer passes"
-    quiet(axes, _short(title), "amplitude within 10 % up to (Hz)", "peak (g); of the element where cut off")
+    title = f"What {study.site.table.name} reads of {study.motion.name}, and what the buffer passes"
+    quiet(axes, _short(title), "amplitude within 10 % up to (Hz)", "largest reading (g); of the element where cut off")
     axes.margins(x=0.05, y=0.08)
     _legend(axes)
     return figure
@@ -87,7 +88,7 @@ def buffer_histories(study: BufferStudy) -> Figure:
     axes.axhline(limit, color=DARK, linewidth=0.9, linestyle="--", label="limit")
     if axes.get_ylim()[0] < -0.8 * limit:
         axes.axhline(-limit, color=DARK, linewidth=0.9, linestyle="--")
-    title = f"Readings of {study.seat.table.name}, {study.motion.name}"
+    title = f"Readings of {study.site.table.name}, {study.motion.name}"
     quiet(axes, _short(title), "time (µs)", "acceleration (g)")
     _legend(axes)
     return figure
@@ -114,12 +115,12 @@ def buffer_transmissibility(study: BufferStudy) -> Figure:
     lowest = min(candidate.band.within_10 for candidate in shown)
     frequency = np.geomspace(max(0.1 * min(lowest, RESOLVED), 10.0), RESOLVED, 1600)
     for candidate, (colour, dash) in zip(shown, STYLES, strict=False):
-        magnitude = np.abs(transmission(study.seat.mounting(candidate.sheets), frequency))
+        magnitude = np.abs(transmission(study.site.mounting(candidate.stack), frequency))
         axes.loglog(frequency, magnitude, dash, color=colour, linewidth=1.3, label=candidate.name)
         if np.isfinite(candidate.band.within_10):
-            height = np.abs(transmission(study.seat.mounting(candidate.sheets), candidate.band.within_10))
+            height = np.abs(transmission(study.site.mounting(candidate.stack), candidate.band.within_10))
             axes.plot([candidate.band.within_10], [float(height)], "o", color=colour, markersize=4)
-    _plain_ticks(axes.xaxis)
+    plain_log_ticks(axes.xaxis)
     axes.axhspan(0.9, 1.1, color="#DDDDDD", label="within 10 %", zorder=0)
     axes.set_ylim(bottom=1e-4)
     _legend(axes)
@@ -127,7 +128,7 @@ def buffer_transmissibility(study: BufferStudy) -> Figure:
 
 
 def _nothing(axes: Any) -> None:
-    """Say in empty axes that there is nothing to draw."""
+    """Write into empty axes that there is nothing to draw."""
     axes.text(0.5, 0.5, "no stack has a gasket", ha="center", transform=axes.transAxes)
     axes.set_xticks([])
 
@@ -150,15 +151,6 @@ def _places(candidates: Sequence[Candidate]) -> tuple[list[float], list[float]]:
         [min(c.band.within_10, RESOLVED) for c in candidates],
         [c.true_peak / STANDARD_GRAVITY for c in candidates],
     )
-
-
-def _plain_ticks(axis: Any) -> None:
-    """Write 200, 500, 1000 along a logarithmic axis."""
-    from matplotlib.ticker import LogLocator
-
-    axis.set_minor_locator(LogLocator(subs=(2, 5)))
-    axis.set_major_formatter("{x:g}")
-    axis.set_minor_formatter("{x:g}")
 
 
 def _short(text: str) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 
 from strikewave.base.materials import Material, material
-from strikewave.studies.buffer.seat import Sheets
+from strikewave.studies.buffer.mounting_site import GasketStack
 
 SPREAD = {"elastomer": (0.5, 5.0)}
 """Lowest and highest modulus over that of the table, by kind of material. Elastomers: the table gives the static one,
@@ -15,6 +15,7 @@ and its note expects 2 to 5 times that from 1 to 100 kHz (from memory); half is 
 OTHERS = (0.5, 2.0)
 """The same of all other kinds: grade, temperature, rate, and how flat the faces lie (assumed)."""
 SOFTEST, STIFFEST = -1.0, 1.0
+"""Places of the ends of the spread, where the modulus of the table is at 0."""
 BETWEEN = (2.0 / 3.0, 1.0 / 3.0, -0.5)
 """Places between the table's modulus (0) and the ends of the spread (-1, 1) that are tried too: no step is beyond
 1.8 times the modulus, 1.3 times the resonance."""
@@ -31,18 +32,18 @@ def spread(row: Material) -> tuple[float, float]:
     return SPREAD.get(row.kind, OTHERS)
 
 
-def moduli(sheets: Sheets, place: float) -> list[float]:
+def moduli(stack: GasketStack, place: float) -> list[float]:
     """Return the modulus of each gasket over that of the table, at a place from `SOFTEST` to `STIFFEST`; 0 is one.
 
     Examples
     --------
     >>> from strikewave.base.quantities import Value
-    >>> from strikewave.studies.buffer.seat import Sheet
-    >>> sheets = Sheet("rubber", Value(si=1e-3, typed="1 mm")), Sheet("PTFE", Value(si=1e-3, typed="1 mm"))
-    >>> moduli(sheets, SOFTEST), moduli(sheets, 0.0), moduli(sheets, STIFFEST)
+    >>> from strikewave.studies.buffer.mounting_site import GasketLayer
+    >>> stack = GasketLayer("rubber", Value(si=1e-3, typed="1 mm")), GasketLayer("PTFE", Value(si=1e-3, typed="1 mm"))
+    >>> moduli(stack, SOFTEST), moduli(stack, 0.0), moduli(stack, STIFFEST)
     ([0.5, 0.5], [1.0, 1.0], [5.0, 2.0])
     """
-    ends = [spread(material(sheet.material)) for sheet in sheets]
+    ends = [spread(material(layer.material)) for layer in stack]
     return [(high if place > 0.0 else low) ** abs(place) for low, high in ends]
 
 
@@ -72,27 +73,27 @@ def confinement(row: Material, area: float, thickness: float, stiffer: float = 1
     return max(1.0 / (1.0 / (stiffer * (1.0 + 2.0 * shape**2)) + 1.0 / bulk), stiffer)
 
 
-def confined(sheets: Sheets, area: float, factors: Sequence[float] = ()) -> list[float]:
+def confined(stack: GasketStack, area: float, factors: Sequence[float] = ()) -> list[float]:
     """Return the modulus of each gasket over that of the table where elastomers cannot slip.
 
-    ``factors`` are those of the free gaskets, one unless said otherwise.
+    ``factors`` are those of the free gaskets, 1 by default.
     """
-    found: list[float] = []
-    for name, group in groupby(sheets, key=lambda sheet: sheet.material):
-        run, row = tuple(group), material(name)
-        total = sum(sheet.thickness.si for sheet in run)
-        free = factors[len(found)] if factors else 1.0
-        found += [confinement(row, area, total, free) if row.kind == "elastomer" else free] * len(run)
-    return found
+    ratios: list[float] = []
+    for name, group in groupby(stack, key=lambda layer: layer.material):
+        bonded, row = tuple(group), material(name)
+        thickness = sum(layer.thickness.si for layer in bonded)
+        free = factors[len(ratios)] if factors else 1.0
+        ratios += [confinement(row, area, thickness, free) if row.kind == "elastomer" else free] * len(bonded)
+    return ratios
 
 
-def variants(sheets: Sheets, area: float) -> Iterator[list[float]]:
+def variants(stack: GasketStack, area: float) -> Iterator[list[float]]:
     """Yield the moduli that a robust stack must bear, over those of the table: free to slip, and not.
 
     The moduli of all gaskets go together, from the stiff end to the soft one, the table's left out where the faces
     slip.
     """
     places = (STIFFEST, SOFTEST, *BETWEEN)
-    yield from (moduli(sheets, place) for place in places)
-    if any(material(sheet.material).kind == "elastomer" for sheet in sheets):
-        yield from (confined(sheets, area, moduli(sheets, place)) for place in (STIFFEST, 0.0, *BETWEEN, SOFTEST))
+    yield from (moduli(stack, place) for place in places)
+    if any(material(layer.material).kind == "elastomer" for layer in stack):
+        yield from (confined(stack, area, moduli(stack, place)) for place in (STIFFEST, 0.0, *BETWEEN, SOFTEST))

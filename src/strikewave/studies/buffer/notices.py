@@ -10,19 +10,22 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.materials import material
 from strikewave.base.result import Notice
 from strikewave.sensors.channel import channel_notices, sensor_pulse
-from strikewave.studies.buffer.candidate import Candidate, slowest_shown, true_peak
+from strikewave.studies.buffer.candidate import SHOWN_PERIODS, Candidate, slowest_shown, true_peak
 from strikewave.studies.buffer.moduli import confined, spread
-from strikewave.studies.buffer.seat import reading_of
+from strikewave.studies.buffer.mounting_site import reading_of
 
 if TYPE_CHECKING:
     from strikewave.studies.buffer.result import BufferStudy
 
 LARGE_STRAIN = 0.1
-"""Compression of a gasket over its thickness beyond which small-strain values are stretched."""
+"""Compression of a gasket over its thickness beyond which the modulus of small strain is outside its range: a
+neo-Hookean rubber, s = E/3 (l - 1/l^2), is 12 % stiffer there."""
 FITTED_LOSS = 0.05
-"""Deviation of the loss factor over its band beyond which it is warned of."""
+"""Deviation of the loss factor over its band beyond which it is warned of: the height of the resonance errs by as
+much. Chosen: 5 %, as `strikewave.studies.buffer.candidate.ALIKE`, within which stacks count as the same."""
 COARSE = 0.02
-"""Share of the limit beyond which a step of the recorder's bits is worth a word."""
+"""Share of the limit beyond which a step of the recorder's bits is warned of: rounding then moves a peak at the limit
+by up to 1 %."""
 
 
 def _g(acceleration: float) -> str:
@@ -38,19 +41,19 @@ def study_notices(study: BufferStudy, skipped: int) -> Iterator[Notice]:
     first, limit = study.candidates[0], study.goal.limit
     if study.broken:
         yield _why_none(study)
-    if first.sheets:
+    if first.stack:
         yield from _pulse_lost(study, first)
         yield from _gasket_notices(study, first)
     yield from _other_blows(study, first)
     reading = study.reading(first)
-    pulses = [{study.held.sensor.name: sensor_pulse(reading)}]
-    yield from channel_notices([study.held], pulses, study.blows.assembly_mass)
+    pulses = [{study.first_channel.sensor.name: sensor_pulse(reading)}]
+    yield from channel_notices([study.first_channel], pulses, study.blows.assembly_mass)
     if not first.whole:
         message = (
             f"the history ends {study.motion.after_peak * 1e6:.4g} us after the surface's largest value, before "
             f"{first.name} has swung to one side at {first.band.resonance:.4g} Hz: its largest reading may come later"
         )
-        yield Notice("short-history", message, study.motion.after_peak, 0.5 / first.band.resonance)
+        yield Notice("short-history", message, study.motion.after_peak, SHOWN_PERIODS / first.band.resonance)
     if reading.quantum > COARSE * limit:
         message = f"a step of the recorder is {_g(reading.quantum)} for a limit of {_g(limit)}: take a smaller range"
         yield Notice("coarse-steps", message, reading.quantum, COARSE * limit)
@@ -71,21 +74,21 @@ def _pulse_lost(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
 
 def _not_robust(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
     """Yield whether the first stack keeps the limit with the moduli of the table only."""
-    found, limit = first.leading, study.goal.limit
-    if found is None or not first.keeps or found.robust:
+    leading, limit = first.leading, study.goal.limit
+    if leading is None or not first.keeps or leading.robust:
         return
-    most = max(found.softer, found.stiffer, found.confined or 0.0)
+    most = max(leading.softer, leading.stiffer, leading.confined or 0.0)
     if most <= limit:
         what = "a modulus between, or no slip at other moduli, breaks the limit, or the history is too short to tell"
     else:
         what = f"the sensor reads up to {_g(most)}"
-    ends = {name: spread(material(name)) for name in dict.fromkeys(sheet.material for sheet in first.sheets)}
+    ends = {name: spread(material(name)) for name in dict.fromkeys(layer.material for layer in first.stack)}
     tried = ", ".join(f"{name} {low:g} to {high:g} times" for name, (low, high) in ends.items())
     message = f"{first.name} is not sure to keep the limit ({tried} the modulus of the table, slip or none): {what}; "
     if study.robust is not None:
         message += f"measure the gaskets, or take {study.robust.name}, which is robust (--rank robust)"
     elif study.goal.rank == "robust":
-        slowest = slowest_shown(first.sheets, study.motion)
+        slowest = slowest_shown(first.stack, study.motion)
         message += (
             "measure the gaskets, or try thicker ones; no stack is known to be robust, which takes a history of half a "
             f"period of the softest: this one is long enough for stacks like this that ring above {slowest:.3g} Hz"
@@ -96,10 +99,10 @@ def _not_robust(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
 
 
 def _why_none(study: BufferStudy) -> Notice:
-    """Say that no stack keeps the limit, which comes nearest, and what stands against it."""
+    """Return the notice that no stack keeps the limit: which comes nearest, and what stands against it."""
     first, motion, limit = study.candidates[0], study.motion, study.goal.limit
     value = first.true_peak
-    bound = study.seat.range if first.clipped else limit
+    bound = study.site.range if first.clipped else limit
     message = (
         f"no stack keeps {_g(limit)}: the nearest, {first.name}, gives "
         f"{_g(value)} at the {'element' if first.clipped else 'reading'}"
@@ -115,29 +118,29 @@ def _why_none(study: BufferStudy) -> Notice:
 
 
 def _gasket_notices(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
-    """Yield what the gaskets of the first stack are taken beyond, and where their numbers come from."""
+    """Yield limits that the gaskets of the first stack exceed, and materials whose numbers are from memory."""
     assert first.leading is not None
-    for sheet, stress, strain in zip(first.sheets, first.leading.stress, first.leading.strain, strict=True):
-        strength = material(sheet.material).yield_strength
+    for layer, stress, strain in zip(first.stack, first.leading.stress, first.leading.strain, strict=True):
+        strength = material(layer.material).yield_strength
         if strength is not None and stress > strength:
-            message = f"{sheet} carries {stress / 1e6:.3g} MPa, beyond its yield strength of {strength / 1e6:.3g} MPa"
+            message = f"{layer} carries {stress / 1e6:.3g} MPa, beyond its yield strength of {strength / 1e6:.3g} MPa"
             yield Notice("gasket-yield", message, stress, strength)
         if strain > LARGE_STRAIN:
-            message = f"{sheet} is compressed by {strain:.0%}: its modulus is that of small strain; it stiffens"
+            message = f"{layer} is compressed by {strain:.0%}: its modulus is that of small strain; it stiffens"
             yield Notice("gasket-strain", message, strain, LARGE_STRAIN)
     if first.loss_error > FITTED_LOSS:
-        message = f"the loss factor of {first.name} is held to {first.loss_error:.0%} over its band only"
+        message = f"the loss factor of {first.name} deviates by up to {first.loss_error:.0%} over its band"
         yield Notice("loss-fit", message, first.loss_error, FITTED_LOSS)
-    elastic = [spread(material(sheet.material))[1] for sheet in first.sheets]
-    factors = confined(first.sheets, study.seat.area)
+    elastic = [spread(material(layer.material))[1] for layer in first.stack]
+    factors = confined(first.stack, study.site.area)
     stiffer, usual = max(zip(factors, elastic, strict=True), key=lambda pair: pair[0] / pair[1])
     if stiffer > usual:
         message = (
             f"the elastomer is thin for its width: where its faces cannot slip it is up to {stiffer:.3g} times as "
-            "stiff as reckoned (Gent & Lindley); no slip shows what is then read"
+            "stiff as computed (Gent & Lindley); the column no slip shows what is then read"
         )
         yield Notice("elastomer-confined", message, stiffer, usual)
-    for name in dict.fromkeys(sheet.material for sheet in first.sheets):
+    for name in dict.fromkeys(layer.material for layer in first.stack):
         row = material(name)
         if row.status != "checked":
             yield Notice("material-from-memory", f"{name}: {row.note}", 1.0, 0.0)
@@ -146,11 +149,11 @@ def _gasket_notices(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
 def _other_blows(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
     """Yield whether the first stack breaks the limit in another blow of the run."""
     others = [motion for motion in study.blows.motions if motion is not study.motion]
-    readings = [(reading_of(study.seat, first.sheets, motion), motion.name) for motion in others]
+    readings = [(reading_of(study.site, first.stack, motion), motion.name) for motion in others]
     peaks = [(true_peak(reading), reading.clipped, name) for reading, name in readings]
     worst, clipped, name = max((p for p in peaks if p[1] or p[0] > study.goal.limit), default=(0.0, False, ""))
     if first.keeps and worst > 0.0:
         message = f"in {name} the sensor reads {_g(worst)} with {first.name}: try --blow"
         if clipped:
             message = f"in {name} the element reaches {_g(worst)} with {first.name}, and is cut off: try --blow"
-        yield Notice("other-blow", message, worst, min(study.goal.limit, study.seat.range))
+        yield Notice("other-blow", message, worst, min(study.goal.limit, study.site.range))

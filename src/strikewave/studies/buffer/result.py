@@ -1,4 +1,4 @@
-"""What a buffer design found: candidates in their order, tables, documents."""
+"""Result of a buffer design: candidates in their order, tables, documents."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from strikewave.studies.buffer.candidate import (
     Leading,
 )
 from strikewave.studies.buffer.moduli import spread
-from strikewave.studies.buffer.seat import Blows, Motion, Seat, case_with, reading_of, with_sheets
+from strikewave.studies.buffer.mounting_site import BaseMotion, Blows, MountingSite, case_with, reading_of, table_with
 
 UNITS = {
     "limit": "m/s^2", "mass": "kg", "area": "m^2", "resonance": "Hz", "quality": "1", "range": "m/s^2",
@@ -44,6 +44,7 @@ _OWN = (
     "height", "peak", "width", "clipped", "element_peak", "true_peak", "keeps", "margin", "pareto", "rigid_ratio",
     "velocity_error", "ringing", "loss_error", "sag", "whole",
 )  # fmt: skip
+"""Attributes of a `Candidate` that a row of the document and of the table holds under their own names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +55,7 @@ class BufferStudy(Result):
 
     Attributes
     ----------
-    seat : Seat
+    site : MountingSite
         Where the sensor sits.
     blows : Blows
         The motion of the surface below it.
@@ -76,7 +77,7 @@ class BufferStudy(Result):
 
     command: ClassVar[str] = "buffer"
 
-    seat: Seat
+    site: MountingSite
     blows: Blows
     goal: Goal
     candidates: tuple[Candidate, ...]
@@ -89,19 +90,19 @@ class BufferStudy(Result):
     @property
     def title(self) -> str:
         """Sensor and blow."""
-        return f"{self.seat.table.name}: {self.motion.name}"
+        return f"{self.site.table.name}: {self.motion.name}"
 
     @property
     def source(self) -> Source:
         """The case with the first stack under its sensor; of a measured blow, what was asked of which file."""
         if self.case is not None:
-            held = case_with(self.case, self.seat, self.candidates[0].sheets)
+            held = case_with(self.case, self.site, self.candidates[0].stack)
             return Source("case", self.case.name, dump_case(held))
         name = "case" if self.record is None else self.record.stem
         return Source("records", name, identity(self.asked, self.digests), "record.toml", self.digests, self.asked)
 
     @property
-    def motion(self) -> Motion:
+    def motion(self) -> BaseMotion:
         """The blow that the stacks are designed for."""
         return self.blows.motion
 
@@ -121,19 +122,19 @@ class BufferStudy(Result):
         return next((candidate for candidate in self.candidates if candidate.robust), None)
 
     @property
-    def held(self) -> Channel:
+    def first_channel(self) -> Channel:
         """The sensor on the first stack, and its recorder."""
-        mounting = self.seat.mounting(self.candidates[0].sheets)
-        return self.seat.channel._replace(sensor=self.seat.sensor(mounting))
+        mounting = self.site.mounting(self.candidates[0].stack)
+        return self.site.channel._replace(sensor=self.site.sensor(mounting))
 
     @property
     def direct(self) -> Candidate:
         """The sensor without gaskets."""
-        return next(candidate for candidate in self.candidates if not candidate.sheets)
+        return next(candidate for candidate in self.candidates if not candidate.stack)
 
     def reading(self, candidate: Candidate) -> Reading:
         """Return what the recorder keeps with a stack."""
-        return reading_of(self.seat, candidate.sheets, self.motion)
+        return reading_of(self.site, candidate.stack, self.motion)
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -141,7 +142,7 @@ class BufferStudy(Result):
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
-        motion, sensor = self.motion, self.seat.channel.sensor
+        motion, sensor = self.motion, self.site.channel.sensor
         blow = {
             "name": motion.name,
             "surface_peak": motion.peak,
@@ -151,14 +152,14 @@ class BufferStudy(Result):
             "duration": motion.step * (motion.acceleration.size - 1),
         }
         held = {
-            "name": self.seat.table.name,
-            "mass": self.seat.mass,
-            "area": self.seat.area,
+            "name": self.site.table.name,
+            "mass": self.site.mass,
+            "area": self.site.area,
             **{key: getattr(sensor, key) for key in ("resonance", "quality", "range")},
-            "sampling_rate": self.seat.channel.recorder.sampling_rate,
+            "sampling_rate": self.site.channel.recorder.sampling_rate,
         }
         rows = [_row(place, candidate) for place, candidate in enumerate(self.candidates, 1)]
-        used = {sheet.material: material(sheet.material) for c in self.candidates for sheet in c.sheets}
+        used = {layer.material: material(layer.material) for c in self.candidates for layer in c.stack}
         origin = {
             name: {"status": row.status, "source": row.source, "note": row.note, "moduli": spread(row)}
             for name, row in used.items()
@@ -169,7 +170,7 @@ class BufferStudy(Result):
             "kept": not self.broken,
             "robust": None if self.robust is None else self.robust.name,
             "back_effect": "none: the motion of the surface is given, the sensor does not load it back",
-            "sources": [citation(key) for key in (*sensor_sources([self.held]), "gent-lindley-1959")],
+            "sources": [citation(key) for key in (*sensor_sources([self.first_channel]), "gent-lindley-1959")],
             "materials": origin,
             "sensor": held,
             "blow": blow,
@@ -188,7 +189,7 @@ class BufferStudy(Result):
         def typed(fields: Iterable[tuple[str, Any]]) -> dict[str, Any]:
             return {key: value.typed if isinstance(value, Value) else value for key, value in fields if value}
 
-        table = with_sheets(self.seat, self.candidates[0].sheets)
+        table = table_with(self.site, self.candidates[0].stack)
         row = {**typed(table), "gasket": [typed(layer) for layer in table.gasket]}
         return tomlkit.dumps({"sensor": [row]})
 
@@ -211,10 +212,9 @@ class BufferStudy(Result):
 
 def _row(place: int | None, candidate: Candidate) -> dict[str, Any]:
     """Return a candidate as one flat row."""
-    found = candidate.leading
     own = {key: getattr(candidate, key) for key in _OWN}
-    leading = {f.name: getattr(found, f.name, None) for f in dataclasses.fields(Leading)}
-    gaskets = [{"material": sheet.material, "thickness": sheet.thickness.si} for sheet in candidate.sheets]
+    leading = {f.name: getattr(candidate.leading, f.name, None) for f in dataclasses.fields(Leading)}
+    gaskets = [{"material": layer.material, "thickness": layer.thickness.si} for layer in candidate.stack]
     return {
         "place": place,
         "name": candidate.name,

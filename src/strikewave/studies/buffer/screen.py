@@ -32,28 +32,36 @@ from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, progress_bar, say, say_compiling, significant, table
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, Candidate, Goal, distinct
 from strikewave.studies.buffer.choice import Choice
+from strikewave.studies.buffer.mounting_site import (
+    BaseMotion,
+    Blows,
+    MountingSite,
+    blows_of,
+    choose_sensor,
+    mounting_site_of,
+)
 from strikewave.studies.buffer.result import BufferStudy
-from strikewave.studies.buffer.seat import Blows, Motion, Seat, blows_of, choose_sensor, seat_of
 from strikewave.studies.buffer.study import LEADING, design_buffer
 
 LONGEST = 200_000
-"""Samples of a record that are kept about its largest value."""
+"""Samples of a record that are kept about its largest value, a quarter of them before it: at 1 MHz 0.2 s, longer than
+any blow and its ringing, and few enough for a run of each stack."""
 
 COLUMNS = (
     "#", "stack, from the surface up", "peak\n(g)", "of limit\n(1)", "5 %\n(Hz)", "10 %\n(Hz)", "-3 dB\n(Hz)",
     "resonance\n(Hz)", "Q", "softer\n(g)", "stiffer\n(g)", "no slip\n(g)", "robust",
 )  # fmt: skip
 LEFT_OUT, WIDE = (4, 6, 7, 8, 9, 11), 150
-"""Columns of the table that a screen with fewer characters does without."""
+"""Columns of the table that a screen with fewer characters does without: those that no ranking depends on."""
 NAME, SHORT_NAME = 38, 24
 """Characters of a line of a stack's name, on a wide and on a narrow screen."""
 
 
 class Source(NamedTuple):
-    """Where sensor and blow come from: the case, the sensor's table, its seat, the record's path and reading."""
+    """Where sensor and blow come from: the case, the sensor's table, its site, the record's path and reading."""
 
     case: Case | None
-    seat: Seat
+    site: MountingSite
     record: Path | None = None
     reading: ChannelReading | None = None
     found: Sequence[HealthNotice] = ()
@@ -84,7 +92,7 @@ def source_of_record(
 ) -> Source:
     """Return where the blow of a record, and the sensor of a case or of what was typed, come from."""
     reading, found = _reading(file, stated, options)
-    return Source(None, _from_case(*case, given, needed=False).seat, Path(file), reading, found)
+    return Source(None, _from_case(*case, given, needed=False).site, Path(file), reading, found)
 
 
 @dataclass(frozen=True)
@@ -120,7 +128,7 @@ class BufferCommand(Command[BufferStudy]):
             with progress_bar("blows") as report:
                 blows = _blows(source, self.blow, report)
         with progress_bar("stacks") as report:
-            study = design_buffer(source.seat, blows, self.choice, self.goal, report)
+            study = design_buffer(source.site, blows, self.choice, self.goal, report)
         digests = measured.digests_of([source.record] if source.record else [])
         return dataclasses.replace(
             study, case=source.case, record=source.record, asked=measured.asked(), digests=digests
@@ -144,7 +152,7 @@ class BufferCommand(Command[BufferStudy]):
 def _from_case(
     name: str | None, sensor: str | None, changes: list[str] | None, given: dict[str, Any], needed: bool = True
 ) -> Source:
-    """Return case and seat; without a case, where none is needed, the seat stands on what was typed."""
+    """Return case and site; without a case, where none is needed, the site stands on what was typed."""
     typed = {key: value for key, value in given.items() if key != "diameter"}
     footprint = {"diameter": given["diameter"]} if "diameter" in given else None
     if name is None:
@@ -155,15 +163,15 @@ def _from_case(
             hint = "without one, --model, --mass and --diameter describe the sensor"
             raise InputError(field, sensor or changes, "only with a case", hint)
         alone: SensorTable = SensorTable(name="sensor").model_copy(update=typed)
-        return Source(None, seat_of(alone, None, footprint))
+        return Source(None, mounting_site_of(alone, None, footprint))
     case = load_case(name, changes or ())
     table = choose_sensor(case, sensor).model_copy(update=typed)
-    return Source(case, seat_of(table, case, footprint))
+    return Source(case, mounting_site_of(table, case, footprint))
 
 
 def _blows(source: Source, blow: str, report: Callable[[float], None]) -> Blows:
     assert source.case is not None
-    return blows_of(source.case, source.seat.table, blow, report)
+    return blows_of(source.case, source.site.table, blow, report)
 
 
 def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> tuple[ChannelReading, list[HealthNotice]]:
@@ -184,7 +192,7 @@ def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> tupl
 
 
 def _recorded(path: Path | None, reading: ChannelReading, findings: Sequence[HealthNotice]) -> Blows:
-    """Return the motion about the largest value of a record, its zero line taken off."""
+    """Return the motion about the largest value of a record, its baseline taken off."""
     channel = reading.channel
     zero = reading.pulses[0].offset if reading.pulses else float(np.median(channel.values))
     values = channel.values - zero
@@ -197,7 +205,7 @@ def _recorded(path: Path | None, reading: ChannelReading, findings: Sequence[Hea
     warnings = [Notice("record-bandwidth", message, 0.5 * channel.sampling_rate, 0.0)]
     warnings += [Notice("record-suspect", f"{f.code}: {f.message}", f.value, 0.0) for f in findings]
     name = f"{path.name if path else ''} {channel.name}".strip()
-    return Blows((Motion(name, values, channel.step, channel.start + first * channel.step),), 0, tuple(warnings))
+    return Blows((BaseMotion(name, values, channel.step, channel.start + first * channel.step),), 0, tuple(warnings))
 
 
 def _called(source: Source) -> str:
@@ -207,10 +215,10 @@ def _called(source: Source) -> str:
 
 
 def _print(study: BufferStudy) -> None:
-    motion, seat = study.motion, study.seat
+    motion, site = study.motion, study.site
     rigid = "" if motion.rigid_peak is None else f", rigid-body peak {number(motion.rigid_peak, 'm/s^2', 'g', 5)} g"
     say(
-        f"{seat.table.name}, {seat.mass * 1e3:.4g} g of mass, on {seat.area * 1e6:.4g} mm^2 of gasket; {motion.name}: "
+        f"{site.table.name}, {site.mass * 1e3:.4g} g of mass, on {site.area * 1e6:.4g} mm^2 of gasket; {motion.name}: "
         f"surface {number(motion.peak, 'm/s^2', 'g', 5)} g{rigid}"
     )
     say("the motion of the surface is given: the sensor's back-effect on the structure is not modelled")
@@ -223,7 +231,7 @@ def _print(study: BufferStudy) -> None:
     first_by = {"robust": "the robust first, then by bandwidth"}.get(study.goal.rank, f"first by {study.goal.rank}")
     title = (
         f"{kept} of {len(study.candidates)} stacks keep {number(study.goal.limit, 'm/s^2', 'g', 5)} g; "
-        f"{first_by if kept else 'first by peak'} (* on the front of peak and bandwidth)"
+        f"{first_by if kept else 'first by peak'} (*: Pareto-optimal in peak and bandwidth)"
     )
     kinds = [k for k in range(len(COLUMNS)) if k not in LEFT_OUT or _wide()]
     table(title, [COLUMNS[k] for k in kinds], [[row[k] for k in kinds] for row in rows], left=2)
@@ -249,7 +257,7 @@ def _wide() -> bool:
 
 def _cells(place: str, candidate: Candidate) -> list[str]:
     """Return a row of the table on the screen."""
-    band, found = candidate.band, candidate.leading if candidate.sheets else None
+    band, found = candidate.band, candidate.leading if candidate.stack else None
     passed = [
         "-" if not math.isfinite(f) else significant(f, 3)
         for f in (band.within_5, band.within_10, band.half_power, band.resonance)

@@ -13,7 +13,7 @@ from strikewave.reporting.options import CaseName, Changes, Output, Size, grid_s
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
     from strikewave.cases.case import Case
-    from strikewave.studies.map.cells import Axis
+    from strikewave.studies.axes import Axis
 
 X, Y = "machine.speed", "object.spring"
 """What stands along the axes unless said otherwise."""
@@ -104,8 +104,7 @@ def command(
 
 def _axes(case: Case, given: tuple[str, str, str | None], points: Size, log: list[str]) -> tuple[Axis, ...]:
     """Return the axes of a map from what was typed."""
-    from strikewave.studies.map.cells import Axis
-    from strikewave.studies.map.study import axis_of, units_of
+    from strikewave.studies.axes import Axis, axis_of, units_of
 
     found = []
     for option, text, size in zip(("x", "y"), given[:2], points, strict=True):

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.units import in_unit
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
-from strikewave.studies.map.cells import Axis
+from strikewave.studies.axes import Axis
+from strikewave.studies.log_ticks import plain_log_ticks
 from strikewave.studies.map.regimes import FAILED, NAMES, PERIOD_1, UNKNOWN
 from strikewave.studies.map.study import MapStudy
 
@@ -23,12 +24,15 @@ Array = NDArray[np.float64]
 PANEL, MARGIN = (5.6, 4.6), (1.9, 1.5)
 """Size of a panel and what stands around all of them, inches."""
 LABELLED = 0.02
-"""A regime with this share of a panel is named in it."""
+"""A regime with this share of a panel is named in it: a smaller one has no room for its name."""
+CONTRAST = (2, 98)
+"""Percentiles of the values between which a logarithmic scale of colours goes: a few cells that barely scatter, or
+wildly, would take the contrast from all others."""
 HATCHES = ("", "//", "\\\\", "xx", "..", "oo", "", "")
 """Of each regime, by code; what failed is grey."""
 DARK = "#222222"
 LEVELS = (1.0, 2.0, 3.0)
-"""Striking periods at which the object is back that are drawn."""
+"""Striking periods T after which the object is back on its stop, as lines: what comes later is no regular train."""
 MARK_EDGE = {"markeredgecolor": "white", "markeredgewidth": 1.0}
 
 
@@ -46,7 +50,7 @@ COLOURS = {
     "cv_later": Colour("coefficient of variation of the peaks, from the second blow (%)", "", "", True),
     "peak": Colour("mean rigid peak (g)", "m/s^2", "g"),
     "first_peak": Colour("rigid peak of the first blow (g)", "m/s^2", "g"),
-    "retreat": Colour("largest retreat (mm)", "m", "mm"),
+    "retreat": Colour("largest displacement (mm)", "m", "mm"),
     "stop_force": Colour("largest force of the stop (kN)", "N", "kN"),
     "train_time": Colour("from first to last blow (ms)", "s", "ms"),
     "missed": Colour("missed blows (1)", "", ""),
@@ -98,7 +102,7 @@ def _shown(values: Array, colour: Colour, name: str) -> tuple[Array, Any]:
         return shown, Normalize(0.0, 1.0)
     if not colour.log:
         return shown, Normalize(float(known.min()), float(known.max()) + 1e-12)
-    low, high = np.percentile(known[known > 0.0], [2, 98]) if np.any(known > 0.0) else (0.1, 1.0)
+    low, high = np.percentile(known[known > 0.0], CONTRAST) if np.any(known > 0.0) else (0.1, 1.0)
     return np.where(shown == 0.0, low, shown), LogNorm(float(low), max(float(high), 1.01 * float(low)))
 
 
@@ -123,14 +127,10 @@ def _panel(axes: Any, study: MapStudy, k: int, values: Array, norm: Any) -> Any:
 
 
 def _plain(axes: Any, study: MapStudy) -> None:
-    """Write 20, 50, 100 along a logarithmic axis."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-
+    """Write plain numbers along the logarithmic axes."""
     for axis, drawn in zip(study.plan.axes[:2], (axes.xaxis, axes.yaxis), strict=True):
         if axis.log:
-            drawn.set_major_locator(LogLocator(subs=(1, 2, 5)))
-            drawn.set_major_formatter("{x:g}")
-            drawn.set_minor_formatter(NullFormatter())
+            plain_log_ticks(drawn)
 
 
 def _regimes(axes: Any, study: MapStudy, k: int, x: Array, y: Array) -> None:
@@ -181,9 +181,9 @@ def _marks(axes: Any, study: MapStudy, k: int) -> None:
                 line[which] = [axis.shown(end) for end in ends]
                 axes.plot(*line, color=RED, linewidth=2.2, solid_capstyle="butt", zorder=4)
         axes.plot(at[0], at[1], "*", color=RED, markersize=15, zorder=5, **MARK_EDGE)
-    found = study.setting
-    if found is not None and (len(plan.axes) < 3 or found.values[2] == plan.axes[2].values[k]):
-        x, y = (axis.shown(value) for axis, value in zip(plan.axes[:2], found.values[:2], strict=True))
+    setting = study.setting
+    if setting is not None and (len(plan.axes) < 3 or setting.values[2] == plan.axes[2].values[k]):
+        x, y = (axis.shown(value) for axis, value in zip(plan.axes[:2], setting.values[:2], strict=True))
         axes.plot(x, y, "D", color=BLUE, markersize=8, zorder=5, **MARK_EDGE)
     axes.set_xlim(*limits[0])
     axes.set_ylim(*limits[1])
@@ -226,5 +226,5 @@ def _legend(figure: Figure, axes: Any, study: MapStudy) -> None:
 def _label(axis: Axis) -> str:
     """Return the label of an axis: what of what, and its unit."""
     table, _, key = axis.path.partition(".")
-    words = f"{key.replace('_', ' ').replace('.', ' ')} of the {table}"
-    return f"{words} ({axis.unit})" if axis.unit else f"{words} (1)"
+    name = f"{key.replace('_', ' ').replace('.', ' ')} of the {table}"
+    return f"{name} ({axis.unit or '1'})"

@@ -14,15 +14,18 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-3
-"""Blows are alike within this share of the scale of each of their quantities."""
-LONGEST_PERIOD = 10
-"""Longest period that is told from irregular motion."""
+"""Blows are alike within this share of the scale of each of their quantities: above what the fast run errs by (3e-4 of
+the approach speed, docs/map.md), far below what tolerances do to a blow."""
 CYCLES = 3
-"""Times that a period must be seen."""
+"""Times that a period must be seen: twice may be chance."""
+LONGEST_PERIOD = 10
+"""Longest period that is distinguished from irregular motion: the second half of a train of 60 blows holds it `CYCLES`
+times."""
 
 NAMES = ("period-1", "period-2", "period-n", "irregular", "misses", "no return", "failed", "unknown")
 """Regimes by their code."""
 PERIOD_1, PERIOD_2, PERIOD_N, IRREGULAR, MISSES, NO_RETURN, FAILED, UNKNOWN = range(8)
+"""Codes of the regimes."""
 
 
 class Regime(NamedTuple):

@@ -23,7 +23,7 @@ SHOWN = (
     ("CV from 2nd blow (%)", "cv_later", "1", "%"),
     ("mean peak (g)", "peak", *_PEAK),
     ("missed (1)", "missed", "1", "1"),
-    ("largest retreat (mm)", "retreat", "m", "mm"),
+    ("largest displacement (mm)", "retreat", "m", "mm"),
     ("stop force (kN)", "stop_force", "N", "kN"),
     ("train (ms)", "train_time", "s", "ms"),
 )

@@ -23,7 +23,12 @@ from strikewave.studies.map.cells import FIELDS, Plan
 Array = NDArray[np.float64]
 
 MOST_TIMES = 4
-"""A file with more rows than so many whole maps has is refused: two runs at once write each row twice."""
+"""A file with more rows than so many whole maps has is refused: two runs at once write each row twice. Chosen: twice
+that, so that a damaged file is not read to its end."""
+LONGEST_NAME = 200
+"""Characters of a folder's name that the file takes over: a file system takes 255 bytes, dot and ending included."""
+NUMBER, CHECK = struct.Struct("<q"), struct.Struct("<I")
+"""Number of a row, before its cells, and their check sum, after them: little-endian on every machine."""
 _MARK = b"rows of a strikewave map "
 _HINT = "start anew with --fresh, or choose another --out"
 
@@ -41,7 +46,7 @@ def rows_beside(folder: Path) -> Path:
     >>> str(rows_beside(Path("out/map")))
     'out/.map.partial'
     """
-    return folder.with_name(f".{folder.name[:200]}.partial")
+    return folder.with_name(f".{folder.name[:LONGEST_NAME]}.partial")
 
 
 class Store:
@@ -76,7 +81,7 @@ class Store:
             self._read(path)
 
     def _read(self, path: Path) -> None:
-        size = 8 + self.data[0].nbytes + 4
+        size = NUMBER.size + self.data[0].nbytes + CHECK.size
         try:
             with path.open("rb") as file:
                 head = file.read(len(self._head))
@@ -92,10 +97,11 @@ class Store:
 
     def _take(self, record: bytes, path: Path) -> None:
         """Take one row from its record."""
-        row, check = struct.unpack("<q", record[:8])[0], struct.unpack("<I", record[-4:])[0]
-        if zlib.crc32(record[:-4]) != check or not 0 <= row < len(self.done):
+        body, end = record[: -CHECK.size], record[-CHECK.size :]
+        (row,), (check,) = NUMBER.unpack(body[: NUMBER.size]), CHECK.unpack(end)
+        if zlib.crc32(body) != check or not 0 <= row < len(self.done):
             raise _damaged(path)
-        self.data[row] = np.frombuffer(record[8:-4], "<f8").reshape(self.data[row].shape)
+        self.data[row] = np.frombuffer(body[NUMBER.size :], "<f8").reshape(self.data[row].shape)
         self.done[row] = True
 
     def keep(self, row: int, cells: Array) -> None:
@@ -109,7 +115,7 @@ class Store:
         self.data[row], self.done[row] = cells, True
         if self.path is None:
             return
-        record = struct.pack("<q", row) + np.ascontiguousarray(cells, "<f8").tobytes()
+        record = NUMBER.pack(row) + np.ascontiguousarray(cells, "<f8").tobytes()
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with self.path.open("ab") as file:
@@ -117,7 +123,7 @@ class Store:
                     file.truncate(self._whole)
                     file.write(b"" if self._whole else self._head)
                     self._whole = None
-                file.write(record + struct.pack("<I", zlib.crc32(record)))
+                file.write(record + CHECK.pack(zlib.crc32(record)))
         except OSError as error:
             raise InputError("--out", str(self.path), "a place that can be written", error.strerror or "") from None
 

@@ -15,20 +15,20 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.errors import InputError, IntegrationError, StrikewaveError, nearest
-from strikewave.base.quantities import Value
+from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.result import Result, Source
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
+from strikewave.studies.accuracy import RUN_TOLERANCE
+from strikewave.studies.axes import HALF_TO_TWICE, Axis, case_at
 from strikewave.studies.map.cells import (
     FIELDS,
+    NOTE,
     PLACE,
     REASONS,
-    Axis,
     Plan,
-    case_at,
     cell_of,
     machine_of,
     row_of,
@@ -45,15 +45,24 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 TRAIN = 60
-"""Blows of the longer train unless said otherwise; the first half is left out."""
-MOST_CELLS, MOST_SIDE, MOST_TRAIN, MOST_SECONDS = 1_000_000, 1000, 1000, 12 * 3600.0
-"""More cells, cells along an axis, blows of a train, or estimated seconds than this are refused."""
+"""Blows of the longer train by default: its second half then shows a period of `LONGEST_PERIOD` `CYCLES` times."""
+LEAST_TRAIN = 12
+"""Fewest blows of a longer train: its second half then shows a period of two `CYCLES` times."""
+MOST_TRAIN = 1000
+"""Most blows of a train. Chosen: what has not settled in a thousand blows is no setting for a test."""
+LEAST_BLOWS = 2
+"""Fewest blows of the machine's own: one alone does not scatter."""
+LEAST_SIDE, MOST_SIDE = 2, 1000
+"""Fewest and most points along x and y: an axis has two ends, and a screen shows no more."""
+MOST_CELLS = 1_000_000
+"""Most cells: they take 104 MB with their 13 fields, and the map's files more."""
+MOST_SECONDS = 12 * 3600.0
+"""Longest estimated time of a map, s: a night."""
 SECONDS_A_BLOW = 0.4e-3
-"""About what a blow takes on one core, s: for the estimate only."""
+"""About what a blow takes on one core, s: for the estimate only (measured: 0.3 ms, li-ma-2019)."""
 CONFIRMED = 5
-"""Even settings nearest to the case that are tried by full runs until one keeps the limit."""
-TESTED = 1e-7
-"""Tolerance of these full runs."""
+"""Even settings nearest to the case that are tried by full runs until one keeps the limit: each takes some 0.1 s
+(measured, li-ma-2019). Where the nearest five all disagree, the fast run is not to be trusted there."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +99,7 @@ def marked_text(plan: Plan, wanted: float) -> str:
 
 
 class Refusal(NamedTuple):
-    """An even setting of the map, SI, and what its full run showed instead, in words."""
+    """An even setting of the map, SI, and why its full run refutes it."""
 
     values: tuple[float, ...]
     reason: str
@@ -165,8 +174,8 @@ class MapStudy(Result):
     def shares(self) -> dict[str, float]:
         """Share of the cells in each regime that occurs."""
         codes = self.field("regime")
-        found = {name: float(np.mean(codes == code)) for code, name in enumerate(NAMES)}
-        return {name: share for name, share in found.items() if share > 0.0}
+        shares = {name: float(np.mean(codes == code)) for code, name in enumerate(NAMES)}
+        return {name: share for name, share in shares.items() if share > 0.0}
 
     @property
     def failures(self) -> dict[str, int]:
@@ -174,9 +183,10 @@ class MapStudy(Result):
         codes = self.field("reason").astype(int)
         return {text: int((codes == k).sum()) for k, text in enumerate(REASONS) if k and (codes == k).any()}
 
-    def over_range(self, path: str, low: float = 0.5, high: float = 2.0) -> tuple[float, float] | None:
+    def over_range(self, path: str) -> tuple[float, float] | None:
         """Return the ends of the range over which an assumed value of the case is in doubt; None where it is known."""
         value = self.case.values()[path]
+        low, high = HALF_TO_TWICE
         return (low * value.si, high * value.si) if value.provenance == "assumed" else None
 
     def units(self) -> dict[str, str]:
@@ -216,7 +226,7 @@ class MapStudy(Result):
         if self.setting is None:
             return None
         found = self.setting
-        full = {"cv": found.cv, "peak": found.peak, "tolerance": TESTED}
+        full = {"cv": found.cv, "peak": found.peak, "tolerance": RUN_TOLERANCE}
         settings = dict(zip(self.paths, found.values, strict=True))
         return {"settings": settings, "distance": found.distance, "result": found.cell, "full_run": full}
 
@@ -265,8 +275,8 @@ class MapStudy(Result):
     def _values(self, place: tuple[int, ...]) -> tuple[float, ...]:
         """Return the settings of a cell (panel, row, column)."""
         axes = self.plan.axes
-        found = (axes[0].values[place[2]], axes[1].values[place[1]])
-        return (*found, axes[2].values[place[0]]) if len(axes) > 2 else found
+        x_and_y = (axes[0].values[place[2]], axes[1].values[place[1]])
+        return (*x_and_y, axes[2].values[place[0]]) if len(axes) > 2 else x_and_y
 
     @property
     def scales(self) -> tuple[float, ...]:
@@ -280,13 +290,13 @@ class MapStudy(Result):
         The case itself is the first of them where it is even.
         """
         even = (self.field("cv") <= self.wanted) & (self.field("missed") == 0)
-        found = [(0.0, self.here, self.present)] if self.even else []
+        settings = [(0.0, self.here, self.present)] if self.even else []
         for place in zip(*np.nonzero(even), strict=True):
             values = self._values(place)
             steps = [(v - at) / scale for v, at, scale in zip(values, self.here, self.scales, strict=True)]
             cell = dict(zip(FIELDS, self.values[place].tolist(), strict=True))
-            found.append((math.hypot(*steps), values, cell))
-        return sorted(found, key=lambda one: one[:2])
+            settings.append((math.hypot(*steps), values, cell))
+        return sorted(settings, key=lambda setting: setting[:2])
 
     @property
     def even(self) -> bool:
@@ -295,7 +305,9 @@ class MapStudy(Result):
 
     def case_of(self, values: tuple[float, ...]) -> Case:
         """Return the case with other settings; their tolerances stay. The case itself where nothing is other."""
-        return self.case if values == self.here else case_at(self.case, self.plan.axes, values, keep_tolerances=True)
+        if values == self.here:
+            return self.case
+        return case_at(self.case, self.plan.axes, values, NOTE, keep_tolerances=True)
 
     def nearest_case(self) -> Case:
         """Return the case with the nearest even setting; the case itself where there is none."""
@@ -309,39 +321,6 @@ def _cell(name: str, value: float) -> str:
     return "" if math.isnan(value) else f"{value:.9g}"
 
 
-def axis_of(case: Case, path: str, ends: tuple[Value, Value] | None, points: int, log: bool) -> Axis:
-    """Return an axis of a map: a quantity of the case from one value to another, half to twice where none are given.
-
-    Raises
-    ------
-    InputError
-        If the case has no such quantity, or the range is none.
-    """
-    values = case.values()
-    if path not in values:
-        raise InputError(path, path, "a quantity of the case", nearest(path, values))
-    unit, si_unit = units_of(path, ends[0] if ends else values[path])
-    low, high = (ends[0].si, ends[1].si) if ends else (0.5 * values[path].si, 2.0 * values[path].si)
-    if not low < high:
-        raise InputError(
-            path, f"{low:g} to {high:g}", "a range whose end lies above its begin, SI", "such as 400 rpm:1000 rpm"
-        )
-    if log and low <= 0.0:
-        raise InputError(path, low, "a range above zero on a logarithmic axis")
-    steps = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
-    return Axis(path, unit, si_unit, tuple(float(v) for v in steps), log)
-
-
-def units_of(path: str, value: Value) -> tuple[str, str]:
-    """Return the unit in which a quantity of a case was typed, and its SI unit."""
-    from strikewave.cases.case import FORM
-
-    allowed = FORM.range_at(path.split("."))
-    si_unit = "" if allowed is None or allowed.unit == "count" else allowed.unit
-    typed = str(value.typed).strip().lstrip("+-0123456789.eE").strip() if isinstance(value.typed, str) else ""
-    return typed or si_unit, si_unit
-
-
 def check_plan(plan: Plan, workers: int) -> float:
     """Return about how long a map takes, s, and refuse one that is too large.
 
@@ -351,13 +330,14 @@ def check_plan(plan: Plan, workers: int) -> float:
         If it has too many or too few cells or blows, or would take half a day.
     """
     panels, rows, columns = plan.shape
-    if not (2 <= rows <= MOST_SIDE and 2 <= columns <= MOST_SIDE) or panels * rows * columns > MOST_CELLS:
-        allowed = f"2 to {MOST_SIDE} points along each axis, and {MOST_CELLS} cells at most"
+    sides = all(LEAST_SIDE <= side <= MOST_SIDE for side in (rows, columns))
+    if not sides or panels * rows * columns > MOST_CELLS:
+        allowed = f"{LEAST_SIDE} to {MOST_SIDE} points along each axis, and {MOST_CELLS} cells at most"
         raise InputError("--points", f"{columns}x{rows}" + (f" x {panels} panels" if panels > 1 else ""), allowed)
-    if not (plan.train == 0 or 12 <= plan.train <= MOST_TRAIN):
-        raise InputError("--train", plan.train, f"0, or 12 to {MOST_TRAIN} blows")
-    if not 2 <= plan.blows <= MOST_TRAIN:
-        raise InputError("--blows", plan.blows, f"2 to {MOST_TRAIN} blows")
+    if not (plan.train == 0 or LEAST_TRAIN <= plan.train <= MOST_TRAIN):
+        raise InputError("--train", plan.train, f"0, or {LEAST_TRAIN} to {MOST_TRAIN} blows")
+    if not LEAST_BLOWS <= plan.blows <= MOST_TRAIN:
+        raise InputError("--blows", plan.blows, f"{LEAST_BLOWS} to {MOST_TRAIN} blows")
     seconds = panels * rows * columns * max(plan.blows, plan.train) * SECONDS_A_BLOW / workers
     if seconds > MOST_SECONDS:
         allowed = f"a map of {MOST_SECONDS / 3600:g} hours at most (this one: about {seconds / 3600:.0f})"
@@ -397,15 +377,15 @@ def make_map(
     check_plan(plan, workers)
     case = parse_case(plan.case)
     machine_of(case)
-    kept = Store(plan, None) if store is None else store
+    rows = Store(plan, None) if store is None else store
     present = dict(zip(FIELDS, cell_of(case, plan.blows, plan.train).tolist(), strict=True))
-    todo = [int(row) for row in np.flatnonzero(~kept.done)]
+    todo = [int(row) for row in np.flatnonzero(~rows.done)]
     with Workers(min(workers, len(todo)), start_worker, (plan,)) as pool:
         for row, cells in pool.as_finished(row_of, todo):
-            kept.keep(row, cells)
+            rows.keep(row, cells)
             if progress is not None:
-                progress(float(kept.done.mean()))
-    study = MapStudy(plan, kept.data.reshape(*plan.shape, len(FIELDS)), wanted, present)
+                progress(float(rows.done.mean()))
+    study = MapStudy(plan, rows.data.reshape(*plan.shape, len(FIELDS)), wanted, present)
     setting, refused = confirmed(study)
     return dataclasses.replace(study, setting=setting, refused=refused)
 
@@ -435,7 +415,9 @@ def in_full(case: Case, count: int) -> tuple[float, float]:
     """
     machine = machine_of(case)
     machine = machine.with_feed(blows=count)
-    peaks = np.array([blow.rigid_peak for blow in blows(run_machine(machine, TESTED))[:count] if blow.kind != "missed"])
+    peaks = np.array(
+        [blow.rigid_peak for blow in blows(run_machine(machine, RUN_TOLERANCE))[:count] if blow.kind != "missed"]
+    )
     if peaks.size < count:
         raise StrikewaveError(f"{peaks.size} of {count} blows came")
     return variation(peaks), float(peaks.mean())

@@ -19,7 +19,7 @@ WIDTH, PEAKS_HEIGHT, HEAD, ROW = 9.0, 3.9, 1.1, 0.3
 """Of the picture, of the peaks, of what stands about the bars of shares, and of each bar, inches."""
 DARK = "#333333"
 MOST_BARS = 12
-"""Largest shares that are drawn; the others stand in the table."""
+"""Largest shares that are drawn, as many as a page holds; the others stand in the table."""
 
 
 def scatter_picture(study: ScatterStudy) -> Figure:
@@ -33,7 +33,7 @@ def scatter_picture(study: ScatterStudy) -> Figure:
     _peaks(rows[0], study)
     for axes, shares in zip(rows[1:], study.shares, strict=True):
         _bars(axes, shares, study.plan.shares == "sobol")
-    sheet_title(figure, f"{study.case.name or 'case'}: {len(study.made)} runs within {_count(study)}")
+    sheet_title(figure, f"{study.case.name or 'case'}: {len(study.completed)} runs within {_count(study)}")
     return figure
 
 
@@ -48,22 +48,23 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
 
     low, middle, high = study.peaks() / STANDARD_GRAVITY
     number = np.arange(1, middle.size + 1)
-    still = study.still.peak / STANDARD_GRAVITY
+    nominal = study.nominal_run.peak / STANDARD_GRAVITY
     axes.vlines(number, low, high, color=BLUE, alpha=0.35, linewidth=9.0, label="95 % of runs")
     axes.plot(number, middle, "_", color=BLUE, markersize=15, markeredgewidth=2.0, label="median")
-    axes.plot(np.arange(1, still.size + 1), still, "o", color=RED, markersize=4, label="dynamics alone")
-    missed = sum("missed" in run.kinds for run in study.made)
+    axes.plot(np.arange(1, nominal.size + 1), nominal, "o", color=RED, markersize=4, label="dynamics alone")
+    missed = sum("missed" in run.kinds for run in study.completed)
     typical = study.figure("peak").within
-    words = f"CV within a run: {typical.median:.2%}, dynamics alone {study.still.variation('peak'):.2%}"
-    words += f"; {missed} runs with missed blows" if missed else ""
-    quiet(axes, f"Peak of the rigid-body acceleration. {words}", "blow", "peak (g)")
+    alone = study.nominal_run.variation("peak")
+    title = f"Peak of the rigid-body acceleration. CV within a run: {typical.median:.2%}, dynamics alone {alone:.2%}"
+    title += f"; {missed} runs with missed blows" if missed else ""
+    quiet(axes, title, "blow", "peak (g)")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.margins(x=0.04, y=0.12)
     axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
 def _bars(axes: Any, shares: Shares, sobol: bool) -> None:
-    """Draw shares as bars with their bounds; hollow where they cannot be told apart from 0."""
+    """Draw shares as bars with their bounds; hollow where they are not significant (95 %)."""
     rows = shares.rows[:MOST_BARS]
     place = np.arange(len(rows))
     value = np.array([row.share for row in rows])
@@ -86,7 +87,7 @@ def _bars(axes: Any, shares: Shares, sobol: bool) -> None:
         axes.plot(100.0 * total, place + 0.38, "D", color=ORANGE, markersize=4, label="with interactions (total)")
         axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     if not all(row.distinct for row in rows):
-        note = "hollow: not told apart from 0"
+        note = "hollow: not significant (95 %)"
         axes.text(0.995, 0.04, note, ha="right", va="bottom", fontsize=8, color=GREY, transform=axes.transAxes)
     axes.axvline(0.0, color=GREY, linewidth=0.8)
     left, right = axes.get_xlim()

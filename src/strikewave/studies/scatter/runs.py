@@ -14,18 +14,22 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, InputErrors, IntegrationError, show
 from strikewave.cases.case import Case
 from strikewave.machines import Blow, Machine, MachineRun, blows, run_machine
+from strikewave.studies.accuracy import FINER_TOLERANCE, RUN_TOLERANCE
 from strikewave.studies.workers import Workers
 from strikewave.uncertainty.draws import Tolerance, drawn_case
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
 
-RUN_TOLERANCE, FINER = 1e-7, 1e-8
-"""Local error of a step, over the scales of one contact: it changes a peak by less than 1e-6; a second try is finer."""
 CHUNK = 4
-"""Runs that a process is given at a time."""
+"""Runs that a process is given at a time: some 0.3 s of work, so that handing it over costs little, and progress still
+moves and the last process ends soon after the others."""
 FIGURES = ("peak", "width", "interval", "velocity_change")
-"""What is read of each blow."""
+"""Figures of each blow: attributes of `RunResult` and of `Blow`, whose ``rigid_peak`` is called peak here."""
+TYPICAL_KINDS = ("full", "double")
+"""Kinds of blow that may be typical: a glancing or missed one has no pulse of the whole striker."""
+MOST_REASON = 200
+"""Characters of the reason why a run failed, so that it stays in a cell of a table."""
 
 
 def _none() -> Array:
@@ -34,7 +38,7 @@ def _none() -> Array:
 
 @dataclass(frozen=True, eq=False)
 class RunResult:
-    """What one run showed: kind and figures of each blow in order of time, SI; NaN where a blow has none.
+    """Result of one run: kind and figures of each blow in order of time, SI; NaN where a blow has none.
 
     ``interval`` is the time since the blow before; NaN where that one missed. A run that could not be made has no
     blows, and says why in ``failure``.
@@ -65,7 +69,7 @@ class RunResult:
 
     def typical(self, name: str) -> float:
         """Return the median of a figure over the later full or double blows, NaN where there is none."""
-        later = np.array([kind in ("full", "double") for kind in self.kinds], dtype=bool) & self.struck
+        later = np.array([kind in TYPICAL_KINDS for kind in self.kinds], dtype=bool)
         later[: int(np.argmax(self.struck)) + 1 if self.struck.any() else 0] = False
         values = getattr(self, name)[later]
         values = values[np.isfinite(values)]
@@ -86,42 +90,41 @@ class RunResult:
 def run_result(case: Case) -> RunResult:
     """Run a machine case and return what its blows were; what cannot be run says why.
 
-    A motion that cannot be followed is tried again with finer steps: two switches of friction and stop may then no
-    longer fall into one.
+    A motion that cannot be followed is tried again with `FINER_TOLERANCE`.
     """
     try:
         machine = build_machine(case)
         return of_blows(blows(_followed(machine)))
     except (InputError, InputErrors, IntegrationError, ValueError) as error:
-        return RunResult(failure=show(str(error), 200).strip('"'))
+        return RunResult(failure=show(str(error), MOST_REASON).strip('"'))
 
 
 def _followed(machine: Machine) -> MachineRun:
     try:
         return run_machine(machine, RUN_TOLERANCE)
     except IntegrationError:
-        return run_machine(machine, FINER)
+        return run_machine(machine, FINER_TOLERANCE)
 
 
-def of_blows(found: Sequence[Blow]) -> RunResult:
-    """Return the figures of some blows."""
-    missed = np.array([blow.kind == "missed" for blow in found], dtype=bool)
-    times = np.array([blow.time for blow in found])
+def of_blows(train: Sequence[Blow]) -> RunResult:
+    """Return kinds and figures of the blows of a run."""
+    missed = np.array([blow.kind == "missed" for blow in train], dtype=bool)
+    times = np.array([blow.time for blow in train])
     interval = np.diff(times, prepend=np.nan)
     interval[missed | np.concatenate([[True], missed[:-1]])[: times.size]] = np.nan
-    change = np.where(missed, np.nan, [blow.velocity_change for blow in found])
-    retreats = [blow.retreat for blow in found if np.isfinite(blow.retreat)]
+    change = np.where(missed, np.nan, [blow.velocity_change for blow in train])
+    retreats = [blow.retreat for blow in train if np.isfinite(blow.retreat)]
     return RunResult(
-        kinds=tuple(blow.kind for blow in found),
-        peak=np.array([blow.rigid_peak for blow in found]),
-        width=np.array([blow.width for blow in found]),
+        kinds=tuple(blow.kind for blow in train),
+        peak=np.array([blow.rigid_peak for blow in train]),
+        width=np.array([blow.width for blow in train]),
         interval=interval,
         velocity_change=change,
         retreat=max(retreats, default=np.nan),
     )
 
 
-def _run_some(case: Case, tolerances: tuple[Tolerance, ...], rows: Array) -> list[RunResult]:
+def _run_chunk(case: Case, tolerances: tuple[Tolerance, ...], rows: Array) -> list[RunResult]:
     return [run_result(drawn_case(case, tolerances, row)) for row in rows]
 
 
@@ -147,7 +150,7 @@ class Runner:
         workers: int = 1,
         advance: Callable[[int], None] | None = None,
     ) -> None:
-        self._some = functools.partial(_run_some, case, tolerances)
+        self._run_chunk = functools.partial(_run_chunk, case, tolerances)
         self._advance = advance
         self._done = 0
         self._workers = Workers(workers)
@@ -169,10 +172,10 @@ class Runner:
             If a process came to an end before its time.
         """
         chunks = [rows[k : k + CHUNK] for k in range(0, len(rows), CHUNK)]
-        found: list[RunResult] = []
-        for some in self._workers.in_order(self._some, chunks):
-            found += some
-            self._done += len(some)
+        results: list[RunResult] = []
+        for part in self._workers.in_order(self._run_chunk, chunks):
+            results += part
+            self._done += len(part)
             if self._advance is not None:
                 self._advance(self._done)
-        return found
+        return results

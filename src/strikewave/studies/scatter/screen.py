@@ -63,7 +63,7 @@ class ScatterCommand(Command[ScatterStudy]):
 
 
 def _print(study: ScatterStudy) -> None:
-    made, still = len(study.made), study.still
+    made, still = len(study.completed), study.nominal_run
     say(f"{study.case.name}: {made} runs within {len(study.tolerances)} tolerances, seed {study.plan.seed}")
     rows = []
     for name, units in SHOWN.items():
@@ -88,7 +88,7 @@ def _print(study: ScatterStudy) -> None:
     if len(study.runs) < FEWEST_FOR_LIMIT:
         say(f"95 % of runs below takes {FEWEST_FOR_LIMIT} runs or more")
     kinds = ", ".join(f"{blows} {kind} (in {runs} runs)" for kind, (blows, runs) in study.kinds().items())
-    say(f"blows: {kinds}; largest retreat {number(study.largest_retreat, 'm', 'mm', 3)} mm")
+    say(f"blows: {kinds}; largest displacement (rearward) {number(study.largest_retreat, 'm', 'mm', 3)} mm")
     for one in study.shares:
         _print_shares(study, one)
 
@@ -112,7 +112,7 @@ def _print_shares(study: ScatterStudy, shares: Shares) -> None:
     title = f"Shares in the {shares.of}, {'Sobol indices' if sobol else 'each alone'}, {shares.runs} runs each"
     _table(title, columns, rows, SHARES_LEFT_OUT, left=4)
     if not all(row.distinct for row in shares.rows):
-        say("*: not told apart from 0")
+        say("*: not significant (95 %)")
     say(f"sum of the shares: {_percent(shares.sum)} ({_percent(shares.sum_low)} to {_percent(shares.sum_high)})")
 
 

@@ -1,6 +1,6 @@
 """Scatter of a machine's blows: full runs of the case with everything that has a tolerance drawn anew.
 
-The dynamics alone, one run at nominal values, stand apart: blows differ there too, since each finds the object
+The dynamics alone, one run at nominal values, stand apart: blows differ there too, since each meets the object
 where the one before has left it.
 """
 
@@ -38,15 +38,55 @@ from strikewave.uncertainty.statistics import Spread, spread
 Array = NDArray[np.float64]
 
 METHODS = ("alone", "sobol", "none")
-"""How shares are found; see `strikewave.uncertainty.shares`."""
-FEWEST, MOST = 10, 20_000
-"""Runs of a study."""
-MOST_SEED, MOST_WORKERS = 2**63 - 1, 64
+"""How shares are computed; see `strikewave.uncertainty.shares`."""
+FEWEST = 10
+"""Fewest runs: below, the bounds of a CV are wider than the CV itself."""
+MOST = 20_000
+"""Most runs: bounds narrow with the root of their number, and at 0.1 s each (measured, li-ma-2019) they take half an
+hour already."""
+MOST_SEED = 2**63 - 1
+"""Largest seed: that of a 64-bit integer, which every reader of the JSON document holds."""
+MOST_WORKERS = 64
+"""Most processes. Chosen: beyond the cores of a large machine; a typing error shall not start thousands."""
 SHARE_RUNS = 4
-"""Each tolerance alone gets one in so many runs, and as many Sobol's samples get."""
+"""Each tolerance alone gets one in so many runs, and as many Sobol's samples get. Chosen: 17 tolerances then take
+four times as long as the runs themselves; four times the runs would only halve the bounds."""
 FEWEST_SHARE_RUNS = 32
+"""Fewest runs of each tolerance alone: a variance of fewer is known to no better than a quarter of itself."""
 BAND = (2.5, 50.0, 97.5)
-"""Percentiles of the peaks of each blow."""
+"""Percentiles of the peaks of each blow: the median, and the band that holds 95 % of the runs."""
+BETWEEN = "variance of the typical peak"
+"""Shares between runs are of this; see `strikewave.uncertainty.shares`."""
+BETWEEN_CV = "variance of the CV of the peaks"
+"""Sobol's shares of the scatter within a run are of this."""
+ADDED = "scatter of the peaks within a run that tolerances add"
+"""Shares within a run of each tolerance alone are of this."""
+KINDS = ("full", "missed", "double", "glancing")
+"""Kinds of blow that the table of runs counts, in the order of its columns."""
+FIGURE_UNITS = {"peak": "m/s^2", "width": "s", "interval": "s", "velocity_change": "m/s"}
+"""Figures of a blow and their SI units."""
+COLUMNS: tuple[tuple[str, Callable[[RunResult, str], float]], ...] = (
+    ("mean", RunResult.mean),
+    ("typical", RunResult.typical),
+    ("cv of", RunResult.variation),
+)
+"""What the table of runs holds of each figure: head of the column, and how it is read from a run."""
+UNITS = {
+    **FIGURE_UNITS, "cv": "1", "share": "1", "total": "1", "retreat": "m", "largest_retreat": "m",
+    "nominal": "SI of its path", "half_width": "SI of its path",
+}  # fmt: skip
+"""SI unit of each quantity of the document."""
+STATEMENTS = {
+    "mean": "mean of the runs' means with bounds at 95 % (Student's t); cv between runs with bounds at 95 % (Vangel), "
+    "which hold for normal figures",
+    "typical": "the same of the median of each run's later full or double blows",
+    "cv_within": "standard deviation (n - 1) over mean of the blows of a run: median over the runs with bounds at "
+    "95 %, and a limit that 95 % of all runs keep, with 95 % confidence, both by order statistics; a run that "
+    "failed or missed a blow keeps no limit",
+    "drawn": "a normal tolerance is two standard deviations, cut off at three; a uniform one is the whole band",
+    "shares": "with bootstrap bounds at 95 %; a share whose bounds reach 0 is not significant",
+}
+"""What the numbers of the document are."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +159,7 @@ class ScatterStudy(Result):
     tolerances: tuple[Tolerance, ...]
     numbers: Array
     runs: tuple[RunResult, ...]
-    still: RunResult
+    nominal_run: RunResult
     shares: tuple[Shares, ...]
 
     @property
@@ -133,13 +173,13 @@ class ScatterStudy(Result):
         return Source("case", self.case.name, marked_text(self.case, self.plan))
 
     @property
-    def made(self) -> list[RunResult]:
-        """The runs that could be made."""
+    def completed(self) -> list[RunResult]:
+        """The runs that could be made to their end."""
         return [run for run in self.runs if not run.failure]
 
     def figure(self, name: str) -> Figure:
         """Return the scatter of a figure."""
-        runs = self.made
+        runs = self.completed
         return Figure(
             statistic(_known([run.mean(name) for run in runs])),
             statistic(_known([run.typical(name) for run in runs])),
@@ -154,45 +194,45 @@ class ScatterStudy(Result):
 
     def kinds(self) -> dict[str, tuple[int, int]]:
         """Return how many blows were missed, double and glancing, and in how many runs."""
-        counts = [Counter(run.kinds) for run in self.made]
+        counts = [Counter(run.kinds) for run in self.completed]
         return {
             kind: (sum(count[kind] for count in counts), sum(count[kind] > 0 for count in counts))
             for kind in ("missed", "double", "glancing")
         }
 
     def peaks(self) -> Array:
-        """Return percentiles 2.5, 50 and 97.5 of the peaks of each blow over the runs, shape (3, blows)."""
-        longest = max(len(run.kinds) for run in self.made)
-        table = np.full((len(self.made), longest), np.nan)
-        for row, run in zip(table, self.made, strict=True):
+        """Return the percentiles `BAND` of the peaks of each blow over the runs, shape (3, blows)."""
+        longest = max(len(run.kinds) for run in self.completed)
+        table = np.full((len(self.completed), longest), np.nan)
+        for row, run in zip(table, self.completed, strict=True):
             row[: run.peak.size] = run.peak
-        found = [column[np.isfinite(column)] for column in table.T]
-        return np.array([np.percentile(c, BAND) if c.size else np.full(3, np.nan) for c in found]).T
+        peaks = [column[np.isfinite(column)] for column in table.T]
+        return np.array([np.percentile(p, BAND) if p.size else np.full(3, np.nan) for p in peaks]).T
 
     @property
     def largest_retreat(self) -> float:
-        """Largest retreat of the object after a blow of any run, m."""
-        return max(run.retreat for run in self.made if math.isfinite(run.retreat))
+        """Largest displacement (rearward) of the object after a blow of any run, m."""
+        return max(run.retreat for run in self.completed if math.isfinite(run.retreat))
 
     def found_notices(self) -> tuple[Notice, ...]:
         """Return what should be known."""
-        found = []
+        notices = []
         failed = [run.failure for run in self.runs if run.failure]
         if failed:
-            words = f"{len(failed)} of {len(self.runs)} runs could not be made and are left out, such as: {failed[0]}"
-            found.append(Notice("runs-failed", words, float(len(failed)), 0.0))
+            message = f"{len(failed)} of {len(self.runs)} runs could not be made and are left out, such as: {failed[0]}"
+            notices.append(Notice("runs-failed", message, float(len(failed)), 0.0))
         outside = unfelt(self.case, self.tolerances)
         if outside:
-            words = f"no blow feels the tolerance of {', '.join(outside)}: it does not enter"
-            found.append(Notice("tolerance-not-felt", words, float(len(outside)), 0.0))
-        for one in self.shares:
-            if self.plan.shares == "alone" and math.isfinite(one.sum_low) and not one.additive:
-                words = (
-                    f"the shares in the {one.of} add up to {one.sum:.2f} ({one.sum_low:.2f} to {one.sum_high:.2f}), "
-                    "not 1: tolerances interact, and --shares sobol tells how"
+            message = f"no blow depends on {', '.join(outside)}: this tolerance does not enter"
+            notices.append(Notice("tolerance-not-felt", message, float(len(outside)), 0.0))
+        for shares in self.shares:
+            if self.plan.shares == "alone" and math.isfinite(shares.sum_low) and not shares.additive:
+                message = (
+                    f"the shares in the {shares.of} add up to {shares.sum:.2f} ({shares.sum_low:.2f} to "
+                    f"{shares.sum_high:.2f}), not 1: tolerances interact; --shares sobol shows how"
                 )
-                found.append(Notice("tolerances-interact", words, one.sum, 1.0))
-        return tuple(found)
+                notices.append(Notice("tolerances-interact", message, shares.sum, 1.0))
+        return tuple(notices)
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -206,7 +246,7 @@ class ScatterStudy(Result):
             "case": self.case.name,
             "runs": self.plan.runs,
             "seed": self.plan.seed,
-            "failed": len(self.runs) - len(self.made),
+            "failed": len(self.runs) - len(self.completed),
             "without_limit": sum(self.without_limit),
             "statements": STATEMENTS,
             "sources": [citation(key) for key in self.citations],
@@ -221,7 +261,7 @@ class ScatterStudy(Result):
 
     def _dynamics(self) -> dict[str, Any]:
         """Return what the blows of the nominal run are."""
-        still = self.still
+        still = self.nominal_run
         return {
             name: {
                 "blows": getattr(still, name),
@@ -264,37 +304,10 @@ def marked_text(case: Case, plan: Plan) -> str:
     return asked + dump_case(case)
 
 
-KINDS = ("full", "missed", "double", "glancing")
-FIGURE_UNITS = {"peak": "m/s^2", "width": "s", "interval": "s", "velocity_change": "m/s"}
-"""Figures of a blow and their SI units."""
-COLUMNS: tuple[tuple[str, Callable[[RunResult, str], float]], ...] = (
-    ("mean", RunResult.mean),
-    ("typical", RunResult.typical),
-    ("cv of", RunResult.variation),
-)
-"""What the table of runs holds of each figure."""
-UNITS = {
-    **FIGURE_UNITS, "cv": "1", "share": "1", "total": "1", "retreat": "m", "largest_retreat": "m",
-    "nominal": "SI of its path", "half_width": "SI of its path",
-}  # fmt: skip
-"""SI unit of each quantity of the document."""
-STATEMENTS = {
-    "mean": "mean of the runs' means with bounds at 95 % (Student's t); cv between runs with bounds at 95 % (Vangel), "
-    "which hold for normal figures",
-    "typical": "the same of the median of each run's later full or double blows",
-    "cv_within": "standard deviation (n - 1) over mean of the blows of a run: median over the runs with bounds at "
-    "95 %, and a limit that 95 % of all runs keep, with 95 % confidence, both by order statistics; a run that "
-    "failed or missed a blow keeps no limit",
-    "drawn": "a normal tolerance is two standard deviations, cut off at three; a uniform one is the whole band",
-    "shares": "with bootstrap bounds at 95 %; a share whose bounds reach 0 cannot be told apart from 0",
-}
-"""What the numbers of the document are."""
-
-
 def scatter(case: Case, plan: Plan | None = None, progress: Callable[[float], None] | None = None) -> ScatterStudy:
     """Run a case many times within its tolerances.
 
-    The same seed gives the same bits, whatever the number of processes.
+    Equal seeds reproduce the runs bit for bit, whatever the number of processes.
 
     Parameters
     ----------
@@ -319,23 +332,23 @@ def scatter(case: Case, plan: Plan | None = None, progress: Callable[[float], No
     points = quantiles(tolerances, plan.runs, plan.seed)
     numbers = drawn(tolerances, points)
     alone = Runner(case, tolerances)
-    (still,) = alone(nominal(tolerances))
-    if still.failure or not still.struck.any():
-        raise InputError("case", still.failure or "no blow", "a case whose nominal run strikes")
+    (nominal_run,) = alone(nominal(tolerances))
+    if nominal_run.failure or not nominal_run.struck.any():
+        raise InputError("case", nominal_run.failure or "no blow", "a case whose nominal run strikes")
     advance = None if progress is None else (lambda done: progress((1 + done) / whole))
     with Runner(case, tolerances, plan.workers, advance) as runner:
         runs = runner(numbers)
         sobol = ("saltelli-2010", "jansen-1999") if plan.shares == "sobol" else ()
         citations = ("vangel-1996", "wilks-1941", *sobol)
-        study = ScatterStudy(case, plan, tolerances, numbers, tuple(runs), still, (), citations=citations)
-        if sum(run.struck.any() for run in study.made) < FEWEST:
+        study = ScatterStudy(case, plan, tolerances, numbers, tuple(runs), nominal_run, (), citations=citations)
+        if sum(run.struck.any() for run in study.completed) < FEWEST:
             reason = next((run.failure for run in runs if run.failure), "no blow struck")
             raise InputError("tolerance", reason, f"tolerances with which at least {FEWEST} runs can be made")
-        study = dataclasses.replace(study, shares=_find_shares(study, points, runner))
+        study = dataclasses.replace(study, shares=_shares_of(study, points, runner))
         return dataclasses.replace(study, notices=study.found_notices())
 
 
-def _find_shares(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Shares, ...]:
+def _shares_of(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Shares, ...]:
     """Return the shares in the typical peak's variance between runs, and in the scatter of the peaks within a run."""
     tolerances, plan, count = study.tolerances, study.plan, study.plan.share_runs
     paths, sizes = [one.path for one in tolerances], [one.count for one in tolerances]
@@ -348,8 +361,8 @@ def _find_shares(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Sh
         return tuple(
             sobol_shares(of, paths, read(a), read(b), np.array([read(one) for one in mixed]), plan.seed)
             for of, read in (
-                ("variance of the typical peak", _typical),
-                ("variance of the CV of the peaks", _variation),
+                (BETWEEN, _typical),
+                (BETWEEN_CV, _variation),
             )
         )
     rows = np.repeat(nominal(tolerances), count, axis=0)
@@ -363,15 +376,13 @@ def _find_shares(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Sh
     return (
         variance_shares(BETWEEN, paths, _typical(whole), np.array([_typical(runs) for runs in alone]), plan.seed),
         scatter_shares(
-            ADDED, paths, _added(whole, study.still), np.array([_added(runs, study.still) for runs in alone]), plan.seed
+            ADDED,
+            paths,
+            _added(whole, study.nominal_run),
+            np.array([_added(runs, study.nominal_run) for runs in alone]),
+            plan.seed,
         ),
     )
-
-
-BETWEEN = "variance of the typical peak"
-WITHIN = "variance of the CV of the peaks"
-ADDED = "scatter of the peaks within a run that tolerances add"
-"""What has shares; see `strikewave.uncertainty.shares`."""
 
 
 def _typical(runs: Sequence[RunResult]) -> Array:
@@ -382,9 +393,9 @@ def _variation(runs: Sequence[RunResult]) -> Array:
     return np.array([run.variation("peak") for run in runs])
 
 
-def _added(runs: Sequence[RunResult], still: RunResult) -> Array:
+def _added(runs: Sequence[RunResult], nominal_run: RunResult) -> Array:
     """Return the coefficients of variation of the peaks over those of the nominal run, blow by blow."""
-    return np.array([run.over(still).variation("peak") for run in runs])
+    return np.array([run.over(nominal_run).variation("peak") for run in runs])
 
 
 def _known(values: list[float]) -> list[float]:
@@ -407,9 +418,9 @@ def _tolerance(one: Tolerance) -> dict[str, Any]:
 
 
 def _figure(figure: Figure) -> dict[str, Any]:
-    def of(found: Statistic) -> dict[str, float]:
+    def of(sample: Statistic) -> dict[str, float]:
         names = ("mean", "low", "high", "cv", "cv_low", "cv_high")
-        return {name: getattr(found, name) for name in names} | {"runs": found.n}
+        return {name: getattr(sample, name) for name in names} | {"runs": sample.n}
 
     within = {"cv_within": figure.within._asdict(), "cv_within_later": figure.later._asdict()}
     return {"mean": of(figure.mean), "typical": of(figure.typical), **within}

@@ -25,15 +25,25 @@ from strikewave.uncertainty.statistics import variation
 Array = NDArray[np.float64]
 
 WITHIN = 0.05
-"""Largest miss of peak, width and interval of a setting that meets the goal."""
+"""Largest miss of peak, width and interval of a setting that meets the goal. Chosen: the search comes to `CLOSE`, far
+below; a real machine scatters by some per cent."""
 STRETCH_SHARE = 0.1
-"""Largest stretch of the mount by the striker's circling, over the engagement: the reach of the noses grows by it."""
+"""Largest stretch of the mount by the striker's circling, over the engagement. The reach of the noses grows by it, and
+the approach with its root: a tenth changes the peak by 5 %, as much as `WITHIN` allows."""
 LARGEST_DROP = 0.05
-"""Largest share of the set speed by which a blow may find the turntable slower."""
+"""Largest share of the set speed by which a blow may meet the turntable slower: approach and peak follow the speed, and
+change by as much as `WITHIN` allows."""
 LARGEST_SCATTER = 0.05
-"""Largest standard deviation of the peaks over their mean."""
+"""Largest standard deviation of the peaks over their mean: as much as `WITHIN` allows the typical one to miss."""
 SAMPLE_STEP = 20e-6
-"""Step at which the stop's force and the turntable's speed are read between blows, s."""
+"""Step at which the stop's force is read between blows, s: a 240th of the 4.8 ms that the object of li-ma-2019 stays on
+its stop (half a period), so that the largest sample misses the largest force by 1e-4 at most."""
+AFTER_LAST = 0.9
+"""Share of the striking period after the last touch over which its energy is counted: up to shortly before the next
+striker would come, as for the blows before it."""
+SCATTER_DIGITS = 3
+"""Decimals to which scatters are compared in the ranking, 0.1 %: those that differ by less go by the force of the stop,
+since tolerances scatter the blows by more."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +102,7 @@ class Supply(NamedTuple):
 
 @dataclass(frozen=True)
 class Observation:
-    """What a full run of a setting showed; SI."""
+    """Measures of the blows of a full run; SI."""
 
     peak: Spread
     width: Spread
@@ -109,25 +119,26 @@ class Observation:
 
     @property
     def odd(self) -> str:
-        """What is wrong with the blows, in words; empty where all wanted ones came and were full."""
+        """Blows that are not as they should be; empty where all wanted ones came and were full."""
         counts = {kind: self.kinds.count(kind) for kind in ("missed", "double", "glancing") if kind in self.kinds}
-        words = [f"{number} {kind}" for kind, number in counts.items()]
+        deviations = [f"{number} {kind}" for kind, number in counts.items()]
         again = self.touched_again - counts.get("double", 0)
-        words += [f"{again} touched again on the way back"] if again > 0 else []
+        deviations += [f"{again} touched again on the way back"] if again > 0 else []
         struck = len(self.kinds) - counts.get("missed", 0)
-        return ", ".join(words + ([f"{struck} blows instead of {self.wanted}"] if struck != self.wanted else []))
+        deviations += [f"{struck} blows instead of {self.wanted}"] if struck != self.wanted else []
+        return ", ".join(deviations)
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A setting: its case, what its full run showed, the limits, and how many runs were needed.
+    """A setting: its case, the blows of its full run, the limits, and how many runs were needed.
 
-    ``estimate`` holds the closed forms it began with, ``halt`` what the search stood still at, in words.
+    ``estimate`` holds the closed forms that the search began with, ``halt`` says why it ended before the goal.
     """
 
     case: Case
     chosen: tuple[str, ...]
-    seen: Observation
+    observation: Observation
     goal: Goal
     limits: tuple[Limit, ...]
     estimate: dict[str, float]
@@ -137,7 +148,7 @@ class Candidate:
     @property
     def misses(self) -> dict[str, float]:
         """Relative misses of the typical blow."""
-        return misses(self.seen, self.goal)
+        return misses(self.observation, self.goal)
 
     @property
     def largest_miss(self) -> float:
@@ -152,20 +163,22 @@ class Candidate:
     @property
     def meets(self) -> bool:
         """Whether the typical blow is within 5 % of the goal, every blow full, and every limit kept."""
-        return self.largest_miss <= WITHIN and not self.seen.odd and not self.broken
+        return self.largest_miss <= WITHIN and not self.observation.odd and not self.broken
 
     @property
     def obstacles(self) -> str:
-        """What stands between the setting and the goal, in words."""
-        words = [f"{name} off by {miss:+.1%}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN]
-        words += [self.seen.odd] if self.seen.odd else []
-        words += [f"{limit.name.replace('_', ' ')} above its limit" for limit in self.broken]
-        return "; ".join(words + ([self.halt] if self.halt and words else []))
+        """What keeps the setting from the goal, in one line."""
+        reasons = [f"{name} off by {miss:+.1%}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN]
+        reasons += [self.observation.odd] if self.observation.odd else []
+        reasons += [f"{limit.name.replace('_', ' ')} above its limit" for limit in self.broken]
+        return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
 
 
-def misses(seen: Observation, goal: Goal) -> dict[str, float]:
+def misses(observation: Observation, goal: Goal) -> dict[str, float]:
     """Return the relative misses of the typical blow: peak, width, interval."""
-    return {name: getattr(seen, name).typical / getattr(goal, name) - 1.0 for name in ("peak", "width", "interval")}
+    return {
+        name: getattr(observation, name).typical / getattr(goal, name) - 1.0 for name in ("peak", "width", "interval")
+    }
 
 
 def rank_key(candidate: Candidate) -> tuple[bool, float, float]:
@@ -175,15 +188,19 @@ def rank_key(candidate: Candidate) -> tuple[bool, float, float]:
     the others by how far they are from it, a broken limit or odd blows counting as 100 %.
     """
     if candidate.meets:
-        scatter = candidate.seen.peak.variation
-        return False, round(scatter, 3) if math.isfinite(scatter) else 0.0, candidate.seen.supply.stop_force
-    far = candidate.largest_miss + len(candidate.broken) + bool(candidate.seen.odd)
-    return True, far, candidate.seen.supply.stop_force
+        scatter = candidate.observation.peak.variation
+        return (
+            False,
+            round(scatter, SCATTER_DIGITS) if math.isfinite(scatter) else 0.0,
+            candidate.observation.supply.stop_force,
+        )
+    far = candidate.largest_miss + len(candidate.broken) + bool(candidate.observation.odd)
+    return True, far, candidate.observation.supply.stop_force
 
 
-def observe_blows(run: MachineRun, found: Sequence[Blow], goal: Goal) -> Observation | None:
-    """Return what a run showed; None where no striker touched the object."""
-    struck = [blow for blow in found if blow.kind != "missed"]
+def observe_blows(run: MachineRun, train: Sequence[Blow], goal: Goal) -> Observation | None:
+    """Return the measures of the blows of a run; None where no striker touched the object."""
+    struck = [blow for blow in train if blow.kind != "missed"]
     if not struck:
         return None
     times = [blow.time for blow in struck]
@@ -193,7 +210,7 @@ def observe_blows(run: MachineRun, found: Sequence[Blow], goal: Goal) -> Observa
         peak=_spread([blow.rigid_peak for blow in struck], full, goal.peak),
         width=_spread([blow.width for blow in struck], full, goal.width),
         interval=Spread(median(gaps), gaps[0], _farthest(gaps, goal.interval), variation(gaps)),
-        kinds=tuple(blow.kind for blow in found),
+        kinds=tuple(blow.kind for blow in train),
         touched_again=_touched_again(run, [blow.width for blow in struck]),
         wanted=run.machine.drive.feed.blows,
         approach=median(blow.approach_speed for blow in struck),
@@ -234,7 +251,7 @@ def supply(run: MachineRun, touches: Sequence[float]) -> Supply:
     return Supply(_stop_force(run, touches), *_taken(run, touches))
 
 
-def _held_until(run: MachineRun) -> float:
+def _retracted_at(run: MachineRun) -> float:
     """Return when the object is retracted, s."""
     return dict(run.phases)["retract"]
 
@@ -242,7 +259,7 @@ def _held_until(run: MachineRun) -> float:
 def _stop_force(run: MachineRun, touches: Sequence[float]) -> float:
     """Return the largest force of the stop, N."""
     struck = run.machine.struck
-    times = np.arange(touches[0], max(_held_until(run), touches[-1]) + SAMPLE_STEP, SAMPLE_STEP)
+    times = np.arange(touches[0], max(_retracted_at(run), touches[-1]) + SAMPLE_STEP, SAMPLE_STEP)
     moments = run.sample(np.minimum(times, run.end))
     deep = struck.stop_compression - moments.assembly_place - run.machine.engagement
     force = struck.stop_stiffness * deep - struck.stop_damping * moments.assembly_speed
@@ -257,7 +274,7 @@ def _taken(run: MachineRun, touches: Sequence[float]) -> tuple[float, float, flo
     """
     disc, n = run.machine.drive.turntable, len(touches)
     spacing = (touches[-1] - touches[0]) / (n - 1) if n > 1 else run.machine.pitch / disc.speed
-    after = min(max(_held_until(run), touches[-1]), touches[-1] + 0.9 * spacing)
+    after = min(max(_retracted_at(run), touches[-1]), touches[-1] + AFTER_LAST * spacing)
     given, stored, speed = _drive(run, np.array([*touches, after]))
     taken = np.diff(given) - np.diff(stored)
     lost = taken / (disc.turning * speed[:-1])
@@ -275,14 +292,14 @@ def _drive(run: MachineRun, times: Array) -> tuple[Array, Array, Array]:
     states, _ = span.motion.sample(times)
     at = span.layout
     speed, twist, motor = states[:, at.turntable_speed], states[:, at.belt_twist], states[:, at.motor_speed]
-    given = states[:, at.driven] - states[:, at.dragged]
+    work = states[:, at.driven] - states[:, at.dragged]
     if disc.rigid_belt:
-        return given, 0.5 * disc.turning * speed**2, speed
+        return work, 0.5 * disc.turning * speed**2, speed
     stored = 0.5 * (disc.inertia * speed**2 + disc.motor_inertia * motor**2 + disc.belt_stiffness * twist**2)
-    return given, stored, speed
+    return work, stored, speed
 
 
-def limits_of(case: Case, run: MachineRun, seen: Observation, goal: Goal) -> tuple[Limit, ...]:
+def limits_of(case: Case, run: MachineRun, observation: Observation, goal: Goal) -> tuple[Limit, ...]:
     """Return the values of a setting that have a limit.
 
     The mean torque is what makes good the energy of a blow, E/(w T), and the drag at set speed. Stretch of the mount
@@ -291,24 +308,24 @@ def limits_of(case: Case, run: MachineRun, seen: Observation, goal: Goal) -> tup
     machine, disc = run.machine, run.machine.drive.turntable
     strength = goal.disc.yield_strength or math.nan
     stretch = max(mount_stretch(striker, disc) for striker in machine.strikers.each)
-    torque = seen.supply.energy_taken / (disc.speed * goal.interval) + disc.drag * disc.speed
-    found = [
+    torque = observation.supply.energy_taken / (disc.speed * goal.interval) + disc.drag * disc.speed
+    limits = [
         Limit("rim_speed", disc.speed * disc.radius, rim_speed_at_yield(goal.disc, strength), "m/s"),
         Limit("disc_stress", disc_stress(goal.disc, disc.speed, disc.radius), strength, "Pa"),
         Limit("mount_stretch", stretch, STRETCH_SHARE * machine.engagement, "m"),
-        Limit("retreat", seen.retreat, machine.drive.feed.stroke, "m"),
+        Limit("retreat", observation.retreat, machine.drive.feed.stroke, "m"),
         Limit("mean_torque", torque, disc.torque, "N m"),
-        Limit("speed_drop", 1.0 - seen.supply.slowest / disc.speed, LARGEST_DROP, "1"),
-        Limit("energy_error", seen.energy_error, LEDGER_LIMIT, "1"),
+        Limit("speed_drop", 1.0 - observation.supply.slowest / disc.speed, LARGEST_DROP, "1"),
+        Limit("energy_error", observation.energy_error, LEDGER_LIMIT, "1"),
     ]
-    if math.isfinite(seen.peak.variation):
-        found.append(Limit("peak_scatter", seen.peak.variation, LARGEST_SCATTER, "1"))
+    if math.isfinite(observation.peak.variation):
+        limits.append(Limit("peak_scatter", observation.peak.variation, LARGEST_SCATTER, "1"))
     if goal.stop_limit is not None:
-        found.append(Limit("stop_force", seen.supply.stop_force, goal.stop_limit, "N"))
+        limits.append(Limit("stop_force", observation.supply.stop_force, goal.stop_limit, "N"))
     load = yield_load(case)
     if load is not None:
-        found.append(Limit("contact_force", seen.peak_force, load, "N", decides=False))
-    return tuple(found)
+        limits.append(Limit("contact_force", observation.peak_force, load, "N", decides=False))
+    return tuple(limits)
 
 
 def mount_stretch(striker: Striker, disc: Turntable) -> float:

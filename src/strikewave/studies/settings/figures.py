@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
+from strikewave.studies.log_ticks import plain_log_ticks
 from strikewave.studies.settings.candidate import WITHIN, Candidate
 from strikewave.studies.settings.study import SettingsStudy
 
@@ -17,11 +18,11 @@ if TYPE_CHECKING:
 
 SIZE = (10.0, 4.6)
 SHOWN = 30
-"""First of the ranking whose misses are drawn."""
+"""First of the ranking whose misses are drawn: more marks would run into one another."""
 LINEAR = 1.0
-"""Misses up to this, in %, stand on a linear scale."""
+"""Misses up to this, in %, stand on a linear scale: those of a search that came to its end are below."""
 LEAST = 0.01
-"""Scatter below this, in %, is drawn there."""
+"""Scatter below this, in %, is drawn there: 0 has no place on a logarithmic axis."""
 QUANTITIES = (("peak", BLUE, "o"), ("width", ORANGE, "s"), ("interval", GREEN, "^"))
 MARKERS = (("o", BLUE), ("s", ORANGE), ("^", GREEN), ("D", RED), ("v", "#CC79A7"), ("P", "#56B4E9"), ("X", GREY))
 
@@ -43,7 +44,7 @@ def _misses(axes: Any, candidates: Sequence[Candidate]) -> None:
     places = list(range(1, len(candidates) + 1))
     axes.axhspan(-100.0 * WITHIN, 100.0 * WITHIN, color="#EEEEEE", zorder=0, label=f"within {WITHIN:.0%}")
     axes.axhline(0.0, color="#333333", linewidth=0.9)
-    worst = [100.0 * (one.seen.peak.worst / one.goal.peak - 1.0) for one in candidates]
+    worst = [100.0 * (one.observation.peak.worst / one.goal.peak - 1.0) for one in candidates]
     typical = [100.0 * one.misses["peak"] for one in candidates]
     axes.vlines(places, typical, worst, color=BLUE, linewidth=1.0, label="to the worst peak")
     for name, colour, marker in QUANTITIES:
@@ -79,28 +80,18 @@ def _scatter(axes: Any, candidates: Sequence[Candidate]) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter("")
-    _ticks(axes)
+        plain_log_ticks(axis)
     quiet(axes, "What it costs", "largest force of the stop (kN)", "scatter of the peaks, CV (%)")
-    if not any(np.isfinite(one.seen.peak.variation) for one in candidates):
+    if not any(np.isfinite(one.observation.peak.variation) for one in candidates):
         axes.set_ylabel("one blow alone has no scatter")
         axes.set_yticks([], minor=False)
     axes.margins(0.08)
     axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4)
 
 
-def _ticks(axes: Any) -> None:
-    """Write 1, 2, 5, 10 along both axes."""
-    from matplotlib.ticker import LogLocator
-
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-
-
 def _places(candidates: Sequence[Candidate]) -> tuple[list[float], list[float]]:
     """Return forces in kN and scatters in %."""
     return (
-        [max(one.seen.supply.stop_force, 1.0) / 1e3 for one in candidates],
-        [float(np.fmax(100.0 * one.seen.peak.variation, LEAST)) for one in candidates],
+        [max(one.observation.supply.stop_force, 1.0) / 1e3 for one in candidates],
+        [float(np.fmax(100.0 * one.observation.peak.variation, LEAST)) for one in candidates],
     )

@@ -21,7 +21,7 @@ SHOWN = 6
 COLUMNS = (
     "#", "strikers", "speed\n(rpm)", "engaged\n(mm)", "{}\n(MN/m)", "striker\n(kg)", "spring\n(kN/m)",
     "preload\n(N)", "damper\n(N s/m)", "peak\n(g)", "CV\n(%)", "width\n(us)", "interval\n(ms)", "stop\n(kN)",
-    "retreat\n(mm)", "0.1 mm\n(%)", "meets",
+    "largest\ndisplace-\nment (mm)", "0.1 mm\n(%)", "meets",
 )  # fmt: skip
 LEFT_OUT, WIDE = (5, 6, 7, 8, 12, 14, 15), 140
 """Columns of the table that a screen with fewer characters does without."""
@@ -116,14 +116,14 @@ def _header(case: Case, goal: Goal, first: Candidate) -> str:
     return (
         f"{goal_words(goal)}, from {case.name}: a half-sine changes the velocity by "
         f"{guess['velocity_change']:.3g} m/s, for which a first estimate asks an approach of "
-        f"{guess['approach']:.3g} m/s; the full run has {first.seen.velocity_change:.3g} and "
-        f"{first.seen.approach:.3g} m/s"
+        f"{guess['approach']:.3g} m/s; the full run has {first.observation.velocity_change:.3g} and "
+        f"{first.observation.approach:.3g} m/s"
     )
 
 
 def _cells(study: SettingsStudy, place: int, one: Candidate) -> list[str]:
     """Return a row of the table of candidates."""
-    values, seen = one.case.values(), one.seen
+    values, observation = one.case.values(), one.observation
     depth, radius = values["machine.engagement"].si, values["machine.radius"].si
     return [
         str(place),
@@ -135,12 +135,12 @@ def _cells(study: SettingsStudy, place: int, one: Candidate) -> list[str]:
         number(values["object.spring"].si, "N/m", "kN/m", 3),
         number(values["object.preload"].si, "N", "N", 3),
         number(values["object.damper"].si, "N s/m", "N s/m", 3),
-        number(seen.peak.typical, "m/s^2", "g", 4),
-        fixed(100.0 * seen.peak.variation, "1", "1", 2),
-        fixed(seen.width.typical, "s", "us", 1),
-        fixed(seen.interval.typical, "s", "ms", 3),
-        number(seen.supply.stop_force, "N", "kN", 3),
-        number(seen.retreat, "m", "mm", 3),
+        number(observation.peak.typical, "m/s^2", "g", 4),
+        fixed(100.0 * observation.peak.variation, "1", "1", 2),
+        fixed(observation.width.typical, "s", "us", 1),
+        fixed(observation.interval.typical, "s", "ms", 3),
+        number(observation.supply.stop_force, "N", "kN", 3),
+        number(observation.retreat, "m", "mm", 3),
         fixed(1e-2 * engagement_sensitivity(depth, radius), "1", "1", 1),
         "yes" if one.meets else "no",
     ]
@@ -166,6 +166,6 @@ def _mass_cells(study: SettingsStudy, one: Candidate) -> list[str]:
         number(values["striker.mass"].si, "kg", "kg"),
         number(values["machine.engagement"].si, "m", "mm"),
         number(values[VARIED[study.choice.vary][0]].si, "N/m", "MN/m"),
-        significant(one.seen.peak_force / 1e3, 3),
-        number(one.seen.supply.speed_lost, "rad/s", "rpm", 3),
+        significant(one.observation.peak_force / 1e3, 3),
+        number(one.observation.supply.speed_lost, "rad/s", "rpm", 3),
     ]

@@ -42,31 +42,54 @@ from strikewave.studies.settings.estimate import (
 from strikewave.studies.settings.search import VARIED, Design, Rig, candidate
 
 STRIKERS = (1, 2, 3, 4, 6, 8, 12)
-"""Numbers of strikers that are tried unless said otherwise, besides that of the case."""
+"""Numbers of strikers that are tried by default, besides that of the case: each about a third to twice more than the
+one before, since the speed goes with its inverse."""
 MOST_STRIKERS = 100
-"""As in a case."""
+"""Most strikers: the limit of ``machine.strikers`` in a case."""
 MASS_SHARES = (0.5, 2.0)
-"""Masses of a striker over that of the case which are tried besides, on the best support."""
+"""Masses of a striker over that of the case which are tried besides, on the best support: a factor of two up and down
+shows which way to go."""
 RETURN_SHARE = (0.12, 0.55)
-"""Least and largest time of the object's return that is tried, over the interval."""
+"""Least and largest time of the object's return that is tried, over the interval. The rest is left for bounces on the
+stop: the settings of li-ma-2019 that meet a goal settle in 0.2 to 1.0 of the interval (measured)."""
 PASSED = 1.3
-"""Least time of return that is tried, over the passage of a nose by the first estimate, which is too short."""
+"""Least time of return that is tried, over the passage of a nose by the first estimate, which is too short: engagement
+grows by up to 1.6 in the search (measured), and the passage with its root."""
 WIDTHS = 10.0
 """Least time of return that is tried, over the width of the pulse: what returns sooner takes part in the pulse."""
 PRELOADS, DAMPINGS, TIMES = (0.3, 1.0), (0.2, 0.4, 0.7), 3
-"""Ladder of supports: preload ratios, damping ratios (see `support_for`), and how many times of return."""
+"""Ladder of supports: preload ratios, damping ratios (see `support_for`), and how many times of return. Chosen: from
+a weak to a strong preload and from light to nearly critical damping, in steps that differ clearly."""
 SUPPORTS = 6
-"""Of the ladder that settle soonest are run, for each number of strikers."""
+"""Supports of the ladder that are run, those that settle soonest, for each number of strikers: a third of the ladder,
+about 0.8 s each (measured, li-ma-2019)."""
+SUPPORT_DIGITS = 3
+"""Significant digits of spring, preload and damper: no spring is made more exactly, and no run depends on more."""
+PRESSED = 0.5
+"""Largest compression of the stop by the preload alone, over the largest displacement: beyond it the object sits on its
+stop more than it flies, and the closed forms of a rigid stop do not hold."""
 SHORTEST = 10.0
-"""Least interval over the width of the pulse."""
+"""Least interval over the width of the pulse: what comes sooner runs into the pulse before."""
 WORKERS = 2
 """Threads; the compiled runs hold no lock."""
 LEAST_SHARE = 0.9
-"""Of the width of a half-sine on the contact alone: shorter ones are refused."""
+"""Share of the width of a half-sine on the contact alone below which a width is refused: the tenth is left for what a
+half-sine is not. Full runs with a nearly rigid frame stand above it by less than a third."""
 MOST_REASONS = 5
-"""Reasons that are told where no setting can be run."""
+"""Reasons that an error lists where no setting can be run: more would not be read."""
 MOST_CANDIDATES = 500
-"""More combinations of strikers, masses and supports than this are refused."""
+"""More combinations of strikers, masses and supports than this are refused: at 0.8 s each (measured, li-ma-2019) they
+take seven minutes."""
+SOURCES = ("li-ma-2019", "timoshenko-goodier-1970", "schwager-poschel-2007")
+"""Keys of the sources: of the machine, the stress of the disc, the time on the stop."""
+UNITS = {
+    "interval": "s", "peak": "m/s^2", "width": "s", "within": "1", "variation": "1", "approach": "m/s",
+    "velocity_change": "m/s", "peak_force": "N", "retreat": "m", "stop_force": "N", "energy_taken": "J",
+    "speed_lost": "rad/s", "speed_regained": "rad/s", "slowest": "rad/s", "engagement": "m", "stiffness": "N/m",
+    "turntable_speed": "rad/s", "passage_time": "s", "return_time": "s", "settling_time": "s", "energy_error": "1",
+    "stop_limit": "N", "engagement_sensitivity": "1/m",
+}  # fmt: skip
+"""SI unit of each quantity of the document; ``settings`` and ``limits`` name their own."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +105,7 @@ class Choice:
 class SettingsStudy(Result):
     """Ranked settings for a goal; see `design_settings`, and `Result` for what it shares with others.
 
-    ``left_out`` says of each number of strikers that was not run why, ``failed`` of each setting that gave no result.
+    ``left_out`` holds the reason why a number of strikers was not run, ``failed`` why a setting gave no result.
     """
 
     command: ClassVar[str] = "settings"
@@ -124,12 +147,12 @@ class SettingsStudy(Result):
     def masses(self) -> list[Candidate]:
         """The first candidate, and those that differ from it in the strikers' mass alone, lightest first."""
         first = self.candidates[0]
-        alike = [one for one in self.candidates if _without_mass(one) == _without_mass(first)]
-        return sorted(alike, key=lambda one: one.case.values()["striker.mass"].si)
+        alike = [candidate for candidate in self.candidates if _without_mass(candidate) == _without_mass(first)]
+        return sorted(alike, key=lambda candidate: candidate.case.values()["striker.mass"].si)
 
     @property
     def title(self) -> str:
-        """The goal in words, and whether the first candidate only comes near it."""
+        """The goal in words, after "nearest to" where no candidate meets it."""
         return ("nearest to " if self.broken else "") + goal_words(self.goal)
 
     def units(self) -> dict[str, str]:
@@ -164,21 +187,14 @@ def asked_line(case: Case, goal: Goal, choice: Choice) -> str:
     return f"# strikewave settings: {goal_words(goal)}, from {case.name or 'case'} ({mark})\n"
 
 
-SOURCES = ("li-ma-2019", "timoshenko-goodier-1970", "schwager-poschel-2007")
-UNITS = {
-    "interval": "s", "peak": "m/s^2", "width": "s", "within": "1", "variation": "1", "approach": "m/s",
-    "velocity_change": "m/s", "peak_force": "N", "retreat": "m", "stop_force": "N", "energy_taken": "J",
-    "speed_lost": "rad/s", "speed_regained": "rad/s", "slowest": "rad/s", "engagement": "m", "stiffness": "N/m",
-    "turntable_speed": "rad/s", "passage_time": "s", "return_time": "s", "settling_time": "s", "energy_error": "1",
-    "stop_limit": "N", "engagement_sensitivity": "1/m",
-}  # fmt: skip
-"""SI unit of each quantity of the document; ``settings`` and ``limits`` name their own."""
-
-
 def _row(place: int, one: Candidate) -> dict[str, Any]:
     """Return a candidate as a row of the document."""
-    seen, values = one.seen, one.case.values()
-    spreads: dict[str, Spread] = {"peak": seen.peak, "width": seen.width, "interval": seen.interval}
+    observation, values = one.observation, one.case.values()
+    spreads: dict[str, Spread] = {
+        "peak": observation.peak,
+        "width": observation.width,
+        "interval": observation.interval,
+    }
     return {
         "place": place,
         "meets": one.meets,
@@ -187,13 +203,16 @@ def _row(place: int, one: Candidate) -> dict[str, Any]:
         "settings": {path: {"si": values[path].si, "typed": values[path].typed} for path in one.chosen},
         **{name: {**spread._asdict(), "miss": one.misses[name]} for name, spread in spreads.items()},
         "blows": {
-            "wanted": seen.wanted,
-            "kinds": list(seen.kinds),
-            "touched_again": seen.touched_again,
-            "odd": seen.odd,
+            "wanted": observation.wanted,
+            "kinds": list(observation.kinds),
+            "touched_again": observation.touched_again,
+            "odd": observation.odd,
         },
-        **{key: getattr(seen, key) for key in ("approach", "velocity_change", "peak_force", "retreat", "energy_error")},
-        **seen.supply._asdict(),
+        **{
+            key: getattr(observation, key)
+            for key in ("approach", "velocity_change", "peak_force", "retreat", "energy_error")
+        },
+        **observation.supply._asdict(),
         "engagement_sensitivity": engagement_sensitivity(values["machine.engagement"].si, values["machine.radius"].si),
         "limits": [{**limit._asdict(), "kept": limit.kept} for limit in one.limits],
         "estimate": one.estimate,
@@ -201,9 +220,9 @@ def _row(place: int, one: Candidate) -> dict[str, Any]:
     }
 
 
-def _without_mass(one: Candidate) -> tuple[float, ...]:
+def _without_mass(candidate: Candidate) -> tuple[float, ...]:
     """Return number of strikers and support of a candidate."""
-    values = one.case.values()
+    values = candidate.case.values()
     return tuple(values[path].si for path in ("machine.strikers", "object.spring", "object.preload", "object.damper"))
 
 
@@ -232,18 +251,19 @@ def name_of(goal: Goal) -> str:
     return f"settings-{goal.interval * 1e3:.6g}ms-{goal.peak / STANDARD_GRAVITY:.6g}g-{goal.width * 1e6:.6g}us"
 
 
-def _notices(one: Candidate) -> Iterator[Notice]:
-    """Yield what should be known of a candidate besides its limits."""
-    for limit in one.limits:
+def _notices(candidate: Candidate) -> Iterator[Notice]:
+    """Yield the warnings on a candidate: limits that do not decide, and a goal that is not met."""
+    for limit in candidate.limits:
         if not limit.decides and not limit.kept:
             message = (
                 f"the contact yields below its surface (von Mises) beyond {limit.limit / 1e3:.3g} kN and is loaded "
                 f"with {limit.value / 1e3:.3g} kN: give contact.yield_pressure by --set, or trust peak and width, "
-                "which hang on frame and mount, more than the contact force"
+                "which depend on frame and mount, more than the contact force"
             )
             yield Notice("contact-yield", message, limit.value, limit.limit)
-    if not one.meets:
-        yield Notice("not-met", f"the nearest setting misses the goal: {one.obstacles}", one.largest_miss, WITHIN)
+    if not candidate.meets:
+        message = f"the nearest setting misses the goal: {candidate.obstacles}"
+        yield Notice("not-met", message, candidate.largest_miss, WITHIN)
 
 
 def check_goal(case: Case, goal: Goal, choice: Choice) -> None:
@@ -290,7 +310,7 @@ def check_goal(case: Case, goal: Goal, choice: Choice) -> None:
 
 
 def _check_strikers(case: Case, choice: Choice) -> None:
-    """Refuse numbers of strikers that cannot be, and what the rows of single strikers speak against."""
+    """Refuse numbers of strikers out of range, and those that rows of single strikers contradict."""
     odd = [number for number in choice.strikers if not 1 <= number <= MOST_STRIKERS]
     if odd:
         raise InputError("--strikers", odd[0], f"a whole number from 1 to {MOST_STRIKERS}")
@@ -306,11 +326,11 @@ def _check_strikers(case: Case, choice: Choice) -> None:
 
 
 def least_width(case: Case, goal: Goal, choice: Choice) -> float:
-    """Return a width that no setting goes below, s: 0.9 times 0.9362 pi sqrt(M/k) for a free striker.
+    """Return a width that no setting goes below, s: `LEAST_SHARE` times 0.9362 pi sqrt(M/k) for a free striker.
 
     1/M = 1/m + 1/m_s of object and lightest striker; k is the contact's force over its indentation at the peak, with
-    the frame in series where that is not chosen: mount and drive only make a pulse longer. A tenth is left for what a
-    half-sine is not. 0 where a striker has a nose of its own.
+    the frame in series where that is not chosen: mount and drive only make a pulse longer. 0 where a striker has a nose
+    of its own.
 
     Source: docs/settings.md.
     """
@@ -322,11 +342,11 @@ def least_width(case: Case, goal: Goal, choice: Choice) -> float:
     lightest = min([*choice.masses, *own], default=min(MASS_SHARES) * rig.striker.mass.si)
     force = mass * goal.peak
     contact = face_contact(rig.striker, rig.contact, material(rig.object.material))
-    give = indentation_under(contact, force) / force
+    compliance = indentation_under(contact, force) / force
     if choice.vary == "mount" and rig.object.frame_stiffness is not None:
-        give += 1.0 / rig.object.frame_stiffness.si
+        compliance += 1.0 / rig.object.frame_stiffness.si
     reduced = mass * lightest / (mass + lightest)
-    return LEAST_SHARE * math.pi * HALF_SINE_WIDTH * math.sqrt(reduced * give)
+    return LEAST_SHARE * math.pi * HALF_SINE_WIDTH * math.sqrt(reduced * compliance)
 
 
 def sensible_strikers(case: Case, goal: Goal, choice: Choice) -> tuple[list[int], dict[int, str]]:
@@ -342,28 +362,28 @@ def sensible_strikers(case: Case, goal: Goal, choice: Choice) -> tuple[list[int]
     radius, stroke = rig.machine.radius.si, rig.feed.stroke.si
     change = pulse_velocity_change(goal.peak, goal.width)
     last = max((int(row.number.si) for row in rig.striker.each), default=0)
-    reached, kept, left = 0.0, [], {}
+    reached, sensible, left_out = 0.0, [], {}
     for number in dict.fromkeys(wanted):
         if number < last:
-            left[number] = f"the case has a row for striker {last}"
+            left_out[number] = f"the case has a row for striker {last}"
             continue
         speed = turntable_speed(number, goal.interval)
         deepest = largest_engagement(number, radius, stroke)
         reach = approach_at(deepest, speed, radius)
         reached = max(reached, reach)
         if 2.0 * reach < change:
-            left[number] = (
+            left_out[number] = (
                 f"engaged by the {deepest * 1e3:.3g} mm that strikers and stroke allow, the noses come at {reach:.3g} "
                 f"m/s; even a blow without loss takes {0.5 * change:.3g} m/s"
             )
             continue
         passing = passage_time(engagement(0.5 * change, speed, radius), speed, radius)
         if passing > RETURN_SHARE[1] * goal.interval:
-            left[number] = f"a nose is in the way for {passing * 1e3:.3g} ms of the {goal.interval * 1e3:.4g} ms"
+            left_out[number] = f"a nose is in the way for {passing * 1e3:.3g} ms of the {goal.interval * 1e3:.4g} ms"
             continue
-        kept.append(number)
-    if kept:
-        return kept, left
+        sensible.append(number)
+    if sensible:
+        return sensible, left_out
     if 2.0 * reached < change:
         largest = goal.peak * 2.0 * reached / change / STANDARD_GRAVITY
         allowed = (
@@ -372,15 +392,15 @@ def sensible_strikers(case: Case, goal: Goal, choice: Choice) -> tuple[list[int]
         )
         hint = "a larger machine.radius or feed.stroke (--set), other --strikers, a shorter width or interval help"
         raise InputError("--peak", f"{goal.peak / STANDARD_GRAVITY:.4g} g", allowed, hint)
-    why = "; ".join(f"{number} strikers: {reason}" for number, reason in left.items())
+    why = "; ".join(f"{number} strikers: {reason}" for number, reason in left_out.items())
     raise InputError("--strikers", ", ".join(map(str, wanted)), "a number that leaves the object time to return", why)
 
 
 def supports(case: Case, goal: Goal, strikers: int) -> list[Support | None]:
     """Return what may bring the object back: the case's own (None), and those of the ladder that settle soonest.
 
-    The first arc takes between the passage of a nose and about half the interval; what would retreat beyond the stroke,
-    or press the stop by more than half the retreat, comes last.
+    The first arc takes between the passage of a nose and about half the interval. What would move beyond the stroke, or
+    press the stop by more than `PRESSED` of its largest displacement, comes last.
     """
     rig = case.rotary_tables()
     assert rig.object.mass is not None
@@ -390,17 +410,17 @@ def supports(case: Case, goal: Goal, strikers: int) -> list[Support | None]:
     passing = passage_time(float(Design(Rig(case, strikers, None, None, "frame", ""), goal).start[0]), speed, radius)
     longest = RETURN_SHARE[1] * goal.interval
     shortest = min(max(PASSED * passing, RETURN_SHARE[0] * goal.interval, WIDTHS * goal.width), longest)
-    found: dict[Support, tuple[bool, float]] = {}
+    order: dict[Support, tuple[bool, float]] = {}
     for time in np.geomspace(shortest, longest, TIMES):
         for preload in PRELOADS:
             for damping in DAMPINGS:
                 exact = support_for(float(time), mass, change, preload, damping, weight)
-                support = Support(*(float(f"{value:.3g}") for value in exact))
+                support = Support(*(float(f"{value:.{SUPPORT_DIGITS}g}") for value in exact))
                 arc = return_arc(support, mass, change, weight)
                 pressed = support.preload / rig.object.stop_stiffness.si
-                fits = arc.retreat < rig.feed.stroke.si and pressed < 0.5 * arc.retreat
-                found[support] = not fits, settling_time(support, mass, change, restitution, weight)
-    return [None, *sorted(found, key=found.__getitem__)[:SUPPORTS]]
+                fits = arc.retreat < rig.feed.stroke.si and pressed < PRESSED * arc.retreat
+                order[support] = not fits, settling_time(support, mass, change, restitution, weight)
+    return [None, *sorted(order, key=order.__getitem__)[:SUPPORTS]]
 
 
 def design_settings(
@@ -422,11 +442,11 @@ def design_settings(
     Raises
     ------
     InputError, InputErrors
-        If no setting can give it, or none could be run: with what each of them failed at.
+        If no setting can give it, or none could be run: with the reasons.
     """
     choice = choice or Choice()
     check_goal(case, goal, choice)
-    numbers, left = sensible_strikers(case, goal, choice)
+    numbers, left_out = sensible_strikers(case, goal, choice)
     note = f"chosen by strikewave settings for {goal_words(goal)}"
     masses: tuple[float | None, ...] = choice.masses or (None,)
     first = [
@@ -438,25 +458,26 @@ def design_settings(
     own = any(row.mass is not None for row in case.rotary_tables().striker.each)
     heavier = 0 if choice.masses or own else len(MASS_SHARES) * len(numbers)
     whole = len(first) + heavier
-    found = list(_candidates(first, progress, 0, whole))
+    tried = list(_candidates(first, progress, 0, whole))
     if heavier:
-        found += _candidates(list(_other_masses(found, numbers)), progress, len(first), whole)
-    shown = [one for _, one in found if isinstance(one, Candidate)]
-    failed = tuple(dict.fromkeys(f"{d.rig.strikers} strikers: {one}" for d, one in found if isinstance(one, str)))
-    if not shown:
-        raise InputErrors(list(dict.fromkeys(one for _, one in found if isinstance(one, str)))[:MOST_REASONS])
-    ranked = tuple(sorted(shown, key=rank_key))
+        tried += _candidates(list(_other_masses(tried, numbers)), progress, len(first), whole)
+    candidates = [result for _, result in tried if isinstance(result, Candidate)]
+    failures = [(design, result) for design, result in tried if isinstance(result, str)]
+    if not candidates:
+        raise InputErrors(list(dict.fromkeys(reason for _, reason in failures))[:MOST_REASONS])
+    failed = tuple(dict.fromkeys(f"{design.rig.strikers} strikers: {reason}" for design, reason in failures))
+    ranked = tuple(sorted(candidates, key=rank_key))
     return SettingsStudy(
-        case, goal, choice, ranked, left, failed, notices=tuple(_notices(ranked[0])), citations=SOURCES
+        case, goal, choice, ranked, left_out, failed, notices=tuple(_notices(ranked[0])), citations=SOURCES
     )
 
 
-def _other_masses(found: Sequence[tuple[Design, Candidate | str]], numbers: Sequence[int]) -> Iterator[Design]:
-    """Yield the first design of each number of strikers with other masses of a striker."""
+def _other_masses(tried: Sequence[tuple[Design, Candidate | str]], numbers: Sequence[int]) -> Iterator[Design]:
+    """Yield the best design of each number of strikers with other masses of a striker."""
     for number in numbers:
-        mine = [(d, one) for d, one in found if d.rig.strikers == number and isinstance(one, Candidate)]
-        if mine:
-            design, _ = min(mine, key=lambda pair: rank_key(pair[1]))
+        runs = [(design, c) for design, c in tried if design.rig.strikers == number and isinstance(c, Candidate)]
+        if runs:
+            design, _ = min(runs, key=lambda pair: rank_key(pair[1]))
             mass = design.rig.case.rotary_tables().striker.mass.si
             for share in MASS_SHARES:
                 yield dataclasses.replace(design, rig=design.rig._replace(mass=share * mass))
@@ -465,13 +486,13 @@ def _other_masses(found: Sequence[tuple[Design, Candidate | str]], numbers: Sequ
 def _candidates(
     designs: Sequence[Design], progress: Callable[[float], None] | None, done: int, whole: int
 ) -> Iterator[tuple[Design, Candidate | str]]:
-    """Yield each design with its candidate, in order; two are run at a time."""
+    """Yield each design with its candidate, in order; `WORKERS` are run at a time."""
     with ThreadPoolExecutor(WORKERS) as pool:
         try:
-            for k, one in enumerate(pool.map(candidate, designs), 1):
+            for k, result in enumerate(pool.map(candidate, designs), 1):
                 if progress is not None:
                     progress((done + k) / whole)
-                yield designs[k - 1], one
+                yield designs[k - 1], result
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LOWEST = 0.01
-"""Smallest restitution drawn."""
+"""Smallest coefficient of restitution drawn: some laws have no value at 0."""
 MANY_COLOURS = (BLUE, RED, GREEN, ORANGE, "#CC79A7", "#56B4E9", "#000000")
 BELOW = "Difference, logarithmic beyond 10 %"
 MARKS = ("o", "s", "^", "D", "v")
@@ -51,58 +51,18 @@ class Blow(NamedTuple):
 
 def _blows(impacts: Sequence[Impact], labels: Sequence[str]) -> list[Blow]:
     """Sample blows at equal steps, and at the peaks of force and indentation."""
-    found = []
+    blows = []
     for impact, label in zip(impacts, labels, strict=True):
         end, peak = float(impact.duration), float(impact.peak_time)
         times = np.unique([*np.linspace(0.0, end, 501), peak, min(float(impact.turning_time), end)])
-        found.append(Blow(label, impact, impact_history(impact, times), int(np.searchsorted(times, peak))))
-    return found
-
-
-def force_indentation(impacts: Sequence[Impact], labels: Sequence[str]) -> Figure:
-    """Draw the loops of force over indentation; blows on one spot stand where they begin.
-
-    Parameters
-    ----------
-    impacts : sequence of Impact
-        Single blows.
-    labels : sequence of str
-        One a blow.
-
-    Examples
-    --------
-    >>> from strikewave.contact import Contact, solve_impact
-    >>> len(force_indentation([solve_impact(Contact(1e9, 1.5), 1.0, 1.0, 2.0)], ["a blow"]).axes)
-    1
-    """
-    return _alone(impacts, labels, _draw_loops)
-
-
-def phase_plane(impacts: Sequence[Impact], labels: Sequence[str]) -> Figure:
-    """Draw the rate of indentation over the indentation, as shares of the approach speed and of the largest depth.
-
-    Parameters
-    ----------
-    impacts : sequence of Impact
-        Single blows.
-    labels : sequence of str
-        One a blow.
-    """
-    return _alone(impacts, labels, _draw_phase)
-
-
-def _alone(impacts: Sequence[Impact], labels: Sequence[str], draw: Callable[[Any, list[Blow]], None]) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6.4, 4.4), layout="constrained")
-    axes = figure.add_subplot()
-    draw(axes, _blows(impacts, labels))
-    _legend(figure, axes)
-    return figure
+        blows.append(Blow(label, impact, impact_history(impact, times), int(np.searchsorted(times, peak))))
+    return blows
 
 
 def impact_sheet(impacts: Sequence[Impact], labels: Sequence[str], title: str) -> Figure:
     """Draw blows on one sheet: force over time, force over indentation, phase plane.
+
+    Blows on one spot stand where they begin; the phase plane has shares of the approach speed and of the largest depth.
 
     Parameters
     ----------
@@ -182,12 +142,12 @@ def asked_given(laws: Mapping[str, DampingLaw] | None = None) -> Figure:
     ['restitution given (-)', 'difference (% of e)']
     """
     e = np.linspace(LOWEST, 1.0, 199)
-    found = [(law, restitution(law.function(e))) for law in (damping_laws() if laws is None else laws).values()]
-    found.sort(key=lambda pair: -float(np.interp(0.5, e, pair[1])))
+    curves = [(law, restitution(law.function(e))) for law in (damping_laws() if laws is None else laws).values()]
+    curves.sort(key=lambda pair: -float(np.interp(0.5, e, pair[1])))
     figure, (above, below) = _two_panels((1.5, 1.0))
     above.plot(e, e, color="#D0D0D0", linewidth=6.0, label="given = asked", zorder=1)
     below.axhline(0.0, color="#D0D0D0", linewidth=6.0, zorder=1)
-    for k, (law, given) in enumerate(found):
+    for k, (law, given) in enumerate(curves):
         style = _style(k, law, e.size)
         above.plot(e, given, label=_named(law), **style)
         below.plot(e, 100.0 * (given / e - 1.0), **style)
@@ -229,13 +189,13 @@ def stiffness_over_load(one: ElasticBody, other: ElasticBody, geometry: Geometry
     from matplotlib.ticker import FuncFormatter
 
     force = np.asarray(loads, dtype=float)
-    found = _indentations(one, other, geometry, force)
-    if not found:
+    curves = _indentations(one, other, geometry, force)
+    if not curves:
         raise ValueError(f"no stiffness law does with these sizes: {_sizes(geometry)}")
-    found.sort(key=lambda pair: -float(np.nan_to_num(pair[1][-1])))
+    curves.sort(key=lambda pair: -float(np.nan_to_num(pair[1][-1])))
     figure, (above, below) = _two_panels((1.2, 1.0))
-    reference = next((pair for pair in found if pair[0].name == "johnson"), found[0])
-    for k, (law, depth) in enumerate(found):
+    reference = next((pair for pair in curves if pair[0].name == "johnson"), curves[0])
+    for k, (law, depth) in enumerate(curves):
         style = _style(k, law, force.size)
         above.loglog(force / 1e3, depth * 1e6, label=_named(law), **style)
         below.semilogx(force / 1e3, 100.0 * (depth / reference[1] - 1.0), **style)
@@ -261,14 +221,14 @@ def _indentations(
     one: ElasticBody, other: ElasticBody, geometry: Geometry, force: Array
 ) -> list[tuple[StiffnessLaw, Array]]:
     """Return the laws that the sizes do for, and their indentations; NaN beyond the end of a law."""
-    found = []
+    curves = []
     for name, law in stiffness_laws().items():
         try:
             stiffness = stiffness_of(name, one, other, geometry)
         except Exception:  # a size that is missing or out of range, or whatever a law of a foreign package does
             continue
-        found.append((law, _depths(stiffness, force)))
-    return found
+        curves.append((law, _depths(stiffness, force)))
+    return curves
 
 
 def _depths(stiffness: Stiffness | LogarithmicStiffness, force: Array) -> Array:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 POINTS = 800
-"""Of the fitted line."""
+"""Points of the fitted line: about the pixels of its width."""
 SIZE = (9.0, 5.0)
 """Inches."""
 
@@ -53,8 +53,8 @@ def _draw_force(axes: Any, found: Identified) -> None:
     contact = (0.0, 1e6 * pulse.duration)
     axes.axvline(contact[0], color=GREY, linestyle=":", linewidth=1.1, label="first touch and release")
     axes.axvline(contact[1], color=GREY, linestyle=":", linewidth=1.1)
-    told = f"n = {pulse.exponent:.3g}, e = {pulse.restitution:.3g}, misfit {found.residual:.2%} of the peak"
-    quiet(axes, told, "", "force (N)")
+    title = f"n = {pulse.exponent:.3g}, e = {pulse.restitution:.3g}, misfit {found.residual:.2%} of the peak"
+    quiet(axes, title, "", "force (N)")
     axes.margins(y=0.08)
 
 

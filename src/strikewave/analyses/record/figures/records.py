@@ -24,16 +24,18 @@ Named = tuple[str, ChannelReading]
 """A file as it shall be called, and what a channel of it says."""
 
 COLUMNS = 800
-"""Columns of a record into which all samples are gathered; each keeps its smallest and its largest."""
+"""Columns of a record into which all samples are gathered; each keeps its smallest and its largest, so that no peak is
+lost. As many as a page is wide in pixels."""
 POINTS = 6000
-"""Points of all pulses of an overlay together."""
+"""Points of all pulses of an overlay together, so that its SVG stays small."""
 MOST_LABELS = 16
-"""Pulses that are numbered; of more only those with room."""
+"""Pulses that are all numbered; of more only those with room, or the numbers overlap."""
 MOST_NAMES = 8
-"""Files that an overlay tells apart."""
+"""Files that an overlay tells apart: as many as there are colours."""
 MOST_AVERAGED = 400
-"""Pulses of which a median is taken."""
+"""Pulses of which a median is taken, evenly among all: more do not move it by what is seen."""
 LARGEST_DRAWN = 1e200
+"""Records with larger values are not drawn: the axes' squares and sums would be no numbers."""
 _HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
 _SEVERITY = {"bad": RED, "suspect": ORANGE, "good": GREY}
 _COLOURS = (BLUE, RED, GREEN, ORANGE, "#CC79A7", "#56B4E9", "#000000", GREY)
@@ -83,12 +85,12 @@ def shown(unit: str) -> Shown:
 
 
 def history(reading: ChannelReading) -> Figure:
-    """Draw a whole record with its zero line, blows and findings, and its largest blow beside it.
+    """Draw a whole record with its baseline, blows and findings, and its largest blow beside it.
 
     Parameters
     ----------
     reading : ChannelReading
-        Of any status; what cannot be drawn is said in words.
+        Of any status; where nothing can be drawn, a line says why.
     """
     figure = new_figure()
     if reading.pulses and drawable(reading):
@@ -113,7 +115,7 @@ def draw_history(axes: Any, reading: ChannelReading, columns: int = COLUMNS) -> 
     line = robust_line(channel.values)
     offsets = [p.offset for p in reading.pulses]
     zero = [offsets[0], *offsets, offsets[-1]] if offsets else [line.at(0), line.at(channel.values.size - 1)]
-    axes.plot(places * factor, np.array(zero) / how.scale, "--", color="black", linewidth=0.9, label="zero line")
+    axes.plot(places * factor, np.array(zero) / how.scale, "--", color="black", linewidth=0.9, label="baseline")
     quiet(axes, plain(channel.name) + ("" if reading.pulses else ": no blow found"), f"time ({unit})", how.label)
     axes.margins(x=0.01, y=0.14)
     _mark_pulses(axes, reading.pulses, factor, how.scale)
@@ -148,12 +150,12 @@ def _shade(axes: Any, pulses: Sequence[RecordedPulse], factor: float) -> None:
 
 def _mark_findings(axes: Any, findings: Sequence[HealthNotice], factor: float, last: float) -> None:
     """Mark findings that have a time: hatched from begin to end, a dotted line where only one is known."""
-    seen: set[str] = set()
+    labelled: set[str] = set()
     for finding in findings:
         if not np.isfinite(finding.start):
             continue
-        label = "_" if finding.code in seen else finding.code
-        seen.add(finding.code)
+        label = "_" if finding.code in labelled else finding.code
+        labelled.add(finding.code)
         colour = _SEVERITY.get(finding.severity, GREY)
         begin = min(finding.start, last) * factor
         if np.isfinite(finding.end):
@@ -192,7 +194,7 @@ def _draw_largest(axes: Any, reading: ChannelReading) -> None:
 
 
 def overlay(readings: Sequence[Named]) -> Figure:
-    """Draw the blows of one channel over files, aligned at their peaks, zero line taken off, with their median.
+    """Draw the blows of one channel over files, aligned at their peaks, baseline taken off, with their median.
 
     Parameters
     ----------
@@ -215,37 +217,37 @@ def draw_overlay(axes: Any, readings: Sequence[Named], names: bool = True) -> No
     how = shown(used[0][1].channel.unit)
     span = float(np.median([p.end - p.begin for _, _, p in pulses]))
     factor, unit = _clock(2.0 * span)
-    told = names and 1 < len(used) <= MOST_NAMES
+    named = names and 1 < len(used) <= MOST_NAMES
     drawn = [pulses[i] for i in np.unique(np.linspace(0, len(pulses) - 1, MOST_PULSES).round().astype(int))]
-    seen: set[str] = set()
+    labelled: set[str] = set()
     for name, reading, pulse in drawn:
         time, values = _about(reading, pulse, -1.2 * span, 2.0 * span)
         time, values = thin(time, values, max((POINTS if names else POINTS // 2) // (2 * len(drawn)), 30))
         colour = (
             _COLOURS[[n for n, _ in used].index(name) % len(_COLOURS)]
-            if told
+            if named
             else BLUE
             if len(pulses) == 1
             else "#8C8C8C"
         )
-        label = "_" if name in seen or not told else plain(name, 32)
+        label = "_" if name in labelled or not named else plain(name, 32)
         axes.plot(
             time * factor,
             values / how.scale,
             color=colour,
-            linewidth=0.9 if told or len(pulses) > 1 else 1.4,
+            linewidth=0.9 if named or len(pulses) > 1 else 1.4,
             label=label,
         )
-        seen.add(name)
+        labelled.add(name)
     if len(pulses) > 1:
         grid, median = _median(pulses, span)
         axes.plot(
             grid * factor,
             median / how.scale,
             color=BLUE,
-            linewidth=5.0 if told else 2.0,
-            alpha=0.3 if told else 1.0,
-            zorder=1.5 if told else 3.0,
+            linewidth=5.0 if named else 2.0,
+            alpha=0.3 if named else 1.0,
+            zorder=1.5 if named else 3.0,
             label="median",
         )
     what = f"{len(pulses)} blows" if len(pulses) > 1 else "one blow"
@@ -256,7 +258,7 @@ def draw_overlay(axes: Any, readings: Sequence[Named], names: bool = True) -> No
 
 
 def _about(reading: ChannelReading, pulse: RecordedPulse, before: float, after: float) -> tuple[Array, Array]:
-    """Return time from the peak and values above the zero line, around a pulse."""
+    """Return time from the peak and values above the baseline, around a pulse."""
     channel = reading.channel
     first = max(round((pulse.time + before - channel.start) / channel.step), 0)
     last = round((pulse.time + after - channel.start) / channel.step) + 1
@@ -273,9 +275,9 @@ def _median(pulses: Sequence[tuple[str, ChannelReading, RecordedPulse]], span: f
     for i in chosen:
         time, values = _about(pulses[i][1], pulses[i][2], -1.2 * span, 2.0 * span)
         rows.append(np.interp(grid, time, values, left=np.nan, right=np.nan))
-    held = np.isfinite(rows).sum(axis=0) >= 0.5 * len(rows)
-    median: Array = np.nanmedian(np.array(rows)[:, held], axis=0)
-    return grid[held], median
+    known = np.isfinite(rows).sum(axis=0) >= 0.5 * len(rows)
+    median: Array = np.nanmedian(np.array(rows)[:, known], axis=0)
+    return grid[known], median
 
 
 def velocity(reading: ChannelReading) -> Figure:
@@ -327,7 +329,7 @@ def draw_velocity(axes: Any, reading: ChannelReading, room: float = 0.055) -> No
 
 
 def say(axes: Any, words: str) -> None:
-    """Say in words what cannot be drawn; a picture of nothing else becomes low."""
+    """Write what cannot be drawn; a picture of nothing else becomes low."""
     axes.set_axis_off()
     axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes, color="#4D5760")
     if len(axes.figure.axes) == 1:

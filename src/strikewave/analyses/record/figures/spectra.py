@@ -27,20 +27,25 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 COLUMNS = 600
-"""Columns of a logarithmic axis into which the lines of a spectrum are gathered."""
+"""Columns of a logarithmic axis into which the lines of a spectrum are gathered: about the pixels of its width."""
 REACH = 20.0
-"""Lengths of a blow on both sides of it that its amplitude spectrum takes in."""
+"""Lengths of a blow on both sides of it that its amplitude spectrum takes in: its lowest line is then a 40th of one
+over the length, far below where a pulse's spectrum falls, and ringing is in it."""
 DEPTH = 1e-6
-"""Share of its largest value to which an amplitude spectrum is drawn."""
+"""Share of its largest value to which an amplitude spectrum is drawn: 120 dB, beyond every recorder's bits."""
 AFTER = 100.0
-"""Lengths of the last blow after it that a shock response spectrum takes in."""
+"""Lengths of the last blow after it that a shock response spectrum takes in: its lowest natural frequency, a 50th of
+one over the length, then swings twice after the blow."""
+BEFORE = 5.0
+"""Lengths of the longest blow before the first one that it takes in, so that the record begins at rest."""
 Q = 10.0
+"""Quality factor of the spectra of a report: 5 % of critical damping, as shock specifications take it."""
 _SIDES = (("maximax", "#8FC3E4", "-", 4.0), ("positive", BLUE, "-", 1.3), ("negative", RED, "--", 1.3))
 _COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
 
 
 class Stretch(NamedTuple):
-    """A part of a record, its zero line taken off."""
+    """A part of a record, its baseline taken off."""
 
     values: Array
     step: float
@@ -76,8 +81,8 @@ def amplitude(reading: ChannelReading) -> tuple[Array, Array]:
     size = 1 << max(math.ceil(math.log2(4 * stretch.values.size)), 10)
     magnitude = np.abs(np.fft.rfft(stretch.values, size)) * stretch.step
     frequency = np.fft.rfftfreq(size, stretch.step)
-    held = frequency >= 0.5 / (stretch.values.size * stretch.step)
-    return np.asarray(frequency[held]), np.asarray(magnitude[held])
+    resolved = frequency >= 0.5 / (stretch.values.size * stretch.step)
+    return np.asarray(frequency[resolved]), np.asarray(magnitude[resolved])
 
 
 def spectrum(reading: ChannelReading) -> Figure:
@@ -124,12 +129,12 @@ def _thin_log(frequency: Array, magnitude: Array, columns: int = COLUMNS) -> tup
     starts = np.flatnonzero(np.diff(column, prepend=-1.0))
     low, high = np.minimum.reduceat(magnitude, starts), np.maximum.reduceat(magnitude, starts)
     single = np.diff(starts, append=frequency.size) == 1
-    kept = np.ravel(np.column_stack([np.ones(starts.size, bool), ~single]))
-    return np.repeat(frequency[starts], 2)[kept], np.ravel(np.column_stack([high, low]))[kept]
+    distinct = np.ravel(np.column_stack([np.ones(starts.size, bool), ~single]))
+    return np.repeat(frequency[starts], 2)[distinct], np.ravel(np.column_stack([high, low]))[distinct]
 
 
 def response(reading: ChannelReading, kind: str = "absolute", q: float = Q) -> Spectrum | None:
-    """Return the shock response spectrum of a record, its zero line taken off; None where no blow was found.
+    """Return the shock response spectrum of a record, its baseline taken off; None where no blow was found.
 
     It is taken from just before the first blow to 100 lengths of the last one after it, at 12 frequencies an
     octave: from 1/50 of that of the longest blow to twenty times it, inside what the record can show.
@@ -145,7 +150,7 @@ def response(reading: ChannelReading, kind: str = "absolute", q: float = Q) -> S
         return None
     first, last = reading.pulses[0], reading.pulses[-1]
     length = max(pulse.end - pulse.begin for pulse in reading.pulses)
-    values = _between(reading, first.begin - 5.0 * length, last.end + AFTER * length) - first.offset
+    values = _between(reading, first.begin - BEFORE * length, last.end + AFTER * length) - first.offset
     step = reading.channel.step
     low, high = max(0.02 / length, 1.0 / (values.size * step)), min(20.0 / length, 0.4 / step)
     return srs(values, step, octaves(low, max(high, 2.0 * low)), q, kind) if low < 0.2 / step else None
@@ -178,9 +183,9 @@ def draw_srs(axes: Any, spectra: Sequence[Spectrum], labels: Sequence[str] = (),
     several = [(names[k], one, "maximax", _COLOURS[k % 5], DASHES[k % 4], 1.4) for k, one in enumerate(spectra)]
     single = [(side, spectra[0], side, colour, style, width) for side, colour, style, width in _SIDES]
     for name, one, side, colour, style, width in several if len(spectra) > 1 else single:
-        held = one.side(side) > 0.0
-        values = one.side(side)[held] / scale
-        axes.loglog(one.frequency[held], values, color=colour, linestyle=style, linewidth=width, label=name)
+        positive = one.side(side) > 0.0
+        values = one.side(side)[positive] / scale
+        axes.loglog(one.frequency[positive], values, color=colour, linestyle=style, linewidth=width, label=name)
     q = spectra[0].q
     quiet(axes, f"Shock response spectrum, Q = {q:g}", "natural frequency (Hz)", label)
     _log_axis(axes.xaxis, hertz_tick)

@@ -37,9 +37,11 @@ MARKS = (
     "width, with the words measured or LS-DYNA. Every curve is computed."
 )
 SHOWN_TIME = 4e-4
-"""How long of a pulse is shown, s."""
+"""How long of a pulse is shown, s: twice the published width, so that its end and what rings after it are seen."""
 AFTER = 2e-4
-"""When the blow itself is over, s after first touch: what a sensor reads from then on is ringing."""
+"""When the blow itself is over, s after first touch: the published width. What a sensor reads later is ringing."""
+HARDLY = 0.5
+"""Share of the published drop of the peak by the buffer below which it is called hardly met."""
 
 
 def mark(result: Reproduction, peak: str, width: str = "", what: str = "") -> Mark:
@@ -49,18 +51,18 @@ def mark(result: Reproduction, peak: str, width: str = "", what: str = "") -> Ma
     return Mark(number.value, ORIGINS[number.origin], span, what)
 
 
-def said(row: NumberRow) -> str:
-    """Say what was computed of a published number, by which case, and in which role."""
+def sentence_of(row: NumberRow) -> str:
+    """Return a published number in words, with what was computed of it, by which case and in which role."""
     number = row.number
     unit, si = number.unit, si_unit(number.unit)
     what = number.quantity[:1].upper() + number.quantity[1:]
     begin = f"{what}: {ORIGINS[number.origin]} {with_unit(number.value, si, unit, 7)}"
-    told = [
+    computed = [
         f"computed {with_unit(one.value, si, unit)} by {one.by} ({_role_words(one, number.value)})"
         for one in row.computed
         if one.value is not None
     ]
-    return f"{begin}, {listed(told)}." if told else f"{begin}, not computed."
+    return f"{begin}, {listed(computed)}." if computed else f"{begin}, not computed."
 
 
 def _role_words(one: Computed, published: float) -> str:
@@ -70,7 +72,7 @@ def _role_words(one: Computed, published: float) -> str:
 
 def _told(result: Reproduction, *names: str) -> str:
     """Say what was computed of some published numbers, a paragraph each."""
-    return "\n\n".join(said(result.row(name)) for name in names)
+    return "\n\n".join(sentence_of(result.row(name)) for name in names)
 
 
 def ratios(result: Reproduction) -> list[Ratio]:
@@ -140,9 +142,9 @@ def _buffering(result: Reproduction) -> str:
     verdict = "The computed buffer does not calm the pulse" if soft >= loud else "The computed buffer calms the pulse"
     rms = [with_unit(value, "m/s^2", "g") for value in (soft, loud)]
     return (
-        f"What the buffer does is {'hardly ' if taken < 0.5 * asked else ''}met: it takes {taken:.1%} off the computed "
-        f"peak, where {asked:.1%} were measured. {verdict}: after {AFTER * 1e6:g} µs the buffered sensor reads "
-        f"{rms[0]} (root mean square), the direct one {rms[1]}. The assumed gaskets are a spring under the "
+        f"What the buffer does is {'hardly ' if taken < HARDLY * asked else ''}met: it takes {taken:.1%} off the "
+        f"computed peak, where {asked:.1%} were measured. {verdict}: after {AFTER * 1e6:g} µs the buffered sensor "
+        f"reads {rms[0]} (root mean square), the direct one {rms[1]}. The assumed gaskets are a spring under the "
         "sensor's mass; those of the experiment are not known."
     )
 
@@ -150,7 +152,7 @@ def _buffering(result: Reproduction) -> str:
 def _passing(result: Reproduction) -> Section:
     solution = result.runs.passing
     field, layer = bar_field(solution), solution.taps[0][1].layer
-    text = """The paper draws the wave that passes to and fro in the specimen and counts its passages. If its \
+    text = """The paper draws the multiple reflections of a wave in the specimen and counts its passages. If its \
 areas are equal, which is not said, its own experiment cannot show them: 45 steel between 65Mn reflects next to \
 nothing. Here the specimen is 2A12 between 65Mn, and the load rises within 0.3 µs and stays.
 
@@ -173,7 +175,7 @@ finite stack, solved by delay lines, agree until the first echo from beyond the 
             "Stress along the stack over time: blue is compression, red tension; lines are faces of layers.",
         ),
     ]
-    return Section("Paper's Figure 7: the wave passing to and fro", text, parts)
+    return Section("Paper's Figure 7: multiple reflections", text, parts)
 
 
 def _settled(transit: float) -> float:
@@ -206,9 +208,9 @@ def _first_pulse(result: Reproduction) -> Section:
     curves += [*_pulses(result, named), *_force_over_mass(result)]
     marks = [mark(result, known.RIGID_PEAK, known.RIGID_WIDTH), mark(result, known.DYNA_PEAK, known.DYNA_WIDTH)]
     figure = draw.pulse_figure("First rigid-body pulse", curves, marks, SHOWN_TIME)
-    text = f"""The paper sets its measured first pulse beside that of LS-DYNA: force of the contact over the whole \
-mass. Here the machine model of bodies, contact law and frame gives it, and models of hexahedra: the half-cylinder on \
-the frame that holds the shell, with faces that reflect as they do, and with the paper's non-reflecting ones.
+    text = f"""The paper compares its measured first pulse with that of LS-DYNA: force of the contact over the whole \
+mass. Here the machine model of bodies, contact law and frame gives it, and finite-element models: the half-cylinder \
+on the frame that holds the shell, with faces that reflect as they do, and with the paper's non-reflecting ones.
 
 {_told(result, known.RIGID_PEAK, known.RIGID_WIDTH, known.DYNA_PEAK, known.DYNA_WIDTH, known.DYNA_FORCE)}
 
@@ -224,7 +226,7 @@ because the walls of the assumed frame bend. {_momenta(result)}{_left_out(result
 
 
 def _pulses(result: Reproduction, named: Iterable[tuple[str, str]]) -> list[Trace]:
-    """Return the pulses of the models of hexahedra that were run, by case and words."""
+    """Return the pulses of the finite-element models that were run, by case and words."""
     found = [(result.runs.element_solution(name), words) for name, words in named]
     pulses = [(element_pulse(solution), words) for solution, words in found if solution is not None]
     return [Trace(words, pulse.time, pulse.acceleration) for pulse, words in pulses]
@@ -308,7 +310,7 @@ def _specimen(result: Reproduction) -> Section:
     marks = [mark(result, known.DYNA_WAVE_PEAK)]
     figure = draw.pulse_figure("Mean acceleration of the specimen", _pulses(result, named), marks, SHOWN_TIME)
     text = f"""The paper averages the acceleration of its specimen over the elements of LS-DYNA and finds \
-22 841.7 g. Here a model of hexahedra has the sensor between two cylinders in the same frame.
+22 841.7 g. Here a finite-element model has the sensor between two cylinders in the same frame.
 
 {_told(result, known.DYNA_WAVE_PEAK)}
 

@@ -64,7 +64,7 @@ def _done(result: Reproduction) -> Section:
     text = (
         f"{len(result.runs.cases)} cases were run: the rotary machine with its object as bodies and as stacks in which "
         "waves run, a bar alone"
-        + (", and models of hexahedra" if result.runs.elements else "; the models of hexahedra were left out")
+        + (", and finite-element models" if result.runs.elements else "; the finite-element models were left out")
         + ". Every equation was computed as printed, as corrected and exactly; every published number is set beside "
         f"what was computed. Fitted to published numbers: {listed(fitted)}."
     )

@@ -1,4 +1,4 @@
-"""Tables of what the element models hang on: meshes, assumed dimensions, blows."""
+"""Tables of what the element models depend on: meshes, assumed dimensions, blows."""
 
 from __future__ import annotations
 

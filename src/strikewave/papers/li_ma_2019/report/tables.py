@@ -12,6 +12,7 @@ from strikewave.base.quantities import PROVENANCES
 from strikewave.base.units import DIMENSIONS, convertible
 from strikewave.cases.case import Case
 from strikewave.fem.measures import balance_measure
+from strikewave.papers.li_ma_2019.values import EQUAL
 from strikewave.reporting.numbers import spelled
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Section, Table, Tag, written
 
@@ -57,12 +58,12 @@ def inputs_by_cases(cases: Sequence[Case]) -> dict[Input, list[str]]:
     >>> [names for entry, names in found.items() if entry.path == "machine.speed"]
     [['li-ma-2019', 'li-ma-2019-fig13']]
     """
-    found: dict[Input, list[str]] = defaultdict(list)
+    cases_by_input: dict[Input, list[str]] = defaultdict(list)
     for case in cases:
         for path, value in case.values().items():
             note = _COARSER if value.note == _SET else value.note
-            found[Input(path, str(value.typed), value.provenance, note)].append(case.name)
-    return dict(found)
+            cases_by_input[Input(path, str(value.typed), value.provenance, note)].append(case.name)
+    return dict(cases_by_input)
 
 
 def provenance_section(cases: Sequence[Case]) -> Section:
@@ -204,7 +205,7 @@ def share(value: float) -> str:
     >>> share(-0.0353), share(1e-9), share(4.2), share(-3e13)
     ('-3.53 %', '0 %', '+420 %', '-3e+15 %')
     """
-    return "0 %" if abs(value) < 5e-7 else f"{100.0 * value:+.3g} %"
+    return "0 %" if abs(value) < EQUAL else f"{100.0 * value:+.3g} %"
 
 
 def numbers_section(rows: Sequence[NumberRow], checks: Sequence[Consistency]) -> Section:
@@ -292,26 +293,28 @@ def _with_unit(value: float, unit: str, digits: int = 5) -> str:
 
 
 def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = ()) -> Section:
-    """Say what the models of hexahedra took and how well they keep their books; ``tables`` are shown behind."""
+    """List what the finite-element runs took and their balance errors; ``tables`` are shown behind."""
     rows: list[list[Cell]] = []
     for one in solutions:
-        found, ledger = one.run, balance_measure(one.run)
+        run, balance = one.run, balance_measure(one.run)
         rows.append(
             [
                 one.case.name,
-                str(found.elements),
-                str(found.steps),
-                written(found.step * 1e9, 3),
-                written(found.seconds, 3),
-                share(ledger.energy),
-                share(ledger.hourglass),
-                f"{ledger.momentum:.1e}",
+                str(run.elements),
+                str(run.steps),
+                written(run.step * 1e9, 3),
+                written(run.seconds, 3),
+                share(balance.energy),
+                share(balance.hourglass),
+                f"{balance.momentum:.1e}",
                 Tag("broken", "bad") if one.broken else Tag("hold", "good"),
             ]
         )
     heads = ["case", "elements", "steps", "smallest step (ns)", "took (s)", "energy error", "hourglass energy"]
-    empty = "The models of hexahedra were not run."
-    table = Table("Models of hexahedra", [*heads, "momentum error", "stated limits"], rows, empty)
+    empty = "The finite-element models were not run."
+    table = Table(
+        "Explicit finite elements (8-node hexahedra)", [*heads, "momentum error", "stated limits"], rows, empty
+    )
     text = (
         "Hexahedra of eight nodes with one point of integration, followed explicitly in time. Of its elements the "
         "paper says that they are Solid164, explicit hexahedra too. It shows its meshes in pictures and gives no "

@@ -28,8 +28,11 @@ from strikewave.signal.pulse import largest, measure_pulse
 
 Array = NDArray[np.float64]
 
+MOST_LISTED = 40
+"""Blows that an error lists: more would not stand in a line of a screen."""
 
-class Sheet(NamedTuple):
+
+class GasketLayer(NamedTuple):
     """One gasket of a stack: material of the table, and thickness."""
 
     material: str
@@ -40,7 +43,7 @@ class Sheet(NamedTuple):
         return f"{self.material} {self.thickness.typed}"
 
 
-Sheets = tuple[Sheet, ...]
+GasketStack = tuple[GasketLayer, ...]
 """Gaskets from the surface to the sensor; none is a direct mounting."""
 
 
@@ -56,7 +59,7 @@ def usual_materials() -> tuple[str, ...]:
     return tuple(name for name, row in materials().items() if row.kind in soft and row.loss_factor is not None)
 
 
-class Present(NamedTuple):
+class ExistingBuffer(NamedTuple):
     """The buffer that a case has before the search: what it is called, and the mounting."""
 
     name: str
@@ -64,7 +67,7 @@ class Present(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Seat:
+class MountingSite:
     """A sensor, its recorder, and what is the same below it whatever the stack.
 
     Attributes
@@ -77,7 +80,7 @@ class Seat:
         ``diameter`` or ``area`` of its gaskets.
     mass, area : float
         Of the sensor, kg, and of the gaskets, m^2.
-    present : Present or None
+    present : ExistingBuffer or None
         The buffer that the case has now.
     """
 
@@ -86,7 +89,7 @@ class Seat:
     footprint: dict[str, Value]
     mass: float
     area: float
-    present: Present | None = None
+    present: ExistingBuffer | None = None
 
     @property
     def range(self) -> float:
@@ -94,14 +97,14 @@ class Seat:
         full_scale = self.channel.recorder.full_scale
         return min(self.channel.sensor.range, math.inf if full_scale is None else full_scale)
 
-    def mounting(self, sheets: Sheets, stiffer: Sequence[float] = ()) -> Mounting:
+    def mounting(self, stack: GasketStack, stiffer: Sequence[float] = ()) -> Mounting:
         """Return sensor and gaskets on the edge contact; ``stiffer`` multiplies the modulus of each gasket."""
-        if not sheets:
+        if not stack:
             return Mounting()
         edge = self.table.edge_stiffness.si if self.table.edge_stiffness else math.inf
         damping = self.table.edge_damping.si if self.table.edge_damping else 0.0
-        factors = stiffer or [1.0] * len(sheets)
-        gaskets = [gasket(sheet, self.area, factor) for sheet, factor in zip(sheets, factors, strict=True)]
+        factors = stiffer or [1.0] * len(stack)
+        gaskets = [gasket(layer, self.area, factor) for layer, factor in zip(stack, factors, strict=True)]
         return Mounting(tuple(gaskets), self.mass, edge, damping)
 
     def sensor(self, mounting: Mounting) -> Sensor:
@@ -109,21 +112,21 @@ class Seat:
         return dataclasses.replace(self.channel.sensor, mounting=mounting)
 
 
-def gasket(sheet: Sheet, area: float, stiffer: float = 1.0) -> Gasket:
+def gasket(layer: GasketLayer, area: float, stiffer: float = 1.0) -> Gasket:
     """Return a gasket of a material of the table.
 
     Examples
     --------
-    >>> gasket(Sheet("PTFE", Value(si=1e-3, typed="1 mm")), 1e-4).stiffness
+    >>> gasket(GasketLayer("PTFE", Value(si=1e-3, typed="1 mm")), 1e-4).stiffness
     47500000.0
     """
-    row = material(sheet.material)
+    row = material(layer.material)
     modulus = stiffer * row.youngs_modulus
-    return Gasket(row.density, modulus, area, sheet.thickness.si, row.loss_factor or 0.0)
+    return Gasket(row.density, modulus, area, layer.thickness.si, row.loss_factor or 0.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class BaseMotion:
     """How the surface below the sensor moves in one blow.
 
     Attributes
@@ -170,8 +173,8 @@ class Motion:
 
     def phase(self, rate: float) -> float:
         """Return the share of a sampling interval from the start to the recorder's first instant."""
-        at = 0.0 if math.isinf(rate) else (self.touched + self.start) * rate
-        return min(math.ceil(at) - at, 1.0 - 1e-9)
+        samples = 0.0 if math.isinf(rate) else (self.touched + self.start) * rate
+        return min(math.ceil(samples) - samples, 1.0 - 1e-9)  # below 1: rounding may put a start just after an instant
 
 
 def pulse_width(values: Array, step: float) -> float:
@@ -188,14 +191,14 @@ def pulse_width(values: Array, step: float) -> float:
 
 def loads(mounting: Mounting) -> list[tuple[float, Gasket]]:
     """Return each gasket with the mass above its middle, kg, from the surface up."""
-    above, found = mounting.sensor_mass, []
+    above, masses = mounting.sensor_mass, []
     for layer in reversed(mounting.gaskets):
-        found.append((above + 0.5 * layer.mass, layer))
+        masses.append((above + 0.5 * layer.mass, layer))
         above += layer.mass
-    return found[::-1]
+    return masses[::-1]
 
 
-def reading_of(seat: Seat, sheets: Sheets, motion: Motion, stiffer: Sequence[float] = ()) -> Reading:
+def reading_of(site: MountingSite, stack: GasketStack, motion: BaseMotion, stiffer: Sequence[float] = ()) -> Reading:
     """Return what the recorder keeps of a blow with a stack under the sensor.
 
     Raises
@@ -203,16 +206,16 @@ def reading_of(seat: Seat, sheets: Sheets, motion: Motion, stiffer: Sequence[flo
     InputErrors
         If the recorder's filter or rate does not fit the history.
     """
-    return read_on(seat, seat.mounting(sheets, stiffer), motion)
+    return read_on(site, site.mounting(stack, stiffer), motion)
 
 
-def read_on(seat: Seat, mounting: Mounting, motion: Motion) -> Reading:
+def read_on(site: MountingSite, mounting: Mounting, motion: BaseMotion) -> Reading:
     """Return what the recorder keeps of a blow on a mounting."""
-    recorder = seat.channel.recorder
+    recorder = site.channel.recorder
     phase = motion.phase(recorder.sampling_rate)
     return checked(
-        f"sensor.{seat.table.name}",
-        lambda: read(seat.sensor(mounting), recorder, motion.acceleration, motion.step, motion.start, phase),
+        f"sensor.{site.table.name}",
+        lambda: read(site.sensor(mounting), recorder, motion.acceleration, motion.step, motion.start, phase),
     )
 
 
@@ -221,7 +224,7 @@ class Blows(NamedTuple):
 
     Attributes
     ----------
-    motions : tuple of Motion
+    motions : tuple of BaseMotion
         One a blow.
     chosen : int
         Place of the one that stacks are designed for.
@@ -231,13 +234,13 @@ class Blows(NamedTuple):
         Of what the sensor sits on, kg; infinite where it is not known.
     """
 
-    motions: tuple[Motion, ...]
+    motions: tuple[BaseMotion, ...]
     chosen: int = 0
     warnings: tuple[Notice, ...] = ()
     assembly_mass: float = math.inf
 
     @property
-    def motion(self) -> Motion:
+    def motion(self) -> BaseMotion:
         """The chosen one."""
         return self.motions[self.chosen]
 
@@ -261,8 +264,10 @@ def choose_sensor(case: Case, name: str | None = None) -> SensorTable:
     return case.sensor[0 if name is None else names.index(name)]
 
 
-def seat_of(table: SensorTable, case: Case | None = None, footprint: Mapping[str, Value] | None = None) -> Seat:
-    """Return the seat of a sensor; its footprint is that of its first gasket where none is given.
+def mounting_site_of(
+    table: SensorTable, case: Case | None = None, footprint: Mapping[str, Value] | None = None
+) -> MountingSite:
+    """Return the site of a sensor; its footprint is that of its first gasket where none is given.
 
     Without a case the recorder is ideal.
 
@@ -286,30 +291,28 @@ def seat_of(table: SensorTable, case: Case | None = None, footprint: Mapping[str
     if not shape:
         raise InputError(f"{path}.gasket", MISSING, "the footprint of the sensor", 'add --diameter "15 mm"')
     gasket_table = GasketTable(material="", thickness=Value(si=1.0, typed="1 m"), **shape)
-    return Seat(channel, bare, shape, mass, area_of(gasket_table, f"{path}.gasket"), _present(case, table))
+    return MountingSite(channel, bare, shape, mass, area_of(gasket_table, f"{path}.gasket"), _present(case, table))
 
 
-def _present(case: Case | None, table: SensorTable) -> Present | None:
+def _present(case: Case | None, table: SensorTable) -> ExistingBuffer | None:
     """Return the buffer that a sensor of a case has now; None where it has none."""
     if case is None or not table.gasket:
         return None
     (channel,) = build_channels(case.model_copy(update={"sensor": (table,)}))
     name = " | ".join(f"{layer.material or 'gasket'} {layer.thickness.typed}" for layer in table.gasket)
-    return Present(f"now: {name}", channel.sensor.mounting)
+    return ExistingBuffer(f"now: {name}", channel.sensor.mounting)
 
 
-def with_sheets(seat: Seat, sheets: Sheets) -> SensorTable:
+def table_with(site: MountingSite, stack: GasketStack) -> SensorTable:
     """Return what a case says of the sensor with a stack under it."""
-    layers = tuple(
-        GasketTable(material=sheet.material, thickness=sheet.thickness, **seat.footprint) for sheet in sheets
-    )
-    return seat.table.model_copy(update={"gasket": layers})
+    layers = tuple(GasketTable(material=layer.material, thickness=layer.thickness, **site.footprint) for layer in stack)
+    return site.table.model_copy(update={"gasket": layers})
 
 
-def case_with(case: Case, seat: Seat, sheets: Sheets) -> Case:
+def case_with(case: Case, site: MountingSite, stack: GasketStack) -> Case:
     """Return a case with a stack under its sensor."""
-    held = with_sheets(seat, sheets)
-    sensors = tuple(held if sensor.name == held.name else sensor for sensor in case.sensor)
+    buffered = table_with(site, stack)
+    sensors = tuple(buffered if sensor.name == buffered.name else sensor for sensor in case.sensor)
     return case.model_copy(update={"sensor": sensors})
 
 
@@ -344,31 +347,31 @@ def blows_of(
         width = pulse_width(solution.rigid, motion.step)
         motion = dataclasses.replace(motion, rigid_peak=largest(solution.rigid), rigid_width=width)
         return Blows((motion,), 0, solution.warnings, solution.run.stack.mass)
-    seen = observe(bare, progress)
-    pairs = [(one, history) for one, history in zip(seen.blows, seen.histories, strict=True) if history is not None]
+    observed = observe(bare, progress)
+    pairs = [(blow, h) for blow, h in zip(observed.blows, observed.histories, strict=True) if h is not None]
     motions = tuple(
         dataclasses.replace(
-            _motion(f"blow {one.index}", history.readings[0]),
-            touched=one.time - seen.view.recorder_begin,
-            rigid_peak=one.rigid_peak,
-            rigid_width=one.width,
+            _motion(f"blow {struck.index}", history.readings[0]),
+            touched=struck.time - observed.view.recorder_begin,
+            rigid_peak=struck.rigid_peak,
+            rigid_width=struck.width,
         )
-        for one, history in pairs
+        for struck, history in pairs
     )
     if not motions:
         raise InputError("--blow", blow, "a case in which a striker touches the object", "see `strikewave run`")
-    listed = (
-        *notices(case, seen.blows),
-        *wave_notices(seen.run, seen.histories, seen.readings, seen.view.bandwidth),
+    warnings = (
+        *notices(case, observed.blows),
+        *wave_notices(observed.run, observed.histories, observed.readings, observed.view.bandwidth),
     )
-    return Blows(motions, _chosen(blow, motions), listed, seen.machine.struck.assembly_mass)
+    return Blows(motions, _chosen(blow, motions), warnings, observed.machine.struck.assembly_mass)
 
 
-def _motion(name: str, reading: Reading) -> Motion:
+def _motion(name: str, reading: Reading) -> BaseMotion:
     """Return the motion that an ideal sensor read."""
     time = reading.time
     step = float(time[-1] - time[0]) / (time.size - 1)
-    return Motion(name, reading.values, step, float(time[0]))
+    return BaseMotion(name, reading.values, step, float(time[0]))
 
 
 def _check_blow(blow: str, case: Case) -> None:
@@ -378,11 +381,11 @@ def _check_blow(blow: str, case: Case) -> None:
         raise InputError("--blow", blow, f"worst, first, or a number from 1 to {most}")
 
 
-def _chosen(blow: str, motions: Sequence[Motion]) -> int:
+def _chosen(blow: str, motions: Sequence[BaseMotion]) -> int:
     """Return the place of a blow by what it is called; one that missed cannot be chosen."""
     if blow == "worst":
         return int(np.argmax([abs(motion.peak) for motion in motions]))
     names = [motion.name.removeprefix("blow ") for motion in motions]
     if blow != "first" and blow not in names:
-        raise InputError("--blow", blow, f"worst, first, or a number of {', '.join(names[:40])}")
+        raise InputError("--blow", blow, f"worst, first, or a number of {', '.join(names[:MOST_LISTED])}")
     return 0 if blow == "first" else names.index(blow)

@@ -1,0 +1,121 @@
+"""Axes of a study: a setting of a case, the values that it takes, and the case at some of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from strikewave.base.errors import InputError, nearest
+from strikewave.base.quantities import Value
+from strikewave.base.units import in_unit
+from strikewave.cases.case import FORM, Case
+
+HALF_TO_TWICE = (0.5, 2.0)
+"""Ends of an axis over the value of the case where no range is given, and of the range in which an assumed value is in
+doubt. Chosen: a factor of two either way, the least that changes what a machine does."""
+TYPED_DIGITS = 9
+"""Significant digits of a value that a case is given: an axis of a thousand points is told apart by them, and the value
+that was typed comes back."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A setting and the values that it takes.
+
+    Attributes
+    ----------
+    path : str
+        Of the case.
+    unit, si_unit : str
+        In which it is shown, and its SI unit.
+    values : tuple of float
+        SI, ascending.
+    log : bool
+        Whether their spacing is logarithmic.
+    """
+
+    path: str
+    unit: str
+    si_unit: str
+    values: tuple[float, ...]
+    log: bool = False
+
+    def typed(self, value: float) -> str | float:
+        """Return a value as a case file has it.
+
+        Examples
+        --------
+        >>> Axis("machine.speed", "rpm", "rad/s", (50.0,)).typed(76.445421237351)
+        '730 rpm'
+        """
+        number = float(f"{self.shown(value):.{TYPED_DIGITS}g}")
+        return f"{number:.{TYPED_DIGITS}g} {self.unit}" if self.unit else number
+
+    def shown(self, value: Any) -> Any:
+        """Return values in the unit in which they are shown."""
+        return in_unit(value, self.si_unit, self.unit) if self.unit else value
+
+
+def axis_of(case: Case, path: str, ends: tuple[Value, Value] | None, points: int, log: bool) -> Axis:
+    """Return an axis: a quantity of the case from one value to another, `HALF_TO_TWICE` where none are given.
+
+    Raises
+    ------
+    InputError
+        If the case has no such quantity, or the range is none.
+    """
+    values = case.values()
+    if path not in values:
+        raise InputError(path, path, "a quantity of the case", nearest(path, values))
+    unit, si_unit = units_of(path, ends[0] if ends else values[path])
+    low, high = (end.si for end in ends) if ends else (share * values[path].si for share in HALF_TO_TWICE)
+    if not low < high:
+        raise InputError(
+            path, f"{low:g} to {high:g}", "a range whose end lies above its begin, SI", "such as 400 rpm:1000 rpm"
+        )
+    if log and low <= 0.0:
+        raise InputError(path, low, "a range above zero on a logarithmic axis")
+    steps = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
+    return Axis(path, unit, si_unit, tuple(float(step) for step in steps), log)
+
+
+def units_of(path: str, value: Value) -> tuple[str, str]:
+    """Return the unit in which a quantity of a case was typed, and its SI unit."""
+    allowed = FORM.range_at(path.split("."))
+    si_unit = "" if allowed is None or allowed.unit == "count" else allowed.unit
+    typed = str(value.typed).strip().lstrip("+-0123456789.eE").strip() if isinstance(value.typed, str) else ""
+    return typed or si_unit, si_unit
+
+
+def case_at(
+    case: Case, axes: Sequence[Axis], values: Sequence[float], note: str, keep_tolerances: bool = False
+) -> Case:
+    """Return a case at a value (SI) of each axis.
+
+    Parameters
+    ----------
+    case : Case
+        What the axes are of.
+    axes : sequence of Axis
+        What is changed.
+    values : sequence of float
+        One an axis, SI.
+    note : str
+        Which study chose them: it stands beside each value.
+    keep_tolerances : bool, optional
+        Whether the values keep the tolerances that the case has; a run needs none.
+
+    Examples
+    --------
+    >>> from strikewave.cases.case import load_case
+    >>> speed = Axis("machine.speed", "rpm", "rad/s", (50.0, 100.0))
+    >>> case_at(load_case("li-ma-2019"), [speed], [76.445421237351], "by hand").machine.speed.typed
+    '730 rpm'
+    """
+    changes = {
+        axis.path: Value(si=value, typed=axis.typed(value), note=note) for axis, value in zip(axes, values, strict=True)
+    }
+    return case.with_values(changes, keep_tolerances)
