@@ -351,7 +351,7 @@ def test_tables_say_what_is_in_surplus_and_hold_no_nan(strikewave, shot):
     stiff = ("bar.transmitted.density=7800 kg/m^3", "bar.transmitted.speed=6000 m/s")
     code, out, err = strikewave("hopkinson", shot, *(part for c in stiff for part in ("--set", c)))
     assert code == 3, err
-    assert "impulse in surplus" in out
+    assert "excess impulse" in out
     assert "missing" not in out
     assert "nan" not in out.lower()
     assert "slope of the rise" in out

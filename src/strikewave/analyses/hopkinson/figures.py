@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from strikewave.analyses.hopkinson.echo_result import EchoSolution
 from strikewave.analyses.hopkinson.result import SplitBarSolution
@@ -16,29 +17,13 @@ from strikewave.hopkinson.echoes import Echoes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Reduction
 from strikewave.hopkinson.uniformity import UNIFORM, face_forces
-from strikewave.reporting.curves import thin
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, WHOLE, quiet, sheet_title
+from strikewave.reporting.curves import above_right, thin
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, WHOLE, new_figure, quiet, sheet_title
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-SINCE = "time after the wave comes to the specimen (µs)"
-AT_END = "time after the wave comes to the end (µs)"
+SINCE = "time after the wave arrives at the specimen (µs)"
+AT_END = "time after the wave arrives at the end (µs)"
 LOOKS = ((BLUE, "-"), (RED, "--"), (GREEN, "-."))
 """Colour and dashes of the first, second and third curve."""
-
-
-def _above(axes: Any, columns: int = 3) -> None:
-    """Put the legend into the upper right corner of the title line."""
-    axes.legend(
-        frameon=False,
-        fontsize=8,
-        loc="lower right",
-        bbox_to_anchor=(1.0, 0.98),
-        ncols=columns,
-        borderaxespad=0.0,
-        columnspacing=1.2,
-    )
 
 
 def draw_record(axes: Any, pulses: Pulses) -> None:
@@ -60,7 +45,7 @@ def draw_record(axes: Any, pulses: Pulses) -> None:
         1e6 * max(first, pulses.starts[0] - 0.5 * pulses.duration),
         1e6 * min(last, max(pulses.starts) + 1.5 * pulses.duration),
     )
-    _above(axes, 2)
+    above_right(axes)
 
 
 def draw_waves(axes: Any, reduction: Reduction) -> None:
@@ -71,7 +56,7 @@ def draw_waves(axes: Any, reduction: Reduction) -> None:
         axes.plot(w.time * 1e6, strain * 1e6, dash, color=colour, linewidth=1.3, label=name)
     axes.axvline(w.loaded * 1e6, color=GREY, linewidth=0.8, linestyle=":")
     quiet(axes, "At the specimen", SINCE, "strain (µε), compression +")
-    _above(axes)
+    above_right(axes)
 
 
 def draw_forces(axes: Any, solution: SplitBarSolution) -> None:
@@ -82,7 +67,7 @@ def draw_forces(axes: Any, solution: SplitBarSolution) -> None:
     axes.plot(time, r.second_force / 1e3, "--", color=RED, linewidth=1.3, label="F2, transmitted bar")
     axes.axvline(r.waves.loaded * 1e6, color=GREY, linewidth=0.8, linestyle=":")
     quiet(axes, "Force balance", SINCE, "force (kN)")
-    _above(axes, 2)
+    above_right(axes)
 
 
 def draw_difference(axes: Any, solution: SplitBarSolution) -> None:
@@ -102,7 +87,7 @@ def draw_curves(axes: Any, reduction: Reduction) -> None:
         true = reduction.curve(name).true()
         axes.plot(100.0 * true.strain[on], true.stress[on] / 1e6, dash, color=colour, linewidth=1.3, label=name)
     quiet(axes, "True curve", "true strain (%)", "true stress (MPa)")
-    _above(axes)
+    above_right(axes)
 
 
 def draw_rate(axes: Any, reduction: Reduction) -> None:
@@ -112,14 +97,12 @@ def draw_rate(axes: Any, reduction: Reduction) -> None:
         true = reduction.curve("1-wave" if name == "1-wave" else "3-wave").true()
         axes.plot(100.0 * true.strain[on], true.rate[on], dash, color=colour, linewidth=1.3, label=name)
     quiet(axes, "True strain rate", "true strain (%)", "rate (1/s)")
-    _above(axes)
+    above_right(axes)
 
 
 def shot_summary(solution: SplitBarSolution) -> Figure:
     """Draw a reduced shot: record, waves, forces, their difference, curve and rate."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 9.6), layout="constrained")
+    figure = new_figure((11.0, 9.6))
     sheet_title(figure, solution.title)
     grid = figure.subplots(3, 2)
     draw_record(grid[0, 0], solution.pulses)
@@ -154,7 +137,7 @@ def draw_speed(axes: Any, echoes: Echoes, stated: float) -> None:
     axes.plot(frequency, echoes.theory_speed, "-", color=RED, linewidth=1.4, label="theory")
     axes.axhline(stated, color=GREY, linewidth=1.0, linestyle="--", label="stated")
     quiet(axes, "Phase speed", "frequency (kHz)", "speed (m/s)")
-    _above(axes)
+    above_right(axes)
 
 
 def draw_losses(axes: Any, echoes: Echoes) -> None:
@@ -166,14 +149,12 @@ def draw_losses(axes: Any, echoes: Echoes) -> None:
     axes.axhline(echoes.attenuation.value, color=RED, linewidth=1.2, label="mean by energy")
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     quiet(axes, "Attenuation", "frequency (kHz)", "attenuation (1/m)")
-    _above(axes, 2)
+    above_right(axes)
 
 
 def echo_summary(solution: EchoSolution) -> Figure:
     """Draw the calibration of a bar: its passes, phase speed and attenuation over frequency."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 6.8), layout="constrained")
+    figure = new_figure((11.0, 6.8))
     sheet_title(figure, solution.title)
     grid = figure.subplot_mosaic([["passes", "passes"], ["speed", "losses"]])
     draw_passes(grid["passes"], solution.echoes)
@@ -184,37 +165,42 @@ def echo_summary(solution: EchoSolution) -> Figure:
 
 def draw_accelerations(axes: Any, solution: SensorSolution) -> None:
     """Draw the reference acceleration of the sensor, and its reading with the delay taken out."""
-    found = solution.comparison
-    words = "reading / sensitivity found" if solution.unit == "V" else "reading"
+    comparison = solution.comparison
+    label = "reading / sensitivity found" if solution.unit == "V" else "reading"
     for values, name, (colour, dash) in zip(
-        (found.motion.acceleration, solution.shown_acceleration), ("reference by the gauge", words), LOOKS, strict=False
+        (comparison.motion.acceleration, solution.shown_acceleration),
+        ("reference by the gauge", label),
+        LOOKS,
+        strict=False,
     ):
-        time, shown = thin(found.time, values)
+        time, shown = thin(comparison.time, values)
         axes.plot(time * 1e6, shown / (1e3 * STANDARD_GRAVITY), dash, color=colour, linewidth=1.3, label=name)
-    title = f"Acceleration at {found.bandwidth.value / 1e3:.3g} kHz" + ("" if solution.quoted else ": not to be quoted")
+    title = f"Acceleration at {comparison.bandwidth.value / 1e3:.3g} kHz" + (
+        "" if solution.quoted else ": not to be quoted"
+    )
     quiet(axes, title, AT_END, "acceleration (1000 g)")
-    _above(axes, 2)
+    above_right(axes)
 
 
 def draw_sensor_difference(axes: Any, solution: SensorSolution) -> None:
     """Draw by how much the reading differs from the reference, over the peak of the reference."""
-    found = solution.comparison
-    time, shown = thin(found.time, solution.shown_acceleration - found.motion.acceleration)
-    axes.plot(time * 1e6, 100.0 * shown / found.peaks[0], color=BLUE, linewidth=1.1)
+    comparison = solution.comparison
+    time, shown = thin(comparison.time, solution.shown_acceleration - comparison.motion.acceleration)
+    axes.plot(time * 1e6, 100.0 * shown / comparison.peaks[0], color=BLUE, linewidth=1.1)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     quiet(axes, "Reading less reference", AT_END, "share of the peak (%)")
 
 
 def draw_velocities(axes: Any, solution: SensorSolution) -> None:
     """Draw the velocity of the sensor by the gauge, by both waves at the end, and by its integrated reading."""
-    found = solution.comparison
-    histories = (found.motion.velocity, solution.shown_velocity, found.both_waves)
+    comparison = solution.comparison
+    histories = (comparison.motion.velocity, solution.shown_velocity, comparison.both_waves)
     names, widths = ("reference", "reading", "both waves"), (3.0, 1.7, 1.0)
     for values, name, width, (colour, dash) in zip(histories, names, widths, LOOKS, strict=True):
-        time, shown = thin(found.time, values)
+        time, shown = thin(comparison.time, values)
         axes.plot(time * 1e6, shown, dash, color=colour, linewidth=width, label=name)
     quiet(axes, "Velocity", AT_END, "velocity (m/s)")
-    _above(axes)
+    above_right(axes)
 
 
 def draw_end_record(axes: Any, solution: SensorSolution) -> None:
@@ -238,9 +224,7 @@ def draw_end_record(axes: Any, solution: SensorSolution) -> None:
 
 def sensor_summary(solution: SensorSolution) -> Figure:
     """Draw an accelerometer beside its reference: accelerations, their difference, velocities, the strain."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 9.6), layout="constrained")
+    figure = new_figure((11.0, 9.6))
     sheet_title(figure, solution.title)
     grid = figure.subplot_mosaic([["acceleration"] * 2, ["difference", "velocity"], ["strain"] * 2])
     draw_accelerations(grid["acceleration"], solution)
@@ -260,9 +244,7 @@ def uniformity(ratios: Sequence[float] = (0.1, 0.25, 0.5, 1.0), rise: float = 2.
     >>> len(uniformity((0.1, 0.5)).axes)
     2
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=WHOLE, layout="constrained")
+    figure = new_figure(WHOLE)
     left, right = figure.subplots(1, 2, sharey=True)
     time = np.linspace(0.005, transits, 40 * transits)
     looks = ((BLUE, "-"), (RED, "--"), (GREEN, "-."), (ORANGE, ":"))

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+import numpy as np
+
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.hopkinson import ANALYSES, stress_difference, transits_to_uniform
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
+from strikewave.reporting.style import WHOLE, one_diagram
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from matplotlib.figure import Figure
+    from collections.abc import Sequence
 
     from strikewave.analyses.hopkinson.echo_result import EchoSolution
     from strikewave.analyses.hopkinson.outcome import Outcome
@@ -65,10 +68,6 @@ def shot_tables(solution: SplitBarSolution) -> list[Table]:
 
 
 def _curve_table(solution: SplitBarSolution) -> Table:
-    import numpy as np
-
-    from strikewave.hopkinson import ANALYSES
-
     on, slopes = solution.reduction.loading, solution.slopes()
     rows: list[list[Cell]] = []
     for name in ANALYSES:
@@ -106,7 +105,7 @@ def _slope(slope: Slope) -> str:
 
 
 def _balance_table(solution: SplitBarSolution) -> Table:
-    alike, impulses, work, limits = (
+    equilibrium, impulses, work, limits = (
         solution.equilibrium,
         solution.momentum,
         solution.energy,
@@ -115,11 +114,11 @@ def _balance_table(solution: SplitBarSolution) -> Table:
     specimen = NONE if math.isnan(impulses.specimen) else f"{impulses.specimen * 1e3:.3g} mN s"
     wrong = "" if work.acceleration >= 0.0 else "; below 0: the forces do not balance"
     rows: list[list[Cell]] = [
-        ["force difference over mean force", f"{alike.misfit:.1%}", f"limit {limits.force_misfit.si:.0%}"],
-        ["impulse on face 1 over face 2", f"{alike.force_ratio:.4f}", "1 but for the specimen's own momentum"],
-        ["forces agree to 5 %", _agreeing(alike), f"in all over {alike.share:.0%} of the loading"],
+        ["force difference over mean force", f"{equilibrium.misfit:.1%}", f"limit {limits.force_misfit.si:.0%}"],
+        ["impulse on face 1 over face 2", f"{equilibrium.force_ratio:.4f}", "1 but for the specimen's own momentum"],
+        ["forces agree to 5 %", _agreeing(equilibrium), f"in all over {equilibrium.share:.0%} of the loading"],
         [
-            "impulse that is missing" if impulses.closure >= 0.0 else "impulse in surplus",
+            "missing impulse" if impulses.closure >= 0.0 else "excess impulse",
             f"{abs(impulses.closure):.2%}",
             f"of the incident one; limit {limits.momentum.si:.0%}",
         ],
@@ -131,14 +130,16 @@ def _balance_table(solution: SplitBarSolution) -> Table:
             f"deforms {work.deformation:.4g}, moves {work.acceleration:.3g} J{wrong}",
         ],
     ]
-    return Table("Balances while the incident wave lasts", ["quantity", "value", "note"], rows)
+    return Table(
+        "Force, momentum and energy balance while the incident wave lasts", ["quantity", "value", "note"], rows
+    )
 
 
-def _agreeing(alike: Equilibrium) -> str:
+def _agreeing(equilibrium: Equilibrium) -> str:
     """Write the longest stretch in which the forces agree."""
-    if math.isnan(alike.begin):
+    if math.isnan(equilibrium.begin):
         return "in no lasting stretch"
-    return f"from {alike.begin * 1e6:.1f} to {alike.end * 1e6:.1f} µs"
+    return f"from {equilibrium.begin * 1e6:.1f} to {equilibrium.end * 1e6:.1f} µs"
 
 
 def _three(values: Sequence[float], scale: float, unit: str) -> str:
@@ -152,24 +153,24 @@ def _alignment_table(solution: SplitBarSolution) -> Table:
         for k, name in enumerate(("reflected", "transmitted"))
     ]
     caption = (
-        f"How late the waves are at the specimen against geometry; alignment {waves.method}, dispersion "
-        f"{waves.theory} up to {waves.band / 1e3:.4g} kHz, greatest move allowed {waves.window * 1e6:.3g} µs, the rise"
+        f"Delay of the waves at the specimen against geometry; alignment {waves.method}, dispersion "
+        f"{waves.theory} up to {waves.band / 1e3:.4g} kHz, largest shift allowed {waves.window * 1e6:.3g} µs, the rise"
     )
-    return Table(caption, ["wave", "by onset (µs)", "by balance (µs)", "moved (µs)"], rows)
+    return Table(caption, ["wave", "by onset (µs)", "by balance (µs)", "applied shift (µs)"], rows)
 
 
 def _bar_table(solution: SplitBarSolution) -> Table:
     rows: list[list[Cell]] = [
         [
             name,
-            f"{one.density:.5g}",
-            f"{one.modulus / 1e9:.5g}",
-            f"{one.speed:.6g}",
-            one.derived,
+            f"{constants.density:.5g}",
+            f"{constants.modulus / 1e9:.5g}",
+            f"{constants.speed:.6g}",
+            constants.derived,
             f"{bar.impedance:.5g}",
             f"{noise * 1e6:.3g}",
         ]
-        for (name, one), bar, noise in zip(
+        for (name, constants), bar, noise in zip(
             solution.constants.items(), solution.reduction.bars, solution.reduction.waves.noise, strict=True
         )
     ]
@@ -178,21 +179,19 @@ def _bar_table(solution: SplitBarSolution) -> Table:
 
 
 def _striker_table(solution: SplitBarSolution) -> list[Table]:
-    found = solution.striker_check
-    if found is None:
+    check = solution.striker_check
+    if check is None:
         return []
     rows: list[list[Cell]] = [
-        ["plateau strain (µε)", written(found.strain * 1e6), written(found.strain_expected * 1e6)],
-        ["width at half height (µs)", written(found.duration * 1e6), written(found.duration_expected * 1e6)],
+        ["plateau strain (µε)", written(check.strain * 1e6), written(check.strain_expected * 1e6)],
+        ["pulse width at 50 % (µs)", written(check.duration * 1e6), written(check.duration_expected * 1e6)],
     ]
-    caption = f"Incident pulse beside its striker; the plateau stands for {found.speed:.4g} m/s"
+    caption = f"Incident pulse compared with the striker; the plateau corresponds to {check.speed:.4g} m/s"
     return [Table(caption, ["quantity", "measured", "v Zs/((Zs+Zb) c), 2 Ls/cs"], rows)]
 
 
 def _theory_table(solution: SplitBarSolution) -> list[Table]:
     """Say how soon an elastic specimen would be in equilibrium, where its density and modulus are known."""
-    from strikewave.hopkinson import stress_difference, transits_to_uniform
-
     specimen, bar = solution.reduction.specimen, solution.reduction.bars[0]
     beta, transit = specimen.impedance_ratio(bar), specimen.transit
     if beta is None or transit is None:
@@ -206,22 +205,22 @@ def _theory_table(solution: SplitBarSolution) -> list[Table]:
         ["transits to 5 % after a step", f"{transits_to_uniform(beta):.4g}"],
         [f"transits to 5 % under a straight rise of {rise:.3g} transits", f"{transits_to_uniform(beta, rise):.4g}"],
     ]
-    return [Table("Equilibrium of an elastic specimen in theory", ["quantity", "value"], rows)]
+    return [Table("Theoretical equilibrium of an elastic specimen", ["quantity", "value"], rows)]
 
 
 def echo_tables(solution: EchoSolution) -> list[Table]:
     """Return the tables of a bar calibrated by its echoes."""
-    found = solution.echoes
-    band = found.frequency
+    echoes = solution.echoes
+    band = echoes.frequency
     rows: list[list[Cell]] = [
         [
             "bar speed (m/s)",
-            *_estimated(found.speed, 1.0),
+            *_estimated(echoes.speed, 1.0),
             f"{solution.difference:+.2%} off the stated {solution.bar.speed:.6g}",
         ],
-        ["length (mm)", *_estimated(found.round_trip, 1e3), _length_words(solution)],
-        ["attenuation (1/m)", *_estimated(found.attenuation, 1.0), "by energy, ends included"],
-        ["passes used", str(found.times.size), NONE, NONE, NONE, f"from number {found.first + 1} on"],
+        ["length (mm)", *_estimated(echoes.round_trip, 1e3), _length_words(solution)],
+        ["attenuation (1/m)", *_estimated(echoes.attenuation, 1.0), "by energy, ends included"],
+        ["passes used", str(echoes.times.size), NONE, NONE, NONE, f"from number {echoes.first + 1} on"],
         [
             "band (kHz)",
             f"{band[0] / 1e3:.3g} to {band[-1] / 1e3:.3g}",
@@ -232,7 +231,7 @@ def echo_tables(solution: EchoSolution) -> list[Table]:
         ],
     ]
     heads = ["quantity", "value", "standard error", "Student's factor, 95 %", "freedom", "note"]
-    return [Table(f"{solution.title}: what the echoes say, dispersion {found.theory}", heads, rows)]
+    return [Table(f"{solution.title}: results from the echoes, dispersion {echoes.theory}", heads, rows)]
 
 
 def _length_words(solution: EchoSolution) -> str:
@@ -240,10 +239,15 @@ def _length_words(solution: EchoSolution) -> str:
     return f"by round trips; given as {stated * 1e3:.6g}" if math.isfinite(stated) else "by round trips"
 
 
-def _estimated(one: Estimate, scale: float) -> tuple[str, str, str, str]:
-    if math.isnan(one.error):
-        return f"{one.value * scale:.6g}", NONE, NONE, str(one.freedom)
-    return f"{one.value * scale:.6g}", f"{one.error * scale:.2g}", f"{one.student:.3g}", str(one.freedom)
+def _estimated(estimate: Estimate, scale: float) -> tuple[str, str, str, str]:
+    if math.isnan(estimate.error):
+        return f"{estimate.value * scale:.6g}", NONE, NONE, str(estimate.freedom)
+    return (
+        f"{estimate.value * scale:.6g}",
+        f"{estimate.error * scale:.2g}",
+        f"{estimate.student:.3g}",
+        str(estimate.freedom),
+    )
 
 
 def sensor_tables(solution: SensorSolution) -> list[Table]:
@@ -252,8 +256,8 @@ def sensor_tables(solution: SensorSolution) -> list[Table]:
 
 
 def _sensitivity_table(solution: SensorSolution) -> Table:
-    found, unit = solution.comparison, solution.unit
-    (peak, read), (velocity, integral) = solution.peaks, found.velocities
+    comparison, unit = solution.comparison, solution.unit
+    (peak, reading), (velocity, integral) = solution.peaks, comparison.velocities
     share = solution.uncertainty.combined
     slope = solution.sensitivity
     rows: list[list[Cell]] = [
@@ -263,13 +267,18 @@ def _sensitivity_table(solution: SensorSolution) -> Table:
             NONE,
             f"{_sensitivity(slope, unit)} ± {_sensitivity(abs(slope) * share, unit, 2)}",
         ],
-        ["largest acceleration", with_unit(peak, "m/s^2", "g"), _read(read, unit), _sensitivity(read / peak, unit)],
+        [
+            "largest acceleration",
+            with_unit(peak, "m/s^2", "g"),
+            _read(reading, unit),
+            _sensitivity(reading / peak, unit),
+        ],
         ["velocity change", f"{velocity:.4g} m/s", _integral(integral, unit), _sensitivity(integral / velocity, unit)],
     ]
     if not solution.quoted:
         rows[0][3] = rows[1][3] = "not quoted: rise too steep"
     heads = ["quantity", "reference by the gauge", "reading", "reading over reference"]
-    bandwidth = found.bandwidth
+    bandwidth = comparison.bandwidth
     caption = (
         f"{solution.title}: sensitivity with its standard uncertainty, at {bandwidth.value / 1e3:.4g} kHz "
         f"(set by: {bandwidth.reason})"
@@ -278,33 +287,37 @@ def _sensitivity_table(solution: SensorSolution) -> Table:
 
 
 def _agreement_table(solution: SensorSolution) -> Table:
-    found, standing = solution.comparison, solution.standing
-    reflected = NONE if math.isnan(found.reflected_misfit) else f"{found.reflected_misfit:.2%}"
+    comparison, standing = solution.comparison, solution.standing
+    reflected = NONE if math.isnan(comparison.reflected_misfit) else f"{comparison.reflected_misfit:.2%}"
     disk = f", elastic disk of {standing.disk.mass * 1e3:.4g} gram" if standing.disk else ""
     rows: list[list[Cell]] = [
-        ["delay of the reading", f"{found.agreement.delay * 1e6:+.3f} µs", "against gauge and bar speed"],
-        ["correlation", f"{found.correlation:.5f}", "at that delay"],
-        ["residual over reading", f"{found.agreement.residual:.2%}", "root mean square"],
-        ["noise of the reference", with_unit(found.reference_noise, "m/s^2", "g"), "of the gauge, at the bandwidth"],
-        ["noise of the reading", _read(found.reading_noise, solution.unit), "at the bandwidth"],
+        ["delay of the reading", f"{comparison.agreement.delay * 1e6:+.3f} µs", "against gauge and bar speed"],
+        ["correlation", f"{comparison.correlation:.5f}", "at that delay"],
+        ["residual over reading", f"{comparison.agreement.residual:.2%}", "root mean square"],
+        [
+            "noise of the reference",
+            with_unit(comparison.reference_noise, "m/s^2", "g"),
+            "of the gauge, at the bandwidth",
+        ],
+        ["noise of the reading", _read(comparison.reading_noise, solution.unit), "at the bandwidth"],
         ["rise left, in diameters of travel", f"{solution.rise_diameters:.3g}", "not quoted below 2, warned below 5"],
-        ["frequency at which the pulse sinks in noise", f"{found.bandwidth.noise / 1e3:.4g} kHz", "at the gauge"],
+        ["frequency at which the pulse sinks in noise", f"{comparison.bandwidth.noise / 1e3:.4g} kHz", "at the gauge"],
         ["velocity by both waves, off the model", reflected, "root mean square"],
         ["mass on the end", f"{standing.mass * 1e3:.4g} gram", f"sensor and rigid disk{disk}"],
     ]
-    return Table("How the reading follows the reference", ["quantity", "value", "note"], rows)
+    return Table("Agreement of reading and reference", ["quantity", "value", "note"], rows)
 
 
 def _uncertainty_table(solution: SensorSolution) -> Table:
     parts, power = solution.uncertainty, solution.comparison.speed_power
-    words = {
+    origins = {
         "scatter": "residual of the slope",
         "bias": "noise of the reference, which lowers a slope",
         "strain": "stated for the strain at the gauge",
         "speed": f"stated for the bar speed, which counts with its power {power:.3g}",
     }
     rows: list[list[Cell]] = [
-        [name, NONE if math.isnan(part) else f"{part:.2%}", words[name]] for name, part in parts._asdict().items()
+        [name, NONE if math.isnan(part) else f"{part:.2%}", origins[name]] for name, part in parts._asdict().items()
     ]
     rows.append(["combined", f"{parts.combined:.2%}", "root of the sum of squares of those that are known"])
     return Table("Relative standard uncertainty of the sensitivity", ["part", "value", "from"], rows)
@@ -321,8 +334,6 @@ def _integral(value: float, unit: str) -> str:
 
 def _sensitivity(value: float, unit: str, digits: int = 5) -> str:
     """Write reading over reference: volts in mV/g, a ratio as it is."""
-    from strikewave.base.constants import STANDARD_GRAVITY
-
     return f"{value * STANDARD_GRAVITY * 1e3:.{digits}g} mV/g" if unit == "V" else f"{value:.{digits}g}"
 
 
@@ -339,18 +350,21 @@ def shot_report(solution: SplitBarSolution) -> str:
 
     r, pulses = solution.reduction, solution.pulses
     pictures = [
-        Picture(_figure(lambda axes: draw_record(axes, pulses), True), "The record, and the windows of the pulses."),
         Picture(
-            _figure(lambda axes: draw_waves(axes, r), True),
+            one_diagram(lambda axes: draw_record(axes, pulses), WHOLE),
+            "The strain records, and the windows of the pulses.",
+        ),
+        Picture(
+            one_diagram(lambda axes: draw_waves(axes, r), WHOLE),
             "The waves at the specimen. The dotted line is the end of the incident wave.",
         ),
-        Picture(_figure(lambda axes: draw_forces(axes, solution)), "Forces on both faces of the specimen."),
-        Picture(_figure(lambda axes: draw_difference(axes, solution)), "By how much they differ."),
-        Picture(_figure(lambda axes: draw_curves(axes, r)), "True stress over true strain."),
-        Picture(_figure(lambda axes: draw_rate(axes, r)), "True strain rate over true strain."),
+        Picture(one_diagram(lambda axes: draw_forces(axes, solution)), "Forces on both faces of the specimen."),
+        Picture(one_diagram(lambda axes: draw_difference(axes, solution)), "Their difference."),
+        Picture(one_diagram(lambda axes: draw_curves(axes, r)), "True stress over true strain."),
+        Picture(one_diagram(lambda axes: draw_rate(axes, r)), "True strain rate over true strain."),
     ]
     summary = solution.summary()
-    words = (
+    text = (
         f"The specimen reached a true strain of {summary['strain']:.1%} at {summary['rate']:.0f} 1/s (median) and a "
         f"true stress of {summary['stress'] / 1e6:.4g} MPa. The forces on its faces differ by "
         f"{solution.equilibrium.misfit:.1%} of their mean, and {abs(solution.momentum.closure):.2%} of the incident "
@@ -364,11 +378,11 @@ def shot_report(solution: SplitBarSolution) -> str:
         (f"impulse {_closing(solution)}", f"{abs(solution.momentum.closure):.2%}"),
     ]
     body = Section("Result", f"{_SHOT}\n\n{_SLOPE}", [*shot_tables(solution), *pictures])
-    return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", words, numbers), body)
+    return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", text, numbers), body)
 
 
 def _closing(solution: SplitBarSolution) -> str:
-    return "missing" if solution.momentum.closure >= 0.0 else "in surplus"
+    return "missing" if solution.momentum.closure >= 0.0 else "in excess"
 
 
 def sensor_report(solution: SensorSolution) -> str:
@@ -380,72 +394,64 @@ def sensor_report(solution: SensorSolution) -> str:
         draw_velocities,
     )
 
-    found, share = solution.comparison, solution.uncertainty.combined
+    comparison, share = solution.comparison, solution.uncertainty.combined
     pictures = [
-        Picture(_figure(lambda axes: draw_accelerations(axes, solution), True), "Reference and reading of the sensor."),
-        Picture(_figure(lambda axes: draw_sensor_difference(axes, solution)), "By how much they differ."),
         Picture(
-            _figure(lambda axes: draw_velocities(axes, solution)),
+            one_diagram(lambda axes: draw_accelerations(axes, solution), WHOLE), "Reference and reading of the sensor."
+        ),
+        Picture(one_diagram(lambda axes: draw_sensor_difference(axes, solution)), "Their difference."),
+        Picture(
+            one_diagram(lambda axes: draw_velocities(axes, solution)),
             "Velocity: the reference, the reading integrated, and the end of the bar by both waves.",
         ),
         Picture(
-            _figure(lambda axes: draw_end_record(axes, solution), True),
+            one_diagram(lambda axes: draw_end_record(axes, solution), WHOLE),
             "The strain at the gauge, and the windows of the pulses.",
         ),
     ]
-    said = _sensitivity(solution.sensitivity, solution.unit)
+    sensitivity = _sensitivity(solution.sensitivity, solution.unit)
     what = "The sensitivity of the sensor" if solution.unit == "V" else "The reading over the reference"
-    words = (
-        f"{what} is {said} at {found.bandwidth.value / 1e3:.4g} kHz (standard uncertainty {share:.2%}), and "
-        f"{found.agreement.residual:.1%} of the reading does not follow the reference."
+    text = (
+        f"{what} is {sensitivity} at {comparison.bandwidth.value / 1e3:.4g} kHz (standard uncertainty {share:.2%}), "
+        f"and {comparison.agreement.residual:.1%} of the reading does not follow the reference."
         if solution.quoted
         else "The rise of the pulse is too steep at this bandwidth for accelerations to be quoted."
     )
     numbers = [
-        ("sensitivity" if solution.unit == "V" else "reading over reference", said if solution.quoted else NONE),
+        ("sensitivity" if solution.unit == "V" else "reading over reference", sensitivity if solution.quoted else NONE),
         ("standard uncertainty", f"{share:.2%}" if solution.quoted else NONE),
         ("largest acceleration", with_unit(solution.peaks[0], "m/s^2", "g")),
-        ("velocity change", f"{found.velocities[0]:.4g} m/s"),
-        ("delay", f"{found.agreement.delay * 1e6:+.2f} µs"),
+        ("velocity change", f"{comparison.velocities[0]:.4g} m/s"),
+        ("delay", f"{comparison.agreement.delay * 1e6:+.2f} µs"),
     ]
     body = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", [*sensor_tables(solution), *pictures])
-    return _page(solution, chapters.Summary("Report of an accelerometer on the end of a bar", words, numbers), body)
+    return _page(solution, chapters.Summary("Report of an accelerometer on the end of a bar", text, numbers), body)
 
 
 def echo_report(solution: EchoSolution) -> str:
     """Return the report of a bar calibrated by its echoes as one HTML page."""
     from strikewave.analyses.hopkinson.figures import draw_losses, draw_passes, draw_speed
 
-    found = solution.echoes
+    echoes = solution.echoes
     pictures = [
-        Picture(_figure(lambda axes: draw_passes(axes, found), True), "The passes of the pulse at the gauge."),
-        Picture(_figure(lambda axes: draw_speed(axes, found, solution.bar.speed)), "Phase speed by the echoes."),
-        Picture(_figure(lambda axes: draw_losses(axes, found)), "Attenuation by the echoes."),
+        Picture(one_diagram(lambda axes: draw_passes(axes, echoes), WHOLE), "The passes of the pulse at the gauge."),
+        Picture(one_diagram(lambda axes: draw_speed(axes, echoes, solution.bar.speed)), "Phase speed by the echoes."),
+        Picture(one_diagram(lambda axes: draw_losses(axes, echoes)), "Attenuation by the echoes."),
     ]
-    words = (
-        f"The bar speed by {found.times.size} passes is {found.speed.value:.5g} m/s, "
+    text = (
+        f"The bar speed by {echoes.times.size} passes is {echoes.speed.value:.5g} m/s, "
         f"{solution.difference:+.2%} off the stated one."
     )
     numbers = [
-        ("bar speed", f"{found.speed.value:.5g} m/s"),
-        ("standard error", NONE if math.isnan(found.speed.error) else f"{found.speed.error:.2g} m/s"),
-        ("length", f"{found.length.value * 1e3:.5g} mm"),
-        ("attenuation", f"{found.attenuation.value:.3g} 1/m"),
+        ("bar speed", f"{echoes.speed.value:.5g} m/s"),
+        ("standard error", NONE if math.isnan(echoes.speed.error) else f"{echoes.speed.error:.2g} m/s"),
+        ("length", f"{echoes.length.value * 1e3:.5g} mm"),
+        ("attenuation", f"{echoes.attenuation.value:.3g} 1/m"),
     ]
     body = Section("Result", _ECHOES, [*echo_tables(solution), *pictures])
-    return _page(solution, chapters.Summary("Report of a bar calibrated by its echoes", words, numbers), body)
+    return _page(solution, chapters.Summary("Report of a bar calibrated by its echoes", text, numbers), body)
 
 
 def _page(solution: Outcome, summary: chapters.Summary, body: Section) -> str:
     sections = [body, chapters.inputs(solution.case.setup), chapters.warnings(solution.notices)]
     return chapters.result_page(solution, summary, sections)
-
-
-def _figure(draw: Callable[[Any], None], wide: bool = False) -> Figure:
-    from matplotlib.figure import Figure
-
-    from strikewave.reporting.style import HALF, WHOLE
-
-    figure = Figure(figsize=WHOLE if wide else HALF, layout="constrained")
-    draw(figure.add_subplot())
-    return figure
