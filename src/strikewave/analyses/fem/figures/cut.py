@@ -12,7 +12,14 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from strikewave.analyses.fem.figures.pictures import SMALLEST_LINED, View, frame_window, instant_words, paint_faces
+from strikewave.analyses.fem.figures.pictures import (
+    SMALLEST_LINED,
+    WIDEST,
+    View,
+    frame_window,
+    instant_words,
+    paint_faces,
+)
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.skin import Skin
 from strikewave.fem.snapshots import Snapshot
@@ -33,9 +40,6 @@ reached would else fill the 99 %)."""
 EDGEWISE = 0.03
 """Cosine of the angle with the line of sight below which a face counts as seen edgewise, and makes no outline: 1.7
 degrees, less than the facets of a round body turn from one to the next."""
-WIDEST = 4.0
-"""A picture is at most so many times as high as wide (chosen: beside its colour scale it stays wide enough to be
-seen)."""
 PRESSED = 0.3
 """Share of the largest pressure above which a face counts as pressed (chosen: on a Hertzian contact p = p0 (1 -
 r²/a²)^½ this is r < 0.95 a, so that the reach of the picture follows the radius a)."""

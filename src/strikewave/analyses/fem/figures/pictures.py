@@ -42,6 +42,8 @@ MOST_PARTS = 200
 """A side of a face is divided at most into this many pieces: twice what a face as wide as the picture needs."""
 SMALLEST_LINED, SMALLEST_MESHED = 0.012, 0.006
 """Faces smaller than this share of the picture's width have no mesh lines: in pictures of fields, of the mesh."""
+WIDEST = 4.0
+"""A picture is at most so many times as high as wide (chosen: a bar of a round length fits below it)."""
 ZONE_FACES = 16.0
 """Radius of the zone of a contact over the size of its faces, at most (chosen: about 32 elements across, each large
 enough to have mesh lines)."""
@@ -431,9 +433,10 @@ def _window(hexahedra: Index, places: Sequence[Array], view: View) -> tuple[floa
     nodes, frame = np.unique(hexahedra), view.axes()
     flat = np.concatenate([moved[nodes] @ frame.T[:, :2] for moved in places]) * 1e3
     (left, low), (right, high) = flat.min(axis=0), flat.max(axis=0)
-    air = 0.02 * max(right - left, high - low, 1e-9)
-    below = 0.1 * max(right - left, high - low)
-    return float(left - air), float(right + air), float(low - air - below), float(high + air)
+    largest = max(right - left, high - low, 1e-9)
+    air, below = 0.02 * largest, 0.1 * largest
+    aside = max(air, 0.5 * (largest / WIDEST - right + left))
+    return float(left - aside), float(right + aside), float(low - air - below), float(high + air)
 
 
 def instant_words(time: float) -> str:

@@ -40,7 +40,7 @@ a little late)."""
 _LOOKS = {"kinetic": BLUE, "internal": RED, "hourglass": ORANGE, "contact": GREEN, "external": GREY, "total": "#000000"}
 
 
-def beside_sheet(beside: RunComparison, title: str) -> Figure:
+def beside_sheet(comparison: RunComparison, title: str) -> Figure:
     """Draw the forces of both above their energies, on one sheet.
 
     Parameters
@@ -53,9 +53,9 @@ def beside_sheet(beside: RunComparison, title: str) -> Figure:
     figure = new_figure((9.8, 7.6))
     sheet_title(figure, title)
     above, below = figure.subplots(2, 1)
-    pairs = _drawn(beside)
-    draw_force(above, pairs[0]) if pairs else draw_contacts(above, beside.ls_dyna.contacts)
-    _draw_balances(below, beside)
+    pairs = _drawn(comparison)
+    draw_force(above, pairs[0]) if pairs else draw_contacts(above, comparison.ls_dyna.contacts)
+    _draw_balances(below, comparison)
     return figure
 
 
@@ -69,9 +69,9 @@ def contact_figure(contacts: tuple[Contact, ...]) -> Figure:
     return one_diagram(lambda axes: draw_contacts(axes, contacts), WHOLE)
 
 
-def energy_figure(beside: RunComparison) -> Figure:
+def energy_figure(comparison: RunComparison) -> Figure:
     """Draw the energies of both, as wide as a page."""
-    return one_diagram(lambda axes: _draw_balances(axes, beside), (WHOLE[0], HALF[1] * 1.2))
+    return one_diagram(lambda axes: _draw_balances(axes, comparison), (WHOLE[0], HALF[1] * 1.2))
 
 
 def draw_force(axes: Any, pair: ForcePair) -> None:
@@ -109,20 +109,20 @@ def draw_contacts(axes: Any, contacts: tuple[Contact, ...]) -> None:
     )
 
 
-def draw_energies(axes: Any, ledgers: Mapping[str, EnergyHistory]) -> None:
+def draw_energies(axes: Any, histories: Mapping[str, EnergyHistory]) -> None:
     """Draw the energies of one run or both over time: ours in full lines, LS-DYNA's dashed."""
-    reach = {who: {name: _reach(v) for name, v in ledger.energy.items()} for who, ledger in ledgers.items()}
+    reach = {who: {name: _reach(v) for name, v in history.energy.items()} for who, history in histories.items()}
     most = max((largest for energies in reach.values() for largest in energies.values()), default=0.0)
     if not most > 0.0:
         empty_axes(axes, "Energy", "all energies are 0")
         return
     factor, energy_name = energy_unit(most)
-    scale, unit = time_unit(max(float(ledger.time[-1]) for ledger in ledgers.values()))
-    for who, ledger in ledgers.items():
+    scale, unit = time_unit(max(float(history.time[-1]) for history in histories.values()))
+    for who, history in histories.items():
         dash = "-" if who == "strikewave" else "--"
-        for name, values in ledger.energy.items():
+        for name, values in history.energy.items():
             if reach[who][name] > TINY * most:
-                time, shown = thin(ledger.time / scale, np.nan_to_num(values) / factor)
+                time, shown = thin(history.time / scale, np.nan_to_num(values) / factor)
                 axes.plot(time, shown, dash, color=_LOOKS[name], linewidth=1.3, label=f"{name}, {who}")
     quiet(axes, "Energy", f"time ({unit})", f"energy ({energy_name})")
     _legend(axes)
@@ -133,18 +133,21 @@ def _reach(values: NDArray[np.float64]) -> float:
     return float(np.nan_to_num(np.abs(values)).max(initial=0.0))
 
 
-def _draw_balances(axes: Any, beside: RunComparison) -> None:
-    both = {"strikewave": beside.strikewave.energies if beside.strikewave else None, "LS-DYNA": beside.ls_dyna.energies}
-    ledgers = {who: ledger for who, ledger in both.items() if ledger is not None and len(ledger.time)}
-    if ledgers:
-        draw_energies(axes, ledgers)
+def _draw_balances(axes: Any, comparison: RunComparison) -> None:
+    both = {
+        "strikewave": comparison.strikewave.energies if comparison.strikewave else None,
+        "LS-DYNA": comparison.ls_dyna.energies,
+    }
+    histories = {who: history for who, history in both.items() if history is not None and len(history.time)}
+    if histories:
+        draw_energies(axes, histories)
     else:
         empty_axes(axes, "Energy", "no glstat or binout is there")
 
 
-def _drawn(beside: RunComparison) -> list[ForcePair]:
+def _drawn(comparison: RunComparison) -> list[ForcePair]:
     """Return the pairs in which something touches, the largest force first."""
-    touched = [pair for pair in beside.forces if pair.strikewave or pair.ls_dyna]
+    touched = [pair for pair in comparison.forces if pair.strikewave or pair.ls_dyna]
     return sorted(touched, key=lambda pair: -max(pulse.peak for pulse in (pair.strikewave, pair.ls_dyna) if pulse))
 
 

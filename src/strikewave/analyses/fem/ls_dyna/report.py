@@ -35,24 +35,24 @@ _FIELDS = (("displacement", 1e-3), ("von_mises", 1e6), ("plastic_strain", 1.0))
 
 def ls_dyna_report(result: LsDynaResult) -> str:
     """Return the report as one HTML page: no script, nothing fetched."""
-    beside = result.found
-    theirs, ours = beside.ls_dyna, beside.strikewave
-    sections = [_read(theirs), _forces(beside), _energies(beside)]
-    sections += [_fields(beside)] if theirs.fields or (ours and ours.extremes) else []
+    comparison = result.found
+    theirs, ours = comparison.ls_dyna, comparison.strikewave
+    sections = [_read(theirs), _forces(comparison), _energies(comparison)]
+    sections += [_fields(comparison)] if theirs.fields or (ours and ours.extremes) else []
     sections.append(chapters.warnings(result.notices))
-    summary = chapters.Summary("Report of a run of LS-DYNA", _summary(beside), _key_numbers(beside))
+    summary = chapters.Summary("Report of a run of LS-DYNA", _summary(comparison), _key_numbers(comparison))
     return chapters.result_page(result, summary, sections)
 
 
-def _summary(beside: RunComparison) -> str:
-    pair = _largest(beside)
+def _summary(comparison: RunComparison) -> str:
+    pair = _largest(comparison)
     if pair and pair.strikewave and pair.ls_dyna:
         return (
             f"Contact {pair.name}: LS-DYNA reaches {with_unit(pair.ls_dyna.peak, 'N', 'kN')}, strikewave "
             f"{with_unit(pair.strikewave.peak, 'N', 'kN')} ({share(pair.difference('peak'))}); pulse width "
             f"{share(pair.difference('width'))}, impulse {share(pair.difference('impulse'))}."
         )
-    pulses = {contact.name: pulse_of(contact.first) for contact in beside.ls_dyna.contacts}
+    pulses = {contact.name: pulse_of(contact.first) for contact in comparison.ls_dyna.contacts}
     touched = {name: pulse for name, pulse in pulses.items() if pulse}
     if not touched:
         return "No contact force is in the folder." if not pulses else "Nothing touched."
@@ -60,9 +60,12 @@ def _summary(beside: RunComparison) -> str:
     return f"Contact {name} of LS-DYNA reaches {with_unit(strongest.peak, 'N', 'kN')}; no run of strikewave to compare."
 
 
-def _key_numbers(beside: RunComparison) -> list[tuple[str, str]]:
-    pair = _largest(beside)
-    numbers = [("contacts", f"{len(beside.ls_dyna.contacts)}"), ("states of d3plot", f"{beside.ls_dyna.frames}")]
+def _key_numbers(comparison: RunComparison) -> list[tuple[str, str]]:
+    pair = _largest(comparison)
+    numbers = [
+        ("contacts", f"{len(comparison.ls_dyna.contacts)}"),
+        ("states of d3plot", f"{comparison.ls_dyna.frames}"),
+    ]
     if pair and pair.strikewave and pair.ls_dyna:
         numbers = [
             ("peak, LS-DYNA", with_unit(pair.ls_dyna.peak, "N", "kN")),
@@ -75,8 +78,8 @@ def _key_numbers(beside: RunComparison) -> list[tuple[str, str]]:
     return numbers
 
 
-def _largest(beside: RunComparison) -> ForcePair | None:
-    both = [pair for pair in beside.forces if pair.strikewave and pair.ls_dyna]
+def _largest(comparison: RunComparison) -> ForcePair | None:
+    both = [pair for pair in comparison.forces if pair.strikewave and pair.ls_dyna]
     return max(both, key=lambda pair: pair.strikewave.peak if pair.strikewave else 0.0, default=None)
 
 
@@ -105,19 +108,19 @@ def _read(theirs: LsDynaRun) -> Section:
     return Section("What was read", text + _METHOD, [Table("Files", ["file", "bytes"], rows)])
 
 
-def _forces(beside: RunComparison) -> Section:
+def _forces(comparison: RunComparison) -> Section:
     from strikewave.analyses.fem.ls_dyna import figures as ls_dyna
 
     parts: list[Part] = []
-    for pair in beside.forces:
+    for pair in comparison.forces:
         caption = f"Magnitude of the contact force {pair.name}: strikewave solid, LS-DYNA dashed."
         parts += [pair_table(pair), Picture(ls_dyna.force_figure(pair), caption)]
-    parts.append(contact_table(beside.ls_dyna.contacts))
-    if not beside.forces and beside.ls_dyna.contacts:
+    parts.append(contact_table(comparison.ls_dyna.contacts))
+    if not comparison.forces and comparison.ls_dyna.contacts:
         parts.append(
-            Picture(ls_dyna.contact_figure(beside.ls_dyna.contacts), "Magnitudes of the contact forces of LS-DYNA.")
+            Picture(ls_dyna.contact_figure(comparison.ls_dyna.contacts), "Magnitudes of the contact forces of LS-DYNA.")
         )
-    return Section("Contact forces", _DIFFERENCES if beside.forces else "", parts)
+    return Section("Contact forces", _DIFFERENCES if comparison.forces else "", parts)
 
 
 def pair_table(pair: ForcePair) -> Table:
@@ -159,16 +162,16 @@ def _cell(pulse: Pulse | None, what: str, scale: float) -> str:
     return NONE if pulse is None else written(getattr(pulse, what) / scale)
 
 
-def _energies(beside: RunComparison) -> Section:
+def _energies(comparison: RunComparison) -> Section:
     from strikewave.analyses.fem.ls_dyna import figures as ls_dyna
 
-    picture = Picture(ls_dyna.energy_figure(beside), "Energies: strikewave solid, LS-DYNA dashed.")
-    return Section("Energies", _ENERGIES, [energy_table(beside), picture])
+    picture = Picture(ls_dyna.energy_figure(comparison), "Energies: strikewave solid, LS-DYNA dashed.")
+    return Section("Energies", _ENERGIES, [energy_table(comparison), picture])
 
 
-def energy_table(beside: RunComparison) -> Table:
+def energy_table(comparison: RunComparison) -> Table:
     """Return the energies of both: the largest in size over time, and at the end."""
-    runs = [beside.ls_dyna.energies, beside.strikewave.energies if beside.strikewave else None]
+    runs = [comparison.ls_dyna.energies, comparison.strikewave.energies if comparison.strikewave else None]
     rows: list[list[Cell]] = []
     for word in ENERGIES:
         curves = [run.energy.get(word) if run else None for run in runs]
@@ -180,20 +183,20 @@ def energy_table(beside: RunComparison) -> Table:
     return Table("Energies", heads, rows, empty="No glstat or binout with energies is there.")
 
 
-def _fields(beside: RunComparison) -> Section:
+def _fields(comparison: RunComparison) -> Section:
     text = (
         "Largest in each part at the instants of its fields; of an element with several points, their mean; stress and "
         "strain without deleted elements."
     )
-    return Section("Fields", text, [field_table(beside)])
+    return Section("Fields", text, [field_table(comparison)])
 
 
-def field_table(beside: RunComparison) -> Table:
+def field_table(comparison: RunComparison) -> Table:
     """Return the extremes of the parts of both, pairs first."""
-    theirs, ours = beside.ls_dyna.extremes, beside.strikewave.extremes if beside.strikewave else {}
-    pairs: list[tuple[str | None, str | None]] = [(other, name) for name, other in beside.parts.items()]
-    pairs += [(other, None) for other in theirs if other not in beside.parts.values()]
-    pairs += [(None, name) for name in ours if name not in beside.parts]
+    theirs, ours = comparison.ls_dyna.extremes, comparison.strikewave.extremes if comparison.strikewave else {}
+    pairs: list[tuple[str | None, str | None]] = [(other, name) for name, other in comparison.parts.items()]
+    pairs += [(other, None) for other in theirs if other not in comparison.parts.values()]
+    pairs += [(None, name) for name in ours if name not in comparison.parts]
     rows: list[list[Cell]] = []
     for other, name in pairs:
         both = (theirs.get(other) if other else None, ours.get(name) if name else None)

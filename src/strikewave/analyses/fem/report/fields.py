@@ -29,14 +29,14 @@ if TYPE_CHECKING:
 FEWEST_OF_WAVE = 3
 """Instants after first touch without which there is no row of them (chosen: two show no motion of a front)."""
 _HOW = (
-    "Each element has the colour of its one value, at its place at that instant: displacements are to scale. Dark lines "
-    "are the outlines of bodies, thin lines the mesh, where its elements are large enough. Faces that are seen "
-    "obliquely are a little darker."
+    "Each element has the colour of its one value, at its place at that instant: displacements are to scale. Dark "
+    "lines are the outlines of bodies, thin lines the mesh, where its elements are large enough. Faces seen "
+    "obliquely are darker."
 )
 _BEFORE = " Elements in front of the cutting plane are left out whole."
 _END_OF_SCALE = (
-    f"The colour scale covers {100.0 * COVERED:.0f} % of the loaded surface over these instants; a tip at its end marks "
-    "that a few elements lie beyond it."
+    f"The colour scale covers {100.0 * COVERED:.0f} % of the loaded surface over these instants; a tip at its end "
+    "marks that a few elements lie beyond it."
 )
 
 

@@ -22,7 +22,8 @@ def largest_words(film: SnapshotRecorder, mesh: Mesh) -> str:
         places.append(f"{names[name]} {value} in {place_words(mesh, spot.element)} at {instant_words(spot.time)}")
     if not places:
         return ""
-    return f"Largest values of all elements at the stored instants: {listed(places)} (centre of the element before the blow)."
+    where = "centre of the element before the blow"
+    return f"Largest values of all elements at the stored instants: {listed(places)} ({where})."
 
 
 def place_words(mesh: Mesh, element: int) -> str:

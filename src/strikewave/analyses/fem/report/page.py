@@ -150,8 +150,8 @@ def _summary(run: FemRun, wholes: dict[str, WholeForce | None], bodies: dict[str
     ]
     if moved:
         sentences.append(f"Rigid-body peak and change of velocity: {listed(moved[:MOST_BODIES])}.")
-    ledger = balance_measure(run)
-    sentences.append(_energy_words(ledger))
+    balance = balance_measure(run)
+    sentences.append(_energy_words(balance))
     return " ".join(sentences)
 
 
@@ -187,10 +187,10 @@ def _key_numbers(
         ]
     for name, body in list(bodies.items())[:1]:
         numbers.append((f"rigid-body peak of {shortened(name, 28)}", with_unit(body.rigid_peak, "m/s^2", "g")))
-    ledger = balance_measure(run)
+    balance = balance_measure(run)
     return [
         *numbers,
-        ("energy balance error", f"{ledger.energy:+.1e}" if math.isfinite(ledger.energy) else _share(ledger.energy)),
+        ("energy balance error", f"{balance.energy:+.1e}" if math.isfinite(balance.energy) else _share(balance.energy)),
         ("elements", f"{run.elements}"),
         ("steps", f"{run.steps}"),
     ]
@@ -395,31 +395,31 @@ def _quality_table(model: Model) -> Table:
     return Table(caption, heads, rows)
 
 
-def _energy_words(ledger: BalanceMeasure) -> str:
+def _energy_words(balance: BalanceMeasure) -> str:
     """Say whether the energy balance holds, and whether hourglass modes are small."""
     limit, hourglass_limit = f"{100.0 * ENERGY_LIMIT:.0f} %", f"{100.0 * HOURGLASS_LIMIT:.0f} %"
-    text = f"The energy balance error is {_share(ledger.energy)}, "
-    if abs(ledger.energy) <= ENERGY_LIMIT:
+    text = f"The energy balance error is {_share(balance.energy)}, "
+    if abs(balance.energy) <= ENERGY_LIMIT:
         text += f"within its limit of {limit}."
     else:
         text += (
             f"beyond its limit of {limit}: take a smaller fem.safety, or a finer mesh where parts touch; do not trust "
             "these numbers."
         )
-    if ledger.hourglass > HOURGLASS_LIMIT:
+    if balance.hourglass > HOURGLASS_LIMIT:
         text += (
-            f" Hourglass modes hold {100.0 * ledger.hourglass:.3g} % of the internal energy, beyond "
+            f" Hourglass modes hold {100.0 * balance.hourglass:.3g} % of the internal energy, beyond "
             f"{hourglass_limit}: refine the mesh where it bends or is touched, or integrate that part fully."
         )
     return text
 
 
 def _balances(run: FemRun) -> Section:
-    ledger = balance_measure(run)
+    balance = balance_measure(run)
     checks = [
-        ("energy, largest error", ledger.energy, ENERGY_LIMIT, "energy in play"),
-        ("hourglass energy, largest", ledger.hourglass, HOURGLASS_LIMIT, "largest internal energy"),
-        ("momentum, largest error", ledger.momentum, LEDGER_LIMIT, "momentum in play"),
+        ("energy, largest error", balance.energy, ENERGY_LIMIT, "energy in play"),
+        ("hourglass energy, largest", balance.hourglass, HOURGLASS_LIMIT, "largest internal energy"),
+        ("momentum, largest error", balance.momentum, LEDGER_LIMIT, "momentum in play"),
     ]
     rows: list[list[Cell]] = [
         [
@@ -432,7 +432,7 @@ def _balances(run: FemRun) -> Section:
         for name, value, limit, of_what in checks
     ]
     table = Table("Energy and momentum balance", ["check", "share", "limit", "result", "share of"], rows)
-    return Section("Energy and momentum balance", _energy_words(ledger), [table, _energy_table(run)])
+    return Section("Energy and momentum balance", _energy_words(balance), [table, _energy_table(run)])
 
 
 def _energy_table(run: FemRun) -> Table:
