@@ -61,6 +61,17 @@ def energy_unit(largest: float) -> tuple[float, str]:
     return (1e-3, "mJ") if largest < 0.1 else (1.0, "J") if largest < 1e4 else (1e3, "kJ")
 
 
+def percent(share: float, decimals: int = 1, sign: str = "") -> str:
+    """Write a share in per cent, with a space before the sign as SI asks for.
+
+    Examples
+    --------
+    >>> percent(0.0331), percent(-0.002, 2, "+"), percent(0.5, 0)
+    ('3.3 %', '-0.20 %', '50 %')
+    """
+    return f"{100.0 * share:{sign}.{decimals}f} %"
+
+
 def spelled(unit: str) -> str:
     """Return a unit as print spells it.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed
+from strikewave.reporting.numbers import fixed, percent
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
 from strikewave.reporting.wave_curves import insertion_loss
 from strikewave.reporting.wave_field import QUANTITIES, WaveField, snapshots, xt_diagram
@@ -44,7 +44,7 @@ _ROUTES = (
 def fit_table(losses: Sequence[Loss]) -> Table:
     """List where energy is lost: the loss factor of the case, its band, the largest relative deviation of the model."""
     rows: list[list[Cell]] = [
-        [loss.where, f"{loss.loss_factor:g}", f"{loss.low / 1e3:g} to {loss.high / 1e3:g}", f"{loss.error:.1%}"]
+        [loss.where, f"{loss.loss_factor:g}", f"{loss.low / 1e3:g} to {loss.high / 1e3:g}", percent(loss.error, 1)]
         for loss in losses
     ]
     return Table("Fit of the loss factors", ["where", "loss factor", "band (kHz)", "largest deviation"], rows)

@@ -18,12 +18,22 @@ from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Reduction
 from strikewave.hopkinson.uniformity import UNIFORM, face_forces
 from strikewave.reporting.curves import above_right, thin
+from strikewave.reporting.numbers import percent
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, WHOLE, new_figure, quiet, sheet_title
 
 SINCE = "time after the wave arrives at the specimen (µs)"
 AT_END = "time after the wave arrives at the end (µs)"
 LOOKS = ((BLUE, "-"), (RED, "--"), (GREEN, "-."))
 """Colour and dashes of the first, second and third curve."""
+WINDOW_LEVELS = (-1.55, -1.85)
+"""Where the windows of pulses on the first and the second trace are drawn, plateaus of the incident pulse: below the
+reflected pulse, which reaches -1 at most."""
+RECORD_LIMITS = (-2.05, 1.35)
+"""Axis of a record, plateaus: the windows with their names, and the ripple on top of the plateau."""
+END_LEVELS, END_LIMITS = (-1.55, -1.9), (-2.15, 1.35)
+"""The same for the record of a bar with a sensor on its end."""
+MARKED_TRANSITS = (3.0, 5.0)
+"""Transits by which equilibrium is often taken for granted; a strip marks them."""
 
 
 def draw_record(axes: Any, pulses: Pulses) -> None:
@@ -35,17 +45,22 @@ def draw_record(axes: Any, pulses: Pulses) -> None:
     names = ("incident", "reflected", "transmitted")
     for k, (start, name) in enumerate(zip(pulses.starts, names, strict=True)):
         begin, end = start * 1e6, (start + pulses.duration) * 1e6
-        level = -1.55 * top if k < 2 else -1.85 * top
-        axes.plot([begin, end], [level, level], "|-", color=GREY, linewidth=1.0, markersize=6)
-        axes.text(0.5 * (begin + end), level, name, fontsize=8, ha="center", va="bottom", color=GREY)
+        level = WINDOW_LEVELS[0 if k < 2 else 1] * top
+        _window(axes, (begin, end), level, name)
     quiet(axes, "Record and windows", "time of the record (µs)", "strain (µε), compression +")
-    axes.set_ylim(-2.05 * top, 1.35 * top)
+    axes.set_ylim(RECORD_LIMITS[0] * top, RECORD_LIMITS[1] * top)
     first, last = pulses.traces[0].trace.time[[0, -1]]
     axes.set_xlim(
         1e6 * max(first, pulses.starts[0] - 0.5 * pulses.duration),
         1e6 * min(last, max(pulses.starts) + 1.5 * pulses.duration),
     )
     above_right(axes)
+
+
+def _window(axes: Any, span: tuple[float, float], level: float, name: str) -> None:
+    """Draw the window of a pulse as a bar with its name."""
+    axes.plot(span, [level, level], "|-", color=GREY, linewidth=1.0, markersize=6)
+    axes.text(0.5 * sum(span), level, name, fontsize=8, ha="center", va="bottom", color=GREY)
 
 
 def draw_waves(axes: Any, reduction: Reduction) -> None:
@@ -75,7 +90,9 @@ def draw_difference(axes: Any, solution: SplitBarSolution) -> None:
     r, on = solution.reduction, solution.reduction.loading
     axes.plot(r.time[on] * 1e6, 100.0 * solution.equilibrium.ratio[on], color=BLUE, linewidth=1.2)
     axes.axhline(100.0 * UNIFORM, color=GREY, linewidth=0.9, linestyle="--")
-    axes.text(1.0, 100.0 * UNIFORM, f" {UNIFORM:.0%}", transform=axes.get_yaxis_transform(), fontsize=8, va="center")
+    axes.text(
+        1.0, 100.0 * UNIFORM, f" {percent(UNIFORM, 0)}", transform=axes.get_yaxis_transform(), fontsize=8, va="center"
+    )
     quiet(axes, "Difference of the forces over their mean", SINCE, "2 |F1−F2| / |F1+F2| (%)")
     axes.set_ylim(0.0, 100.0)
 
@@ -166,7 +183,7 @@ def echo_summary(solution: EchoSolution) -> Figure:
 def draw_accelerations(axes: Any, solution: SensorSolution) -> None:
     """Draw the reference acceleration of the sensor, and its reading with the delay taken out."""
     comparison = solution.comparison
-    label = "reading / sensitivity found" if solution.unit == "V" else "reading"
+    label = "reading / sensitivity" if solution.unit == "V" else "reading"
     for values, name, (colour, dash) in zip(
         (comparison.motion.acceleration, solution.shown_acceleration),
         ("reference by the gauge", label),
@@ -209,12 +226,11 @@ def draw_end_record(axes: Any, solution: SensorSolution) -> None:
     trace, top = pulses.traces[0].trace, float(pulses.plateau) * 1e6
     time, strain = thin(trace.time, trace.strain)
     axes.plot(time * 1e6, strain * 1e6, color=BLUE, linewidth=1.0)
-    for start, name, level in zip(pulses.starts, ("incident", "reflected"), (-1.55 * top, -1.9 * top), strict=False):
+    for start, name, level in zip(pulses.starts, ("incident", "reflected"), END_LEVELS, strict=False):
         begin, end = start * 1e6, (start + pulses.duration) * 1e6
-        axes.plot([begin, end], [level, level], "|-", color=GREY, linewidth=1.0, markersize=6)
-        axes.text(0.5 * (begin + end), level, name, fontsize=8, ha="center", va="bottom", color=GREY)
+        _window(axes, (begin, end), level * top, name)
     quiet(axes, "Strain at the gauge", "time of the record (µs)", "strain (µε), compression +")
-    axes.set_ylim(-2.15 * top, 1.35 * top)
+    axes.set_ylim(END_LIMITS[0] * top, END_LIMITS[1] * top)
     first, last = trace.time[[0, -1]]
     axes.set_xlim(
         1e6 * max(first, pulses.starts[0] - 0.2 * pulses.duration),
@@ -223,7 +239,7 @@ def draw_end_record(axes: Any, solution: SensorSolution) -> None:
 
 
 def sensor_summary(solution: SensorSolution) -> Figure:
-    """Draw an accelerometer beside its reference: accelerations, their difference, velocities, the strain."""
+    """Draw an accelerometer compared with its reference: accelerations, their difference, velocities, the strain."""
     figure = new_figure((11.0, 9.6))
     sheet_title(figure, solution.title)
     grid = figure.subplot_mosaic([["acceleration"] * 2, ["difference", "velocity"], ["strain"] * 2])
@@ -255,7 +271,7 @@ def uniformity(ratios: Sequence[float] = (0.1, 0.25, 0.5, 1.0), rise: float = 2.
         ramp = 100.0 * np.abs(face_forces(beta, time, rise).alpha)
         right.plot(time, ramp, dash, color=colour, label=f"β = {beta:g}")
     for axes, title in ((left, "Step"), (right, f"Straight rise over {rise:g} transits")):
-        axes.axvspan(3.0, 5.0, color="#EFEFEF", zorder=0)
+        axes.axvspan(*MARKED_TRANSITS, color="#EFEFEF", zorder=0)
         axes.axhline(100.0 * UNIFORM, color=GREY, linewidth=0.9, linestyle="--")
         quiet(axes, title, "time over transit time t/t₀", "force difference |α| (%)")
         axes.set_yscale("log")

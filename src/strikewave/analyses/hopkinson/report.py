@@ -10,7 +10,7 @@ import numpy as np
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.hopkinson import ANALYSES, stress_difference, transits_to_uniform
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.numbers import percent, with_unit
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
 from strikewave.reporting.style import WHOLE, one_diagram
 
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from strikewave.hopkinson.checks import Equilibrium, Slope
     from strikewave.hopkinson.echoes import Estimate
 
+RISE_SHARE = 0.8
+"""Share of a straight rise that lies between 10 and 90 % of it."""
 _SHOT = (
     "Compression is positive. Each pulse is carried from its gauge to the specimen; forces are F1 = E A (incident + "
     "reflected) and F2 = E A transmitted, face velocities c (incident − reflected) and c transmitted. 1-wave takes the "
@@ -33,7 +35,7 @@ _SHOT = (
 _SLOPE = (
     "The slope of the rise is fitted from 10 to 50 % of the largest stress; in brackets is what it becomes where "
     "reflected and transmitted wave come a sample earlier or later. It is a check, not Young's modulus: equilibrium "
-    "comes late in the rise, and the bar faces give way."
+    "comes late in the rise, and the bar faces deform."
 )
 _ECHOES = (
     "Both ends are free, and the pulse passes the gauge again and again. The phase between two passes over a known way "
@@ -42,16 +44,16 @@ _ECHOES = (
     "Student's factor times it holds 95 %. The error of the stated distance comes on top."
 )
 _SENSOR = (
-    "The incident wave, carried from the gauge to the end, tells how what stands there moves: v = 2 c ε at a bare end, "
-    "m dv/dt = 2 E A ε − Z v for a rigid mass, waves in the disk for an elastic one. Reference and reading are "
-    "low-passed alike at the bandwidth stated (zero phase, 4 poles a pass). The delay is that of the largest "
-    "correlation, the sensitivity the slope by least squares of reading over reference."
+    "The incident wave, carried from the gauge to the end, gives the motion of the sensor and its mount: v = 2 c ε at "
+    "a bare end, m dv/dt = 2 E A ε − Z v for a rigid mass, waves in the disk for an elastic one. Reference and "
+    "reading are low-passed alike at the bandwidth stated (zero phase, 4 poles a pass). The delay is that of the "
+    "largest correlation, the sensitivity the slope by least squares of reading over reference."
 )
 _DOUBT = (
     "The uncertainty adds squares: the scatter of the slope by the residual, taken as noise of its own colour; by how "
-    "much the noise of the reference lowers the slope; and what the set-up states for strain and bar speed. Nothing is "
-    "in it for the mass on the end, nor for a wrong model of the end: for that the reflected wave, which the reference "
-    "does not use, is set beside."
+    "much the noise of the reference lowers the slope; and what the set-up states for strain and bar speed. Nothing "
+    "is in it for the mass on the end, nor for a wrong model of the end: to check these, compare the reflected wave, "
+    "which the reference does not use."
 )
 
 
@@ -114,13 +116,17 @@ def _balance_table(solution: SplitBarSolution) -> Table:
     specimen = NONE if math.isnan(impulses.specimen) else f"{impulses.specimen * 1e3:.3g} mN s"
     wrong = "" if work.acceleration >= 0.0 else "; below 0: the forces do not balance"
     rows: list[list[Cell]] = [
-        ["force difference over mean force", f"{equilibrium.misfit:.1%}", f"limit {limits.force_misfit.si:.0%}"],
+        [
+            "force difference over mean force",
+            percent(equilibrium.misfit, 1),
+            f"limit {percent(limits.force_misfit.si, 0)}",
+        ],
         ["impulse on face 1 over face 2", f"{equilibrium.force_ratio:.4f}", "1 but for the specimen's own momentum"],
-        ["forces agree to 5 %", _agreeing(equilibrium), f"in all over {equilibrium.share:.0%} of the loading"],
+        ["forces agree to 5 %", _agreeing(equilibrium), f"in all over {percent(equilibrium.share, 0)} of the loading"],
         [
             "missing impulse" if impulses.closure >= 0.0 else "excess impulse",
-            f"{abs(impulses.closure):.2%}",
-            f"of the incident one; limit {limits.momentum.si:.0%}",
+            percent(abs(impulses.closure), 2),
+            f"of the incident one; limit {percent(limits.momentum.si, 0)}",
         ],
         ["incident, reflected, transmitted impulse", _three(impulses[:3], 1.0, "N s"), f"specimen {specimen}"],
         ["incident, reflected, transmitted energy", _three(work[:3], 1.0, "J"), ""],
@@ -196,12 +202,12 @@ def _theory_table(solution: SplitBarSolution) -> list[Table]:
     beta, transit = specimen.impedance_ratio(bar), specimen.transit
     if beta is None or transit is None:
         return []
-    rise = solution.pulses.rise / 0.8 / transit
+    rise = solution.pulses.rise / RISE_SHARE / transit
     rows: list[list[Cell]] = [
         ["impedance of the specimen over that of the bar", f"{beta:.4g}"],
         ["transit of the specimen (µs)", f"{transit * 1e6:.4g}"],
-        ["force difference after a step, transit 3", f"{float(stress_difference(beta, 3)):.1%}"],
-        ["force difference after a step, transit 5", f"{float(stress_difference(beta, 5)):.2%}"],
+        ["force difference after a step, transit 3", percent(float(stress_difference(beta, 3)), 1)],
+        ["force difference after a step, transit 5", percent(float(stress_difference(beta, 5)), 2)],
         ["transits to 5 % after a step", f"{transits_to_uniform(beta):.4g}"],
         [f"transits to 5 % under a straight rise of {rise:.3g} transits", f"{transits_to_uniform(beta, rise):.4g}"],
     ]
@@ -216,7 +222,7 @@ def echo_tables(solution: EchoSolution) -> list[Table]:
         [
             "bar speed (m/s)",
             *_estimated(echoes.speed, 1.0),
-            f"{solution.difference:+.2%} off the stated {solution.bar.speed:.6g}",
+            f"{percent(solution.difference, 2, '+')} off the stated {solution.bar.speed:.6g}",
         ],
         ["length (mm)", *_estimated(echoes.round_trip, 1e3), _length_words(solution)],
         ["attenuation (1/m)", *_estimated(echoes.attenuation, 1.0), "by energy, ends included"],
@@ -288,12 +294,12 @@ def _sensitivity_table(solution: SensorSolution) -> Table:
 
 def _agreement_table(solution: SensorSolution) -> Table:
     comparison, standing = solution.comparison, solution.standing
-    reflected = NONE if math.isnan(comparison.reflected_misfit) else f"{comparison.reflected_misfit:.2%}"
+    reflected = NONE if math.isnan(comparison.reflected_misfit) else percent(comparison.reflected_misfit, 2)
     disk = f", elastic disk of {standing.disk.mass * 1e3:.4g} gram" if standing.disk else ""
     rows: list[list[Cell]] = [
         ["delay of the reading", f"{comparison.agreement.delay * 1e6:+.3f} µs", "against gauge and bar speed"],
         ["correlation", f"{comparison.correlation:.5f}", "at that delay"],
-        ["residual over reading", f"{comparison.agreement.residual:.2%}", "root mean square"],
+        ["residual over reading", percent(comparison.agreement.residual, 2), "root mean square"],
         [
             "noise of the reference",
             with_unit(comparison.reference_noise, "m/s^2", "g"),
@@ -317,9 +323,9 @@ def _uncertainty_table(solution: SensorSolution) -> Table:
         "speed": f"stated for the bar speed, which counts with its power {power:.3g}",
     }
     rows: list[list[Cell]] = [
-        [name, NONE if math.isnan(part) else f"{part:.2%}", origins[name]] for name, part in parts._asdict().items()
+        [name, NONE if math.isnan(part) else percent(part, 2), origins[name]] for name, part in parts._asdict().items()
     ]
-    rows.append(["combined", f"{parts.combined:.2%}", "root of the sum of squares of those that are known"])
+    rows.append(["combined", percent(parts.combined, 2), "root of the sum of squares of those that are known"])
     return Table("Relative standard uncertainty of the sensitivity", ["part", "value", "from"], rows)
 
 
@@ -365,17 +371,17 @@ def shot_report(solution: SplitBarSolution) -> str:
     ]
     summary = solution.summary()
     text = (
-        f"The specimen reached a true strain of {summary['strain']:.1%} at {summary['rate']:.0f} 1/s (median) and a "
-        f"true stress of {summary['stress'] / 1e6:.4g} MPa. The forces on its faces differ by "
-        f"{solution.equilibrium.misfit:.1%} of their mean, and {abs(solution.momentum.closure):.2%} of the incident "
-        f"impulse is {_closing(solution)}."
+        f"The specimen reached a true strain of {percent(summary['strain'], 1)} at {summary['rate']:.0f} 1/s (median) "
+        f"and a true stress of {summary['stress'] / 1e6:.4g} MPa. The forces on its faces differ by "
+        f"{percent(solution.equilibrium.misfit, 1)} of their mean, and {percent(abs(solution.momentum.closure), 2)} "
+        f"of the incident impulse is {_closing(solution)}."
     )
     numbers = [
         ("largest true stress", f"{summary['stress'] / 1e6:.4g} MPa"),
         ("largest true strain", f"{100.0 * summary['strain']:.3g} %"),
         ("median true rate", f"{summary['rate']:.0f} 1/s"),
-        ("force difference", f"{solution.equilibrium.misfit:.1%}"),
-        (f"impulse {_closing(solution)}", f"{abs(solution.momentum.closure):.2%}"),
+        ("force difference", percent(solution.equilibrium.misfit, 1)),
+        (f"impulse {_closing(solution)}", percent(abs(solution.momentum.closure), 2)),
     ]
     body = Section("Result", f"{_SHOT}\n\n{_SLOPE}", [*shot_tables(solution), *pictures])
     return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", text, numbers), body)
@@ -412,14 +418,14 @@ def sensor_report(solution: SensorSolution) -> str:
     sensitivity = _sensitivity(solution.sensitivity, solution.unit)
     what = "The sensitivity of the sensor" if solution.unit == "V" else "The reading over the reference"
     text = (
-        f"{what} is {sensitivity} at {comparison.bandwidth.value / 1e3:.4g} kHz (standard uncertainty {share:.2%}), "
-        f"and {comparison.agreement.residual:.1%} of the reading does not follow the reference."
+        f"{what} is {sensitivity} at {comparison.bandwidth.value / 1e3:.4g} kHz (standard "
+        f"uncertainty {percent(share, 2)}), and {percent(comparison.agreement.residual, 1)} of the reading does not follow the reference."
         if solution.quoted
         else "The rise of the pulse is too steep at this bandwidth for accelerations to be quoted."
     )
     numbers = [
         ("sensitivity" if solution.unit == "V" else "reading over reference", sensitivity if solution.quoted else NONE),
-        ("standard uncertainty", f"{share:.2%}" if solution.quoted else NONE),
+        ("standard uncertainty", percent(share, 2) if solution.quoted else NONE),
         ("largest acceleration", with_unit(solution.peaks[0], "m/s^2", "g")),
         ("velocity change", f"{comparison.velocities[0]:.4g} m/s"),
         ("delay", f"{comparison.agreement.delay * 1e6:+.2f} µs"),
@@ -440,7 +446,7 @@ def echo_report(solution: EchoSolution) -> str:
     ]
     text = (
         f"The bar speed by {echoes.times.size} passes is {echoes.speed.value:.5g} m/s, "
-        f"{solution.difference:+.2%} off the stated one."
+        f"{percent(solution.difference, 2, '+')} off the stated one."
     )
     numbers = [
         ("bar speed", f"{echoes.speed.value:.5g} m/s"),

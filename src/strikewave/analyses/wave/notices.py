@@ -14,6 +14,7 @@ from strikewave.analyses.wave.result import BarSolution, load_peak
 from strikewave.base.result import LEDGER_LIMIT, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import law_notices, yield_notices
+from strikewave.reporting.numbers import percent
 from strikewave.sensors.channel import channel_notices
 from strikewave.waves import BarRun, Impactor, Sampled, Tap
 from strikewave.waves.limits import (
@@ -87,7 +88,7 @@ def _file_notices(run: BarRun) -> list[Notice]:
     begins = abs(float(load.values[0]))
     if load.kind != "speed" and begins > LOAD_OFFSET * load.largest:
         message = (
-            f"the load begins with {begins:.4g} N, {begins / load.largest:.1%} of its largest: it jumps there; "
+            f"the load begins with {begins:.4g} N, {percent(begins / load.largest, 1)} of its largest: it jumps there; "
             "subtract the baseline, and cut the record at the onset of the blow"
         )
         notices.append(Notice("load-offset", message, begins, LOAD_OFFSET * load.largest))

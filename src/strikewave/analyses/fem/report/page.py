@@ -33,7 +33,7 @@ from strikewave.fem.skin import blow_contact
 from strikewave.fem.solids import Bilinear, JohnsonCook
 from strikewave.reporting import chapters
 from strikewave.reporting.curves import shortened
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.numbers import listed, percent, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 
 if TYPE_CHECKING:
@@ -324,7 +324,7 @@ def _yield_words(solid: AnySolid) -> str:
     """Say how a solid yields."""
     if isinstance(solid, Bilinear):
         text = f", yields at {solid.yield_strength / 1e6:g} MPa, then {solid.tangent_modulus / 1e6:g} MPa"
-        return text + (f", {solid.kinematic:.0%} kinematic" if solid.kinematic else "")
+        return text + (f", {percent(solid.kinematic, 0)} kinematic" if solid.kinematic else "")
     if isinstance(solid, JohnsonCook):
         return f", A {solid.A / 1e6:g} MPa, B {solid.B / 1e6:g} MPa, n {solid.n:g}, C {solid.C:g}, m {solid.m:g}"
     return ""
