@@ -209,8 +209,7 @@ def test_a_run_is_filmed_from_first_touch_on(bars):
     assert "8 instants from first touch on" in words
     (found,) = solution.contacts.values()
     assert (
-        f"the stored instant nearest to the force peak of striker.top-bar.bottom, at {found.at * 1e6:.4g} µs"
-        in words
+        f"the stored instant nearest to the force peak of striker.top-bar.bottom, at {found.at * 1e6:.4g} µs" in words
     )
 
 

@@ -419,7 +419,8 @@ def sensor_report(solution: SensorSolution) -> str:
     what = "The sensitivity of the sensor" if solution.unit == "V" else "The reading over the reference"
     text = (
         f"{what} is {sensitivity} at {comparison.bandwidth.value / 1e3:.4g} kHz (standard "
-        f"uncertainty {percent(share, 2)}), and {percent(comparison.agreement.residual, 1)} of the reading does not follow the reference."
+        f"uncertainty {percent(share, 2)}), and {percent(comparison.agreement.residual, 1)} of the "
+        "reading does not follow the reference."
         if solution.quoted
         else "The rise of the pulse is too steep at this bandwidth for accelerations to be quoted."
     )
