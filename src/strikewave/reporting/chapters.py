@@ -53,17 +53,19 @@ def layer_steps(case: Case) -> list[str]:
 
 
 def inputs(case: BaseModel, unused: str = "") -> Section:
-    """List every value of a case or a set-up, as typed, with provenance and note; but for those of an unused table."""
+    """List every value of a case or a set-up, as typed, with provenance and note; without those of an unused table."""
     from strikewave.base.quantities import PROVENANCES, Value
 
     groups = [group for group in _groups(case) if group[0] != unused]
-    found = [(f"{path}.{key}", entry) for path, _, rows in groups for key, entry in rows if isinstance(entry, Value)]
+    quantities = [
+        (f"{path}.{key}", entry) for path, _, rows in groups for key, entry in rows if isinstance(entry, Value)
+    ]
     counts: list[list[Cell]] = [
-        [Tag(p, p), sum(value.provenance == p for _, value in found), _PROVENANCE_WORDS.get(p, NONE)]
+        [Tag(p, p), sum(value.provenance == p for _, value in quantities), _PROVENANCE_WORDS.get(p, NONE)]
         for p in PROVENANCES
     ]
-    fitted = [f"{path} = {value.typed}" for path, value in found if value.provenance == "fitted"]
-    text = f"{len(found)} values, as they were typed; g is standard gravity. " + (
+    fitted = [f"{path} = {value.typed}" for path, value in quantities if value.provenance == "fitted"]
+    text = f"{len(quantities)} values, as they were typed; g is standard gravity. " + (
         f"Fitted: {listed(fitted)}." if fitted else "No value is fitted."
     )
     tables = [Table("Where the values come from", ["provenance", "values", "meaning"], counts)]
@@ -109,8 +111,9 @@ def _groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, list[t
 
 def _about(table: Any) -> str:
     """Return what the docstring of a table of a case says after its name."""
-    found = re.match(r"\[[^\]]*\]+: (.*?)\.?$", (type(table).__doc__ or "").strip().partition("\n")[0])
-    return found[1].replace("``", "") if found else ""
+    first_line = (type(table).__doc__ or "").strip().partition("\n")[0]
+    match = re.match(r"\[[^\]]*\]+: (.*?)\.?$", first_line)
+    return match[1].replace("``", "") if match else ""
 
 
 def _flat(part: Any, path: str) -> Iterator[tuple[str, Any]]:
@@ -139,7 +142,7 @@ def _quantities(part: Any) -> bool:
 
 
 def published(comparisons: Sequence[Comparison]) -> Section:
-    """Set published numbers beside computed ones."""
+    """Compare computed values with published ones."""
     from strikewave.cases.case import PUBLISHED_QUANTITIES
 
     rows: list[list[Cell]] = []
@@ -147,8 +150,8 @@ def published(comparisons: Sequence[Comparison]) -> Section:
         si = PUBLISHED_QUANTITIES.get(entry.quantity, "")
         unit = SHOWN_UNITS.get(si, si)
         which, _, quantity = entry.quantity.partition(".")
-        words = _PUBLISHED_WORDS.get(which, which) + (f": {quantity.replace('_', ' ')}" if quantity else "")
-        words += f" of {entry.sensor}" if entry.sensor else ""
+        label = _PUBLISHED_WORDS.get(which, which) + (f": {quantity.replace('_', ' ')}" if quantity else "")
+        label += f" of {entry.sensor}" if entry.sensor else ""
         values = [
             NONE if v is None or math.isnan(v) else written(float(in_unit(v, si, unit)) if si else v, 6)
             for v in (entry.published, entry.computed)
@@ -156,19 +159,19 @@ def published(comparisons: Sequence[Comparison]) -> Section:
         difference = NONE if entry.difference is None else f"{100.0 * entry.difference:+.1f} %"
         unit = f" ({spelled(unit)})" if unit else ""
         rows.append(
-            [words + unit, *values, difference, entry.measured_or_simulated, Tag(entry.role, entry.role), entry.note]
+            [label + unit, *values, difference, entry.measured_or_simulated, Tag(entry.role, entry.role), entry.note]
         )
     heads = ["quantity", "published", "computed", "difference", "origin", "role", "note"]
-    table = Table("Published beside computed", heads, rows, empty="The case names no published number.")
+    table = Table("Comparison with published values", heads, rows, empty="The case names no published value.")
     text = (
-        "A fitted number is no evidence: the case was adjusted to it. A predicted one is. One that is only shown "
-        "cannot be compared; its note says why."
+        "A fitted value is no evidence, because the case was adjusted to it. A predicted value is evidence. A value "
+        "that is only shown cannot be compared; its note says why."
     )
-    return Section("Published beside computed", text if rows else "", [table])
+    return Section("Comparison with published values", text if rows else "", [table])
 
 
 def warnings(notices: Sequence[Notice]) -> Section:
-    """List what the user should know, with the number that raised it, its limit, and the case if there are several."""
+    """List all notices: the value that raised each, its limit, and its case where there are several."""
     of_cases = any(notice.case for notice in notices)
     rows: list[list[Cell]] = [
         [
@@ -176,12 +179,12 @@ def warnings(notices: Sequence[Notice]) -> Section:
             Tag(notice.code, "bad" if notice.broken else "warned"),
             notice.message,
             *(NONE if math.isnan(number) else f"{number:.6g}" for number in (notice.value, notice.limit)),
-            Tag("limit broken", "bad") if notice.broken else Tag("info"),
+            Tag("check failed", "bad") if notice.broken else Tag("info"),
         ]
         for notice in notices
     ]
-    heads = [*(["case"] if of_cases else []), "code", "message", "number", "limit", "severity"]
-    table = Table("Warnings; number and limit in SI units", heads, rows, empty="No warning was raised.")
+    heads = [*(["case"] if of_cases else []), "code", "message", "value", "limit", "severity"]
+    table = Table("Warnings; value and limit in SI units", heads, rows, empty="No warning was raised.")
     return Section("Warnings", "", [table])
 
 
@@ -195,23 +198,23 @@ def sources(keys: Sequence[str]) -> Section:
 
 
 def reproduction(result: Result) -> Section:
-    """Say how the same numbers come again: the command, the whole text of the inputs, the files that were read."""
+    """Show how to reproduce the result: the command, the whole text of the inputs, the files that were read."""
     source = result.source
     files: list[list[Cell]] = [[name, digest] for name, digest in source.digests.items()]
     read = [Table("Files read", ["file", "SHA-256"], files)] if files else []
     if not source.whole:
-        words = f"This command gives the same numbers again with strikewave {__version__}, from the same files."
-        asked = [Code(source.asked)] if source.asked else []
-        return Section("How to run this again", words if asked else "The command is not known.", [*read, *asked])
+        text = f"This command gives the same numbers again with strikewave {__version__}, from the same files."
+        command = [Code(source.asked)] if source.asked else []
+        return Section("How to run this again", text if command else "The command is not known.", [*read, *command])
     names = ([source.name] if _is_published(source) else []) + [source.file]
     either = "Either of these commands" if len(names) > 1 else "This command"
-    words = (
+    text = (
         f"{either} gives the same numbers again with strikewave {__version__}; {source.file} is the text below, which "
         f"also lies beside this report. The text has the SHA-256 {source.digest}."
     )
     commands = "\n".join(f"strikewave {result.command} {name}" for name in names)
-    text = Code(source.text, f"The whole {source.kind}, {source.file}")
-    return Section("How to run this again", words, [*read, Code(commands), text])
+    inputs_text = Code(source.text, f"The whole {source.kind}, {source.file}")
+    return Section("How to run this again", text, [*read, Code(commands), inputs_text])
 
 
 def _is_published(source: Source) -> bool:
@@ -262,24 +265,45 @@ def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -
 
 
 def status(notices: Sequence[Notice]) -> Tag:
-    """Say whether a stated limit is broken, and how many warnings there are."""
-    broken = [notice.code for notice in notices if notice.broken]
-    if broken:
-        return Tag(f"stated limit broken: {listed(broken)}", "bad")
-    many = len(notices)
-    warned = f"; {many} warning{'s' if many > 1 else ''}, see below" if many else ""
-    return Tag(f"no stated limit broken{warned}", "warned" if many else "good")
+    """Return which checks failed, or that all passed, and how many warnings there are."""
+    failed = [notice.code for notice in notices if notice.broken]
+    return failed_checks(failed) if failed else passed_checks(len(notices))
+
+
+def failed_checks(codes: Sequence[str]) -> Tag:
+    """Return the status of a result of which some checks failed.
+
+    Examples
+    --------
+    >>> failed_checks(["energy-ledger", "no-blow"]).text
+    'checks failed: energy-ledger and no-blow'
+    """
+    return Tag(f"check{'s' if len(codes) > 1 else ''} failed: {listed(list(codes))}", "bad")
+
+
+def passed_checks(warnings: int) -> Tag:
+    """Return the status of a result of which all checks passed, with the number of its warnings.
+
+    Examples
+    --------
+    >>> passed_checks(0).text, passed_checks(2).text
+    ('all checks passed', 'all checks passed; 2 warnings, see below')
+    """
+    number = f"; {warnings} warning{'s' if warnings > 1 else ''}, see below" if warnings else ""
+    return Tag(f"all checks passed{number}", "warned" if warnings else "good")
 
 
 def ledger_table(ledger: Mapping[str, float]) -> Table:
-    """List the errors of a ledger beside their limit."""
+    """List the balance errors with their limit."""
     rows: list[list[Cell]] = [
         [
             name.removesuffix("_error"),
             f"{error:.1e}",
             f"{LEDGER_LIMIT:.0e}",
-            Tag("closes", "good") if error <= LEDGER_LIMIT else Tag("broken", "bad"),
+            Tag("holds", "good") if error <= LEDGER_LIMIT else Tag("broken", "bad"),
         ]
         for name, error in ledger.items()
     ]
-    return Table("Ledgers", ["ledger", "error, share", "limit", "result"], rows, empty="No ledger was kept.")
+    return Table(
+        "Balances", ["balance", "balance error (share)", "limit", "result"], rows, empty="No balance was computed."
+    )

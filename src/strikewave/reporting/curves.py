@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, quiet
+from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, new_figure, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,11 +20,14 @@ Array = NDArray[np.float64]
 
 COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
 DASHES = ("-", "--", "-.", ":")
+"""Of curves in their order; five colours and four dashes tell twenty curves apart."""
 MOST_PULSES = 40
-"""Pulses drawn over each other; of more blows the first, the odd ones and an even choice of the rest are drawn."""
+"""Pulses drawn over each other; of more blows the first, the odd ones and an even choice of the rest are drawn (chosen:
+more only darken the band that they fill)."""
 PIXEL_COLUMNS = 1400
-"""Columns of the train into which all samples are gathered."""
+"""Columns into which all samples of a curve are gathered: more than the 940 pixels of a picture as wide as a page."""
 _LONGEST_NAME = 20
+"""Letters of a name in a picture (chosen: beside a diagram it takes an eighth of its width)."""
 
 
 def thin(time: Array, values: Array, columns: int = PIXEL_COLUMNS) -> tuple[Array, Array]:
@@ -52,8 +55,8 @@ def thin(time: Array, values: Array, columns: int = PIXEL_COLUMNS) -> tuple[Arra
     ends = np.append(starts[1:], values.size)
     low = [start + int(np.argmin(values[start:end])) for start, end in zip(starts, ends, strict=True)]
     high = [start + int(np.argmax(values[start:end])) for start, end in zip(starts, ends, strict=True)]
-    kept = np.unique([*low, *high, values.size - 1])
-    return time[kept], values[kept]
+    shown = np.unique([*low, *high, values.size - 1])
+    return time[shown], values[shown]
 
 
 def shortened(name: str, longest: int = _LONGEST_NAME) -> str:
@@ -120,11 +123,9 @@ def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: boo
     >>> len(traces("speed", [Trace("tap", t, t)], "m/s", "time (us)").axes[0].lines)
     1
     """
-    from matplotlib.figure import Figure
-
     names = {"g": "acceleration (g)", "kN": "force (kN)", "MPa": "stress (MPa)", "m/s": "velocity (m/s)"}
     scales = {"g": STANDARD_GRAVITY, "kN": 1e3, "MPa": 1e6, "m/s": 1.0}
-    figure = Figure(figsize=WHOLE if wide else HALF, layout="constrained")
+    figure = new_figure(WHOLE if wide else HALF)
     axes = figure.add_subplot()
     for k, curve in reversed(list(enumerate(curves))):
         finite = np.isfinite(curve.values)
@@ -150,14 +151,14 @@ def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: boo
 
 def above_right(axes: Any, handles: Sequence[Any] | None = None, labels: Sequence[str] | None = None) -> None:
     """Put the legend above the axes, where it hides no curve."""
-    given = axes.get_legend_handles_labels() if handles is None else (handles, labels)
+    entries = axes.get_legend_handles_labels() if handles is None else (handles, labels)
     axes.legend(
-        *given,
+        *entries,
         frameon=False,
         fontsize=8,
         loc="lower right",
         bbox_to_anchor=(1.0, 0.98),
-        ncols=len(given[0]),
+        ncols=len(entries[0]),
         borderaxespad=0.0,
         columnspacing=1.2,
     )

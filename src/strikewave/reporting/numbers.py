@@ -20,6 +20,8 @@ def heads(columns: Sequence[tuple[str, str, str, int]]) -> list[str]:
     return [name.replace("_", " ") + (f" ({spelled(unit)})" if unit != "1" else "") for name, _, unit, _ in columns]
 
 
+LONGEST_IN_MICROSECONDS = 5e-3
+"""Runs that last longer, s, are shown in milliseconds: µs would need five digits before the point."""
 SHOWN_UNITS = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
 """SI unit of a published number and the unit in which it is shown."""
 
@@ -33,6 +35,41 @@ def fixed(value: float | None, si: str, unit: str, decimals: int) -> str:
     '200.0'
     """
     return NONE if value is None or value != value else f"{in_unit(value, si, unit):.{decimals}f}"
+
+
+def time_unit(last: float) -> tuple[float, str]:
+    """Return the size, s, and the name of the unit in which times up to the last one are shown.
+
+    Examples
+    --------
+    >>> time_unit(1e-4), time_unit(1.0)
+    ((1e-06, 'µs'), (0.001, 'ms'))
+    """
+    return (1e-6, "µs") if last < LONGEST_IN_MICROSECONDS else (1e-3, "ms")
+
+
+def energy_unit(largest: float) -> tuple[float, str]:
+    """Return the size, J, and the name of the unit in which energies up to the largest one are shown.
+
+    Numbers then have one to four digits before the point, or at most one zero after it.
+
+    Examples
+    --------
+    >>> energy_unit(0.02), energy_unit(30.0), energy_unit(2e5)
+    ((0.001, 'mJ'), (1.0, 'J'), (1000.0, 'kJ'))
+    """
+    return (1e-3, "mJ") if largest < 0.1 else (1.0, "J") if largest < 1e4 else (1e3, "kJ")
+
+
+def percent(share: float, decimals: int = 1, sign: str = "") -> str:
+    """Write a share in per cent, with a space before the sign as SI asks for.
+
+    Examples
+    --------
+    >>> percent(0.0331), percent(-0.002, 2, "+"), percent(0.5, 0)
+    ('3.3 %', '-0.20 %', '50 %')
+    """
+    return f"{100.0 * share:{sign}.{decimals}f} %"
 
 
 def spelled(unit: str) -> str:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from jinja2 import Template
 
 
+WIDEST_SHARED = 5.5
+"""Width of a figure, inches, up to which it shares its line with the next: a page is 9.8 wide."""
 _CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff]")
 
 
@@ -99,7 +101,7 @@ def _numbered(listing: Sequence[Section]) -> Iterator[dict[str, Any]]:
             block: dict[str, Any] = {"kind": part.kind, "part": part, "number": count.get(part.kind, 0)}
             if isinstance(part, Picture):
                 svg = inline_svg(part.figure, f"p{count['picture']}", part.label or part.caption)
-                wide = part.figure.get_figwidth() > 5.5
+                wide = part.figure.get_figwidth() > WIDEST_SHARED
                 block = {**block, "kind": "pictures", "shown": [{**block, "svg": Markup(svg), "wide": wide}]}
                 if blocks and blocks[-1]["kind"] == "pictures":
                     blocks[-1]["shown"] += block["shown"]

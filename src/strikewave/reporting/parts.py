@@ -73,11 +73,11 @@ class Table:
         >>> Table("", ["a", "b"], [["x", "1.5"], ["2", "-3 %"]]).numeric()
         [False, True]
         """
-        found = []
+        columns = []
         for place in range(len(self.columns)):
-            words = [row[place] for row in self.cells() if row[place] != NONE]
-            found.append(bool(words) and all(isinstance(w, str) and bool(_NUMBER.fullmatch(w)) for w in words))
-        return found
+            filled = [row[place] for row in self.cells() if row[place] != NONE]
+            columns.append(bool(filled) and all(isinstance(w, str) and bool(_NUMBER.fullmatch(w)) for w in filled))
+        return columns
 
 
 @dataclass(frozen=True)

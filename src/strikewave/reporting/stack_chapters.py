@@ -10,7 +10,7 @@ import numpy as np
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed
+from strikewave.reporting.numbers import fixed, percent
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
 from strikewave.reporting.wave_curves import insertion_loss
 from strikewave.reporting.wave_field import QUANTITIES, WaveField, snapshots, xt_diagram
@@ -25,29 +25,29 @@ if TYPE_CHECKING:
 
 
 MOST_LAYERS = 50
-"""Layers that a table lists."""
+"""Layers that a table lists (chosen: about two screens; the JSON lists all)."""
 LOSS_FREQUENCIES = (1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5)
-"""Where the insertion loss of a buffer is listed, Hz."""
+"""Where the insertion loss of a buffer is listed, Hz (chosen: 1, 2, 5 steps over the flat range and the resonances of
+shock accelerometers)."""
 PEAK_WORDS = (
     "A peak is the value of largest magnitude, with its sign. Rigid is the momentum rate of the assembly over its "
-    "mass; total is what a perfect sensor at the section would read; wave is total less rigid, so that nothing is "
-    "counted twice."
+    "mass; total is what a perfect sensor at the section would read; wave is total minus rigid."
 )
 _ROUTES = (
-    "The routes of Li & Ma 2019 take the neighbours of the specimen as endless, and are driven by the force on the "
-    "loaded face. As printed, echoes come back too early and a backward wave moves its section the wrong way; "
-    "corrected, both are mended. The paper then adds the wave to the rigid acceleration (superposed), which counts the "
-    "rigid motion twice. Exact is the finite stack itself."
+    "The routes of Li & Ma 2019 take the neighbours of the specimen as endless, with the force on the loaded face as "
+    "input. As printed, echoes return too early and a backward wave has the wrong sign; the corrected route repairs "
+    "both. The paper then adds the wave to the rigid acceleration (superposed), which counts the rigid motion twice. "
+    "The exact route is the finite stack itself."
 )
 
 
 def fit_table(losses: Sequence[Loss]) -> Table:
-    """List where energy is lost: loss factor asked for, band, by how much of it it is missed at most."""
+    """List where energy is lost: the loss factor of the case, its band, the largest relative deviation of the model."""
     rows: list[list[Cell]] = [
-        [loss.where, f"{loss.loss_factor:g}", f"{loss.low / 1e3:g} to {loss.high / 1e3:g}", f"{loss.error:.1%}"]
+        [loss.where, f"{loss.loss_factor:g}", f"{loss.low / 1e3:g} to {loss.high / 1e3:g}", percent(loss.error, 1)]
         for loss in losses
     ]
-    return Table("How well the loss factors are held", ["where", "loss factor", "band (kHz)", "off by at most"], rows)
+    return Table("Fit of the loss factors", ["where", "loss factor", "band (kHz)", "largest deviation"], rows)
 
 
 def layer_table(setup: WaveSetup) -> Table:
@@ -63,10 +63,12 @@ def layer_table(setup: WaveSetup) -> Table:
         for layer in setup.layers[:MOST_LAYERS]
     ]
     more = len(setup.layers) - MOST_LAYERS
-    caption = f"Layers as the time step of {setup.step * 1e9:.4g} ns makes them"
+    caption = f"Layers, rounded to whole time steps of {setup.step * 1e9:.4g} ns"
     caption += f"; {more} more in the JSON" if more > 0 else ""
     return Table(
-        caption, ["layer", "length asked (mm)", "length used (mm)", "difference", "steps of its transit"], rows
+        caption,
+        ["layer", "length in the case (mm)", "length used (mm)", "relative difference", "time steps of a transit"],
+        rows,
     )
 
 
@@ -80,18 +82,18 @@ def field_pictures(field: WaveField, quantity: str = "stress") -> list[Part]:
         Picture(
             xt_diagram(field, quantity),
             f"{shown.name.capitalize()} along the stack over time (exact): {meaning[shown.colours]}. Lines are faces "
-            f"of layers, dotted ones taps; dashed is the leading front at the speeds of the bars.{double}",
+            f"of layers, dotted ones taps; the dashed line is the leading front at the bar wave speeds.{double}",
         ),
         Picture(
             snapshots(field, quantity),
-            f"{shown.name.capitalize()} along the stack at chosen times: while the front runs through, at the greatest "
-            "values, and in the longest waits between. The darker a layer, the greater its impedance.",
+            f"{shown.name.capitalize()} along the stack at chosen times: as the front passes, at the largest values, "
+            "and in the longest intervals between. The darker a layer, the larger its impedance.",
         ),
     ]
 
 
 def route_section(name: str, quoted: bool, time: Any, exact: Any, rigid: Any, waves: Any, since: str) -> Section:
-    """Set the paper's three routes beside the exact solution at one tap; peaks only where they may be quoted."""
+    """Compare the paper's three routes with the exact solution at one tap; peaks only where they may be quoted."""
     printed, corrected = waves
     curves = [
         Trace("exact, total", time, exact),
@@ -102,7 +104,7 @@ def route_section(name: str, quoted: bool, time: Any, exact: Any, rigid: Any, wa
     rows: list[list[Cell]] = [[c.label, fixed(_largest(c.values), "m/s^2", "g", 0)] for c in curves]
     peaks = Table(f"Largest acceleration at {name} by route", ["route", "peak (g)"], rows)
     return Section(
-        "The paper's routes beside the exact solution",
+        "Routes of the paper compared with the exact solution",
         _ROUTES,
         [
             Picture(traces(f"Acceleration at {name} by four routes", curves, "g", since), f"Acceleration at {name}."),
@@ -140,14 +142,14 @@ def sensor_part(channels: Sequence[Channel], picture: Figure, readings: Table) -
             ]
         )
     heads = ["sensor", "mounting", "resonance (kHz)", "range (g)", "sampling (kHz)", "filter (kHz)", "bits"]
-    words = "Readings as the recorders kept them: mounting, resonance, range, filter, sampling and bits included."
-    parts: list[Part] = [Table("Sensors and their recorders", heads, described), Picture(picture, words), readings]
+    caption = "Sensor readings as recorded: with mounting, resonance, range, filter, sampling and bits."
+    parts: list[Part] = [Table("Sensors and their recorders", heads, described), Picture(picture, caption), readings]
     buffered = [channel.sensor for channel in channels if not channel.sensor.mounting.direct]
     if buffered:
         frequency = np.geomspace(1e3, 1e5, 201)
         curves = [(sensor.name, frequency, loss_of(sensor.mounting, frequency)) for sensor in buffered]
-        words = "What the buffer takes off the motion of the surface below it; below 0 it amplifies."
-        parts += [Picture(insertion_loss(curves), words), loss_table(channels)]
+        caption = "Insertion loss: how much the buffer reduces the motion below it; negative where it amplifies."
+        parts += [Picture(insertion_loss(curves), caption), loss_table(channels)]
     return Section("Sensors", "", parts)
 
 
@@ -160,7 +162,9 @@ def loss_table(channels: Sequence[Channel]) -> Table:
         if not sensor.mounting.direct
     ]
     return Table(
-        "Insertion loss (dB; below 0 the mounting amplifies)", ["sensor", *(f"{f / 1e3:g} kHz" for f in shown)], rows
+        "Insertion loss (dB; negative where the mounting amplifies)",
+        ["sensor", *(f"{f / 1e3:g} kHz" for f in shown)],
+        rows,
     )
 
 

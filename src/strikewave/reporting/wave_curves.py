@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.reporting.curves import COLOURS, DASHES, above_right, shortened
-from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, quiet
+from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, new_figure, quiet
 from strikewave.reporting.wave_field import WaveField
 from strikewave.waves.li_ma import Sandwich
 from strikewave.waves.staircase import endless_force, first_echoes, staircase
@@ -18,6 +18,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
+
+_TRANSITS, _AFTER_PEAK = 9.0, 1.3
+"""A staircase is drawn over so many transits of the layer, or so many times the time to the peak of the load (chosen:
+all steps that are drawn are passed, or the peak is)."""
+_AT_PEAK = 0.999
+"""Share of the largest load from which on the peak counts as reached: a plateau is reached at its begin."""
+_STEPS = 4
+"""Steps of a staircase that are drawn; at a ratio of impedances of 3 the fifth adds less than 1 %."""
+_APART = 0.06
+"""Share of the largest load by which labels of steps are apart at least: letters of 7 points on axes of 2.4 inches."""
 
 
 def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) -> Figure:
@@ -45,25 +55,25 @@ def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) ->
     >>> [axes.get_title(loc="left") for axes in figure.axes]
     ['Interface I: upper | sensor', 'Interface II: sensor | lower']
     """
-    from matplotlib.figure import Figure
-
     layers, transit = field.stack.layers, field.stack.layers[layer].transit
     peak = float(np.abs(load).max(initial=0.0)) or 1.0
     arrival = sum(part.transit for part in layers[:layer])
-    highest = float(time[np.argmax(np.abs(load) >= 0.999 * peak)])
-    shown = field.time <= arrival + max(9.0 * transit, 1.3 * highest)
+    highest = float(time[np.argmax(np.abs(load) >= _AT_PEAK * peak)])
+    shown = field.time <= arrival + max(_TRANSITS * transit, _AFTER_PEAK * highest)
     since = (field.time[shown] - arrival) / transit
-    given = time <= field.time[shown][-1]
-    closed = endless_force(field.stack, layer, field.time[shown], time[given], load[given])
-    steps = staircase(Sandwich(*layers[layer - 1 : layer + 2]), 4)
+    until_last = time <= field.time[shown][-1]
+    closed = endless_force(field.stack, layer, field.time[shown], time[until_last], load[until_last])
+    steps = staircase(Sandwich(*layers[layer - 1 : layer + 2]), _STEPS)
     here = np.flatnonzero(field.layer == layer)
-    figure = Figure(figsize=WHOLE, layout="constrained")
+    figure = new_figure(WHOLE)
     for k, axes in enumerate(figure.subplots(1, 2, sharey=True)):
         _step_levels(axes, steps[k])
         heard = first_echoes(field.stack, layer)[k] / transit
         axes.plot(since, field.force[shown, here[-k]] / peak, color=BLUE, linewidth=1.6, label="this stack")
         before = since <= heard
-        axes.plot(since[before], closed[k][before] / peak, "--", color=RED, linewidth=1.4, label="endless, bonded")
+        axes.plot(
+            since[before], closed[k][before] / peak, "--", color=RED, linewidth=1.4, label="endless neighbours, bonded"
+        )
         if heard < since[-1]:
             axes.axvline(heard, color=GREY, linewidth=0.8)
         a, b = (shortened(part.name) for part in layers[layer - 1 + k : layer + 1 + k])
@@ -77,23 +87,23 @@ def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) ->
 
 
 def _step_levels(axes: Any, levels: Array) -> None:
-    """Draw the steps of a staircase as dotted levels, and write those that stand apart."""
-    written: list[float] = []
+    """Draw the steps of a staircase as dotted levels, and write those that are `_APART`."""
+    labelled: list[float] = []
     for level in levels:
         axes.axhline(level, color=GREY, linewidth=0.8, linestyle=":")
-        if all(abs(level - other) > 0.06 for other in written):
-            written.append(float(level))
+        if all(abs(level - other) > _APART for other in labelled):
+            labelled.append(float(level))
             axes.text(-0.95, level, f"{level:.3f}", fontsize=7, ha="left", va="bottom", color="#4d5760")
 
 
 def insertion_loss(curves: Sequence[tuple[str, Array, Array]]) -> Figure:
     """Draw the insertion loss (dB) of buffers over frequency (Hz): what a buffer takes off the motion below it."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=WHOLE, layout="constrained")
+    figure = new_figure(WHOLE)
     axes: Any = figure.add_subplot()
     for k, (name, frequency, loss) in enumerate(curves):
-        axes.semilogx(frequency / 1e3, loss, DASHES[k % 4], color=COLOURS[k % len(COLOURS)], label=name, linewidth=1.4)
+        axes.semilogx(
+            frequency / 1e3, loss, DASHES[k % len(DASHES)], color=COLOURS[k % len(COLOURS)], label=name, linewidth=1.4
+        )
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     quiet(axes, "Insertion loss of the buffer", "frequency (kHz)", "loss (dB), below 0 it amplifies")
     axes.set_xticks([1, 2, 5, 10, 20, 50, 100], ["1", "2", "5", "10", "20", "50", "100"])

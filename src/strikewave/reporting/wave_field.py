@@ -1,4 +1,4 @@
-"""The whole wave field of a stack: what it holds, its x-t diagram, and snapshots along it."""
+"""The wave field of a layered bar: force and velocity over place and time, x-t diagram, snapshots."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.reporting.curves import shortened, spread
-from strikewave.reporting.style import BLUE, GREY, RED, WHOLE
+from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, new_figure
 from strikewave.waves import Stack, Tap
 from strikewave.waves.staircase import first_echoes
 
@@ -43,18 +43,49 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES = {
-    "stress": Quantity("stress", "MPa", 1e6, "RdBu", "compression", "greatest compression", "greatest tension"),
-    "force": Quantity("force", "kN", 1e3, "RdBu", "compression", "greatest compression", "greatest tension"),
+    "stress": Quantity("stress", "MPa", 1e6, "RdBu", "compression", "largest compression", "largest tension"),
+    "force": Quantity("force", "kN", 1e3, "RdBu", "compression", "largest compression", "largest tension"),
     "velocity": Quantity("velocity", "m/s", 1.0, "PuOr", "along the blow", "fastest along", "fastest back"),
 }
 """What the pictures of a field can show, by name."""
 
 _FEWEST_ROWS = 120
+"""Times of a field that is cut short (chosen: no cell of an x-t diagram is then wider than 6 pixels)."""
 _MOST_NAMES = 22
-"""Names beside a diagram; of more layers the longest ones are named."""
+"""Names beside a diagram, as `_NAME_STEP` sets them apart; of more layers the longest ones are named."""
+_NAME_STEP = 0.045
+"""Distance of names beside a diagram, share of its height: `_MOST_NAMES` fill it."""
 _MOST_SHADED = 200
-"""Of more layers neither faces nor shades are drawn, which would hide what happens, and curves are not cut there."""
+"""Of more layers neither faces nor shades are drawn, and curves are not cut there: a layer would be two pixels high,
+and its lines would hide the waves."""
+_OPEN = 1e-9
+"""Share of the largest force below which a joint that can open counts as open: the solver gives exactly minus the
+preload there, but for rounding."""
+_NARROWEST_NAMED = 0.04
+"""Share of the stack below which a layer has no name in a panel: not even an upright one would fit (letters of 7
+points)."""
+_LETTER = 0.03
+"""Width of a letter of a name in a panel with a little air, share of the panel (letters of 7 points, panels of 2.7
+inches); a name that is wider than its layer stands upright."""
+_EXTREME, _NOTABLE = 0.999, 0.01
+"""Share of the greatest value from which a row counts as its first; share of the larger sign from which the other sign
+has a snapshot of its own (chosen: less cannot be seen)."""
+_APART = 100
+"""Snapshots at fronts lie at least one over this of the duration apart (chosen: nearer ones look alike)."""
+_AIR = 0.06
+"""Share of the range left free above and below the curves of snapshots, as matplotlib leaves 0.05."""
+_SHADE, _RATIO = (0.97, 0.13), 3.0
+"""Grey of the least impedance, and how much darker the greatest is (chosen: black text stays legible on both); ratio of
+impedances below which the darkest grey is not reached, so that nearly equal layers look nearly equal."""
 SNAPSHOTS = 6
+"""Panels of snapshots: two rows of three fill the width of a page."""
+MOST_TRANSITS = 2000.0
+"""Of a longer field no staircase is drawn: its closed form sums over all transits of the layer."""
+BONDED_STYLE: tuple[Any, float] = ("-", 0.7)
+DASHED: tuple[Any, float] = ((0, (4, 2)), 0.9)
+THICK: tuple[Any, float] = ("-", 1.8)
+JOINT_STYLES = {"compliant": DASHED, "gasket": DASHED, "contact": DASHED, "mass": THICK, "oscillator": THICK}
+"""Line style and width of the joints that are not bonded."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +157,7 @@ class WaveField:
         return float(self.ends[tap.layer] - (1.0 - tap.position) * layer.length)
 
     def up_to(self, time: float) -> WaveField:
-        """Return the field until a time, s, but enough rows of it for a picture."""
+        """Return the field until a time, s, with at least `_FEWEST_ROWS` times."""
         rows = max(int(np.searchsorted(self.time, time * (1.0 + 1e-9), side="right")), _FEWEST_ROWS)
         velocity = None if self.velocity is None else self.velocity[:rows]
         return replace(self, time=self.time[:rows], force=self.force[:rows], velocity=velocity)
@@ -174,12 +205,10 @@ def xt_diagram(field: WaveField, quantity: str = "stress") -> Figure:
     >>> figure.axes[1].get_ylabel()
     'stress (MPa), compression above 0'
     """
-    from matplotlib.figure import Figure
-
     shown = QUANTITIES[quantity]
     values = field.values(quantity) / shown.scale
     most = float(np.abs(values).max(initial=0.0))
-    figure = Figure(figsize=(WHOLE[0], 4.2), layout="constrained")
+    figure = new_figure((WHOLE[0], 4.2))
     axes = figure.add_subplot()
     mesh = axes.pcolormesh(
         cell_edges(field.time) * 1e6,
@@ -220,13 +249,6 @@ def cell_edges(centres: Array) -> Array:
     return np.concatenate([centres[:1], 0.5 * (centres[1:] + centres[:-1]), centres[-1:]])
 
 
-BONDED_STYLE: tuple[Any, float] = ("-", 0.7)
-DASHED: tuple[Any, float] = ((0, (4, 2)), 0.9)
-THICK: tuple[Any, float] = ("-", 1.8)
-JOINT_STYLES = {"compliant": DASHED, "gasket": DASHED, "contact": DASHED, "mass": THICK, "oscillator": THICK}
-"""Line style and width of the joints that are not bonded."""
-
-
 def _faces(axes: Any, field: WaveField) -> None:
     """Draw the joints: bonded a thin line, springs dashed, a mass thick; one that can open double while open."""
     if len(field.stack.layers) > _MOST_SHADED:
@@ -239,7 +261,7 @@ def _faces(axes: Any, field: WaveField) -> None:
         face = np.flatnonzero(field.layer == k)
         if not joint.unilateral or not face.size:
             continue
-        open_now = np.abs(field.force[:, face[-1]] + joint.preload) <= 1e-9 * peak
+        open_now = np.abs(field.force[:, face[-1]] + joint.preload) <= _OPEN * peak
         line = np.where(open_now, end, np.nan)
         axes.plot(field.time * 1e6, line, color="#222222", linewidth=3.4, solid_capstyle="butt")
         axes.plot(field.time * 1e6, line, color="white", linewidth=1.8, solid_capstyle="butt")
@@ -276,15 +298,15 @@ def _names_beside(axes: Any, field: WaveField) -> int:
     chosen = sorted(sorted(range(len(layers)), key=lambda k: -layers[k].length)[:_MOST_NAMES])
     total = float(field.ends[-1])
     middles = field.middles[chosen] * 1e3
-    written = [shortened(layers[k].name) for k in chosen]
+    names = [shortened(layers[k].name) for k in chosen]
     beside = axes.get_yaxis_transform()
-    for name, middle, place in zip(written, middles, spread(middles, 0.045 * total * 1e3, total * 1e3), strict=True):
+    for name, middle, place in zip(names, middles, spread(middles, _NAME_STEP * total * 1e3, total * 1e3), strict=True):
         moved = abs(place - middle) > 1e-3 * total
         if moved:
             axes.plot([1.0, 1.012], [middle, place], color=GREY, linewidth=0.6, transform=beside, clip_on=False)
         text = {"fontsize": 8, "va": "center", "ha": "left", "parse_math": False}
         axes.text(1.015, place, name, transform=beside, **text)
-    return max(len(name) for name in written)
+    return max(len(name) for name in names)
 
 
 def snapshot_rows(field: WaveField, quantity: str = "stress", count: int = SNAPSHOTS) -> list[tuple[int, str]]:
@@ -312,7 +334,7 @@ def snapshot_rows(field: WaveField, quantity: str = "stress", count: int = SNAPS
     for row, why in _extreme_rows(field, quantity):
         chosen[row] = f"{chosen[row]}, {why}" if row in chosen else why
     for row, why in _front_rows(field):
-        if all(abs(row - other) > len(field.time) // 100 for other in chosen):
+        if all(abs(row - other) > len(field.time) // _APART for other in chosen):
             chosen[row] = why
     rows = np.arange(len(field.time))
     while len(chosen) < min(count, rows.size):
@@ -344,8 +366,8 @@ def _extreme_rows(field: WaveField, quantity: str) -> list[tuple[int, str]]:
     most = float(np.abs(values).max(initial=0.0))
     rows = []
     for peaks, why in ((high, shown.most), (-low, shown.least)):
-        if peaks.max() > 0.01 * most:
-            rows.append((int(np.argmax(peaks >= 0.999 * peaks.max())), why))
+        if peaks.max() > _NOTABLE * most:
+            rows.append((int(np.argmax(peaks >= _EXTREME * peaks.max())), why))
     return rows
 
 
@@ -359,15 +381,13 @@ def snapshots(field: WaveField, quantity: str = "stress") -> Figure:
     >>> len(snapshots(bar_field(run_wave(load_case("li-ma-2019-fig13-bar")))).axes)
     6
     """
-    from matplotlib.figure import Figure
-
     shown = QUANTITIES[quantity]
     values = field.values(quantity) / shown.scale
-    figure = Figure(figsize=(WHOLE[0], 4.6), layout="constrained")
+    figure = new_figure((WHOLE[0], 4.6))
     grid = figure.subplots(2, SNAPSHOTS // 2, sharex=True, sharey=True, squeeze=False)
     chosen = snapshot_rows(field, quantity)
     low, high = min(float(values.min(initial=0.0)), 0.0), max(float(values.max(initial=0.0)), 0.0)
-    margin = 0.06 * (high - low) or 1.0
+    margin = _AIR * (high - low) or 1.0
     for axes, (row, why) in zip(grid.flat, chosen, strict=False):
         shade_layers(axes, field)
         draw_along(axes, field, values[row])
@@ -388,12 +408,12 @@ def snapshots(field: WaveField, quantity: str = "stress") -> Figure:
 def shades(stack: Stack) -> list[float]:
     """Return a grey for each layer, 1 white: light for the least impedance, darker for more, 3 to 1 at least."""
     impedance = np.log([layer.impedance for layer in stack.layers])
-    share = (impedance - impedance.min()) / max(float(np.ptp(impedance)), np.log(3.0))
-    return [float(0.97 - 0.13 * part) for part in share]
+    share = (impedance - impedance.min()) / max(float(np.ptp(impedance)), np.log(_RATIO))
+    return [float(_SHADE[0] - _SHADE[1] * part) for part in share]
 
 
 def shade_layers(axes: Any, field: WaveField) -> None:
-    """Shade the layers by impedance, draw their faces and the zero line."""
+    """Shade the layers by impedance, draw their faces and the line at zero."""
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     if len(field.stack.layers) > _MOST_SHADED:
         return
@@ -425,15 +445,11 @@ def name_layers(axes: Any, field: WaveField) -> None:
     total, places = float(field.ends[-1]), axes.get_xaxis_transform()
     for layer, middle in zip(field.stack.layers, field.middles, strict=True):
         name, share = shortened(layer.name, 14), layer.length / total
-        if share < 0.04:
+        if share < _NARROWEST_NAMED:
             continue
         style: dict[str, Any] = {"fontsize": 7, "ha": "center", "va": "top", "color": "#4d5760", "parse_math": False}
-        turned = 90 if len(name) * 0.03 > share else 0
+        turned = 90 if len(name) * _LETTER > share else 0
         axes.text(middle * 1e3, 0.98, name, transform=places, rotation=turned, zorder=4, **style)
-
-
-MOST_TRANSITS = 2000.0
-"""Transits of a layer over which its staircase is drawn."""
 
 
 def sandwiched(field: WaveField) -> int | None:

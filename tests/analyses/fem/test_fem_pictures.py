@@ -12,6 +12,7 @@ from strikewave.analyses.fem.figures import cut as fem_cut
 from strikewave.analyses.fem.figures import pictures as fem_pictures
 from strikewave.analyses.fem.report import fields as fem_fields
 from strikewave.analyses.fem.report.fields import fields_section
+from strikewave.analyses.fem.report.largest import place_words
 from strikewave.analyses.fem.run import run_fem
 from strikewave.fem.mesh import joined, volumes
 from strikewave.fem.model import Contact, Fixed, Symmetry, Wall
@@ -208,8 +209,7 @@ def test_a_run_is_filmed_from_first_touch_on(bars):
     assert "8 instants from first touch on" in words
     (found,) = solution.contacts.values()
     assert (
-        f"the kept instant nearest to the peak of the force of striker.top-bar.bottom, at {found.at * 1e6:.4g} µs"
-        in words
+        f"the stored instant nearest to the force peak of striker.top-bar.bottom, at {found.at * 1e6:.4g} µs" in words
     )
 
 
@@ -339,7 +339,7 @@ def test_the_largest_values_are_named_with_their_place_even_where_no_picture_sho
     assert film.largest["plastic_strain"] == (0.75, frames[-1].time, hidden)
     assert film.largest["von_mises"] == (pytest.approx(7e9), frames[2].time, hidden)
     place = ", ".join(f"{x * 1e3:.4g}" for x in middle[hidden])
-    assert fem_fields.place_words(ball.mesh, hidden) == f"block at ({place}) mm"
+    assert place_words(ball.mesh, hidden) == f"block at ({place}) mm"
     shown = SimpleNamespace(film=film, model=ball, run=synthetic.run(ball.mesh), frames=frames)
     section = fields_section(shown)
     assert f"von Mises stress 7000 MPa in block at ({place}) mm" in section.text

@@ -177,7 +177,7 @@ def test_every_value_stands_with_provenance_and_note(solution, page):
 
 
 def test_published_numbers_stand_beside_computed_ones(solution, page):
-    rows = tables(page)["Published beside computed"][1:]
+    rows = tables(page)["Comparison with published values"][1:]
     assert len(rows) == len(solution.published)
     for entry, row in zip(solution.published, rows, strict=True):
         assert row[4:6] == [entry.measured_or_simulated, entry.role]
@@ -188,12 +188,12 @@ def test_published_numbers_stand_beside_computed_ones(solution, page):
 def test_warnings_ledgers_masses_phases_and_sources_are_listed(solution, page):
     read, found = Page(page), tables(page)
     for notice in solution.warnings:
-        row = next(r for r in found["Warnings; number and limit in SI units"] if r[0] == notice.code)
+        row = next(r for r in found["Warnings; value and limit in SI units"] if r[0] == notice.code)
         assert row[2:4] == [f"{notice.value:.6g}", f"{notice.limit:.6g}"]
         assert notice.message in read.text
     assert [row[0] for row in found["Masses"][1:]] == list(solution.masses)
     assert [row[0] for row in found["Phases, from the valve signal"][1:]] == [name for name, _ in solution.phases]
-    assert [row[3] for row in found["Ledgers"][1:]] == ["closes", "closes"]
+    assert [row[3] for row in found["Balances"][1:]] == ["holds", "holds"]
     for key in solution.citations:
         assert citations.citation(key).partition(", doi:")[0] in read.text
         assert citations.citation(key).rpartition("doi:")[2] in read.text
@@ -329,12 +329,12 @@ def test_solution_without_any_blow_says_so(solution):
         "No blow: no striker touched the object. There is no pulse to measure.",
         "No blow: no striker passed the object.",
         "there is no pulse to show",
-        "names no published number",
-        "No ledger was kept.",
+        "names no published value",
+        "No balance was computed.",
         "No mass is listed.",
         "No phase is listed.",
         "No source is named.",
-        "stated limit broken: no-blow",
+        "check failed: no-blow",
     ):
         assert words in text
     assert page.count("<svg") == 2  # the drawing and the train
@@ -346,7 +346,7 @@ def test_histories_may_be_missing(solution):
     page = report(bare)
     text = Page(page).text
     assert "No warning was raised." in text
-    assert "no stated limit broken" in text
+    assert "all checks passed" in text
     assert "Without the history time and rigid_acceleration there is no picture" in text
     assert page.count("<svg") == 1  # the drawing, which takes only the case
 
@@ -443,5 +443,5 @@ def test_a_stack_without_machine_has_a_report_too():
     assert layers["lower.length"][:2] == ["40 mm", "assumed"]
     steps = re.findall(r"<li>([^<]*)</li>", page)
     assert steps[:4] == ["upper", "compliant joint", "lower", "free end"]
-    assert "A stack alone under its load" in read.text
+    assert "A layered bar under its load" in read.text
     assert "strikewave wave case.toml" in page

@@ -42,10 +42,7 @@ def test_the_summary_says_what_the_specimen_and_the_sensors_felt(struck, bar):
     assert f"At the tap sensors it reaches {reading.total_peak / STANDARD_GRAVITY:.0f} g in all, at 11.9 kHz." in page
     for name, pulse in reading.sensors.items():
         assert f"{name} {pulse.peak / STANDARD_GRAVITY:.0f} g" in page
-    assert (
-        "A stack alone under its load, route exact. Largest values, with their sign: sensor (in sensor):"
-        in bar_report(bar)
-    )
+    assert "A layered bar under its load, route exact. Signed peak values: sensor (in sensor):" in bar_report(bar)
 
 
 @pytest.mark.verify

@@ -284,7 +284,7 @@ def test_the_staircase_picture_shows_field_closed_form_and_steps(jump):
     figure = staircase_diagram(jump, 1, jump.time, jump.force[:, 0])
     for k, axes in enumerate(figure.axes):
         curves = {line.get_label(): line for line in axes.lines}
-        solid, dashed = curves["this stack"].get_ydata(), curves["endless, bonded"].get_ydata()
+        solid, dashed = curves["this stack"].get_ydata(), curves["endless neighbours, bonded"].get_ydata()
         since = curves["this stack"].get_xdata()
         away = np.abs((since - k) / 2.0 - np.round((since - k) / 2.0)) > 0.05  # not within a row of a step
         kept = away[: len(dashed)] & (since[: len(dashed)] < since[len(dashed) - 1] - 0.1)

@@ -14,7 +14,7 @@ from typing import Any
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.parts import exact_volume
-from strikewave.analyses.fem.report.fields import largest_words
+from strikewave.analyses.fem.report.largest import largest_words
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import check_model, first_step, run_model
 from strikewave.analyses.fem.sectors import WholeForce, blow_of_bodies, sectors

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from strikewave.analyses.hopkinson.echo_result import EchoSolution
 from strikewave.analyses.hopkinson.result import SplitBarSolution
@@ -16,29 +17,23 @@ from strikewave.hopkinson.echoes import Echoes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Reduction
 from strikewave.hopkinson.uniformity import UNIFORM, face_forces
-from strikewave.reporting.curves import thin
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, WHOLE, quiet, sheet_title
+from strikewave.reporting.curves import above_right, thin
+from strikewave.reporting.numbers import percent
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, WHOLE, new_figure, quiet, sheet_title
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-SINCE = "time after the wave comes to the specimen (µs)"
-AT_END = "time after the wave comes to the end (µs)"
+SINCE = "time after the wave arrives at the specimen (µs)"
+AT_END = "time after the wave arrives at the end (µs)"
 LOOKS = ((BLUE, "-"), (RED, "--"), (GREEN, "-."))
 """Colour and dashes of the first, second and third curve."""
-
-
-def _above(axes: Any, columns: int = 3) -> None:
-    """Put the legend into the upper right corner of the title line."""
-    axes.legend(
-        frameon=False,
-        fontsize=8,
-        loc="lower right",
-        bbox_to_anchor=(1.0, 0.98),
-        ncols=columns,
-        borderaxespad=0.0,
-        columnspacing=1.2,
-    )
+WINDOW_LEVELS = (-1.55, -1.85)
+"""Where the windows of pulses on the first and the second trace are drawn, plateaus of the incident pulse: below the
+reflected pulse, which reaches -1 at most."""
+RECORD_LIMITS = (-2.05, 1.35)
+"""Axis of a record, plateaus: the windows with their names, and the ripple on top of the plateau."""
+END_LEVELS, END_LIMITS = (-1.55, -1.9), (-2.15, 1.35)
+"""The same for the record of a bar with a sensor on its end."""
+MARKED_TRANSITS = (3.0, 5.0)
+"""Transits by which equilibrium is often taken for granted; a strip marks them."""
 
 
 def draw_record(axes: Any, pulses: Pulses) -> None:
@@ -50,17 +45,22 @@ def draw_record(axes: Any, pulses: Pulses) -> None:
     names = ("incident", "reflected", "transmitted")
     for k, (start, name) in enumerate(zip(pulses.starts, names, strict=True)):
         begin, end = start * 1e6, (start + pulses.duration) * 1e6
-        level = -1.55 * top if k < 2 else -1.85 * top
-        axes.plot([begin, end], [level, level], "|-", color=GREY, linewidth=1.0, markersize=6)
-        axes.text(0.5 * (begin + end), level, name, fontsize=8, ha="center", va="bottom", color=GREY)
+        level = WINDOW_LEVELS[0 if k < 2 else 1] * top
+        _window(axes, (begin, end), level, name)
     quiet(axes, "Record and windows", "time of the record (µs)", "strain (µε), compression +")
-    axes.set_ylim(-2.05 * top, 1.35 * top)
+    axes.set_ylim(RECORD_LIMITS[0] * top, RECORD_LIMITS[1] * top)
     first, last = pulses.traces[0].trace.time[[0, -1]]
     axes.set_xlim(
         1e6 * max(first, pulses.starts[0] - 0.5 * pulses.duration),
         1e6 * min(last, max(pulses.starts) + 1.5 * pulses.duration),
     )
-    _above(axes, 2)
+    above_right(axes)
+
+
+def _window(axes: Any, span: tuple[float, float], level: float, name: str) -> None:
+    """Draw the window of a pulse as a bar with its name."""
+    axes.plot(span, [level, level], "|-", color=GREY, linewidth=1.0, markersize=6)
+    axes.text(0.5 * sum(span), level, name, fontsize=8, ha="center", va="bottom", color=GREY)
 
 
 def draw_waves(axes: Any, reduction: Reduction) -> None:
@@ -71,7 +71,7 @@ def draw_waves(axes: Any, reduction: Reduction) -> None:
         axes.plot(w.time * 1e6, strain * 1e6, dash, color=colour, linewidth=1.3, label=name)
     axes.axvline(w.loaded * 1e6, color=GREY, linewidth=0.8, linestyle=":")
     quiet(axes, "At the specimen", SINCE, "strain (µε), compression +")
-    _above(axes)
+    above_right(axes)
 
 
 def draw_forces(axes: Any, solution: SplitBarSolution) -> None:
@@ -82,7 +82,7 @@ def draw_forces(axes: Any, solution: SplitBarSolution) -> None:
     axes.plot(time, r.second_force / 1e3, "--", color=RED, linewidth=1.3, label="F2, transmitted bar")
     axes.axvline(r.waves.loaded * 1e6, color=GREY, linewidth=0.8, linestyle=":")
     quiet(axes, "Force balance", SINCE, "force (kN)")
-    _above(axes, 2)
+    above_right(axes)
 
 
 def draw_difference(axes: Any, solution: SplitBarSolution) -> None:
@@ -90,7 +90,9 @@ def draw_difference(axes: Any, solution: SplitBarSolution) -> None:
     r, on = solution.reduction, solution.reduction.loading
     axes.plot(r.time[on] * 1e6, 100.0 * solution.equilibrium.ratio[on], color=BLUE, linewidth=1.2)
     axes.axhline(100.0 * UNIFORM, color=GREY, linewidth=0.9, linestyle="--")
-    axes.text(1.0, 100.0 * UNIFORM, f" {UNIFORM:.0%}", transform=axes.get_yaxis_transform(), fontsize=8, va="center")
+    axes.text(
+        1.0, 100.0 * UNIFORM, f" {percent(UNIFORM, 0)}", transform=axes.get_yaxis_transform(), fontsize=8, va="center"
+    )
     quiet(axes, "Difference of the forces over their mean", SINCE, "2 |F1−F2| / |F1+F2| (%)")
     axes.set_ylim(0.0, 100.0)
 
@@ -102,7 +104,7 @@ def draw_curves(axes: Any, reduction: Reduction) -> None:
         true = reduction.curve(name).true()
         axes.plot(100.0 * true.strain[on], true.stress[on] / 1e6, dash, color=colour, linewidth=1.3, label=name)
     quiet(axes, "True curve", "true strain (%)", "true stress (MPa)")
-    _above(axes)
+    above_right(axes)
 
 
 def draw_rate(axes: Any, reduction: Reduction) -> None:
@@ -112,14 +114,12 @@ def draw_rate(axes: Any, reduction: Reduction) -> None:
         true = reduction.curve("1-wave" if name == "1-wave" else "3-wave").true()
         axes.plot(100.0 * true.strain[on], true.rate[on], dash, color=colour, linewidth=1.3, label=name)
     quiet(axes, "True strain rate", "true strain (%)", "rate (1/s)")
-    _above(axes)
+    above_right(axes)
 
 
 def shot_summary(solution: SplitBarSolution) -> Figure:
     """Draw a reduced shot: record, waves, forces, their difference, curve and rate."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 9.6), layout="constrained")
+    figure = new_figure((11.0, 9.6))
     sheet_title(figure, solution.title)
     grid = figure.subplots(3, 2)
     draw_record(grid[0, 0], solution.pulses)
@@ -154,7 +154,7 @@ def draw_speed(axes: Any, echoes: Echoes, stated: float) -> None:
     axes.plot(frequency, echoes.theory_speed, "-", color=RED, linewidth=1.4, label="theory")
     axes.axhline(stated, color=GREY, linewidth=1.0, linestyle="--", label="stated")
     quiet(axes, "Phase speed", "frequency (kHz)", "speed (m/s)")
-    _above(axes)
+    above_right(axes)
 
 
 def draw_losses(axes: Any, echoes: Echoes) -> None:
@@ -166,14 +166,12 @@ def draw_losses(axes: Any, echoes: Echoes) -> None:
     axes.axhline(echoes.attenuation.value, color=RED, linewidth=1.2, label="mean by energy")
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     quiet(axes, "Attenuation", "frequency (kHz)", "attenuation (1/m)")
-    _above(axes, 2)
+    above_right(axes)
 
 
 def echo_summary(solution: EchoSolution) -> Figure:
     """Draw the calibration of a bar: its passes, phase speed and attenuation over frequency."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 6.8), layout="constrained")
+    figure = new_figure((11.0, 6.8))
     sheet_title(figure, solution.title)
     grid = figure.subplot_mosaic([["passes", "passes"], ["speed", "losses"]])
     draw_passes(grid["passes"], solution.echoes)
@@ -185,10 +183,10 @@ def echo_summary(solution: EchoSolution) -> Figure:
 def draw_accelerations(axes: Any, solution: SensorSolution) -> None:
     """Draw the reference acceleration of the sensor, and its reading with the delay taken out."""
     comparison = solution.comparison
-    words = "reading / sensitivity found" if solution.unit == "V" else "reading"
+    label = "reading / sensitivity" if solution.unit == "V" else "reading"
     for values, name, (colour, dash) in zip(
         (comparison.motion.acceleration, solution.shown_acceleration),
-        ("reference by the gauge", words),
+        ("reference by the gauge", label),
         LOOKS,
         strict=False,
     ):
@@ -198,7 +196,7 @@ def draw_accelerations(axes: Any, solution: SensorSolution) -> None:
         "" if solution.quoted else ": not to be quoted"
     )
     quiet(axes, title, AT_END, "acceleration (1000 g)")
-    _above(axes, 2)
+    above_right(axes)
 
 
 def draw_sensor_difference(axes: Any, solution: SensorSolution) -> None:
@@ -219,7 +217,7 @@ def draw_velocities(axes: Any, solution: SensorSolution) -> None:
         time, shown = thin(comparison.time, values)
         axes.plot(time * 1e6, shown, dash, color=colour, linewidth=width, label=name)
     quiet(axes, "Velocity", AT_END, "velocity (m/s)")
-    _above(axes)
+    above_right(axes)
 
 
 def draw_end_record(axes: Any, solution: SensorSolution) -> None:
@@ -228,12 +226,11 @@ def draw_end_record(axes: Any, solution: SensorSolution) -> None:
     trace, top = pulses.traces[0].trace, float(pulses.plateau) * 1e6
     time, strain = thin(trace.time, trace.strain)
     axes.plot(time * 1e6, strain * 1e6, color=BLUE, linewidth=1.0)
-    for start, name, level in zip(pulses.starts, ("incident", "reflected"), (-1.55 * top, -1.9 * top), strict=False):
+    for start, name, level in zip(pulses.starts, ("incident", "reflected"), END_LEVELS, strict=False):
         begin, end = start * 1e6, (start + pulses.duration) * 1e6
-        axes.plot([begin, end], [level, level], "|-", color=GREY, linewidth=1.0, markersize=6)
-        axes.text(0.5 * (begin + end), level, name, fontsize=8, ha="center", va="bottom", color=GREY)
+        _window(axes, (begin, end), level * top, name)
     quiet(axes, "Strain at the gauge", "time of the record (µs)", "strain (µε), compression +")
-    axes.set_ylim(-2.15 * top, 1.35 * top)
+    axes.set_ylim(END_LIMITS[0] * top, END_LIMITS[1] * top)
     first, last = trace.time[[0, -1]]
     axes.set_xlim(
         1e6 * max(first, pulses.starts[0] - 0.2 * pulses.duration),
@@ -242,10 +239,8 @@ def draw_end_record(axes: Any, solution: SensorSolution) -> None:
 
 
 def sensor_summary(solution: SensorSolution) -> Figure:
-    """Draw an accelerometer beside its reference: accelerations, their difference, velocities, the strain."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 9.6), layout="constrained")
+    """Draw an accelerometer compared with its reference: accelerations, their difference, velocities, the strain."""
+    figure = new_figure((11.0, 9.6))
     sheet_title(figure, solution.title)
     grid = figure.subplot_mosaic([["acceleration"] * 2, ["difference", "velocity"], ["strain"] * 2])
     draw_accelerations(grid["acceleration"], solution)
@@ -258,16 +253,14 @@ def sensor_summary(solution: SensorSolution) -> Figure:
 def uniformity(ratios: Sequence[float] = (0.1, 0.25, 0.5, 1.0), rise: float = 2.0, transits: int = 12) -> Figure:
     """Draw how the forces on an elastic specimen come together: a step, and a rise of so many transits.
 
-    docs/hopkinson.md shows it. The strip marks the 3 to 5 transits by which equilibrium is often taken for granted.
+    The strip marks the 3 to 5 transits by which equilibrium is often taken for granted.
 
     Examples
     --------
     >>> len(uniformity((0.1, 0.5)).axes)
     2
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=WHOLE, layout="constrained")
+    figure = new_figure(WHOLE)
     left, right = figure.subplots(1, 2, sharey=True)
     time = np.linspace(0.005, transits, 40 * transits)
     looks = ((BLUE, "-"), (RED, "--"), (GREEN, "-."), (ORANGE, ":"))
@@ -278,7 +271,7 @@ def uniformity(ratios: Sequence[float] = (0.1, 0.25, 0.5, 1.0), rise: float = 2.
         ramp = 100.0 * np.abs(face_forces(beta, time, rise).alpha)
         right.plot(time, ramp, dash, color=colour, label=f"β = {beta:g}")
     for axes, title in ((left, "Step"), (right, f"Straight rise over {rise:g} transits")):
-        axes.axvspan(3.0, 5.0, color="#EFEFEF", zorder=0)
+        axes.axvspan(*MARKED_TRANSITS, color="#EFEFEF", zorder=0)
         axes.axhline(100.0 * UNIFORM, color=GREY, linewidth=0.9, linestyle="--")
         quiet(axes, title, "time over transit time t/t₀", "force difference |α| (%)")
         axes.set_yscale("log")

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+import numpy as np
+
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.hopkinson import ANALYSES, stress_difference, transits_to_uniform
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.numbers import percent, with_unit
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
-from strikewave.waves.limits import REFUSED, WARNED
+from strikewave.reporting.style import WHOLE, one_diagram
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from matplotlib.figure import Figure
+    from collections.abc import Sequence
 
     from strikewave.analyses.hopkinson.echo_result import EchoSolution
     from strikewave.analyses.hopkinson.outcome import Outcome
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
     from strikewave.hopkinson.checks import Equilibrium, Slope
     from strikewave.hopkinson.echoes import Estimate
 
+RISE_SHARE = 0.8
+"""Share of a straight rise that lies between 10 and 90 % of it."""
 _SHOT = (
     "Compression is positive. Each pulse is carried from its gauge to the specimen; forces are F1 = E A (incident + "
     "reflected) and F2 = E A transmitted, face velocities c (incident − reflected) and c transmitted. 1-wave takes the "
@@ -31,7 +35,7 @@ _SHOT = (
 _SLOPE = (
     "The slope of the rise is fitted from 10 to 50 % of the largest stress; in brackets is what it becomes where "
     "reflected and transmitted wave come a sample earlier or later. It is a check, not Young's modulus: equilibrium "
-    "comes late in the rise, and the bar faces give way."
+    "comes late in the rise, and the bar faces deform."
 )
 _ECHOES = (
     "Both ends are free, and the pulse passes the gauge again and again. The phase between two passes over a known way "
@@ -40,16 +44,16 @@ _ECHOES = (
     "Student's factor times it holds 95 %. The error of the stated distance comes on top."
 )
 _SENSOR = (
-    "The incident wave, carried from the gauge to the end, tells how what stands there moves: v = 2 c ε at a bare end, "
-    "m dv/dt = 2 E A ε − Z v for a rigid mass, waves in the disk for an elastic one. Reference and reading are "
-    "low-passed alike at the bandwidth stated (zero phase, 4 poles a pass). The delay is that of the largest "
-    "correlation, the sensitivity the slope by least squares of reading over reference."
+    "The incident wave, carried from the gauge to the end, gives the motion of the sensor and its mount: v = 2 c ε at "
+    "a bare end, m dv/dt = 2 E A ε − Z v for a rigid mass, waves in the disk for an elastic one. Reference and "
+    "reading are low-passed alike at the bandwidth stated (zero phase, 4 poles a pass). The delay is that of the "
+    "largest correlation, the sensitivity the slope by least squares of reading over reference."
 )
 _DOUBT = (
     "The uncertainty adds squares: the scatter of the slope by the residual, taken as noise of its own colour; by how "
-    "much the noise of the reference lowers the slope; and what the set-up states for strain and bar speed. Nothing is "
-    "in it for the mass on the end, nor for a wrong model of the end: for that the reflected wave, which the reference "
-    "does not use, is compared with it."
+    "much the noise of the reference lowers the slope; and what the set-up states for strain and bar speed. Nothing "
+    "is in it for the mass on the end, nor for a wrong model of the end: to check these, compare the reflected wave, "
+    "which the reference does not use."
 )
 
 
@@ -66,10 +70,6 @@ def shot_tables(solution: SplitBarSolution) -> list[Table]:
 
 
 def _curve_table(solution: SplitBarSolution) -> Table:
-    import numpy as np
-
-    from strikewave.hopkinson import ANALYSES
-
     on, slopes = solution.reduction.loading, solution.slopes()
     rows: list[list[Cell]] = []
     for name in ANALYSES:
@@ -107,7 +107,7 @@ def _slope(slope: Slope) -> str:
 
 
 def _balance_table(solution: SplitBarSolution) -> Table:
-    alike, impulses, work, limits = (
+    equilibrium, impulses, work, limits = (
         solution.equilibrium,
         solution.momentum,
         solution.energy,
@@ -116,13 +116,17 @@ def _balance_table(solution: SplitBarSolution) -> Table:
     specimen = NONE if math.isnan(impulses.specimen) else f"{impulses.specimen * 1e3:.3g} mN s"
     wrong = "" if work.acceleration >= 0.0 else "; below 0: the forces do not balance"
     rows: list[list[Cell]] = [
-        ["force difference over mean force", f"{alike.misfit:.1%}", f"limit {limits.force_misfit.si:.0%}"],
-        ["impulse on face 1 over face 2", f"{alike.force_ratio:.4f}", "1 but for the specimen's own momentum"],
-        ["forces agree to 5 %", _agreeing(alike), f"in all over {alike.share:.0%} of the loading"],
         [
-            f"{_closing(solution)} impulse",
-            f"{abs(impulses.closure):.2%}",
-            f"of the incident one; limit {limits.momentum.si:.0%}",
+            "force difference over mean force",
+            percent(equilibrium.misfit, 1),
+            f"limit {percent(limits.force_misfit.si, 0)}",
+        ],
+        ["impulse on face 1 over face 2", f"{equilibrium.force_ratio:.4f}", "1 but for the specimen's own momentum"],
+        ["forces agree to 5 %", _agreeing(equilibrium), f"in all over {percent(equilibrium.share, 0)} of the loading"],
+        [
+            "missing impulse" if impulses.closure >= 0.0 else "excess impulse",
+            percent(abs(impulses.closure), 2),
+            f"of the incident one; limit {percent(limits.momentum.si, 0)}",
         ],
         ["incident, reflected, transmitted impulse", _three(impulses[:3], 1.0, "N s"), f"specimen {specimen}"],
         ["incident, reflected, transmitted energy", _three(work[:3], 1.0, "J"), ""],
@@ -132,14 +136,16 @@ def _balance_table(solution: SplitBarSolution) -> Table:
             f"deforms {work.deformation:.4g}, moves {work.acceleration:.3g} J{wrong}",
         ],
     ]
-    return Table("Balances while the incident wave lasts", ["quantity", "value", "note"], rows)
+    return Table(
+        "Force, momentum and energy balance while the incident wave lasts", ["quantity", "value", "note"], rows
+    )
 
 
-def _agreeing(alike: Equilibrium) -> str:
+def _agreeing(equilibrium: Equilibrium) -> str:
     """Write the longest stretch in which the forces agree."""
-    if math.isnan(alike.begin):
+    if math.isnan(equilibrium.begin):
         return "in no lasting stretch"
-    return f"from {alike.begin * 1e6:.1f} to {alike.end * 1e6:.1f} µs"
+    return f"from {equilibrium.begin * 1e6:.1f} to {equilibrium.end * 1e6:.1f} µs"
 
 
 def _three(values: Sequence[float], scale: float, unit: str) -> str:
@@ -153,24 +159,24 @@ def _alignment_table(solution: SplitBarSolution) -> Table:
         for k, name in enumerate(("reflected", "transmitted"))
     ]
     caption = (
-        f"How late the waves are at the specimen against geometry; alignment {waves.method}, dispersion "
-        f"{waves.theory} up to {waves.band / 1e3:.4g} kHz, greatest move allowed {waves.window * 1e6:.3g} µs, the rise"
+        f"Delay of the waves at the specimen against geometry; alignment {waves.method}, dispersion "
+        f"{waves.theory} up to {waves.band / 1e3:.4g} kHz, largest shift allowed {waves.window * 1e6:.3g} µs, the rise"
     )
-    return Table(caption, ["wave", "by onset (µs)", "by balance (µs)", "moved (µs)"], rows)
+    return Table(caption, ["wave", "by onset (µs)", "by balance (µs)", "applied shift (µs)"], rows)
 
 
 def _bar_table(solution: SplitBarSolution) -> Table:
     rows: list[list[Cell]] = [
         [
             name,
-            f"{one.density:.5g}",
-            f"{one.modulus / 1e9:.5g}",
-            f"{one.speed:.6g}",
-            one.derived,
+            f"{constants.density:.5g}",
+            f"{constants.modulus / 1e9:.5g}",
+            f"{constants.speed:.6g}",
+            constants.derived,
             f"{bar.impedance:.5g}",
             f"{noise * 1e6:.3g}",
         ]
-        for (name, one), bar, noise in zip(
+        for (name, constants), bar, noise in zip(
             solution.constants.items(), solution.reduction.bars, solution.reduction.waves.noise, strict=True
         )
     ]
@@ -184,30 +190,28 @@ def _striker_table(solution: SplitBarSolution) -> list[Table]:
         return []
     rows: list[list[Cell]] = [
         ["plateau strain (µε)", written(check.strain * 1e6), written(check.strain_expected * 1e6)],
-        ["width at half height (µs)", written(check.duration * 1e6), written(check.duration_expected * 1e6)],
+        ["pulse width at 50 % (µs)", written(check.duration * 1e6), written(check.duration_expected * 1e6)],
     ]
-    caption = f"Incident pulse, compared with what its striker makes; the plateau stands for {check.speed:.4g} m/s"
+    caption = f"Incident pulse compared with the striker; the plateau corresponds to {check.speed:.4g} m/s"
     return [Table(caption, ["quantity", "measured", "v Zs/((Zs+Zb) c), 2 Ls/cs"], rows)]
 
 
 def _theory_table(solution: SplitBarSolution) -> list[Table]:
     """Say how soon an elastic specimen would be in equilibrium, where its density and modulus are known."""
-    from strikewave.hopkinson import stress_difference, transits_to_uniform
-
     specimen, bar = solution.reduction.specimen, solution.reduction.bars[0]
     beta, transit = specimen.impedance_ratio(bar), specimen.transit
     if beta is None or transit is None:
         return []
-    rise = solution.pulses.rise / 0.8 / transit
+    rise = solution.pulses.rise / RISE_SHARE / transit
     rows: list[list[Cell]] = [
         ["impedance of the specimen over that of the bar", f"{beta:.4g}"],
         ["transit of the specimen (µs)", f"{transit * 1e6:.4g}"],
-        ["force difference after a step, transit 3", f"{float(stress_difference(beta, 3)):.1%}"],
-        ["force difference after a step, transit 5", f"{float(stress_difference(beta, 5)):.2%}"],
+        ["force difference after a step, transit 3", percent(float(stress_difference(beta, 3)), 1)],
+        ["force difference after a step, transit 5", percent(float(stress_difference(beta, 5)), 2)],
         ["transits to 5 % after a step", f"{transits_to_uniform(beta):.4g}"],
         [f"transits to 5 % under a straight rise of {rise:.3g} transits", f"{transits_to_uniform(beta, rise):.4g}"],
     ]
-    return [Table("Equilibrium of an elastic specimen in theory", ["quantity", "value"], rows)]
+    return [Table("Theoretical equilibrium of an elastic specimen", ["quantity", "value"], rows)]
 
 
 def echo_tables(solution: EchoSolution) -> list[Table]:
@@ -218,7 +222,7 @@ def echo_tables(solution: EchoSolution) -> list[Table]:
         [
             "bar speed (m/s)",
             *_estimated(echoes.speed, 1.0),
-            f"{solution.difference:+.2%} off the stated {solution.bar.speed:.6g}",
+            f"{percent(solution.difference, 2, '+')} off the stated {solution.bar.speed:.6g}",
         ],
         ["length (mm)", *_estimated(echoes.round_trip, 1e3), _length_words(solution)],
         ["attenuation (1/m)", *_estimated(echoes.attenuation, 1.0), "by energy, ends included"],
@@ -233,7 +237,7 @@ def echo_tables(solution: EchoSolution) -> list[Table]:
         ],
     ]
     heads = ["quantity", "value", "standard error", "Student's factor, 95 %", "freedom", "note"]
-    return [Table(f"{solution.title}: what the echoes say, dispersion {echoes.theory}", heads, rows)]
+    return [Table(f"{solution.title}: results from the echoes, dispersion {echoes.theory}", heads, rows)]
 
 
 def _length_words(solution: EchoSolution) -> str:
@@ -241,10 +245,15 @@ def _length_words(solution: EchoSolution) -> str:
     return f"by round trips; given as {stated * 1e3:.6g}" if math.isfinite(stated) else "by round trips"
 
 
-def _estimated(one: Estimate, scale: float) -> tuple[str, str, str, str]:
-    if math.isnan(one.error):
-        return f"{one.value * scale:.6g}", NONE, NONE, str(one.freedom)
-    return f"{one.value * scale:.6g}", f"{one.error * scale:.2g}", f"{one.student:.3g}", str(one.freedom)
+def _estimated(estimate: Estimate, scale: float) -> tuple[str, str, str, str]:
+    if math.isnan(estimate.error):
+        return f"{estimate.value * scale:.6g}", NONE, NONE, str(estimate.freedom)
+    return (
+        f"{estimate.value * scale:.6g}",
+        f"{estimate.error * scale:.2g}",
+        f"{estimate.student:.3g}",
+        str(estimate.freedom),
+    )
 
 
 def sensor_tables(solution: SensorSolution) -> list[Table]:
@@ -253,8 +262,8 @@ def sensor_tables(solution: SensorSolution) -> list[Table]:
 
 
 def _sensitivity_table(solution: SensorSolution) -> Table:
-    found, unit = solution.comparison, solution.unit
-    (peak, read), (velocity, integral) = solution.peaks, found.velocities
+    comparison, unit = solution.comparison, solution.unit
+    (peak, reading), (velocity, integral) = solution.peaks, comparison.velocities
     share = solution.uncertainty.combined
     slope = solution.sensitivity
     rows: list[list[Cell]] = [
@@ -264,13 +273,18 @@ def _sensitivity_table(solution: SensorSolution) -> Table:
             NONE,
             f"{_sensitivity(slope, unit)} ± {_sensitivity(abs(slope) * share, unit, 2)}",
         ],
-        ["largest acceleration", with_unit(peak, "m/s^2", "g"), _read(read, unit), _sensitivity(read / peak, unit)],
+        [
+            "largest acceleration",
+            with_unit(peak, "m/s^2", "g"),
+            _read(reading, unit),
+            _sensitivity(reading / peak, unit),
+        ],
         ["velocity change", f"{velocity:.4g} m/s", _integral(integral, unit), _sensitivity(integral / velocity, unit)],
     ]
     if not solution.quoted:
         rows[0][3] = rows[1][3] = "not quoted: rise too steep"
     heads = ["quantity", "reference by the gauge", "reading", "reading over reference"]
-    bandwidth = found.bandwidth
+    bandwidth = comparison.bandwidth
     caption = (
         f"{solution.title}: sensitivity with its standard uncertainty, at {bandwidth.value / 1e3:.4g} kHz "
         f"(set by: {bandwidth.reason})"
@@ -279,39 +293,39 @@ def _sensitivity_table(solution: SensorSolution) -> Table:
 
 
 def _agreement_table(solution: SensorSolution) -> Table:
-    found, standing = solution.comparison, solution.standing
-    reflected = NONE if math.isnan(found.reflected_misfit) else f"{found.reflected_misfit:.2%}"
+    comparison, standing = solution.comparison, solution.standing
+    reflected = NONE if math.isnan(comparison.reflected_misfit) else percent(comparison.reflected_misfit, 2)
     disk = f", elastic disk of {standing.disk.mass * 1e3:.4g} gram" if standing.disk else ""
     rows: list[list[Cell]] = [
-        ["delay of the reading", f"{found.agreement.delay * 1e6:+.3f} µs", "against gauge and bar speed"],
-        ["correlation", f"{found.correlation:.5f}", "at that delay"],
-        ["residual over reading", f"{found.agreement.residual:.2%}", "root mean square"],
-        ["noise of the reference", with_unit(found.reference_noise, "m/s^2", "g"), "of the gauge, at the bandwidth"],
-        ["noise of the reading", _read(found.reading_noise, solution.unit), "at the bandwidth"],
+        ["delay of the reading", f"{comparison.agreement.delay * 1e6:+.3f} µs", "against gauge and bar speed"],
+        ["correlation", f"{comparison.correlation:.5f}", "at that delay"],
+        ["residual over reading", percent(comparison.agreement.residual, 2), "root mean square"],
         [
-            "rise left, in diameters of travel",
-            f"{solution.rise_diameters:.3g}",
-            f"not quoted below {REFUSED:g}, warned below {WARNED:g}",
+            "noise of the reference",
+            with_unit(comparison.reference_noise, "m/s^2", "g"),
+            "of the gauge, at the bandwidth",
         ],
-        ["frequency at which the pulse sinks in noise", f"{found.bandwidth.noise / 1e3:.4g} kHz", "at the gauge"],
+        ["noise of the reading", _read(comparison.reading_noise, solution.unit), "at the bandwidth"],
+        ["rise left, in diameters of travel", f"{solution.rise_diameters:.3g}", "not quoted below 2, warned below 5"],
+        ["frequency at which the pulse sinks in noise", f"{comparison.bandwidth.noise / 1e3:.4g} kHz", "at the gauge"],
         ["velocity by both waves, off the model", reflected, "root mean square"],
         ["mass on the end", f"{standing.mass * 1e3:.4g} gram", f"sensor and rigid disk{disk}"],
     ]
-    return Table("How the reading follows the reference", ["quantity", "value", "note"], rows)
+    return Table("Agreement of reading and reference", ["quantity", "value", "note"], rows)
 
 
 def _uncertainty_table(solution: SensorSolution) -> Table:
     parts, power = solution.uncertainty, solution.comparison.speed_power
-    words = {
+    origins = {
         "scatter": "residual of the slope",
         "bias": "noise of the reference, which lowers a slope",
         "strain": "stated for the strain at the gauge",
         "speed": f"stated for the bar speed, which counts with its power {power:.3g}",
     }
     rows: list[list[Cell]] = [
-        [name, NONE if math.isnan(part) else f"{part:.2%}", words[name]] for name, part in parts._asdict().items()
+        [name, NONE if math.isnan(part) else percent(part, 2), origins[name]] for name, part in parts._asdict().items()
     ]
-    rows.append(["combined", f"{parts.combined:.2%}", "root of the sum of squares of those that are known"])
+    rows.append(["combined", percent(parts.combined, 2), "root of the sum of squares of those that are known"])
     return Table("Relative standard uncertainty of the sensitivity", ["part", "value", "from"], rows)
 
 
@@ -326,8 +340,6 @@ def _integral(value: float, unit: str) -> str:
 
 def _sensitivity(value: float, unit: str, digits: int = 5) -> str:
     """Write reading over reference: volts in mV/g, a ratio as it is."""
-    from strikewave.base.constants import STANDARD_GRAVITY
-
     return f"{value * STANDARD_GRAVITY * 1e3:.{digits}g} mV/g" if unit == "V" else f"{value:.{digits}g}"
 
 
@@ -344,36 +356,39 @@ def shot_report(solution: SplitBarSolution) -> str:
 
     r, pulses = solution.reduction, solution.pulses
     pictures = [
-        Picture(_figure(lambda axes: draw_record(axes, pulses), True), "The record, and the windows of the pulses."),
         Picture(
-            _figure(lambda axes: draw_waves(axes, r), True),
+            one_diagram(lambda axes: draw_record(axes, pulses), WHOLE),
+            "The strain records, and the windows of the pulses.",
+        ),
+        Picture(
+            one_diagram(lambda axes: draw_waves(axes, r), WHOLE),
             "The waves at the specimen. The dotted line is the end of the incident wave.",
         ),
-        Picture(_figure(lambda axes: draw_forces(axes, solution)), "Forces on both faces of the specimen."),
-        Picture(_figure(lambda axes: draw_difference(axes, solution)), "By how much they differ."),
-        Picture(_figure(lambda axes: draw_curves(axes, r)), "True stress over true strain."),
-        Picture(_figure(lambda axes: draw_rate(axes, r)), "True strain rate over true strain."),
+        Picture(one_diagram(lambda axes: draw_forces(axes, solution)), "Forces on both faces of the specimen."),
+        Picture(one_diagram(lambda axes: draw_difference(axes, solution)), "Their difference."),
+        Picture(one_diagram(lambda axes: draw_curves(axes, r)), "True stress over true strain."),
+        Picture(one_diagram(lambda axes: draw_rate(axes, r)), "True strain rate over true strain."),
     ]
     summary = solution.summary()
-    words = (
-        f"The specimen reached a true strain of {summary['strain']:.1%} at {summary['rate']:.0f} 1/s (median) and a "
-        f"true stress of {summary['stress'] / 1e6:.4g} MPa. The forces on its faces differ by "
-        f"{solution.equilibrium.misfit:.1%} of their mean, and {abs(solution.momentum.closure):.2%} of the incident "
-        f"impulse is {_closing(solution)}."
+    text = (
+        f"The specimen reached a true strain of {percent(summary['strain'], 1)} at {summary['rate']:.0f} 1/s (median) "
+        f"and a true stress of {summary['stress'] / 1e6:.4g} MPa. The forces on its faces differ by "
+        f"{percent(solution.equilibrium.misfit, 1)} of their mean, and {percent(abs(solution.momentum.closure), 2)} "
+        f"of the incident impulse is {_closing(solution)}."
     )
     numbers = [
         ("largest true stress", f"{summary['stress'] / 1e6:.4g} MPa"),
         ("largest true strain", f"{100.0 * summary['strain']:.3g} %"),
         ("median true rate", f"{summary['rate']:.0f} 1/s"),
-        ("force difference", f"{solution.equilibrium.misfit:.1%}"),
-        (f"{_closing(solution)} impulse", f"{abs(solution.momentum.closure):.2%}"),
+        ("force difference", percent(solution.equilibrium.misfit, 1)),
+        (f"impulse {_closing(solution)}", percent(abs(solution.momentum.closure), 2)),
     ]
     body = Section("Result", f"{_SHOT}\n\n{_SLOPE}", [*shot_tables(solution), *pictures])
-    return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", words, numbers), body)
+    return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", text, numbers), body)
 
 
 def _closing(solution: SplitBarSolution) -> str:
-    return "missing" if solution.momentum.closure >= 0.0 else "excess"
+    return "missing" if solution.momentum.closure >= 0.0 else "in excess"
 
 
 def sensor_report(solution: SensorSolution) -> str:
@@ -385,36 +400,39 @@ def sensor_report(solution: SensorSolution) -> str:
         draw_velocities,
     )
 
-    found, share = solution.comparison, solution.uncertainty.combined
+    comparison, share = solution.comparison, solution.uncertainty.combined
     pictures = [
-        Picture(_figure(lambda axes: draw_accelerations(axes, solution), True), "Reference and reading of the sensor."),
-        Picture(_figure(lambda axes: draw_sensor_difference(axes, solution)), "By how much they differ."),
         Picture(
-            _figure(lambda axes: draw_velocities(axes, solution)),
+            one_diagram(lambda axes: draw_accelerations(axes, solution), WHOLE), "Reference and reading of the sensor."
+        ),
+        Picture(one_diagram(lambda axes: draw_sensor_difference(axes, solution)), "Their difference."),
+        Picture(
+            one_diagram(lambda axes: draw_velocities(axes, solution)),
             "Velocity: the reference, the reading integrated, and the end of the bar by both waves.",
         ),
         Picture(
-            _figure(lambda axes: draw_end_record(axes, solution), True),
+            one_diagram(lambda axes: draw_end_record(axes, solution), WHOLE),
             "The strain at the gauge, and the windows of the pulses.",
         ),
     ]
     sensitivity = _sensitivity(solution.sensitivity, solution.unit)
     what = "The sensitivity of the sensor" if solution.unit == "V" else "The reading over the reference"
-    words = (
-        f"{what} is {sensitivity} at {found.bandwidth.value / 1e3:.4g} kHz (standard uncertainty {share:.2%}), and "
-        f"{found.agreement.residual:.1%} of the reading does not follow the reference."
+    text = (
+        f"{what} is {sensitivity} at {comparison.bandwidth.value / 1e3:.4g} kHz (standard "
+        f"uncertainty {percent(share, 2)}), and {percent(comparison.agreement.residual, 1)} of the "
+        "reading does not follow the reference."
         if solution.quoted
         else "The rise of the pulse is too steep at this bandwidth for accelerations to be quoted."
     )
     numbers = [
         ("sensitivity" if solution.unit == "V" else "reading over reference", sensitivity if solution.quoted else NONE),
-        ("standard uncertainty", f"{share:.2%}" if solution.quoted else NONE),
+        ("standard uncertainty", percent(share, 2) if solution.quoted else NONE),
         ("largest acceleration", with_unit(solution.peaks[0], "m/s^2", "g")),
-        ("velocity change", f"{found.velocities[0]:.4g} m/s"),
-        ("delay", f"{found.agreement.delay * 1e6:+.2f} µs"),
+        ("velocity change", f"{comparison.velocities[0]:.4g} m/s"),
+        ("delay", f"{comparison.agreement.delay * 1e6:+.2f} µs"),
     ]
     body = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", [*sensor_tables(solution), *pictures])
-    return _page(solution, chapters.Summary("Report of an accelerometer on the end of a bar", words, numbers), body)
+    return _page(solution, chapters.Summary("Report of an accelerometer on the end of a bar", text, numbers), body)
 
 
 def echo_report(solution: EchoSolution) -> str:
@@ -423,13 +441,13 @@ def echo_report(solution: EchoSolution) -> str:
 
     echoes = solution.echoes
     pictures = [
-        Picture(_figure(lambda axes: draw_passes(axes, echoes), True), "The passes of the pulse at the gauge."),
-        Picture(_figure(lambda axes: draw_speed(axes, echoes, solution.bar.speed)), "Phase speed by the echoes."),
-        Picture(_figure(lambda axes: draw_losses(axes, echoes)), "Attenuation by the echoes."),
+        Picture(one_diagram(lambda axes: draw_passes(axes, echoes), WHOLE), "The passes of the pulse at the gauge."),
+        Picture(one_diagram(lambda axes: draw_speed(axes, echoes, solution.bar.speed)), "Phase speed by the echoes."),
+        Picture(one_diagram(lambda axes: draw_losses(axes, echoes)), "Attenuation by the echoes."),
     ]
-    words = (
+    text = (
         f"The bar speed by {echoes.times.size} passes is {echoes.speed.value:.5g} m/s, "
-        f"{solution.difference:+.2%} off the stated one."
+        f"{percent(solution.difference, 2, '+')} off the stated one."
     )
     numbers = [
         ("bar speed", f"{echoes.speed.value:.5g} m/s"),
@@ -438,19 +456,9 @@ def echo_report(solution: EchoSolution) -> str:
         ("attenuation", f"{echoes.attenuation.value:.3g} 1/m"),
     ]
     body = Section("Result", _ECHOES, [*echo_tables(solution), *pictures])
-    return _page(solution, chapters.Summary("Report of a bar calibrated by its echoes", words, numbers), body)
+    return _page(solution, chapters.Summary("Report of a bar calibrated by its echoes", text, numbers), body)
 
 
 def _page(solution: Outcome, summary: chapters.Summary, body: Section) -> str:
     sections = [body, chapters.inputs(solution.case.setup), chapters.warnings(solution.notices)]
     return chapters.result_page(solution, summary, sections)
-
-
-def _figure(draw: Callable[[Any], None], wide: bool = False) -> Figure:
-    from matplotlib.figure import Figure
-
-    from strikewave.reporting.style import HALF, WHOLE
-
-    figure = Figure(figsize=WHOLE if wide else HALF, layout="constrained")
-    draw(figure.add_subplot())
-    return figure

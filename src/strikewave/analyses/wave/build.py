@@ -1,17 +1,20 @@
-"""A layered bar alone: what loads it, and how exactly its waves shall be followed."""
+"""A layered bar alone: its load, and the accuracy of its waves."""
 
 from __future__ import annotations
 
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.materials import material
 from strikewave.cases.case import Case
+from strikewave.cases.contact_of_case import face_contact
 from strikewave.cases.stack_of_case import checked, need, typed
 from strikewave.cases.tables import LoadTable
 from strikewave.waves import Impactor, Load, Pulse, Sampled, Stack, Wanted
 from strikewave.waves.load import Prescribed
 
 NO_LOAD = 1e-6
-"""Duration of the load of zero that a striker bar stands under, s."""
+"""Duration of the load of zero of a bar that a moving layer strikes, s: any time does, as the force is zero."""
+ACCELERATION_ERROR = 10.0
+"""Wanted error of acceleration over that of velocity, both shares of their peaks: a derivative is less exact."""
 _APPLIED: dict[str, Prescribed] = {"force": "force", "incident wave": "incident"}
 
 
@@ -41,7 +44,7 @@ def build_load(case: Case, stack: Stack) -> Load:
     if load.shape == "file":
         if not load.file:
             raise InputError("load.file", MISSING, "a file with time and force", 'add file = "force.csv"')
-        from strikewave.cases.load_file import read_load
+        from strikewave.cases.load_file import read_load  # the readers of records take long to import
 
         return _as_applied(read_load(load.file), load)
     peak = need(load.peak, "load.peak", "a force", 'add peak = "20 kN"')
@@ -60,8 +63,6 @@ def _as_applied(load: Sampled, table: LoadTable) -> Sampled:
 
 
 def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
-    from strikewave.cases.contact_of_case import face_contact
-
     speed = need(load.speed, "load.speed", "the speed of the striker", 'add speed = "5 m/s"')
     if case.striker is None or case.contact is None:
         missing = "striker" if case.striker is None else "contact"
@@ -78,8 +79,8 @@ def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
 
 
 def wanted(case: Case) -> Wanted:
-    """Return how exact the waves of a case shall be; acceleration ten times as coarse as velocity."""
+    """Return the errors that the waves of a case may have, the time step and the method."""
     step = case.solver.step.si if case.solver.step else None
     if case.solver.error is None:
         return Wanted(step=step, method=case.solver.method)
-    return Wanted(case.solver.error.si, 10.0 * case.solver.error.si, step, case.solver.method)
+    return Wanted(case.solver.error.si, ACCELERATION_ERROR * case.solver.error.si, step, case.solver.method)

@@ -11,11 +11,12 @@ if TYPE_CHECKING:
     from strikewave.analyses.wave.run import BarSolution
 
 _ROUND_TRIPS = 2.0
-"""Round trips through the stack that are shown after the load has ended."""
+"""Round trips through the stack that are shown after the load has ended (chosen: the first shows the echoes, the second
+that they repeat)."""
 
 
 def bar_field(solution: BarSolution) -> WaveField:
-    """Return the field of a bar alone, until its load is over and waves have run to and fro twice more."""
+    """Return the field of a bar alone, until its load is over and two round trips later."""
     run = solution.run
     lasting = float(run.touches[:, 1].max(initial=0.0)) if isinstance(run.load, Impactor) else float(run.load.duration)
     whole = WaveField(

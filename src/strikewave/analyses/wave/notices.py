@@ -1,4 +1,4 @@
-"""What a user should know of a layered bar: its load, what was not reached, and with which error."""
+"""Notices on a layered bar: its load, taps that no wave reached, error bounds."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from strikewave.analyses.wave.result import BarSolution, load_peak
 from strikewave.base.result import LEDGER_LIMIT, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import law_notices, yield_notices
+from strikewave.reporting.numbers import percent
 from strikewave.sensors.channel import channel_notices
 from strikewave.waves import BarRun, Impactor, Sampled, Tap
 from strikewave.waves.limits import (
@@ -28,7 +29,11 @@ from strikewave.waves.limits import (
 Array = NDArray[np.float64]
 
 LOAD_OFFSET = 0.005
-"""Share of its largest value with which a measured load may begin without a word."""
+"""Share of its largest value with which a measured load may begin without a notice (chosen: a jump of half a
+per cent changes peaks by less than the calibration of a sensor does)."""
+LONGER = 10.0
+"""A measured load that lasts so many times as long as the run is noticed (chosen: nine tenths of it are then
+ignored)."""
 
 
 class Front(NamedTuple):
@@ -42,10 +47,10 @@ class Front(NamedTuple):
 def bar_notices(
     solution: BarSolution, front: Front, extremes: tuple[Array, Array, Array], lasting: float
 ) -> Iterator[Notice]:
-    """Yield all that a user should know of a layered bar under a load that lasts so long, s; see `bar_extremes`."""
+    """Yield the notices on a layered bar under a load that lasts so long, s; for the extremes see `bar_extremes`."""
     case, run, stack, accuracy = solution.case, solution.run, solution.run.stack, solution.accuracy
     most, least, greatest = extremes
-    yield from _ledger(run)
+    yield from _momentum_balance(run)
     yield from grid_notices(run.grid)
     yield from _file_notices(run)
     yield from _jump(front.rise)
@@ -69,31 +74,31 @@ def _jump(rise: float) -> list[Notice]:
 
 
 def _file_notices(run: BarRun) -> list[Notice]:
-    """Say where a measured load may not be what it is taken for."""
+    """Return notices on a measured load: no unit, far longer than the run, an offset at its start."""
     load = run.load
     if not isinstance(load, Sampled):
         return []
-    found = []
+    notices = []
     if not load.told:
         message = f"the load file names no unit: taken as N and s, {load.largest:.4g} N over {load.duration:.4g} s"
-        found.append(Notice("load-unit", message, load.largest, 0.0))
-    if load.duration > 10.0 * run.duration:
-        message = f"the load lasts {load.duration:.4g} s, the run {run.duration:.4g} s: most of it is not followed"
-        found.append(Notice("load-long", message, load.duration, run.duration))
+        notices.append(Notice("load-unit", message, load.largest, 0.0))
+    if load.duration > LONGER * run.duration:
+        message = f"the load lasts {load.duration:.4g} s, the run {run.duration:.4g} s: most of it is ignored"
+        notices.append(Notice("load-long", message, load.duration, run.duration))
     begins = abs(float(load.values[0]))
     if load.kind != "speed" and begins > LOAD_OFFSET * load.largest:
         message = (
-            f"the load begins with {begins:.4g} N, {begins / load.largest:.1%} of its largest: it jumps there; take "
-            "off its zero line, and cut away what lies before the blow"
+            f"the load begins with {begins:.4g} N, {percent(begins / load.largest, 1)} of its largest: it jumps there; "
+            "subtract the baseline, and cut the record at the onset of the blow"
         )
-        found.append(Notice("load-offset", message, begins, LOAD_OFFSET * load.largest))
-    return found
+        notices.append(Notice("load-offset", message, begins, LOAD_OFFSET * load.largest))
+    return notices
 
 
-def _ledger(run: BarRun) -> list[Notice]:
+def _momentum_balance(run: BarRun) -> list[Notice]:
     if run.momentum_error <= LEDGER_LIMIT:
         return []
-    message = f"the momentum ledger misses {run.momentum_error:.1e}"
+    message = f"the momentum balance error is {run.momentum_error:.1e}"
     return [Notice("momentum-ledger", message, run.momentum_error, LEDGER_LIMIT, broken=True)]
 
 
@@ -107,12 +112,12 @@ def _not_reached(run: BarRun, taps: Sequence[tuple[str, Tap]], accuracy: tuple[f
     if not late:
         return []
     names = ", ".join(f"{name} ({time * 1e6:.4g} us)" for name, time in late)
-    message = f"the run of {run.duration * 1e6:.4g} us ends before the wave comes to {names}"
+    message = f"the run of {run.duration * 1e6:.4g} us ends before the wave arrives at {names}"
     return [Notice("not-reached", message, run.duration, max(time for _, time in late))]
 
 
 def _contact_notices(case: Case, run: BarRun) -> list[Notice]:
-    """Say what the contact of a striker with the first face does beyond its law."""
+    """Return notices on the contact of a striker with the first face: law out of range, yield."""
     if not isinstance(run.load, Impactor) or case.striker is None or case.contact is None:
         return []
     face = case.stack.layer[0].material
@@ -120,7 +125,7 @@ def _contact_notices(case: Case, run: BarRun) -> list[Notice]:
 
 
 def _missed_accuracy(case: Case, run: BarRun, accuracy: tuple[float, float]) -> list[Notice]:
-    """Say where the wanted error could not be promised."""
+    """Return a notice where the error bound is larger than wanted, or there is none."""
     asked, (velocity, acceleration) = wanted(case), accuracy
     if velocity <= asked.velocity and acceleration > asked.acceleration and case.solver.bandwidth is None:
         message = (

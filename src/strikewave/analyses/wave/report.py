@@ -31,7 +31,11 @@ if TYPE_CHECKING:
 _SINCE_LOAD = "time after the start of the load (µs)"
 _DATA_FLOW = ("case file", "checks of units and fits", "stack", "stress waves", "taps and sensors")
 CONTACT_HEADS = ["contact of the striker", "value"]
-HUNG_HEADS = ["mass on a spring", "mass (gram)", "largest acceleration (g)"]
+OSCILLATOR_HEADS = ["mass on a spring", "mass (gram)", "largest acceleration (g)"]
+MOST_OPENINGS = 5
+"""Openings, and closings, of a joint that a table lists (chosen: a row stays one line; the JSON has them all)."""
+MOST_CURVES = 4
+"""Taps that a picture draws: as many as there are dashes, so that no two curves look alike in print."""
 JOINT_HEADS = ["after", "kind", "preload (N)", "opens at (us)", "closes at (us)"]
 
 
@@ -57,12 +61,12 @@ def tap_rows(solution: BarSolution) -> list[list[str]]:
 
 
 def bar_words(solution: BarSolution) -> str:
-    """Say in words what a bar alone felt at its taps."""
-    words = []
+    """Return the peak values at the taps as a sentence."""
+    at_taps = []
     for name, _, layer, _, force, stress, velocity, acceleration in tap_rows(solution):
         quoted = f" and {acceleration} g" if acceleration != NONE else ""
-        words.append(f"{name} (in {layer}): {force} kN, {stress} MPa, {velocity} m/s{quoted}")
-    return f"A stack alone under its load, route {solution.route}. Largest values, with their sign: {'; '.join(words)}."
+        at_taps.append(f"{name} (in {layer}): {force} kN, {stress} MPa, {velocity} m/s{quoted}")
+    return f"A layered bar under its load, route {solution.route}. Signed peak values: {'; '.join(at_taps)}."
 
 
 def error_words(solution: BarSolution) -> str:
@@ -82,7 +86,7 @@ def error_words(solution: BarSolution) -> str:
     )
 
 
-def joint_rows(solution: BarSolution, most: int = 5) -> list[list[str]]:
+def joint_rows(solution: BarSolution, most: int = MOST_OPENINGS) -> list[list[str]]:
     """List the joints that can open, and their first openings and closings."""
 
     def times(values: Sequence[float]) -> str:
@@ -96,7 +100,7 @@ def joint_rows(solution: BarSolution, most: int = 5) -> list[list[str]]:
 
 
 def contact_rows(solution: BarSolution) -> list[list[str]]:
-    """List what the contact of a striker came to; nothing without one."""
+    """List peak force, indentation, impulse and losses of the contact of a striker; nothing without one."""
     contact = solution.contact()
     if contact is None:
         return []
@@ -112,7 +116,7 @@ def contact_rows(solution: BarSolution) -> list[list[str]]:
     ]
 
 
-def hung_rows(solution: BarSolution) -> list[list[str]]:
+def oscillator_rows(solution: BarSolution) -> list[list[str]]:
     """List the masses on springs and their largest acceleration, without any filter."""
     return [
         [row["where"], f"{row['mass'] * 1e3:.4g}", f"{row['peak'] / STANDARD_GRAVITY:.5g}"]
@@ -123,12 +127,12 @@ def hung_rows(solution: BarSolution) -> list[list[str]]:
 def _staircase(field: WaveField, layer: int, solution: BarSolution) -> Picture:
     """Show how force grows at both faces of a layer between two others."""
     name, run = field.stack.layers[layer].name, solution.run
-    words = (
+    caption = (
         f"Force at both faces of {name} over the largest load. Dashed: the closed form for bonded joints and endless "
-        "neighbours under this load, until the first echo from beyond them arrives (upright line); dotted: its steps "
+        "neighbours under this load, until the first echo from beyond them arrives (vertical line); dotted: its steps "
         "for a load that jumps."
     )
-    return Picture(staircase_diagram(field, layer, run.time, run.face_force), words)
+    return Picture(staircase_diagram(field, layer, run.time, run.face_force), caption)
 
 
 def bar_tables(solution: BarSolution) -> list[tuple[str, list[str], list[list[str]]]]:
@@ -137,13 +141,13 @@ def bar_tables(solution: BarSolution) -> list[tuple[str, list[str], list[list[st
         [layer.name, f"{stress / 1e6:.4g}"]
         for layer, stress in zip(solution.waves.layers, solution.layer_stress, strict=False)
     ]
-    listed = [
+    tables = [
         ("Contact of the striker", CONTACT_HEADS, contact_rows(solution)),
-        ("Masses on springs", HUNG_HEADS, hung_rows(solution)),
+        ("Masses on springs", OSCILLATOR_HEADS, oscillator_rows(solution)),
         ("Joints that can open", JOINT_HEADS, joint_rows(solution)),
         ("Largest stress in each layer", ["layer", "stress (MPa)"], layers[:MOST_LAYERS]),
     ]
-    return [entry for entry in listed if entry[2]]
+    return [entry for entry in tables if entry[2]]
 
 
 def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Section]:
@@ -151,8 +155,8 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
     run, time = solution.run, solution.run.time
     heads = ["tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"]
     rows: list[list[Cell]] = [list(row) for row in tap_rows(solution)]
-    names = [name for name, _ in solution.taps[:4]]
-    parts: list[Part] = [Table("Largest values at the taps", heads, rows)]
+    names = [name for name, _ in solution.taps[:MOST_CURVES]]
+    parts: list[Part] = [Table("Peak values at the taps", heads, rows)]
     for caption, columns, listing in bar_tables(solution):
         parts.append(Table(caption, columns, [list(row) for row in listing]))
     force = [Trace(name, time, run.force[:, k]) for k, name in enumerate(names)]
@@ -165,8 +169,8 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
         ),
         Picture(traces("Velocity", speed, "m/s", _SINCE_LOAD), "Velocity at the taps (exact)."),
         Picture(
-            traces("Acceleration", [*total, Trace("the whole stack", time, solution.rigid)], "g", _SINCE_LOAD),
-            "Acceleration at the taps (exact), and of the stack as one body."
+            traces("Acceleration", [*total, Trace("rigid body", time, solution.rigid)], "g", _SINCE_LOAD),
+            "Acceleration at the taps (exact), and of the bar as one rigid body."
             + ("" if solution.quoted else " Its peaks are not to be quoted: see the warnings."),
         ),
     ]
@@ -177,7 +181,7 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
         parts.append(_staircase(field, layer, solution))
     sections = [Section("Stress waves", "", parts)]
     if solution.channels:
-        read = [
+        readings = [
             Trace(channel.sensor.name, reading.time, reading.values)
             for channel, reading in zip(solution.channels, solution.readings, strict=True)
         ]
@@ -190,8 +194,8 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
             ]
             for name, pulse in solution.sensors.items()
         ]
-        picture = traces("What the sensors read", read, "g", _SINCE_LOAD)
-        table = Table("Sensor readings", ["sensor", "peak (g)", "width (µs)", "clipped"], pulses)
+        picture = traces("Sensor readings", readings, "g", _SINCE_LOAD)
+        table = Table("Sensor readings", ["sensor", "peak (g)", "pulse width at 10 % (µs)", "clipped"], pulses)
         sections.append(sensor_part(solution.channels, picture, table))
     tap = next((k for k, (name, _) in enumerate(solution.taps) if (name, "corrected") in solution.routes), None)
     if tap is not None:
@@ -200,12 +204,12 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
         sections.append(
             route_section(name, solution.quoted, time, run.acceleration[:, tap], solution.rigid, waves, _SINCE_LOAD)
         )
-    words = error_words(solution)
-    words = words[0].upper() + words[1:]
+    accuracy = error_words(solution)
+    accuracy = accuracy[0].upper() + accuracy[1:]
     tables: list[Part] = [] if solution.method == "spectral" else [layer_table(solution.waves)]
     if solution.losses:
         tables.append(fit_table(solution.losses))
-    sections.append(Section("Accuracy of the waves", f"{words}.", tables))
+    sections.append(Section("Accuracy of the waves", f"{accuracy}.", tables))
     return sections
 
 
@@ -227,17 +231,19 @@ def bar_report(solution: BarSolution, quantity: str = "stress") -> str:
         *bar_sections(solution, quantity),
         chapters.warnings(solution.notices),
         Section(
-            "Ledger",
-            "Momentum: impulses at both ends less the momentum of the stack, over the greater impulse.",
+            "Momentum balance",
+            "Balance error: impulses at both ends less the momentum of the bar, over the greater impulse.",
             [chapters.ledger_table(solution.ledger)],
         ),
     ]
-    return chapters.result_page(solution, chapters.Summary("Report of a run", bar_words(solution)), parts)
+    return chapters.result_page(
+        solution, chapters.Summary("Report of waves in a layered bar", bar_words(solution)), parts
+    )
 
 
 def _setup(case: Case) -> Section:
     flows = [
-        Flow(chapters.layer_steps(case), "The stack, from its loaded face on"),
+        Flow(chapters.layer_steps(case), "The layers, from the loaded face to the far end"),
         Flow(_DATA_FLOW, "From the case to this report"),
     ]
-    return Section("Set-up", "No machine: a stack of layers, loaded at its first face.", flows)
+    return Section("Set-up", "A layered bar, loaded at its first face; no machine.", flows)

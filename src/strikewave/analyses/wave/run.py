@@ -33,6 +33,12 @@ from strikewave.waves.setup import wave_setup
 
 Array = NDArray[np.float64]
 
+REST_PERIODS = 2.0
+"""Periods of the bandwidth for which nothing moves before the load: the filter runs both ways, and two periods before a
+step its response is 0.1 % of the step (measured)."""
+MOST_REST = 4
+"""Of such samples at most, over those of the run: a very low bandwidth would else fill the memory."""
+
 
 def run_wave(case: Case) -> BarSolution:
     """Run the stack of a case under its load.
@@ -111,9 +117,9 @@ def _incident_force(run: BarRun) -> Array:
 
 def _routes(stack: Stack, taps: Sequence[tuple[str, Tap]], run: BarRun) -> dict[tuple[str, str], RouteHistory]:
     """Return what the paper's routes say of each tap in a layer between two others."""
-    came = _incident_force(run)
+    incident = _incident_force(run)
     return {
-        (name, route): route_history(stack, tap.layer, tap.position, run.time, came, route)
+        (name, route): route_history(stack, tap.layer, tap.position, run.time, incident, route)
         for name, tap in taps
         if specimen_of(stack, tap.layer) is not None
         for route in ROUTES
@@ -124,20 +130,20 @@ def _felt(
     route: str, taps: Sequence[tuple[str, Tap]], run: BarRun, routes: dict[tuple[str, str], RouteHistory]
 ) -> list[Array]:
     """Return the acceleration that a sensor at each tap feels, by the route of the case."""
-    found = []
+    histories = []
     for k, (name, _) in enumerate(taps):
         wave = routes.get((name, route))
-        found.append(run.acceleration[:, k] if wave is None else wave.acceleration)
-    return found
+        histories.append(run.acceleration[:, k] if wave is None else wave.acceleration)
+    return histories
 
 
 def _from_rest(values: Array, step: float, bandwidth: float) -> Array:
     """Return histories (rows) at a bandwidth; before the load nothing accelerates."""
     if math.isinf(bandwidth):
         return values
-    rest = min(math.ceil(2.0 / (bandwidth * step)), 4 * values.shape[-1])
-    led = np.concatenate([np.zeros((*values.shape[:-1], rest)), values], axis=-1)
-    return stated(led, step, bandwidth)[..., rest:]
+    rest = min(math.ceil(REST_PERIODS / (bandwidth * step)), MOST_REST * values.shape[-1])
+    with_rest = np.concatenate([np.zeros((*values.shape[:-1], rest)), values], axis=-1)
+    return stated(with_rest, step, bandwidth)[..., rest:]
 
 
 def _citations(case: Case, stack: Stack, channels: Sequence[Channel]) -> tuple[str, ...]:

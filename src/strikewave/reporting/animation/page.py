@@ -21,6 +21,8 @@ from markupsafe import Markup
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave._version import __version__
+from strikewave.reporting.numbers import time_unit
+from strikewave.reporting.style import printable
 
 Array = NDArray[np.float64]
 Document = dict[str, object]
@@ -36,8 +38,6 @@ FULL_SCALE = 32767
 """Of a 16-bit integer: the peak of a field."""
 MOST_DECIMALS = 6
 """Of a time: picoseconds, where the unit is the microsecond."""
-LONGEST_IN_MICROSECONDS = 5e-3
-"""Runs that last longer, s, are written in milliseconds: µs would need five digits before the point."""
 
 
 class Clock(NamedTuple):
@@ -56,7 +56,7 @@ class Clock(NamedTuple):
         >>> Clock.of(np.array([0.0, 0.4e-6, 20e-6])), Clock.of(np.array([0.0, 1e-3, 1.0])).unit
         (Clock(unit='µs', per=1e-06, decimals=1), 'ms')
         """
-        unit, per = ("µs", 1e-6) if time[-1] < LONGEST_IN_MICROSECONDS else ("ms", 1e-3)
+        per, unit = time_unit(time[-1])
         steps = np.diff(time)[np.diff(time) > 0.0]
         finest = float(steps.min()) / per if steps.size else 1.0
         return cls(unit, per, int(np.clip(np.ceil(np.round(-np.log10(finest), 6)), 0, MOST_DECIMALS)))
@@ -468,11 +468,6 @@ def script_safe(text: str) -> str:
     for letter in "<>&\u2028\u2029":
         text = text.replace(letter, f"\\u{ord(letter):04x}")
     return text
-
-
-def printable(text: str) -> str:
-    """Return text in which what cannot be shown, or turns lines round, is replaced."""
-    return "".join(letter if letter.isprintable() else "\ufffd" for letter in text)
 
 
 def even_rows(count: int, most: int) -> NDArray[np.int64]:

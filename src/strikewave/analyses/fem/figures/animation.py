@@ -46,10 +46,9 @@ from strikewave.reporting.animation.page import (
     View,
     animation_page,
     even_rows,
-    printable,
 )
-from strikewave.reporting.curves import shortened, thin
-from strikewave.reporting.style import BLUE, GREEN, RED, quiet
+from strikewave.reporting.curves import COLOURS, shortened, thin
+from strikewave.reporting.style import printable, quiet
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
@@ -57,31 +56,38 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 STILLS = 60
-"""Instants over the run, and as many again while anything touches, that are kept for an animation."""
+"""Instants over the run, and as many again while anything touches, that are kept for an animation (chosen: a few more
+than are shown, `TOUCHING` and `APART`)."""
 TOUCHING, APART = 52, 20
-"""Of these, how many are shown at most."""
+"""Of these, how many are shown at most while bodies touch and while they are apart: a page plays 72 pictures in ten
+seconds, most of them of the contact."""
 LARGEST_PAGE = 850_000
-"""Bytes of all pictures in a page at most."""
+"""Bytes of all pictures in a page at most: in base 64 they are 1.13 MB, so that a page fits into a mail."""
 QUALITIES = (82, 65, 45, 25)
-"""Of the pictures, the first with which they are small enough."""
+"""Of the pictures, as WebP and JPEG count, 0 to 100; the first with which they are small enough is taken (chosen: from
+no difference that is seen to coarse blocks)."""
 COARSE = 2.0
-"""How many times larger than in still pictures the pieces are that faces are painted in."""
+"""How many times larger than in still pictures the pieces are that faces are painted in: a frame has about half the
+pixels across of a still picture."""
 LARGEST_SIDES = (860, 640)
-"""Of a picture, pixels."""
+"""Of a picture, pixels (chosen: sharp beside the histories on a screen 1200 wide, and below `LARGEST_PAGE`)."""
 MOST_CURVES = 3
-COLOURS = (BLUE, RED, GREEN)
+"""Curves of a panel (chosen: their legends, one below the other, fit above it)."""
 WIDE = 0.5
 """A picture lower than this share of its width stands above the histories, not beside them."""
 GIF_PICTURES = 60
+"""Pictures of a GIF: six seconds at ten a second."""
 _DPI = 90
+"""Of a GIF, dots an inch (chosen: 790 pixels wide, as a slide shows)."""
 PANEL_HEIGHT = 98.0
 """Of a panel of histories, pixels: two of them with their legends are as high as the bodies beside them."""
 SCALE_COLOURS = 65
 """Of the colour scale: more than can be told apart."""
 NOTE = (
-    "The bodies are cut open, sectors mirrored to the half; each element is shown in the colour of its one value, "
-    "displacements to scale. Pictures stand closer in time while bodies touch, so that it plays slower there. Forces "
-    "are those of whole bodies where it says so, else of what was modelled; accelerations are those of the bodies."
+    "The bodies are cut open; sectors are mirrored to the half. Each element has the colour of its one value; "
+    "displacements are to scale. The animation plays slower while bodies touch, as pictures are closer in time there. "
+    "Forces are those of whole bodies where marked so, else of what was modelled; accelerations are those of the "
+    "bodies."
 )
 
 
@@ -165,10 +171,10 @@ def chosen(film: SnapshotRecorder) -> list[Snapshot]:
     """Return the instants that are shown, in the order of time: most of them while bodies touch."""
     touching = {still.time for still in film.contact.kept}
     apart = [still for still in film.snapshots if still.time not in touching]
-    kept = [film.contact.kept[k] for k in even_rows(len(touching), TOUCHING)] if touching else []
-    most = APART if kept else TOUCHING + APART
-    kept += [apart[k] for k in even_rows(len(apart), most)] if apart else []
-    return sorted(kept, key=lambda still: still.time)
+    shown = [film.contact.kept[k] for k in even_rows(len(touching), TOUCHING)] if touching else []
+    most = APART if shown else TOUCHING + APART
+    shown += [apart[k] for k in even_rows(len(apart), most)] if apart else []
+    return sorted(shown, key=lambda still: still.time)
 
 
 def traces_of(solution: FemSolution) -> list[Trace]:
@@ -178,11 +184,11 @@ def traces_of(solution: FemSolution) -> list[Trace]:
     """
     run, groups = solution.run, solution.model.groups
     between = middles(run.time)
-    found = _forces(solution)
-    every = bool(found) and all(whole for _, whole in found.values())
+    means = _forces(solution)
+    every = bool(means) and all(whole for _, whole in means.values())
     forces = {
         name + ", whole bodies" * (whole and not every): np.linalg.norm(mean, axis=1) / 1e3
-        for name, (mean, whole) in found.items()
+        for name, (mean, whole) in means.items()
     }
     axis, grouped = blow_axis(run), {part for parts in groups.values() for part in parts}
     bodies = [*groups, *(name for name in run.parts if name not in grouped)]
@@ -195,19 +201,19 @@ def traces_of(solution: FemSolution) -> list[Trace]:
 
 def _forces(solution: FemSolution) -> dict[str, tuple[Array, bool]]:
     """Return the mean contact forces, N, of whole bodies where sectors match, and whether they are."""
-    run, sector, found = solution.run, solution.sectors, {}
+    run, sector, forces = solution.run, solution.sectors, {}
     for name, sides in solution.model.touching.items():
         whole = whole_impulse(run, sector, name, sides)
         mean = mean_force(run, name) if whole is None else interval_means(whole, run.time)
-        found[shortened(name, 34)] = mean, whole is not None
-    return found
+        forces[shortened(name, 34)] = mean, whole is not None
+    return forces
 
 
 def _curves(time: Array, values: Mapping[str, Array]) -> dict[str, tuple[Array, Array]]:
     """Return the curves that reach farthest, with no more samples than can be seen."""
     ranked = sorted(values, key=lambda name: -float(np.abs(values[name]).max(initial=0.0)))
-    kept = [name for name in ranked[:MOST_CURVES] if float(np.abs(values[name]).max(initial=0.0)) > 0.0]
-    return {printable(shortened(name, 48)): thin(time, values[name]) for name in kept}
+    drawn = [name for name in ranked[:MOST_CURVES] if float(np.abs(values[name]).max(initial=0.0)) > 0.0]
+    return {printable(shortened(name, 48)): thin(time, values[name]) for name in drawn}
 
 
 def _canvas(skin: Skin, seen: Seen) -> Callable[[Snapshot, Array], Image]:
@@ -260,7 +266,7 @@ def fem_animation(movie: Movie) -> Animation:
         [_panel(trace) for trace in movie.traces],
     )
     return Animation(
-        kicker="Impact of bodies, as finite elements",
+        kicker="Impact of bodies, explicit finite elements",
         note=NOTE,
         gif="animation.gif",
         clock=Clock.of(time),
@@ -290,19 +296,19 @@ def _colour_scale(movie: Movie) -> ColourScale:
 def _encoded(images: Sequence[Image]) -> list[str]:
     """Return pictures as addresses that hold them, of the best quality that keeps them small enough."""
     webp = bool(features.check("webp"))
-    found: list[bytes] = []
+    files: list[bytes] = []
     for quality in QUALITIES:
-        found = [_bytes(image, "WEBP" if webp else "JPEG", quality) for image in images]
-        if sum(map(len, found)) <= LARGEST_PAGE:
+        files = [_bytes(image, "WEBP" if webp else "JPEG", quality) for image in images]
+        if sum(map(len, files)) <= LARGEST_PAGE:
             break
     kind = "webp" if webp else "jpeg"
-    return [f"data:image/{kind};base64," + base64.b64encode(one).decode("ascii") for one in found]
+    return [f"data:image/{kind};base64," + base64.b64encode(file).decode("ascii") for file in files]
 
 
 def _bytes(image: Image, kind: str, quality: int) -> bytes:
-    held = io.BytesIO()
-    image.save(held, kind, quality=quality, **({"method": 4} if kind == "WEBP" else {}))
-    return held.getvalue()
+    buffer = io.BytesIO()
+    image.save(buffer, kind, quality=quality, **({"method": 4} if kind == "WEBP" else {}))
+    return buffer.getvalue()
 
 
 def write_fem_gif(movie: Movie, title: str, path: Path, progress: Callable[[float], None] | None = None) -> None:
@@ -345,7 +351,7 @@ def _moving(movie: Movie, title: str) -> tuple[Any, Callable[[int], None]]:
     bar = figure.colorbar(movie.scale, ax=body, shrink=0.8, pad=0.01, aspect=26, extend=movie.extend)
     bar.set_label(f"{movie.shown.words} ({movie.shown.unit})", fontsize=8)
     bar.ax.tick_params(labelsize=7)
-    grown = [one for axes, trace in zip(panels, movie.traces, strict=True) for one in _history(axes, trace, movie)]
+    grown = [curve for axes, trace in zip(panels, movie.traces, strict=True) for curve in _history(axes, trace, movie)]
     panels[-1].set_xlabel("time (µs)", fontsize=8)
 
     def show(k: int) -> None:

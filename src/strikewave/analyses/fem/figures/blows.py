@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from strikewave.fem.measures import contact_measure, mean_force, middles
 from strikewave.fem.run import FemRun
 from strikewave.reporting.curves import shortened, thin
-from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, WHOLE, quiet
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, WHOLE, empty_axes, new_figure, quiet
 
 MARGIN = 0.1
-"""Of the time in which anything touches, shown before and after."""
+"""Share of the contact time that is shown before and after it (chosen: start and end are seen, the pulse fills the
+picture)."""
+MOST_LABELS = 5
+"""Of more blows only the first two and the last one are in the legend (chosen: it stays in the upper right corner)."""
+MOST_TICKS = 10
+"""Of more blows not each is a tick (chosen: numbers of three digits stay apart in a third of the width of a page)."""
 
 
 def blows_figure(runs: Sequence[FemRun]) -> Figure:
@@ -24,9 +27,7 @@ def blows_figure(runs: Sequence[FemRun]) -> Figure:
 
     The first blow is red and the last one blue; those between go from light to dark grey.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=WHOLE, layout="constrained")
+    figure = new_figure(WHOLE)
     left, right = figure.subplots(1, 2, width_ratios=(1.9, 1.0))
     _draw_forces(left, runs)
     _draw_yield(right, runs)
@@ -36,19 +37,18 @@ def blows_figure(runs: Sequence[FemRun]) -> Figure:
 def _draw_forces(axes: Any, runs: Sequence[FemRun]) -> None:
     names = {name: peak for name in runs[0].force if (peak := _peak(runs, name)) > 0.0}
     if not names:
-        axes.set_axis_off()
-        axes.text(0.5, 0.5, "nothing touched", ha="center", va="center", transform=axes.transAxes, color=GREY)
+        empty_axes(axes, "", "nothing touched")
         return
     name = max(names, key=lambda each: names[each])
     for k, run in enumerate(runs):
         force = np.linalg.norm(mean_force(run, name), axis=1) / 1e3
         colour, dash = _look(k, len(runs))
-        label = f"blow {run.blow}" if k in (0, 1, len(runs) - 1) or len(runs) < 6 else None
+        label = f"blow {run.blow}" if k in (0, 1, len(runs) - 1) or len(runs) <= MOST_LABELS else None
         axes.plot(*thin(middles(run.time) * 1e6, force), dash, color=colour, linewidth=1.4, label=label)
     quiet(axes, "Contact force, blow after blow", "time of each blow (µs)", "mean force of intervals (kN)")
     axes.set_title(axes.get_title(loc="left") + f": {shortened(name, 34)}", loc="left", fontsize=10, parse_math=False)
-    found = [one for run in runs if (one := contact_measure(run, name)) is not None]
-    first, last = min(one.begin for one in found) * 1e6, max(one.end for one in found) * 1e6
+    touches = [touch for run in runs if (touch := contact_measure(run, name)) is not None]
+    first, last = min(touch.begin for touch in touches) * 1e6, max(touch.end for touch in touches) * 1e6
     axes.set_xlim(max(0.0, first - MARGIN * (last - first)), last + MARGIN * (last - first))
     axes.set_ylim(bottom=0.0)
     axes.legend(frameon=False, fontsize=8, loc="upper right")
@@ -61,14 +61,14 @@ def _draw_yield(axes: Any, runs: Sequence[FemRun]) -> None:
     axes.bar(numbers, shares, width=0.6, color=ORANGE)
     quiet(axes, "Taken by yield in each blow", "blow", "share of the energy in play (%)")
     axes.set_xlim(0.4, len(numbers) + 0.6)
-    axes.set_xticks(numbers if len(numbers) <= 10 else numbers[:: len(numbers) // 7 + 1])
+    axes.set_xticks(numbers if len(numbers) <= MOST_TICKS else numbers[:: len(numbers) // (MOST_TICKS - 3) + 1])
     if max(shares) <= 0.0:
         axes.set_ylim(0.0, 1.0)
         axes.text(0.5, 0.5, "nothing yields", ha="center", va="center", transform=axes.transAxes, color=GREY)
 
 
 def _peak(runs: Sequence[FemRun], name: str) -> float:
-    return max((found.peak for run in runs if (found := contact_measure(run, name)) is not None), default=0.0)
+    return max((touch.peak for run in runs if (touch := contact_measure(run, name)) is not None), default=0.0)
 
 
 def _look(k: int, count: int) -> tuple[str, str]:

@@ -4,39 +4,53 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from strikewave.analyses.fem.figures.pictures import SMALLEST_LINED, View, frame_window, instant_words, paint_faces
+from strikewave.analyses.fem.figures.pictures import (
+    SMALLEST_LINED,
+    WIDEST,
+    View,
+    frame_window,
+    instant_words,
+    paint_faces,
+)
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.skin import Skin
 from strikewave.fem.snapshots import Snapshot
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 Window = tuple[float, float, float, float]
 
 TILT = 0.3
-"""How far the eye stands above the normal of the cut, per distance."""
+"""How far the eye stands above the normal of the cut, per distance (chosen: 17 degrees; tops are seen, and lengths on
+the cut are shortened by 4 % at most)."""
 SLENDER = 2.5
-"""A picture so many times as high as wide is laid down, or set in more columns."""
+"""A picture so many times as high as wide is laid down, or set in more columns (chosen: upright it would fill a screen
+and leave most of its width empty)."""
 COVERED, LOADED = 0.99, 1e-4
-"""Share of the loaded surface whose values the scale of colours reaches, over all instants; share of the largest value
-from which on a face counts as loaded."""
+"""Share of the loaded surface whose values the scale of colours reaches, over all instants (a single element at an edge
+would else darken all others); share of the largest value from which on a face counts as loaded (what a wave has not
+reached would else fill the 99 %)."""
 EDGEWISE = 0.03
-"""Cosine of the angle with the line of sight below which a face counts as seen edgewise, and makes no outline."""
-WIDEST = 4.0
-"""A picture is at most so many times as high as wide."""
+"""Cosine of the angle with the line of sight below which a face counts as seen edgewise, and makes no outline: 1.7
+degrees, less than the facets of a round body turn from one to the next."""
 PRESSED = 0.3
-"""Share of the largest pressure above which a face counts as pressed."""
+"""Share of the largest pressure above which a face counts as pressed (chosen: on a Hertzian contact p = p0 (1 -
+r²/a²)^½ this is r < 0.95 a, so that the reach of the picture follows the radius a)."""
 FACES_ACROSS = 12.0
-"""Reach of a close-up over the size of the faces that are pressed, at least."""
+"""Reach of a close-up over the size of the faces that are pressed, at least (chosen: 24 elements across a picture show
+a gradient)."""
 AROUND = 2.0
-"""Reach of a close-up over that of the pressed faces, at least."""
+"""Reach of a close-up over that of the pressed faces, at least (chosen: the largest shear stress below a contact, at
+about half its radius, and the free surface beside it are seen)."""
+ZONE_COARSE = 4.0
+"""How many times larger the pieces of a close-up are: its faces are large, and few behind one another."""
 
 
 class Seen(NamedTuple):
@@ -153,8 +167,6 @@ def wave_figure(skin: Skin, stills: Sequence[Snapshot], quantity: str = "axial_s
 
 def close_up_figure(skin: Skin, zone: Zone, pictures: Sequence[tuple[Snapshot, str]]) -> Figure:
     """Draw where bodies touch, straight onto the cut: an instant and a quantity for each picture, each in its scale."""
-    from matplotlib.figure import Figure
-
     frame = sight(skin, [], 0.0, lying=False)
     figure = Figure(figsize=(4.9 * len(pictures), 4.1), dpi=160, layout="constrained")
     for axes, (still, name) in zip(figure.subplots(1, len(pictures), squeeze=False).ravel(), pictures, strict=True):
@@ -162,7 +174,7 @@ def close_up_figure(skin: Skin, zone: Zone, pictures: Sequence[tuple[Snapshot, s
         window = zone.window(skin, still, frame)
         values = shown.of(skin, still)[skin.element] / shown.scale
         scale = _mappable(shown, _limits(values[_inside(skin, still, frame, window)], None, shown))
-        draw_body(axes, skin, still, Seen(frame, window, coarse=4.0), scale.to_rgba(values)[:, :3])
+        draw_body(axes, skin, still, Seen(frame, window, coarse=ZONE_COARSE), scale.to_rgba(values)[:, :3])
         axes.set_title(instant_words(still.time), loc="left", fontsize=9)
         bar = figure.colorbar(scale, ax=axes, shrink=0.85, pad=0.02, aspect=24)
         bar.set_label(f"{shown.words} ({shown.unit})")
@@ -178,8 +190,6 @@ def seen_close_up(skin: Skin, zone: Zone, still: Snapshot, name: str) -> Array:
 
 def _sheet(skin: Skin, stills: Sequence[Snapshot], seen: Seen, looks: tuple[Quantity, int]) -> Figure:
     """Draw instants in columns, in one scale of colours."""
-    from matplotlib.figure import Figure
-
     shown, columns = looks
     rows, aspect = -(-len(stills) // columns), _aspect(seen.window)
     width = 9.8 if columns > 1 or aspect < 1.0 else 6.4
@@ -288,22 +298,19 @@ def round_up(value: float) -> float:
 
 
 def _mappable(shown: Quantity, limits: tuple[float, float]) -> Any:
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
     return ScalarMappable(Normalize(*limits), shown.colours)
 
 
 def pressures(skin: Skin, still: Snapshot) -> Array:
     """Return the pressure -n . sigma n on the faces that may touch others, Pa, (faces,); 0 elsewhere."""
-    found = np.zeros(len(skin.faces))
+    pressure = np.zeros(len(skin.faces))
     own = np.flatnonzero(skin.touching >= 0)
     corners = skin.moved(still.displacement)[skin.faces[own]]
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     x, y, z = (normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)).T
     xx, yy, zz, xy, yz, zx = still.stress[skin.element[own]].astype(float).T
-    found[own] = -(xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + yz * y * z + zx * z * x))
-    return np.maximum(found, 0.0)
+    pressure[own] = -(xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + yz * y * z + zx * z * x))
+    return np.maximum(pressure, 0.0)
 
 
 def pressed_most(
@@ -325,17 +332,17 @@ def pressed_most(
     own : array (faces,) of bool
         Which faces lie on its sides.
     """
-    for still in sorted(stills, key=lambda one: abs(one.time - at)):
-        found = np.where(own, pressures(skin, still), 0.0)
-        if found.any():
-            return still, _zone(skin, found)
+    for still in sorted(stills, key=lambda each: abs(each.time - at)):
+        pressure = np.where(own, pressures(skin, still), 0.0)
+        if pressure.any():
+            return still, _zone(skin, pressure)
     return None
 
 
-def _zone(skin: Skin, found: Array) -> Zone:
+def _zone(skin: Skin, pressure: Array) -> Zone:
     """Return where the faces are that bear a pressure, (faces,)."""
-    worst = int(np.argmax(found))
-    faces = np.flatnonzero((skin.touching == skin.touching[worst]) & (found > PRESSED * found[worst]))
+    worst = int(np.argmax(pressure))
+    faces = np.flatnonzero((skin.touching == skin.touching[worst]) & (pressure > PRESSED * pressure[worst]))
     normal = skin.cut.plane.normal
     places = skin.points[skin.faces[faces]]
     flat = places - (places @ normal)[..., None] * normal

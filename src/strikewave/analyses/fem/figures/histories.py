@@ -1,34 +1,52 @@
-"""Histories of an explicit run: contact forces, the energy ledger, rigid-body accelerations, sections and points."""
+"""Histories of an explicit run: contact forces, energy balance, rigid-body accelerations, sections and points."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.fem.measures import ENERGY_LIMIT, blow_axis, contact_measure, mean_acceleration, mean_force, middles
 from strikewave.fem.run import ENERGIES, FemRun
-from strikewave.reporting.curves import shortened, thin
-from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, quiet, sheet_title
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from matplotlib.figure import Figure
+from strikewave.reporting.curves import COLOURS, DASHES, shortened, thin
+from strikewave.reporting.numbers import energy_unit, time_unit
+from strikewave.reporting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    HALF,
+    ORANGE,
+    RED,
+    WHOLE,
+    empty_axes,
+    new_figure,
+    one_diagram,
+    quiet,
+    sheet_title,
+)
 
 Array = NDArray[np.float64]
 
-COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
-DASHES = ("-", "--", "-.", ":")
 MOST_CURVES = 8
-"""Curves drawn in one picture: those that reach farthest."""
+"""Curves drawn in one picture, those that reach farthest (chosen: a legend of two rows; of five colours and four dashes
+no two curves share both)."""
 CUT_OFF = 3.0
-"""A part that reaches so many times as far as every group is cut off, so that groups can be seen."""
+"""A part that reaches so many times as far as every group is cut off (chosen: the groups, which are what a sensor
+measures, then fill at least a third of the axis)."""
 TINY = 1e-4
-"""An energy that never reaches this share of the largest one is not drawn."""
+"""An energy that never reaches this share of the largest one is not drawn: on an axis of 300 pixels it is none."""
+NEAR_LIMIT = 0.2
+"""Share of its limit from which on the balance error is drawn with the limit: below, the limit would flatten it."""
+AIR = 0.08
+"""Share of the range left free above and below groups that set the scale (chosen: a little more than the 0.05 of
+matplotlib, so that a curve that is cut off is seen to go on)."""
+PEAK_LABEL = 0.12
+"""Share of the axis left free above the forces (chosen: room for the label of the peak)."""
 _ENERGY_LOOKS = {
     "kinetic": (BLUE, "-"),
     "internal": (RED, "-"),
@@ -41,7 +59,7 @@ _ENERGY_LOOKS = {
 
 
 def summary_sheet(run: FemRun, title: str) -> Figure:
-    """Draw contact force, energy ledger, rigid-body acceleration and section stress or point motion on one sheet.
+    """Draw contact force, energy balance, rigid-body acceleration and section stress or point motion on one sheet.
 
     Parameters
     ----------
@@ -50,14 +68,12 @@ def summary_sheet(run: FemRun, title: str) -> Figure:
     title : str
         Stands above.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9.8, 7.2), layout="constrained")
+    figure = new_figure((9.8, 7.2))
     sheet_title(figure, title)
     grid = figure.add_gridspec(2, 2)
     draw_forces(figure.add_subplot(grid[0, 0]), run)
     inner = grid[0, 1].subgridspec(2, 1, height_ratios=(3.2, 1.0))
-    _draw_ledger(figure, inner, run)
+    _draw_balance(figure, inner, run)
     draw_accelerations(figure.add_subplot(grid[1, 0]), run)
     last = draw_sections if run.sections or not run.points else draw_points
     last(figure.add_subplot(grid[1, 1]), run)
@@ -66,69 +82,67 @@ def summary_sheet(run: FemRun, title: str) -> Figure:
 
 def force_figure(run: FemRun) -> Figure:
     """Draw the contact forces alone, as wide as a page."""
-    return _alone(draw_forces, run, WHOLE)
+    return one_diagram(lambda axes: draw_forces(axes, run), WHOLE)
 
 
 def acceleration_figure(run: FemRun) -> Figure:
     """Draw the rigid-body accelerations alone."""
-    return _alone(draw_accelerations, run, HALF)
+    return one_diagram(lambda axes: draw_accelerations(axes, run))
 
 
 def section_figure(run: FemRun) -> Figure:
     """Draw the stress of sections alone."""
-    return _alone(draw_sections, run, HALF)
+    return one_diagram(lambda axes: draw_sections(axes, run))
 
 
 def point_figure(run: FemRun) -> Figure:
     """Draw the velocity of points alone."""
-    return _alone(draw_points, run, HALF)
+    return one_diagram(lambda axes: draw_points(axes, run))
 
 
 def energy_figure(run: FemRun) -> Figure:
-    """Draw the energy ledger above its error, alone."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=HALF, layout="constrained")
-    _draw_ledger(figure, figure.add_gridspec(2, 1, height_ratios=(3.0, 1.0)), run)
-    return figure
-
-
-def _alone(draw: Callable[[Any, FemRun], None], run: FemRun, size: tuple[float, float]) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=size, layout="constrained")
-    draw(figure.add_subplot(), run)
+    """Draw the energies above the error of their balance, alone."""
+    figure = new_figure(HALF)
+    _draw_balance(figure, figure.add_gridspec(2, 1, height_ratios=(3.0, 1.0)), run)
     return figure
 
 
 def draw_forces(axes: Any, run: FemRun) -> None:
     """Draw the size of each contact force, the mean of each interval, its peak marked, and that of its impulse."""
-    scale, unit = _clock(run)
+    scale, unit = time_unit(run.time[-1])
     sizes = {name: np.linalg.norm(mean_force(run, name), axis=1) for name in run.force}
     chosen = _largest(sizes)
     if not any(values.max(initial=0.0) > 0.0 for values in sizes.values()):
-        _nothing(axes, "Contact force", "nothing touched" if sizes else "no contact is watched")
+        empty_axes(axes, "Contact force", "nothing touched" if sizes else "no contact is watched")
         return
     impulses = axes.twinx()
     for k, name in enumerate(chosen):
-        found = contact_measure(run, name)
+        measure = contact_measure(run, name)
         look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "zorder": 4}
         label = shortened(name, 34)
-        if found is not None:
-            label += f": {found.impulse:.3g} N s"
-            axes.plot(found.at / scale, found.peak / 1e3, "o", markersize=4, **look)
+        if measure is not None:
+            label += f": {measure.impulse:.3g} N s"
+            axes.plot(measure.at / scale, measure.peak / 1e3, "o", markersize=4, **look)
             axes.annotate(
-                f"{found.peak / 1e3:.4g} kN",
-                (found.at / scale, found.peak / 1e3),
+                f"{measure.peak / 1e3:.4g} kN",
+                (measure.at / scale, measure.peak / 1e3),
                 xytext=(5, 3),
                 textcoords="offset points",
                 fontsize=8,
             )
-        _line(axes, middles(run.time) / scale, sizes[name] / 1e3, DASHES[k % 4], label=label, linewidth=1.4, **look)
-        gathered = np.linalg.norm(run.impulse[name], axis=1)
-        _line(impulses, run.time / scale, gathered, ":", color=look["color"], linewidth=1.0)
+        _line(
+            axes,
+            middles(run.time) / scale,
+            sizes[name] / 1e3,
+            DASHES[k % len(DASHES)],
+            label=label,
+            linewidth=1.4,
+            **look,
+        )
+        impulse = np.linalg.norm(run.impulse[name], axis=1)
+        _line(impulses, run.time / scale, impulse, ":", color=look["color"], linewidth=1.0)
     quiet(axes, "Contact force", f"time ({unit})", f"force, mean of {_interval_words(run)} (kN)")
-    axes.set_ylim(0.0, 1.12 * axes.get_ylim()[1])
+    axes.set_ylim(0.0, (1.0 + PEAK_LABEL) * axes.get_ylim()[1])
     impulses.set_ylabel("impulse, dotted (N s)")
     impulses.set_ylim(bottom=0.0)
     impulses.spines["top"].set_visible(False)
@@ -136,13 +150,13 @@ def draw_forces(axes: Any, run: FemRun) -> None:
 
 
 def draw_energies(axes: Any, run: FemRun) -> None:
-    """Draw the energies of the ledger that matter, and dotted grey what was there and was given."""
-    scale, unit = _clock(run)
+    """Draw the energies that reach at least `TINY` of the largest one."""
+    scale, unit = time_unit(run.time[-1])
     most = max(float(np.abs(run.energy[name]).max(initial=0.0)) for name in ENERGIES)
-    factor, name_of_unit = _energy_unit(most)
+    factor, name_of_unit = energy_unit(most)
     shown = [name for name in ENERGIES if float(np.abs(run.energy[name]).max(initial=0.0)) > TINY * most]
     if not shown:
-        _nothing(axes, "Energy", "nothing moves")
+        empty_axes(axes, "Energy", "nothing moves")
         return
     for name in shown:
         colour, dash = _ENERGY_LOOKS[name]
@@ -152,20 +166,20 @@ def draw_energies(axes: Any, run: FemRun) -> None:
 
 
 def draw_energy_error(axes: Any, run: FemRun) -> None:
-    """Draw the energy error in per cent, with its limits where it comes near them."""
-    scale, unit = _clock(run)
+    """Draw the energy balance error in per cent, with its limits where it comes near them."""
+    scale, unit = time_unit(run.time[-1])
     error = 100.0 * run.energy_error
     _line(axes, run.time / scale, error, "-", color=BLUE, linewidth=1.2)
     quiet(axes, "", f"time ({unit})", "error (%)")
     most = float(np.abs(error).max(initial=0.0))
-    if most > 20.0 * ENERGY_LIMIT:
+    if most > 100.0 * NEAR_LIMIT * ENERGY_LIMIT:
         for side in (-1.0, 1.0):
             axes.axhline(side * 100.0 * ENERGY_LIMIT, color=RED, linewidth=0.9, linestyle="--")
     reach = 1.25 * max(most, 1e-6)
     axes.set_ylim(-reach, reach)
 
 
-def _draw_ledger(figure: Figure, grid: Any, run: FemRun) -> None:
+def _draw_balance(figure: Figure, grid: Any, run: FemRun) -> None:
     """Draw the energies above their error, over the same time."""
     upper = figure.add_subplot(grid[0])
     lower = figure.add_subplot(grid[1], sharex=upper)
@@ -217,9 +231,9 @@ def _draw_curves(
     """
     title, label = words
     if not curves:
-        _nothing(axes, title, "none is watched")
+        empty_axes(axes, title, "none is watched")
         return
-    scale, unit = _clock(run)
+    scale, unit = time_unit(run.time[-1])
     time = run.time if time is None else time
     chosen = _largest(curves, chief)
     cut = _cut_off(curves, chief)
@@ -229,11 +243,11 @@ def _draw_curves(
         look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "label": shortened(name, 28) + beyond}
         look |= {"linewidth": 2.4, "zorder": 4 + len(chosen)} if name in chief else {"linewidth": 1.1}
         look = {"zorder": 3 + len(chosen) - k, **look}
-        _line(axes, time / scale, curves[name], DASHES[k % 4], **look)
+        _line(axes, time / scale, curves[name], DASHES[k % len(DASHES)], **look)
     if cut:
-        kept = np.concatenate([curves[name] for name in chosen if name not in cut])
-        low, high = min(float(kept.min()), 0.0), max(float(kept.max()), 0.0)
-        axes.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
+        whole = np.concatenate([curves[name] for name in chosen if name not in cut])
+        low, high = min(float(whole.min()), 0.0), max(float(whole.max()), 0.0)
+        axes.set_ylim(low - AIR * (high - low), high + AIR * (high - low))
     quiet(axes, title, f"time ({unit})", label)
     axes.set_xlim(run.time[0] / scale, run.time[-1] / scale)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
@@ -267,8 +281,6 @@ def _legend(axes: Any, shown: int, of: int, source: Any = None) -> None:
 
     ``source`` are other axes whose curves it names.
     """
-    from matplotlib.transforms import ScaledTranslation
-
     handles, labels = (source or axes).get_legend_handles_labels()
     if of < 2 and handles and source is None and not axes.texts:
         axes.set_title(f"{axes.get_title(loc='left')}: {labels[0]}", loc="left", fontsize=10, parse_math=False)
@@ -291,26 +303,9 @@ def _legend(axes: Any, shown: int, of: int, source: Any = None) -> None:
         text.set_parse_math(False)
 
 
-def _nothing(axes: Any, title: str, words: str) -> None:
-    """Leave axes empty but for words that say why."""
-    axes.set_title(title, loc="left", fontsize=10)
-    axes.set_axis_off()
-    axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes, color=GREY)
-
-
-def _clock(run: FemRun) -> tuple[float, str]:
-    """Return the scale and the unit in which times of a run are shown."""
-    return (1e-6, "µs") if run.time[-1] < 5e-3 else (1e-3, "ms")
-
-
 def _interval_words(run: FemRun) -> str:
     """Return the interval of the histories with its unit."""
     return f"{(run.time[-1] - run.time[0]) / max(run.time.size - 1, 1) * 1e6:.3g} µs"
-
-
-def _energy_unit(most: float) -> tuple[float, str]:
-    """Return the scale and the unit in which energies are shown."""
-    return (1e-3, "mJ") if most < 0.1 else (1.0, "J") if most < 1e4 else (1e3, "kJ")
 
 
 def _axis_words(axis: Array) -> str:

@@ -1,4 +1,4 @@
-"""A run of LS-DYNA beside ours: contact forces and energies of both."""
+"""Pictures that compare a run of LS-DYNA with ours: contact forces and energies of both."""
 
 from __future__ import annotations
 
@@ -6,28 +6,41 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from strikewave.reporting.curves import shortened, thin
-from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, quiet, sheet_title
+from strikewave.analyses.fem.figures.histories import TINY
+from strikewave.reporting.curves import COLOURS, shortened, thin
+from strikewave.reporting.numbers import energy_unit, time_unit
+from strikewave.reporting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    HALF,
+    ORANGE,
+    RED,
+    WHOLE,
+    empty_axes,
+    new_figure,
+    one_diagram,
+    quiet,
+    sheet_title,
+)
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
     from strikewave.exchange.ls_dyna.folder import Contact, EnergyHistory
 
 OURS, THEIRS = BLUE, RED
-MOST = 6
-"""Contacts drawn at most: those that reach farthest."""
+CONTACT_COLOURS = (*COLOURS, "#000000")
+"""One for each contact that is drawn: those that reach farthest."""
 BEYOND = 0.35
-"""How much is shown before and after a pulse, shares of its width."""
-TINY = 1e-4
-"""An energy that never reaches this share of the largest one is not drawn."""
+"""Share of the pulse width that is shown before and after a pulse (chosen: both onsets are seen, also where one code is
+a little late)."""
 _LOOKS = {"kinetic": BLUE, "internal": RED, "hourglass": ORANGE, "contact": GREEN, "external": GREY, "total": "#000000"}
 
 
-def beside_sheet(beside: RunComparison, title: str) -> Figure:
+def beside_sheet(comparison: RunComparison, title: str) -> Figure:
     """Draw the forces of both above their energies, on one sheet.
 
     Parameters
@@ -37,42 +50,34 @@ def beside_sheet(beside: RunComparison, title: str) -> Figure:
     title : str
         Stands above.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9.8, 7.6), layout="constrained")
+    figure = new_figure((9.8, 7.6))
     sheet_title(figure, title)
     above, below = figure.subplots(2, 1)
-    pairs = _drawn(beside)
-    draw_force(above, pairs[0]) if pairs else draw_contacts(above, beside.ls_dyna.contacts)
-    _draw_ledgers(below, beside)
+    pairs = _drawn(comparison)
+    draw_force(above, pairs[0]) if pairs else draw_contacts(above, comparison.ls_dyna.contacts)
+    _draw_balances(below, comparison)
     return figure
 
 
 def force_figure(pair: ForcePair) -> Figure:
     """Draw a contact force of both, as wide as a page."""
-    figure, axes = _alone(WHOLE)
-    draw_force(axes, pair)
-    return figure
+    return one_diagram(lambda axes: draw_force(axes, pair), WHOLE)
 
 
 def contact_figure(contacts: tuple[Contact, ...]) -> Figure:
     """Draw LS-DYNA's contact forces alone, as wide as a page."""
-    figure, axes = _alone(WHOLE)
-    draw_contacts(axes, contacts)
-    return figure
+    return one_diagram(lambda axes: draw_contacts(axes, contacts), WHOLE)
 
 
-def energy_figure(beside: RunComparison) -> Figure:
+def energy_figure(comparison: RunComparison) -> Figure:
     """Draw the energies of both, as wide as a page."""
-    figure, axes = _alone((WHOLE[0], HALF[1] * 1.2))
-    _draw_ledgers(axes, beside)
-    return figure
+    return one_diagram(lambda axes: _draw_balances(axes, comparison), (WHOLE[0], HALF[1] * 1.2))
 
 
 def draw_force(axes: Any, pair: ForcePair) -> None:
     """Draw the size of a contact force of both about its pulse, and the peaks."""
     pulses = [pulse for pulse in (pair.strikewave, pair.ls_dyna) if pulse]
-    scale, unit = _clock(max((pulse.end for pulse in pulses), default=float(pair.curves[0].time[-1])))
+    scale, unit = time_unit(max((pulse.end for pulse in pulses), default=float(pair.curves[0].time[-1])))
     looks = (("strikewave", OURS, "-"), (f"LS-DYNA, contact {pair.contact.number} side {pair.side}", THEIRS, "--"))
     for (label, colour, dash), curve, pulse in zip(looks, pair.curves, (pair.strikewave, pair.ls_dyna), strict=True):
         axes.plot(*thin(curve.time / scale, curve.size / 1e3), dash, color=colour, linewidth=1.5, label=label)
@@ -90,34 +95,36 @@ def draw_force(axes: Any, pair: ForcePair) -> None:
 def draw_contacts(axes: Any, contacts: tuple[Contact, ...]) -> None:
     """Draw the sizes of LS-DYNA's contact forces, those that reach farthest."""
     if not contacts:
-        _nothing(axes, "Contact force", "no rcforc or binout is there")
+        empty_axes(axes, "Contact force", "no rcforc or binout is there")
         return
-    ranked = sorted(contacts, key=lambda contact: -float(contact.first.size.max(initial=0.0)))[:MOST]
-    scale, unit = _clock(max(float(contact.first.time[-1]) for contact in ranked))
-    for contact, colour in zip(ranked, (BLUE, RED, GREEN, ORANGE, GREY, "#000000"), strict=False):
+    ranked = sorted(contacts, key=lambda contact: -float(contact.first.size.max(initial=0.0)))[: len(CONTACT_COLOURS)]
+    scale, unit = time_unit(max(float(contact.first.time[-1]) for contact in ranked))
+    for contact, colour in zip(ranked, CONTACT_COLOURS, strict=False):
         force = contact.first
         axes.plot(*thin(force.time / scale, force.size / 1e3), color=colour, label=shortened(contact.name, 40))
     quiet(axes, "Contact force of LS-DYNA", f"time ({unit})", "force (kN)")
     axes.set_ylim(bottom=0.0)
-    _legend(axes, f"{len(ranked)} of {len(contacts)}: those that reach farthest" if len(contacts) > MOST else None)
+    _legend(
+        axes, f"{len(ranked)} of {len(contacts)}: those that reach farthest" if len(contacts) > len(ranked) else None
+    )
 
 
-def draw_energies(axes: Any, ledgers: Mapping[str, EnergyHistory]) -> None:
+def draw_energies(axes: Any, histories: Mapping[str, EnergyHistory]) -> None:
     """Draw the energies of one run or both over time: ours in full lines, LS-DYNA's dashed."""
-    reach = {who: {name: _reach(v) for name, v in ledger.energy.items()} for who, ledger in ledgers.items()}
-    most = max((far for one in reach.values() for far in one.values()), default=0.0)
+    reach = {who: {name: _reach(v) for name, v in history.energy.items()} for who, history in histories.items()}
+    most = max((largest for energies in reach.values() for largest in energies.values()), default=0.0)
     if not most > 0.0:
-        _nothing(axes, "Energy", "all energies are 0")
+        empty_axes(axes, "Energy", "all energies are 0")
         return
-    factor, word = (1e-3, "mJ") if most < 0.1 else (1.0, "J") if most < 1e4 else (1e3, "kJ")
-    scale, unit = _clock(max(float(one.time[-1]) for one in ledgers.values()))
-    for who, ledger in ledgers.items():
+    factor, energy_name = energy_unit(most)
+    scale, unit = time_unit(max(float(history.time[-1]) for history in histories.values()))
+    for who, history in histories.items():
         dash = "-" if who == "strikewave" else "--"
-        for name, values in ledger.energy.items():
+        for name, values in history.energy.items():
             if reach[who][name] > TINY * most:
-                time, shown = thin(ledger.time / scale, np.nan_to_num(values) / factor)
+                time, shown = thin(history.time / scale, np.nan_to_num(values) / factor)
                 axes.plot(time, shown, dash, color=_LOOKS[name], linewidth=1.3, label=f"{name}, {who}")
-    quiet(axes, "Energy", f"time ({unit})", f"energy ({word})")
+    quiet(axes, "Energy", f"time ({unit})", f"energy ({energy_name})")
     _legend(axes)
 
 
@@ -126,26 +133,22 @@ def _reach(values: NDArray[np.float64]) -> float:
     return float(np.nan_to_num(np.abs(values)).max(initial=0.0))
 
 
-def _draw_ledgers(axes: Any, beside: RunComparison) -> None:
-    held = {"strikewave": beside.strikewave.energies if beside.strikewave else None, "LS-DYNA": beside.ls_dyna.energies}
-    ledgers = {who: ledger for who, ledger in held.items() if ledger is not None and len(ledger.time)}
-    if ledgers:
-        draw_energies(axes, ledgers)
+def _draw_balances(axes: Any, comparison: RunComparison) -> None:
+    both = {
+        "strikewave": comparison.strikewave.energies if comparison.strikewave else None,
+        "LS-DYNA": comparison.ls_dyna.energies,
+    }
+    histories = {who: history for who, history in both.items() if history is not None and len(history.time)}
+    if histories:
+        draw_energies(axes, histories)
     else:
-        _nothing(axes, "Energy", "no glstat or binout is there")
+        empty_axes(axes, "Energy", "no glstat or binout is there")
 
 
-def _drawn(beside: RunComparison) -> list[ForcePair]:
+def _drawn(comparison: RunComparison) -> list[ForcePair]:
     """Return the pairs in which something touches, the largest force first."""
-    touched = [pair for pair in beside.forces if pair.strikewave or pair.ls_dyna]
-    return sorted(touched, key=lambda pair: -max(one.peak for one in (pair.strikewave, pair.ls_dyna) if one))
-
-
-def _alone(size: tuple[float, float]) -> tuple[Figure, Any]:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=size, layout="constrained")
-    return figure, figure.add_subplot()
+    touched = [pair for pair in comparison.forces if pair.strikewave or pair.ls_dyna]
+    return sorted(touched, key=lambda pair: -max(pulse.peak for pulse in (pair.strikewave, pair.ls_dyna) if pulse))
 
 
 def _legend(axes: Any, title: str | None = None) -> None:
@@ -155,15 +158,3 @@ def _legend(axes: Any, title: str | None = None) -> None:
     )
     for text in legend.get_texts():
         text.set_parse_math(False)
-
-
-def _nothing(axes: Any, title: str, words: str) -> None:
-    """Leave axes empty but for words that say why."""
-    axes.set_title(title, loc="left", fontsize=10)
-    axes.set_axis_off()
-    axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes, color=GREY)
-
-
-def _clock(last: float) -> tuple[float, str]:
-    """Return the scale and the unit in which times up to the last one are shown."""
-    return (1e-6, "µs") if last < 5e-3 else (1e-3, "ms")

@@ -1,4 +1,4 @@
-"""The report of a run of LS-DYNA, alone or beside ours: forces, energies, fields, and how far both are apart."""
+"""The report of a run of LS-DYNA, alone or compared with ours: forces, energies, fields, and their differences."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ if TYPE_CHECKING:
     from strikewave.exchange.ls_dyna.folder import Contact, Extreme, LsDynaRun, Pulse
 
 _METHOD = (
-    "Numbers of LS-DYNA were computed by it and read from its files; units are those that were stated, its files have "
-    "none. A peak is that of the size of the force; a width lasts from its first to its last tenth of the peak; an "
-    "impulse is the size of the force summed over the whole run. Ours are means over the intervals of the histories."
+    "LS-DYNA computed its numbers; strikewave read them from its files, in the units that were stated, as the files "
+    "have none. The peak is the largest magnitude of the force. The pulse width lasts from the first to the last 10 % "
+    "of the peak. The impulse is the magnitude of the force integrated over the run. Forces of strikewave are means "
+    "over the intervals of the histories."
 )
-_APART = (
-    "Differences are (LS-DYNA - ours) / ours. M, P and C are those of Sprague and Geers (2003): of size, of phase "
-    "(0 to 1), and both together; RMS is the root mean square difference over our peak. Windows hold both pulses; "
-    '"begun together" is the same with LS-DYNA\'s moved so that both begin at once.'
+_DIFFERENCES = (
+    "Differences are (LS-DYNA - strikewave) / strikewave. M, P and C are the metrics of Sprague and Geers (2003): "
+    "magnitude, phase (0 to 1), and both combined; RMS is the root mean square difference over the peak of strikewave. "
+    'The window holds both pulses; for "onsets aligned" the pulse of LS-DYNA is shifted to the onset of strikewave.'
 )
-_BOOKS = (
-    "Internal energy of ours is with the work of bulk viscosity, for which LS-DYNA has no line of its own. Hourglass "
-    "energy of LS-DYNA is 0 where its deck did not ask for it (HGEN = 2 of *CONTROL_ENERGY)."
+_ENERGIES = (
+    "The internal energy of strikewave includes the work of bulk viscosity, which LS-DYNA does not list by itself. "
+    "The hourglass energy of LS-DYNA is 0 where its deck did not ask for it (HGEN = 2 of *CONTROL_ENERGY)."
 )
 _COLUMNS = (("peak", 1e3), ("at", 1e-6), ("impulse", 1.0), ("width", 1e-6))
 _FIELDS = (("displacement", 1e-3), ("von_mises", 1e6), ("plastic_strain", 1.0))
@@ -34,48 +35,51 @@ _FIELDS = (("displacement", 1e-3), ("von_mises", 1e6), ("plastic_strain", 1.0))
 
 def ls_dyna_report(result: LsDynaResult) -> str:
     """Return the report as one HTML page: no script, nothing fetched."""
-    beside = result.found
-    theirs, ours = beside.ls_dyna, beside.strikewave
-    sections = [_read(theirs), _forces(beside), _energies(beside)]
-    sections += [_fields(beside)] if theirs.fields or (ours and ours.extremes) else []
+    comparison = result.found
+    theirs, ours = comparison.ls_dyna, comparison.strikewave
+    sections = [_read(theirs), _forces(comparison), _energies(comparison)]
+    sections += [_fields(comparison)] if theirs.fields or (ours and ours.extremes) else []
     sections.append(chapters.warnings(result.notices))
-    summary = chapters.Summary("Report of a run of LS-DYNA", _summary(beside), _key_numbers(beside))
+    summary = chapters.Summary("Report of a run of LS-DYNA", _summary(comparison), _key_numbers(comparison))
     return chapters.result_page(result, summary, sections)
 
 
-def _summary(beside: RunComparison) -> str:
-    pair = _largest(beside)
+def _summary(comparison: RunComparison) -> str:
+    pair = _largest(comparison)
     if pair and pair.strikewave and pair.ls_dyna:
         return (
-            f"Contact {pair.name}: LS-DYNA reaches {with_unit(pair.ls_dyna.peak, 'N', 'kN')}, ours "
-            f"{with_unit(pair.strikewave.peak, 'N', 'kN')} ({share(pair.difference('peak'))}); width "
+            f"Contact {pair.name}: LS-DYNA reaches {with_unit(pair.ls_dyna.peak, 'N', 'kN')}, strikewave "
+            f"{with_unit(pair.strikewave.peak, 'N', 'kN')} ({share(pair.difference('peak'))}); pulse width "
             f"{share(pair.difference('width'))}, impulse {share(pair.difference('impulse'))}."
         )
-    found = {contact.name: pulse_of(contact.first) for contact in beside.ls_dyna.contacts}
-    touched = {name: pulse for name, pulse in found.items() if pulse}
+    pulses = {contact.name: pulse_of(contact.first) for contact in comparison.ls_dyna.contacts}
+    touched = {name: pulse for name, pulse in pulses.items() if pulse}
     if not touched:
-        return "No contact force is in the folder." if not found else "Nothing touched."
-    name, most = max(touched.items(), key=lambda one: one[1].peak)
-    return f"Contact {name} of LS-DYNA reaches {with_unit(most.peak, 'N', 'kN')}; nothing of ours lies beside it."
+        return "No contact force is in the folder." if not pulses else "Nothing touched."
+    name, strongest = max(touched.items(), key=lambda entry: entry[1].peak)
+    return f"Contact {name} of LS-DYNA reaches {with_unit(strongest.peak, 'N', 'kN')}; no run of strikewave to compare."
 
 
-def _key_numbers(beside: RunComparison) -> list[tuple[str, str]]:
-    pair = _largest(beside)
-    numbers = [("contacts", f"{len(beside.ls_dyna.contacts)}"), ("states of d3plot", f"{beside.ls_dyna.frames}")]
+def _key_numbers(comparison: RunComparison) -> list[tuple[str, str]]:
+    pair = _largest(comparison)
+    numbers = [
+        ("contacts", f"{len(comparison.ls_dyna.contacts)}"),
+        ("states of d3plot", f"{comparison.ls_dyna.frames}"),
+    ]
     if pair and pair.strikewave and pair.ls_dyna:
         numbers = [
             ("peak, LS-DYNA", with_unit(pair.ls_dyna.peak, "N", "kN")),
-            ("peak, ours", with_unit(pair.strikewave.peak, "N", "kN")),
-            ("peak, apart", share(pair.difference("peak"))),
-            ("width, apart", share(pair.difference("width"))),
-            ("impulse, apart", share(pair.difference("impulse"))),
+            ("peak, strikewave", with_unit(pair.strikewave.peak, "N", "kN")),
+            ("difference of peaks", share(pair.difference("peak"))),
+            ("difference of pulse widths", share(pair.difference("width"))),
+            ("difference of impulses", share(pair.difference("impulse"))),
             *numbers,
         ]
     return numbers
 
 
-def _largest(beside: RunComparison) -> ForcePair | None:
-    both = [pair for pair in beside.forces if pair.strikewave and pair.ls_dyna]
+def _largest(comparison: RunComparison) -> ForcePair | None:
+    both = [pair for pair in comparison.forces if pair.strikewave and pair.ls_dyna]
     return max(both, key=lambda pair: pair.strikewave.peak if pair.strikewave else 0.0, default=None)
 
 
@@ -97,46 +101,48 @@ def share(value: float) -> str:
 def _read(theirs: LsDynaRun) -> Section:
     rows: list[list[Cell]] = [[path.name, f"{path.stat().st_size}"] for path in theirs.files]
     first, last = theirs.span
-    words = f"From {first * 1e6:.4g} µs to {last * 1e6:.4g} µs. " if last == last else ""
+    text = f"From {first * 1e6:.4g} µs to {last * 1e6:.4g} µs. " if last == last else ""
     if theirs.fields:
         mesh = theirs.fields.mesh
-        words += f"{len(mesh.hexahedra)} solids, {len(mesh.points)} nodes, {theirs.frames} states. "
-    return Section("What was read", words + _METHOD, [Table("Files", ["file", "bytes"], rows)])
+        text += f"{len(mesh.hexahedra)} solids, {len(mesh.points)} nodes, {theirs.frames} states. "
+    return Section("What was read", text + _METHOD, [Table("Files", ["file", "bytes"], rows)])
 
 
-def _forces(beside: RunComparison) -> Section:
+def _forces(comparison: RunComparison) -> Section:
     from strikewave.analyses.fem.ls_dyna import figures as ls_dyna
 
     parts: list[Part] = []
-    for pair in beside.forces:
-        caption = f"Size of the contact force {pair.name}: ours in a full line, LS-DYNA's dashed."
+    for pair in comparison.forces:
+        caption = f"Magnitude of the contact force {pair.name}: strikewave solid, LS-DYNA dashed."
         parts += [pair_table(pair), Picture(ls_dyna.force_figure(pair), caption)]
-    parts.append(contact_table(beside.ls_dyna.contacts))
-    if not beside.forces and beside.ls_dyna.contacts:
-        parts.append(Picture(ls_dyna.contact_figure(beside.ls_dyna.contacts), "Sizes of LS-DYNA's contact forces."))
-    return Section("Contact forces", _APART if beside.forces else "", parts)
+    parts.append(contact_table(comparison.ls_dyna.contacts))
+    if not comparison.forces and comparison.ls_dyna.contacts:
+        parts.append(
+            Picture(ls_dyna.contact_figure(comparison.ls_dyna.contacts), "Magnitudes of the contact forces of LS-DYNA.")
+        )
+    return Section("Contact forces", _DIFFERENCES if comparison.forces else "", parts)
 
 
 def pair_table(pair: ForcePair) -> Table:
     """Return the numbers of a contact of both."""
     rows: list[list[Cell]] = [
-        [words, *(_cell(pulse, what, scale) for pulse in (pair.ls_dyna, pair.strikewave)), share(pair.difference(what))]
-        for words, what, scale in (
-            ("peak (kN)", "peak", 1e3), ("impulse (N s)", "impulse", 1.0), ("width (µs)", "width", 1e-6),
+        [label, *(_cell(pulse, what, scale) for pulse in (pair.ls_dyna, pair.strikewave)), share(pair.difference(what))]
+        for label, what, scale in (
+            ("peak (kN)", "peak", 1e3), ("impulse (N s)", "impulse", 1.0), ("pulse width at 10 % (µs)", "width", 1e-6),
         )
     ]  # fmt: skip
     rows += [
-        [words, *(_cell(pulse, what, 1e-6) for pulse in (pair.ls_dyna, pair.strikewave)), NONE]
-        for words, what in (("peak at (µs)", "at"), ("begins (µs)", "begin"), ("ends (µs)", "end"))
+        [label, *(_cell(pulse, what, 1e-6) for pulse in (pair.ls_dyna, pair.strikewave)), NONE]
+        for label, what in (("peak at (µs)", "at"), ("onset (µs)", "begin"), ("end (µs)", "end"))
     ]
-    rows.append(["begins later (µs)", written(pair.shift * 1e6), NONE, NONE])
+    rows.append(["onset later by (µs)", written(pair.shift * 1e6), NONE, NONE])
     rows.append(["angle of the impulses (deg)", written(pair.angle, 3), NONE, NONE])
-    for words, found in (("as they are", pair.plain), ("begun together", pair.moved)):
-        rows.append([f"M, {words}", share(found.magnitude), NONE, NONE])
-        rows.append([f"P, {words}", written(found.phase, 3), NONE, NONE])
-        rows.append([f"C, {words}", written(found.combined, 3), NONE, NONE])
-        rows.append([f"RMS, {words}", share(found.rms).lstrip("+"), NONE, NONE])
-    heads = ["", "LS-DYNA", "ours", "difference"]
+    for label, agreement in (("as they are", pair.plain), ("onsets aligned", pair.moved)):
+        rows.append([f"M, {label}", share(agreement.magnitude), NONE, NONE])
+        rows.append([f"P, {label}", written(agreement.phase, 3), NONE, NONE])
+        rows.append([f"C, {label}", written(agreement.combined, 3), NONE, NONE])
+        rows.append([f"RMS, {label}", share(agreement.rms).lstrip("+"), NONE, NONE])
+    heads = ["", "LS-DYNA", "strikewave", "difference"]
     return Table(f"Contact {pair.name}: contact {pair.contact.name} of LS-DYNA, side {pair.side}", heads, rows)
 
 
@@ -148,7 +154,7 @@ def contact_table(contacts: tuple[Contact, ...]) -> Table:
             pulse = pulse_of(force)
             cells = [_cell(pulse, what, scale) for what, scale in _COLUMNS]
             rows.append([str(contact.number), contact.title or NONE, side, *cells])
-    heads = ["number", "title", "side", "peak (kN)", "at (µs)", "impulse (N s)", "width (µs)"]
+    heads = ["number", "title", "side", "peak (kN)", "at (µs)", "impulse (N s)", "pulse width at 10 % (µs)"]
     return Table("Contacts of LS-DYNA", heads, rows, empty="No rcforc or binout with contact forces is there.")
 
 
@@ -156,16 +162,16 @@ def _cell(pulse: Pulse | None, what: str, scale: float) -> str:
     return NONE if pulse is None else written(getattr(pulse, what) / scale)
 
 
-def _energies(beside: RunComparison) -> Section:
+def _energies(comparison: RunComparison) -> Section:
     from strikewave.analyses.fem.ls_dyna import figures as ls_dyna
 
-    picture = Picture(ls_dyna.energy_figure(beside), "Energies: ours in full lines, LS-DYNA's dashed.")
-    return Section("Energies", _BOOKS, [energy_table(beside), picture])
+    picture = Picture(ls_dyna.energy_figure(comparison), "Energies: strikewave solid, LS-DYNA dashed.")
+    return Section("Energies", _ENERGIES, [energy_table(comparison), picture])
 
 
-def energy_table(beside: RunComparison) -> Table:
+def energy_table(comparison: RunComparison) -> Table:
     """Return the energies of both: the largest in size over time, and at the end."""
-    runs = [beside.ls_dyna.energies, beside.strikewave.energies if beside.strikewave else None]
+    runs = [comparison.ls_dyna.energies, comparison.strikewave.energies if comparison.strikewave else None]
     rows: list[list[Cell]] = []
     for word in ENERGIES:
         curves = [run.energy.get(word) if run else None for run in runs]
@@ -173,33 +179,33 @@ def energy_table(beside: RunComparison) -> Table:
             most = [NONE if c is None else written(float(c[abs(c).argmax()])) for c in curves]
             last = [NONE if c is None else written(float(c[-1])) for c in curves]
             rows.append([word, *most, *last])
-    heads = ["energy", "largest, LS-DYNA (J)", "largest, ours (J)", "end, LS-DYNA (J)", "end, ours (J)"]
+    heads = ["energy", "largest, LS-DYNA (J)", "largest, strikewave (J)", "end, LS-DYNA (J)", "end, strikewave (J)"]
     return Table("Energies", heads, rows, empty="No glstat or binout with energies is there.")
 
 
-def _fields(beside: RunComparison) -> Section:
-    words = (
+def _fields(comparison: RunComparison) -> Section:
+    text = (
         "Largest in each part at the instants of its fields; of an element with several points, their mean; stress and "
         "strain without deleted elements."
     )
-    return Section("Fields", words, [field_table(beside)])
+    return Section("Fields", text, [field_table(comparison)])
 
 
-def field_table(beside: RunComparison) -> Table:
+def field_table(comparison: RunComparison) -> Table:
     """Return the extremes of the parts of both, pairs first."""
-    theirs, ours = beside.ls_dyna.extremes, beside.strikewave.extremes if beside.strikewave else {}
-    pairs: list[tuple[str | None, str | None]] = [(other, name) for name, other in beside.parts.items()]
-    pairs += [(other, None) for other in theirs if other not in beside.parts.values()]
-    pairs += [(None, name) for name in ours if name not in beside.parts]
+    theirs, ours = comparison.ls_dyna.extremes, comparison.strikewave.extremes if comparison.strikewave else {}
+    pairs: list[tuple[str | None, str | None]] = [(other, name) for name, other in comparison.parts.items()]
+    pairs += [(other, None) for other in theirs if other not in comparison.parts.values()]
+    pairs += [(None, name) for name in ours if name not in comparison.parts]
     rows: list[list[Cell]] = []
     for other, name in pairs:
         both = (theirs.get(other) if other else None, ours.get(name) if name else None)
-        cells = [_extreme(one, what, scale) for what, scale in _FIELDS for one in both]
+        cells = [_extreme(extreme, what, scale) for what, scale in _FIELDS for extreme in both]
         rows.append([other or NONE, name or NONE, *cells])
     units = ("displacement, {} (mm)", "von Mises, {} (MPa)", "plastic strain, {}")
-    heads = [unit.format(who) for unit in units for who in ("LS-DYNA", "ours")]
-    return Table("Parts", ["part of LS-DYNA", "part of ours", *heads], rows, empty="No fields are there.")
+    heads = [unit.format(who) for unit in units for who in ("LS-DYNA", "strikewave")]
+    return Table("Parts", ["part in LS-DYNA", "part in strikewave", *heads], rows, empty="No fields are there.")
 
 
-def _extreme(one: Extreme | None, what: str, scale: float) -> str:
-    return NONE if one is None else written(getattr(one, what) / scale)
+def _extreme(extreme: Extreme | None, what: str, scale: float) -> str:
+    return NONE if extreme is None else written(getattr(extreme, what) / scale)

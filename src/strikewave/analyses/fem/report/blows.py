@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from strikewave.analyses.fem.figures.blows import blows_figure
 from strikewave.analyses.fem.sectors import blow_of_bodies
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.fem.blow_measures import blow_measure
@@ -15,18 +16,16 @@ if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
 
 _WORDS = (
-    "After a blow the bodies come to rest without what drove, pressed and struck them, go back to where they began as "
-    "rigid bodies, and meet again with the velocities of the case. Plastic strain, back stress, temperature, shape and "
-    "residual stress are those that the blow before left. All other sections are those of the first blow. Restitution "
-    "is the speed of separation at the end over that of approach at the start, of the parts of the contact as rigid "
-    "bodies."
+    "After a blow the bodies come to rest (dynamic relaxation) without their loads and contacts, go back to where "
+    "they began as rigid bodies, and meet again with the velocities of the case. Plastic strain, back stress, "
+    "temperature, shape and residual stress are those that the blow before left. All other sections are those of the "
+    "first blow. The coefficient of restitution is the speed of separation at the end over that of approach at the "
+    "start, of the parts of the contact as rigid bodies."
 )
 
 
 def blows_section(solution: FemSolution) -> Section:
-    """Return what each blow came to, and how the bodies came to rest before it."""
-    from strikewave.analyses.fem.figures.blows import blows_figure
-
+    """Return what each blow came to, and the dynamic relaxation before it."""
     runs = [blow.run for blow in solution.blows]
     caption = "Force of the strongest contact of each blow, means of intervals; and what yield takes of each."
     return Section(
@@ -37,33 +36,38 @@ def blows_section(solution: FemSolution) -> Section:
 def _forces(solution: FemSolution) -> Table:
     rows: list[list[Cell]] = []
     for blow in solution.blows:
-        back = blow_measure(blow.run, blow.model.touching).restitution
+        restitution = blow_measure(blow.run, blow.model.touching).restitution
         name, pulse = next(iter(blow_of_bodies(blow.model, blow.run, blow.sectors).items()))
         width = NONE if math.isnan(pulse.width) else written(pulse.width * 1e6)
         rigid = [f"{name}: {written(pulse.rigid_peak / STANDARD_GRAVITY)}", width, written(pulse.velocity_change)]
-        for contact, found in blow.contacts.items():
-            e = back[contact]
+        for contact, measure in blow.contacts.items():
+            e = restitution[contact]
             values: list[Cell] = [NONE, NONE, NONE]
-            if found is not None:
-                values = [written(x) for x in (found.peak / 1e3, found.impulse, found.duration * 1e6)]
+            if measure is not None:
+                values = [written(x) for x in (measure.peak / 1e3, measure.impulse, measure.duration * 1e6)]
             rows.append([str(blow.run.blow), contact, *values, NONE if e is None else f"{e:.4f}", *rigid])
-    heads = ["blow", "contact", "peak force (kN)", "impulse (N s)", "duration (µs)", "restitution"]
-    heads += ["rigid peak (g)", "its width (µs)", "its velocity change (m/s)"]
+    heads = ["blow", "contact", "peak force (kN)", "impulse (N s)", "duration (µs)", "coefficient of restitution"]
+    heads += ["rigid peak (g)", "pulse width at 10 % (µs)", "velocity change (m/s)"]
     return Table("Forces of each blow", heads, rows, empty="No contact is in the model.")
 
 
 def _yield(solution: FemSolution) -> Table:
     rows: list[list[Cell]] = []
     for blow in solution.blows:
-        found = blow_measure(blow.run, blow.model.touching)
-        strain, rest = max(found.plastic_strain.values(), default=math.nan), found.rest
-        energy = [sum(found.plastic_energy.values()), blow.run.initial_energy]
-        way: list[Cell] = [NONE] * 5
+        measure = blow_measure(blow.run, blow.model.touching)
+        strain, rest = max(measure.plastic_strain.values(), default=math.nan), measure.rest
+        energy = [sum(measure.plastic_energy.values()), blow.run.initial_energy]
+        to_rest: list[Cell] = [NONE] * 5
         if rest is not None:
             values = [rest.kinetic_share, rest.plastic_energy, rest.retreat * 1e6]
-            way = [str(rest.maxima), str(rest.steps), *(written(value, 3) for value in values)]
+            to_rest = [str(rest.maxima), str(rest.steps), *(written(value, 3) for value in values)]
         cells = [NONE if math.isnan(strain) else written(strain), *(written(value) for value in energy)]
-        rows.append([str(found.blow), *cells, f"{balance_measure(blow.run).energy:+.1e}", *way])
-    heads = ["blow", "plastic strain, largest", "taken by yield (J)", "energy at its start (J)", "energy error"]
-    heads += ["maxima to rest before it", "steps", "kinetic energy left (share)", "yield on the way (J)"]
-    return Table("Yield and rest of each blow", [*heads, "begins farther away by (µm)"], rows)
+        rows.append([str(measure.blow), *cells, f"{balance_measure(blow.run).energy:+.1e}", *to_rest])
+    heads = ["blow", "plastic strain, largest", "taken by yield (J)", "energy at the start (J)", "energy balance error"]
+    heads += [
+        "kinetic-energy maxima of relaxation",
+        "steps of relaxation",
+        "kinetic energy left (share)",
+        "yield during relaxation (J)",
+    ]
+    return Table("Yield in each blow, and relaxation before it", [*heads, "moved back at the start (µm)"], rows)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from strikewave.analyses.fem.figures.cut import (
     COVERED,
     Zone,
@@ -15,6 +13,7 @@ from strikewave.analyses.fem.figures.cut import (
     seen_close_up,
     wave_figure,
 )
+from strikewave.analyses.fem.report.largest import instant_words, largest_words, place_words
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.measures import contact_measure
 from strikewave.fem.skin import blow_contact, faces_on
@@ -28,16 +27,16 @@ if TYPE_CHECKING:
     from strikewave.fem.model import Model
 
 FEWEST_OF_WAVE = 3
-"""Instants after first touch without which there is no row of them."""
+"""Instants after first touch without which there is no row of them (chosen: two show no motion of a front)."""
 _HOW = (
-    "Each element is shown in the colour of its one value, where it is at that instant: displacements are as they are, "
-    "not enlarged. Dark lines are the outlines of bodies; thin ones are the mesh, where its elements are large enough "
-    "to be told apart. Faces that look aside are a little darker."
+    "Each element has the colour of its one value, at its place at that instant: displacements are to scale. Dark "
+    "lines are the outlines of bodies, thin lines the mesh, where its elements are large enough. Faces seen "
+    "obliquely are darker."
 )
-_BEFORE = " Elements before the plane of the cut are left out whole."
+_BEFORE = " Elements in front of the cutting plane are left out whole."
 _END_OF_SCALE = (
-    f"The scale of colours covers {100.0 * COVERED:.0f} % of the loaded surface over these instants; where its bar "
-    "ends in a tip, a few elements lie beyond it."
+    f"The colour scale covers {100.0 * COVERED:.0f} % of the loaded surface over these instants; a tip at its end "
+    "marks that a few elements lie beyond it."
 )
 
 
@@ -65,37 +64,17 @@ def fields_section(solution: FemSolution) -> Section:
     return Section("Fields", f"{_HOW}{opened} {largest_words(film, mesh)}".rstrip(), parts)
 
 
-def largest_words(film: SnapshotRecorder, mesh: Mesh) -> str:
-    """Say where von Mises stress and plastic strain are largest of all elements, seen or not; nothing where none is."""
-    names, words = {"von_mises": "von Mises stress", "plastic_strain": "plastic strain"}, []
-    for name, spot in film.largest.items():
-        value = with_unit(spot.value, "Pa", "MPa") if name == "von_mises" else written(spot.value)
-        words.append(f"{names[name]} {value} in {place_words(mesh, spot.element)} at {_instant_words(spot.time)}")
-    if not words:
-        return ""
-    return (
-        f"Largest of all elements at the instants kept for pictures: {listed(words)} (middle of the element at first)."
-    )
-
-
-def place_words(mesh: Mesh, element: int) -> str:
-    """Name the part of an element and its middle before the blow."""
-    middle = mesh.points[mesh.hexahedra[element]].mean(axis=0) * 1e3
-    place = ", ".join(f"{x:.4g}" for x in np.where(np.abs(middle) < 1e-9, 0.0, middle))
-    return f"{mesh.names[int(mesh.part[element])]} at ({place}) mm"
-
-
 def _pressed(solution: FemSolution, film: SnapshotRecorder) -> Pressed | None:
     """Return when and where the contact of the blow presses, nearest to its largest force; None where it does not."""
     model: Model = solution.model
     meeting = blow_contact(model)
-    found = contact_measure(solution.run, meeting.name) if meeting and meeting.name in solution.run.force else None
-    if meeting is None or found is None:
+    measure = contact_measure(solution.run, meeting.name) if meeting and meeting.name in solution.run.force else None
+    if meeting is None or measure is None:
         return None
     own = faces_on(film.skin, model.mesh, model.touching[meeting.name])
-    pressed = pressed_most(film.skin, film.snapshots, found.at, own)
-    words = f"the kept instant nearest to the peak of the force of {meeting.name}, at {_instant_words(found.at)}"
-    return None if pressed is None else Pressed(*pressed, words)
+    pressed = pressed_most(film.skin, film.snapshots, measure.at, own)
+    instant = f"the stored instant nearest to the force peak of {meeting.name}, at {instant_words(measure.at)}"
+    return None if pressed is None else Pressed(*pressed, instant)
 
 
 def _opened(film: SnapshotRecorder) -> str:
@@ -116,10 +95,10 @@ def _whole(film: SnapshotRecorder, pressed: Pressed | None) -> Picture:
         still, when = pressed.still, pressed.words
     shown = [still] if still.time == stills[-1].time else [still, stills[-1]]
     largest = float(von_mises(still.stress.astype(float)).max(initial=0.0))
-    words = f"Von Mises stress in the bodies cut open at {_instant(still)}, {when}"
-    words += f", and at {_instant(stills[-1])}, the last instant." if len(shown) > 1 else "."
-    words += f" The largest that can be seen at {_instant(still)} is {with_unit(largest, 'Pa', 'MPa')}."
-    return Picture(cut_figure(film.skin, shown), f"{words} {_END_OF_SCALE}")
+    caption = f"Von Mises stress in the bodies cut open at {_instant(still)}, {when}"
+    caption += f", and at {_instant(stills[-1])}, the last instant." if len(shown) > 1 else "."
+    caption += f" The largest value in view at {_instant(still)} is {with_unit(largest, 'Pa', 'MPa')}."
+    return Picture(cut_figure(film.skin, shown), f"{caption} {_END_OF_SCALE}")
 
 
 def _close_up(film: SnapshotRecorder, pressed: Pressed | None, mesh: Mesh) -> list[Part]:
@@ -128,39 +107,35 @@ def _close_up(film: SnapshotRecorder, pressed: Pressed | None, mesh: Mesh) -> li
         return []
     (still, zone, when), last = pressed, film.snapshots[-1]
     pictures = [(still, "von_mises")]
-    words = (
+    caption = (
         f"Where bodies touch, straight onto the cut, within about {zone.reach * 1e3:.2g} mm: von Mises stress at "
         f"{_instant(still)}, {when}"
     )
     spot, elsewhere = film.largest.get("plastic_strain"), ""
     if spot is not None:
         pictures.append((last, "plastic_strain"))
-        words += f", and equivalent plastic strain at {_instant(last)}, the last instant"
-        seen = float(seen_close_up(film.skin, zone, last, "plastic_strain").max(initial=0.0))
-        if seen < 0.999 * spot.value:
+        caption += f", and equivalent plastic strain at {_instant(last)}, the last instant"
+        largest_seen = float(seen_close_up(film.skin, zone, last, "plastic_strain").max(initial=0.0))
+        if largest_seen < 0.999 * spot.value:
             elsewhere = f" The largest plastic strain of all, {written(spot.value)}, is not in this view: it is in "
             elsewhere += f"{place_words(mesh, spot.element)}."
-    words += f". The scales reach the largest value that is seen.{elsewhere}"
-    return [Picture(close_up_figure(film.skin, zone, pictures), words)]
+    caption += f". The scales reach the largest value that is seen.{elsewhere}"
+    return [Picture(close_up_figure(film.skin, zone, pictures), caption)]
 
 
 def _wave(film: SnapshotRecorder) -> list[Part]:
     """Return the row of instants after first touch; nothing where nothing touches, or the run went on later."""
     if len(film.wave) < FEWEST_OF_WAVE or film.touched is None:
         return []
-    words = (
+    caption = (
         f"The first wave through the bodies, {len(film.wave)} instants from first touch on, which is at "
-        f"{_instant_words(film.touched)}: the stress along the blow, blue where it presses and red where it "
-        f"pulls, at {listed([_instant(still) for still in film.wave])}. A wave takes "
+        f"{instant_words(film.touched)}: the stress along the blow, blue compression and red tension, "
+        f"at {listed([_instant(still) for still in film.wave])}. A wave takes "
         f"{with_unit(film.transit, 's', 'us')} from there to the far end, at the speed sqrt(E/rho) of the body there. "
         f"One scale for all instants. {_END_OF_SCALE}"
     )
-    return [Picture(wave_figure(film.skin, film.wave), words)]
+    return [Picture(wave_figure(film.skin, film.wave), caption)]
 
 
 def _instant(still: Snapshot) -> str:
-    return _instant_words(still.time)
-
-
-def _instant_words(time: float) -> str:
-    return with_unit(time, "s", "us") if time > 0.0 else "the start"
+    return instant_words(still.time)

@@ -39,9 +39,8 @@ from strikewave.reporting.animation.page import (
     Shape,
     View,
     animation_page,
-    printable,
 )
-from strikewave.reporting.style import BLUE, GREY, RED, quiet
+from strikewave.reporting.style import BLUE, GREY, RED, printable, quiet
 
 if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution

@@ -24,9 +24,8 @@ from strikewave.reporting.animation.page import (
     View,
     animation_page,
     even_rows,
-    printable,
 )
-from strikewave.reporting.style import BLUE, RED
+from strikewave.reporting.style import BLUE, RED, printable
 from strikewave.reporting.wave_field import (
     DASHED,
     JOINT_STYLES,
@@ -55,6 +54,9 @@ INK = "#1a1f24"
 FILLS = (f"{BLUE}4d", f"{RED}4d")
 """Above and below zero: as in the figures, 30 % opaque."""
 _DPI = 80
+"""Of a GIF, dots an inch (chosen: 640 x 432 pixels, which a slide shows)."""
+GIF_MARGIN = 1.2
+"""Axes of a GIF reach so far beyond the peak: the names of layers stand above the curve."""
 NOTE = (
     "Blue is compression or motion along the blow, red tension or motion against it; the darker a layer, the greater "
     "its impedance; ▲ marks a tap."
@@ -149,7 +151,7 @@ def _digits(value: float) -> float:
 
 
 def write_wave_gif(field: WaveField, title: str, path: Path, progress: Callable[[float], None] | None = None) -> None:
-    """Write the same as a GIF.
+    """Write the waves as a GIF.
 
     Parameters
     ----------
@@ -178,7 +180,7 @@ def _moving(field: WaveField, title: str, rows: NDArray[np.int64]) -> tuple[Figu
         shade_layers(axes, field)
         peak = float(np.abs(rows_of_values).max(initial=0.0)) or 1.0
         axes.set_xlim(0.0, field.ends[-1] * 1e3)
-        axes.set_ylim(-1.2 * peak, 1.2 * peak)
+        axes.set_ylim(-GIF_MARGIN * peak, GIF_MARGIN * peak)
         axes.set_title(shown.label, loc="left", fontsize=9)
         axes.spines[["top", "right"]].set_visible(False)
     name_layers(panels[0][0], field)

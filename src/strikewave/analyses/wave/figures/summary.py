@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.figure import Figure
 
 from strikewave.analyses.wave.run import BarSolution
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.curves import COLOURS, DASHES, above_right, thin
-from strikewave.reporting.style import GREY, quiet, sheet_title
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from strikewave.reporting.style import GREY, new_figure, quiet, sheet_title
 
 
 def bar_summary(solution: BarSolution) -> Figure:
@@ -24,9 +20,7 @@ def bar_summary(solution: BarSolution) -> Figure:
     >>> len(bar_summary(run_wave(load_case("li-ma-2019-fig13-bar"))).axes)
     4
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9.0, 6.4), layout="constrained")
+    figure = new_figure((9.0, 6.4))
     sheet_title(figure, solution.title)
     grid = figure.subplots(2, 2)
     run, since = solution.run, "time after the start of the load (µs)"
@@ -41,7 +35,7 @@ def bar_summary(solution: BarSolution) -> Figure:
     for axes, title, values, label in shown:
         for k, (name, _) in enumerate(solution.taps[: len(COLOURS)]):
             t, v = thin(run.time, np.asarray(values(k)))
-            axes.plot(t * 1e6, v, DASHES[k % 4], color=COLOURS[k], linewidth=1.2, label=name)
+            axes.plot(t * 1e6, v, DASHES[k % len(DASHES)], color=COLOURS[k], linewidth=1.2, label=name)
         quiet(axes, title, since, label)
     if len(solution.taps) > 1:
         above_right(grid[0, 1])
