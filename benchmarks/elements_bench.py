@@ -14,7 +14,7 @@ from timing import best, table, write
 from strikewave.fem import _layout as layout
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Contact, Controls, Model
+from strikewave.fem.model import Controls, Model, SurfaceContact
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
 from strikewave.fem.solve import solve
@@ -89,7 +89,7 @@ def pressed(counts=(50, 50, 20), threads=1, shift=0.0):
         {"body": SOLIDS["bilinear"], "upper": SOLIDS["bilinear"]},
         Controls(1.0, threads=threads),
         velocity={"upper": (0.0, 0.0, -10.0)},
-        contacts=(Contact("body.z+", "upper.z-"),),
+        contacts=(SurfaceContact("body.z+", "upper.z-"),),
     )
 
 
@@ -225,7 +225,7 @@ def section():
     return f"""## Explicit elements
 
 Element-steps a second of cubes of {SIZE * 1e3:g} mm that move at random (most elements yield where they can), whole steps with
-the motion of the nodes and the energy ledger:
+the motion of the nodes and the energy balance:
 
 {table(("elements", "kind", "one thread", "two threads", "target"), rows())}
 

@@ -12,7 +12,7 @@ from timing import best, table, write
 
 from strikewave.reporting.curves import Trace, traces
 from strikewave.reporting.style import save
-from strikewave.waves import End, Joint, Layer, Pulse, Stack, Tap, Wanted, run_bar
+from strikewave.waves import End, Joint, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 
 PICTURE = Path(__file__).parents[1] / "docs" / "images" / "loaded-short-bar.svg"
 FORCE, LENGTH, DIAMETER, MODULUS, DENSITY = 19685.0, 0.07, 0.03, 211e9, 7820.0
@@ -40,11 +40,11 @@ def own_example(steps=300):
         for k, (density, modulus, d, segment) in enumerate(rows)
     )
     stack = Stack(layers, (Joint(unilateral=True),), End("free"))
-    load = Pulse("rectangle", 1.0, 99.5 * made.dt, kind="incident")
+    load = LoadPulse("rectangle", 1.0, 99.5 * made.dt, kind="incident")
     taps = [Tap(0, 0.5), Tap(1, 0.5)]
 
     def our_run():
-        return run_bar(stack, load, taps, (steps - 2) * made.dt, Wanted(step=made.dt))
+        return run_bar(stack, load, taps, (steps - 2) * made.dt, WantedError(step=made.dt))
 
     def their_run():
         return theirs(made, np.ones(100), steps, "infinite")
@@ -64,7 +64,9 @@ def short_bar(steps=400):
     """
     bar = Layer("bar", DENSITY, MODULUS, 0.25 * np.pi * DIAMETER**2, LENGTH)
     step = bar.transit / 50
-    run = run_bar(Stack((bar,)), Pulse("rectangle", FORCE, 1.0), [Tap(0, 1.0)], (steps - 2) * step, Wanted(step=step))
+    run = run_bar(
+        Stack((bar,)), LoadPulse("rectangle", FORCE, 1.0), [Tap(0, 1.0)], (steps - 2) * step, WantedError(step=step)
+    )
     arrived = np.floor((run.time / bar.transit + 1.0 + 1e-9) / 2.0)
     closed = 2.0 * FORCE / bar.impedance * arrived
     peer = None

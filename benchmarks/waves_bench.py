@@ -9,10 +9,10 @@ from timing import best, table, write
 
 from strikewave.base.compiled import kernel
 from strikewave.base.materials import material
-from strikewave.waves import BONDED, End, Pulse, Stack, round_bar
+from strikewave.waves import BONDED, End, LoadPulse, Stack, round_bar
 from strikewave.waves._kernels import advance, arriving_at_face
 from strikewave.waves.dispersion import Rod, wave_number
-from strikewave.waves.spectral import Spectrum
+from strikewave.waves.spectral import SpectralStack
 from strikewave.waves.transit import grid_of, state_at_rest, tables_of
 
 LAYERS = (3, 10, 100, 1000)
@@ -103,7 +103,7 @@ def spectral_rows(bins=8000):
     found = []
     for layers in LAYERS:
         step = 1e-7
-        spectrum = Spectrum(bar(layers), Pulse("sine-squared", 1e4, 1e-4), step, max(200, bins * 3 // layers))
+        spectrum = SpectralStack(bar(layers), LoadPulse("sine-squared", 1e4, 1e-4), step, max(200, bins * 3 // layers))
         spectrum.look([(0, 0.5)])
         each = best(lambda spectrum=spectrum: spectrum.ends(), 3) / (spectrum.s.size * layers)
         found.append((f"{layers} layers", write(each), f"{each / floor:.1f} x"))

@@ -56,14 +56,14 @@ def impacts_and_spectra() -> None:
     """Solve an impact in closed form, a chain of bodies, a shock spectrum, a line through a record."""
     import numpy as np
 
-    from strikewave.contact import Chain, Contact, Spring, Touch, exact, simulate, solve_impact
+    from strikewave.contact import Chain, ChainContact, Contact, Spring, exact, simulate, solve_impact
     from strikewave.records.pulses import robust_line
     from strikewave.signal.srs import srs
 
     contact = Contact(4.7e9, 1.1, float(exact(0.5)))
     solve_impact(contact, 0.2, 0.459, 20.0)
     bodies = {"striker": 0.2, "nose": 0.06, "assembly": 0.4}
-    chain = Chain(bodies, [Touch("striker", "nose", contact), Spring("nose", "assembly", 9e7, 200.0)])
+    chain = Chain(bodies, [ChainContact("striker", "nose", contact), Spring("nose", "assembly", 9e7, 200.0)])
     simulate(chain, {}, {"striker": 3.0}, duration=400e-6)
     time = np.arange(2000) * 1e-5
     srs(np.sin(np.pi * np.clip(time / 1e-3, 0.0, 1.0)), 1e-5, np.geomspace(10.0, 1e4, 20))

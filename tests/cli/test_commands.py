@@ -21,12 +21,12 @@ def test_run_json_has_exactly_its_keys(strikewave, tmp_path):
     assert code == 0
     document = json.loads(out)
     assert set(document) == {
-        "schema", "version", "units", "warnings", "case", "route", "blows", "masses", "phases", "ledger", "waves", "published", "fitted_fields",
+        "schema", "version", "units", "warnings", "case", "route", "blows", "masses", "phases", "balance", "waves", "published", "fitted_fields",
     }  # fmt: skip
     assert all(set(blow) == BLOW_KEYS for blow in document["blows"])
     assert set(document["masses"]) == {"striker", "object", "assembly"}
     assert all(set(phase) == {"name", "time"} for phase in document["phases"])
-    assert set(document["ledger"]) == {"energy_error", "momentum_error"}
+    assert set(document["balance"]) == {"energy_error", "momentum_error"}
     keys = {"quantity", "published", "measured_or_simulated", "computed", "difference", "role"}
     assert all(set(row) == keys for row in document["published"])
     assert document["fitted_fields"] == ["machine.engagement", "object.frame_stiffness"]
@@ -208,10 +208,10 @@ def test_validate_lists_every_value_with_its_provenance(strikewave):
 
 
 def test_broken_limit_exits_with_3(strikewave, monkeypatch):
-    monkeypatch.setattr("strikewave.base.result.LEDGER_LIMIT", 0.0)
+    monkeypatch.setattr("strikewave.base.result.BALANCE_LIMIT", 0.0)
     code, out, _ = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--json")
     assert code == 3
-    assert {"energy-ledger", "momentum-ledger"} <= {w["code"] for w in json.loads(out)["warnings"]}
+    assert {"energy-balance", "momentum-balance"} <= {w["code"] for w in json.loads(out)["warnings"]}
 
 
 def test_our_own_fault_exits_with_1_in_one_line(strikewave, monkeypatch):

@@ -9,13 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from strikewave.contact import Chain, Contact, Spring, Stop, Touch, exact, simulate, solve_impact
+from strikewave.contact import Chain, ChainContact, Contact, Spring, Stop, exact, simulate, solve_impact
 from strikewave.contact._dop853 import A, B, C
 from strikewave.contact.dampers import cut_off_damping_ratio, cut_off_restitution
 
 
 def two_bodies(contact, m1, m2, speed, duration, tolerance):
-    chain = Chain({"striker": m1, "object": m2}, links=[Touch("striker", "object", contact)])
+    chain = Chain({"striker": m1, "object": m2}, links=[ChainContact("striker", "object", contact)])
     return simulate(chain, {}, {"striker": speed}, duration, tolerance)
 
 
@@ -119,7 +119,7 @@ def test_rigid_peak_against_an_independent_scipy_chain(m1, mn, ma, kf, e, speed)
     chain = Chain(
         {"striker": m1, "nose": mn, "assembly": ma},
         links=[
-            Touch("striker", "nose", Contact(stiffness, exponent, chi), slowest_approach=speed),
+            ChainContact("striker", "nose", Contact(stiffness, exponent, chi), slowest_approach=speed),
             Spring("nose", "assembly", kf, cf),
         ],
     )
@@ -159,7 +159,8 @@ def test_three_balls_pass_the_blow_on():
     """Equal elastic balls in a row, a gap between each: the last takes the whole speed (Newton's cradle)."""
     contact = Contact(1e9, 1.5)
     chain = Chain(
-        {"a": 0.1, "b": 0.1, "c": 0.1}, links=[Touch("a", "b", contact), Touch("b", "c", contact, offset=0.0)]
+        {"a": 0.1, "b": 0.1, "c": 0.1},
+        links=[ChainContact("a", "b", contact), ChainContact("b", "c", contact, offset=0.0)],
     )
     motion = simulate(chain, {"a": -1e-3, "b": 0.0, "c": 1e-3}, {"a": 1.0}, 4e-3, 1e-10)
     assert motion.speeds(4e-3) == pytest.approx([0.0, 0.0, 1.0], abs=1e-8)
@@ -182,7 +183,7 @@ def test_spring_mass_against_the_damped_oscillator():
 
 @given(st.integers(2, 5), st.randoms(use_true_random=False))
 def test_random_chains_keep_momentum_and_energy(count, random):
-    """Free chains of random bodies, springs and lossy contacts: momentum 1e-12, energy ledger 1e-7."""
+    """Free chains of random bodies, springs and lossy contacts: momentum 1e-12, energy balance 1e-7."""
     names = [f"b{i}" for i in range(count)]
     masses = {name: 10 ** random.uniform(-2, 1) for name in names}
     links = []
@@ -192,7 +193,7 @@ def test_random_chains_keep_momentum_and_energy(count, random):
             links.append(Spring(behind, ahead, stiffness, random.uniform(0, 0.1) * math.sqrt(stiffness)))
         else:
             law = Contact(10 ** random.uniform(7, 10), random.uniform(1, 2), float(exact(random.uniform(0.2, 1))))
-            links.append(Touch(behind, ahead, law, slowest_approach=0.1))
+            links.append(ChainContact(behind, ahead, law, slowest_approach=0.1))
     chain = Chain(masses, links=links)
     speeds = {name: random.uniform(-5, 5) for name in names}
     motion = simulate(chain, {}, speeds, 2e-3)
@@ -214,7 +215,10 @@ def test_no_grazing_contact_is_missed(speed):
     """1 kg thrown at a ceiling 1 m above: it touches whenever v0^2 > 2 g h, however briefly beside the step."""
     gravity = -9.81
     chain = Chain(
-        {"ball": 1.0}, bases={"ceiling": 1.0}, links=[Touch("ball", "ceiling", Contact(1e6, 1.5))], gravity=gravity
+        {"ball": 1.0},
+        bases={"ceiling": 1.0},
+        links=[ChainContact("ball", "ceiling", Contact(1e6, 1.5))],
+        gravity=gravity,
     )
     motion = simulate(chain, {}, {"ball": speed}, duration=0.85)
     closing = speed**2 - 2 * 9.81
@@ -225,7 +229,7 @@ def test_no_grazing_contact_is_missed(speed):
 
 def test_resting_contact_settles_where_weight_and_stiffness_balance():
     chain = Chain(
-        {"ball": 1.0}, bases={"floor": 0.0}, links=[Touch("ball", "floor", Contact(1e9, 1.5, 2.0))], gravity=9.81
+        {"ball": 1.0}, bases={"floor": 0.0}, links=[ChainContact("ball", "floor", Contact(1e9, 1.5, 2.0))], gravity=9.81
     )
     motion = simulate(chain, {}, {}, duration=0.5)
     assert motion.positions(0.5)[0] == pytest.approx((9.81 / 1e9) ** (2 / 3), rel=1e-3)
@@ -234,7 +238,10 @@ def test_resting_contact_settles_where_weight_and_stiffness_balance():
 def test_ball_dropped_from_rest_keeps_the_restitution():
     """Dropped 1 m on an exact contact of e = 0.6, it rises to e^2 of the height (static sag left out)."""
     chain = Chain(
-        {"ball": 1.0}, bases={"floor": 1.0}, links=[Touch("ball", "floor", Contact(1e9, 1.5, exact(0.6)))], gravity=9.81
+        {"ball": 1.0},
+        bases={"floor": 1.0},
+        links=[ChainContact("ball", "floor", Contact(1e9, 1.5, exact(0.6)))],
+        gravity=9.81,
     )
     motion = simulate(chain, {}, {}, duration=0.8)
     t = np.linspace(0.46, 0.8, 4001)
@@ -242,7 +249,7 @@ def test_ball_dropped_from_rest_keeps_the_restitution():
 
 
 def test_initial_overlap_takes_the_speed_it_has():
-    chain = Chain({"a": 1.0, "b": 1.0}, links=[Touch("a", "b", Contact(1e9, 1.0, exact(0.5)))])
+    chain = Chain({"a": 1.0, "b": 1.0}, links=[ChainContact("a", "b", Contact(1e9, 1.0, exact(0.5)))])
     motion = simulate(chain, {"a": 1e-6}, {"a": 1.0}, duration=1e-3)
     assert motion.forces(0.0)[0] == pytest.approx(1e3 * (1 + float(exact(0.5))), rel=1e-9)
     assert motion.contacts(0)[0, 2] == 1.0
@@ -268,7 +275,7 @@ def test_samples_come_in_any_order_and_only_from_within():
         ({"a": 1.0}, {"p": 0.0, "q": 0.0}, [Spring("p", "q", 1.0)]),
         ({"a": 1.0}, {}, [Spring("a", "a", 1.0)]),
         ({"a": 1.0, "b": 1.0}, {}, [Stop("a", "b", -1.0)]),
-        ({"a": 1.0, "b": 1.0}, {}, [Touch("a", "b", Contact(1e9, 1.5, -1.0))]),
+        ({"a": 1.0, "b": 1.0}, {}, [ChainContact("a", "b", Contact(1e9, 1.5, -1.0))]),
         ({}, {"p": 0.0}, []),
     ],
 )
@@ -287,4 +294,4 @@ def test_impossible_chains_are_refused():
     with pytest.raises(ValueError, match="positive and finite"):
         Chain({"a": 0.0}, links=[])
     with pytest.raises(ValueError, match='did you mean "striker"'):
-        Chain({"striker": 1.0, "object": 1.0}, links=[Touch("strker", "object", Contact(1e9, 1.5))])
+        Chain({"striker": 1.0, "object": 1.0}, links=[ChainContact("strker", "object", Contact(1e9, 1.5))])

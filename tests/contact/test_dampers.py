@@ -8,7 +8,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from strikewave.base.errors import IntegrationError
-from strikewave.contact import Chain, Contact, Damper, Stiffness, Touch, damper_laws, hertz, simulate, solve_impact
+from strikewave.contact import (
+    Chain,
+    ChainContact,
+    Contact,
+    Damper,
+    Stiffness,
+    damper_laws,
+    hertz,
+    simulate,
+    solve_impact,
+)
 from strikewave.contact.dampers import (
     approach_restitution,
     cut_off_damping_ratio,
@@ -155,7 +165,7 @@ def test_a_chain_with_a_damper_that_jumps_at_touch_meets_the_impact():
     stiffness = Stiffness(1e8, 1.0)
     contact = stiffness.contact(damper=damper_of_ratio(stiffness, 0.3, 0.3, "never-pulls"))
     blow = solve_impact(contact, 0.3, np.inf, 4.0)
-    chain = Chain({"a": 0.3}, [Touch("a", "wall", contact)], bases={"wall": 0.0})
+    chain = Chain({"a": 0.3}, [ChainContact("a", "wall", contact)], bases={"wall": 0.0})
     motion = simulate(chain, {"a": -1e-4}, {"a": 4.0}, 1e-4 / 4.0 + 2 * float(blow.duration), tolerance=1e-9)
     assert -motion.speeds(motion.motion.end.time)[0] / 4.0 == pytest.approx(float(blow.restitution), rel=2e-7)
     # it ends where the force is gone, 2 arccos(zeta)/w, not where the indentation is

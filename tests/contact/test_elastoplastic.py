@@ -11,9 +11,9 @@ from scipy.integrate import quad
 from strikewave.base.materials import material
 from strikewave.contact import (
     Chain,
+    ChainContact,
     Contact,
     PressureCap,
-    Touch,
     contact_modulus,
     exact,
     hertz,
@@ -194,10 +194,10 @@ def test_work_of_the_contact_force_is_the_energy_lost(name):
 
 
 @pytest.mark.parametrize("name", sorted(EVERY))
-def test_chain_keeps_its_ledger_and_its_memory(name):
+def test_chain_keeps_its_balance_and_its_memory(name):
     """Two bodies in a chain come out as by `solve_impact`; kinetic energy lost = energy booked in the link, to 1e-6."""
     blow = solve_impact(EVERY[name], 0.1, 0.3, 3.0)
-    chain = Chain({"a": 0.1, "b": 0.3}, [Touch("a", "b", EVERY[name])])
+    chain = Chain({"a": 0.1, "b": 0.3}, [ChainContact("a", "b", EVERY[name])])
     motion = simulate(chain, {}, {"a": 3.0}, 2 * float(blow.duration), tolerance=1e-9)
     v = motion.speeds(2 * float(blow.duration))
     assert v[1] - v[0] == pytest.approx(3.0 * float(blow.restitution), rel=1e-6)
@@ -210,7 +210,7 @@ def test_contacts_of_one_spot_share_what_has_yielded_and_others_do_not():
     """Two strikers hit a wall one after the other; on the same spot the second finds the flattened one."""
     shared = []
     for spot in (1, 0):
-        links = [Touch("first", "wall", SPHERE, spot=spot), Touch("second", "wall", SPHERE, spot=spot)]
+        links = [ChainContact("first", "wall", SPHERE, spot=spot), ChainContact("second", "wall", SPHERE, spot=spot)]
         chain = Chain({"first": 0.1, "second": 0.1}, links, bases={"wall": 0.0})
         motion = simulate(chain, {"first": -1e-6, "second": -2e-3}, {"first": 3.0, "second": 3.0}, 1e-3)
         ends = motion.speeds(1e-3)
@@ -250,7 +250,7 @@ def test_arrays_of_laws_and_indentations_broadcast():
 
 def test_where_one_law_is_wanted_several_are_refused():
     with pytest.raises(ValueError, match="one contact law is wanted here, got 2"):
-        Chain({"a": 1.0, "b": 1.0}, [Touch("a", "b", Contact([1e9, 1e12], 1.5))])
+        Chain({"a": 1.0, "b": 1.0}, [ChainContact("a", "b", Contact([1e9, 1e12], 1.5))])
 
 
 def test_a_cap_beyond_the_end_of_a_logarithmic_law_is_refused():
@@ -262,7 +262,7 @@ def test_a_cap_beyond_the_end_of_a_logarithmic_law_is_refused():
 
 def test_a_shared_spot_never_forgets_its_deepest_blow():
     """A hard and a soft blow overlap on one spot; the soft one unloads last and must not undo the hard one's depth."""
-    links = [Touch("hard", "wall", SPHERE, spot=1), Touch("soft", "wall", SPHERE, spot=1)]
+    links = [ChainContact("hard", "wall", SPHERE, spot=1), ChainContact("soft", "wall", SPHERE, spot=1)]
     chain = Chain({"hard": 0.1, "soft": 1.0}, links, bases={"wall": 0.0})
     motion = simulate(chain, {}, {"hard": 3.0, "soft": 0.5}, 2e-3)
     depths = motion.motion.record.memory[:, -4:-2]
@@ -279,7 +279,7 @@ def test_stored_energy_of_a_pressed_spot_is_the_area_under_its_unloading(name):
     deepest = 3.0 * float(solve_impact(contact, mass, np.inf, 3.0).max_indentation)
     d = np.linspace(0.0, 0.9 * deepest, 200_001)
     force = slow_force(contact, d, deepest)
-    links = link_arrays([Touch("a", "b", contact)], ["a", "b"])
+    links = link_arrays([ChainContact("a", "b", contact)], ["a", "b"])
     stored = stored_energy(links, np.array([0.9 * deepest, 0.0]), np.array([deepest]))
     assert stored == pytest.approx(np.trapezoid(force, d), rel=1e-6)
 

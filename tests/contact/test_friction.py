@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.contact import Chain, Contact, Friction, Spring, Touch, Vibration, simulate
+from strikewave.contact import Chain, ChainContact, Contact, Friction, Spring, Vibration, simulate
 from strikewave.contact.damping import factor
 
 G = 9.81
@@ -114,7 +114,7 @@ def test_time_of_sticking_converges_with_the_tolerance():
 def bouncing(e, vibration, stiffness=1e12):
     """A ball of 1 kg above a plate; the contact is 40 um deep and lasts some 40 us."""
     contact = Contact(stiffness, 1.5, float(factor("exact", e)))
-    return Chain({"ball": 1.0}, [Touch("plate", "ball", contact)], {"plate": vibration}, gravity=-G)
+    return Chain({"ball": 1.0}, [ChainContact("plate", "ball", contact)], {"plate": vibration}, gravity=-G)
 
 
 def test_ball_on_a_fixed_plate_rises_by_e_squared_each_time():
@@ -187,7 +187,7 @@ def test_impact_oscillator_keeps_the_analytic_period_one_orbit():
     contact = Contact(1e10, 1.5, float(factor("exact", e)))
     # x is positive towards the stop at 0; the spring hangs on a base that shakes by `shake` cos(w t + p)
     base = Vibration(0.0, shake, w, p + 0.5 * math.pi)
-    links = [Spring("base", "mass", k), Touch("mass", "stop", contact)]
+    links = [Spring("base", "mass", k), ChainContact("mass", "stop", contact)]
     chain = Chain({"mass": m}, links, {"base": base, "stop": gap})
     motion = simulate(chain, {"mass": gap}, {"mass": -e * u}, 8.5 * period)
     blows = motion.contacts(1)

@@ -12,18 +12,18 @@ from scipy.special import betainc
 from strikewave.base.errors import IntegrationError
 from strikewave.contact import (
     Chain,
+    ChainContact,
     Contact,
     Damper,
     LogarithmicContact,
     PressureCap,
-    Touch,
     exact,
     impact_history,
     restitution,
     simulate,
     solve_impact,
 )
-from strikewave.waves import Impactor, Layer, Stack, Tap, Wanted, run_bar
+from strikewave.waves import Impactor, Layer, Stack, Tap, WantedError, run_bar
 
 NUMBERS = ("restitution", "max_indentation", "peak_force", "duration", "energy_lost", "peak_time", "turning_time")
 
@@ -240,10 +240,10 @@ def test_a_linear_damper_pushes_from_first_touch():
 def test_chains_and_bars_refuse_what_presses_beyond_a_logarithmic_law():
     contact = LogarithmicContact(1e10, 1e5)
     with pytest.raises(IntegrationError, match="beyond the end of its logarithmic law"):
-        simulate(Chain({"a": 1.0, "b": 1.0}, [Touch("a", "b", contact)]), {}, {"a": 100.0}, 1e-3)
+        simulate(Chain({"a": 1.0, "b": 1.0}, [ChainContact("a", "b", contact)]), {}, {"a": 100.0}, 1e-3)
     bar = Stack((Layer("bar", 7820.0, 211e9, 1e-3, 0.5),))
     with pytest.raises(IntegrationError, match="beyond the end of its logarithmic law"):
-        run_bar(bar, Impactor(0.2, 5.0, LogarithmicContact(1e10, 1e4)), [Tap(0, 0.0)], 1e-4, Wanted(step=1e-8))
+        run_bar(bar, Impactor(0.2, 5.0, LogarithmicContact(1e10, 1e4)), [Tap(0, 0.0)], 1e-4, WantedError(step=1e-8))
     # a blow between the end and ten times it
     with pytest.raises(IntegrationError, match="beyond the end"):
         solve_impact(contact, 1.0, np.inf, 1.2 * math.sqrt(2 * 1e5**2 / (4 * 1e10 * math.e**2)))

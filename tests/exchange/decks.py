@@ -7,9 +7,8 @@ import numpy as np
 
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
-    Contact,
     Controls,
-    Curve,
+    CutSection,
     Driven,
     Fixed,
     Model,
@@ -17,10 +16,11 @@ from strikewave.fem.model import (
     Point,
     Pressure,
     Rigid,
-    Section,
+    RigidWall,
+    SurfaceContact,
     Symmetry,
     Tie,
-    Wall,
+    TimeCurve,
 )
 from strikewave.fem.shapes import block, moved, turned
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
@@ -74,17 +74,17 @@ def everything():
             Symmetry("copper.y-"),
             Symmetry("tilted.z-"),
             Fixed("tilted.x-"),
-            Driven("tilted.x+", (0.0, np.cos(TILT), np.sin(TILT)), Curve((5e-6, 10e-6), (0.0, 2.0))),
-            Driven("plate.x+", (-1.0, 0.0, 0.0), Curve((0.0, 10e-6), (0.0, 2.0))),
-            Driven("copper.x+", (-1.0, 0.0, 0.0), Curve((0.0, 10e-6), (0.0, 2.0))),
-            Pressure("striker.z+", Curve((0.0, 5e-6), (1e6, 4e6))),
+            Driven("tilted.x+", (0.0, np.cos(TILT), np.sin(TILT)), TimeCurve((5e-6, 10e-6), (0.0, 2.0))),
+            Driven("plate.x+", (-1.0, 0.0, 0.0), TimeCurve((0.0, 10e-6), (0.0, 2.0))),
+            Driven("copper.x+", (-1.0, 0.0, 0.0), TimeCurve((0.0, 10e-6), (0.0, 2.0))),
+            Pressure("striker.z+", TimeCurve((0.0, 5e-6), (1e6, 4e6))),
             NonReflecting("copper.z-"),
         ),
-        contacts=(Contact("striker.z-", "plate.z+", 0.15), Contact("striker.all", "anvil.all")),
+        contacts=(SurfaceContact("striker.z-", "plate.z+", 0.15), SurfaceContact("striker.all", "anvil.all")),
         ties=(Tie("plate.z-", "copper.z+"),),
-        walls=(Wall("tilted.y+", (0.0, 3e-3, 0.0), (0.0, -1.0, 0.0), 0.2),),
+        walls=(RigidWall("tilted.y+", (0.0, 3e-3, 0.0), (0.0, -1.0, 0.0), 0.2),),
         rigid=(Rigid("anvil", (True, False, True), (False, True, False)),),
-        sections=(Section("gauge", "striker", (0.0, 0.0, 4.6e-3), (0.0, 0.0, 1.0)),),
+        sections=(CutSection("gauge", "striker", (0.0, 0.0, 4.6e-3), (0.0, 0.0, 1.0)),),
         points=(Point("tip", "striker", (0.0, 0.0, 4.1e-3)),),
         groups={"stack": ("copper", "plate")},
     )

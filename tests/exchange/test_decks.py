@@ -12,7 +12,7 @@ from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
 from strikewave.exchange.radioss.deck import radioss_deck
 from strikewave.exchange.units import SYSTEMS, unit_system
 from strikewave.fem.mesh import Mesh
-from strikewave.fem.model import Contact, Controls, Model, Rigid, Wall
+from strikewave.fem.model import Controls, Model, Rigid, RigidWall, SurfaceContact
 from strikewave.fem.shapes import block
 from strikewave.fem.solids import Elastic
 
@@ -41,24 +41,24 @@ def column(**more):
 
 
 def test_a_rigid_part_before_a_wall_is_refused_as_by_a_run(written):
-    model = column(rigid=(Rigid("head"),), walls=(Wall("head.all", *BELOW),))
+    model = column(rigid=(Rigid("head"),), walls=(RigidWall("head.all", *BELOW),))
     with pytest.raises(InputError, match="rigid on rigid"):
         written(model)
 
 
 @pytest.mark.parametrize("friction", [-1.0, math.inf, math.nan])
 def test_friction_that_is_none_is_refused(written, friction):
-    walls = column(walls=(Wall("foot.all", *BELOW, friction),))
+    walls = column(walls=(RigidWall("foot.all", *BELOW, friction),))
     with pytest.raises(InputError, match="friction"):
         written(walls)
-    two = replace(column(), contacts=(Contact("foot.all", "head.all", friction),))
+    two = replace(column(), contacts=(SurfaceContact("foot.all", "head.all", friction),))
     with pytest.raises(InputError, match="friction"):
         written(two)
 
 
 def test_a_side_that_stands_behind_a_wall_is_refused(written):
     with pytest.raises(InputError, match=r"foot\.all-wall"):
-        written(column(walls=(Wall("foot.all", (0.0, 0.0, 1e-3), BELOW[1]),)))
+        written(column(walls=(RigidWall("foot.all", (0.0, 0.0, 1e-3), BELOW[1]),)))
 
 
 @pytest.mark.parametrize("width", [10, 20])
@@ -69,13 +69,15 @@ def test_what_is_not_finite_is_no_number_of_a_deck(value, width):
 
 
 def test_walls_are_said_to_be_a_constraint_where_there_is_one(written):
-    assert any("penalty on the gap" in line for line in written(column(walls=(Wall("foot.all", *BELOW),)))[0].differs)
+    assert any(
+        "penalty on the gap" in line for line in written(column(walls=(RigidWall("foot.all", *BELOW),)))[0].differs
+    )
     assert not any("wall" in line for line in written(column())[0].differs)
 
 
 def test_nodes_that_a_rigid_part_shares_are_stopped_by_the_wall_or_said_not_to_be(written):
     """RWPNAL is 0 unless said, and then LS-DYNA's walls do not see rigid nodes; OpenRadioss's see none."""
-    wall = Wall("foot.all", *BELOW)
+    wall = RigidWall("foot.all", *BELOW)
     for rigid in ((), (Rigid("head"),)):
         deck, text = written(column(rigid=rigid, walls=(wall,)))
         told = [line for line in (*deck.differs, *deck.left_out) if line.startswith(f"wall {wall.name}")]

@@ -401,13 +401,13 @@ def test_pictures_of_nothing_say_so(tmp_path):
     from strikewave.analyses.fem.ls_dyna.report import ls_dyna_report
     from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
     from strikewave.exchange.ls_dyna.comparison import RunComparison
-    from strikewave.exchange.ls_dyna.folder import Contact, LsDynaRun
+    from strikewave.exchange.ls_dyna.folder import LsDynaContact, LsDynaRun
 
     empty = LsDynaRun(tmp_path, (), (), None, None, {}, 0, (math.nan, math.nan))
     assert "no rcforc or binout is there" in [
         t.get_text() for axes in beside_sheet(RunComparison(empty), "").axes for t in axes.texts
     ]
-    still = Contact(1, "", {"A": Force(np.array([0.0]), np.zeros((1, 3)))})
+    still = LsDynaContact(1, "", {"A": Force(np.array([0.0]), np.zeros((1, 3)))})
     one = dataclasses.replace(
         empty, contacts=(still,), energies=EnergyHistory(np.array([0.0]), {"kinetic": np.array([np.nan])})
     )

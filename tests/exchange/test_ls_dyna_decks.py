@@ -14,7 +14,7 @@ from strikewave.fem.boundary import area_vectors
 from strikewave.fem.engine import first_steps
 from strikewave.fem.hexahedron import element_masses
 from strikewave.fem.mesh import Mesh, volumes
-from strikewave.fem.model import Model, Wall
+from strikewave.fem.model import Model, RigidWall
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
 
 from .decks import TILT, LsDyna, everything, outward, unit_of
@@ -301,7 +301,7 @@ def test_nothing_is_left_out_in_silence(model):
 
 
 def test_friction_of_1_at_a_wall_is_said_to_be_another_thing(model):
-    walls = (Wall("tilted.y+", (0.0, 3e-3, 0.0), (0.0, -1.0, 0.0), 1.5),)
+    walls = (RigidWall("tilted.y+", (0.0, 3e-3, 0.0), (0.0, -1.0, 0.0), 1.5),)
     deck = ls_dyna_deck(dataclasses.replace(model, walls=walls), SYSTEMS["SI"], Heading("a title"))
     assert any("no sliding" in line for line in deck.differs)
     assert LsDyna("".join(deck.files[".k"]), "SI").one("RigidwallPlanar").fric == 1.0

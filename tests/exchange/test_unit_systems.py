@@ -7,7 +7,7 @@ from strikewave.base.errors import InputError
 from strikewave.exchange.deck import LARGEST_ID, check_ids, lasting, plain, real, rows
 from strikewave.exchange.ls_dyna.cards import keyword
 from strikewave.exchange.units import SYSTEMS, unit_system
-from strikewave.fem.model import Curve
+from strikewave.fem.model import TimeCurve
 
 
 def test_mm_tonne_s_gives_newtons_megapascals_and_millijoules():
@@ -60,7 +60,7 @@ def test_a_number_that_ten_columns_would_cut_makes_a_long_keyword():
 
 
 def test_curves_are_constant_to_the_end_and_from_0():
-    curve = Curve((1e-6, 2e-6), (3.0, 4.0))
+    curve = TimeCurve((1e-6, 2e-6), (3.0, 4.0))
     longer = lasting(curve, 1e-3)
     instants = np.linspace(0.0, 1e-3, 1001)
     given = np.interp(instants, curve.time, curve.value)

@@ -7,7 +7,7 @@ import numpy as np
 
 from strikewave.fem.grading import Grading
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Contact, Controls, Model, NonReflecting, Point, Section, Symmetry, Wall
+from strikewave.fem.model import Controls, CutSection, Model, NonReflecting, Point, RigidWall, SurfaceContact, Symmetry
 from strikewave.fem.round_shapes import ball, half_cylinder, half_space
 from strikewave.fem.shapes import block, moved, turned
 from strikewave.fem.solids import Elastic
@@ -29,8 +29,8 @@ def rod_on_wall(elements=100, solid=THIN_STEEL, speed=5.0, duration=100e-6, **co
         {"rod": solid},
         Controls(duration, interval=0.2e-6, **controls),
         velocity={"rod": (0.0, 0.0, -speed)},
-        walls=(Wall("rod.z-", (0.0, 0.0, foot), (0.0, 0.0, 1.0)),),
-        sections=(Section("middle", "rod", (0.0, 0.0, foot + 0.1), (0.0, 0.0, 1.0)),),
+        walls=(RigidWall("rod.z-", (0.0, 0.0, foot), (0.0, 0.0, 1.0)),),
+        sections=(CutSection("middle", "rod", (0.0, 0.0, foot + 0.1), (0.0, 0.0, 1.0)),),
     ), width**2
 
 
@@ -64,8 +64,8 @@ def two_bars(striking=None, struck=None, speed=5.0, duration=80e-6, angle=0.0, *
         {"striking": striking.solid, "struck": struck.solid},
         Controls(duration, interval=0.2e-6),
         velocity={"striking": tuple(-speed * axis)},
-        contacts=(Contact("striking.z-", "struck.z+", **contact),),
-        sections=(Section("middle", "struck", middle, tuple(axis)),),
+        contacts=(SurfaceContact("striking.z-", "struck.z+", **contact),),
+        sections=(CutSection("middle", "struck", middle, tuple(axis)),),
     )
 
 
@@ -115,7 +115,7 @@ def ball_on_base(case, reach=30.0, interval=0.5e-6, threads=1):
             *(Symmetry(f"{part}.{side}") for part in ("ball", "base") for side in ("x-", "y-")),
             NonReflecting("base.round"),
         ),
-        contacts=(Contact("ball.round", "base.top"),),
+        contacts=(SurfaceContact("ball.round", "base.top"),),
         points=(Point("pole", "base", (0.0, 0.0, 0.0)),),
     )
 
@@ -167,5 +167,5 @@ def roller_on_block(case, duration=12e-6):
         Controls(duration * scale, interval=0.5e-6 * scale),
         velocity={"roller": tuple(case.turn @ (0.0, 0.0, -case.speed))},
         boundaries=(*map(Symmetry, held), NonReflecting("ground.x+"), NonReflecting("ground.z-")),
-        contacts=(Contact("roller.round", "ground.z+"),),
+        contacts=(SurfaceContact("roller.round", "ground.z+"),),
     )

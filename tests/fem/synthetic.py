@@ -1,14 +1,14 @@
 """A blow that looks like one, made of closed forms, for tests of what is shown and stored: no solver ran.
 
-A striker with the first mode of a bar hits a block: half-sine force, motions by Newton's law from it, an energy ledger
+A striker with the first mode of a bar hits a block: half-sine force, motions by Newton's law from it, an energy balance
 whose parts add up to what is left of the kinetic energy, stresses that fall off with the distance from the contact.
 """
 
 import numpy as np
 
 from strikewave.fem.mesh import FACES, Mesh, joined, volumes
-from strikewave.fem.model import Contact, Controls, Model, Point, Section
-from strikewave.fem.run import FemRun, Frame, PartHistory, PointHistory, SectionHistory
+from strikewave.fem.model import Controls, CutSection, Model, Point, SurfaceContact
+from strikewave.fem.run import FemRun, FieldFrame, PartHistory, PointHistory, SectionHistory
 from strikewave.fem.solids import Bilinear, Elastic
 
 STEEL, BRASS = Elastic(7850.0, 210e9, 0.3), Bilinear(8500.0, 100e9, 0.35, yield_strength=200e6, tangent_modulus=2e9)
@@ -53,13 +53,13 @@ def model(of: Mesh | None = None) -> Model:
         {"ball": STEEL, "block": BRASS},
         Controls(2 * DURATION, INTERVAL),
         velocity={"ball": (0.0, 0.0, -SPEED)},
-        contacts=(Contact("ball.all", "block.top"),),
-        sections=(Section("below", "block", (0, 0, -0.006), (0, 0, 1)),),
+        contacts=(SurfaceContact("ball.all", "block.top"),),
+        sections=(CutSection("below", "block", (0, 0, -0.006), (0, 0, 1)),),
         points=(Point("under", "block", (0, 0, -0.012)),),
     )
 
 
-def frame(of: Mesh, time: float) -> Frame:
+def frame(of: Mesh, time: float) -> FieldFrame:
     """Stresses of a pulse that spreads from the contact at the origin; the ball goes down and back."""
     middle = of.points[of.hexahedra].mean(axis=1)
     distance = np.linalg.norm(middle, axis=1)
@@ -77,10 +77,10 @@ def frame(of: Mesh, time: float) -> Frame:
     inside, block = np.zeros(len(of.hexahedra)), of.elements_of("block")
     most = np.sin(np.pi * min(time / DURATION, 0.5)) / (1.0 + (distance[block] / 0.003) ** 2)  # what yielded stays so
     inside[block] = np.maximum(most - 0.3, 0.0) * 0.02
-    return Frame(time, depth, depth / DURATION, stress, inside)
+    return FieldFrame(time, depth, depth / DURATION, stress, inside)
 
 
-def frames(of: Mesh, count: int = 4) -> list[Frame]:
+def frames(of: Mesh, count: int = 4) -> list[FieldFrame]:
     return [frame(of, float(t)) for t in np.linspace(0.0, DURATION, count)]
 
 

@@ -8,7 +8,6 @@ import pytest
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,
-    Curve,
     Driven,
     Fixed,
     Guided,
@@ -18,6 +17,7 @@ from strikewave.fem.model import (
     Pressure,
     Symmetry,
     Tie,
+    TimeCurve,
 )
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Elastic
@@ -146,10 +146,10 @@ def column(kind, end, solid=STEEL, pulse=10e-6, safety=0.95):
     speed = solid.wave_speed if kind == "pressure" else math.sqrt(solid.shear_modulus / solid.density)
     if kind == "pressure":
         sides = tuple(Symmetry(f"bar.{side}") for side in ("x-", "x+", "y-", "y+"))
-        load = Pressure("bar.z+", Curve(tuple(time), tuple(1e8 * shape)))
+        load = Pressure("bar.z+", TimeCurve(tuple(time), tuple(1e8 * shape)))
     else:
         sides = (Guided("bar", (1.0, 0.0, 0.0)),)
-        load = Driven("bar.z+", (1.0, 0.0, 0.0), Curve(tuple(time), tuple(shape)))
+        load = Driven("bar.z+", (1.0, 0.0, 0.0), TimeCurve(tuple(time), tuple(shape)))
     return Model(
         mesh,
         {"bar": solid},
@@ -186,7 +186,7 @@ def test_tied_bar_of_two_meshes_carries_the_wave_on(across):
     upper = moved(block("upper", (2e-3, 2e-3, 0.05), 2e-3 / across, 2e-3 / across, 1e-3), (0.0, 0.0, 0.05))
     lower = block("lower", (2e-3, 2e-3, 0.05), 1e-3, 1e-3, 1e-3)
     time = np.linspace(0.0, 8e-6, 41)
-    load = Pressure("upper.z+", Curve(tuple(time), tuple(1e8 * np.sin(math.pi * time / 8e-6) ** 2)))
+    load = Pressure("upper.z+", TimeCurve(tuple(time), tuple(1e8 * np.sin(math.pi * time / 8e-6) ** 2)))
     solid = Elastic(7820.0, 211e9, 0.0)
     model = Model(
         joined([upper, lower]),
@@ -236,7 +236,7 @@ def test_tied_nodes_stay_where_they_are_on_their_faces(across):
     assert free.energy["hourglass"].max() < 1e-12 * free.initial_energy
     corner = tuple(lower.points[np.argmax(lower.points @ (1.0, 1.0, 1.0))])
     points = (Point("upper", "upper", corner), Point("lower", "lower", corner))
-    push = Curve((0.0, 10e-6, 20e-6), (0.0, 2e8, 0.0))
+    push = TimeCurve((0.0, 10e-6, 20e-6), (0.0, 2e8, 0.0))
     struck = solve(
         Model(
             whole,

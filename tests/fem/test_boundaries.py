@@ -11,9 +11,8 @@ from strikewave.base.errors import InputError
 from strikewave.fem.boundary import Now
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
-    Contact,
     Controls,
-    Curve,
+    CutSection,
     Driven,
     Fixed,
     Guided,
@@ -21,10 +20,11 @@ from strikewave.fem.model import (
     Point,
     Pressure,
     Rigid,
-    Section,
+    RigidWall,
+    SurfaceContact,
     Symmetry,
     Tie,
-    Wall,
+    TimeCurve,
 )
 from strikewave.fem.rigid import RigidBody
 from strikewave.fem.round_shapes import cylinder
@@ -51,7 +51,7 @@ def test_gravity_makes_a_body_fall_by_half_g_t_squared():
 
 
 def test_a_rigid_part_falls_through_few_long_steps():
-    """One step an interval: place and velocity are exact even so, and the ledger balances from the first instant."""
+    """One step an interval: place and velocity are exact even so, and the balance balances from the first instant."""
     run = solve(one(cube(), gravity=(0.0, 3.0, -9.80665), rigid=(Rigid("cube"),)))
     assert not run.stopped
     assert run.steps == 20
@@ -74,8 +74,10 @@ def test_tied_bodies_fall_as_one():
 
 def test_pressure_on_all_sides_gives_its_negative_as_stress_and_no_motion():
     """A slow pressure p on all sides: stress -p on the axes, volume change -p/K (1e-3: the cube still swings)."""
-    load = Pressure("cube.all", Curve((0.0, 100e-6), (0.0, 1e6)))
-    model = one(cube(), 100e-6, boundaries=(load,), sections=(Section("s", "cube", (0.0, 0.0, 1e-3), (0.0, 0.0, 1.0)),))
+    load = Pressure("cube.all", TimeCurve((0.0, 100e-6), (0.0, 1e6)))
+    model = one(
+        cube(), 100e-6, boundaries=(load,), sections=(CutSection("s", "cube", (0.0, 0.0, 1e-3), (0.0, 0.0, 1.0)),)
+    )
     run = solve(model)
     assert run.sections["s"].stress[-1, :3] == pytest.approx([-1e6] * 3, rel=5e-3)
     assert abs(run.sections["s"].stress[-1, 3:]).max() < 1e3
@@ -85,7 +87,7 @@ def test_pressure_on_all_sides_gives_its_negative_as_stress_and_no_motion():
 def test_pressure_on_a_bent_side_pushes_by_its_projected_area():
     """The force of a pressure on half of a round side is p times diameter times length, whatever the facets."""
     bar = cylinder("bar", 0.01, 0.01, 1e-3, 2e-3, "half")
-    load = Pressure("bar.round", Curve((0.0,), (1e6,)))
+    load = Pressure("bar.round", TimeCurve((0.0,), (1e6,)))
     run = solve(one(bar, 1e-6, boundaries=(load,)))
     push = run.parts["bar"].acceleration[0] * run.parts["bar"].mass
     assert push == pytest.approx([0.0, -1e6 * 0.01 * 0.01, 0.0], abs=1e-9 * 100.0)
@@ -94,7 +96,7 @@ def test_pressure_on_a_bent_side_pushes_by_its_projected_area():
 @pytest.mark.parametrize("angle", [0.0, 0.5])
 def test_symmetry_halves_a_body_that_is_struck_at_its_middle(angle):
     """Half a block with a symmetry side moves as the whole, in any direction: mean displacement and energy to 1e-9."""
-    load = Curve((0.0, 5e-6, 10e-6), (0.0, 5e7, 0.0))
+    load = TimeCurve((0.0, 5e-6, 10e-6), (0.0, 5e7, 0.0))
     whole = block("body", (8e-3, 4e-3, 4e-3), 1e-3, 1e-3, 1e-3)
     half = block("body", (4e-3, 4e-3, 4e-3), 1e-3, 1e-3, 1e-3)
     low = half.points[:, 0].min()
@@ -126,13 +128,13 @@ def test_fixed_and_guided_nodes_stay_where_they_may():
     assert abs(moved_by @ axis).max() > 1e-6
 
 
-def test_driven_side_follows_its_curve_and_its_work_is_in_the_ledger():
+def test_driven_side_follows_its_curve_and_its_work_is_in_the_balance():
     """A side driven at 1 m/s from rest: a wave of stress rho c v follows; the work is that of the driving force."""
     bar = block("bar", (2e-3, 2e-3, 0.05), 1e-3, 1e-3, 1e-3)
     held = tuple(Symmetry(f"bar.{side}") for side in ("x-", "x+", "y-", "y+"))
-    driven = Driven("bar.z+", (0.0, 0.0, -1.0), Curve((0.0, 2e-6), (0.0, 1.0)))
+    driven = Driven("bar.z+", (0.0, 0.0, -1.0), TimeCurve((0.0, 2e-6), (0.0, 1.0)))
     low = bar.points[:, 2].min()
-    middle = Section("middle", "bar", (0.0, 0.0, low + 0.025), (0.0, 0.0, 1.0))
+    middle = CutSection("middle", "bar", (0.0, 0.0, low + 0.025), (0.0, 0.0, 1.0))
     run = solve(one(bar, 8e-6, boundaries=(*held, driven), sections=(middle,)))
     stress = STEEL.density * STEEL.wave_speed
     assert run.sections["middle"].stress[-1, 2] == pytest.approx(-stress, rel=0.01)
@@ -143,7 +145,7 @@ def test_driven_side_follows_its_curve_and_its_work_is_in_the_ledger():
 
 def test_driven_ramp_goes_as_far_as_the_integral_of_its_speed():
     """Speeds are those at the middles of the steps: exact for a ramp, from the first step on."""
-    driven = Driven("cube.z+", (0.0, 0.0, 1.0), Curve((0.0, 40e-6), (0.0, 4.0)))
+    driven = Driven("cube.z+", (0.0, 0.0, 1.0), TimeCurve((0.0, 40e-6), (0.0, 4.0)))
     mesh = cube()
     place = tuple(mesh.points[mesh.side("cube.z+")[0, 0]])
     run = solve(one(mesh, boundaries=(driven,), points=(Point("top", "cube", place),)))
@@ -176,7 +178,7 @@ def test_wall_with_friction_stops_a_block_after_v_squared_over_2_mu_g():
         Controls(1.4 * stop, interval=1e-6, linear_viscosity=0.06),
         velocity={"slab": (speed, 0.0, 0.0)},
         gravity=(0.0, 0.0, -gravity),
-        walls=(Wall("slab.z-", (0.0, 0.0, foot), (0.0, 0.0, 1.0), friction),),
+        walls=(RigidWall("slab.z-", (0.0, 0.0, foot), (0.0, 0.0, 1.0), friction),),
     )
     run = solve(model)
     slid = run.parts["slab"].displacement[-1, 0]
@@ -197,7 +199,7 @@ def test_rigid_part_moves_and_turns_by_newton_and_euler():
         body,
         {"body": STEEL},
         Controls(20e-6, interval=1e-6),
-        boundaries=(Pressure("body.right", Curve((0.0,), (1e6,))),),
+        boundaries=(Pressure("body.right", TimeCurve((0.0,), (1e6,))),),
         rigid=(Rigid("body"),),
         points=(Point("tip", "body", tuple(tip)),),
     )
@@ -228,7 +230,7 @@ def test_rigid_part_spins_about_a_principal_axis_without_losing_energy():
         Controls(60e-6, interval=1e-6),
         velocity={"ball": (0.0, 0.0, 10.0)},
         rigid=(Rigid("body"),),
-        contacts=(Contact("ball.all", "body.all"),),
+        contacts=(SurfaceContact("ball.all", "body.all"),),
     )
     run = solve(model)
     assert run.parts["body"].velocity[-1, 2] > 0.0
@@ -278,7 +280,7 @@ def test_single_translation_of_a_rigid_part():
     """A rigid part that may only move along z takes the z share of a blow and nothing else."""
     model = one(
         cube(),
-        boundaries=(Pressure("cube.z+", Curve((0.0,), (1e6,))), Pressure("cube.x+", Curve((0.0,), (1e6,)))),
+        boundaries=(Pressure("cube.z+", TimeCurve((0.0,), (1e6,))), Pressure("cube.x+", TimeCurve((0.0,), (1e6,)))),
         rigid=(Rigid("cube", (False, False, True), (False, False, False)),),
     )
     run = solve(model)
@@ -294,14 +296,14 @@ def test_symmetry_on_a_bent_side_is_refused():
 
 
 def test_driving_a_held_side_is_refused():
-    bounds = (Fixed("cube.z-"), Driven("cube.z-", (0.0, 0.0, 1.0), Curve((0.0,), (1.0,))))
+    bounds = (Fixed("cube.z-"), Driven("cube.z-", (0.0, 0.0, 1.0), TimeCurve((0.0,), (1.0,))))
     with pytest.raises(InputError, match="not held along the direction"):
         solve(one(cube(), boundaries=bounds))
 
 
 def test_section_beside_the_part_is_refused():
     with pytest.raises(InputError, match="a plane that cuts cube"):
-        solve(one(cube(), sections=(Section("s", "cube", (0.0, 0.0, 1.0), (0.0, 0.0, 1.0)),)))
+        solve(one(cube(), sections=(CutSection("s", "cube", (0.0, 0.0, 1.0), (0.0, 0.0, 1.0)),)))
 
 
 def test_stress_of_two_solids_in_one_bar_is_continuous():
@@ -322,10 +324,10 @@ def test_stress_of_two_solids_in_one_bar_is_continuous():
         mesh,
         {"low": Elastic(7820.0, 211e9, 0.0), "high": soft},
         Controls(200e-6, interval=2e-6),
-        boundaries=(Fixed("low.end"), Pressure("high.end", Curve((0.0, 200e-6), (0.0, -1e6)))),
+        boundaries=(Fixed("low.end"), Pressure("high.end", TimeCurve((0.0, 200e-6), (0.0, -1e6)))),
         sections=(
-            Section("a", "low", (0.0, 0.0, z.min() + 2.5e-3), (0.0, 0.0, 1.0)),
-            Section("b", "high", (0.0, 0.0, z.max() - 2.5e-3), (0.0, 0.0, 1.0)),
+            CutSection("a", "low", (0.0, 0.0, z.min() + 2.5e-3), (0.0, 0.0, 1.0)),
+            CutSection("b", "high", (0.0, 0.0, z.max() - 2.5e-3), (0.0, 0.0, 1.0)),
         ),
     )
     run = solve(model)
@@ -338,15 +340,15 @@ def test_a_rigid_part_that_is_held_is_refused():
         solve(one(cube(), boundaries=(Fixed("cube.z-"),), rigid=(Rigid("cube"),)))
 
 
-DRIVEN = Driven("cube.z-", (0.0, 0.0, 1.0), Curve((0.0,), (1.0,)))
+DRIVEN = Driven("cube.z-", (0.0, 0.0, 1.0), TimeCurve((0.0,), (1.0,)))
 
 
 @pytest.mark.parametrize(
     "other",
     [
-        Driven("cube.z-", (0.0, 0.0, 1.0), Curve((0.0,), (2.0,))),
-        Driven("cube.x-", (0.0, 0.0, 1.0), Curve((0.0,), (2.0,))),
-        Driven("cube.z-", (0.0, 1.0, 1.0), Curve((0.0,), (0.0,))),
+        Driven("cube.z-", (0.0, 0.0, 1.0), TimeCurve((0.0,), (2.0,))),
+        Driven("cube.x-", (0.0, 0.0, 1.0), TimeCurve((0.0,), (2.0,))),
+        Driven("cube.z-", (0.0, 1.0, 1.0), TimeCurve((0.0,), (0.0,))),
     ],
 )
 def test_driving_nodes_twice_is_refused(other):
@@ -356,8 +358,8 @@ def test_driving_nodes_twice_is_refused(other):
 
 def test_driving_alike_or_across_is_no_conflict():
     """Two sides with a common edge and one velocity, and a third velocity across it."""
-    alike = Driven("cube.x-", (0.0, 0.0, 1.0), Curve((0.0,), (1.0,)))
-    across = Driven("cube.z-", (0.0, 1.0, 0.0), Curve((0.0,), (3.0,)))
+    alike = Driven("cube.x-", (0.0, 0.0, 1.0), TimeCurve((0.0,), (1.0,)))
+    across = Driven("cube.z-", (0.0, 1.0, 0.0), TimeCurve((0.0,), (3.0,)))
     mesh = cube()
     edge = np.intersect1d(mesh.side("cube.x-"), mesh.side("cube.z-"))
     point = Point("edge", "cube", tuple(mesh.points[edge[0]]))
@@ -378,7 +380,7 @@ def tied_cubes(boundaries):
         Fixed("high.z-"),
         Guided("high.z-", (0.0, 0.0, 1.0)),
         Symmetry("high.x-"),
-        Driven("high.z-", (0.0, 0.0, 1.0), Curve((0.0,), (1.0,))),
+        Driven("high.z-", (0.0, 0.0, 1.0), TimeCurve((0.0,), (1.0,))),
     ],
 )
 def test_holding_or_driving_tied_nodes_that_follow_others_is_refused(boundary):
@@ -388,7 +390,7 @@ def test_holding_or_driving_tied_nodes_that_follow_others_is_refused(boundary):
 
 def test_symmetry_of_both_tied_parts_is_that_of_the_tie():
     """A half model of two tied parts: the tied nodes on the plane stay in it with what they are tied to."""
-    model = tied_cubes((Symmetry("low.x-"), Symmetry("high.x-"), Pressure("high.z+", Curve((0.0,), (1e8,)))))
+    model = tied_cubes((Symmetry("low.x-"), Symmetry("high.x-"), Pressure("high.z+", TimeCurve((0.0,), (1e8,)))))
     place = model.mesh.points[np.intersect1d(model.mesh.side("high.x-"), model.mesh.side("high.z-"))[0]]
     run = solve(dataclasses.replace(model, points=(Point("edge", "high", tuple(place)),)))
     assert abs(run.points["edge"].displacement[:, 0]).max() < 1e-17
@@ -405,8 +407,8 @@ def test_rigid_parts_that_share_nodes_are_refused():
 @pytest.mark.parametrize(
     ("rest", "field"),
     [
-        ({"contacts": (Contact("low.z+", "high.z-"),)}, "contact low"),
-        ({"walls": (Wall("low.z-", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)),)}, "wall low"),
+        ({"contacts": (SurfaceContact("low.z+", "high.z-"),)}, "contact low"),
+        ({"walls": (RigidWall("low.z-", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)),)}, "wall low"),
     ],
 )
 def test_rigid_on_rigid_is_refused(rest, field):

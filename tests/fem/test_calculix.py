@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from strikewave.fem.mesh import joined, volumes
-from strikewave.fem.model import Contact, Controls, Curve, Fixed, Model, Pressure
+from strikewave.fem.model import Controls, Fixed, Model, Pressure, SurfaceContact, TimeCurve
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic
 from strikewave.fem.solve import RunOptions, solve
@@ -79,7 +79,7 @@ def differences(both):
 
 def sine_squared(pressure, duration, points=33):
     t = np.linspace(0.0, duration, points)
-    return Curve(tuple(t.tolist()), tuple((pressure * np.sin(np.pi * t / duration) ** 2).tolist()))
+    return TimeCurve(tuple(t.tolist()), tuple((pressure * np.sin(np.pi * t / duration) ** 2).tolist()))
 
 
 # Without contact: what the codes differ by vanishes with the size of the elements
@@ -157,7 +157,7 @@ def bars(tmp_path_factory):
         {"one": STEEL, "two": STEEL},
         Controls(60e-6, interval=0.5e-6),
         velocity={"one": (0.0, 0.0, SPEED)},
-        contacts=(Contact("one.z+", "two.z-"),),
+        contacts=(SurfaceContact("one.z+", "two.z-"),),
     )
     return solved(model, tmp_path_factory.mktemp("bars"), penalty=2e14)
 
@@ -210,7 +210,7 @@ def blocks(small, large):
         {"cube": STEEL, "slab": STEEL},
         Controls(16e-6, interval=0.2e-6),
         velocity={"cube": (0.0, 0.0, -SPEED)},
-        contacts=(Contact("cube.z-", "slab.z+"),),
+        contacts=(SurfaceContact("cube.z-", "slab.z+"),),
     )
 
 

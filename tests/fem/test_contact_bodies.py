@@ -20,7 +20,7 @@ from strikewave.fem.contact import (
     searched,
 )
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Contact, Controls, Model, Wall
+from strikewave.fem.model import Controls, Model, RigidWall, SurfaceContact
 from strikewave.fem.solids import Elastic
 from strikewave.fem.solve import solve
 
@@ -75,7 +75,7 @@ def test_masses_that_meet_node_on_node_follow_the_recurrence_of_the_predicted_ga
     mesh, count = two_plates((3, 2), (3, 2))
     v = np.zeros_like(mesh.points)
     v[count:, 2] = -1.0
-    state = prepare(Contact("a.top", "b.bottom", stiffness=s), mesh)
+    state = prepare(SurfaceContact("a.top", "b.bottom", stiffness=s), mesh)
     mass = nodal_mass(mesh)
     x, light = mesh.points.copy(), 1.0 / mass
     low, high = state.touch.nodes[: state.touch.first], state.touch.nodes[state.touch.first :]
@@ -100,7 +100,7 @@ def test_a_kinematic_contact_is_the_limit_of_full_stiffness():
     mass[count:] *= 3.0
     v = np.zeros_like(mesh.points)
     v[count:, 2] = -1.0
-    done = run(mesh, mass, Contact("a.top", "b.bottom", stiffness=1.0), v, 1e-3, 2)
+    done = run(mesh, mass, SurfaceContact("a.top", "b.bottom", stiffness=1.0), v, 1e-3, 2)
     gap = done.x[count:, 2].min() - done.x[:count, 2].max()
     assert gap == pytest.approx(0.0, abs=1e-15)
     top = np.isclose(mesh.points[:count, 2], 0.5)
@@ -126,7 +126,7 @@ def test_free_masses_never_gain_energy_and_keep_their_momentum(first, second, s,
     v = rng.normal(0.0, 0.3, mesh.points.shape)
     v[count:, 2] -= 1.0
     begin = 0.5 * np.sum(mass[:, None] * v**2)
-    done = run(mesh, mass, Contact("a.top", "b.bottom", mu, s), v, 1e-3, 100)
+    done = run(mesh, mass, SurfaceContact("a.top", "b.bottom", mu, s), v, 1e-3, 100)
     # a penalty may hand back in one step what it took in another, never more in all
     assert max(done.kinetic) <= begin * (1.0 + 1e-12)
     assert mass @ done.v == pytest.approx(mass @ v, abs=1e-12 * np.sum(mass[:, None] * np.abs(v)))
@@ -139,7 +139,7 @@ def test_free_masses_never_gain_energy_while_the_step_changes(seed, s, mu):
     rng = np.random.default_rng(seed)
     mesh, count = two_plates((3, 3), (4, 4), shift=(0.03, 0.05))
     mass, x = nodal_mass(mesh), mesh.points.copy()
-    light, state = 1.0 / mass, prepare(Contact("a.top", "b.bottom", mu, s), mesh)
+    light, state = 1.0 / mass, prepare(SurfaceContact("a.top", "b.bottom", mu, s), mesh)
     v = rng.normal(0.0, 0.1, x.shape)
     v[count:, 2] -= 1.0
     begin = most = 0.5 * np.sum(mass[:, None] * v**2)
@@ -160,7 +160,7 @@ def test_shorter_steps_keep_the_energy_of_a_depth(ratio, wanted):
     forces = []
     for dt in (1e-3, ratio * 1e-3):
         mesh, _ = two_plates((2, 2), (2, 2), gap=0.0)
-        state = prepare(Contact("a.top", "b.bottom"), mesh)
+        state = prepare(SurfaceContact("a.top", "b.bottom"), mesh)
         x, v, f = mesh.points.copy(), np.zeros_like(mesh.points), np.zeros_like(mesh.points)
         x[np.unique(mesh.side("b.bottom")), 2] -= 0.002
         state.touch.step[0] = 1e-3
@@ -176,7 +176,7 @@ def test_moment_of_the_contact_forces_is_zero_within_the_motion_of_a_step(seed, 
     mesh, count = two_plates((3, 4), (4, 3), gap=1e-6, shift=(0.1, 0.05))
     x, v = mesh.points, rng.normal(0.0, 1.0, mesh.points.shape)
     v[count:, 2] -= 1.0
-    state = prepare(Contact("a.top", "b.bottom", mu), mesh)
+    state = prepare(SurfaceContact("a.top", "b.bottom", mu), mesh)
     dt, f = 1e-5, np.zeros_like(x)
     add_contact(state, x, v, f, 1.0 / nodal_mass(mesh), dt)
     pressed = np.linalg.norm(state.nodal.normal_force, axis=1) + np.linalg.norm(state.nodal.friction_force, axis=1)
@@ -211,7 +211,7 @@ def test_lattices_at_nine_tenths_of_the_critical_step_never_gain_energy(first, s
     v[count:, 2] = -1e-3
     begin = 0.5 * np.sum(lattice.mass[:, None] * v**2)
     dt = 0.9 * lattice.critical_step()
-    done = run(mesh, lattice.mass, Contact("a.top", "b.bottom", 0.2, s), v, dt, 800, lattice)
+    done = run(mesh, lattice.mass, SurfaceContact("a.top", "b.bottom", 0.2, s), v, dt, 800, lattice)
     assert max(done.total) <= begin * (1.0 + 1e-9)
     # the springs turn, so that their energy is kept only to the order of the strain, about 1e-3
     assert begin - done.total[-1] == pytest.approx(np.sum(done.taken), abs=2e-3 * begin)
@@ -230,7 +230,7 @@ def test_pressed_lattices_stay_pressed_without_gaining_energy(s):
     load[count:, 2] = -1e-3 * lattice.mass[count:] / lattice.mass[count:].sum()
     load[:count, 2] = 1e-3 * lattice.mass[:count] / lattice.mass[:count].sum()
     pressed = replace_force(lattice, load)
-    done = run(mesh, lattice.mass, Contact("a.top", "b.bottom", 0.0, s), np.zeros_like(load), dt, 1500, pressed)
+    done = run(mesh, lattice.mass, SurfaceContact("a.top", "b.bottom", 0.0, s), np.zeros_like(load), dt, 1500, pressed)
     assert max(done.total) <= 1e-12
     late = np.array(done.force)[1000:, 2].mean()
     # the contact carries the whole load: what is left is the mean rate of momentum of the vibration over 500 steps
@@ -258,7 +258,7 @@ def lost_share(elements, s=0.8):
     v = np.zeros_like(mesh.points)
     v[count:, 2] = -1e-4
     dt = 0.9 * lattice.critical_step()
-    done = run(mesh, lattice.mass, Contact("a.top", "b.bottom", 0.0, s), v, dt, int(60 / dt), lattice)
+    done = run(mesh, lattice.mass, SurfaceContact("a.top", "b.bottom", 0.0, s), v, dt, int(60 / dt), lattice)
     return np.sum(done.taken) / (0.5 * np.sum(lattice.mass[:, None] * v**2))
 
 
@@ -285,7 +285,7 @@ def slider(mu, tilt=0.0, speed=0.0, steps=3000, s=0.8):
     free = light > 0.0
     v[free, 0] = speed
     gravity = 9.81 * np.array([np.sin(tilt), 0.0, -np.cos(tilt)])
-    done = run(mesh, mass, Contact("a.top", "b.bottom", mu, s), v, 1e-4, steps, None, gravity, light)
+    done = run(mesh, mass, SurfaceContact("a.top", "b.bottom", mu, s), v, 1e-4, steps, None, gravity, light)
     return done.x[free] - mesh.points[free], done.v[free], done
 
 
@@ -334,7 +334,7 @@ def test_steady_force_overlaps_by_one_minus_s_over_s(s):
     light[:count] = 0.0
     light[count:][mesh.points[count:, 2] > 0.6] = 0.0
     v = np.zeros_like(mesh.points)
-    done = run(mesh, mass, Contact("a.top", "b.bottom", stiffness=s), v, 1e-3, 400, None, (0, 0, -9.81), light)
+    done = run(mesh, mass, SurfaceContact("a.top", "b.bottom", stiffness=s), v, 1e-3, 400, None, (0, 0, -9.81), light)
     free = light > 0.0
     assert 0.5 - done.x[free, 2] == pytest.approx((1 - s) / s * 9.81e-6, rel=1e-9)
     assert done.force[-1][2] == pytest.approx(-9.81 * mass[free].sum(), rel=1e-9)
@@ -350,7 +350,7 @@ def test_an_uneven_mesh_passes_an_even_pressure():
     mass = nodal_mass(mesh)
     v = np.zeros_like(mesh.points)
     v[count:, 2] = -1.0
-    done = run(mesh, mass, Contact("a.top", "b.bottom", stiffness=1.0), v, 1e-3, 1)
+    done = run(mesh, mass, SurfaceContact("a.top", "b.bottom", stiffness=1.0), v, 1e-3, 1)
     low = np.isclose(mesh.points[:count, 2], 0.5)
     # m*/dt per area 1/8 kg of each plate's surface: the impulse of a kinematic contact would be 1/8
     impulse = mass[:count][low] @ done.v[:count][low, 2]
@@ -360,7 +360,7 @@ def test_an_uneven_mesh_passes_an_even_pressure():
 
 def test_shallow_overlaps_give_no_force_and_are_forgotten_once_left():
     mesh, count = two_plates((3, 3), (4, 4), gap=-0.01)
-    contact = Contact("a.top", "b.bottom")
+    contact = SurfaceContact("a.top", "b.bottom")
     state = prepare(contact, mesh)
     (overlap,) = initial_overlaps([(contact.name, state)], mesh.points)
     assert (overlap.contact, overlap.nodes) == ("a.top-b.bottom", 16 + 25)
@@ -385,7 +385,7 @@ def test_shallow_overlaps_give_no_force_and_are_forgotten_once_left():
 def test_deep_overlaps_are_refused_with_part_place_and_depth():
     mesh, _ = two_plates((3, 3), (4, 4), gap=-0.1)
     with pytest.raises(InputError, match=r"0\.1 m at \(.*\) m in [ab].*move the parts apart"):
-        prepare(Contact("a.top", "b.bottom"), mesh)
+        prepare(SurfaceContact("a.top", "b.bottom"), mesh)
 
 
 def ring(name, inner, outer, around, turned=0.0):
@@ -409,7 +409,7 @@ def test_a_pin_in_a_bore_of_flat_faces_slides_freely(around):
     """Circles of the same radius made of unequal chords overlap by what these cut off; that gives no force."""
     bore, pin = ring("bore", 1.0, 1.5, around[0], 0.1), ring("pin", 0.6, 1.0, around[1])
     mesh = joined([bore, pin])
-    contact = Contact("pin.outer", "bore.inner", friction=0.3)
+    contact = SurfaceContact("pin.outer", "bore.inner", friction=0.3)
     state = prepare(contact, mesh)
     (overlap,) = initial_overlaps([(contact.name, state)], mesh.points)
     assert 0.0 < overlap.deepest <= (1.0 - np.cos(np.pi / min(around))) * (1 + 1e-9)
@@ -435,7 +435,7 @@ def test_a_pocket_holds_a_node_flush_with_its_wall():
     pocket = replace(pocket, hexahedra=hexahedra, part=np.zeros(7, np.int32), sides={})
     plug = block("b", (1, 1, 1), (0.5, 0.5, 0.5), (0.5, 0.5, 0.5))
     mesh = joined([pocket, plug])
-    state = prepare(Contact("a.all", "b.bottom"), mesh)
+    state = prepare(SurfaceContact("a.all", "b.bottom"), mesh)
     v = np.zeros_like(mesh.points)
     v[len(pocket.points) :, 2] = -1.0
     f = np.zeros_like(v)
@@ -452,7 +452,7 @@ def test_nodes_that_are_not_checked_are_still_met_by_the_other_surface():
     v[count:, 2] = -1.0
     forces = []
     for unchecked in ([], np.unique(mesh.side("a.top"))):
-        state = prepare(Contact("a.top", "b.bottom"), mesh, unchecked)
+        state = prepare(SurfaceContact("a.top", "b.bottom"), mesh, unchecked)
         f = np.zeros_like(v)
         add_contact(state, mesh.points, v, f, light, 1e-3)
         forces.append(contact_force(state.touch)[2])
@@ -463,7 +463,7 @@ def test_nodes_that_are_not_checked_are_still_met_by_the_other_surface():
 
 def test_bodies_that_move_together_fast_are_not_searched_again():
     mesh, _ = two_plates((3, 3), (4, 4))
-    state = prepare(Contact("a.top", "b.bottom"), mesh)
+    state = prepare(SurfaceContact("a.top", "b.bottom"), mesh)
     v = np.full_like(mesh.points, 300.0)
     assert not add_contact(state, mesh.points, v, np.zeros_like(v), np.ones(len(v)), 1e-3)
     assert state.travel[0] == pytest.approx(0.0, abs=1e-10)
@@ -475,7 +475,7 @@ def test_a_plate_that_comes_from_afar_is_found_in_time():
     mass = nodal_mass(mesh)
     v = np.zeros_like(mesh.points)
     v[count:] = [1.0, 0.5, -5.0]
-    done = run(mesh, mass, Contact("a.top", "b.bottom", stiffness=1.0), v, 1e-3, 1200)
+    done = run(mesh, mass, SurfaceContact("a.top", "b.bottom", stiffness=1.0), v, 1e-3, 1200)
     first = next(i for i, force in enumerate(done.force) if force[2] < 0.0)
     assert first == 1000 or first == 999  # rounding decides whether 5 m are gone after 1000 steps
     assert min(done.gap) > -1e-2
@@ -503,7 +503,7 @@ def test_bars_of_steel_press_each_other_with_half_rho_c_area_times_speed(first, 
         {"a": steel, "b": steel},
         Controls(40e-6, 0.5e-6),
         velocity={"b": (0.0, 0.0, -1.0)},
-        contacts=(Contact("a.top", "b.bottom"),),
+        contacts=(SurfaceContact("a.top", "b.bottom"),),
     )
     done = solve(model)
     force = done.force["a.top-b.bottom"][:, 2]
@@ -523,7 +523,7 @@ def test_bars_of_steel_press_each_other_with_half_rho_c_area_times_speed(first, 
 
 def test_a_wall_stops_masses_and_turns_nothing_but_the_normal():
     mesh = block("a", (2, 2, 1))
-    wall = prepare_wall(Wall("a.bottom", (0.0, 0.0, -0.004), (0.0, 0.0, 2.0), friction=0.5), mesh)
+    wall = prepare_wall(RigidWall("a.bottom", (0.0, 0.0, -0.004), (0.0, 0.0, 2.0), friction=0.5), mesh)
     mass = nodal_mass(mesh)
     x, v = mesh.points.copy(), np.zeros_like(mesh.points)
     v[:] = [0.1, 0.0, -1.0]
@@ -545,6 +545,6 @@ def test_a_wall_stops_masses_and_turns_nothing_but_the_normal():
 
 def test_sides_behind_a_wall_are_refused():
     with pytest.raises(InputError, match=r"overlap of 0\.5 m"):
-        prepare_wall(Wall("a.bottom", (0.0, 0.0, 0.5), (0.0, 0.0, 1.0)), block("a", (1, 1, 1)))
+        prepare_wall(RigidWall("a.bottom", (0.0, 0.0, 0.5), (0.0, 0.0, 1.0)), block("a", (1, 1, 1)))
     with pytest.raises(InputError, match="normal"):
-        prepare_wall(Wall("a.bottom", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), block("a", (1, 1, 1)))
+        prepare_wall(RigidWall("a.bottom", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), block("a", (1, 1, 1)))

@@ -11,7 +11,7 @@ from strikewave.fem import _contact_kernels as contact_kernels
 from strikewave.fem import _surface_kernels as kernels
 from strikewave.fem.contact import prepare, searched, two_surfaces
 from strikewave.fem.mesh import Mesh, joined
-from strikewave.fem.model import Contact
+from strikewave.fem.model import SurfaceContact
 from strikewave.fem.surfaces import extents, neighbours, surface_of, thickness
 
 from .blocks import block
@@ -123,7 +123,7 @@ def test_the_face_of_a_node_is_the_closest_of_all(seed, lift):
     mesh.points[:, 2] += 0.02 * np.sin(7 * mesh.points[:, 0] + 3 * mesh.points[:, 1])
     mesh.points[len(a.points) :, 2] += lift
     mesh.points[:] += rng.uniform(-0.01, 0.01, mesh.points.shape)
-    state = searched(two_surfaces(Contact("a.top", "b.bottom"), mesh), mesh.points)
+    state = searched(two_surfaces(SurfaceContact("a.top", "b.bottom"), mesh), mesh.points)
     count = len(state.touch.nodes)
     state.place[:] = mesh.points[state.touch.nodes]
     face, shape, distance = np.zeros(count, np.int32), np.zeros((count, 4)), np.full(count, np.inf)
@@ -152,7 +152,7 @@ def ridge(slope, faces=((0, 1, 3, 2), (2, 3, 5, 4))):
 
 def forces_along(mesh, places, stiffness=0.8):
     """The force on the first node of the tip at places (n, 3), the rest of the tip far above."""
-    state = prepare(Contact("tip.bottom", "roof.top", stiffness=stiffness), mesh)
+    state = prepare(SurfaceContact("tip.bottom", "roof.top", stiffness=stiffness), mesh)
     state.nodal.known[:] = 1  # as if the node had been pressed in
     area = state.touch.area.copy()
     v, light = np.zeros_like(mesh.points), np.ones(len(mesh.points))
@@ -191,7 +191,7 @@ def test_force_changes_steadily_as_a_node_slides_over_an_edge(slope):
 def test_gap_is_the_distance_from_the_roof(slope):
     x = np.linspace(-0.5, 0.5, 41)
     mesh = ridge(slope)
-    state = prepare(Contact("tip.bottom", "roof.top"), mesh)
+    state = prepare(SurfaceContact("tip.bottom", "roof.top"), mesh)
     v, light = np.zeros_like(mesh.points), np.ones(len(mesh.points))
     for place in x:
         points = mesh.points.copy()
@@ -218,23 +218,23 @@ def test_nodes_above_and_beside_a_ridge_feel_nothing_and_beyond_the_rim_the_forc
 def test_nodes_that_both_sides_share_are_refused():
     mesh = block("a", (2, 2, 2))
     with pytest.raises(InputError, match="common nodes"):
-        prepare(Contact("a.top", "a.all"), mesh)
+        prepare(SurfaceContact("a.top", "a.all"), mesh)
     with pytest.raises(InputError, match="two different sides"):
-        prepare(Contact("a.top", "a.top"), mesh)
+        prepare(SurfaceContact("a.top", "a.top"), mesh)
 
 
 @pytest.mark.parametrize(("change", "field"), [({"stiffness": 1.5}, "stiffness"), ({"friction": -0.1}, "friction")])
 def test_numbers_out_of_range_are_refused(change, field):
     mesh = joined([block("a", (1, 1, 1)), block("b", (1, 1, 1), origin=(0, 0, 1))])
     with pytest.raises(InputError, match=field):
-        prepare(Contact("a.top", "b.bottom", **change), mesh)
+        prepare(SurfaceContact("a.top", "b.bottom", **change), mesh)
 
 
 def test_search_of_300_000_faces_finds_what_lies_on_what():
     """A search of all pairs would take minutes and gigabytes; how long it takes stands in the benchmarks."""
     counts = (387, 387, 1)
     mesh = joined([block("a", counts), block("b", counts, origin=(1e-4, 1e-4, 1.0))])
-    state = two_surfaces(Contact("a.top", "b.bottom"), mesh)
+    state = two_surfaces(SurfaceContact("a.top", "b.bottom"), mesh)
     state = searched(state, mesh.points)
     assert len(state.faces) == 2 * 387**2
     count = len(state.touch.nodes)

@@ -11,7 +11,19 @@ from strikewave.base.errors import InputError
 from strikewave.fem.contact import add_contact, add_wall, note_held, prepare, prepare_all, prepare_wall, searched
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Contact, Controls, Curve, Driven, Fixed, Guided, Model, Rigid, Symmetry, Tie, Wall
+from strikewave.fem.model import (
+    Controls,
+    Driven,
+    Fixed,
+    Guided,
+    Model,
+    Rigid,
+    RigidWall,
+    SurfaceContact,
+    Symmetry,
+    Tie,
+    TimeCurve,
+)
 from strikewave.fem.rigid import RigidBody, surface_inverse_mass
 from strikewave.fem.shapes import block, moved, turned
 from strikewave.fem.solids import Bilinear, Elastic
@@ -24,7 +36,7 @@ LIGHT, HEAVY = Elastic(1200.0, 3e9, 0.3), Elastic(19000.0, 400e9, 0.2)
 MM = 1e-3
 PLATE = block("plate", (8 * MM, 8 * MM, MM), MM, MM, MM)
 STRIKER = moved(block("striker", (4 * MM, 4 * MM, 4 * MM), MM, MM, MM), (0.0, 0.0, 1.01 * MM))
-PAIR = Contact("plate.z+", "striker.z-")
+PAIR = SurfaceContact("plate.z+", "striker.z-")
 
 
 def blow(solids, speed, duration=30e-6, parts=(PLATE, STRIKER), **more):
@@ -35,7 +47,7 @@ def blow(solids, speed, duration=30e-6, parts=(PLATE, STRIKER), **more):
 
 
 def still(side, *direction):
-    return Driven(side, direction, Curve((0.0,), (0.0,)))
+    return Driven(side, direction, TimeCurve((0.0,), (0.0,)))
 
 
 def directions(angle):
@@ -54,7 +66,7 @@ def let_go(v, nodes, held):
 def test_a_wall_closes_the_gap_of_nodes_held_along_any_direction_at_one_rate(angle, mu, seed):
     """The force is what moves a node by s g* as the boundary lets it, m/(1 - (d.n)^2); friction at most stops it."""
     mesh, rng, held = blocks.block("a", (2, 2, 1)), np.random.default_rng(seed), directions(angle)
-    wall = prepare_wall(Wall("a.bottom", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), mesh)
+    wall = prepare_wall(RigidWall("a.bottom", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), mesh)
     nodes, mass, dt = wall.touch.nodes, blocks.nodal_mass(mesh), 1e-3
     note_held(wall.touch, nodes, np.tile(held, (len(nodes), 1, 1)))
     v = rng.normal(0.0, 0.1, mesh.points.shape) - [0.0, 0.0, 1.0]
@@ -85,7 +97,7 @@ def test_a_contact_closes_the_gap_of_nodes_held_along_any_direction_at_one_rate(
     """
     below, above = blocks.block("a", (2, 2, 1)), blocks.block("b", (2, 2, 1), origin=(0, 0, 1.0))
     mesh, held, dt = joined([below, above]), directions(angle), 1e-8
-    state = prepare(Contact("a.top", "b.bottom", stiffness=s), mesh)
+    state = prepare(SurfaceContact("a.top", "b.bottom", stiffness=s), mesh)
     nodes, mass = state.touch.nodes, blocks.nodal_mass(mesh)
     mass[: len(below.points)] *= 3.0
     note_held(state.touch, nodes, np.tile(held, (len(nodes), 1, 1)))
@@ -104,7 +116,7 @@ def test_friction_stops_no_more_than_the_sliding_of_nodes_held_along_any_directi
     """Held almost along the normal they are heavy there and light beside it: a held body below, mu = 10."""
     below, above = blocks.block("a", (2, 2, 1)), blocks.block("b", (2, 2, 1), origin=(0, 0, 1.0))
     mesh, held, dt = joined([below, above]), directions(angle), 1e-8
-    state = prepare(Contact("a.top", "b.bottom", 10.0, s), mesh)
+    state = prepare(SurfaceContact("a.top", "b.bottom", 10.0, s), mesh)
     nodes, light = state.touch.nodes[state.touch.first :], 1.0 / blocks.nodal_mass(mesh)
     light[: len(below.points)] = 0.0
     note_held(state.touch, nodes, np.tile(held, (len(nodes), 1, 1)))
@@ -120,7 +132,7 @@ def test_friction_stops_no_more_than_the_sliding_of_nodes_held_along_any_directi
 
 def test_where_nothing_touches_nodes_arrive_where_contact_foresees_them():
     """Driven, held and free nodes, under gravity and stress."""
-    shove = Curve((0.0, 1e-6), (0.0, 3.0))
+    shove = TimeCurve((0.0, 1e-6), (0.0, 3.0))
     boundaries = (Driven("plate.z+", (1.0, 0.0, 0.0), shove), Fixed("plate.z-"), Symmetry("striker.x-"))
     model = blow({"plate": LIGHT, "striker": STEEL}, 5.0, boundaries=boundaries, gravity=(0.0, 3e5, -1e6))
     engine = Engine(model)
@@ -135,8 +147,8 @@ def test_where_nothing_touches_nodes_arrive_where_contact_foresees_them():
 def test_a_block_driven_along_a_wall_is_stopped_by_it_as_a_free_one():
     """Without lateral strain, and bulk viscosity, the drive along x at the block's own speed does nothing."""
     solid, low = Elastic(7820.0, 211e9, 0.0), STRIKER.points[:, 2].min()
-    wall = (Wall("striker.z-", (0.0, 0.0, low), (0.0, 0.0, 1.0)),)
-    drive = tuple(Driven(f"striker.{side}", (1.0, 0.0, 0.0), Curve((0.0,), (1.0,))) for side in ("z-", "z+"))
+    wall = (RigidWall("striker.z-", (0.0, 0.0, low), (0.0, 0.0, 1.0)),)
+    drive = tuple(Driven(f"striker.{side}", (1.0, 0.0, 0.0), TimeCurve((0.0,), (1.0,))) for side in ("z-", "z+"))
     forces = []
     for held in ((), drive):
         model = blow({"striker": solid}, 5.0, parts=(STRIKER,), contacts=(), walls=wall, boundaries=held)
@@ -168,7 +180,7 @@ def test_a_driven_face_presses_a_bar_with_rho_c_area_times_speed():
     """
     solid = Elastic(7820.0, 211e9, 0.0)
     bar = moved(block("striker", (4 * MM, 4 * MM, 40 * MM), MM, MM, MM), (0.0, 0.0, 1.0001 * MM))
-    drive = tuple(Driven(f"plate.{side}", (0.0, 0.0, 1.0), Curve((0.0,), (2.0,))) for side in ("z-", "z+"))
+    drive = tuple(Driven(f"plate.{side}", (0.0, 0.0, 1.0), TimeCurve((0.0,), (2.0,))) for side in ("z-", "z+"))
     run = solve(blow({"plate": solid, "striker": solid}, 0.0, 8e-6, (PLATE, bar), boundaries=drive))
     force = -run.force[PAIR.name][:, 2]
     assert force[4:15].mean() == pytest.approx(7820.0 * solid.wave_speed * 2.0 * (4 * MM) ** 2, rel=0.01)
@@ -228,7 +240,7 @@ def test_rigid_plates_lighter_than_what_strikes_them_gain_no_energy(density):
             parts=(PLATE, STRIKER, other),
             rigid=(Rigid("plate"),),
             velocity={"striker": (1.0, 0.0, -5.0), "other": (0.0, 0.5, 5.0)},
-            contacts=(replace(PAIR, friction=0.3), Contact("plate.z-", "other.z+", 0.3)),
+            contacts=(replace(PAIR, friction=0.3), SurfaceContact("plate.z-", "other.z+", 0.3)),
         )
     )
     taken = run.energy["contact"]
@@ -248,13 +260,13 @@ def side_blow():
         5.0,
         parts=(PLATE, striker, base),
         ties=(Tie("plate.z-", "base.z+"),),
-        contacts=(Contact("plate.all", "striker.x-"),),
+        contacts=(SurfaceContact("plate.all", "striker.x-"),),
         velocity={"striker": (-5.0, 0.0, 0.0)},
     )
 
 
 def test_tied_nodes_are_met_but_not_checked_and_count_by_their_own_mass():
-    wall = Wall("plate.all", (0.0, 0.0, -MM), (0.0, 0.0, 1.0))
+    wall = RigidWall("plate.all", (0.0, 0.0, -MM), (0.0, 0.0, 1.0))
     engine = Engine(replace(side_blow(), walls=(wall,)))
     assert not np.isin(engine.walls[wall.name].touch.nodes, engine.ties.nodes).any()
     state = engine.contacts["plate.all-striker.x-"]
@@ -275,7 +287,7 @@ def test_a_heavy_striker_gains_nothing_from_the_tied_edge_of_a_light_plate():
 def test_a_wall_is_not_there_for_tied_nodes():
     mesh = joined([PLATE, STRIKER])
     tied = np.unique(mesh.side("plate.z-"))
-    wall = prepare_wall(Wall("plate.all", (0.0, 0.0, -MM), (0.0, 0.0, 1.0)), mesh, tied)
+    wall = prepare_wall(RigidWall("plate.all", (0.0, 0.0, -MM), (0.0, 0.0, 1.0)), mesh, tied)
     assert np.array_equal(wall.touch.nodes, np.unique(mesh.side("plate.z+")))
 
 
@@ -294,9 +306,9 @@ def test_a_plate_squashed_between_two_strikers_gives_no_energy():
             (plate, one, two),
             velocity={"striker": (0.0, 0.0, -300.0), "other": (0.0, 0.0, 300.0)},
             contacts=(
-                Contact("plate.all", "striker.all"),
-                Contact("plate.all", "other.all"),
-                Contact("striker.all", "other.all"),
+                SurfaceContact("plate.all", "striker.all"),
+                SurfaceContact("plate.all", "other.all"),
+                SurfaceContact("striker.all", "other.all"),
             ),
         )
     )
@@ -315,7 +327,7 @@ def test_a_node_that_comes_in_beside_the_rim_is_not_thrown_out(depth, away, mu):
     mesh, count = joined([below, above]), len(below.points)
     mass, x, v = blocks.nodal_mass(mesh), mesh.points.copy(), np.zeros_like(mesh.points)
     v[count:] = -1.0, 0.0, 0.1 * away
-    state, dt, begin = prepare(Contact("a.top", "b.bottom", mu), mesh), 1e-2, 0.5 * np.sum(mass[:, None] * v**2)
+    state, dt, begin = prepare(SurfaceContact("a.top", "b.bottom", mu), mesh), 1e-2, 0.5 * np.sum(mass[:, None] * v**2)
     for _ in range(80):
         f = np.zeros_like(x)
         again = add_contact(state, x, v, f, 1.0 / mass, dt)
@@ -330,7 +342,7 @@ def test_candidates_hold_every_face_within_reach_while_bodies_fly(seed, first):
     """Speeds that change by up to a factor of 2 a step; ``first`` is the motion of the first step over the margin."""
     rng = np.random.default_rng(seed)
     mesh = joined([blocks.block("a", (3, 3, 1)), blocks.block("b", (4, 4, 1), origin=(0.1, 0.2, 1.4))])
-    state = prepare(Contact("a.top", "b.bottom"), mesh)
+    state = prepare(SurfaceContact("a.top", "b.bottom"), mesh)
     high, size, margin, x = state.touch.first, state.size.copy(), state.margin, mesh.points.copy()
     state, speed = searched(state, x), first * margin
     for _ in range(60):
@@ -356,6 +368,6 @@ def test_candidates_hold_every_face_within_reach_while_bodies_fly(seed, first):
 def test_faces_that_meet_in_two_contacts_are_refused(second):
     mesh = joined([PLATE, STRIKER])
     with pytest.raises(InputError, match=r"faces that meet already in plate\.z\+-striker\.z-.*leave one"):
-        prepare_all([PAIR, Contact(*second)], mesh)
-    others = [PAIR, Contact("plate.z-", "striker.z-"), Contact("striker.z+", "plate.z+")]
+        prepare_all([PAIR, SurfaceContact(*second)], mesh)
+    others = [PAIR, SurfaceContact("plate.z-", "striker.z-"), SurfaceContact("striker.z+", "plate.z+")]
     assert list(prepare_all(others, mesh)) == [contact.name for contact in others]

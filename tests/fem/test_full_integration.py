@@ -10,7 +10,7 @@ from strikewave.fem.full import POINTS, mode_slopes
 from strikewave.fem.hexahedron import MODES, shapes
 from strikewave.fem.invariants import pressure
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Controls, Curve, Model, Pressure, Section, Tie, Wall
+from strikewave.fem.model import Controls, CutSection, Model, Pressure, RigidWall, Tie, TimeCurve
 from strikewave.fem.shapes import block as box
 from strikewave.fem.shapes import moved as shifted
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
@@ -207,9 +207,9 @@ def test_both_kinds_in_one_run_carry_a_wave_across_a_tie():
                 joined([shifted(bar, (0.0, 0.0, z)) for bar, z in zip(bars, (0.0, 0.03), strict=True)]),
                 {"low": solid, "high": solid},
                 Controls(11.5e-6, interval=0.1e-6, full=full, linear_viscosity=0.0, quadratic_viscosity=0.0),
-                boundaries=(Pressure("low.z-", Curve((0.0,), (1e7,))),),
+                boundaries=(Pressure("low.z-", TimeCurve((0.0,), (1e7,))),),
                 ties=(Tie("low.z+", "high.z-"),),
-                sections=(Section("middle", "high", (0.0, 0.0, 0.045), (0.0, 0.0, 1.0)),),
+                sections=(CutSection("middle", "high", (0.0, 0.0, 0.045), (0.0, 0.0, 1.0)),),
             )
         )
         for full in ((), ("high",), ("low", "high"))
@@ -236,7 +236,7 @@ def flying_bars(duration, **controls):
         Controls(duration, interval=0.5e-6, full=("high",), **controls),
         velocity={"low": (0.0, 0.0, -100.0), "high": (0.0, 0.0, -100.0)},
         ties=(Tie("low.z+", "high.z-"),),
-        walls=(Wall("low.z-", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),),
+        walls=(RigidWall("low.z-", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),),
     )
 
 

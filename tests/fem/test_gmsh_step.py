@@ -20,7 +20,7 @@ from strikewave.base.errors import InputError
 from strikewave.cases.case import parse_case
 from strikewave.fem.imported import read_mesh
 from strikewave.fem.mesh import volumes
-from strikewave.fem.model import Controls, Model, Point, Wall
+from strikewave.fem.model import Controls, Model, Point, RigidWall
 from strikewave.fem.quality import quality_report
 from strikewave.fem.solids import Elastic
 from strikewave.fem.solve import RunOptions, solve
@@ -132,7 +132,7 @@ def test_a_pin_that_fell_on_its_end_rings_at_the_frequency_of_love(tmp_path):
         {"pin": STEEL},
         Controls(150e-6, interval=0.25e-6),
         velocity={"pin": (0.0, 0.0, -1.0)},
-        walls=(Wall("pin.round", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),),
+        walls=(RigidWall("pin.round", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),),
         points=(Point("top", "pin", (0.0, 0.0, length)),),
     )
     run = solve(model, RunOptions())

@@ -8,7 +8,7 @@ import pytest
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.measures import contact_measure, part_measure
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Contact, Controls, Model, Rigid, Wall
+from strikewave.fem.model import Controls, Model, Rigid, RigidWall, SurfaceContact
 from strikewave.fem.round_shapes import TubeSize, tube
 from strikewave.fem.shapes import block
 from strikewave.fem.solids import Bilinear
@@ -74,7 +74,7 @@ def test_a_pin_in_a_bore_tells_how_deep_its_flat_faces_stand_in_each_other():
         dict.fromkeys(mesh.names, STEEL),
         Controls(1e-6, interval=0.5e-6),
         velocity={"pin": (0.0, 0.0, 1.0)},
-        contacts=(Contact("pin.round", "bore.inner_round"),),
+        contacts=(SurfaceContact("pin.round", "bore.inner_round"),),
     )
     (overlap,) = solve(model).overlaps
     sides = [mesh.points[np.unique(mesh.side(name))] for name in ("pin.round", "bore.inner_round")]
@@ -90,9 +90,9 @@ def test_a_wall_tells_its_overlap_and_bodies_apart_have_none():
         plate,
         {"plate": THIN_STEEL},
         Controls(1e-6, interval=0.5e-6),
-        walls=(Wall("plate.z-", (0.0, 0.0, foot + 5e-5), (0.0, 0.0, 1.0)),),
+        walls=(RigidWall("plate.z-", (0.0, 0.0, foot + 5e-5), (0.0, 0.0, 1.0)),),
     )
     (overlap,) = solve(model).overlaps
     assert (overlap.nodes, overlap.deepest) == (25, pytest.approx(5e-5, rel=1e-9))
-    below = replace(model, walls=(Wall("plate.z-", (0.0, 0.0, foot - 5e-5), (0.0, 0.0, 1.0)),))
+    below = replace(model, walls=(RigidWall("plate.z-", (0.0, 0.0, foot - 5e-5), (0.0, 0.0, 1.0)),))
     assert solve(below).overlaps == ()

@@ -1,4 +1,4 @@
-"""A second blow on what the first one left: the same where all is elastic, less yield where it is not, its ledgers."""
+"""A second blow on what the first one left: the same where all is elastic, less yield where it is not, its balances."""
 
 import itertools
 from dataclasses import replace
@@ -15,7 +15,19 @@ from strikewave.fem.bodies import way_back
 from strikewave.fem.engine import Engine
 from strikewave.fem.measures import balance_measure, contact_measure, mean_force
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Contact, Controls, Curve, Driven, Fixed, Guided, Model, Rigid, Symmetry, Tie, Wall
+from strikewave.fem.model import (
+    Controls,
+    Driven,
+    Fixed,
+    Guided,
+    Model,
+    Rigid,
+    RigidWall,
+    SurfaceContact,
+    Symmetry,
+    Tie,
+    TimeCurve,
+)
 from strikewave.fem.repeated_blows import bodies_of_engine, next_blow
 from strikewave.fem.restart import path_of_blow
 from strikewave.fem.shapes import block, moved, turned
@@ -65,7 +77,7 @@ def test_elastic_bodies_give_the_same_blow_again(elastic):
     assert second.duration == pytest.approx(first.duration, rel=1e-5)
     assert largest_difference(elastic, CONTACT) < 3e-6
     assert elastic[1].rest.kinetic_share <= 1e-10
-    assert elastic[1].rest.plastic_energy == elastic[1].rest.retreat == 0.0
+    assert elastic[1].rest.plastic_energy == elastic[1].rest.added_distance == 0.0
     assert elastic[0].rest is None
     assert [run.blow for run in elastic] == [1, 2]
 
@@ -88,7 +100,7 @@ def test_the_second_blow_nears_the_first_as_the_root_of_the_energy_left(monkeypa
 
 
 def test_a_bar_on_a_wall_flies_off_and_comes_back():
-    """It is 100 us in flight, its speed that of the first blow to 1e-6; the ledger counts from the new start."""
+    """It is 100 us in flight, its speed that of the first blow to 1e-6; the balance counts from the new start."""
     model, _ = rod_on_wall(elements=40)
     first, second = blows(model, 2)
     assert np.linalg.norm(first.parts["rod"].displacement[-1]) > 1e-4
@@ -108,7 +120,7 @@ def test_a_turned_flight_ends_where_it_began_with_its_stress_turned():
         {"base": STEEL, "up": STEEL},
         Controls(60e-6, 1e-6),
         velocity={"up": (0.0, 0.0, -5.0)},
-        contacts=(Contact("base.z+", "up.z-"),),
+        contacts=(SurfaceContact("base.z+", "up.z-"),),
         boundaries=(Fixed("base.z-"),),
     )
     first, second = blows(model, 2, frames=2)
@@ -147,13 +159,13 @@ def test_boundaries_say_which_ways_a_body_may_go_back():
     assert free(Symmetry("cube.x-"), Symmetry("cube.y-")) == [1]
     assert free(Guided("cube.all", (1.0, 2.0, 2.0))) == [1]
     assert free(Fixed("cube.z-")) == [0]
-    assert free(Driven("cube.z+", (0.0, 0.0, 1.0), Curve((0.0,), (1.0,)))) == [6]
+    assert free(Driven("cube.z+", (0.0, 0.0, 1.0), TimeCurve((0.0,), (1.0,)))) == [6]
     lift = cube.points[:, 2].max() - cube.points[:, 2].min()
     second = moved(block("lid", (2e-3, 2e-3, 2e-3), 1e-3, 1e-3, 1e-3), (0.0, 0.0, lift))
     mesh, solids = joined([cube, second]), {"cube": STEEL, "lid": STEEL}
     tied = Model(mesh, solids, Controls(1e-6, 1e-6), ties=(Tie("lid.z-", "cube.z+"),))
     assert [body.parts for body in bodies_of_engine(Engine(tied))] == [("cube", "lid")]
-    apart = replace(tied, ties=(), contacts=(Contact("lid.z-", "cube.z+"),))
+    apart = replace(tied, ties=(), contacts=(SurfaceContact("lid.z-", "cube.z+"),))
     assert [body.parts for body in bodies_of_engine(Engine(apart))] == [("cube",), ("lid",)]
 
 
@@ -189,7 +201,7 @@ def test_what_is_kept_only_grows(dented):
     assert depths[1] < -5e-6
 
 
-def test_each_blow_keeps_its_own_ledger(dented):
+def test_each_blow_keeps_its_own_balance(dented):
     """Energy within 1e-5; it begins with the blow and what residual stress holds; momentum to rounding."""
     blow = 0.5 * dented[0].parts["ball"].mass * 3.0**2
     for run in dented:
@@ -239,7 +251,7 @@ def driven_element(strains, kinematic=0.0, law=None):
     span = 200e-6
     speeds = tuple(float(s) * LONG / span for s in np.diff([0.0, *strains]) for _ in (0, 1))
     times = tuple(t for k in range(len(strains)) for t in ((k + 1e-6) * span, (k + 1) * span))
-    pull = Driven("cube.z+", (0.0, 0.0, 1.0), Curve(times, speeds))
+    pull = Driven("cube.z+", (0.0, 0.0, 1.0), TimeCurve(times, speeds))
     return Model(mesh, {"cube": solid}, Controls(span * len(strains), 1e-6), boundaries=(*sides, pull))
 
 
@@ -324,7 +336,7 @@ def stacked(speed=4.0, solid=STEEL):
         {"base": STEEL, "plate": solid, "up": STEEL},
         Controls(40e-6, 0.5e-6),
         velocity={"up": (0.0, 0.0, -speed)},
-        contacts=(Contact("plate.z-", "base.z+"), Contact("up.z-", "plate.z+")),
+        contacts=(SurfaceContact("plate.z-", "base.z+"), SurfaceContact("up.z-", "plate.z+")),
         boundaries=(Fixed("base.z-"),),
     )
 
@@ -333,8 +345,8 @@ def test_what_stands_goes_on_to_touch_and_what_strikes_does_not():
     calm = repeated_blows.quiet(stacked())
     assert [each.name for each in calm.contacts] == ["plate.z--base.z+"]
     assert calm.velocity == {}
-    wall = Wall("up.z-", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
-    floor = Wall("base.z-", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
+    wall = RigidWall("up.z-", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
+    floor = RigidWall("base.z-", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
     assert repeated_blows.quiet(replace(stacked(), walls=(wall, floor))).walls == (floor,)
 
 
@@ -349,15 +361,15 @@ def test_a_plate_that_stands_on_a_base_is_struck_again_alike():
 
 
 def test_a_striker_that_would_stand_in_a_bulge_begins_farther_away():
-    """A plate that has been pushed up by 50 um in the way of the striker: it retreats by that, and no farther."""
+    """A plate that has been pushed up by 50 um in the way of the striker: it goes back by that, and no farther."""
     engine = Engine(stacked())
     engine.instant = engine.model.controls.intervals
     bodies = bodies_of_engine(engine)
     plate = next(body for body in bodies if body.parts == ("plate",))
     engine.x[plate.nodes, 2] += 50e-6
     engine.detect_contacts(engine.x)
-    retreat = repeated_blows._step_back(engine, bodies, {})
-    assert 50e-6 <= retreat <= 51e-6
+    added_distance = repeated_blows._step_back(engine, bodies, {})
+    assert 50e-6 <= added_distance <= 51e-6
     assert not [each for each in engine.overlaps if each.contact == "up.z--plate.z+"]
 
 
@@ -371,14 +383,14 @@ def test_a_rigid_striker_stands_where_it_began():
         {"base": Bilinear(7820.0, 211e9, 0.288, yield_strength=100e6, tangent_modulus=2e9), "up": STEEL},
         Controls(30e-6, 0.5e-6),
         velocity={"up": (0.0, 0.0, -10.0)},
-        contacts=(Contact("up.all", "base.z+"),),
+        contacts=(SurfaceContact("up.all", "base.z+"),),
         boundaries=(Fixed("base.z-"),),
         rigid=(Rigid("up"),),
     )
     first, second = blows(model, 2)
     assert np.abs(first.parts["up"].velocity[-1] - first.parts["up"].velocity[0]).max() > 0.1
     assert second.parts["up"].velocity[0] == pytest.approx((0.0, 0.0, -10.0), abs=1e-12)
-    assert np.linalg.norm(second.parts["up"].displacement[0]) == pytest.approx(second.rest.retreat, abs=1e-12)
+    assert np.linalg.norm(second.parts["up"].displacement[0]) == pytest.approx(second.rest.added_distance, abs=1e-12)
     assert 0.0 < second.plastic_work["base"] < 0.8 * first.plastic_work["base"]
 
 

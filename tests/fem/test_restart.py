@@ -10,7 +10,7 @@ from strikewave.base.errors import InputError
 from strikewave.fem import engine as engine_module
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Contact, Controls, Model, Wall
+from strikewave.fem.model import Controls, Model, RigidWall, SurfaceContact
 from strikewave.fem.restart import kept_blows, read_restart
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solve import Checkpoint, RunOptions, solve
@@ -29,8 +29,8 @@ def model(duration=4e-6):
         {"low": STEEL, "up": STEEL},
         Controls(duration, 0.5e-6),
         velocity={"up": (3.0, 0.0, -8.0)},
-        contacts=(Contact("low.z+", "up.z-", 0.3),),
-        walls=(Wall("low.z-", (0.0, 0.0, float(low.points[:, 2].min())), (0.0, 0.0, 1.0)),),
+        contacts=(SurfaceContact("low.z+", "up.z-", 0.3),),
+        walls=(RigidWall("low.z-", (0.0, 0.0, float(low.points[:, 2].min())), (0.0, 0.0, 1.0)),),
     )
 
 

@@ -13,7 +13,19 @@ import pytest
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Contact, Controls, Curve, Driven, Fixed, Model, Point, Pressure, Rigid, Section, Wall
+from strikewave.fem.model import (
+    Controls,
+    CutSection,
+    Driven,
+    Fixed,
+    Model,
+    Point,
+    Pressure,
+    Rigid,
+    RigidWall,
+    SurfaceContact,
+    TimeCurve,
+)
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic
 from strikewave.fem.solve import Checkpoint, RunOptions, solve
@@ -101,8 +113,8 @@ def test_rigid_body_and_wall_go_on_to_the_same_bits(tmp_path):
         Controls(20e-6),
         velocity={"rigid": (0.0, 0.0, -10.0)},
         rigid=(Rigid("rigid"),),
-        contacts=(Contact("rigid.all", "soft.all", friction=0.2),),
-        walls=(Wall("soft.z-", (0.0, 0.0, foot), (0.0, 0.0, 1.0), 0.1),),
+        contacts=(SurfaceContact("rigid.all", "soft.all", friction=0.2),),
+        walls=(RigidWall("soft.z-", (0.0, 0.0, foot), (0.0, 0.0, 1.0), 0.1),),
     )
     path = tmp_path / "restart.h5"
     whole = solve(model, RunOptions(checkpoint=Checkpoint(path, 15)))
@@ -161,7 +173,7 @@ def test_added_mass_is_that_which_makes_the_step_long_enough():
 def test_no_step_is_longer_than_the_elements_allow_within_a_long_interval(monkeypatch):
     """A cube that is squashed by 30 % within one interval: its steps get shorter on the way."""
     cube = block("cube", (4e-3, 4e-3, 4e-3), 1e-3, 1e-3, 1e-3)
-    press = Driven("cube.z+", (0.0, 0.0, -1.0), Curve((0.0,), (300.0,)))
+    press = Driven("cube.z+", (0.0, 0.0, -1.0), TimeCurve((0.0,), (300.0,)))
     steps, plain = [], Engine.step
 
     def step(engine):
@@ -203,7 +215,7 @@ def test_a_step_beyond_the_critical_one_breaks_the_energy_and_stops_the_run(monk
 def test_a_crushed_element_stops_the_run_with_its_name():
     """A pressure far beyond the modulus crushes the cube: the run ends with the element, what was noted is there."""
     cube = block("cube", (2e-3, 2e-3, 2e-3), 1e-3, 1e-3, 1e-3)
-    load = Pressure("cube.all", Curve((0.0, 2e-6), (0.0, 2e13)))
+    load = Pressure("cube.all", TimeCurve((0.0, 2e-6), (0.0, 2e13)))
     run = solve(Model(cube, {"cube": STEEL}, Controls(20e-6), boundaries=(load,)))
     assert "of cube" in run.stopped
     assert len(run.time) >= 1
@@ -212,7 +224,7 @@ def test_a_crushed_element_stops_the_run_with_its_name():
 def test_a_step_that_collapses_ends_the_run_when_it_does(tmp_path):
     """Within the first interval: the last instant is that of the collapse, and there is no state to go on from."""
     cube = block("cube", (2e-3, 2e-3, 2e-3), 1e-3, 1e-3, 1e-3)
-    press = Driven("cube.z+", (0.0, 0.0, -1.0), Curve((0.0,), (4000.0,)))
+    press = Driven("cube.z+", (0.0, 0.0, -1.0), TimeCurve((0.0,), (4000.0,)))
     model = Model(cube, {"cube": STEEL}, Controls(40e-6, interval=20e-6), boundaries=(Fixed("cube.z-"), press))
     run = solve(model, RunOptions(checkpoint=Checkpoint(tmp_path / "restart.h5", 1)))
     assert "of cube" in run.stopped
@@ -231,7 +243,7 @@ WRONG = [
     (lambda m: with_controls(m, threads=0), "threads"),
     (lambda m: with_controls(m, hourglass=-1.0), "hourglass"),
     (lambda m: with_controls(m, full=("all",)), "full"),
-    (lambda m: dataclasses.replace(m, contacts=(Contact("striking.z", "struck.z+"),)), "striking.z"),
+    (lambda m: dataclasses.replace(m, contacts=(SurfaceContact("striking.z", "struck.z+"),)), "striking.z"),
     (lambda m: dataclasses.replace(m, rigid=(Rigid("nobody"),)), "nobody"),
     (lambda m: with_wall(m, (0.0, 0.0, math.nan)), "point of struck.z--wall"),
     (lambda m: with_wall(m, (0.0, 0.0, -1.0), twice=True), "wall: .*struck.z--wall twice"),
@@ -242,10 +254,10 @@ WRONG = [
     (lambda m: dataclasses.replace(m, points=(Point("p", "nobody", (0, 0, 0)),)), "nobody"),
     (lambda m: dataclasses.replace(m, gravity=(0.0, math.nan, 0.0)), "gravity"),
     (lambda m: dataclasses.replace(m, velocity={"struck": (math.inf, 0, 0)}), "velocity of struck"),
-    (lambda m: pressed(m, Curve((), ())), "pressure on struck.z-.*at least one"),
-    (lambda m: pressed(m, Curve((0.0, 1e-6), (1.0,))), "2 times, 1 values"),
-    (lambda m: pressed(m, Curve((0.0, 2e-6, 1e-6), (0.0, 1.0, 2.0))), "1e-06 s after 2e-06 s.*ascend"),
-    (lambda m: pressed(m, Curve((0.0,), (math.nan,))), "not finite"),
+    (lambda m: pressed(m, TimeCurve((), ())), "pressure on struck.z-.*at least one"),
+    (lambda m: pressed(m, TimeCurve((0.0, 1e-6), (1.0,))), "2 times, 1 values"),
+    (lambda m: pressed(m, TimeCurve((0.0, 2e-6, 1e-6), (0.0, 1.0, 2.0))), "1e-06 s after 2e-06 s.*ascend"),
+    (lambda m: pressed(m, TimeCurve((0.0,), (math.nan,))), "not finite"),
     (lambda m: broken(m, "inverted"), "struck element 399.*volume -1e-09"),
     (lambda m: broken(m, "loose"), "loose|belong"),
     (lambda m: broken(m, "nan"), "point 3"),
@@ -257,7 +269,7 @@ def with_controls(model, **changes):
 
 
 def with_wall(model, point, twice=False):
-    wall = Wall("struck.z-", point, (0.0, 0.0, 1.0))
+    wall = RigidWall("struck.z-", point, (0.0, 0.0, 1.0))
     return dataclasses.replace(model, walls=(wall, wall)[: 1 + twice])
 
 
@@ -304,8 +316,8 @@ def test_mean_stress_of_a_softer_solid_is_that_of_its_elements():
         bar,
         {"bar": Elastic(7820.0, 211e9, 0.0)},
         Controls(100e-6, interval=2e-6),
-        boundaries=(Fixed("bar.z-"), Pressure("bar.z+", Curve((0.0, 100e-6), (0.0, -1e6)))),
-        sections=(Section("s", "bar", (0.0, 0.0, low + 5e-3), (0.0, 0.0, 1.0)),),
+        boundaries=(Fixed("bar.z-"), Pressure("bar.z+", TimeCurve((0.0, 100e-6), (0.0, -1e6)))),
+        sections=(CutSection("s", "bar", (0.0, 0.0, low + 5e-3), (0.0, 0.0, 1.0)),),
     )
     run = solve(model)
     assert run.sections["s"].elements == 4

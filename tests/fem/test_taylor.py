@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from strikewave.fem.model import Controls, Model, Symmetry, Wall
+from strikewave.fem.model import Controls, Model, RigidWall, Symmetry
 from strikewave.fem.round_shapes import cylinder
 from strikewave.fem.solids import Bilinear
 from strikewave.fem.solve import RunOptions, solve
@@ -23,7 +23,7 @@ def taylor(size, hourglass):
             Controls(80e-6, interval=1e-6, threads=2, **kind),
             velocity={"bar": (0.0, 0.0, -227.0)},
             boundaries=(Symmetry("bar.x-"), Symmetry("bar.y-")),
-            walls=(Wall("bar.bottom", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),),
+            walls=(RigidWall("bar.bottom", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),),
         ),
         RunOptions(frames=2),
     )

@@ -10,7 +10,7 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.fem.invariants import pressure, von_mises
-from strikewave.fem.run import Frame
+from strikewave.fem.run import FieldFrame
 from strikewave.fem.vtkhdf import FIELDS, FieldWriter, stored_frames
 
 from . import synthetic
@@ -104,7 +104,7 @@ def test_frames_come_back_to_single_precision(written, frames):
 def test_a_mesh_of_many_chunks_comes_back(tmp_path):
     mesh = synthetic.grid("bar", (0, 0, 0), (1, 1, 40), (2, 2, 4001))  # 36018 nodes: more than a chunk holds
     frames = [
-        Frame(float(k), *(np.random.default_rng(k).normal(size=(len(mesh.points), 3)) for _ in range(2)), *cells)
+        FieldFrame(float(k), *(np.random.default_rng(k).normal(size=(len(mesh.points), 3)) for _ in range(2)), *cells)
         for k in range(3)
         for cells in [(np.full((len(mesh.hexahedra), 6), float(k)), np.full(len(mesh.hexahedra), float(k)))]
     ]
@@ -199,7 +199,7 @@ def test_frames_that_do_not_fit_are_refused(tmp_path, mesh, frames):
     with pytest.raises(InputError, match=r"frame\.time.*after the frame before it"):
         writer.add(frames[0])
     with pytest.raises(InputError, match=r"frame\.displacement.*rows"):
-        writer.add(Frame(1.0, np.zeros((8, 3)), np.zeros((8, 3)), np.zeros((1, 6)), np.zeros(1)))
+        writer.add(FieldFrame(1.0, np.zeros((8, 3)), np.zeros((8, 3)), np.zeros((1, 6)), np.zeros(1)))
     writer.close()
     with pytest.raises(InputError, match="another mesh"):
         FieldWriter.restored(tmp_path / "fields.vtkhdf", other, before=1.0)

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from strikewave.hopkinson import Bar, Specimen, Trace
-from strikewave.waves import BONDED, End, Layer, Pulse, Stack, Tap, Wanted, run_bar
+from strikewave.hopkinson import Bar, GaugeTrace, Specimen
+from strikewave.waves import BONDED, End, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 from strikewave.waves.dispersion import wave_number
 
 STEEL = {"density": 7800.0, "modulus": 210e9}
@@ -37,8 +37,8 @@ def bench(modulus=70e9, rise=10e-6, transits=20, diameter=0.012):
     )
     stack = Stack(layers, (BONDED, BONDED), End("matched"))
     taps = [Tap(0, 0.7), Tap(2, 0.2), Tap(1, 0.0), Tap(1, 1.0)]
-    run = run_bar(stack, Pulse("trapezoid", 500.0, 100e-6, rise), taps, 900e-6, Wanted(step=STEP))
-    traces = tuple(Trace(run.force[:, k] / bar.stiffness, STEP, -50e-6) for k, bar in enumerate(bars))
+    run = run_bar(stack, LoadPulse("trapezoid", 500.0, 100e-6, rise), taps, 900e-6, WantedError(step=STEP))
+    traces = tuple(GaugeTrace(run.force[:, k] / bar.stiffness, STEP, -50e-6) for k, bar in enumerate(bars))
     return bars, specimen, traces, run
 
 
@@ -63,5 +63,5 @@ def sensor_bench(end=None, disk=None, duration=200e-6, gauge=0.5):
     layers = (Layer("bar", **ALUMINIUM, area=bar.area, length=bar.length), *([disk] if disk else []))
     stack = Stack(layers, (BONDED,) * (len(layers) - 1), end or End("free"))
     taps = [Tap(0, gauge), Tap(len(layers) - 1, 1.0)]
-    run = run_bar(stack, Pulse("sine-squared", 7000.0, duration), taps, 1320e-6, Wanted(step=STEP))
-    return bar, Trace(run.force[:, 0] / bar.stiffness, STEP), Trace(run.acceleration[:, 1], STEP), run
+    run = run_bar(stack, LoadPulse("sine-squared", 7000.0, duration), taps, 1320e-6, WantedError(step=STEP))
+    return bar, GaugeTrace(run.force[:, 0] / bar.stiffness, STEP), GaugeTrace(run.acceleration[:, 1], STEP), run

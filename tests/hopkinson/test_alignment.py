@@ -8,7 +8,7 @@ import pytest
 
 from strikewave.hopkinson import (
     Carrier,
-    Trace,
+    GaugeTrace,
     align,
     carried,
     find_pulses,
@@ -62,7 +62,7 @@ def odd_shot():
         dataclasses.replace(bars[1], gauge_distance=bars[1].gauge_distance - 0.5e-6 * speed + 0.5 * STEP * speed),
     )
     noisy = [
-        Trace(t.strain + 1e-3 * traces[0].strain.max() * rng.standard_normal(t.strain.size), t.step, t.start)
+        GaugeTrace(t.strain + 1e-3 * traces[0].strain.max() * rng.standard_normal(t.strain.size), t.step, t.start)
         for t in traces
     ]
     return wrong, specimen, find_pulses(*noisy, wrong)
@@ -124,7 +124,7 @@ def test_dispersion_of_a_noisy_shot_ends_with_its_pulse():
     bars, _, traces, _ = bench()
     rng = np.random.default_rng(5)
     noise = 0.01 * traces[0].strain.max()
-    noisy = [Trace(t.strain + noise * rng.standard_normal(t.strain.size), t.step, t.start) for t in traces]
+    noisy = [GaugeTrace(t.strain + noise * rng.standard_normal(t.strain.size), t.step, t.start) for t in traces]
     pulses = find_pulses(*noisy, bars)
     step, size = pulses.step, pulses.incident.size
     corner = math.sqrt(2.0 * 100.0 / (math.pi**2 * 10e-6 * step * 4.0 * math.sqrt(size)))

@@ -8,9 +8,9 @@ import pytest
 
 from strikewave.hopkinson import (
     Bar,
-    Curve,
     FaceWaves,
     Specimen,
+    StressStrainCurve,
     energy,
     equilibrium,
     momentum,
@@ -85,7 +85,7 @@ def test_the_slope_is_that_from_10_to_50_percent_of_the_largest_stress():
     """A curve that is steep below 10 %, 200 GPa up to 60 % and soft above: 200 GPa, to rounding."""
     strain = np.concatenate([np.linspace(0.0, 5e-6, 20), 5e-6 + np.linspace(0.0, 3e-3, 400)[1:]])
     stress = np.interp(strain, [0.0, 5e-6, 5e-6 + 5.5e-4 * 5 / 5, 3.1e-3], [0.0, 2e7, 2e7 + 1.1e8, 2.2e8])
-    slope = rise_slope(Curve(strain, strain, stress, strain), np.ones(strain.size, dtype=bool))
+    slope = rise_slope(StressStrainCurve(strain, strain, stress, strain), np.ones(strain.size, dtype=bool))
     assert slope == pytest.approx(1.1e8 / 5.5e-4, rel=1e-9)
 
 

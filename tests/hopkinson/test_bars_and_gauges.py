@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.hopkinson import BRIDGES, Bar, Bridge, Specimen, Striker, elastic
-from strikewave.waves import BONDED, End, Joint, Layer, Pulse, Stack, Tap, Wanted, run_bar
+from strikewave.hopkinson import BRIDGES, Bar, Bridge, Specimen, StrikerBar, elastic
+from strikewave.waves import BONDED, End, Joint, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 
 
 @given(st.floats(1e3, 2e4), st.floats(1e9, 1e12))
@@ -67,10 +67,10 @@ def test_striker_strain_and_pulse_length_against_delay_lines():
     bar = Bar(7800.0, 210e9, 0.02, 0.5)
     step, transits = 1e-7, 100
     striker_layer = Layer("striker", 7800.0, 210e9, 0.25 * bar.area, transits * step * bar.speed, speed=8.0)
-    striker = Striker(striker_layer.length, bar.speed, striker_layer.impedance, 8.0)
+    striker = StrikerBar(striker_layer.length, bar.speed, striker_layer.impedance, 8.0)
     long = Layer("bar", 7800.0, 210e9, bar.area, 2000 * step * bar.speed)
     stack = Stack((striker_layer, long), (Joint(unilateral=True),), End("matched"))
-    run = run_bar(stack, Pulse("rectangle", 0.0, 1e-6), [Tap(1, 0.1)], 100e-6, Wanted(step=step))
+    run = run_bar(stack, LoadPulse("rectangle", 0.0, 1e-6), [Tap(1, 0.1)], 100e-6, WantedError(step=step))
     strain = run.force[:, 0] / bar.stiffness
     assert strain.max() == pytest.approx(striker.strain(bar), rel=1e-12)
     lasts = step * np.count_nonzero(strain > 0.5 * strain.max())

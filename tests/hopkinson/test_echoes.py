@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.hopkinson import Bar, Trace
-from strikewave.hopkinson.echoes import Estimate, _plane, calibrate_bar
-from strikewave.waves import End, Layer, Pulse, Stack, Tap, Wanted, run_bar
+from strikewave.hopkinson import Bar, GaugeTrace
+from strikewave.hopkinson.echoes import FittedValue, _plane, calibrate_bar
+from strikewave.waves import End, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 from strikewave.waves.dispersion import wave_number
 
 STEP = 1e-7
@@ -28,7 +28,7 @@ def echoes_of(bar, trips=6, loss=0.0, dispersive=True, way="towards", width=8e-6
         total += (-1.0) ** n * spectrum * np.exp(-(1j * k + loss) * way_gone)
         way_gone += first if n % 2 == 0 else second
     kept = int(trips * (near + far) / bar.speed / STEP)  # the rest holds what wraps around
-    return Trace(1e-3 * np.fft.irfft(total, size)[:kept], STEP)
+    return GaugeTrace(1e-3 * np.fft.irfft(total, size)[:kept], STEP)
 
 
 @pytest.mark.parametrize("way", ["towards", "away"])
@@ -40,7 +40,7 @@ def test_speed_length_and_loss_of_a_dispersive_bar(rng, way, skip):
     """
     bar = Bar(8000.0, 2e11, 0.02, 0.8, 0.29, 2.0)
     trace = echoes_of(bar, loss=0.05, way=way)
-    trace = Trace(trace.strain + 1e-6 * rng.standard_normal(trace.strain.size), STEP)
+    trace = GaugeTrace(trace.strain + 1e-6 * rng.standard_normal(trace.strain.size), STEP)
     found = calibrate_bar(trace, Bar(8000.0, 8000.0 * 5100.0**2, 0.02, 0.8), way, skip)
     assert found.speed.value == pytest.approx(5000.0, rel=2e-4)
     assert found.length.value == pytest.approx(2.0, rel=2e-4)
@@ -66,11 +66,11 @@ def test_echoes_of_delay_lines():
     """
     speed = 5000.0
     layer = Layer("bar", 8000.0, 8000.0 * speed**2, 1e-4, 8000 * STEP * speed)
-    load = Pulse("sine-squared", 1000.0, 60e-6)
-    run = run_bar(Stack((layer,), (), End("free")), load, [Tap(0, 0.625)], 8e-3, Wanted(step=STEP))
+    load = LoadPulse("sine-squared", 1000.0, 60e-6)
+    run = run_bar(Stack((layer,), (), End("free")), load, [Tap(0, 0.625)], 8e-3, WantedError(step=STEP))
     strain = run.force[:, 0] / (layer.modulus * layer.area)
     bar = Bar(8000.0, 8000.0 * (1.02 * speed) ** 2, 0.0113, 3000 * STEP * speed, 0.29)
-    found = calibrate_bar(Trace(strain, STEP), bar, "towards", theory="none")
+    found = calibrate_bar(GaugeTrace(strain, STEP), bar, "towards", theory="none")
     assert found.speed.value == pytest.approx(speed, rel=1e-6)
     assert found.length.value == pytest.approx(layer.length, rel=1e-6)
     assert abs(found.attenuation.value) < 1e-6
@@ -93,11 +93,11 @@ def test_one_pulse_alone_or_noise_is_refused(rng):
     time = STEP * np.arange(4000)
     one = np.exp(-(((time - 300e-6) / 8e-6) ** 2)) + 1e-4 * rng.standard_normal(time.size)
     with pytest.raises(InputError):
-        calibrate_bar(Trace(one, STEP), bar)
+        calibrate_bar(GaugeTrace(one, STEP), bar)
     with pytest.raises(InputError):
-        calibrate_bar(Trace(rng.standard_normal(4000), STEP), bar)
+        calibrate_bar(GaugeTrace(rng.standard_normal(4000), STEP), bar)
     with pytest.raises(InputError, match="towards"):
-        calibrate_bar(Trace(one, STEP), bar, way="sideways")
+        calibrate_bar(GaugeTrace(one, STEP), bar, way="sideways")
     with pytest.raises(InputError, match="passes"):
         calibrate_bar(echoes_of(Bar(8000.0, 2e11, 0.02, 0.8, 0.29, 2.0)), bar, skip=50)
 
@@ -111,7 +111,7 @@ def test_least_squares_by_one_column_is_a_mean_with_its_standard_error():
     """1, 2, 3: mean 2, standard deviation 1, standard error 1/sqrt(3), two degrees of freedom."""
     found = _plane(np.ones((3, 1)), np.array([1.0, 2.0, 3.0]), np.ones(3))
     assert (found.value[0], found.errors(0), found.freedom) == pytest.approx((2.0, 1.0 / math.sqrt(3.0), 2), rel=1e-12)
-    assert Estimate(0.0, 1.0, 1).student == pytest.approx(math.tan(0.475 * math.pi), rel=1e-9)  # of Cauchy
+    assert FittedValue(0.0, 1.0, 1).student == pytest.approx(math.tan(0.475 * math.pi), rel=1e-9)  # of Cauchy
 
 
 @pytest.mark.verify
@@ -125,7 +125,7 @@ def test_standard_errors_are_the_scatter_of_records_with_noise(bar, rng):
     """
     clean = echoes_of(BAR, loss=0.05)
     found = [
-        calibrate_bar(Trace(clean.strain + 1e-5 * rng.standard_normal(clean.strain.size), STEP), bar)
+        calibrate_bar(GaugeTrace(clean.strain + 1e-5 * rng.standard_normal(clean.strain.size), STEP), bar)
         for _ in range(120)
     ]
     for name, true in (("speed", 5000.0), ("round_trip", 2.0), ("attenuation", 0.05)):
@@ -144,7 +144,7 @@ def test_the_scatter_of_the_speed_is_near_to_the_least_possible(rng):
     """
     clean = echoes_of(BAR, loss=0.05)
     found = [
-        calibrate_bar(Trace(clean.strain + 1e-5 * rng.standard_normal(clean.strain.size), STEP), UNKNOWN)
+        calibrate_bar(GaugeTrace(clean.strain + 1e-5 * rng.standard_normal(clean.strain.size), STEP), UNKNOWN)
         for _ in range(60)
     ]
     timed = 1e-2 * math.sqrt(STEP * 8e-6 / math.sqrt(math.pi / 2.0))
@@ -174,7 +174,7 @@ def test_the_band_of_echoes_ends_at_3_percent_of_a_gaussian():
 def test_passes_end_where_they_drown(rng):
     """0.5 Np/m over 4 m a trip: after three trips a pass is exp(-6) of the first, about the noise of 1e-3."""
     trace = echoes_of(BAR, loss=0.5)
-    found = calibrate_bar(Trace(trace.strain + 1e-6 * rng.standard_normal(trace.strain.size), STEP), BAR)
+    found = calibrate_bar(GaugeTrace(trace.strain + 1e-6 * rng.standard_normal(trace.strain.size), STEP), BAR)
     assert 3 <= found.times.size <= 7
 
 
@@ -183,7 +183,7 @@ def test_passes_end_where_they_drown(rng):
 def test_the_wrong_way_of_the_first_pulse_shows(bar, way, rng):
     """With the length the times do not fit; without it the other way gives 5000 m/s, this one 2 x 0.8 over 2 x 1.2 of it."""
     trace = echoes_of(BAR, way=way)
-    trace = Trace(trace.strain + 1e-6 * rng.standard_normal(trace.strain.size), STEP)
+    trace = GaugeTrace(trace.strain + 1e-6 * rng.standard_normal(trace.strain.size), STEP)
     found = calibrate_bar(trace, bar, "away" if way == "towards" else "towards")
     if math.isfinite(bar.length):
         assert found.other_way.misfit < 0.01
@@ -196,17 +196,17 @@ def test_a_first_pass_of_another_strength_is_told(share, rng):
     trace = echoes_of(BAR, loss=0.05)
     strain = trace.strain.copy()
     strain[2500:] *= share
-    noisy = Trace(strain + 1e-6 * rng.standard_normal(strain.size), STEP)
+    noisy = GaugeTrace(strain + 1e-6 * rng.standard_normal(strain.size), STEP)
     found = calibrate_bar(noisy, UNKNOWN)
     assert found.odd is not None
     assert found.odd.number == 1
     assert found.odd.strength == pytest.approx(1.0 / share, rel=0.01)
     assert abs(found.odd.late) < STEP
     assert calibrate_bar(noisy, UNKNOWN, skip=1).odd is None
-    assert calibrate_bar(Trace(trace.strain + noisy.strain - strain, STEP), UNKNOWN).odd is None
+    assert calibrate_bar(GaugeTrace(trace.strain + noisy.strain - strain, STEP), UNKNOWN).odd is None
 
 
 def test_a_pulse_too_near_to_the_begin_of_the_record_has_its_own_words():
     trace = echoes_of(BAR)
     with pytest.raises(InputError, match="pre-trigger"):
-        calibrate_bar(Trace(trace.strain[700:], STEP), BAR)
+        calibrate_bar(GaugeTrace(trace.strain[700:], STEP), BAR)

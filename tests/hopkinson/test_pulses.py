@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
-from strikewave.hopkinson import Bar, Trace, align, find_pulses, reduce
+from strikewave.hopkinson import Bar, GaugeTrace, align, find_pulses, reduce
 from strikewave.hopkinson.onset import drift, onset, split
 from strikewave.hopkinson.pulses import quieten
 
@@ -21,14 +21,14 @@ def shot():
 
 
 def cut(trace, begin, end):
-    return Trace(trace.strain[begin:end], trace.step, trace.start + begin * trace.step)
+    return GaugeTrace(trace.strain[begin:end], trace.step, trace.start + begin * trace.step)
 
 
 @pytest.mark.parametrize("signs", [(1, 1), (-1, 1), (1, -1), (-1, -1)])
 def test_signs_and_offsets_of_channels_do_not_matter(shot, signs):
     bars, _, traces, _ = shot
     plain = find_pulses(*traces, bars)
-    turned = [Trace(s * t.strain + 7e-5, t.step, t.start) for s, t in zip(signs, traces, strict=True)]
+    turned = [GaugeTrace(s * t.strain + 7e-5, t.step, t.start) for s, t in zip(signs, traces, strict=True)]
     found = find_pulses(*turned, bars)
     assert [q.polarity for q in found.traces] == list(signs)
     for name in ("incident", "reflected", "transmitted"):
@@ -52,7 +52,7 @@ def test_records_half_a_step_apart_are_moved_together(shot):
     bars, specimen, traces, _ = shot
     other = traces[1]
     between = 0.5 * (other.strain[1:] + other.strain[:-1])
-    shifted = Trace(between, STEP, other.start + 0.5 * STEP)
+    shifted = GaugeTrace(between, STEP, other.start + 0.5 * STEP)
     forces = []
     for transmitted in (other, shifted):
         pulses = find_pulses(traces[0], transmitted, bars)
@@ -101,7 +101,7 @@ def test_samples_that_are_no_numbers_are_counted(shot, bad):
     strain = traces[0].strain.copy()
     strain[[5, 4000]] = bad
     with pytest.raises(InputError, match="2 samples"):
-        find_pulses(Trace(strain, STEP), traces[1], bars)
+        find_pulses(GaugeTrace(strain, STEP), traces[1], bars)
 
 
 def test_noise_alone_is_no_pulse(shot, rng):
@@ -109,7 +109,7 @@ def test_noise_alone_is_no_pulse(shot, rng):
     bars, _, traces, _ = shot
     for _ in range(20):
         with pytest.raises(InputError, match=r"noise alone|quiet"):
-            find_pulses(Trace(rng.standard_normal(9000), STEP), traces[1], bars)
+            find_pulses(GaugeTrace(rng.standard_normal(9000), STEP), traces[1], bars)
 
 
 @given(
@@ -119,7 +119,7 @@ def test_noise_alone_is_no_pulse(shot, rng):
 )
 def test_anything_is_reduced_or_refused_in_words(values, step, distance):
     bar = Bar(7800.0, 210e9, 0.02, distance)
-    trace = Trace(np.array(values), step)
+    trace = GaugeTrace(np.array(values), step)
     with np.errstate(all="ignore"), pytest.raises(InputError):
         find_pulses(trace, trace, (bar, bar))
 
@@ -155,7 +155,7 @@ def test_a_slow_foot_does_not_move_the_zero_line(shot, offset, rng):
     found = []
     for _ in range(40):
         strain = record.strain + peak * (foot + 0.01 * rng.standard_normal(foot.size)) + offset
-        found.append(quieten(Trace(strain, STEP), "trace"))
+        found.append(quieten(GaugeTrace(strain, STEP), "trace"))
     assert np.mean([q.baseline for q in found]) == pytest.approx(offset, abs=4.0 * 0.01 * peak / np.sqrt(40 * 250.0))
     assert np.mean([q.noise for q in found]) == pytest.approx(0.01 * peak, rel=0.05)
 
@@ -177,7 +177,7 @@ def test_a_zero_line_that_drifts_is_told_from_noise_and_from_noise_that_remember
 def test_a_strain_of_a_forgotten_unit_is_refused(shot):
     """Microstrain taken for strain: 7.6 instead of 7.6e-6; on one channel alone too."""
     bars, _, traces, _ = shot
-    wrong = [Trace(1e6 * t.strain, t.step, t.start) for t in traces]
+    wrong = [GaugeTrace(1e6 * t.strain, t.step, t.start) for t in traces]
     with pytest.raises(InputError, match=r"incident trace: .*ustrain"):
         find_pulses(*wrong, bars)
     with pytest.raises(InputError, match=r"transmitted trace: .*ustrain"):

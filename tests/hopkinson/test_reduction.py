@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from strikewave.hopkinson import (
     ANALYSES,
-    Curve,
-    Trace,
+    GaugeTrace,
+    StressStrainCurve,
     align,
     energy,
     equilibrium,
@@ -103,7 +103,7 @@ def test_dispersive_records_are_carried_back_to_what_was_at_the_specimen(shot):
         gauge - 0.3 * travelled(face, STEP, bars[0].gauge_distance, bars[0]),
         0.7 * travelled(face, STEP, bars[1].gauge_distance, bars[1]),
     )
-    found = find_pulses(*(Trace(record, STEP) for record in records), bars)
+    found = find_pulses(*(GaugeTrace(record, STEP) for record in records), bars)
     errors = {}
     for theory in ("pochhammer-chree", "none"):
         again = reduce(align(found, bars, theory), bars, specimen)
@@ -145,7 +145,7 @@ def test_noise_of_the_record_changes_the_reduction_by_its_own_size(shot, rng):
     """White noise of 0.5 % of the plateau: forces change by at most six standard deviations, moves by 1 % of the rise."""
     bars, specimen, traces, _, reduction, pulses = shot
     noise = 0.005 * pulses.plateau
-    noisy = [Trace(t.strain + noise * rng.standard_normal(t.strain.size) + 3e-5, t.step, t.start) for t in traces]
+    noisy = [GaugeTrace(t.strain + noise * rng.standard_normal(t.strain.size) + 3e-5, t.step, t.start) for t in traces]
     found = find_pulses(*noisy, bars)
     assert abs(found.onset - pulses.onset) < 0.6e-6  # a rise of 10 us passes the noise in 0.05 us, 5 times that in 0.25
     again = reduce(align(found, bars, "none"), bars, specimen)
@@ -157,21 +157,21 @@ def test_noise_of_the_record_changes_the_reduction_by_its_own_size(shot, rng):
 def test_true_curve_keeps_the_volume(strain, stress, rate):
     """True stress times the area that has grown by 1/(1 - e) is the force; true strain is ln(L0/L)."""
     one = np.ones(1)
-    true = Curve(one, strain * one, stress * one, rate * one).true()
+    true = StressStrainCurve(one, strain * one, stress * one, rate * one).true()
     assert float(true.stress[0] / (1.0 - strain)) == pytest.approx(stress, rel=1e-12)
     assert math.exp(-float(true.strain[0])) == pytest.approx(1.0 - strain, rel=1e-12)
 
 
 def test_true_curve_of_a_specimen_without_length_left_is_nothing():
     one = np.ones(1)
-    assert np.isnan(Curve(one, 1.0 * one, one, one).true().strain[0])
+    assert np.isnan(StressStrainCurve(one, 1.0 * one, one, one).true().strain[0])
 
 
 def test_slope_of_a_straight_rise_with_noise(rng):
     """Noise of 1e-5 on 80 samples that reach over 4e-3 of strain: 1e-5/(sqrt(80) 1.15e-3) = 1e-3, four times that."""
     strain = np.linspace(0.0, 0.01, 200)
     noisy = strain + 1e-5 * rng.standard_normal(200)
-    slope = rise_slope(Curve(strain, noisy, 200e9 * strain, strain), np.ones(200, dtype=bool))
+    slope = rise_slope(StressStrainCurve(strain, noisy, 200e9 * strain, strain), np.ones(200, dtype=bool))
     assert slope == pytest.approx(200e9, rel=4e-3)
 
 

@@ -16,7 +16,7 @@ from strikewave.analyses.hopkinson.bar_end import (
     theory_bandwidth,
 )
 from strikewave.base.errors import InputError
-from strikewave.hopkinson import Trace
+from strikewave.hopkinson import GaugeTrace
 from strikewave.waves import End, Layer, Stack
 from strikewave.waves.limits import rise_in_diameters
 
@@ -80,8 +80,8 @@ def test_an_elastic_disk_against_its_transfer_function(mass):
     push = 1j * (DISK.impedance * sine + w * mass * cosine)
     velocity = 2.0 * bar.speed * end / (cosine - w * mass / DISK.impedance * sine + push / bar.impedance)
     back = (push * velocity / bar.stiffness - end) * np.exp(-1j * w * bar.delay)
-    strain = Trace((gauge + np.fft.irfft(back, size))[:12_000], STEP)
-    sensor = Trace(np.fft.irfft(1j * w * velocity, size)[:12_000], STEP)
+    strain = GaugeTrace((gauge + np.fft.irfft(back, size))[:12_000], STEP)
+    sensor = GaugeTrace(np.fft.irfft(1j * w * velocity, size)[:12_000], STEP)
     found = at_bandwidth(bar, strain, sensor, Standing(mass, DISK))
     assert found.agreement.sensitivity == pytest.approx(1.0, abs=2e-5)
     assert found.peaks[1] / found.peaks[0] == pytest.approx(1.0, abs=2e-5)
@@ -100,7 +100,7 @@ def test_gain_sign_and_delay_of_a_sensor_are_found(bare):
     """A reading of -0.8 of the acceleration, 3 us late, on a clock of 0.4 us that begins elsewhere, with an offset."""
     bar, strain, sensor = bare
     late = np.interp(sensor.time - 3e-6, sensor.time, sensor.strain)[137::4]
-    found = at_bandwidth(bar, strain, Trace(-0.8 * late + 250.0, 4 * STEP, 137 * STEP))
+    found = at_bandwidth(bar, strain, GaugeTrace(-0.8 * late + 250.0, 4 * STEP, 137 * STEP))
     assert found.agreement.sensitivity == pytest.approx(-0.8, rel=1e-4)
     assert found.agreement.delay == pytest.approx(3e-6, abs=2e-9)
     assert found.peaks[1] / found.peaks[0] == pytest.approx(-0.8, rel=1e-3)
@@ -115,7 +115,7 @@ def test_a_sensor_with_a_resonance_is_late_by_its_damping(bare):
     bar, strain, sensor = bare
     w, damping = 2.0 * math.pi * 150e3, 0.6
     _, read, _ = lsim(TransferFunction([w**2], [1.0, 2.0 * damping * w, w**2]), sensor.strain, sensor.time)
-    found = at_bandwidth(bar, strain, Trace(read, STEP))
+    found = at_bandwidth(bar, strain, GaugeTrace(read, STEP))
     assert found.agreement.delay == pytest.approx(2.0 * damping / w, rel=5e-3)
     assert found.agreement.sensitivity == pytest.approx(1.0, abs=2.0 * (5.0 / 150.0) ** 2)
 
@@ -129,8 +129,8 @@ def test_a_dispersive_bar_is_corrected(bare):
     time = STEP * np.arange(40_000)
     gauge = np.interp(time, [200e-6, 230e-6, 330e-6, 360e-6], [0.0, 3e-4, 3e-4, 0.0])
     end = travelled(gauge, STEP, bar.gauge_distance, bar)
-    strain = Trace((gauge - travelled(end, STEP, bar.gauge_distance, bar))[:11_000], STEP)
-    sensor = Trace(np.gradient(2.0 * bar.speed * end, STEP)[:11_000], STEP)
+    strain = GaugeTrace((gauge - travelled(end, STEP, bar.gauge_distance, bar))[:11_000], STEP)
+    sensor = GaugeTrace(np.gradient(2.0 * bar.speed * end, STEP)[:11_000], STEP)
     corrected, plain = (at_bandwidth(bar, strain, sensor, theory=t) for t in ("pochhammer-chree", "none"))
     assert corrected.agreement.residual < 1e-3  # a corner's slow tail, cut by the window
     assert corrected.agreement.sensitivity == pytest.approx(1.0, abs=1e-5)
@@ -158,8 +158,8 @@ def test_scatter_of_the_sensitivity_is_what_repeated_noise_makes(bare, rng, stra
     draws = [
         at_bandwidth(
             bar,
-            Trace(strain.strain + strain_noise * rng.standard_normal(strain.strain.size), STEP),
-            Trace(sensor.strain + sensor_noise * rng.standard_normal(sensor.strain.size), STEP),
+            GaugeTrace(strain.strain + strain_noise * rng.standard_normal(strain.strain.size), STEP),
+            GaugeTrace(sensor.strain + sensor_noise * rng.standard_normal(sensor.strain.size), STEP),
         )
         for _ in range(40)
     ]
@@ -192,7 +192,7 @@ def test_bandwidth_that_is_chosen(bare, rng):
     """The lowest of theory, noise and sampling, each where it binds."""
     bar, strain, sensor = bare
     assert at_bandwidth(*bare, bandwidth=None).bandwidth[:2] == (pytest.approx(0.1 / STEP), "sampling")
-    noisy = Trace(strain.strain + 3e-6 * rng.standard_normal(strain.strain.size), STEP)
+    noisy = GaugeTrace(strain.strain + 3e-6 * rng.standard_normal(strain.strain.size), STEP)
     found = at_bandwidth(bar, noisy, sensor, bandwidth=None).bandwidth
     assert found.reason == "noise"
     assert found.value == found.noise < 80e3
@@ -218,18 +218,18 @@ def test_bandwidths_that_do_not_fit_are_refused(bare, bandwidth):
 def test_records_that_cannot_be_compared_are_told(bare, rng):
     bar, strain, sensor = bare
     for cut in (
-        Trace(sensor.strain[5000:], STEP, 5000 * STEP),
-        Trace(sensor.strain[:6000], STEP),
-        Trace(sensor.strain, STEP, 1.0),
+        GaugeTrace(sensor.strain[5000:], STEP, 5000 * STEP),
+        GaugeTrace(sensor.strain[:6000], STEP),
+        GaugeTrace(sensor.strain, STEP, 1.0),
     ):
         with pytest.raises(InputError, match="one clock"):
             at_bandwidth(bar, strain, cut)
     with pytest.raises(InputError, match="noise alone"):
-        at_bandwidth(bar, strain, Trace(np.full(sensor.strain.size, 0.3), STEP))
+        at_bandwidth(bar, strain, GaugeTrace(np.full(sensor.strain.size, 0.3), STEP))
     with pytest.raises(InputError, match="noise alone"):
-        at_bandwidth(bar, strain, Trace(0.3 + 0.01 * rng.standard_normal(sensor.strain.size), STEP))
+        at_bandwidth(bar, strain, GaugeTrace(0.3 + 0.01 * rng.standard_normal(sensor.strain.size), STEP))
     with pytest.raises(InputError, match="record"):
-        at_bandwidth(bar, Trace(strain.strain[:5000], STEP), sensor)
+        at_bandwidth(bar, GaugeTrace(strain.strain[:5000], STEP), sensor)
     thin = Layer("disk", 7800.0, 210e9, 3.8e-4, 1e-9)
     with pytest.raises(InputError, match="disk"):
         at_bandwidth(*bare, Standing(0.0, thin))

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.hopkinson import face_forces, stress_difference, transits_to_uniform
-from strikewave.waves import BONDED, End, Layer, Pulse, Stack, Tap, Wanted, run_bar
+from strikewave.waves import BONDED, End, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 
 BETAS = (0.05, 0.2, 0.5, 0.9, 1.0, 1.7, 4.0)
 
@@ -21,9 +21,9 @@ def delay_line_faces(beta, shape, rise=0.0, transits=12):
     after = Layer("after", 1.0, 1.0, 1.0, 10 * step)
     long = Layer("before", 1.0, 1.0, 1.0, (transits + 4) * per * step)
     stack = Stack((long, bar, specimen, after), (BONDED,) * 3, End("matched"))
-    load = Pulse(shape, 1.0, 1.0, rise) if shape == "trapezoid" else Pulse(shape, 1.0, 1.0)
+    load = LoadPulse(shape, 1.0, 1.0, rise) if shape == "trapezoid" else LoadPulse(shape, 1.0, 1.0)
     begin = (transits + 4) * per + 10
-    run = run_bar(stack, load, [Tap(2, 0.0), Tap(2, 1.0)], (begin + transits * per + 2) * step, Wanted(step=step))
+    run = run_bar(stack, load, [Tap(2, 0.0), Tap(2, 1.0)], (begin + transits * per + 2) * step, WantedError(step=step))
     time = (np.arange(run.time.size) - begin) / per
     keep = (time > 0.0) & (time < transits)
     return time[keep], run.force[keep, 0], run.force[keep, 1]

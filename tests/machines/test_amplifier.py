@@ -12,7 +12,7 @@ from scipy.optimize import brentq, minimize
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.contact import Contact
 from strikewave.machines.amplifier import (
-    Line,
+    BodyLine,
     chain_speed,
     collide,
     collide_softly,
@@ -28,7 +28,7 @@ INF = math.inf
 
 def line(masses, restitution, gaps, speeds, gravity=0.0):
     each = (restitution,) * len(gaps) if np.isscalar(restitution) else tuple(restitution)
-    return Line(tuple(masses), each, tuple(gaps), tuple(speeds), gravity)
+    return BodyLine(tuple(masses), each, tuple(gaps), tuple(speeds), gravity)
 
 
 def falling(masses, restitution, height=0.5, gap=1e-9, most=None):
@@ -54,7 +54,7 @@ def lines(draw, floor=False, gravity=False):
 
 @pytest.mark.parametrize(("floor", "gravity"), [(False, False), (False, True), (True, False), (True, True)])
 @given(data=st.data())
-def test_ledgers_close(floor, gravity, data):
+def test_balances_hold(floor, gravity, data):
     run = collide(data.draw(lines(floor, gravity)), most=300)
     assert run.energy_error < 1e-11  # 300 collisions, each with some roundings
     assert run.momentum_error < 1e-8  # what is left of the smallest bounces
@@ -416,8 +416,8 @@ def test_stiffness_does_not_help_bodies_that_touch():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: Line((1.0, 1.0), (1.0,), (0.1, 0.1), (0.0, 0.0)), "2 masses take 1 gaps, got 2"),
-        (lambda: Line((1.0,), (), (), (0.0,)), "two at least"),
+        (lambda: BodyLine((1.0, 1.0), (1.0,), (0.1, 0.1), (0.0, 0.0)), "2 masses take 1 gaps, got 2"),
+        (lambda: BodyLine((1.0,), (), (), (0.0,)), "two at least"),
         (lambda: line((1.0, INF, 1.0), 1.0, (1, 1), (0, 0, 0)), "a mass between the ends"),
         (lambda: line((INF, INF), 1.0, (1,), (0, 0)), "finite mass"),
         (lambda: line((1.0, math.nan), 1.0, (1,), (0, 0)), "a mass must be positive"),

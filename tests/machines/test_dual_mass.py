@@ -89,8 +89,8 @@ def test_the_case_is_followed_from_the_speeds_of_its_way():
     assert 2.0 * blow.velocity_change == pytest.approx(blow.contact_impulse, rel=1e-3)  # weight for 100 us besides
     # 2 %: the pad between rigid masses; here the frame of the fixture takes a part
     assert start.object + blow.velocity_change == pytest.approx(start.gain * v, rel=0.02)
-    assert solution.ledger["energy_error"] < 1e-6
-    assert solution.ledger["momentum_error"] < 1e-6
+    assert solution.balance["energy_error"] < 1e-6
+    assert solution.balance["momentum_error"] < 1e-6
     assert solution.launch["gain"] == pytest.approx(start.gain, rel=1e-12)
     assert not solution.broken
 

@@ -54,7 +54,7 @@ def test_striker_misses_an_object_that_is_still_away():
             assert blow.contacts == 0
             # the nose's reach ends at 0, its stretch on the mount included some micrometres later
             assert face > 0.0
-            assert blow.retreat == pytest.approx(face + machine.engagement, rel=1e-12)
+            assert blow.largest_displacement == pytest.approx(face + machine.engagement, rel=1e-12)
 
 
 @pytest.mark.parametrize("arrival", [0.1, 0.5, 0.9])

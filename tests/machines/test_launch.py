@@ -10,12 +10,12 @@ from scipy.integrate import quad, solve_ivp
 from scipy.special import beta
 
 from strikewave.contact import Contact
-from strikewave.hopkinson.bars import Bar, Striker
+from strikewave.hopkinson.bars import Bar, StrikerBar
 from strikewave.machines.launch import (
     STANDARD_GRAVITY,
-    GasGun,
+    GunBarrel,
     MacheteHammer,
-    Pendulum,
+    RigidPendulum,
     drop_for_half_sine,
     fall_speed,
     half_sine_pulse,
@@ -31,7 +31,7 @@ from strikewave.machines.launch import (
 )
 
 G = STANDARD_GRAVITY
-GUN = GasGun(pressure=2e6, volume=5e-3, bore=2e-3, length=1.5, mass=0.5, friction=150.0)
+GUN = GunBarrel(pressure=2e6, volume=5e-3, bore=2e-3, length=1.5, mass=0.5, friction=150.0)
 
 
 def reached(rate, span, state, place, target):
@@ -97,7 +97,7 @@ def test_navy_light_weight_hammer():
 
 @given(angle=st.floats(0.1, 3.0), centre=st.floats(0.1, 1.0), spread=st.floats(1.0, 2.0))
 def test_pendulum_against_the_equation_of_motion(angle, centre, spread):
-    hammer = Pendulum(mass=3.0, centre=centre, inertia=3.0 * centre**2 * spread, radius=1.1 * centre)
+    hammer = RigidPendulum(mass=3.0, centre=centre, inertia=3.0 * centre**2 * spread, radius=1.1 * centre)
 
     def rate(_, y):
         return [y[1], -hammer.mass * G * centre / hammer.inertia * math.sin(y[0])]
@@ -109,14 +109,14 @@ def test_pendulum_against_the_equation_of_motion(angle, centre, spread):
 def test_charpy_pendulums_of_iso_13802():
     """Simple pendulums of 0.225 m and 0.390 m let go at 160 deg (usual sizes): 2.9 m/s and 3.8 m/s, each +-10 %."""
     for length, published in ((0.225, 2.9), (0.390, 3.8)):
-        simple = Pendulum(1.0, length, length**2, length)
+        simple = RigidPendulum(1.0, length, length**2, length)
         assert pendulum_speed(simple, math.radians(160.0)) == pytest.approx(published, rel=0.02)
 
 
 @given(angle=st.floats(0.01, 3.1), strike=st.floats(0.0, 1.5))
 def test_pendulum_energy_is_effective_mass_at_its_speed(angle, strike):
     assume(angle > strike)
-    hammer = Pendulum(mass=20.0, centre=0.7, inertia=10.5, radius=0.75)
+    hammer = RigidPendulum(mass=20.0, centre=0.7, inertia=10.5, radius=0.75)
     energy = 0.5 * hammer.effective_mass * pendulum_speed(hammer, angle, strike) ** 2
     assert energy == pytest.approx(float(pendulum_energy(hammer, angle, strike)), rel=1e-13)
     height = 0.7 * (math.cos(strike) - math.cos(angle))
@@ -124,7 +124,7 @@ def test_pendulum_energy_is_effective_mass_at_its_speed(angle, strike):
 
 
 def test_inertia_comes_back_from_the_period_of_small_swings():
-    hammer = Pendulum(mass=20.0, centre=0.7, inertia=10.5, radius=0.75)
+    hammer = RigidPendulum(mass=20.0, centre=0.7, inertia=10.5, radius=0.75)
     rate = lambda _, y: [y[1], -20.0 * G * 0.7 / 10.5 * math.sin(y[0])]  # noqa: E731
     quarter = solve_ivp(
         rate, (0.0, 1.0), [-1e-4, 0.0], events=lambda _, y: y[0], rtol=1e-11, atol=1e-16, method="DOP853"
@@ -164,14 +164,14 @@ def test_balanced_machete_hammer_goes_with_the_root_of_its_teeth():
 
 def test_arm_without_a_weight_is_a_pendulum():
     hammer = MacheteHammer(20, 10.5, 0.75, unbalance=20.0 * 0.7)
-    swing = Pendulum(20.0, 0.7, 10.5, 0.75)
+    swing = RigidPendulum(20.0, 0.7, 10.5, 0.75)
     assert machete_speed(hammer, 7) == pytest.approx(float(pendulum_speed(swing, 7 * hammer.pitch)), rel=1e-14)
     assert hammer.effective_mass == swing.effective_mass
 
 
 @given(gamma=st.sampled_from([1.0, 1.2, 1.4, 5 / 3]), pressure=st.floats(1e6, 3e7), volume=st.floats(1e-3, 0.1))
 def test_gas_gun_against_the_work_of_its_gas(gamma, pressure, volume):
-    gun = GasGun(pressure, volume, 2e-3, 1.5, 0.5, friction=150.0, heat_ratio=gamma)
+    gun = GunBarrel(pressure, volume, 2e-3, 1.5, 0.5, friction=150.0, heat_ratio=gamma)
 
     def force(x):
         return 2e-3 * pressure * (volume / (volume + 2e-3 * x)) ** gamma - gun.held_back
@@ -182,20 +182,20 @@ def test_gas_gun_against_the_work_of_its_gas(gamma, pressure, volume):
 
 def test_isothermal_gas_gun_is_the_limit_of_the_adiabatic_one():
     """And it is faster (Rohrbach et al. 2012)."""
-    isothermal = muzzle_speed(GasGun(2e6, 5e-3, 2e-3, 1.5, 0.5, heat_ratio=1.0))
-    misses = [isothermal - muzzle_speed(GasGun(2e6, 5e-3, 2e-3, 1.5, 0.5, heat_ratio=1 + d)) for d in (1e-2, 1e-3)]
+    isothermal = muzzle_speed(GunBarrel(2e6, 5e-3, 2e-3, 1.5, 0.5, heat_ratio=1.0))
+    misses = [isothermal - muzzle_speed(GunBarrel(2e6, 5e-3, 2e-3, 1.5, 0.5, heat_ratio=1 + d)) for d in (1e-2, 1e-3)]
     assert misses[0] > misses[1] > 0.0
     assert misses[0] / misses[1] == pytest.approx(10.0, rel=0.01)
 
 
 def test_gas_gun_of_a_huge_reservoir_has_constant_force():
-    gun = GasGun(2e6, 1e6, 2e-3, 1.5, 0.5, ambient=0.0)
+    gun = GunBarrel(2e6, 1e6, 2e-3, 1.5, 0.5, ambient=0.0)
     assert muzzle_speed(gun) == pytest.approx(math.sqrt(2 * 2e6 * 2e-3 * 1.5 / 0.5), rel=1e-8)
 
 
 @given(length=st.floats(0.01, 50.0), gamma=st.floats(1.1, 5 / 3))
 def test_gas_with_inertia_against_the_equation_of_motion(length, gamma):
-    gun = GasGun(2e6, 5e-3, 2e-3, length, 0.5, heat_ratio=gamma)
+    gun = GunBarrel(2e6, 5e-3, 2e-3, length, 0.5, heat_ratio=gamma)
 
     def rate(_, y):
         s = 1.0 - 0.5 * (gamma - 1.0) * y[1] / 343.0
@@ -210,24 +210,24 @@ def test_gas_with_inertia_is_slower_by_a_first_order_of_its_mach_number():
     misses = []
     for length in (1e-2, 1e-4, 1e-6):
         free = math.sqrt(2.0 * 2e6 * 2e-3 * length / 0.5)
-        gun = GasGun(2e6, 5e-3, 2e-3, length, 0.5)
+        gun = GunBarrel(2e6, 5e-3, 2e-3, length, 0.5)
         misses.append((1.0 - wave_muzzle_speed(gun, 343.0) / free) / (1.4 * free / (3.0 * 343.0)) - 1.0)
     assert abs(misses[-1]) < 1e-3
     assert misses[0] / misses[1] == pytest.approx(10.0, rel=0.1)
 
 
 def test_gas_never_drives_beyond_its_escape_speed():
-    gun = GasGun(1e8, 5e-3, 2e-3, 1e5, 1e-3)
+    gun = GunBarrel(1e8, 5e-3, 2e-3, 1e5, 1e-3)
     assert 0.8 * 5.0 * 343.0 < wave_muzzle_speed(gun, 343.0) < 5.0 * 343.0
 
 
 def test_gas_that_cannot_push_to_the_muzzle_is_refused():
     with pytest.raises(ValueError, match="cannot push the projectile"):
-        muzzle_speed(GasGun(1.2e5, 1e-3, 2e-3, 1.5, 0.5))
+        muzzle_speed(GunBarrel(1.2e5, 1e-3, 2e-3, 1.5, 0.5))
     with pytest.raises(ValueError, match="cannot push the projectile"):
-        muzzle_speed(GasGun(1.0e5, 1.0, 2e-3, 1.5, 0.5))
+        muzzle_speed(GunBarrel(1.0e5, 1.0, 2e-3, 1.5, 0.5))
     with pytest.raises(ValueError, match="above 1"):
-        wave_muzzle_speed(GasGun(2e6, 5e-3, 2e-3, 1.5, 0.5, heat_ratio=1.0), 343.0)
+        wave_muzzle_speed(GunBarrel(2e6, 5e-3, 2e-3, 1.5, 0.5, heat_ratio=1.0), 343.0)
 
 
 @given(speed=st.floats(0.3, 10.0), stiffness=st.floats(1e3, 1e9))
@@ -300,7 +300,7 @@ def test_worked_example_of_a_maker():
 def test_striker_bar_of_equal_bars_gives_half_its_speed():
     """sigma = rho c v/2 over 2 L/c (Kolsky 1963): what launch leaves to `hopkinson.bars`."""
     bar = Bar(7800.0, 210e9, 0.02, 1.02)
-    striker = Striker(0.2, bar.speed, bar.impedance, 10.0)
+    striker = StrikerBar(0.2, bar.speed, bar.impedance, 10.0)
     assert striker.strain(bar) * 210e9 == pytest.approx(7800.0 * bar.speed * 10.0 / 2.0, rel=1e-12)
     assert striker.pulse_length == pytest.approx(0.4 / bar.speed, rel=1e-15)
 
@@ -312,14 +312,14 @@ def test_striker_bar_of_equal_bars_gives_half_its_speed():
         (lambda: fall_speed(1.0, friction=1.0), "friction of the guide must be from 0 to below 1"),
         (lambda: fall_speed(1.0, viscous=1.0, drag=1.0), "not both"),
         (lambda: fall_speed(1.0, gravity=0.0), "gravity must be positive"),
-        (lambda: Pendulum(2.0, 0.5, 0.4, 0.5), "at least mass times centre squared, 0.5 kg"),
-        (lambda: Pendulum(2.0, 0.5, math.nan, 0.5), "inertia of the pendulum"),
-        (lambda: pendulum_speed(Pendulum(2.0, 0.5, 0.6, 0.5), 0.1, 0.2), "angle of release"),
+        (lambda: RigidPendulum(2.0, 0.5, 0.4, 0.5), "at least mass times centre squared, 0.5 kg"),
+        (lambda: RigidPendulum(2.0, 0.5, math.nan, 0.5), "inertia of the pendulum"),
+        (lambda: pendulum_speed(RigidPendulum(2.0, 0.5, 0.6, 0.5), 0.1, 0.2), "angle of release"),
         (lambda: machete_energy(MacheteHammer(30, 2.0, 0.6, weight=1.0, drum=0.1), 2.5), "whole number"),
         (lambda: machete_energy(MacheteHammer(30, 2.0, 0.6, friction=1.0), [0, 3]), "at index 1"),
         (lambda: MacheteHammer(30, -2.0, 0.6), "inertia of the hammer"),
-        (lambda: GasGun(2e6, 0.0, 2e-3, 1.5, 0.5), "volume of the gas gun"),
-        (lambda: GasGun(2e6, 1e-3, 2e-3, 1.5, 0.5, heat_ratio=2.0), "1 to 5/3, got 2.0"),
+        (lambda: GunBarrel(2e6, 0.0, 2e-3, 1.5, 0.5), "volume of the gas gun"),
+        (lambda: GunBarrel(2e6, 1e-3, 2e-3, 1.5, 0.5, heat_ratio=2.0), "1 to 5/3, got 2.0"),
         (lambda: half_sine_pulse(0.0, 1.0, 1.0), "speed must be positive"),
         (lambda: drop_for_half_sine(1.0, 1.0, 1.5), "within 0 to 1"),
     ],

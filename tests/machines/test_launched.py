@@ -27,8 +27,8 @@ KINDS = {
     "amplifier": "rodgers-2009-amplifier",
     "dual-mass-amplifier": "dual-mass-amplifier",
 }
-LEDGER = 1e-6
-"""The stated limit of every ledger."""
+BALANCE = 1e-6
+"""The stated limit of every balance."""
 
 
 def struck(case, tolerance=1e-10):
@@ -223,10 +223,10 @@ def test_a_pressed_gun_takes_the_smaller_of_two_bounds():
 
 
 @pytest.mark.parametrize("name", [*KINDS.values(), "endevco-tp-321"])
-def test_ledgers_of_the_bundled_cases_close(name):
+def test_balances_of_the_bundled_cases_close(name):
     solution = run_case(load_case(name))
-    assert solution.ledger["energy_error"] < LEDGER
-    assert solution.ledger["momentum_error"] < LEDGER
+    assert solution.balance["energy_error"] < BALANCE
+    assert solution.balance["momentum_error"] < BALANCE
     assert not solution.broken
     assert len(solution.blows) == 1
     assert math.isnan(solution.blows[0].turntable_speed)
@@ -240,7 +240,7 @@ def test_ledgers_of_the_bundled_cases_close(name):
     restitution=st.floats(0.2, 1.0),
     friction=st.floats(0.0, 500.0),
 )
-def test_ledgers_of_random_machines_close(kind, mass, stiffness, restitution, friction):
+def test_balances_of_random_machines_close(kind, mass, stiffness, restitution, friction):
     case = load_case(KINDS[kind])
     now = {path: value.si for path, value in case.values().items()}
     changes = [
@@ -250,20 +250,20 @@ def test_ledgers_of_random_machines_close(kind, mass, stiffness, restitution, fr
         f"object.friction={friction * now['object.mass']} N",
     ]
     _, run, blow = struck(load_case(KINDS[kind], changes), 1e-9)
-    assert run.energy_error < LEDGER
-    assert blow.momentum_error < LEDGER
+    assert run.energy_error < BALANCE
+    assert blow.momentum_error < BALANCE
 
 
 def test_a_ball_falls_on_a_stack_of_layers():
-    """On the sensor fixture of Li & Ma 2019, held by nothing: ledgers, and the momentum that the ball has lost."""
+    """On the sensor fixture of Li & Ma 2019, held by nothing: balances, and the momentum that the ball has lost."""
     fixture, ball = load_case("li-ma-2019-fig13"), load_case(KINDS["falling-ball"])
     thing = type(ball.object).model_validate({"material": "65Mn", "assembly": "seat"})
     case = ball.model_copy(update={"object": thing, "stack": fixture.stack, "tap": fixture.tap, "source": ""})
     solution = run_case(case)
     (blow,) = solution.blows
-    assert solution.ledger["energy_error"] < LEDGER
-    assert solution.ledger["momentum_error"] < LEDGER
+    assert solution.balance["energy_error"] < BALANCE
+    assert solution.balance["momentum_error"] < BALANCE
     assert blow.approach_speed == pytest.approx(math.sqrt(2.0 * G), rel=1e-9)
     assert blow.support_impulse == 0.0
-    assert solution.masses["object"] * blow.velocity_change == pytest.approx(blow.contact_impulse, rel=LEDGER)
+    assert solution.masses["object"] * blow.velocity_change == pytest.approx(blow.contact_impulse, rel=BALANCE)
     assert 0.0 < abs(solution.readings[0].wave_peak) < blow.rigid_peak

@@ -1,4 +1,4 @@
-"""The rotary machine against an independent scipy model, closed forms, and its own ledgers."""
+"""The rotary machine against an independent scipy model, closed forms, and its own balances."""
 
 import dataclasses
 import math
@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from strikewave import load_case, run_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.notices import notices
-from strikewave.base.result import ledger_notices
+from strikewave.base.result import balance_notices
 from strikewave.machines import blows, run_machine
 from strikewave.machines.blows import contact_table
 from strikewave.machines.feed import angle_at_valve_signal
@@ -163,8 +163,8 @@ def test_impulse_is_the_change_of_momentum(solution):
     for blow in solution.blows:
         assert blow.impulse == pytest.approx(solution.masses["object"] * blow.velocity_change, rel=1e-6)
         assert blow.impulse == pytest.approx(blow.contact_impulse + blow.support_impulse, rel=1e-12)
-    assert solution.ledger["momentum_error"] < 1e-6
-    assert solution.ledger["energy_error"] < 1e-6
+    assert solution.balance["momentum_error"] < 1e-6
+    assert solution.balance["energy_error"] < 1e-6
 
 
 def test_halving_every_tolerance_changes_no_rigid_peak(published, solution):
@@ -185,7 +185,7 @@ def test_halving_every_tolerance_changes_no_rigid_peak(published, solution):
     inertia=st.floats(0.5, 20.0),
     e=st.floats(0.1, 1.0),
 )
-def test_ledgers_close_whatever_the_machine(speed, strikers, spring, preload, damper, stop, engagement, inertia, e):
+def test_balances_hold_whatever_the_machine(speed, strikers, spring, preload, damper, stop, engagement, inertia, e):
     solution = run(
         f"machine.speed={speed}",
         f"machine.strikers={strikers}",
@@ -198,8 +198,8 @@ def test_ledgers_close_whatever_the_machine(speed, strikers, spring, preload, da
         f"contact.restitution={e}",
         "feed.blows=4",
     )
-    assert solution.ledger["energy_error"] < 1e-6
-    assert solution.ledger["momentum_error"] < 1e-6
+    assert solution.balance["energy_error"] < 1e-6
+    assert solution.balance["momentum_error"] < 1e-6
     times = [b.time for b in solution.blows]
     assert times == sorted(times)
 
@@ -215,9 +215,9 @@ def test_phases_come_in_order(solution):
 
 
 def test_drive_limit_is_a_located_switch():
-    """A weak drive on a light turntable runs into its torque limit among the blows, and the ledger still closes."""
+    """A weak drive on a light turntable runs into its torque limit among the blows, and the balance still closes."""
     solution = run("machine.inertia=0.3 kg m^2", "machine.torque=3 N m", "feed.blows=6")
-    assert solution.ledger["energy_error"] < 1e-6
+    assert solution.balance["energy_error"] < 1e-6
     assert solution.blows[-1].turntable_speed < 0.99 * solution.blows[0].turntable_speed
 
 
@@ -264,9 +264,9 @@ def test_no_blow_at_all_breaks_a_limit(published, solution):
     assert notice.broken
 
 
-def test_open_ledger_breaks_a_limit():
-    found = list(ledger_notices({"energy_error": 2e-6, "momentum_error": math.nan}))
-    assert {n.code for n in found if n.broken} == {"energy-ledger", "momentum-ledger"}
+def test_open_balance_breaks_a_limit():
+    found = list(balance_notices({"energy_error": 2e-6, "momentum_error": math.nan}))
+    assert {n.code for n in found if n.broken} == {"energy-balance", "momentum-balance"}
 
 
 @given(arrival=st.floats(0, 1), speed=st.floats(1, 200), strikers=st.integers(1, 20))

@@ -1,4 +1,4 @@
-"""A machine that strikes a stack: its limit of rigid parts, its ledgers, its table of blows, its errors."""
+"""A machine that strikes a stack: its limit of rigid parts, its balances, its table of blows, its errors."""
 
 import dataclasses
 import math
@@ -97,7 +97,7 @@ def test_stack_of_short_parts_is_nose_and_assembly_on_their_frame(base):
     assert max(errors[-1]) < 1e-3, errors[-1]
     assert found.peak_force == pytest.approx(expected.peak_force, rel=1e-3)
     assert found.rigid_peak == pytest.approx(expected.rigid_peak, rel=1e-3)
-    assert found.retreat == pytest.approx(expected.retreat, rel=1e-3)
+    assert found.largest_displacement == pytest.approx(expected.largest_displacement, rel=1e-3)
 
 
 def test_stiffness_between_the_parts_is_that_of_a_quasi_static_push(base):
@@ -150,7 +150,7 @@ def test_halving_the_step_keeps_the_peaks():
             assert pulse.peak == pytest.approx(finest.readings[0].sensors[name].peak, rel=1e-2), name
 
 
-# ledgers
+# balances
 
 FRAMES = ("bonded", "compliant", "gasket", "bolted", "soft bolted")
 JOINTS = (*FRAMES, "gap", "soft gap", "mass")
@@ -186,7 +186,7 @@ def struck_stacks(draw):
 
 @settings(max_examples=25)
 @given(drawn=struck_stacks())
-def test_ledgers_close_whatever_the_stack(base, drawn):
+def test_balances_hold_whatever_the_stack(base, drawn):
     """Energy to 1e-6 of what flowed, which is what steps of 50 ns leave; momentum to 1e-9, which is rounding."""
     stack, first = drawn
     run = run_machine(with_stack(base, stack, first, 50e-9))
@@ -269,7 +269,7 @@ STACKS = {
 
 
 @pytest.mark.parametrize("name", STACKS)
-def test_energy_ledger_closes_with_the_step(base, name):
+def test_energy_balance_closes_with_the_step(base, name):
     """Second order: the trapezoidal rule everywhere. Between blows the integrator adds its own 1e-10."""
     errors = []
     for step in (100e-9, 50e-9, 25e-9):

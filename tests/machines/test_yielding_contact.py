@@ -12,7 +12,7 @@ from strikewave.contact import Contact, PressureCap, exact, hertz, johnson, line
 from strikewave.machines import blows, run_machine
 from strikewave.machines._stack_kernels import INDENTATION
 from strikewave.machines.spans import StackSpan
-from strikewave.waves import Impactor, Layer, Stack, Tap, Wanted, run_bar
+from strikewave.waves import Impactor, Layer, Stack, Tap, WantedError, run_bar
 
 YIELDS = "contact.yield_pressure=1.2 GPa"
 STEEL = material("65Mn")
@@ -37,7 +37,7 @@ def test_spot_of_the_face_yields_ever_less_from_blow_to_blow(name):
         assert grown[1] - grown[0] > grown[2] - grown[1] > grown[3] - grown[2]
     # the flattened spot is stiffer for the same load
     assert stiffness[-1] > stiffness[0]
-    assert all(error < 1e-6 for error in solution.ledger.values())
+    assert all(error < 1e-6 for error in solution.balance.values())
 
 
 def test_what_stays_follows_from_the_deepest_indentation():
@@ -132,7 +132,7 @@ def test_striker_on_a_short_bar_is_the_impact_of_two_bodies(name):
     stack = Stack((Layer("slice", STEEL.density, STEEL.youngs_modulus, area, thick),))
     blow = solve_impact(contact, mass, 0.459, speed)
     duration = float(blow.duration)
-    bar = run_bar(stack, Impactor(mass, speed, contact), [Tap(0, 0.0)], 1.2 * duration, Wanted(step=1e-8))
+    bar = run_bar(stack, Impactor(mass, speed, contact), [Tap(0, 0.0)], 1.2 * duration, WantedError(step=1e-8))
     begin, end, approach = bar.touches[0]
     reduced = mass * 0.459 / (mass + 0.459)
     assert approach == pytest.approx(speed, rel=1e-9)

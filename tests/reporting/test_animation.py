@@ -17,19 +17,19 @@ from PIL import Image
 from strikewave.reporting.animation.gif import write_gif
 from strikewave.reporting.animation.page import (
     Animation,
-    Band,
     Chart,
     Clock,
-    Curve,
     FieldCurve,
-    History,
-    Mark,
+    LayerBand,
     Panel,
-    Places,
+    PlaceAxis,
+    PlaceMark,
+    PlayedCurve,
+    PlayedHistory,
+    PlayedSpan,
     Readout,
     Scene,
     Shape,
-    View,
     animation_page,
 )
 
@@ -44,7 +44,9 @@ const press = (key, more) => { document.dispatchEvent(new KeyboardEvent("keydown
 
 
 def over_time(**changes):
-    force = Curve("", "#0072b2", [History(TIME, 1e9 * TIME), History(TIME[2:5], -1e9 * TIME[2:5], 2e-6)])
+    force = PlayedCurve(
+        "", "#0072b2", [PlayedHistory(TIME, 1e9 * TIME), PlayedHistory(TIME[2:5], -1e9 * TIME[2:5], 2e-6)]
+    )
     chart = Chart("chart", "Force over time.", "time", "time", 60.0, [Panel("force", "kN", [force], 1e3, decimals=3)])
     square = Shape(np.array([(0.0, 0.0), (0.0, 1.0), (0.1, 1.0)]), "#ff0000", ends=((0.0, "place"), (1.0, "place")))
     settings = {
@@ -52,7 +54,7 @@ def over_time(**changes):
         "note": "",
         "gif": "test.gif",
         "clock": Clock("µs", 1e-6, 2),
-        "views": [View("whole", "whole run", TIME[[0, -1]]), View("0", "part", TIME[[2, 4]])],
+        "views": [PlayedSpan("whole", "whole run", TIME[[0, -1]]), PlayedSpan("0", "part", TIME[[2, 4]])],
         "canvases": [Scene("scene", "A square.", "a square", (0.0, 2.0, 0.0, 1.0)), chart],
         "smooth": True,
         "tracks": {"time": TIME, "place": 1e5 * TIME},
@@ -66,9 +68,11 @@ def over_place():
     position = np.array([0.0, 0.01, 0.01, 0.02])
     values = np.outer(np.arange(11.0), [1.0, 2.0, -3.0, -4.0])
     chart = Chart("chart", "Stress.", "place", "distance", 60.0, [Panel("stress", "MPa", [FieldCurve("#000000", "#0072b2", "#d55e00", values)], limits=(-50.0, 50.0))])  # fmt: skip
-    bands = [Band("a<b>", 0.0, 0.01, 240), Band("b", 0.01, 0.02, 220, "dashed")]
-    places = Places(position.tolist(), [0, 0, 1, 1], bands, [Mark("end", 0.02)], 1)
-    return Animation("test", "", "test.gif", Clock.of(TIME), [View("whole", "whole", TIME)], [chart], places=places)
+    bands = [LayerBand("a<b>", 0.0, 0.01, 240), LayerBand("b", 0.01, 0.02, 220, "dashed")]
+    places = PlaceAxis(position.tolist(), [0, 0, 1, 1], bands, [PlaceMark("end", 0.02)], 1)
+    return Animation(
+        "test", "", "test.gif", Clock.of(TIME), [PlayedSpan("whole", "whole", TIME)], [chart], places=places
+    )
 
 
 def answers(animation, script, tmp_path, at=""):
@@ -164,7 +168,7 @@ def test_it_plays_and_ends_where_no_loop_is_wanted(loop, tmp_path):
 def test_hostile_texts_of_every_kind_stay_text():
     hostile = "</script><img src=x onerror=alert(1)> \u202e"
     animation = dataclasses.replace(over_time(), kicker=hostile, note=hostile, gif=hostile)
-    views = [View(f'"{hostile}', hostile, TIME)]
+    views = [PlayedSpan(f'"{hostile}', hostile, TIME)]
     page = animation_page(dataclasses.replace(animation, views=[*views, *views]), hostile, hostile)
     assert "<img" not in page
     assert page.count("</script>") == 2

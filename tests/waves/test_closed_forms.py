@@ -10,7 +10,20 @@ from scipy.integrate import solve_ivp
 
 from strikewave.base.materials import material
 from strikewave.contact import Contact
-from strikewave.waves import BONDED, Branch, End, Impactor, Joint, Layer, Pulse, Stack, Tap, Wanted, round_bar, run_bar
+from strikewave.waves import (
+    BONDED,
+    Branch,
+    End,
+    Impactor,
+    Joint,
+    Layer,
+    LoadPulse,
+    Stack,
+    Tap,
+    WantedError,
+    round_bar,
+    run_bar,
+)
 
 STEEL, ALUMINIUM = material("65Mn"), material("2A12")
 G = 9.80665
@@ -46,7 +59,7 @@ def test_force_at_an_interface_of_65mn_and_2a12():
     """Transmitted .51664 and reflected -.48336 of the incident force, to the digits printed; 1e-13 by the formula."""
     step = 1e-7
     stack = Stack((cut("steel", STEEL, 5e-6), cut("aluminium", ALUMINIUM, 5e-6)), (BONDED,), End("matched"))
-    run = run_bar(stack, Pulse("rectangle", 1.0, 1e-3), [Tap(0, 0.5), Tap(1, 0.5)], 9.9e-6, Wanted(step=step))
+    run = run_bar(stack, LoadPulse("rectangle", 1.0, 1e-3), [Tap(0, 0.5), Tap(1, 0.5)], 9.9e-6, WantedError(step=step))
     z1, z2 = (layer.impedance for layer in stack.layers)
     assert run.force[80, 0] - run.force[40, 0] == pytest.approx(-0.48336, abs=5e-6)
     assert run.force[80, 1] == pytest.approx(0.51664, abs=5e-6)
@@ -60,7 +73,7 @@ def test_force_rises_in_a_staircase_behind_a_soft_layer():
     step, t0 = 1e-7, 4e-6
     layers = (cut("a", STEEL, 100e-6), cut("b", ALUMINIUM, t0), cut("c", STEEL, 2e-6))
     stack = Stack(layers, (BONDED, BONDED), End("matched"))
-    run = run_bar(stack, Pulse("rectangle", 1.0, 1e-3), [Tap(1, 1.0)], 135e-6, Wanted(step=step))
+    run = run_bar(stack, LoadPulse("rectangle", 1.0, 1e-3), [Tap(1, 1.0)], 135e-6, WantedError(step=step))
     begin = 1000
     for n, expected in enumerate([0.766365, 0.945415, 0.987247, 0.997020]):
         tread = run.force[begin + (2 * n + 1) * 40 : begin + (2 * n + 3) * 40, 0]
@@ -75,10 +88,10 @@ def test_free_bar_under_a_step_of_force():
     step = bar.transit / 100
     run = run_bar(
         Stack((bar,)),
-        Pulse("rectangle", 19685.0, 1.0),
+        LoadPulse("rectangle", 19685.0, 1.0),
         [Tap(0, 0.0), Tap(0, 1.0)],
         20 * bar.transit * (1 + 1e-9),
-        Wanted(step=step),
+        WantedError(step=step),
     )
     assert 2 * bar.transit == pytest.approx(26.95e-6, abs=0.005e-6)
     jump = 2 * 19685.0 / bar.impedance
@@ -101,7 +114,7 @@ def test_rigid_striker_on_a_matched_bar():
     assert 5.0 * bar.impedance == pytest.approx(63806, abs=0.5)
     errors = []
     for step in STEPS:
-        run = run_bar(stack, Impactor(0.2, 5.0), [Tap(0, 0.0)], 5 * decay, Wanted(step=step))
+        run = run_bar(stack, Impactor(0.2, 5.0), [Tap(0, 0.0)], 5 * decay, WantedError(step=step))
         assert run.face_force[0] == pytest.approx(5.0 * bar.impedance, rel=1e-14)
         errors.append(np.abs(run.face_force / (5.0 * bar.impedance) - np.exp(-run.time / decay)).max())
     assert_second_order(errors, 0.01)
@@ -115,7 +128,7 @@ def test_thick_striker_bar_pushes_in_steps(thick, thin):
     count, steps, v0 = 50, 900, 7.0
     striker, bar = cut("striker", STEEL, count * 1e-7, thick, v0), cut("bar", STEEL, 100e-7, thin)
     stack = Stack((striker, bar), (Joint(unilateral=True),), End("matched"))
-    run = run_bar(stack, Pulse("rectangle", 0.0, 1.0), [Tap(1, 0.0)], steps * 1e-7, Wanted(step=1e-7))
+    run = run_bar(stack, LoadPulse("rectangle", 0.0, 1.0), [Tap(1, 0.0)], steps * 1e-7, WantedError(step=1e-7))
     zs, zb = striker.impedance, bar.impedance
     n = np.arange(steps + 1) // (2 * count)
     ratio = 0.0 if thick == thin else (zs - zb) / (zs + zb)
@@ -130,7 +143,7 @@ def test_thin_striker_bar_opens_after_its_first_wave():
     striker, bar = cut("striker", STEEL, count * 1e-7, 0.015, v0), cut("bar", STEEL, 100e-7, 0.03)
     stack = Stack((striker, bar), (Joint(unilateral=True),), End("matched"))
     taps = [Tap(1, 0.0), Tap(0, 0.5)]
-    run = run_bar(stack, Pulse("rectangle", 0.0, 1.0), taps, steps * 1e-7, Wanted(step=1e-7))
+    run = run_bar(stack, LoadPulse("rectangle", 0.0, 1.0), taps, steps * 1e-7, WantedError(step=1e-7))
     zs, zb = striker.impedance, bar.impedance
     force = v0 * zs * zb / (zs + zb)
     assert run.force[: 2 * count, 0] == pytest.approx(force, rel=1e-13)
@@ -149,7 +162,7 @@ def test_stress_gets_uniform_in_a_short_layer(beta):
     bar = cut("incident bar", STEEL, 400e-7)
     short = Layer("specimen", bar.density, bar.modulus, bar.area * beta, count * step * bar.bar_speed)
     stack = Stack((bar, short, bar), (BONDED, BONDED), End("matched"))
-    run = run_bar(stack, Pulse("rectangle", 1.0, 1.0), [Tap(1, 0.0), Tap(1, 1.0)], 780e-7, Wanted(step=step))
+    run = run_bar(stack, LoadPulse("rectangle", 1.0, 1.0), [Tap(1, 0.0), Tap(1, 1.0)], 780e-7, WantedError(step=step))
     arrived = 400
     for k in range(1, 15):
         middle = arrived + round((k - 0.5) * count)
@@ -280,7 +293,7 @@ def response_errors(name, load, shift):
     for step in STEPS:
         # the reflection is thrown back by the loaded face, and returns after three transits
         run = run_bar(
-            stack, Pulse(load, PEAK, DURATION if load != "rectangle" else 1.0), taps, 88e-6, Wanted(step=step)
+            stack, LoadPulse(load, PEAK, DURATION if load != "rectangle" else 1.0), taps, 88e-6, WantedError(step=step)
         )
         assert run.grid.mismatch < 1e-12  # whole steps: what is left is the trapezoidal rule
         keep = slice(round(TRANSIT / step), None, round(STEPS[0] / step))
@@ -338,8 +351,8 @@ def test_dashpot_answers_at_once(ratio):
     """Force 2 P c/(c + Z), speed 2 P/(c + Z), reflected P (c - Z)/(c + Z): no memory, so exact to rounding."""
     damping, step = ratio * Z1, 1e-7
     stack = Stack((cut("bar", STEEL, 50 * step),), end=End("dashpot", damping))
-    pulse = Pulse("half-sine", PEAK, 60 * step)
-    run = run_bar(stack, pulse, [Tap(0, 1.0), Tap(0, 0.0)], 149 * step, Wanted(step=step))
+    pulse = LoadPulse("half-sine", PEAK, 60 * step)
+    run = run_bar(stack, pulse, [Tap(0, 1.0), Tap(0, 0.0)], 149 * step, WantedError(step=step))
     arrived = pulse.at(run.time - 50 * step)
     assert run.force[:, 0] == pytest.approx(2 * damping / (damping + Z1) * arrived, abs=1e-12 * PEAK)
     assert run.velocity[:, 0] == pytest.approx(2 / (damping + Z1) * arrived, abs=1e-12 * PEAK / Z1)
@@ -428,7 +441,7 @@ def test_contact_law_on_a_bar(mass, law, length):
     expected = scipy_striker(law, mass, speed, bar.impedance, math.inf if length == "endless" else 4e-6, times)
     errors = []
     for step in STEPS:
-        run = run_bar(stack, Impactor(mass, speed, Contact(*law)), [Tap(0, 0.0)], until, Wanted(step=step))
+        run = run_bar(stack, Impactor(mass, speed, Contact(*law)), [Tap(0, 0.0)], until, WantedError(step=step))
         assert run.grid.mismatch < 1e-12
         found = run.face_force[:: round(STEPS[0] / step)][: len(times)]
         errors.append(np.abs(found - expected).max() / expected.max())

@@ -19,11 +19,11 @@ from strikewave.waves import (
     Impactor,
     Joint,
     Layer,
-    Pulse,
+    LoadPulse,
     Sampled,
     Stack,
     Tap,
-    Wanted,
+    WantedError,
     _impact_kernels,
     _kernels,
     grid_of,
@@ -92,7 +92,7 @@ def stacks(draw, kinds, ends=("free", "matched", "rigid", "mass", "spring", "das
     return timed_stack(z, counts, joints, End(kind, value), speeds)
 
 
-class Ledger(NamedTuple):
+class Balance(NamedTuple):
     """Of each step, J: stored in waves, springs and masses; in at the face; out at the end; lost; place of joints."""
 
     stored: np.ndarray
@@ -127,11 +127,11 @@ def follow(stack, load, step=STEP):
             place[n, i] = state.joint[i, _kernels.COMPRESSION] + 0.5 * step * rate[n, i]
             through[n, i] = _kernels.force_and_velocity(tables, state, i + 1, 0)[0]
     stored, entered, left, lost = columns
-    return Ledger(stored, np.cumsum(entered), np.cumsum(left), lost, place, rate, through)
+    return Balance(stored, np.cumsum(entered), np.cumsum(left), lost, place, rate, through)
 
 
 LOADS = st.builds(
-    lambda shape, peak, steps: Pulse(shape, peak, steps * STEP),
+    lambda shape, peak, steps: LoadPulse(shape, peak, steps * STEP),
     st.sampled_from(["half-sine", "sine-squared", "rectangle", "triangle"]),
     st.sampled_from([-1e4, 1e4]),
     st.integers(5, 150),
@@ -142,11 +142,11 @@ LOADS = st.builds(
 def test_momentum_of_a_stack_is_the_impulse_on_it(stack, load):
     """Whatever joints and end: to 1e-12 of all forces in time, which is rounding."""
     taps = [Tap(k, 0.0) for k in range(len(stack.layers))]
-    run = run_bar(stack, load, taps, 400 * STEP, Wanted(step=STEP))
+    run = run_bar(stack, load, taps, 400 * STEP, WantedError(step=STEP))
     strongest = max(np.abs(run.force).max(), np.abs(run.face_force).max())
     missing = run.impulse - run.end_impulse - run.momentum
     assert abs(missing) <= 1e-12 * 400 * STEP * strongest
-    if isinstance(load, Pulse) and stack.end.kind != "rigid" and not any(x.speed for x in stack.layers):
+    if isinstance(load, LoadPulse) and stack.end.kind != "rigid" and not any(x.speed for x in stack.layers):
         assert run.momentum_error < 1e-9
 
 
@@ -163,7 +163,7 @@ def test_energy_of_a_lossless_stack_stays_for_a_million_steps(stack):
     """To 1e-9: each of a million steps rounds by 1e-16, in either direction or, at worst, always the same."""
     grid = grid_of(stack, STEP)
     tables, state = tables_of(stack, grid), state_at_rest(stack, grid)
-    drive_on(tables, state, Pulse("sine-squared", 1e4, 50 * STEP).at(STEP * np.arange(60.0)))
+    drive_on(tables, state, LoadPulse("sine-squared", 1e4, 50 * STEP).at(STEP * np.arange(60.0)))
     before = _kernels.energy(tables, state)
     assert before > 0.0
     quiet = np.zeros(250_000)
@@ -196,7 +196,7 @@ def test_stacks_are_passive(stack, load):
 
 
 @given(stacks(EVERY, ("free", "rigid", "spring", "mass")), LOADS)
-def test_soft_joints_that_open_keep_the_ledger_but_for_their_corner(stack, load):
+def test_soft_joints_that_open_keep_the_balance_but_for_their_corner(stack, load):
     """A spring that opens has a corner in its force; a step across it misses at most k (dt x')^2/8, and nothing else does."""
     book = follow(stack, load.at(STEP * np.arange(400.0)))
     allowed = np.zeros(400)
@@ -215,13 +215,13 @@ def test_soft_joints_that_open_keep_the_ledger_but_for_their_corner(stack, load)
 @pytest.mark.verify
 @pytest.mark.parametrize("damping", [0.0, 2e3])
 @pytest.mark.parametrize(("gap", "preload"), [(0.0, 0.0), (2e-6, 0.0), (0.0, 5e3)])
-def test_ledger_of_a_joint_that_opens_closes_with_the_step(damping, gap, preload):
+def test_balance_of_a_joint_that_opens_closes_with_the_step(damping, gap, preload):
     """Second order: what the corner costs at 1.25 ns is below 1e-5 of the energy, with a dashpot beside it as well."""
     joint = Joint(2e10, damping, unilateral=True, gap=gap, preload=preload)
     stack = timed_stack([1e4, 3e4], [10, 23], [joint], End())
     missing = []
     for step in (STEP / 5, STEP / 20, STEP / 80):
-        book = follow(stack, Pulse("sine-squared", 1e4, 1e-5).at(step * np.arange(int(3e-5 / step))), step)
+        book = follow(stack, LoadPulse("sine-squared", 1e4, 1e-5).at(step * np.arange(int(3e-5 / step))), step)
         assert book.rate.min() < 0.0 < book.rate.max()
         missing.append(np.abs(book.entered - book.stored - book.lost).max() / book.entered.max())
     # how far into a step the corner lies is chance, so no order is asked for, only its size
@@ -276,7 +276,11 @@ def test_open_joint_transmits_nothing_until_its_gap_has_closed(stiffness, gap, f
         # the reflection is thrown back by the loaded face: then it is not one velocity
         return
     run = run_bar(
-        stack, Pulse("rectangle", force, 1.0), [Tap(1, 0.0), Tap(1, 0.7), Tap(0, 1.0)], duration, Wanted(step=STEP)
+        stack,
+        LoadPulse("rectangle", force, 1.0),
+        [Tap(1, 0.0), Tap(1, 0.7), Tap(0, 1.0)],
+        duration,
+        WantedError(step=STEP),
     )
     before, after = run.time < closing - STEP, run.time > closing + STEP
     assert np.all(run.force[before, 0] == 0.0)
@@ -293,7 +297,7 @@ def test_open_joint_transmits_nothing_until_its_gap_has_closed(stiffness, gap, f
 
 def test_gap_that_never_closes_leaves_the_rest_at_rest():
     stack = timed_stack([2e4, 1e4, 3e4], [20, 30, 10], [Joint(unilateral=True, gap=1.0), BONDED], End("rigid"))
-    run = run_bar(stack, Pulse("half-sine", 1e5, 1e-5), [Tap(1, 0.5), Tap(2, 1.0)], 4e-5, Wanted(step=STEP))
+    run = run_bar(stack, LoadPulse("half-sine", 1e5, 1e-5), [Tap(1, 0.5), Tap(2, 1.0)], 4e-5, WantedError(step=STEP))
     assert np.all(run.force == 0.0)
     assert np.all(run.velocity == 0.0)
     assert run.end_impulse == 0.0
@@ -303,8 +307,8 @@ def test_gap_that_never_closes_leaves_the_rest_at_rest():
 @given(st.floats(0.05, 0.95))
 def test_bolted_joint_is_closed_below_its_preload(stiffness, damping, share):
     """Tension below the preload passes as through the joint without a bolt: the same numbers, to rounding."""
-    z, counts, load = [2e4, 1e4], [20, 30], Pulse("sine-squared", -1e4, 40 * STEP)
-    taps, wanted = [Tap(0, 1.0), Tap(1, 0.0), Tap(1, 1.0)], Wanted(step=STEP)
+    z, counts, load = [2e4, 1e4], [20, 30], LoadPulse("sine-squared", -1e4, 40 * STEP)
+    taps, wanted = [Tap(0, 1.0), Tap(1, 0.0), Tap(1, 1.0)], WantedError(step=STEP)
     held = run_bar(timed_stack(z, counts, [Joint(stiffness, damping)], End()), load, taps, 20e-6, wanted)
     preload = -held.force[:, 1].min() / share
     joint = Joint(stiffness, damping, unilateral=True, preload=preload)
@@ -330,7 +334,11 @@ def test_bolt_pulls_with_its_preload_and_no_more(stiffness, share, steps):
     # long enough that no reflection meets it
     stack = timed_stack([z1, z2], [400, 1000], [joint], End("matched"))
     run = run_bar(
-        stack, Pulse("rectangle", -tension, (steps - 0.5) * STEP), [Tap(1, 0.0)], 1100 * STEP, Wanted(step=STEP)
+        stack,
+        LoadPulse("rectangle", -tension, (steps - 0.5) * STEP),
+        [Tap(1, 0.0)],
+        1100 * STEP,
+        WantedError(step=STEP),
     )
     force = run.force[:, 0]
     assert force.min() == pytest.approx(-preload, rel=1e-12)
@@ -351,7 +359,9 @@ def test_opened_joint_pushes_again_when_it_closes():
     """Three bars: the middle one is thrown off the first and stopped by the last; what closes is pressed, never pulled."""
     z, joint = [1e4, 1e4, 2e4], Joint(unilateral=True)
     stack = timed_stack(z, [20, 10, 30], [joint, joint], End("rigid"))
-    run = run_bar(stack, Pulse("half-sine", 1e4, 15 * STEP), [Tap(1, 0.0), Tap(2, 0.0)], 600 * STEP, Wanted(step=STEP))
+    run = run_bar(
+        stack, LoadPulse("half-sine", 1e4, 15 * STEP), [Tap(1, 0.0), Tap(2, 0.0)], 600 * STEP, WantedError(step=STEP)
+    )
     assert run.force.min() >= 0.0
     assert run.force.max() > 5e3
     # it touches, opens, and touches again
@@ -365,8 +375,8 @@ def test_scale_of_a_stack_without_gaps_is_free(stack, power):
     if any(joint.gap or joint.preload for joint in stack.joints):
         return
     taps, factor = [Tap(len(stack.layers) - 1, 0.5)], 2.0**power
-    one = run_bar(stack, Pulse("half-sine", 1e3, 50 * STEP), taps, 200 * STEP, Wanted(step=STEP))
-    other = run_bar(stack, Pulse("half-sine", factor * 1e3, 50 * STEP), taps, 200 * STEP, Wanted(step=STEP))
+    one = run_bar(stack, LoadPulse("half-sine", 1e3, 50 * STEP), taps, 200 * STEP, WantedError(step=STEP))
+    other = run_bar(stack, LoadPulse("half-sine", factor * 1e3, 50 * STEP), taps, 200 * STEP, WantedError(step=STEP))
     assert np.array_equal(other.force, factor * one.force)
     assert np.array_equal(other.velocity, factor * one.velocity)
 
@@ -381,7 +391,7 @@ def test_nothing_comes_of_nothing():
     ]
     stack = timed_stack([1e4, 2e4, 1e4, 3e4, 1e4], [3, 5, 7, 2, 4], joints, End("mass", 0.1))
     load = Sampled(np.array([0.0, 1e-5]), np.zeros(2))
-    run = run_bar(stack, load, [Tap(4, 0.5)], 5e-5, Wanted(step=STEP))
+    run = run_bar(stack, load, [Tap(4, 0.5)], 5e-5, WantedError(step=STEP))
     assert np.all(run.force == 0.0)
     assert np.all(run.velocity == 0.0)
     assert run.momentum == 0.0
@@ -390,11 +400,13 @@ def test_nothing_comes_of_nothing():
 def test_rigid_contact_is_the_limit_of_a_stiff_one():
     """A striker on a matched bar by a contact law that gets stiffer comes to the rigid one: first order in 1/K."""
     stack, mass, speed = timed_stack([1e4], [20], [], End("matched")), 0.1, 5.0
-    rigid = run_bar(stack, Impactor(mass, speed), [Tap(0, 0.0)], 30e-6, Wanted(step=1e-9))
+    rigid = run_bar(stack, Impactor(mass, speed), [Tap(0, 0.0)], 30e-6, WantedError(step=1e-9))
     late = rigid.time > 5e-6
     errors = []
     for stiffness in (4e10, 8e10, 16e10):
-        stiff = run_bar(stack, Impactor(mass, speed, Contact(stiffness, 1.0)), [Tap(0, 0.0)], 30e-6, Wanted(step=1e-9))
+        stiff = run_bar(
+            stack, Impactor(mass, speed, Contact(stiffness, 1.0)), [Tap(0, 0.0)], 30e-6, WantedError(step=1e-9)
+        )
         errors.append(np.abs(stiff.face_force - rigid.face_force)[late].max() / rigid.face_force[0])
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx(1.0, abs=0.1), errors

@@ -19,11 +19,11 @@ from strikewave.waves import (
     End,
     Joint,
     Layer,
-    Pulse,
+    LoadPulse,
     Sampled,
     Stack,
     Tap,
-    Wanted,
+    WantedError,
     choose_grid,
     grid_of,
     round_bar,
@@ -56,15 +56,15 @@ def test_error_falls_with_the_step(kind, end):
     """First order: transits of 10, 17.4 and 13.4 steps keep their fraction .4 when the step is divided by 6."""
     coarse = 2e-7
     stack = timed_stack([3e4, 1e4, 2e4], [10 * coarse, 17.4 * coarse, 13.4 * coarse], JOINTS[kind], End(end))
-    load = Pulse("sine-squared", 1e4, 30e-6)
+    load = LoadPulse("sine-squared", 1e4, 30e-6)
     taps = [Tap(0, 0.0), Tap(1, 0.0), Tap(2, 0.0)]
     # .4 of a step is whole at a fifth of it; smaller still, so that the trapezoidal rule leaves nothing
     whole = coarse / 6**2 / 10
-    reference = run_bar(stack, load, taps, 80e-6, Wanted(step=whole))
+    reference = run_bar(stack, load, taps, 80e-6, WantedError(step=whole))
     assert reference.grid.mismatch < 1e-12
     velocity, acceleration, mismatch = [], [], []
     for k in range(3):
-        run = run_bar(stack, load, taps, 80e-6, Wanted(step=coarse / 6**k))
+        run = run_bar(stack, load, taps, 80e-6, WantedError(step=coarse / 6**k))
         exact = reference.velocity[:: round(run.grid.step / whole)][: len(run.time)]
         velocity.append(np.abs(run.velocity - exact).max())
         # the same central difference of both: what it smears is no error of rounding
@@ -106,7 +106,7 @@ def rounded_stacks(draw):
     lasting = 10.0 ** draw(st.floats(-6.0, -4.0))
     value = {"mass": z[-1] * lasting, "spring": z[-1] / lasting, "dashpot": z[-1] * 1e5 * lasting}.get(kind, 0.0)
     stack = timed_stack(z, [FINE * n for n in base], joints, End(kind, value))
-    load = Pulse("sine-squared", 1e4, draw(st.floats(10e-6, 80e-6)))
+    load = LoadPulse("sine-squared", 1e4, draw(st.floats(10e-6, 80e-6)))
     places = st.tuples(st.integers(0, count - 1), st.sampled_from([0.0, 1.0]) | st.floats(0.0, 1.0))
     taps = [Tap(*place) for place in draw(st.lists(places, min_size=1, max_size=3))]
     duration = draw(st.floats(20e-6, 120e-6))
@@ -125,14 +125,14 @@ def test_bound_is_never_exceeded(case):
     """
     stack, load, taps, duration, ratio = case
     step = ratio * FINE
-    run = run_bar(stack, load, taps, duration, Wanted(step=step))
+    run = run_bar(stack, load, taps, duration, WantedError(step=step))
     assume(run.grid.mismatch > 0.0)
-    exact = run_bar(stack, load, taps, duration + 2 * step, Wanted(step=FINE))
+    exact = run_bar(stack, load, taps, duration + 2 * step, WantedError(step=FINE))
     assert exact.grid.mismatch < 1e-12
     transits = [n * step for n in run.grid.counts]
     other = timed_stack([x.impedance for x in stack.layers], transits, stack.joints, stack.end)
     assert [x.length for x in other.layers] == pytest.approx(run.grid.lengths(stack), rel=1e-12)
-    rounded = run_bar(other, load, taps, duration + 2 * step, Wanted(step=FINE))
+    rounded = run_bar(other, load, taps, duration + 2 * step, WantedError(step=FINE))
     assert rounded.grid.mismatch < 1e-12
     velocity = np.abs(rounded.velocity - exact.velocity).max()
     acceleration = np.abs(rounded.acceleration - exact.acceleration)[1:].max()
@@ -160,14 +160,14 @@ def test_default_reaches_what_it_promises(joints):
 
     The reference has a mismatch at least ten times smaller.
     """
-    stack, load = Stack(THREE, joints), Pulse("sine-squared", 2e4, 100e-6)
+    stack, load = Stack(THREE, joints), LoadPulse("sine-squared", 2e4, 100e-6)
     taps = [Tap(2, 1.0), Tap(0, 0.37)]
     run = run_bar(stack, load, taps, 300e-6)
     assert run.grid.mismatch > 0.0
     assert run.relative_bound[0] <= 1e-3
     assert run.relative_bound[1] <= 1e-2
     grid = choose_grid(stack, run.grid.mismatch / 10, 4e-9, 2e-10)
-    fine = run_bar(stack, load, taps, 301e-6, Wanted(step=grid.step))
+    fine = run_bar(stack, load, taps, 301e-6, WantedError(step=grid.step))
     assert fine.grid.mismatch <= 0.1 * run.grid.mismatch
     for name, share in (("velocity", 1e-3), ("acceleration", 1e-2)):
         found, exact = getattr(run, name), getattr(fine, name)
@@ -178,8 +178,8 @@ def test_default_reaches_what_it_promises(joints):
 
 def test_asking_for_more_gives_more():
     """A hundredth of the error asked for: the bound keeps it."""
-    stack, load = Stack(THREE, (BONDED, BONDED)), Pulse("sine-squared", 2e4, 100e-6)
-    run = run_bar(stack, load, [Tap(2, 1.0)], 150e-6, Wanted(1e-5, 1e-4))
+    stack, load = Stack(THREE, (BONDED, BONDED)), LoadPulse("sine-squared", 2e4, 100e-6)
+    run = run_bar(stack, load, [Tap(2, 1.0)], 150e-6, WantedError(1e-5, 1e-4))
     assert run.relative_bound[0] <= 1e-5
     assert run.relative_bound[1] <= 1e-4
 
@@ -187,8 +187,8 @@ def test_asking_for_more_gives_more():
 def test_bound_that_cannot_be_kept_is_reported():
     """Many layers, a long run, delay lines alone: the bound of the best try is larger than what is wanted, and finite."""
     layers = tuple(timed(f"{k}", 1e4, 1e-6 * math.sqrt(p)) for k, p in enumerate([2, 3, 5, 7, 11, 13, 17, 19, 23, 29]))
-    stack, load = Stack(layers, (BONDED,) * 9), Pulse("sine-squared", 1e4, 20e-6)
-    run = run_bar(stack, load, [Tap(9, 1.0)], 2e-3, Wanted(method="delay lines"))
+    stack, load = Stack(layers, (BONDED,) * 9), LoadPulse("sine-squared", 1e4, 20e-6)
+    run = run_bar(stack, load, [Tap(9, 1.0)], 2e-3, WantedError(method="delay lines"))
     assert 1e-3 < run.relative_bound[0] < math.inf
     assert 0.0 < run.bound.velocity < math.inf
     assert len(run.time) <= 20_001
@@ -197,7 +197,7 @@ def test_bound_that_cannot_be_kept_is_reported():
 @pytest.mark.parametrize("shape", ["rectangle", "half-sine", "triangle", "trapezoid"])
 def test_corner_of_the_load_leaves_the_acceleration_unbounded(shape):
     """Behind a corner the acceleration jumps: its bound stays above the wanted 1e-2 at every step, and says so."""
-    run = run_bar(Stack(THREE, (BONDED, BONDED)), Pulse(shape, 1e4, 50e-6), [Tap(2, 1.0)], 100e-6)
+    run = run_bar(Stack(THREE, (BONDED, BONDED)), LoadPulse(shape, 1e4, 50e-6), [Tap(2, 1.0)], 100e-6)
     assert run.grid.mismatch > 0.0
     assert 1e-2 < run.relative_bound[1] < math.inf
     # without a jump the velocity has no more than corners, and keeps its 1e-3
@@ -207,7 +207,7 @@ def test_corner_of_the_load_leaves_the_acceleration_unbounded(shape):
 def test_no_bound_where_the_theorem_does_not_hold():
     """A joint that opens, or a layer that comes with a speed: infinite, and still a run."""
     first, second = THREE[:2]
-    load = Pulse("sine-squared", 1e4, 50e-6)
+    load = LoadPulse("sine-squared", 1e4, 50e-6)
     for joint in (Joint(unilateral=True), Joint(1e9, unilateral=True, preload=1e3), Joint(unilateral=True, gap=1e-6)):
         run = run_bar(Stack((first, second), (joint,)), load, [Tap(1, 1.0)], 50e-6)
         assert run.bound.velocity == run.bound.acceleration == math.inf
@@ -220,7 +220,7 @@ def test_no_bound_where_the_theorem_does_not_hold():
 def test_whole_steps_leave_nothing_to_bound():
     """Transits that are whole steps: a bound of rounding size only."""
     stack = timed_stack([1e4, 3e4], [3e-6, 7e-6], [BONDED], End("free"))
-    run = run_bar(stack, Pulse("sine-squared", 1e4, 30e-6), [Tap(1, 1.0)], 100e-6, Wanted(step=1e-7))
+    run = run_bar(stack, LoadPulse("sine-squared", 1e4, 30e-6), [Tap(1, 1.0)], 100e-6, WantedError(step=1e-7))
     assert run.grid.counts == (30, 70)
     assert run.relative_bound[0] < 1e-10
     assert run.relative_bound[1] < 1e-10
@@ -229,9 +229,9 @@ def test_whole_steps_leave_nothing_to_bound():
 def test_tap_between_nodes_is_in_the_bound():
     """On whole steps the nearest node is what is read: half a step away at most, and the bound covers that."""
     stack = timed_stack([1e4], [10e-6], [], End("free"))
-    load = Pulse("sine-squared", 1e4, 30e-6)
-    exact = run_bar(stack, load, [Tap(0, 0.4925)], 100e-6, Wanted(step=1e-8))
-    run = run_bar(stack, load, [Tap(0, 0.4925)], 100e-6, Wanted(step=2e-7))
+    load = LoadPulse("sine-squared", 1e4, 30e-6)
+    exact = run_bar(stack, load, [Tap(0, 0.4925)], 100e-6, WantedError(step=1e-8))
+    run = run_bar(stack, load, [Tap(0, 0.4925)], 100e-6, WantedError(step=2e-7))
     assert run.grid.mismatch < 1e-12
     for name in ("velocity", "acceleration"):
         error = np.abs(getattr(run, name) - getattr(exact, name)[::20][: len(run.time)])[1:].max()
@@ -310,7 +310,7 @@ def test_steps_that_cannot_be_used_are_refused():
 
 
 def test_runs_that_make_no_sense_are_refused():
-    stack, load = of_transits([1e-5]), Pulse("sine-squared", 1e4, 20e-6)
+    stack, load = of_transits([1e-5]), LoadPulse("sine-squared", 1e4, 20e-6)
     with pytest.raises(ValueError, match="at least one tap"):
         run_bar(stack, load, [], 1e-4)
     for tap in (Tap(1, 0.5), Tap(-1, 0.5), Tap(0, 1.1), Tap(0, math.nan)):
@@ -323,10 +323,10 @@ def test_runs_that_make_no_sense_are_refused():
 
 def test_measured_load_gets_a_step_too():
     """A sampled sine-squared is the pulse itself, to what straight lines between its samples leave."""
-    stack, pulse = Stack(THREE, (BONDED, BONDED)), Pulse("sine-squared", 2e4, 100e-6)
+    stack, pulse = Stack(THREE, (BONDED, BONDED)), LoadPulse("sine-squared", 2e4, 100e-6)
     t = np.linspace(0.0, 100e-6, 2001)
     run = run_bar(stack, Sampled(t, pulse.at(t)), [Tap(2, 1.0)], 150e-6)
-    same = run_bar(stack, pulse, [Tap(2, 1.0)], 150e-6, Wanted(step=run.grid.step))
+    same = run_bar(stack, pulse, [Tap(2, 1.0)], 150e-6, WantedError(step=run.grid.step))
     n = math.ceil(150e-6 / run.grid.step / 20_000)
     # the sagitta of 50 ns of sin^2, 2 (pi/100 us)^2 (50 ns)^2/8 of the peak, in each of a few waves at once
     sagitta = 2 * (math.pi / 100e-6) ** 2 * (50e-9) ** 2 / 8

@@ -6,14 +6,14 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from strikewave.waves import BONDED, End, Joint, Layer, Pulse, Stack, Tap, Wanted, run_bar
+from strikewave.waves import BONDED, End, Joint, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 
 
 def timed(name, impedance, transit, **more):
     return Layer(name, 1.0, impedance * impedance, 1.0, transit * impedance, **more)
 
 
-PULSE = Pulse("sine-squared", 1e3, 20e-6)
+PULSE = LoadPulse("sine-squared", 1e3, 20e-6)
 
 
 @pytest.mark.verify
@@ -28,8 +28,8 @@ def test_ten_thousand_layers_are_an_effective_medium():
     )
     compliance = sum(layer.length / (layer.modulus * layer.area) for layer in stack.layers[: count // 2])
     mass = sum(layer.mass for layer in stack.layers[: count // 2])
-    load = Pulse("sine-squared", 1e3, 100e-6, kind="incident")
-    run = run_bar(stack, load, [Tap(count // 2, 0.0)], 2.5e-3, Wanted(step=transit, method="delay lines"))
+    load = LoadPulse("sine-squared", 1e3, 100e-6, kind="incident")
+    run = run_bar(stack, load, [Tap(count // 2, 0.0)], 2.5e-3, WantedError(step=transit, method="delay lines"))
     force = run.force[:, 0]
     assert run.time[np.argmax(force)] == pytest.approx(50e-6 + math.sqrt(compliance * mass), rel=1e-3)
     assert run.momentum_error < 1e-10
@@ -54,7 +54,7 @@ def test_many_layers_without_a_common_step_go_to_the_spectrum():
 def test_impedances_a_hundred_million_apart(ratio, method):
     """Force behind the first interface 2 Z2/(Z1 + Z2), before any echo; to 1e-9 of what is there."""
     stack = Stack((timed("a", 1e4, 20e-6), timed("b", 1e4 * ratio, 30e-6)), (BONDED,))
-    run = run_bar(stack, PULSE, [Tap(1, 0.5)], 50e-6, Wanted(step=1e-7, method=method))
+    run = run_bar(stack, PULSE, [Tap(1, 0.5)], 50e-6, WantedError(step=1e-7, method=method))
     expected = 2 * ratio / (1 + ratio) * PULSE.at(run.time - 35e-6)
     # the spectral solver rounds the load over a step: (pi step/T)^2/2 of it; its window leaves 1e-8 of what is larger
     miss = 1e-9 if method == "delay lines" else 2e-4
@@ -75,7 +75,7 @@ def test_a_thin_layer_is_a_compliant_joint(transit):
     joint = Joint(film.modulus * film.area / film.length)
     spring = Stack((stack.layers[0], stack.layers[2]), (joint,))
     run = run_bar(stack, PULSE, [Tap(2, 0.5)], 4e-4)
-    other = run_bar(spring, PULSE, [Tap(1, 0.5)], 4e-4, Wanted(step=run.grid.step, method="spectral"))
+    other = run_bar(spring, PULSE, [Tap(1, 0.5)], 4e-4, WantedError(step=run.grid.step, method="spectral"))
     rows = min(len(run.time), len(other.time))
     largest = np.abs(other.velocity).max()
     assert np.abs(run.velocity[:rows] - other.velocity[:rows]).max() < 1e-6 * largest
@@ -88,13 +88,18 @@ def test_a_thin_layer_is_a_compliant_joint(transit):
         (
             Stack((timed("a", 1e4, 1e-4), timed("film", 2e3, 1e-13)), (Joint(unilateral=True),)),
             PULSE,
-            Wanted(),
+            WantedError(),
             "film is too thin.*compliant joint of",
         ),
-        (Stack((timed("a", 1e4, 1e-4),)), Pulse("half-sine", 1e3, 1e-9), Wanted(step=1e-7), "too long for a load"),
-        (Stack((timed("a", 1e4, 1e-4),)), Pulse("half-sine", 1e3, 1e-9), Wanted(), "samples"),
-        (Stack((timed("a", 1e4, 1e-4),)), PULSE, Wanted(step=1e-13), "nodes"),
-        (Stack((timed("a", 1e4, 1e-4),)), PULSE, Wanted(step=1e-11), "samples"),
+        (
+            Stack((timed("a", 1e4, 1e-4),)),
+            LoadPulse("half-sine", 1e3, 1e-9),
+            WantedError(step=1e-7),
+            "too long for a load",
+        ),
+        (Stack((timed("a", 1e4, 1e-4),)), LoadPulse("half-sine", 1e3, 1e-9), WantedError(), "samples"),
+        (Stack((timed("a", 1e4, 1e-4),)), PULSE, WantedError(step=1e-13), "nodes"),
+        (Stack((timed("a", 1e4, 1e-4),)), PULSE, WantedError(step=1e-11), "samples"),
         (
             Stack(
                 tuple(
@@ -104,10 +109,10 @@ def test_a_thin_layer_is_a_compliant_joint(transit):
                 (BONDED,) * 9999,
             ),
             PULSE,
-            Wanted(),
+            WantedError(),
             "10000 of them different.*too many",
         ),
-        (Stack((timed("a", 1e4, 1e-4),)), PULSE, Wanted(step=1e-10, method="spectral"), "samples"),
+        (Stack((timed("a", 1e4, 1e-4),)), PULSE, WantedError(step=1e-10, method="spectral"), "samples"),
     ],
 )
 def test_what_would_not_fit_is_refused_before_memory_is_taken(stack, load, wanted, words):

@@ -13,7 +13,20 @@ from scipy.integrate import solve_ivp
 
 from strikewave.contact import Contact
 from strikewave.contact.law import Damper, PressureCap
-from strikewave.waves import BONDED, End, Impactor, Joint, Layer, Pulse, Sampled, Stack, Tap, Wanted, _kernels, run_bar
+from strikewave.waves import (
+    BONDED,
+    End,
+    Impactor,
+    Joint,
+    Layer,
+    LoadPulse,
+    Sampled,
+    Stack,
+    Tap,
+    WantedError,
+    _kernels,
+    run_bar,
+)
 from strikewave.waves.transit import grid_of, state_at_rest, tables_of
 
 STEP = 1e-7
@@ -34,14 +47,14 @@ def incident(load, duration, step):
 
     def run(joint):
         taps = [Tap(0, 1.0), Tap(1, 0.0)]
-        done = run_bar(between_endless_bars(joint), load, taps, duration + 200 * STEP, Wanted(step=step))
+        done = run_bar(between_endless_bars(joint), load, taps, duration + 200 * STEP, WantedError(step=step))
         first = round(200 * STEP / step)
         return done, done.force[first:], done.velocity[first:]
 
     return run
 
 
-PULSE = Pulse("sine-squared", 2e4, 60e-6, kind="incident")
+PULSE = LoadPulse("sine-squared", 2e4, 60e-6, kind="incident")
 
 
 def solved(rates, start, duration, step):
@@ -88,7 +101,7 @@ def test_a_mass_on_a_spring_at_the_end_of_a_bar():
     misses = []
     for step in (STEP, STEP / 2):
         stack = Stack((timed("bar", Z1),), (), End("oscillator", m, k, c))
-        run = run_bar(stack, PULSE, [Tap(0, 1.0)], 2.2e-4, Wanted(step=step))
+        run = run_bar(stack, PULSE, [Tap(0, 1.0)], 2.2e-4, WantedError(step=step))
         times, (y, u) = solved(rates, [0.0, 0.0], 2e-4, step)
         v = (2 * PULSE.at(times) - k * y + c * u) / (Z1 + c)
         first = round(200 * STEP / step)
@@ -168,9 +181,9 @@ def test_a_yielding_contact_keeps_what_has_yielded():
 def test_a_bolted_joint_opens_at_its_preload_and_closes_when_the_gap_has_gone(preload):
     """Equal bars, a pulling half-sine: it opens at F0 sin = preload; 2/Z times the rest integrates to the gap."""
     peak, duration = 2e4, 80e-6
-    load = Pulse("half-sine", -peak, duration, kind="incident")
+    load = LoadPulse("half-sine", -peak, duration, kind="incident")
     stack = Stack((timed("before", Z1), timed("after", Z1)), (Joint(unilateral=True, preload=preload),), End("matched"))
-    run = run_bar(stack, load, [Tap(1, 0.0)], 1e-3, Wanted(step=STEP))
+    run = run_bar(stack, load, [Tap(1, 0.0)], 1e-3, WantedError(step=STEP))
     opens = math.asin(preload / peak) * duration / math.pi
     times = np.linspace(opens, 1e-3, 1_000_001)
     gap = np.cumsum(-load.at(times) - preload) * (times[1] - times[0])
@@ -184,7 +197,7 @@ def test_a_bolted_joint_opens_at_its_preload_and_closes_when_the_gap_has_gone(pr
 def test_behind_an_incident_wave_lies_an_endless_bar():
     """A free end sends the wave back; at the first face it passes on, so that nothing comes a second time."""
     stack = Stack((timed("bar", Z1),))
-    run = run_bar(stack, PULSE, [Tap(0, 1.0), Tap(0, 0.0)], 5e-4, Wanted(step=STEP))
+    run = run_bar(stack, PULSE, [Tap(0, 1.0), Tap(0, 0.0)], 5e-4, WantedError(step=STEP))
     expected = PULSE.at(run.time) - PULSE.at(run.time - 400 * STEP)
     assert run.face_force == pytest.approx(expected, abs=1e-8)
     assert run.velocity[:, 0] == pytest.approx(2 * PULSE.at(run.time - 200 * STEP) / Z1, abs=1e-12)
@@ -194,8 +207,8 @@ def test_behind_an_incident_wave_lies_an_endless_bar():
 def test_a_nonlinear_contact_never_gives_out_energy(stiffness, exponent, preload, peak):
     """Of the energy of an incident wave no more is found in the waves that leave, in the contact and its bolt."""
     joint = Joint(contact=Contact(stiffness, exponent), preload=preload)
-    load = Pulse("sine-squared", peak, 60e-6, kind="incident")
-    run = run_bar(between_endless_bars(joint), load, [Tap(0, 0.0), Tap(1, 1.0)], 3e-4, Wanted(step=STEP))
+    load = LoadPulse("sine-squared", peak, 60e-6, kind="incident")
+    run = run_bar(between_endless_bars(joint), load, [Tap(0, 0.0), Tap(1, 1.0)], 3e-4, WantedError(step=STEP))
     into = np.sum(load.at(run.time) ** 2) / Z1
     back = np.sum((run.force[:, 0] - load.at(run.time)) ** 2) / Z1
     on = np.sum(run.force[:, 1] ** 2) / Z2
@@ -241,7 +254,7 @@ def test_a_striker_with_a_damper_on_an_endless_bar(coefficient, exponent, style)
     for step in (STEP / 2, STEP / 4):
         contact = Contact(K, n, damper=Damper(coefficient, exponent, style))
         stack = Stack((timed("bar", Z1),), (), End("matched"))
-        run = run_bar(stack, Impactor(mass, speed, contact), [Tap(0, 0.0)], 6e-5, Wanted(step=step))
+        run = run_bar(stack, Impactor(mass, speed, contact), [Tap(0, 0.0)], 6e-5, WantedError(step=step))
         _, (d, u) = solved(rates, [0.0, speed], 6e-5, step)
         misses.append(np.abs(run.face_force[1 : len(d)] - force_at(d, u)[1:]).max() / force_at(d, u).max())
         assert run.momentum_error < 1e-12

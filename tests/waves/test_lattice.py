@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.waves import BONDED, End, Impactor, Layer, Pulse, Sampled, Stack, Tap, Wanted, run_bar
+from strikewave.waves import BONDED, End, Impactor, Layer, LoadPulse, Sampled, Stack, Tap, WantedError, run_bar
 
 STEP = 1e-7
 ROUNDING = 1e-12
@@ -77,7 +77,7 @@ def cases(draw):
         scale = 1e4 if kind == "force" else 5.0
         load = Sampled(np.linspace(0.0, length, len(values)), scale * np.array(values), kind)
     else:
-        load = Pulse(kind, draw(st.floats(-1e5, 1e5)), length)
+        load = LoadPulse(kind, draw(st.floats(-1e5, 1e5)), length)
     return impedances, counts, end, places, steps, load
 
 
@@ -102,7 +102,7 @@ def test_waves_are_those_of_a_shifted_lattice(case):
     impedances, counts, end, places, steps, load = case
     stack = whole_step_stack(impedances, counts, end)
     taps = [Tap(k, node / counts[k]) for k, node in places]
-    run = run_bar(stack, load, taps, steps * STEP, Wanted(step=STEP))
+    run = run_bar(stack, load, taps, steps * STEP, WantedError(step=STEP))
     assert run.grid.counts == tuple(counts)
     assert run.time == pytest.approx(STEP * np.arange(steps + 1), rel=1e-15)
     # a step more, for the last acceleration
@@ -119,7 +119,7 @@ def test_layers_with_speeds_are_those_of_a_shifted_lattice(case, speeds):
     speeds = speeds[: len(counts)]
     stack = whole_step_stack(impedances, counts, end, speeds)
     taps = [Tap(k, node / counts[k]) for k, node in places]
-    run = run_bar(stack, load, taps, steps * STEP, Wanted(step=STEP))
+    run = run_bar(stack, load, taps, steps * STEP, WantedError(step=STEP))
     face = load.at(STEP * np.arange(steps + 2.0))
     by_speed = isinstance(load, Sampled) and load.kind == "speed"
     found = shifted_lattice(impedances, counts, end, face, by_speed, places, speeds)
@@ -136,7 +136,7 @@ def test_rigid_striker_on_a_shifted_lattice(case, mass, speed):
     impedances, counts, end, places, steps, _ = case
     stack = whole_step_stack(impedances, counts, end)
     taps = [Tap(k, node / counts[k]) for k, node in [*places, (0, 0)]]
-    run = run_bar(stack, Impactor(mass, speed), taps, steps * STEP, Wanted(step=STEP))
+    run = run_bar(stack, Impactor(mass, speed), taps, steps * STEP, WantedError(step=STEP))
     force, velocity, pushed = shifted_lattice(impedances, counts, end, run.face_force, False, [*places, (0, 0)])
     assert np.abs(run.force - force).max() <= ROUNDING * np.abs(pushed).max()
     touching = run.face_force > 0.0

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from strikewave.contact import Contact
-from strikewave.waves import BONDED, End, Joint, Layer, Sampled, Stack, Tap, Wanted, run_bar
+from strikewave.waves import BONDED, End, Joint, Layer, Sampled, Stack, Tap, WantedError, run_bar
 from strikewave.waves.loss import fit_loss
-from strikewave.waves.spectral import Spectrum
+from strikewave.waves.spectral import SpectralStack
 
 STEP = 1e-7
 LINEAR = ("bonded", "compliant", "damped", "gasket", "mass", "hung mass")
@@ -80,7 +80,7 @@ def energies(stack, load, face, end):
 def test_delay_lines_give_out_no_more_than_went_in(stack):
     """Rigid joints, springs and gaskets keep it to rounding; nonlinear contacts to second order in the step."""
     load = bell()
-    run = run_bar(stack, load, [Tap(0, 0.0)], 6e-4, Wanted(step=STEP, method="delay lines"))
+    run = run_bar(stack, load, [Tap(0, 0.0)], 6e-4, WantedError(step=STEP, method="delay lines"))
     into, back, on = energies(stack, load, run.face_force, run.end_force)
     exact = all(joint.contact is None for joint in stack.joints)
     assert back + on <= into * (1 + (1e-12 if exact else 1e-4))
@@ -98,7 +98,7 @@ def test_the_spectrum_gives_out_no_more_than_went_in(stack):
     first, last = (dataclasses.replace(stack.layers[k], **plain) for k in (0, -1))
     stack = dataclasses.replace(stack, layers=(first, *stack.layers[1:-1], last))
     load = bell()
-    spectrum = Spectrum(stack, load, STEP, 6001)
+    spectrum = SpectralStack(stack, load, STEP, 6001)
     face, end, _ = spectrum.ends()
     # the solver rounds the load over a step, which takes (step/width)^2/2 of its energy
     into, back, on = energies(stack, load, face, end)
@@ -112,7 +112,7 @@ def test_the_spectrum_is_reciprocal(stack):
     mirrored = Stack(stack.layers[::-1], stack.joints[::-1], stack.end)
     passed = []
     for each in (stack, mirrored):
-        spectrum = Spectrum(each, bell(), STEP, 3001)
+        spectrum = SpectralStack(each, bell(), STEP, 3001)
         z = [x.density * x.area * spectrum.s / g for x, g in ((each.layers[k], spectrum.travel(k)) for k in (0, -1))]
         _, _, ends, _ = spectrum._respond([])
         passed.append(ends[1] * np.sqrt(z[0] / z[1]))
@@ -124,7 +124,7 @@ def test_delay_lines_are_reciprocal(stack):
     mirrored = Stack(stack.layers[::-1], stack.joints[::-1], stack.end)
     passed = []
     for each in (stack, mirrored):
-        run = run_bar(each, bell(), [Tap(0, 0.0)], 3e-4, Wanted(step=STEP, method="delay lines"))
+        run = run_bar(each, bell(), [Tap(0, 0.0)], 3e-4, WantedError(step=STEP, method="delay lines"))
         passed.append(run.end_force * math.sqrt(each.layers[0].impedance / each.layers[-1].impedance))
     assert passed[0] == pytest.approx(passed[1], abs=1e-9 * 1e4)
 
@@ -133,7 +133,7 @@ def test_delay_lines_are_reciprocal(stack):
 def test_a_later_load_does_the_same_later(stack, steps):
     """Also where joints open: before the load nothing moves."""
     runs = [
-        run_bar(stack, bell(wait=wait), [Tap(1, 0.5)], 2e-4 + wait, Wanted(step=STEP, method="delay lines"))
+        run_bar(stack, bell(wait=wait), [Tap(1, 0.5)], 2e-4 + wait, WantedError(step=STEP, method="delay lines"))
         for wait in (0.0, steps * STEP)
     ]
     rows = len(runs[0].time)
@@ -147,6 +147,6 @@ def test_a_later_load_does_the_same_later(stack, steps):
 @given(stacks(LINEAR, lossy=True), st.integers(1, 500))
 def test_a_later_load_has_the_same_spectrum_later(stack, steps):
     now, later = (
-        Spectrum(stack, bell(wait=wait), STEP, 2500).look([(1, 0.5)]).velocity[0] for wait in (0.0, steps * STEP)
+        SpectralStack(stack, bell(wait=wait), STEP, 2500).look([(1, 0.5)]).velocity[0] for wait in (0.0, steps * STEP)
     )
     assert later[steps:] == pytest.approx(now[:-steps], abs=1e-7 * np.abs(now).max())

@@ -17,22 +17,22 @@ from strikewave.waves import (
     End,
     Joint,
     Layer,
-    Pulse,
+    LoadPulse,
     Sampled,
     Stack,
     Tap,
-    Wanted,
+    WantedError,
     _kernels,
     run_bar,
     spectral_bar,
 )
 from strikewave.waves.limits import bar_extremes
-from strikewave.waves.spectral import Spectrum
+from strikewave.waves.spectral import SpectralStack
 from strikewave.waves.times import shortest_time
 from strikewave.waves.transit import grid_of, state_at_rest, tables_of
 
 STEP, Z1, Z2 = 1e-7, 8e3, 5e3
-PULSE = Pulse("sine-squared", 2e4, 60e-6, kind="incident")
+PULSE = LoadPulse("sine-squared", 2e4, 60e-6, kind="incident")
 
 
 def timed(name, z, steps=200, **more):
@@ -58,7 +58,7 @@ def driven(stack, load, steps):
 )
 def test_energy_in_is_energy_held_and_lost(joint, end, rel):
     """Before an echo is back at the first face all the energy of the wave is in the stack or in the joint's dashpot."""
-    load = Pulse("sine-squared", 2e4, 12e-6, kind="incident")
+    load = LoadPulse("sine-squared", 2e4, 12e-6, kind="incident")
     tables, state = driven(Stack((timed("a", Z1, 400), timed("b", Z2, 100)), (joint,), end), load, 700)
     into = float(np.sum(load.at(STEP * np.arange(700.0)) ** 2)) * STEP / Z1
     held = _kernels.energy(tables, state) + state.joint[0, _kernels.LOST]
@@ -71,38 +71,40 @@ def test_a_yielded_contact_opens_at_its_dent():
     load = Sampled(time, 3e4 * np.sin(2 * np.pi * time / 120e-6), "incident")
     joint = Joint(contact=Contact(4e12, 1.5, cap=PressureCap(5e3, "point")))
     stack = Stack((timed("a", Z1), timed("b", Z2)), (joint,), End("matched"))
-    run = run_bar(stack, load, [Tap(1, 0.0)], 2e-4, Wanted(step=STEP))
+    run = run_bar(stack, load, [Tap(1, 0.0)], 2e-4, WantedError(step=STEP))
     pressed = np.flatnonzero(run.force[:, 0] > 0.0)
     assert run.events[0, 2] == 1.0
     assert run.events[0, 1] == pytest.approx(run.time[pressed[-1] + 1], abs=2 * STEP)
 
 
 def test_a_bolted_spring_opens_when_the_bolt_alone_pulls():
-    load = Pulse("half-sine", -2e4, 80e-6, kind="incident")
+    load = LoadPulse("half-sine", -2e4, 80e-6, kind="incident")
     stack = Stack((timed("a", Z1), timed("b", Z1)), (Joint(1e9, unilateral=True, preload=5e3),), End("matched"))
-    run = run_bar(stack, load, [Tap(1, 0.0)], 2e-4, Wanted(step=STEP))
+    run = run_bar(stack, load, [Tap(1, 0.0)], 2e-4, WantedError(step=STEP))
     opened = run.time[np.flatnonzero(run.force[:, 0] <= -5e3)[0]]
     assert run.events[0] == pytest.approx([0.0, opened, 1.0], abs=1.5 * STEP)
 
 
 def test_a_rigid_gap_closes_to_one_step_of_the_closed_form():
     gap, speed = 20.05e-6, 2.0
-    load = Pulse("rectangle", Z1 * speed / 2, 1e-4, kind="incident")
+    load = LoadPulse("rectangle", Z1 * speed / 2, 1e-4, kind="incident")
     stack = Stack((timed("a", Z1), timed("b", Z2)), (Joint(unilateral=True, gap=gap),), End("matched"))
-    run = run_bar(stack, load, [Tap(1, 0.0)], 1e-4, Wanted(step=STEP))
+    run = run_bar(stack, load, [Tap(1, 0.0)], 1e-4, WantedError(step=STEP))
     assert run.events[0, 1] == pytest.approx(200 * STEP + gap / speed, abs=0.5 * STEP)
 
 
 def test_layers_that_differ_in_poissons_ratio_travel_apart():
     a, b = (timed("x", Z1, poissons_ratio=nu, dispersion="pochhammer-chree", diameter=0.02) for nu in (0.1, 0.4))
-    both = Spectrum(Stack((a, b), (BONDED,)), Pulse("half-sine", 1.0, 2e-5), STEP, 500)
-    alone = Spectrum(Stack((b, b), (BONDED,)), Pulse("half-sine", 1.0, 2e-5), STEP, 500)
+    both = SpectralStack(Stack((a, b), (BONDED,)), LoadPulse("half-sine", 1.0, 2e-5), STEP, 500)
+    alone = SpectralStack(Stack((b, b), (BONDED,)), LoadPulse("half-sine", 1.0, 2e-5), STEP, 500)
     assert np.array_equal(both.travel(1), alone.travel(1))
     assert not np.allclose(both.travel(0), both.travel(1))
 
 
 def test_places_may_come_in_any_order():
-    spectrum = Spectrum(Stack((timed("a", Z1), timed("b", Z2)), (BONDED,)), Pulse("half-sine", 1.0, 2e-5), STEP, 800)
+    spectrum = SpectralStack(
+        Stack((timed("a", Z1), timed("b", Z2)), (BONDED,)), LoadPulse("half-sine", 1.0, 2e-5), STEP, 800
+    )
     places = [(1, 1.0), (0, 0.5), (1, 0.2), (0, 0.0)]
     together = spectrum.look(places)
     for k, place in enumerate(places):
@@ -110,24 +112,24 @@ def test_places_may_come_in_any_order():
 
 
 def test_a_step_that_is_asked_for_keeps_its_own_bound():
-    stack, load = Stack((timed("a", Z1), timed("b", Z2)), (BONDED,)), Pulse("sine-squared", 2e4, 20e-6)
-    run = run_bar(stack, load, [Tap(1, 1.0)], 1e-4, Wanted(step=4e-7, method="spectral"))
-    fine = run_bar(stack, load, [Tap(1, 1.0)], 1e-4, Wanted(step=2.5e-8, method="spectral"))
+    stack, load = Stack((timed("a", Z1), timed("b", Z2)), (BONDED,)), LoadPulse("sine-squared", 2e4, 20e-6)
+    run = run_bar(stack, load, [Tap(1, 1.0)], 1e-4, WantedError(step=4e-7, method="spectral"))
+    fine = run_bar(stack, load, [Tap(1, 1.0)], 1e-4, WantedError(step=2.5e-8, method="spectral"))
     for name in ("velocity", "acceleration"):
         miss = np.abs(getattr(run, name) - getattr(fine, name)[::16][: len(run.time)]).max()
         assert miss < getattr(run.bound, name) < 4 * miss
 
 
 def test_the_step_is_halved_for_the_acceleration_too():
-    stack, load = Stack((timed("a", Z1),)), Pulse("sine-squared", 2e4, 20e-6)
-    run = run_bar(stack, load, [Tap(0, 1.0)], 1e-4, Wanted(1e-1, 1e-3, method="spectral"))
+    stack, load = Stack((timed("a", Z1),)), LoadPulse("sine-squared", 2e4, 20e-6)
+    run = run_bar(stack, load, [Tap(0, 1.0)], 1e-4, WantedError(1e-1, 1e-3, method="spectral"))
     assert run.relative_bound[1] < 1e-3
 
 
 def test_the_field_of_a_spectrum_is_that_of_delay_lines():
-    stack, load = Stack((timed("a", Z1), timed("b", Z2)), (BONDED,)), Pulse("sine-squared", 2e4, 20e-6)
+    stack, load = Stack((timed("a", Z1), timed("b", Z2)), (BONDED,)), LoadPulse("sine-squared", 2e4, 20e-6)
     run, lines = (
-        run_bar(stack, load, [Tap(1, 0.5)], 1e-4, Wanted(step=STEP, method=m)) for m in ("spectral", "delay lines")
+        run_bar(stack, load, [Tap(1, 0.5)], 1e-4, WantedError(step=STEP, method=m)) for m in ("spectral", "delay lines")
     )
     for name, scale in (("field_force", 2e4), ("field_velocity", 4e4 / Z1)):
         ours = np.array([np.interp(lines.field_time, run.field_time, x) for x in getattr(run, name).T])
@@ -143,8 +145,10 @@ def test_what_springs_and_masses_miss_is_in_the_bound():
         Stack((timed("a", Z1),), (), End("oscillator", 0.02, 5e8, 200.0)),
         Stack((timed("a", Z1), timed("b", Z2)), (Joint(2e9, 500.0),)),
     ):
-        load, tap = Pulse("sine-squared", 2e4, 20e-6), [Tap(len(stack.layers) - 1, 1.0)]
-        run, fine = (run_bar(stack, load, tap, 1e-4, Wanted(step=s, method="delay lines")) for s in (STEP, STEP / 8))
+        load, tap = LoadPulse("sine-squared", 2e4, 20e-6), [Tap(len(stack.layers) - 1, 1.0)]
+        run, fine = (
+            run_bar(stack, load, tap, 1e-4, WantedError(step=s, method="delay lines")) for s in (STEP, STEP / 8)
+        )
         for name in ("velocity", "acceleration"):
             miss = np.abs(getattr(run, name) - getattr(fine, name)[::8][: len(run.time)]).max()
             assert 0.0 < miss < getattr(run.bound, name)
@@ -153,7 +157,7 @@ def test_what_springs_and_masses_miss_is_in_the_bound():
 def test_the_chosen_step_resolves_a_stiff_hung_mass():
     m, f = 1e-4, 2e6
     stack = Stack((timed("a", Z1), timed("b", Z2)), (Joint(m * (2 * math.pi * f) ** 2, attached=m),))
-    run = run_bar(stack, Pulse("sine-squared", 2e4, 20e-6), [Tap(1, 1.0)], 6e-5, Wanted(method="delay lines"))
+    run = run_bar(stack, LoadPulse("sine-squared", 2e4, 20e-6), [Tap(1, 1.0)], 6e-5, WantedError(method="delay lines"))
     assert run.grid.step <= 20.0 / (2 * math.pi * f) / 50.0 * (1 + 1e-9)
 
 
@@ -226,8 +230,8 @@ def test_the_chosen_step_resolves_contacts_and_the_end():
 
 def test_steps_are_not_halved_beyond_the_work(monkeypatch):
     monkeypatch.setattr(spectral_bar, "MOST_WORK", 1.0)
-    load = Pulse("rectangle", 1.0, 50e-6)
-    run = run_bar(Stack((timed("a", Z1),)), load, [Tap(0, 1.0)], 1e-4, Wanted(method="spectral"))
+    load = LoadPulse("rectangle", 1.0, 50e-6)
+    run = run_bar(Stack((timed("a", Z1),)), load, [Tap(0, 1.0)], 1e-4, WantedError(method="spectral"))
     assert run.grid.step == pytest.approx(50e-6 / 50 / 2)
 
 
@@ -235,8 +239,8 @@ def test_steps_are_not_halved_beyond_the_work(monkeypatch):
 def test_a_last_film_of_no_thickness_changes_nothing(end):
     """1e-18 s: 1 + R (free) or 1 - R (rigid) rounds to 0, and the other one carries the wave on."""
     film = dataclasses.replace(timed("film", Z1), length=1e-18 * Z1)
-    run = Spectrum(Stack((timed("a", Z1), film), (BONDED,), End(end)), PULSE, STEP, 800).look([(1, 0.5)])
-    bare = Spectrum(Stack((timed("a", Z1),), (), End(end)), PULSE, STEP, 800).look([(0, 1.0)])
+    run = SpectralStack(Stack((timed("a", Z1), film), (BONDED,), End(end)), PULSE, STEP, 800).look([(1, 0.5)])
+    bare = SpectralStack(Stack((timed("a", Z1),), (), End(end)), PULSE, STEP, 800).look([(0, 1.0)])
     name = "velocity" if end == "free" else "force"
     largest = np.abs(getattr(bare, name)).max()
     assert getattr(run, name)[0] == pytest.approx(getattr(bare, name)[0], abs=1e-6 * largest)
@@ -253,7 +257,9 @@ def test_a_last_film_of_no_thickness_changes_nothing(end):
 )
 def test_bars_that_fly_with_their_masses_feel_nothing(joint, end):
     layers = tuple(timed(name, z, speed=10.0) for name, z in (("a", Z1), ("b", Z2)))
-    run = run_bar(Stack(layers, (joint,), end), Pulse("rectangle", 0.0, 1e-6), [Tap(1, 0.5)], 2e-4, Wanted(step=STEP))
+    run = run_bar(
+        Stack(layers, (joint,), end), LoadPulse("rectangle", 0.0, 1e-6), [Tap(1, 0.5)], 2e-4, WantedError(step=STEP)
+    )
     assert np.abs(run.force).max() < 1e-9
     assert run.velocity[:, 0] == pytest.approx(np.full(len(run.time), 10.0), abs=1e-12)
 
@@ -261,7 +267,7 @@ def test_bars_that_fly_with_their_masses_feel_nothing(joint, end):
 @pytest.mark.parametrize(
     "load",
     [
-        Pulse("triangle", 2e4, 100e-6, 99.5e-6),
+        LoadPulse("triangle", 2e4, 100e-6, 99.5e-6),
         Sampled(1e-6 * np.array([0.0, 10.0, 40.0, 40.05, 40.1, 60.0]), 1e4 * np.array([0.0, 1.0, 1.0, 1.9, 1.0, 0.0])),
     ],
 )
@@ -278,7 +284,7 @@ def test_every_layer_of_many_is_watched_for_its_largest_force():
     layers = [timed(f"{k}", Z1, 1) for k in range(count)]
     layers[necked] = dataclasses.replace(layers[necked], area=0.01, density=100.0, modulus=layers[necked].modulus * 100)
     stack = Stack(tuple(layers), (BONDED,) * (count - 1), End("matched"))
-    run = run_bar(stack, PULSE, [Tap(0, 0.5)], 2e-4, Wanted(step=STEP, method="delay lines"))
+    run = run_bar(stack, PULSE, [Tap(0, 0.5)], 2e-4, WantedError(step=STEP, method="delay lines"))
     largest, _, greatest = bar_extremes(run)
     assert largest[necked] == pytest.approx(2e4, rel=1e-3)
     assert greatest[necked] == pytest.approx(2e4, rel=1e-3)

@@ -16,18 +16,18 @@ from strikewave.waves import (
     Impactor,
     Joint,
     Layer,
-    Pulse,
+    LoadPulse,
     Sampled,
     Stack,
     Tap,
-    Wanted,
+    WantedError,
     round_bar,
     run_bar,
 )
 from strikewave.waves.dispersion import Rod, group_speed, phase_speed
 from strikewave.waves.layers import LossFit
 from strikewave.waves.loss import fit_loss
-from strikewave.waves.spectral import Spectrum
+from strikewave.waves.spectral import SpectralStack
 
 STEP = 1e-7
 STEEL = material("65Mn")
@@ -62,11 +62,11 @@ STACKS = {
 def test_the_spectrum_converges_to_the_delay_lines(name, kind):
     """Transits are whole steps, so that delay lines err by their joints alone; both errors are of second order."""
     load, taps = bell(40e-6, 5e-6, kind=kind), [Tap(0, 0.5), Tap(1, 1.0)]
-    lines = run_bar(STACKS[name], load, taps, 4e-4, Wanted(step=STEP / 8))
+    lines = run_bar(STACKS[name], load, taps, 4e-4, WantedError(step=STEP / 8))
     misses = []
     for halves in (1, 2):
         step = STEP / halves
-        found = Spectrum(STACKS[name], load, step, round(4e-4 / step) + 1).look([(0, 0.5), (1, 1.0)])
+        found = SpectralStack(STACKS[name], load, step, round(4e-4 / step) + 1).look([(0, 0.5), (1, 1.0)])
         every = 8 // halves
         pairs = (
             (found.force.T, lines.force[::every]),
@@ -87,9 +87,9 @@ def test_both_solvers_agree_to_one_percent_of_peak(shape, of):
     parts = (("65Mn", 0.05), ("2A12", 0.03), ("65Mn", 0.08))
     layers = tuple(round_bar(f"{k}", material(name), length, 0.03) for k, (name, length) in enumerate(parts))
     stack = Stack(layers, (Joint(FIT.stiffness, branches=FIT.branches), Joint(mass=0.02)))
-    load, taps = Pulse(shape, 2e4, 100e-6), [Tap(1, 0.5), Tap(2, 1.0)]
-    lines = run_bar(stack, load, taps, 5e-4, Wanted(method="delay lines"))
-    spectral = run_bar(stack, load, taps, 5e-4, Wanted(method="spectral"))
+    load, taps = LoadPulse(shape, 2e4, 100e-6), [Tap(1, 0.5), Tap(2, 1.0)]
+    lines = run_bar(stack, load, taps, 5e-4, WantedError(method="delay lines"))
+    spectral = run_bar(stack, load, taps, 5e-4, WantedError(method="spectral"))
     for name in ("force", "velocity", "acceleration")[:of]:
         ours = np.array([np.interp(lines.time, spectral.time, x) for x in getattr(spectral, name).T]).T
         assert np.abs(ours - getattr(lines, name)).max() < 0.01 * np.abs(getattr(lines, name)).max()
@@ -110,7 +110,7 @@ def test_maxwell_bar_follows_the_telegraph_equation():
     tau, x, step = 60e-6, 0.9, 2.5e-8
     load = bell(40e-6, 6e-6, step)
     steps = 20001
-    found = Spectrum(maxwell_bar(tau), load, step, steps).look([(0, x / 2.0)]).force[0]
+    found = SpectralStack(maxwell_bar(tau), load, step, steps).look([(0, x / 2.0)]).force[0]
     time = step * np.arange(steps)
     t0 = x / 5000.0
     after = time - t0
@@ -136,7 +136,7 @@ def test_nothing_arrives_before_the_fastest_wave():
     stiffest = fit.stiffness + sum(branch.stiffness for branch in fit.branches)
     bar = Layer("bar", 1000.0, 2.5e10, 1e-4, 2.0, 0.01, loss=fit)
     step, x = 1e-7, 1.0
-    found = Spectrum(Stack((bar,), (), End("matched")), Pulse("sine-squared", 1.0, 50e-6), step, 6000).look(
+    found = SpectralStack(Stack((bar,), (), End("matched")), LoadPulse("sine-squared", 1.0, 50e-6), step, 6000).look(
         [(0, x / 2)]
     )
     arrival = x / (5000.0 * math.sqrt(stiffest))
@@ -156,7 +156,7 @@ def test_waves_run_at_the_speeds_of_the_pochhammer_chree_table(nu):
     }
     diameter, c0, step, steps = 0.02, 5000.0, 2e-7, 8192
     bar = Layer("bar", 8000.0, 2e11, 1e-4, 2.0, diameter, poissons_ratio=nu, dispersion="pochhammer-chree")
-    found = Spectrum(Stack((bar,), (), End("matched")), bell(30e-6, 2.5e-6, step), step, steps).look(
+    found = SpectralStack(Stack((bar,), (), End("matched")), bell(30e-6, 2.5e-6, step), step, steps).look(
         [(0, 0.25), (0, 0.5)]
     )
     for ratio, expected in zip((0.1, 0.3), table[nu], strict=True):
@@ -174,7 +174,7 @@ def test_a_tone_burst_runs_at_the_group_speed():
     time = np.arange(0.0, 1.2e-3, step)
     burst = Sampled(time, np.exp(-0.5 * ((time - 6e-4) / 1e-4) ** 2) * np.sin(2 * np.pi * frequency * time))
     bar = Layer("bar", 8000.0, 2e11, 1e-4, 4.0, 0.02, poissons_ratio=0.29, dispersion="pochhammer-chree")
-    found = Spectrum(Stack((bar,), (), End("matched")), burst, step, steps).look([(0, 0.0), (0, 0.5)])
+    found = SpectralStack(Stack((bar,), (), End("matched")), burst, step, steps).look([(0, 0.0), (0, 0.5)])
     t = step * np.arange(steps)
     near, far = (np.sum(t * x**2) / np.sum(x**2) for x in found.force)
     speed = 2.0 / (far - near)
@@ -187,7 +187,7 @@ def test_love_rayleigh_and_pochhammer_chree_agree_for_long_waves():
     runs = []
     for theory in ("none", "love-rayleigh", "pochhammer-chree"):
         bar = Layer("bar", 8000.0, 2e11, 1e-4, 0.5, 0.02, poissons_ratio=0.29, dispersion=theory)
-        runs.append(Spectrum(Stack((bar,)), bell(100e-6, 15e-6), 4e-7, 5000).look([(0, 1.0)]).velocity[0])
+        runs.append(SpectralStack(Stack((bar,)), bell(100e-6, 15e-6), 4e-7, 5000).look([(0, 1.0)]).velocity[0])
     none, love, chree = runs
     assert np.abs(love - chree).max() < 0.02 * np.abs(none - chree).max()
 
@@ -196,8 +196,8 @@ def test_a_lossless_bar_rings_on_to_the_end():
     """Half a hundred round trips between free ends: the window lets nothing wrap around, and nothing dies."""
     bar = timed("bar", 5e3, 100)
     load = bell(20e-6, 2.5e-6)
-    spectrum = Spectrum(Stack((bar,)), load, STEP, 10001)
-    lines = run_bar(Stack((bar,)), load, [Tap(0, 1.0)], 1e-3, Wanted(step=STEP))
+    spectrum = SpectralStack(Stack((bar,)), load, STEP, 10001)
+    lines = run_bar(Stack((bar,)), load, [Tap(0, 1.0)], 1e-3, WantedError(step=STEP))
     found = spectrum.look([(0, 1.0)])
     # a bell of 25 steps, rounded over one: 4e-4; nothing grows over 50 round trips
     assert np.abs(found.velocity[0] - lines.velocity[:, 0]).max() < 6e-4 * np.abs(lines.velocity).max()
@@ -205,8 +205,8 @@ def test_a_lossless_bar_rings_on_to_the_end():
 
 @pytest.mark.parametrize("name", STACKS)
 def test_momentum_is_the_impulse(name):
-    for load in (bell(40e-6, 5e-6), Pulse("rectangle", 1.0, 30e-6)):
-        run = run_bar(STACKS[name], load, [Tap(0, 0.5)], 3e-4, Wanted(step=STEP, method="spectral"))
+    for load in (bell(40e-6, 5e-6), LoadPulse("rectangle", 1.0, 30e-6)):
+        run = run_bar(STACKS[name], load, [Tap(0, 0.5)], 3e-4, WantedError(step=STEP, method="spectral"))
         assert run.momentum_error < 1e-9
         ends = np.trapezoid(run.face_force - run.end_force, run.time)
         largest = max(abs(run.impulse), abs(run.end_impulse))
@@ -217,9 +217,9 @@ def test_the_default_run_keeps_its_own_error_estimate():
     """A run by the default errors against one at a fortieth of its step: off by no more than it says."""
     bar = round_bar("bar", STEEL, 0.2, 0.03)
     stack = Stack((dataclasses.replace(bar, dispersion="pochhammer-chree"),))
-    load, taps = Pulse("sine-squared", 2e4, 60e-6), [Tap(0, 0.5), Tap(0, 1.0)]
+    load, taps = LoadPulse("sine-squared", 2e4, 60e-6), [Tap(0, 0.5), Tap(0, 1.0)]
     run = run_bar(stack, load, taps, 3e-4)
-    fine = run_bar(stack, load, taps, 3e-4, Wanted(step=run.grid.step / 10))
+    fine = run_bar(stack, load, taps, 3e-4, WantedError(step=run.grid.step / 10))
     rows = len(run.time)
     for name, bound in (("velocity", run.bound.velocity), ("acceleration", run.bound.acceleration)):
         miss = np.abs(getattr(run, name) - getattr(fine, name)[::10][:rows]).max()
@@ -236,12 +236,12 @@ def test_the_default_run_keeps_its_own_error_estimate():
 )
 def test_what_is_not_linear_is_refused_with_what_to_do(stack, load, words):
     with pytest.raises(ValueError, match=words + ".*incident wave"):
-        run_bar(stack, load, [Tap(0, 0.5)], 1e-4, Wanted(method="spectral"))
+        run_bar(stack, load, [Tap(0, 0.5)], 1e-4, WantedError(method="spectral"))
 
 
 def test_delay_lines_refuse_layers_with_loss_or_dispersion():
     lossy = dataclasses.replace(LOW, loss=fit_loss(1.0, 0.1, 1e3, 1e5))
     with pytest.raises(ValueError, match=r"low loses energy.*spectral"):
-        run_bar(Stack((lossy,)), bell(2e-5, 4e-6), [Tap(0, 0.5)], 1e-4, Wanted(method="delay lines"))
+        run_bar(Stack((lossy,)), bell(2e-5, 4e-6), [Tap(0, 0.5)], 1e-4, WantedError(method="delay lines"))
     with pytest.raises(ValueError, match="Poisson's ratio"):
         dataclasses.replace(LOW, dispersion="love-rayleigh")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from strikewave.base.materials import material
-from strikewave.waves import BONDED, End, Layer, Pulse, Stack, Tap, Wanted, run_bar
+from strikewave.waves import BONDED, End, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 from strikewave.waves.layers import round_bar
 from strikewave.waves.li_ma import Sandwich
 from strikewave.waves.staircase import endless_force, first_echoes, staircase
@@ -53,8 +53,8 @@ def test_the_waves_climb_the_staircase_until_the_first_echo():
         Layer(b.name, b.density, b.modulus, b.area, n * step * b.bar_speed) for b, n in zip(bars, counts, strict=True)
     )
     stack = Stack(bars, (BONDED, BONDED))
-    jump = Pulse("rectangle", 2e4, 1.0)
-    run = run_bar(stack, jump, [Tap(1, 0.0), Tap(1, 1.0)], 80e-6, Wanted(step=step))
+    jump = LoadPulse("rectangle", 2e4, 1.0)
+    run = run_bar(stack, jump, [Tap(1, 0.0), Tap(1, 1.0)], 80e-6, WantedError(step=step))
     assert run.grid.counts == counts
     levels = staircase(Sandwich(*bars), 6)
     assert np.diff(levels.second).min() > 1e-6  # they do stand apart
@@ -79,7 +79,7 @@ def test_a_smooth_load_through_several_layers_until_the_first_echo(end):
         Layer(b.name, b.density, b.modulus, b.area, n * step * b.bar_speed) for b, n in zip(makers, counts, strict=True)
     )
     stack = Stack(bars, (BONDED,) * 3, End(end))
-    run = run_bar(stack, Pulse("half-sine", 1e4, 20e-6), [Tap(2, 0.0), Tap(2, 1.0)], 150e-6, Wanted(step=step))
+    run = run_bar(stack, LoadPulse("half-sine", 1e4, 20e-6), [Tap(2, 0.0), Tap(2, 1.0)], 150e-6, WantedError(step=step))
     closed = endless_force(stack, 2, run.time, run.time, run.face_force)
     arrival = sum(counts[:2])
     for k, heard in enumerate(first_echoes(stack, 2)):

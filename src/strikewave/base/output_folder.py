@@ -113,7 +113,7 @@ def _check(folder: Path, identity: str, force: bool, own: Sequence[str]) -> None
 
 
 @contextlib.contextmanager
-def whole_folder(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> Iterator[Path]:
+def atomic_folder(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> Iterator[Path]:
     """Give a temporary folder to write into; it takes the place of ``folder`` once all is written.
 
     On any error, Ctrl-C or a full disk included, the temporary folder goes and the old result stays.
@@ -127,7 +127,7 @@ def whole_folder(folder: Path, identity: str, force: bool = False, own: Sequence
     --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as home:
-    ...     with whole_folder(Path(home) / "out", identity="") as place:
+    ...     with atomic_folder(Path(home) / "out", identity="") as place:
     ...         _ = (place / "case.toml").write_text("")
     ...     [p.name for p in (Path(home) / "out").iterdir()]
     ['case.toml']
@@ -164,7 +164,7 @@ def _swap(place: Path, folder: Path) -> None:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def write_whole(path: Path, text: str) -> None:
+def write_atomically(path: Path, text: str) -> None:
     """Write a text file that appears whole or not at all.
 
     Raises

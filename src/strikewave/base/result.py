@@ -16,9 +16,9 @@ from strikewave.base.json_document import head, plain, without
 if TYPE_CHECKING:
     import xarray
 
-SCHEMA = 3
-"""Of the files of a solution; 2 adds readings and waves, 3 the contact of each blow."""
-LEDGER_LIMIT = 1e-6
+SCHEMA = 4
+"""Of the files of a solution; 2 adds readings and waves, 3 the contact of each blow; 4 says balance, largest displacement."""
+BALANCE_LIMIT = 1e-6
 """Energy or momentum missing beyond this share breaks a stated limit."""
 
 
@@ -209,13 +209,13 @@ def comparison_document(comparison: Comparison, *left_out: str) -> dict[str, Any
     return without(dataclasses.asdict(comparison), *left_out)
 
 
-def ledger_notices(ledger: Mapping[str, float]) -> Iterator[Notice]:
-    """Yield each error of a ledger (``energy_error``, ``momentum_error``, shares) that is beyond the limit."""
-    for key, error in ledger.items():
-        if not error <= LEDGER_LIMIT:
+def balance_notices(balance: Mapping[str, float]) -> Iterator[Notice]:
+    """Yield each error of a balance (``energy_error``, ``momentum_error``, shares) that is beyond the limit."""
+    for key, error in balance.items():
+        if not error <= BALANCE_LIMIT:
             name = key.removesuffix("_error")
             message = (
-                f"the {name} ledger misses {error:.1e}: lower solver.tolerance (solver.step for a stack), or take "
+                f"the {name} balance is off by {error:.1e}: lower solver.tolerance (solver.step for a stack), or take "
                 "less extreme values"
             )
-            yield Notice(f"{name}-ledger", message, error, LEDGER_LIMIT, broken=True)
+            yield Notice(f"{name}-balance", message, error, BALANCE_LIMIT, broken=True)

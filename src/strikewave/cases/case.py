@@ -35,19 +35,19 @@ from strikewave.cases.tables import (
     PUBLISHED_QUANTITIES,
     AnyObject,
     AnyStriker,
+    CaseTable,
     ContactTable,
     FeedTable,
     LaunchedTable,
     LoadTable,
     Object,
     Published,
-    Recorder,
+    RecorderTable,
     RotaryTable,
     SensorTable,
     Solver,
     StackTable,
-    Striker,
-    Table,
+    StrikerTable,
     TapTable,
     case_name,
     read_published,
@@ -71,31 +71,31 @@ ROTARY_TABLES = ("machine", "striker", "feed", "object", "contact", "recorder")
 """The tables that a rotary machine needs; a machine without a drive has no feed."""
 VECTOR = frozenset("xyz")
 """The keys of a vector."""
-STRICT: dict[str, type[Table]] = {"striker": Striker, "object": Object}
+STRICT: dict[str, type[CaseTable]] = {"striker": StrikerTable, "object": Object}
 """Tables of which a rotary machine needs all that one without a drive may leave out."""
 
 
-class Impact(NamedTuple):
+class StrikeTables(NamedTuple):
     """The tables that every machine case has: what meets, how, and what records it."""
 
     striker: AnyStriker
     object: AnyObject
     contact: ContactTable
-    recorder: Recorder
+    recorder: RecorderTable
 
 
 class RotaryTables(NamedTuple):
     """The tables of a rotary machine, all of them there."""
 
     machine: RotaryTable
-    striker: Striker
+    striker: StrikerTable
     feed: FeedTable
     object: Object
     contact: ContactTable
-    recorder: Recorder
+    recorder: RecorderTable
 
 
-class Case(Table):
+class Case(CaseTable):
     """A case as read: frozen, every quantity in SI with its provenance."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
@@ -113,7 +113,7 @@ class Case(Table):
     load: LoadTable | None = None
     tap: tuple[TapTable, ...] = ()
     sensor: tuple[SensorTable, ...] = ()
-    recorder: Recorder | None = None
+    recorder: RecorderTable | None = None
     solver: Solver = Solver()
     mesh: MeshTable | None = None
     fem: FemTable | None = None
@@ -162,7 +162,7 @@ class Case(Table):
         """What the time of its results counts from, in words."""
         return "the start" if self.launched() else "the valve signal"
 
-    def impact(self) -> Impact:
+    def impact(self) -> StrikeTables:
         """Return the tables that every machine case has.
 
         Raises
@@ -175,7 +175,7 @@ class Case(Table):
             what = "a mesh" if self.command == "fem" else "a bar"
             hint = f"this case is {what} alone: `strikewave {self.command}` runs it"
             raise InputError("machine", MISSING, "[machine] with its tables", hint)
-        return Impact(*parts)  # type: ignore[arg-type]
+        return StrikeTables(*parts)  # type: ignore[arg-type]
 
     def rotary_tables(self) -> RotaryTables:
         """Return the tables of a rotary machine.
@@ -188,7 +188,7 @@ class Case(Table):
         striker, struck, contact, recorder = self.impact()
         if not (
             isinstance(self.machine, RotaryTable)
-            and isinstance(striker, Striker)
+            and isinstance(striker, StrikerTable)
             and isinstance(struck, Object)
             and self.feed is not None
         ):

@@ -23,10 +23,10 @@ from strikewave.base.quantities import (
     Velocities,
 )
 from strikewave.cases.mesh_tables import Direction, PlaceTable, VectorTable, by_kind, of_known_kind
-from strikewave.cases.tables import Name, Table
+from strikewave.cases.tables import CaseTable, Name
 
 
-class ContactPair(Table):
+class ContactPair(CaseTable):
     """[[fem.contact]]: two surfaces that may touch, with Coulomb's coefficient ``friction``."""
 
     first: str
@@ -34,14 +34,14 @@ class ContactPair(Table):
     friction: Coefficient = Value(si=0.0, typed=0.0)
 
 
-class TiePair(Table):
+class TiePair(CaseTable):
     """[[fem.tie]]: nodes of a side that stay where they are ``onto`` another, whose mesh need not match."""
 
     side: str
     onto: str
 
 
-class WallTable(Table):
+class WallTable(CaseTable):
     """[[fem.wall]]: a rigid plane through ``point``; the nodes of a side stay on the side its normal points to."""
 
     side: str
@@ -50,21 +50,21 @@ class WallTable(Table):
     friction: Coefficient = Value(si=0.0, typed=0.0)
 
 
-class FixedSide(Table):
+class FixedSide(CaseTable):
     """[[fem.boundary]], fixed: the nodes of the side do not move."""
 
     kind: Literal["fixed"]
     side: str
 
 
-class SymmetrySide(Table):
+class SymmetrySide(CaseTable):
     """[[fem.boundary]], symmetry: the nodes of a flat side move only within its plane."""
 
     kind: Literal["symmetry"]
     side: str
 
 
-class GuidedSide(Table):
+class GuidedSide(CaseTable):
     """[[fem.boundary]], guided: a side, or a whole part, moves only along ``axis``, all of it alike."""
 
     kind: Literal["guided"]
@@ -72,7 +72,7 @@ class GuidedSide(Table):
     axis: Direction
 
 
-class DrivenSide(Table):
+class DrivenSide(CaseTable):
     """[[fem.boundary]], driven: the nodes of a side have a velocity along ``direction``, straight between instants."""
 
     kind: Literal["driven"]
@@ -82,7 +82,7 @@ class DrivenSide(Table):
     velocity: Velocities
 
 
-class PressedSide(Table):
+class PressedSide(CaseTable):
     """[[fem.boundary]], pressure: on a side as it is deformed, inward above 0, straight between instants."""
 
     kind: Literal["pressure"]
@@ -91,7 +91,7 @@ class PressedSide(Table):
     pressure: Pressures
 
 
-class OpenSide(Table):
+class OpenSide(CaseTable):
     """[[fem.boundary]], non-reflecting: waves leave through the side."""
 
     kind: Literal["non-reflecting"]
@@ -103,7 +103,7 @@ BOUNDARIES = by_kind("kind", FixedSide, SymmetrySide, GuidedSide, DrivenSide, Pr
 AnyBoundaryTable: TypeAlias = FixedSide | SymmetrySide | GuidedSide | DrivenSide | PressedSide | OpenSide
 
 
-class SectionTable(Table):
+class SectionTable(CaseTable):
     """[[fem.section]]: mean stress and motion of the elements of a part that a plane cuts before the blow."""
 
     name: Name
@@ -112,7 +112,7 @@ class SectionTable(Table):
     normal: Direction
 
 
-class PointTable(Table):
+class PointTable(CaseTable):
     """[[fem.point]]: the node of a part that lies nearest to a place before the blow."""
 
     name: Name
@@ -120,7 +120,7 @@ class PointTable(Table):
     place: PlaceTable
 
 
-class GroupTable(Table):
+class GroupTable(CaseTable):
     """[[fem.group]]: parts whose motion is reported as that of one body too, such as a tied assembly."""
 
     name: Name
@@ -136,7 +136,7 @@ class GravityTable(VectorTable):
     z: MaybeGravity = None
 
 
-class FemTable(Table):
+class FemTable(CaseTable):
     """[fem]: a run of explicit finite elements (8-node hexahedra).
 
     ``interval`` is the step of the histories, ``frames`` the number of pictures in the field file, ``blows`` how often

@@ -20,7 +20,7 @@ from strikewave.base.quantities import (
     Value,
     positive,
 )
-from strikewave.cases.tables import Table, case_name
+from strikewave.cases.tables import CaseTable, case_name
 from strikewave.hopkinson.alignment import Method
 from strikewave.hopkinson.echoes import Way
 from strikewave.hopkinson.gauges import BridgeKind
@@ -42,7 +42,7 @@ def _channel(raw: Any) -> str:
     return str(raw)
 
 
-class RecordedTable(Table):
+class RecordedTable(CaseTable):
     """Where a history stands: file and channel, time or rate where the file needs it; ``unit`` overrules the file's."""
 
     file: str
@@ -66,7 +66,7 @@ class GaugeTable(RecordedTable):
     strain_per_volt: MaybeNumber = None
 
 
-class BarTable(Table):
+class BarTable(CaseTable):
     """[bar.incident]: a pressure bar; two of density, modulus and speed, or a material.
 
     The transmitted bar takes from the incident one what it does not say itself, but for gauge and length.
@@ -83,14 +83,14 @@ class BarTable(Table):
     gauge: GaugeTable
 
 
-class BarsTable(Table):
+class BarsTable(CaseTable):
     """[bar]: the incident and, where there is a specimen, the transmitted bar."""
 
     incident: BarTable
     transmitted: BarTable | None = None
 
 
-class SpecimenTable(Table):
+class SpecimenTable(CaseTable):
     """[specimen]: length; diameter or area; density and modulus (or a material) where they are known."""
 
     material: str = ""
@@ -101,7 +101,7 @@ class SpecimenTable(Table):
     modulus: MaybeModulus = None
 
 
-class StrikerTable(Table):
+class StrikerBarTable(CaseTable):
     """[striker]: a round striker bar; of the incident bar's material and diameter where nothing else is said."""
 
     material: str = ""
@@ -112,7 +112,7 @@ class StrikerTable(Table):
     diameter: MaybeLength = None
 
 
-class DiskTable(Table):
+class DiskTable(CaseTable):
     """[disk]: what stands between the end of the bar and the accelerometer; left out, the sensor sits on the bar.
 
     A rigid disk has a mass; an elastic one a thickness, a material or density and modulus, and a diameter (that of
@@ -157,21 +157,21 @@ class AccelerometerTable(RecordedTable):
     mass: MaybeMass = None
 
 
-class UncertaintyTable(Table):
+class UncertaintyTable(CaseTable):
     """[uncertainty]: relative standard uncertainties of the strain at the gauge and of the bar speed."""
 
     strain: MaybeShare = None
     speed: MaybeShare = None
 
 
-class EchoesTable(Table):
+class EchoesTable(CaseTable):
     """[echoes]: without a specimen; which way the first pulse runs, and how many passes to leave out."""
 
     way: Way = "towards"
     skip: SkipCount = Value(si=0, typed=0)
 
 
-class SolverTable(Table):
+class SolverTable(CaseTable):
     """[solver]: which waves give the curve that is shown first, how pulses are carried, how they are aligned.
 
     ``bandwidth`` is that at which the reading of an accelerometer is compared; chosen where it is left out.
@@ -183,14 +183,14 @@ class SolverTable(Table):
     bandwidth: MaybeFrequency = None
 
 
-class LimitsTable(Table):
+class LimitsTable(CaseTable):
     """[limits]: what breaks the command: shares of the mean force and of the incident impulse."""
 
     force_misfit: Limit = Value(si=0.1, typed=0.1)
     momentum: Limit = Value(si=0.05, typed=0.05)
 
 
-class SplitBarSetup(Table):
+class HopkinsonSetup(CaseTable):
     """The set-up of one shot; of an accelerometer on a bar end; or of a bar that is calibrated by its echoes.
 
     ``folder`` is where the files of the gauges are; that of the set-up file where it is left out.
@@ -203,7 +203,7 @@ class SplitBarSetup(Table):
     folder: str = ""
     bar: BarsTable
     specimen: SpecimenTable | None = None
-    striker: StrikerTable | None = None
+    striker: StrikerBarTable | None = None
     disk: DiskTable | None = None
     accelerometer: AccelerometerTable | None = None
     uncertainty: UncertaintyTable = UncertaintyTable()
@@ -212,7 +212,7 @@ class SplitBarSetup(Table):
     limits: LimitsTable = LimitsTable()
 
     @model_validator(mode="after")
-    def _whole(self) -> SplitBarSetup:
+    def _whole(self) -> HopkinsonSetup:
         alone = "leave [specimen] out to calibrate a bar by echoes"
         if self.accelerometer is not None:
             for path, table in (("specimen", self.specimen), ("bar.transmitted", self.bar.transmitted)):

@@ -9,7 +9,7 @@ from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import fitted, layer_loss, matter_of
 
 
-class Loss(NamedTuple):
+class FittedLoss(NamedTuple):
     """A loss factor held by springs and dashpots: where, the one asked for, by how much of it it is missed at most.
 
     ``low`` and ``high`` are the ends of the band, Hz.
@@ -22,7 +22,7 @@ class Loss(NamedTuple):
     high: float
 
 
-def fitted_losses(case: Case) -> tuple[Loss, ...]:
+def fitted_losses(case: Case) -> tuple[FittedLoss, ...]:
     """Return the losses of layers, of gaskets between layers, and of gaskets under sensors.
 
     Examples
@@ -35,18 +35,18 @@ def fitted_losses(case: Case) -> tuple[Loss, ...]:
     for layer in case.stack.layer:
         fit = layer_loss(layer, f"stack.layer.{layer.name}")
         if fit is not None and layer.loss_factor is not None:
-            losses.append(Loss(layer.name, layer.loss_factor.si, fit.error, *fit.band))
+            losses.append(FittedLoss(layer.name, layer.loss_factor.si, fit.error, *fit.band))
     for joint in case.stack.joint:
         path = f"stack.joint.{joint.after}"
         eta = matter_of(joint, path).loss_factor if joint.kind == "gasket" else None
         if eta:
             fit = fitted(joint, path, 1.0, eta)
-            losses.append(Loss(f"gasket after {joint.after}", eta, fit.error, *fit.band))
+            losses.append(FittedLoss(f"gasket after {joint.after}", eta, fit.error, *fit.band))
     for channel in build_channels(case):
         mounting = channel.sensor.mounting
         for k, gasket in enumerate(mounting.gaskets):
             if gasket.loss_factor:
                 fit = mounting.loss(gasket)
                 where = f"gasket {k + 1} under {channel.sensor.name}"
-                losses.append(Loss(where, gasket.loss_factor, fit.error, *fit.band))
+                losses.append(FittedLoss(where, gasket.loss_factor, fit.error, *fit.band))
     return tuple(losses)

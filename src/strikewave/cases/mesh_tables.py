@@ -31,7 +31,7 @@ from strikewave.base.quantities import (
     MaybeVelocity,
     Strength,
 )
-from strikewave.cases.tables import Name, Table
+from strikewave.cases.tables import CaseTable, Name
 
 OTHER_WORDS = {
     "plastic": "bilinear",
@@ -57,7 +57,7 @@ _AXES = {sign + axis: {axis: float(sign + "1")} for axis in "xyz" for sign in ("
 """Directions that go by a letter."""
 
 
-def of_known_kind(key: str, kinds: Mapping[str, type[Table]]) -> BeforeValidator:
+def of_known_kind(key: str, kinds: Mapping[str, type[CaseTable]]) -> BeforeValidator:
     """Return the pydantic validator that refuses a table whose ``key`` names none of the kinds."""
 
     def check(raw: Any) -> Any:
@@ -70,7 +70,7 @@ def of_known_kind(key: str, kinds: Mapping[str, type[Table]]) -> BeforeValidator
     return BeforeValidator(check)
 
 
-def by_kind(key: str, *tables: type[Table]) -> dict[str, type[Table]]:
+def by_kind(key: str, *tables: type[CaseTable]) -> dict[str, type[CaseTable]]:
     """Return tables by the word that stands under ``key``.
 
     Examples
@@ -81,7 +81,7 @@ def by_kind(key: str, *tables: type[Table]) -> dict[str, type[Table]]:
     return {str(table.model_fields[key].annotation.__args__[0]): table for table in tables}  # type: ignore[union-attr]
 
 
-class VectorTable(Table):
+class VectorTable(CaseTable):
     """Components along x, y and z; one that is left out is 0."""
 
     EXAMPLE: ClassVar[str]
@@ -136,7 +136,7 @@ Direction = Annotated[DirectionTable, BeforeValidator(_direction)]
 """A direction: x, y, z, -x, -y, -z, or a table of numbers."""
 
 
-class SolidTable(Table):
+class SolidTable(CaseTable):
     """solid of a part; elastic constants that are left out are those of its material."""
 
     density: MaybeDensity = None
@@ -189,14 +189,14 @@ SOLIDS = by_kind("law", ElasticTable, BilinearTable, JohnsonCookTable)
 AnySolidTable: TypeAlias = ElasticTable | BilinearTable | JohnsonCookTable
 
 
-class TurnTable(Table):
+class TurnTable(CaseTable):
     """turn of a part: about an axis through the origin of its shape, before it is moved."""
 
     axis: Direction
     angle: Angle
 
 
-class PartTable(Table):
+class PartTable(CaseTable):
     """What every [[mesh.part]] has.
 
     ``material`` is one of the table; without it ``solid`` has density, Young's modulus and Poisson's ratio. ``rigid``
@@ -288,7 +288,7 @@ class HalfCylinder(ShapedPart):
     sector: Sector = "whole"
 
 
-class Frame(ShapedPart):
+class FramePart(ShapedPart):
     """[[mesh.part]], a frame around an opening along y, that stands on z = 0, the z axis through its middle.
 
     ``left``, ``right``, ``bottom``, ``top`` are the thicknesses of its walls. Sides left, right, bottom, top, front,
@@ -346,13 +346,13 @@ class FilePart(PartTable):
     unit: Annotated[MaybeLength, BeforeValidator(_one_of_it)] = None
 
 
-SHAPES = by_kind("shape", Block, Cylinder, Tube, HalfCylinder, Frame, HalfSpace, Ball, FilePart)
+SHAPES = by_kind("shape", Block, Cylinder, Tube, HalfCylinder, FramePart, HalfSpace, Ball, FilePart)
 """Parts by their shape."""
-AnyShaped: TypeAlias = Block | Cylinder | Tube | HalfCylinder | Frame | HalfSpace | Ball
+AnyShaped: TypeAlias = Block | Cylinder | Tube | HalfCylinder | FramePart | HalfSpace | Ball
 AnyPart: TypeAlias = AnyShaped | FilePart
 
 
-class MeshTable(Table):
+class MeshTable(CaseTable):
     """[mesh]: the parts of a finite-element mesh."""
 
     part: tuple[Annotated[AnyPart, Field(discriminator="shape"), of_known_kind("shape", SHAPES)], ...]

@@ -13,14 +13,14 @@ from strikewave.cases.stack_of_case import area_of, build_taps, checked, matter_
 from strikewave.cases.tables import SensorTable
 from strikewave.sensors import Gasket, Mounting, Recorder, Sensor, accelerometer, oscilloscope, storage_recorder
 from strikewave.sensors.chain import RATE_OVER_CUTOFF
-from strikewave.sensors.channel import Channel
+from strikewave.sensors.channel import SensorChannel
 
 _SENSOR_FIELDS = {"resonance": float, "quality": float, "range": float, "zero_shift": float}
 _RECORDER_FIELDS = {"sampling_rate": float, "cutoff": float, "order": int, "bits": int}
 """Fields of [[sensor]] that overrule the model of the sensor, and its recorder."""
 
 
-def build_channels(case: Case) -> tuple[Channel, ...]:
+def build_channels(case: Case) -> tuple[SensorChannel, ...]:
     """Return the measuring channels of a case.
 
     Raises
@@ -32,7 +32,7 @@ def build_channels(case: Case) -> tuple[Channel, ...]:
     return tuple(_channel(case, table) for table in case.sensor)
 
 
-def _channel(case: Case, table: SensorTable) -> Channel:
+def _channel(case: Case, table: SensorTable) -> SensorChannel:
     path = f"sensor.{table.name}"
     taps = [name for name, _ in build_taps(case)] if case.stack.layer else []
     if table.tap and table.tap not in taps:
@@ -45,7 +45,7 @@ def _channel(case: Case, table: SensorTable) -> Channel:
     recorder = checked(path, lambda: dataclasses.replace(_recorder(case, table), **_given(table, _RECORDER_FIELDS)))
     if recorder.bits and math.isinf(sensor.range):
         raise InputError(f"{path}.range", MISSING, "a range for a recorder with bits", 'add range = "20000 g"')
-    return Channel(sensor, taps.index(table.tap) if table.tap else None, recorder)
+    return SensorChannel(sensor, taps.index(table.tap) if table.tap else None, recorder)
 
 
 def _given(table: SensorTable, fields: dict[str, Any]) -> dict[str, Any]:

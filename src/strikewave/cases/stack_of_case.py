@@ -16,7 +16,7 @@ from strikewave.cases.tables import EndTable, JointTable, LayerTable
 from strikewave.contact.damping import named_contact
 from strikewave.contact.elastoplastic import cap_of
 from strikewave.contact.stiffness import Geometry, stiffness_of
-from strikewave.sensors.channel import Channel
+from strikewave.sensors.channel import SensorChannel
 from strikewave.waves import BONDED, End, Joint, Layer, Stack, Tap
 from strikewave.waves.dispersion import Theory
 from strikewave.waves.layers import LossFit
@@ -303,7 +303,7 @@ def build_taps(case: Case) -> tuple[tuple[str, Tap], ...]:
     return tuple((tap.name, Tap(names.index(tap.layer), tap.position.si)) for tap in case.tap)
 
 
-def check_route(case: Case, taps: Sequence[tuple[str, Tap]], channels: Sequence[Channel]) -> None:
+def check_route(case: Case, taps: Sequence[tuple[str, Tap]], channels: Sequence[SensorChannel]) -> None:
     """Refuse a route of the paper where the first tap, or one that a sensor sits at, has no neighbour on one side.
 
     Raises

@@ -107,13 +107,13 @@ LONGEST_NAME, LONGEST_CASE_NAME = 40, 80
 path still fit a line."""
 
 
-class Table(BaseModel):
+class CaseTable(BaseModel):
     """What every table of a case is: frozen, without unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class MachineTable(Table):
+class MachineTable(CaseTable):
     """[machine] of any kind."""
 
     kind: str
@@ -162,7 +162,7 @@ class LaunchedTable(MachineTable):
     longest: MaybeLongest = None
 
 
-class OwnStriker(Table):
+class OwnStriker(CaseTable):
     """[[striker.each]]: what one striker, by its ``number`` from 1, has for itself.
 
     ``angle_error`` is how far it stands ahead of its place, ``reach_error`` how far beyond the others' radius;
@@ -180,7 +180,7 @@ class OwnStriker(Table):
     restitution: MaybeRestitution = None
 
 
-class AnyStriker(Table):
+class AnyStriker(CaseTable):
     """[striker]: what strikes; without a mount it is free. The contact law says which sizes of its nose it needs."""
 
     mass: Mass
@@ -191,7 +191,7 @@ class AnyStriker(Table):
     mount_damping: MaybeDamping = None
 
 
-class Striker(AnyStriker):
+class StrikerTable(AnyStriker):
     """[striker]: the impact component on its mount; strikers that differ have rows of their own.
 
     ``angle_error`` and ``reach_error`` are those of every striker (0): they are there for their tolerances.
@@ -206,7 +206,7 @@ class Striker(AnyStriker):
     each: tuple[OwnStriker, ...] = ()
 
 
-class FeedTable(Table):
+class FeedTable(CaseTable):
     """[feed]: the hydraulic feed.
 
     ``acceleration`` and ``cushion`` are the shares of a stroke's time in which it speeds up and is cushioned (halves);
@@ -226,7 +226,7 @@ class FeedTable(Table):
     hold: MaybeHold = None
 
 
-class AnyObject(Table):
+class AnyObject(CaseTable):
     """[object]: everything that moves when struck, and what holds it; gravity above 0 pushes it away.
 
     The object is either a nose on a frame (mass, nose_mass, frame_stiffness, frame_damping), or a stack
@@ -264,7 +264,7 @@ class Object(AnyObject):
     gravity: Acceleration
 
 
-class ContactTable(Table):
+class ContactTable(CaseTable):
     """[contact]: law of the contact between nose and face; with a yield pressure it is elastic-plastic.
 
     What has yielded stays: on the face, where all strikers hit the same spot, or on each nose (``yields``).
@@ -284,7 +284,7 @@ class ContactTable(Table):
     yields: Literal["face", "nose"] = "face"
 
 
-class Recorder(Table):
+class RecorderTable(CaseTable):
     """[recorder]: triggered by the valve signal, or at the start of a machine without one."""
 
     sampling_rate: Frequency
@@ -309,7 +309,7 @@ def _name(raw: Any) -> Any:
 Name = Annotated[str, BeforeValidator(_name)]
 
 
-class LayerTable(Table):
+class LayerTable(CaseTable):
     """[[stack.layer]]: loaded at its first face; material, or density and modulus; diameter, or area.
 
     With a ``loss_factor`` it loses energy, evenly from ``band_low`` to ``band_high`` (1 and 100 kHz where left out),
@@ -330,7 +330,7 @@ class LayerTable(Table):
     speed: MaybeLayerSpeed = None
 
 
-class JointTable(Table):
+class JointTable(CaseTable):
     """[[stack.joint]]: the joint behind the layer that ``after`` names; bonded where none is named.
 
     A gasket has a thickness, an area (or diameter; else that of the thinner neighbour) and a material, or a
@@ -364,7 +364,7 @@ class JointTable(Table):
     yield_pressure: MaybePressure = None
 
 
-class EndTable(Table):
+class EndTable(CaseTable):
     """[stack.end]: the far end; mass, stiffness or damping for the kinds that need one.
 
     An oscillator is a sensor's mass on a spring: mass, stiffness or resonance, damping or quality.
@@ -378,7 +378,7 @@ class EndTable(Table):
     quality: MaybeQuality = None
 
 
-class StackTable(Table):
+class StackTable(CaseTable):
     """[stack]: layers from the loaded face on, joints between them, and the far end."""
 
     layer: tuple[LayerTable, ...] = ()
@@ -386,7 +386,7 @@ class StackTable(Table):
     end: EndTable = EndTable()
 
 
-class LoadTable(Table):
+class LoadTable(CaseTable):
     """[load]: a force pulse of a shape, a file (time and force, or speed of the face), or a contact.
 
     A contact is the rigid [striker] that comes with ``speed`` under the law of [contact]. A force ``applied`` as
@@ -402,7 +402,7 @@ class LoadTable(Table):
     speed: MaybeSpeed = None
 
 
-class TapTable(Table):
+class TapTable(CaseTable):
     """[[tap]]: where a stack is watched; ``position`` is the fraction of the layer from its loaded side."""
 
     name: Name
@@ -410,7 +410,7 @@ class TapTable(Table):
     position: Share = Value(si=0.5, typed=0.5)
 
 
-class GasketTable(Table):
+class GasketTable(CaseTable):
     """[[sensor.gasket]]: a layer under a buffered sensor, from the mounting surface up."""
 
     material: str = ""
@@ -422,7 +422,7 @@ class GasketTable(Table):
     area: MaybeArea = None
 
 
-class SensorTable(Table):
+class SensorTable(CaseTable):
     """[[sensor]]: an accelerometer at a tap or at the rigid assembly, its mounting and its recorder.
 
     With gaskets it is buffered: ``mass`` is then its own, and the edge is what the gaskets stand on; without
@@ -449,7 +449,7 @@ class SensorTable(Table):
     bits: MaybeBits = None
 
 
-class Solver(Table):
+class Solver(CaseTable):
     """[solver]: how exactly to compute, and how densely to keep the whole train.
 
     ``duration`` is that of a bar alone, ``error`` the wanted one of its velocities over their peak (1e-3; that of
@@ -471,7 +471,7 @@ class Solver(Table):
     dispersion: Literal["none", "love-rayleigh", "pochhammer-chree"] = "none"
 
 
-class Published(Table):
+class Published(CaseTable):
     """[[published]]: a number to compare the result with; ``sensor`` names the one it was read from.
 
     In a finite-element case ``sensor`` is the part or group that moves. Its ``origin`` is a measurement, a simulation,

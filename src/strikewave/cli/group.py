@@ -57,7 +57,7 @@ SETTINGS: dict[str, Any] = {"help_option_names": ["-h", "--help"]}
 """Of every command."""
 
 
-class Entry(NamedTuple):
+class CommandEntry(NamedTuple):
     """A command of the table."""
 
     panel: str
@@ -65,11 +65,11 @@ class Entry(NamedTuple):
     summary: str
 
 
-HELP = Entry("", "strikewave.cli.help", "Show the help of a command.")
+HELP = CommandEntry("", "strikewave.cli.help", "Show the help of a command.")
 """``strikewave help COMMAND`` works, and stands in no panel: ``strikewave COMMAND --help`` is shown below them."""
 
 
-def entries() -> dict[str, Entry]:
+def entries() -> dict[str, CommandEntry]:
     """Return the table by names.
 
     Examples
@@ -77,7 +77,7 @@ def entries() -> dict[str, Entry]:
     >>> entries()["srs"].panel
     'Measure'
     """
-    return {name: Entry(panel, *row) for panel, rows in PANELS.items() for name, row in rows.items()}
+    return {name: CommandEntry(panel, *row) for panel, rows in PANELS.items() for name, row in rows.items()}
 
 
 def whole_command(name: str, module: str) -> Command:
@@ -111,7 +111,7 @@ class SectionedCommand(TyperCommand):
 class LazyCommand(TyperCommand):
     """A name with its summary; the command itself is imported when its words are parsed."""
 
-    def __init__(self, name: str, entry: Entry, hidden: bool = False) -> None:
+    def __init__(self, name: str, entry: CommandEntry, hidden: bool = False) -> None:
         super().__init__(name, short_help=entry.summary, hidden=hidden, rich_markup_mode=None)
         self.entry = entry
 

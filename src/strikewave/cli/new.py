@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.base.output_folder import write_whole
+from strikewave.base.output_folder import write_atomically
 from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.reporting.options import complete_case
 from strikewave.reporting.terminal import say
@@ -52,12 +52,12 @@ def command(
     if origin == SPLIT_BAR:
         from strikewave.analyses.hopkinson.setup_file import example_setup
 
-        write_whole(path, example_setup())
+        write_atomically(path, example_setup())
         say(f"written: {path}; name your bars and files, then: strikewave {SPLIT_BAR} {path}")
         return 0
     case = load_case(origin)
     text = dump_case(case.model_copy(update={"name": path.stem, "title": f"{path.stem}, from {origin}"}))
     parse_case(text)  # refuses a name that no result folder may have
-    write_whole(path, text)
+    write_atomically(path, text)
     say(f"written: {path}; change a value, then: strikewave {case.command} {path}")
     return 0

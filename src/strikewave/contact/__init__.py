@@ -8,7 +8,7 @@ Examples
 0.5
 """
 
-from strikewave.contact.chain import Chain, ChainMotion, Friction, Spring, Stop, Touch, Vibration, simulate
+from strikewave.contact.chain import Chain, ChainContact, ChainMotion, Friction, Spring, Stop, Vibration, simulate
 from strikewave.contact.dampers import damper_law, damper_laws
 from strikewave.contact.damping import (
     damping_law,
@@ -32,7 +32,7 @@ from strikewave.contact.elastoplastic import (
     yield_speed,
 )
 from strikewave.contact.identification import Identified, identify
-from strikewave.contact.impact import History, Impact, impact_history, reduced_mass, solve_impact
+from strikewave.contact.impact import Impact, ImpactHistory, impact_history, reduced_mass, solve_impact
 from strikewave.contact.law import AnyContact, Contact, Damper, LogarithmicContact, PressureCap
 from strikewave.contact.registry import CapLaw, DamperLaw, DampingLaw, Law, StiffnessLaw
 from strikewave.contact.stiffness import (
@@ -53,6 +53,7 @@ __all__ = [
     "AnyContact",
     "CapLaw",
     "Chain",
+    "ChainContact",
     "ChainMotion",
     "Contact",
     "Damper",
@@ -60,9 +61,9 @@ __all__ = [
     "DampingLaw",
     "Friction",
     "Geometry",
-    "History",
     "Identified",
     "Impact",
+    "ImpactHistory",
     "Law",
     "LogarithmicContact",
     "LogarithmicStiffness",
@@ -71,7 +72,6 @@ __all__ = [
     "Stiffness",
     "StiffnessLaw",
     "Stop",
-    "Touch",
     "Vibration",
     "cap_of",
     "contact_modulus",

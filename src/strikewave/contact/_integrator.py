@@ -70,7 +70,7 @@ class Control(NamedTuple):
     end: float
 
 
-class Record(NamedTuple):
+class StepRecord(NamedTuple):
     """Accepted steps with their dense output, and the switches; one row a step or a switch."""
 
     time: np.ndarray
@@ -109,7 +109,7 @@ def switch(system, k, t, y, mode, memory):
 
 def empty_record(rows, states, modes, memories):
     """Return an unfilled record for so many steps."""
-    return Record(
+    return StepRecord(
         np.empty(rows),
         np.empty(rows),
         np.empty((rows, 8, states)),

@@ -41,7 +41,7 @@ from strikewave.contact._integrator import Control
 from strikewave.contact._law_kernels import COLUMNS, DAMPING, OFFSET, PRELOAD, SLOWEST, SPOT, STIFFNESS, YIELD_LOAD
 from strikewave.contact._pair_kernels import depths_at_yield, energies, spots
 from strikewave.contact.law import AnyContact, LogarithmicContact, check_end, elastic_indentation, single
-from strikewave.contact.motion import FIRST_STEP, Motion, State, integrate
+from strikewave.contact.motion import FIRST_STEP, Motion, MotionState, integrate
 
 Array = NDArray[np.float64]
 
@@ -85,7 +85,7 @@ class Stop:
 
 
 @dataclass(frozen=True)
-class Touch:
+class ChainContact:
     """A contact by the law F = K d^n (1 + chi d'/v0), clipped at zero.
 
     v0 is the approach speed of this contact, but never below ``slowest_approach`` (m/s): the law
@@ -121,7 +121,7 @@ class Friction:
         return self.sliding if self.sticking is None else self.sticking
 
 
-Link = Spring | Stop | Touch | Friction
+Link = Spring | Stop | ChainContact | Friction
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,8 @@ class Chain:
     Examples
     --------
     >>> from strikewave.contact import Contact
-    >>> chain = Chain({"striker": 0.2, "object": 0.459}, links=[Touch("striker", "object", Contact(4.7e9, 10 / 9))])
+    >>> link = ChainContact("striker", "object", Contact(4.7e9, 10 / 9))
+    >>> chain = Chain({"striker": 0.2, "object": 0.459}, links=[link])
     >>> motion = simulate(chain, {"striker": 0.0, "object": 0.0}, {"striker": 20.0}, duration=1e-4)
     >>> print(motion.speeds(1e-4).round(3))
     [-7.86  12.14]
@@ -180,7 +181,7 @@ class Chain:
                     raise ValueError(f"link to unknown node {node!r}; {nearest(node, self.nodes)}")
             if link.behind == link.ahead or not {link.behind, link.ahead} & set(self.bodies):
                 raise ValueError(f"a link joins two nodes, one of them a body, got {link.behind!r} and {link.ahead!r}")
-            if isinstance(link, Touch):
+            if isinstance(link, ChainContact):
                 try:
                     single(link.contact)
                 except ValueError as error:
@@ -249,12 +250,12 @@ def contacts(motion: Motion, link: int) -> Array:
 
 def link_arrays(links: Sequence[Link], nodes: Sequence[str]) -> Links:
     """Return links as the tables that the kernels take."""
-    kinds = {Spring: SPRING, Stop: STOP_LINK, Touch: CONTACT, Friction: FRICTION}
+    kinds = {Spring: SPRING, Stop: STOP_LINK, ChainContact: CONTACT, Friction: FRICTION}
     joins = np.zeros((len(links), 3), dtype=np.int64)
     values = np.zeros((len(links), COLUMNS))
     for i, link in enumerate(links):
         joins[i] = kinds[type(link)], nodes.index(link.behind), nodes.index(link.ahead)
-        if isinstance(link, Touch):
+        if isinstance(link, ChainContact):
             values[i] = single(link.contact)
             values[i, SLOWEST], values[i, SPOT] = link.slowest_approach, link.spot
             values[i, OFFSET] = link.offset
@@ -371,7 +372,7 @@ def simulate(
     closing = speeds_of[links.joins[:, BEHIND]] - speeds_of[links.joins[:, AHEAD]]
     memory = np.concatenate([np.maximum(closing, 0.0), first_depths(links), np.ones(len(chain.links))])
     y = np.concatenate([x, v, np.zeros(len(chain.links))])
-    start = State(0.0, y, first_modes(links, np.concatenate([x, base]), speeds=speeds_of), memory)
+    start = MotionState(0.0, y, first_modes(links, np.concatenate([x, base]), speeds=speeds_of), memory)
     control = Control(tolerance, scale, FIRST_STEP * period, _longest_step(chain, max(duration, period)), duration)
     motion = integrate(system, start, control, (len(chain.links), SWITCHES * len(chain.links)))
     _check_ends(chain, links, motion)
@@ -400,7 +401,7 @@ def _longest_step(chain: Chain, otherwise: float) -> float:
 
 def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
     """Refuse a motion that pressed a contact beyond the end of its logarithmic law."""
-    touches = [(i, link.contact) for i, link in enumerate(chain.links) if isinstance(link, Touch)]
+    touches = [(i, link.contact) for i, link in enumerate(chain.links) if isinstance(link, ChainContact)]
     ending = [(i, contact) for i, contact in touches if isinstance(contact, LogarithmicContact)]
     if not ending:
         return
@@ -430,7 +431,7 @@ def shortest_time(chain: Chain, speed: float) -> float:
     times = [1.0 / abs(b.rate) for b in chain.bases.values() if isinstance(b, Vibration) and b.rate]
     for link in chain.links:
         mass = 1.0 / sum(1.0 / chain.bodies[node] for node in (link.behind, link.ahead) if node in chain.bodies)
-        if isinstance(link, Touch):
+        if isinstance(link, ChainContact):
             times.append(elastic_indentation(link.contact, mass, speed) / speed)
         elif not isinstance(link, Friction) and link.stiffness > 0.0:
             times.append((mass / link.stiffness) ** 0.5)

@@ -247,7 +247,7 @@ def thornton_restitution(speed_ratio: ArrayLike) -> Array:
     return np.asarray(np.sqrt(1.2 * np.sqrt(3.0) * (1.0 - s * s / 6.0)) * share**0.25)
 
 
-class Spot(NamedTuple):
+class YieldedSpot(NamedTuple):
     """A spot after a blow: slope of the force on the way back (N/m), indentation that stays (m), radius over before."""
 
     stiffness: float
@@ -255,7 +255,7 @@ class Spot(NamedTuple):
     flattening: float
 
 
-def spot_after(contact: AnyContact, indentation: float, deepest: float) -> Spot:
+def spot_after(contact: AnyContact, indentation: float, deepest: float) -> YieldedSpot:
     """Return what a blow to an indentation leaves of a spot that has yielded to a depth, both m.
 
     Examples
@@ -269,7 +269,7 @@ def spot_after(contact: AnyContact, indentation: float, deepest: float) -> Spot:
     laws = single(contact)[None]
     _pair_kernels.spots(laws, out[0], out[1], out[2])
     _pair_kernels.slopes_back(laws, np.array([indentation]), out[0], out[3])
-    return Spot(float(out[3, 0]), float(out[1, 0]), float(out[2, 0]))
+    return YieldedSpot(float(out[3, 0]), float(out[1, 0]), float(out[2, 0]))
 
 
 def slow_force(contact: AnyContact, indentation: ArrayLike, deepest: ArrayLike = 0.0) -> Array:

@@ -22,8 +22,8 @@ from strikewave.contact.pulse_fit import (
     RESTITUTIONS,
     SCALES,
     VALUES,
-    Fit,
-    Problem,
+    PulseFit,
+    PulseFitProblem,
     derivatives,
     minima,
     near,
@@ -63,7 +63,7 @@ _TINY = 1e-300
 """Stands for zero below a fraction: a perfect fit has no misfit, and no correlation."""
 
 
-class Estimate(NamedTuple):
+class IdentifiedValue(NamedTuple):
     """A value and its standard error: both None where it is not determined, the latter None where it was given."""
 
     value: float | None
@@ -77,11 +77,11 @@ class Identified:
 
     Attributes
     ----------
-    values : dict of str to Estimate
+    values : dict of str to IdentifiedValue
         Each of `VALUES`, SI.
-    begin : Estimate
+    begin : IdentifiedValue
         First touch, s.
-    combinations : dict of str to Estimate
+    combinations : dict of str to IdentifiedValue
         What a pulse determines, whatever is given: ``momentum`` m v (N s), ``impulse`` m v (1 + e) (N s),
         ``peak_force`` (N), ``duration`` (s), ``stiffness_speed`` K v^n (N/s^n).
     names : tuple of str
@@ -104,9 +104,9 @@ class Identified:
         What is not determined, or not well, in sentences; that of the misfit last.
     """
 
-    values: dict[str, Estimate]
-    begin: Estimate
-    combinations: dict[str, Estimate]
+    values: dict[str, IdentifiedValue]
+    begin: IdentifiedValue
+    combinations: dict[str, IdentifiedValue]
     names: tuple[str, ...]
     correlation: Array
     noise: float
@@ -178,7 +178,7 @@ def identify(
     stamps = np.atleast_1d(np.asarray(time, dtype=float))
     start = float(stamps[0]) if stamps.size and math.isfinite(stamps[0]) else 0.0
     within = None if window is None else (window[0] - start, window[1] - start)
-    problem = Problem(cut_out(stamps - start, force, within), given)
+    problem = PulseFitProblem(cut_out(stamps - start, force, within), given)
     alone = minima(problem.without_scales)
     if len(problem.scales) < 2:
         result = _identified([replace(fit, problem=problem) for fit in alone], alone[0], noise)
@@ -192,7 +192,9 @@ def _from(result: Identified, start: float) -> Identified:
     """Return a result with its times counted as those of the record, not from its first sample."""
     begin, error, given = result.begin
     pulse = replace(result.pulse, begin=result.pulse.begin + start)
-    return replace(result, begin=Estimate((begin or 0.0) + start, error, given), time=result.time + start, pulse=pulse)
+    return replace(
+        result, begin=IdentifiedValue((begin or 0.0) + start, error, given), time=result.time + start, pulse=pulse
+    )
 
 
 def _checked_known(known: Mapping[str, float]) -> dict[str, float]:
@@ -217,7 +219,7 @@ class _Quality(NamedTuple):
     autocorrelation: float
 
 
-def _quality(fit: Fit, noise: float | None) -> _Quality:
+def _quality(fit: PulseFit, noise: float | None) -> _Quality:
     """Compare the misfit with the noise stated or seen before the pulse, and look for a pattern in it."""
     record, miss = fit.problem.record, fit.misfit
     deviation, freedom = fit.deviation * record.peak, max(miss.size - fit.unknown.size, 1)
@@ -236,7 +238,7 @@ def _quality(fit: Fit, noise: float | None) -> _Quality:
     return _Quality(expected, residual, systematic / record.peak, autocorrelation)
 
 
-def _identified(fits: list[Fit], alone: Fit, noise: float | None) -> Identified:
+def _identified(fits: list[PulseFit], alone: PulseFit, noise: float | None) -> Identified:
     fit = fits[0]
     problem, record = fit.problem, fit.problem.record
     quality = _quality(fit, noise)
@@ -245,17 +247,19 @@ def _identified(fits: list[Fit], alone: Fit, noise: float | None) -> Identified:
     gradient = derivatives(problem.logarithms, fit.unknown, HIGH[problem.free])
     covariance = gradient @ (inverse @ inverse.T + np.outer(baseline, baseline) * (record.before > 0)) @ gradient.T
     value, error = problem.logarithms(fit.unknown), np.sqrt(np.diag(covariance))
-    estimates = [Estimate(math.exp(x), math.exp(x) * float(s)) for x, s in zip(value[:-1], error[:-1], strict=True)]
+    estimates = [
+        IdentifiedValue(math.exp(x), math.exp(x) * float(s)) for x, s in zip(value[:-1], error[:-1], strict=True)
+    ]
     values = dict(zip(VALUES, estimates, strict=False))
-    values |= {name: Estimate(x, None, True) for name, x in problem.given.items()}
+    values |= {name: IdentifiedValue(x, None, True) for name, x in problem.given.items()}
     if not problem.scales:
-        values |= dict.fromkeys(SCALES, Estimate(None))
+        values |= dict.fromkeys(SCALES, IdentifiedValue(None))
     determined = [k for k, name in enumerate(VALUES) if values[name].standard_error is not None] + [value.size - 1]
     scale = np.maximum(error[determined], _TINY)
     pulse = problem.pulse(fit.unknown)
     result = Identified(
         values=values,
-        begin=Estimate(float(value[-1]), float(error[-1])),
+        begin=IdentifiedValue(float(value[-1]), float(error[-1])),
         combinations=dict(zip(COMBINATIONS, estimates[len(VALUES) :], strict=True)),
         names=tuple([*VALUES, *COMBINATIONS, "begin"][k] for k in determined),
         correlation=covariance[np.ix_(determined, determined)] / np.outer(scale, scale),
@@ -272,7 +276,7 @@ def _identified(fits: list[Fit], alone: Fit, noise: float | None) -> Identified:
     return replace(result, words=tuple(_notices(result, fits, alone, quality)))
 
 
-def _notices(result: Identified, fits: list[Fit], alone: Fit, quality: _Quality) -> list[str]:
+def _notices(result: Identified, fits: list[PulseFit], alone: PulseFit, quality: _Quality) -> list[str]:
     """Report what is not determined, not well, or does not agree."""
     fit, notices = fits[0], []
     if not fit.problem.scales:
@@ -302,7 +306,7 @@ def _notices(result: Identified, fits: list[Fit], alone: Fit, quality: _Quality)
     return notices
 
 
-def _others(fits: list[Fit], quality: _Quality) -> list[str]:
+def _others(fits: list[PulseFit], quality: _Quality) -> list[str]:
     """Report which other shape fits as well: within the noise, or nearly where the law does not describe the pulse."""
     best, notices = fits[0], []
     pulse = best.problem.pulse(best.unknown)
@@ -320,7 +324,7 @@ def _others(fits: list[Fit], quality: _Quality) -> list[str]:
     return notices
 
 
-def _limits(result: Identified, fit: Fit) -> list[str]:
+def _limits(result: Identified, fit: PulseFit) -> list[str]:
     """Report which values lie at a bound of the search."""
     notices = []
     near_e, near_n = AT_BOUND

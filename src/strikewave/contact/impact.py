@@ -24,7 +24,7 @@ from strikewave.contact.law import (
     refuse,
     rows_beside,
 )
-from strikewave.contact.motion import FIRST_STEP, State, integrate
+from strikewave.contact.motion import FIRST_STEP, MotionState, integrate
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ _ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class ImpactProblem:
     """An impact as flat arrays: law rows (N, columns), reduced mass (kg), approach speed (m/s), depth yielded (m)."""
 
     laws: Array
@@ -105,7 +105,7 @@ class Impact:
     residual_indentation: Array
     flattening: Array
     method: str
-    problem: Problem = field(repr=False, compare=False)
+    problem: ImpactProblem = field(repr=False, compare=False)
     asked: Asked | None = field(default=None, repr=False, compare=False)
     _times: Array | None = field(default=None, repr=False, compare=False)
 
@@ -145,7 +145,7 @@ class Impact:
 
 
 @dataclass(frozen=True, eq=False)
-class History:
+class ImpactHistory:
     """An impact in time: time after first touch (s), indentation (m), its rate (m/s), force (N)."""
 
     time: Array
@@ -177,13 +177,13 @@ def reduced_mass(mass1: ArrayLike, mass2: ArrayLike) -> Array:
 
 def problem_of(
     contact: AnyContact, mass1: ArrayLike, mass2: ArrayLike, speed: ArrayLike, deepest: ArrayLike = 0.0
-) -> Problem:
+) -> ImpactProblem:
     """Return an impact as flat arrays; see `solve_impact` for what is refused."""
     never = "positive and finite: bodies that do not approach each other never meet"
     mass, v = reduced_mass(mass1, mass2), positive("the approach speed", speed, never)
     before = not_negative("the depth yielded before", deepest)
     laws, shape = rows_beside(contact, mass, v, before)
-    return Problem(laws, flat(mass, shape), flat(v, shape), flat(before, shape), shape)
+    return ImpactProblem(laws, flat(mass, shape), flat(v, shape), flat(before, shape), shape)
 
 
 def solve_impact(
@@ -247,7 +247,7 @@ def solve_impact(
     return replace(impact, asked=contact.asked)
 
 
-def _in_closed_form(problem: Problem) -> Impact:
+def _in_closed_form(problem: ImpactProblem) -> Impact:
     out = np.empty((4, problem.mass.size))
     k, n, chi, m, v = problem.numbers
     _kernels.impacts(k, n, chi, m, v, out)
@@ -255,7 +255,7 @@ def _in_closed_form(problem: Problem) -> Impact:
     return _impact(problem, out, zeros, zeros, ones, CLOSED_FORM)
 
 
-def _by_steps(contact: AnyContact, problem: Problem, tolerance: float) -> Impact:
+def _by_steps(contact: AnyContact, problem: ImpactProblem, tolerance: float) -> Impact:
     laws, count = problem.laws, problem.mass.size
     with np.errstate(over="ignore", under="ignore"):
         energy = problem.mass * problem.speed**2
@@ -294,14 +294,16 @@ def _index(where: tuple[np.intp, ...]) -> str:
     return "at index " + ", ".join(str(int(i)) for i in where) if where else "here"
 
 
-def _impact(problem: Problem, out: Array, deepest: Array, left: Array, flat: Array, method: str) -> Impact:
+def _impact(problem: ImpactProblem, out: Array, deepest: Array, left: Array, flat: Array, method: str) -> Impact:
     e, depth, force, duration = (row.reshape(problem.shape) for row in out[:4])
     with np.errstate(over="ignore", invalid="ignore"):
         lost = (0.5 * problem.mass * problem.speed**2).reshape(problem.shape) * (1.0 - e) * (1.0 + e)
     return Impact(e, depth, force, duration, np.asarray(lost), deepest, left, flat, method, problem)
 
 
-def impact_history(impact: Impact, times: ArrayLike | None = None, tolerance: float = HISTORY_TOLERANCE) -> History:
+def impact_history(
+    impact: Impact, times: ArrayLike | None = None, tolerance: float = HISTORY_TOLERANCE
+) -> ImpactHistory:
     """Return a single impact in time, from first touch to release.
 
     Parameters
@@ -338,13 +340,13 @@ def impact_history(impact: Impact, times: ArrayLike | None = None, tolerance: fl
         out = np.empty((3, t.size))
         k, n, chi, m, v = problem.numbers
         _kernels.history(k[0], n[0], chi[0], m[0], v[0], t, out)
-        return History(t, out[0], out[1], out[2], CLOSED_FORM)
+        return ImpactHistory(t, out[0], out[1], out[2], CLOSED_FORM)
     y, mode, memory = np.empty(STATES), np.empty(1, dtype=np.int64), np.empty(MEMORIES)
     _pair_kernels.begin(problem.laws[0], problem.speed[0], problem.deepest[0], y, mode, memory)
     depth, speed = float(impact.max_indentation.reshape(-1)[0]), float(problem.speed[0])
     period = depth / speed
     control = Control(tolerance, np.array([depth, speed]), FIRST_STEP * period, duration, 2.0 * duration)
     system = PairSystem(problem.laws[0], float(problem.mass[0]), _pair_kernels.FIRST_STEP * period)
-    motion = integrate(system, State(0.0, y, mode, memory), control, (1, SWITCHES))
+    motion = integrate(system, MotionState(0.0, y, mode, memory), control, (1, SWITCHES))
     states, forces = motion.sample(np.minimum(t, motion.end.time))
-    return History(t, states[:, 0], states[:, 1], forces[:, 0], INTEGRATOR)
+    return ImpactHistory(t, states[:, 0], states[:, 1], forces[:, 0], INTEGRATOR)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import IntegrationError
 from strikewave.contact import _integrator
-from strikewave.contact._integrator import FULL, STUCK, Control, Record
+from strikewave.contact._integrator import FULL, STUCK, Control, StepRecord
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ _SLACK = 1e-9
 """Share of a motion by which a time may lie outside of it: what comes from rounding is taken as its begin or end."""
 
 
-class State(NamedTuple):
+class MotionState(NamedTuple):
     """Where a motion stands: time (s), state, integer modes, and floats remembered at switches."""
 
     time: float
@@ -42,13 +42,13 @@ class Motion:
 
     Attributes
     ----------
-    end : State
+    end : MotionState
         The last state.
-    record : Record
+    record : StepRecord
         Accepted steps and switches.
     """
 
-    def __init__(self, system: Any, record: Record, end: State, links: int) -> None:
+    def __init__(self, system: Any, record: StepRecord, end: MotionState, links: int) -> None:
         self.system = system
         self.record = record
         self.end = end
@@ -88,7 +88,7 @@ class Motion:
 
 def integrate(
     system: Any,
-    start: State,
+    start: MotionState,
     control: Control,
     sizes: tuple[int, int],
     progress: Callable[[float], None] | None = None,
@@ -99,7 +99,7 @@ def integrate(
     ----------
     system : NamedTuple
         A system of the integrator's protocol.
-    start : State
+    start : MotionState
         Where it starts; left as it is.
     control : Control
         Tolerance, scales, steps and end.
@@ -119,13 +119,13 @@ def integrate(
         raise ValueError(f"the motion must end after {start.time:g} s, and end, got {control.end!r}")
     t, h = start.time, control.first_step
     y, mode, memory = start.y.copy(), start.mode.copy(), start.memory.copy()
-    parts: list[Record] = []
+    parts: list[StepRecord] = []
     status = FULL
     while status == FULL:
         record = _integrator.empty_record(_ROWS, y.size, mode.size, memory.size)
         status, t, h, steps, events = _integrator.advance(system, control, t, h, y, mode, memory, record, sizes[1])
         counts = (steps, steps, steps, steps, steps, events, events)
-        parts.append(Record(*(part[:count] for part, count in zip(record, counts, strict=True))))
+        parts.append(StepRecord(*(part[:count] for part, count in zip(record, counts, strict=True))))
         parts[-1].event[:, 1] += sum(part.time.size for part in parts[:-1])
         if status == STUCK or not np.all(np.isfinite(y)):
             raise IntegrationError(
@@ -139,5 +139,5 @@ def integrate(
             )
         if progress is not None:
             progress(t)
-    whole = Record(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-    return Motion(system, whole, State(t, y, mode, memory), sizes[0])
+    whole = StepRecord(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    return Motion(system, whole, MotionState(t, y, mode, memory), sizes[0])

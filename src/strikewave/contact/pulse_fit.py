@@ -64,7 +64,7 @@ _ABOVE = 0.1
 
 
 @dataclass(frozen=True)
-class Problem:
+class PulseFitProblem:
     """A record and what is known; the unknowns are logarithms, but for e and the begin, a share of the time taken."""
 
     record: PulseRecord
@@ -76,9 +76,9 @@ class Problem:
         return frozenset(self.given) & frozenset(SCALES)
 
     @cached_property
-    def without_scales(self) -> Problem:
+    def without_scales(self) -> PulseFitProblem:
         """The problem of the pulse alone, n and e as they are known."""
-        return Problem(self.record, {name: value for name, value in self.given.items() if name not in SCALES})
+        return PulseFitProblem(self.record, {name: value for name, value in self.given.items() if name not in SCALES})
 
     @cached_property
     def free(self) -> Array:
@@ -141,10 +141,10 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Fit:
+class PulseFit:
     """A solved problem: its unknowns, the derivatives of the misfit, and whether e is at its limit 1."""
 
-    problem: Problem
+    problem: PulseFitProblem
     unknown: Array
     jacobian: Array
     elastic: bool = False
@@ -160,7 +160,7 @@ class Fit:
         return math.sqrt(float(self.misfit @ self.misfit) / max(self.misfit.size - self.unknown.size, 1))
 
 
-def solve(problem: Problem, start: Array) -> Fit:
+def solve(problem: PulseFitProblem, start: Array) -> PulseFit:
     """Return the minimum that is reached from a start; at the limit e = 1 exactly where that fits as well.
 
     Source: trust-region least squares within bounds (Branch, Coleman & Li 1999).
@@ -169,7 +169,7 @@ def solve(problem: Problem, start: Array) -> Fit:
     --------
     >>> from strikewave.contact.force_pulse import ForcePulse, cut_out
     >>> t = np.arange(300) * 1e-6
-    >>> problem = Problem(cut_out(t, ForcePulse(50e-6, 2e4, 60e-6, 1.5, 0.6).force(t)), {"exponent": 1.5})
+    >>> problem = PulseFitProblem(cut_out(t, ForcePulse(50e-6, 2e4, 60e-6, 1.5, 0.6).force(t)), {"exponent": 1.5})
     >>> fit = solve(problem, problem.unknowns(ForcePulse(40e-6, 1e4, 50e-6, 1.5, 0.8)))
     >>> round(problem.pulse(fit.unknown).restitution, 6)
     0.6
@@ -193,7 +193,7 @@ def solve(problem: Problem, start: Array) -> Fit:
         x_scale="jac",
         max_nfev=_MOST_EVALUATIONS,
     )
-    fit = Fit(problem, minimum.x, slopes(minimum.x))
+    fit = PulseFit(problem, minimum.x, slopes(minimum.x))
     if "restitution" in problem.given or minimum.x[-1] < _NEAR_ELASTIC:
         return fit
     limit = solve(replace(problem, given={**problem.given, "restitution": 1.0}), minimum.x[:-1])
@@ -201,7 +201,7 @@ def solve(problem: Problem, start: Array) -> Fit:
     if float(limit.misfit @ limit.misfit) > most:
         return fit
     unknown = np.append(limit.unknown, 1.0)
-    return Fit(problem, unknown, slopes(unknown), True)
+    return PulseFit(problem, unknown, slopes(unknown), True)
 
 
 def derivatives(function: Callable[[Array], Array], at: Array, high: Array) -> Array:
@@ -218,14 +218,14 @@ def derivatives(function: Callable[[Array], Array], at: Array, high: Array) -> A
     return np.column_stack(columns)
 
 
-def minima(problem: Problem) -> list[Fit]:
+def minima(problem: PulseFitProblem) -> list[PulseFit]:
     """Return the fits of the pulse alone, best first: the shapes of low and of high restitution are much alike."""
     starts = [_start(problem, restitutions) for restitutions in _BASINS]
     fits = [solve(problem, start) for start in (starts[:1] if "restitution" in problem.given else starts)]
     return sorted(fits, key=lambda fit: fit.deviation)
 
 
-def _start(problem: Problem, restitutions: tuple[float, ...]) -> Array:
+def _start(problem: PulseFitProblem, restitutions: tuple[float, ...]) -> Array:
     """Return the unknowns of the best of some shapes, each of the area, middle and standard deviation of the pulse."""
     record = problem.record
     middle, deviation = _moments(record.time, record.force)
@@ -252,7 +252,7 @@ def _moments(time: Array, force: Array) -> tuple[float, float]:
     return float(middle), math.sqrt(np.trapezoid(weight * (time - middle) ** 2, time))
 
 
-def near(problem: Problem, alone: Fit) -> Array:
+def near(problem: PulseFitProblem, alone: PulseFit) -> Array:
     """Return the unknowns, of several exponents, whose peak and width come nearest to those of the pulse alone.
 
     Raises

@@ -14,7 +14,7 @@ from strikewave.base.errors import InputError
 from strikewave.fem.boundary import held_nodes, nodes_named
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import Array, Index, Mesh
-from strikewave.fem.model import Curve, Driven, Fixed, Guided, Model, Symmetry, Tie, Wall
+from strikewave.fem.model import Driven, Fixed, Guided, Model, RigidWall, Symmetry, Tie, TimeCurve
 from strikewave.fem.solve import check_controls
 from strikewave.fem.surfaces import extents
 from strikewave.fem.tie import NEAR, TieState
@@ -173,7 +173,7 @@ def head_lines(code: str, differs: Sequence[str], left_out: Sequence[str]) -> li
     return [*ways, *(f"left out: {line}" for line in left_out or ("nothing",))]
 
 
-def walls_at_rigid_nodes(model: Model) -> list[Wall]:
+def walls_at_rigid_nodes(model: Model) -> list[RigidWall]:
     """Return the walls whose side has nodes of a rigid part, such as those that a deforming part shares with one."""
     rigid = [model.mesh.nodes_of(body.part) for body in model.rigid]
     return [wall for wall in model.walls if any(np.isin(model.mesh.side(wall.side), nodes).any() for nodes in rigid)]
@@ -226,19 +226,19 @@ def driven_nodes(model: Model, boundary: Driven, ties: TieState) -> Index:
     return np.setdiff1d(nodes_named(model.mesh, boundary.side), ties.nodes).astype(np.int32)
 
 
-def lasting(curve: Curve, until: float) -> Curve:
+def lasting(curve: TimeCurve, until: float) -> TimeCurve:
     """Return a curve with points at 0 and beyond the end of a run, as codes take a curve for 0 outside of its points.
 
     Examples
     --------
-    >>> lasting(Curve((1.0, 2.0), (3.0, 4.0)), 5.0)
-    Curve(time=(0.0, 1.0, 2.0, 10.0), value=(3.0, 3.0, 4.0, 4.0))
+    >>> lasting(TimeCurve((1.0, 2.0), (3.0, 4.0)), 5.0)
+    TimeCurve(time=(0.0, 1.0, 2.0, 10.0), value=(3.0, 3.0, 4.0, 4.0))
     """
     time, value = list(curve.time), list(curve.value)
     if time[0] > 0.0:
         time, value = [0.0, *time], [value[0], *value]
     last = max(2.0 * until, 2.0 * time[-1])
-    return Curve((*time, last), (*value, value[-1]))
+    return TimeCurve((*time, last), (*value, value[-1]))
 
 
 def axis_of(direction: Sequence[float]) -> tuple[int, float] | None:

@@ -48,7 +48,7 @@ _TINY = 1e-300
 """Keeps a division by zero out; no length of a mesh, nor its square, is as small."""
 
 
-class Touch(NamedTuple):
+class NodeTouch(NamedTuple):
     """Nodes that may touch: their numbers, areas (m^2), velocity before the step, normal force and friction on them.
 
     The ``first`` so many belong to the first surface; ``step[0]`` is the time step before, s. ``held`` (nodes, 3, 3) is
@@ -102,7 +102,7 @@ class ContactState(NamedTuple):
     that the nodes would have at the end of the step without contact, ``inverse_mass`` is that of the nodes, 1/kg.
     """
 
-    touch: Touch
+    touch: NodeTouch
     nodal: NodeContacts
     faces: np.ndarray
     neighbours: np.ndarray
@@ -125,7 +125,7 @@ class ContactState(NamedTuple):
 class WallState(NamedTuple):
     """Nodes before a rigid plane, given by a point and its unit normal."""
 
-    touch: Touch
+    touch: NodeTouch
     offset: np.ndarray
     point: np.ndarray
     direction: np.ndarray

@@ -19,7 +19,6 @@ from strikewave.base.errors import InputError
 from strikewave.fem import _boundary_kernels as kernels
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import (
-    Curve,
     Driven,
     Fixed,
     Guided,
@@ -27,6 +26,7 @@ from strikewave.fem.model import (
     NonReflecting,
     Pressure,
     Symmetry,
+    TimeCurve,
     Vector,
 )
 from strikewave.fem.solids import AnySolid
@@ -111,7 +111,7 @@ class Weight(Acting):
 class Held(Acting):
     """Nodes without, or with a given, speed along some directions."""
 
-    def __init__(self, nodes: Index, directions: Array, speed: Curve | None = None) -> None:
+    def __init__(self, nodes: Index, directions: Array, speed: TimeCurve | None = None) -> None:
         super().__init__(nodes)
         self.directions, self.speed = np.ascontiguousarray(directions, float), speed
 
@@ -124,7 +124,7 @@ class Held(Acting):
 class Pressed(Acting):
     """Faces under a pressure."""
 
-    def __init__(self, faces: Index, pressure: Curve) -> None:
+    def __init__(self, faces: Index, pressure: TimeCurve) -> None:
         nodes, places = np.unique(faces, return_inverse=True)
         super().__init__(nodes)
         self.faces, self.pressure = places.reshape(faces.shape).astype(np.int32), pressure
@@ -157,7 +157,7 @@ class Dashpots(Acting):
         kernels.absorb(self.nodes, self.ready, now.kick, now.v, now.f, now.mass, self.force)
 
 
-def value_at(curve: Curve, time: float) -> float:
+def value_at(curve: TimeCurve, time: float) -> float:
     """Return the value of a curve at a time."""
     return float(np.interp(time, curve.time, curve.value))
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from strikewave.base.errors import InputError
-from strikewave.fem.model import Controls, Curve, Driven, Guided, Model, Pressure
+from strikewave.fem.model import Controls, Driven, Guided, Model, Pressure, TimeCurve
 
 MOST_BLOWS = 20
 """Blows of a run: yield has come to an end after a few, and each takes its own files and up to 4.5 times its steps."""
@@ -100,7 +100,7 @@ def _vectors(model: Model) -> Iterator[InputError]:
             yield InputError(field, vector, "three finite numbers")
 
 
-def _curve(field: str, curve: Curve) -> Iterator[InputError]:
+def _curve(field: str, curve: TimeCurve) -> Iterator[InputError]:
     if not curve.time or len(curve.time) != len(curve.value):
         yield InputError(field, f"{len(curve.time)} times, {len(curve.value)} values", "as many of both, at least one")
     elif not np.all(np.isfinite([curve.time, curve.value])):

@@ -62,9 +62,9 @@ import numpy as np
 from strikewave.base.errors import InputError
 from strikewave.fem import _contact_kernels as kernels
 from strikewave.fem import _surface_kernels as surface_kernels
-from strikewave.fem._contact_kernels import ContactState, NodeContacts, Touch, WallState
+from strikewave.fem._contact_kernels import ContactState, NodeContacts, NodeTouch, WallState
 from strikewave.fem.mesh import Array, Index, Mesh
-from strikewave.fem.model import STIFFNESS, Contact, Wall
+from strikewave.fem.model import STIFFNESS, RigidWall, SurfaceContact
 from strikewave.fem.surfaces import extents, have_common, neighbours, surface_of, thickness
 
 SHALLOW = 0.1
@@ -110,7 +110,7 @@ class Overlap:
 
 
 def prepare(
-    contact: Contact, mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
+    contact: SurfaceContact, mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
 ) -> ContactState:
     """Return a contact ready for the first step of a run that starts from the points of the mesh.
 
@@ -128,7 +128,7 @@ def prepare(
     >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
     >>> one = Mesh(cube, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("one",))
     >>> two = Mesh(cube + [0.0, 0.0, 1.0], one.hexahedra, one.part, ("two",))
-    >>> state = prepare(Contact("one.all", "two.all"), joined([one, two]))
+    >>> state = prepare(SurfaceContact("one.all", "two.all"), joined([one, two]))
     >>> state.touch.nodes.size, state.faces.shape
     (16, (12, 4))
     """
@@ -147,7 +147,7 @@ def prepare(
 
 
 def prepare_all(
-    contacts: Sequence[Contact], mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
+    contacts: Sequence[SurfaceContact], mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
 ) -> dict[str, ContactState]:
     """Return all contacts of a run by name, as `prepare` does.
 
@@ -171,13 +171,13 @@ def prepare_all(
     return {contact.name: prepare(contact, mesh, unchecked, points) for contact in contacts}
 
 
-def note_held(touch: Touch, nodes: Index, directions: Array) -> None:
+def note_held(touch: NodeTouch, nodes: Index, directions: Array) -> None:
     """Note that boundaries hold nodes along directions, up to three orthonormal ones (nodes, 3, 3), others zeros."""
     _, here, there = np.intersect1d(touch.nodes, nodes, assume_unique=True, return_indices=True)
     touch.held[here] += np.einsum("nki,nkj->nij", directions[there], directions[there])
 
 
-def two_surfaces(contact: Contact, mesh: Mesh) -> ContactState:
+def two_surfaces(contact: SurfaceContact, mesh: Mesh) -> ContactState:
     """Return the state of a contact that has searched nothing yet.
 
     Raises
@@ -255,7 +255,7 @@ def searched(state: ContactState, points: Array, reach: float = _REACH) -> Conta
 
 
 def prepare_wall(
-    wall: Wall, mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
+    wall: RigidWall, mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
 ) -> WallState:
     """Return a wall ready for the first step of a run that starts from the points of the mesh.
 
@@ -303,7 +303,7 @@ def initial_overlaps(states: Sequence[tuple[str, ContactState | WallState]], poi
     return overlaps
 
 
-def _check(contact: Contact) -> None:
+def _check(contact: SurfaceContact) -> None:
     where = f"contact {contact.name}"
     if contact.first == contact.second:
         raise InputError(where, contact.second, "two different sides")
@@ -313,9 +313,9 @@ def _check(contact: Contact) -> None:
         raise InputError(f"{where}.stiffness", contact.stiffness, "above 0 to 1")
 
 
-def _touch(nodes: Index, first: int, area: Array) -> Touch:
+def _touch(nodes: Index, first: int, area: Array) -> NodeTouch:
     velocity, normal, friction = np.zeros((3, len(nodes), 3))
-    return Touch(nodes, first, area, np.zeros((len(nodes), 3, 3)), velocity, normal, friction, np.zeros(1))
+    return NodeTouch(nodes, first, area, np.zeros((len(nodes), 3, 3)), velocity, normal, friction, np.zeros(1))
 
 
 def _gaps_now(state: ContactState, points: Array) -> Array:

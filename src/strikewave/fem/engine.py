@@ -14,7 +14,7 @@ import numpy as np
 from strikewave._version import __version__
 from strikewave.base.errors import InputError
 from strikewave.fem import _node_kernels as node_kernels
-from strikewave.fem._contact_kernels import Touch
+from strikewave.fem._contact_kernels import NodeTouch
 from strikewave.fem.bodies import joined_parts
 from strikewave.fem.boundary import Acting, Now, Weight, build_boundaries
 from strikewave.fem.contact import (
@@ -42,9 +42,9 @@ from strikewave.fem.hexahedron import (
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Model
 from strikewave.fem.quality import scaled_jacobians
-from strikewave.fem.recorder import Motion, Recorder, assembly, pressed
+from strikewave.fem.recorder import HistoryRecorder, NodeMotion, assembly, pressed
 from strikewave.fem.rigid import rigid_bodies, surface_inverse_mass
-from strikewave.fem.run import KEPT, FemRun, Frame, Rest
+from strikewave.fem.run import KEPT, FemRun, FieldFrame, Rest
 from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties
 
 NODES = 20_000
@@ -81,7 +81,7 @@ class Engine:
         Critical step of the elements at t_n, s.
     acting : list of Acting
         Everything but elements, contacts and walls that puts forces on nodes.
-    touching : dict of str to Touch
+    touching : dict of str to NodeTouch
         Nodes of contacts and walls, by name.
     blow : int
         Which one of the bodies this is, from 1.
@@ -117,7 +117,7 @@ class Engine:
         self.detect_contacts()
         self.yielding = self._movable()
         shares = {name: part_masses(model.mesh, element_mass, name) for name in mesh.names}
-        self.recorder = Recorder(model, self.own_mass, shares)
+        self.recorder = HistoryRecorder(model, self.own_mass, shares)
         self.time, self.instant, self.steps, self.dt_previous = 0.0, 0, 0, 0.0
         self.collapse = COLLAPSED * self.critical
         self.smallest = np.inf
@@ -257,11 +257,11 @@ class Engine:
         """Return the largest step that is safe and goes into a span a whole number of times, s."""
         return fitting(span, self.model.controls.safety * self.critical)
 
-    def motion(self) -> Motion:
+    def motion(self) -> NodeMotion:
         """Return displacement, velocity and acceleration of the nodes at t_n, once `assemble_forces` was called."""
         rate = self.f * self.inverse_mass[:, None]
         move_tied(self.ties, rate)
-        return Motion(self.x - self.model.mesh.points, self.v + 0.5 * self.dt_previous * rate, rate)
+        return NodeMotion(self.x - self.model.mesh.points, self.v + 0.5 * self.dt_previous * rate, rate)
 
     @np.errstate(invalid="ignore", over="ignore")
     def record(self) -> str:
@@ -323,13 +323,13 @@ class Engine:
             f"({', '.join(f'{c:.4g}' for c in place)}) m, whose scaled Jacobian is {bent[worst]:.3g} now"
         )
 
-    def frame(self) -> Frame:
+    def frame(self) -> FieldFrame:
         """Return the whole field at t_n, once `assemble_forces` was called."""
         motion = self.motion()
         stress, strain = self.solid.cell_values(self.elements)
-        return Frame(self.time, motion.displacement, motion.velocity, stress, strain)
+        return FieldFrame(self.time, motion.displacement, motion.velocity, stress, strain)
 
-    def result(self, seconds: float, stopped: str, frames: tuple[Frame, ...]) -> FemRun:
+    def result(self, seconds: float, stopped: str, frames: tuple[FieldFrame, ...]) -> FemRun:
         """Return what was noted."""
         noted, names = self.recorder, self.touching
         return FemRun(
@@ -374,7 +374,7 @@ def part_masses(mesh: Mesh, element_mass: Array, name: str) -> Array:
     return whole[mesh.nodes_of(name)]
 
 
-def _work_before(touch: Touch, dt_previous: float) -> float:
+def _work_before(touch: NodeTouch, dt_previous: float) -> float:
     """Return the energy that a contact took in the half step before the instant, J."""
     return float(-0.5 * dt_previous * np.einsum("ni,ni->", touch.normal + touch.friction, touch.velocity))
 

@@ -31,7 +31,7 @@ INTERVAL = 1e-6
 
 
 @dataclass(frozen=True)
-class Curve:
+class TimeCurve:
     """A quantity over time, straight between its points, constant before the first and after the last.
 
     Parameters
@@ -72,7 +72,7 @@ class Driven:
 
     side: str
     direction: Vector
-    velocity: Curve
+    velocity: TimeCurve
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Pressure:
     """A pressure on a side as it is deformed, Pa; positive pushes inward."""
 
     side: str
-    pressure: Curve
+    pressure: TimeCurve
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ AnyBoundary = Fixed | Symmetry | Guided | Driven | Pressure | NonReflecting
 
 
 @dataclass(frozen=True)
-class Contact:
+class SurfaceContact:
     """Two surfaces that may touch, both checked against each other.
 
     Parameters
@@ -127,7 +127,7 @@ class Tie:
 
 
 @dataclass(frozen=True)
-class Wall:
+class RigidWall:
     """A rigid plane that does not move; the nodes of a side stay on the side its normal points to."""
 
     side: str
@@ -151,7 +151,7 @@ class Rigid:
 
 
 @dataclass(frozen=True)
-class Section:
+class CutSection:
     """Elements of a part that a plane cuts before the blow: their mean stress, velocity and acceleration."""
 
     name: str
@@ -236,11 +236,11 @@ class Model:
     velocity: Mapping[str, Vector] = field(default_factory=dict)
     gravity: Vector = (0.0, 0.0, 0.0)
     boundaries: tuple[AnyBoundary, ...] = ()
-    contacts: tuple[Contact, ...] = ()
+    contacts: tuple[SurfaceContact, ...] = ()
     ties: tuple[Tie, ...] = ()
-    walls: tuple[Wall, ...] = ()
+    walls: tuple[RigidWall, ...] = ()
     rigid: tuple[Rigid, ...] = ()
-    sections: tuple[Section, ...] = ()
+    sections: tuple[CutSection, ...] = ()
     points: tuple[Point, ...] = ()
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 

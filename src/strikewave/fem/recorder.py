@@ -8,16 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.errors import InputError
-from strikewave.fem._contact_kernels import Touch
+from strikewave.fem._contact_kernels import NodeTouch
 from strikewave.fem.boundary import unit
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.mesh import TINY, Array, Index, Mesh, volumes
-from strikewave.fem.model import Model, Section
+from strikewave.fem.model import CutSection, Model
 from strikewave.fem.run import ENERGIES, PartHistory, PointHistory, SectionHistory
 from strikewave.fem.sections import ON_SURFACE
 
 
-class Motion(NamedTuple):
+class NodeMotion(NamedTuple):
     """Displacement, velocity and acceleration of the nodes at an instant, each (nodes, 3)."""
 
     displacement: Array
@@ -25,7 +25,7 @@ class Motion(NamedTuple):
     acceleration: Array
 
 
-class Recorder:
+class HistoryRecorder:
     """What is noted at each instant: rows of named columns.
 
     Parameters
@@ -45,7 +45,7 @@ class Recorder:
         self.sections = {s.name: section_elements(model.mesh, s) for s in model.sections}
         self.rows: dict[str, list[Array]] = {}
 
-    def note(self, time: float, motion: Motion, cells: tuple[Array, Array], sums: Mapping[str, object]) -> None:
+    def note(self, time: float, motion: NodeMotion, cells: tuple[Array, Array], sums: Mapping[str, object]) -> None:
         """Add a row: the sums (energies, forces, impulses) as they are, the motion of what is watched, the largest.
 
         ``cells`` are stress (elements, 6) and plastic strain (elements,).
@@ -114,7 +114,7 @@ def assembly(parts: Mapping[str, PartHistory], names: Sequence[str]) -> PartHist
     return PartHistory(float(mass.sum()), velocity, rate, moved)
 
 
-def pressed(touch: Touch) -> Array:
+def pressed(touch: NodeTouch) -> Array:
     """Return how much of each surface is pressed: its share by area, and the area over that of a face, (surfaces, 2).
 
     A wall has one surface, a contact two.
@@ -128,7 +128,7 @@ def pressed(touch: Touch) -> Array:
     return np.array(rows)
 
 
-def section_elements(mesh: Mesh, section: Section) -> tuple[Index, Array]:
+def section_elements(mesh: Mesh, section: CutSection) -> tuple[Index, Array]:
     """Return the elements that a section cuts, and their shares of its volume.
 
     Raises

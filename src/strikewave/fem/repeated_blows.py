@@ -36,7 +36,7 @@ Bodies that stay elastic then give the same peak and impulse within 1e-6; the di
 It takes one to three times the steps of a blow."""
 LONGEST = 20
 """Times the steps of a blow that its bodies may take to rest: several times the usual one to three."""
-RETREATS = 30
+STEPS_BACK = 30
 """Steps back of what strikes at most; what is left then is let out without a force, and reported as an overlap.
 
 Few do on surfaces that are convex; each step of a round one in a dent finds another nearest face."""
@@ -79,13 +79,13 @@ def next_blow(engine: Engine, energy: float, share: float = REST) -> Engine:
     first = _depths(following)
     _take_over(following, resting, meet=False)
     following.blow = engine.blow + 1
-    retreat = _step_back(following, bodies, first)
+    added_distance = _step_back(following, bodies, first)
     following.rest = Rest(
         maxima=sum(each.maxima for each in settled),
         steps=sum(each.steps for each in settled),
         kinetic_share=max(each.kinetic for each in settled) / max(energy, TINY),
         plastic_energy=_plastic(resting) - begun,
-        retreat=retreat,
+        added_distance=added_distance,
         overlap=max(_depths(following).values(), default=0.0),
         plastic_before=_plastic(resting) + (engine.rest.plastic_before if engine.rest else 0.0),
     )
@@ -162,7 +162,7 @@ def _move(engine: Engine, body: Body, turn: Array, shift: Array) -> None:
 def _step_back(engine: Engine, bodies: Sequence[Body], first: Mapping[str, float]) -> float:
     """Move what strikes back, against its velocity, until it is nowhere deeper in another than at first; return m."""
     moved = 0.0
-    for _ in range(RETREATS):
+    for _ in range(STEPS_BACK):
         before = moved
         for name, sides in engine.model.touching.items():
             moved += _clear(engine, bodies, sides, _depths(engine).get(name, 0.0) - first.get(name, 0.0))

@@ -25,7 +25,7 @@ from strikewave.fem.sections import (
     CORE,
     FLIPPED,
     ON_SURFACE,
-    Section,
+    PlaneMesh,
     Sector,
     Surface,
     core_half_width,
@@ -213,7 +213,7 @@ def half_cylinder(
     arcs = shell_radii(half_width, 0.5 * math.pi * radius, grading)
     straight = disc_section(_straightened(arcs, radius), count, "quarter")
     x, z = _bent(straight.points, radius).T
-    section = Section(np.column_stack([z, x]), straight.quads[:, ::-1])
+    section = PlaneMesh(np.column_stack([z, x]), straight.quads[:, ::-1])
     if mirror_axes(sector):
         section = merged_sections([section, mirrored(section, 1)])
     low = -0.5 * length if sector == "whole" else 0.0

@@ -64,7 +64,7 @@ class SectionHistory:
 
 
 @dataclass(frozen=True)
-class Frame:
+class FieldFrame:
     """The whole field at an instant.
 
     Attributes
@@ -98,7 +98,7 @@ class Rest(NamedTuple):
         Kinetic energy that was left, over the energy in play of the blow before.
     plastic_energy : float
         Plastic work that the way to rest itself did, J.
-    retreat : float
+    added_distance : float
         m by which what strikes begins farther away than at first, as it would have stood inside what it strikes.
     overlap : float
         Deepest overlap that is let out without a force, m.
@@ -110,7 +110,7 @@ class Rest(NamedTuple):
     steps: int
     kinetic_share: float
     plastic_energy: float
-    retreat: float
+    added_distance: float
     overlap: float
     plastic_before: float
 
@@ -142,7 +142,7 @@ class FemRun:
     elements : int
     stopped : str
         Why the run ended early; empty when it did not.
-    frames : tuple of Frame
+    frames : tuple of FieldFrame
         Only those asked for; a writer takes them as they come instead where one is given.
     von_mises, plastic_strain : mapping of str to array (instants,)
         Largest von Mises stress, Pa, and largest equivalent plastic strain of the elements of each part
@@ -179,7 +179,7 @@ class FemRun:
     seconds: float
     elements: int
     stopped: str = ""
-    frames: tuple[Frame, ...] = field(default=())
+    frames: tuple[FieldFrame, ...] = field(default=())
     von_mises: Mapping[str, Array] = field(default_factory=dict)
     plastic_strain: Mapping[str, Array] = field(default_factory=dict)
     overlaps: tuple[Overlap, ...] = ()

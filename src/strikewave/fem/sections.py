@@ -59,14 +59,14 @@ HEXAHEDRON_EDGES = np.concatenate([QUAD_EDGES, QUAD_EDGES + 4, np.arange(4)[:, N
 
 
 @dataclass(frozen=True)
-class Section:
+class PlaneMesh:
     """Quadrilaterals in a plane: points (nodes, 2) in m, quads (elements, 4) counterclockwise."""
 
     points: Array
     quads: Index
 
 
-def grid_section(x: Array, y: Array) -> Section:
+def grid_section(x: Array, y: Array) -> PlaneMesh:
     """Return the rectangular section of nodes at each x and y.
 
     Examples
@@ -78,12 +78,12 @@ def grid_section(x: Array, y: Array) -> Section:
     return _quads(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1))
 
 
-def merged_sections(sections: Sequence[Section]) -> Section:
+def merged_sections(sections: Sequence[PlaneMesh]) -> PlaneMesh:
     """Return one section of several, coincident nodes merged and neighbours numbered close together."""
     shift = np.cumsum([0, *(len(section.points) for section in sections)])
     points = np.concatenate([section.points for section in sections])
     quads = np.concatenate([section.quads + n for section, n in zip(sections, shift, strict=False)])
-    return Section(*renumbered(*merged_nodes(points, quads)))
+    return PlaneMesh(*renumbered(*merged_nodes(points, quads)))
 
 
 def merged_nodes(points: Array, elements: NDArray[np.integer]) -> tuple[Array, Index]:
@@ -131,7 +131,7 @@ def refuse_too_many(elements: float) -> None:
         raise InputError("size", f"{elements:.3g} elements", f"at most {LARGEST_MESH} in a part", "use larger elements")
 
 
-def disc_section(radii: Array, count: int, sector: Sector = "whole") -> Section:
+def disc_section(radii: Array, count: int, sector: Sector = "whole") -> PlaneMesh:
     """Return the O-grid of a disc about the origin.
 
     Parameters
@@ -150,7 +150,7 @@ def disc_section(radii: Array, count: int, sector: Sector = "whole") -> Section:
     return sector_of(merged_sections([_quads(core), _quads(ring), _quads(ring[:, ::-1, ::-1])]), sector)
 
 
-def ring_section(radii: Array, count: int, sector: Sector = "whole") -> Section:
+def ring_section(radii: Array, count: int, sector: Sector = "whole") -> PlaneMesh:
     """Return a ring about the origin with nodes at ascending radii, m, and ``2 count`` elements in a quarter."""
     ring = radii[:, None, None] * _eighth(count)
     return sector_of(merged_sections([_quads(ring), _quads(ring[:, ::-1, ::-1])]), sector)
@@ -171,7 +171,7 @@ def _eighth(count: int) -> Array:
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
-def sector_of(quarter: Section, sector: Sector) -> Section:
+def sector_of(quarter: PlaneMesh, sector: Sector) -> PlaneMesh:
     """Return the whole, half or quarter section by mirroring a quarter (x, y >= 0)."""
     for axis in mirror_axes(sector):
         quarter = merged_sections([quarter, mirrored(quarter, axis)])
@@ -185,13 +185,13 @@ def mirror_axes(sector: Sector) -> tuple[int, ...]:
     return {"quarter": (), "half": (0,), "whole": (0, 1)}[sector]
 
 
-def mirrored(section: Section, axis: int) -> Section:
+def mirrored(section: PlaneMesh, axis: int) -> PlaneMesh:
     """Return a section mirrored at x = 0 (axis 0) or y = 0 (axis 1), its quads counterclockwise again."""
     sign = np.where(np.arange(2) == axis, -1.0, 1.0)
-    return Section(section.points * sign, section.quads[:, ::-1])
+    return PlaneMesh(section.points * sign, section.quads[:, ::-1])
 
 
-def extruded(section: Section, heights: Array, keep: NDArray[np.bool_] | None = None) -> tuple[Array, Index]:
+def extruded(section: PlaneMesh, heights: Array, keep: NDArray[np.bool_] | None = None) -> tuple[Array, Index]:
     """Return points and hexahedra of a section along z, layer by layer.
 
     ``keep`` (layers, quads) leaves out elements, and the nodes that only they use.
@@ -257,8 +257,8 @@ def renumbered(points: Array, elements: Index) -> tuple[Array, Index]:
     return points[order], moved[np.argsort(moved.min(axis=1), kind="stable")]
 
 
-def _quads(points: Array) -> Section:
+def _quads(points: Array) -> PlaneMesh:
     """Return the section of a structured patch of points (m, n, 2), right-handed."""
     number = np.arange(points.shape[0] * points.shape[1], dtype=np.int32).reshape(points.shape[:2])
     corners = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
-    return Section(points.reshape(-1, 2), np.stack(corners, axis=-1).reshape(-1, 4))
+    return PlaneMesh(points.reshape(-1, 2), np.stack(corners, axis=-1).reshape(-1, 4))

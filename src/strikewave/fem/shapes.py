@@ -15,7 +15,7 @@ from strikewave.base.errors import InputError
 from strikewave.fem.grading import Sizes, nodes_between, nodes_through
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.sections import (
-    Section,
+    PlaneMesh,
     Sector,
     extruded,
     grid_section,
@@ -142,7 +142,7 @@ def frame(name: str, size: FrameSize, x: Sizes, y: Sizes, z: Sizes, sector: Sect
     low, high = np.array([inner_z, inner_x]).T
     opening = np.all((middle > low) & (middle < high), axis=1)
     deep = nodes_between(0.0, 0.5 * size.depth - low_y, y) + low_y
-    points, hexahedra = extruded(Section(full.points, full.quads[~opening]), deep)
+    points, hexahedra = extruded(PlaneMesh(full.points, full.quads[~opening]), deep)
     scale = max(size.width, size.depth, size.height)
     left = {"x-": (0, 0.0)} if sector == "quarter" else {"left": (0, low_x), "inner_left": (0, inner_x[0])}
     places = {

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.fem.mesh import TINY, Array, Index, Mesh, exterior, volumes
-from strikewave.fem.model import Contact, Driven, Model, Symmetry, Wall
+from strikewave.fem.model import Driven, Model, RigidWall, SurfaceContact, Symmetry
 
 Mask = NDArray[np.bool_]
 
@@ -219,18 +219,18 @@ def blow_axis(model: Model) -> Array:
     return np.asarray(axis / np.linalg.norm(axis))
 
 
-def blow_contact(model: Model) -> Contact | Wall | None:
+def blow_contact(model: Model) -> SurfaceContact | RigidWall | None:
     """Return the contact or wall of the blow: the first whose bodies begin at different velocities, or else the first.
 
     None where the model has no contact and no wall.
     """
     rest = (0.0, 0.0, 0.0)
-    meetings: list[Contact | Wall] = [*model.contacts, *model.walls]
+    meetings: list[SurfaceContact | RigidWall] = [*model.contacts, *model.walls]
     for meeting in meetings:
         sides = model.touching[meeting.name]
         parts = [side if side in model.mesh.names else side.rpartition(".")[0] for side in sides]
         speeds = {tuple(model.velocity.get(part, rest)) for part in parts}
-        if len(speeds | ({rest} if isinstance(meeting, Wall) else set())) > 1:
+        if len(speeds | ({rest} if isinstance(meeting, RigidWall) else set())) > 1:
             return meeting
     return next(iter(meetings), None)
 
@@ -242,7 +242,7 @@ def meeting_place(model: Model) -> Array | None:
     mesh, meeting = model.mesh, blow_contact(model)
     if meeting is None:
         return None
-    if isinstance(meeting, Contact):
+    if isinstance(meeting, SurfaceContact):
         first, second = (mesh.points[np.unique(mesh.side(side))] for side in (meeting.first, meeting.second))
         distance, partner = cKDTree(second).query(first)
     else:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.model import Model
-from strikewave.fem.run import Frame
+from strikewave.fem.run import FieldFrame
 from strikewave.fem.skin import Skin, blow_axis, blow_contact, meeting_place, skin_of
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class Snapshot(NamedTuple):
     plastic_strain: Single
 
 
-class Spot(NamedTuple):
+class FieldPeak(NamedTuple):
     """The largest of a field in any element: its value, when, s, and the index of the element."""
 
     value: float
@@ -104,7 +104,7 @@ class SnapshotRecorder:
         First touch, s.
     missed : bool
         Whether first touch was before the first instant seen, as where an interrupted run goes on.
-    largest : dict of str to Spot
+    largest : dict of str to FieldPeak
         "von_mises", Pa, and "plastic_strain" of all elements, seen or not, at the instants that were kept.
     """
 
@@ -117,7 +117,7 @@ class SnapshotRecorder:
     touched: float | None = field(default=None, init=False)
     wave: list[Snapshot] = field(default_factory=list, init=False)
     missed: bool = field(default=False, init=False)
-    largest: dict[str, Spot] = field(default_factory=dict, init=False)
+    largest: dict[str, FieldPeak] = field(default_factory=dict, init=False)
     _largest: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
@@ -136,7 +136,7 @@ class SnapshotRecorder:
         if last:
             self.last = self._still(engine.frame())
 
-    def offer(self, time: float, touching: bool, largest: float, frame: Callable[[], Frame]) -> None:
+    def offer(self, time: float, touching: bool, largest: float, frame: Callable[[], FieldFrame]) -> None:
         """Take an instant where it is wanted: whether bodies touch, the largest stress, and how to get the rest."""
         keepers = [
             rows for rows in (self.whole, self.contact if touching else None) if rows is not None and rows.wants()
@@ -160,12 +160,12 @@ class SnapshotRecorder:
         """Return when the next instant that follows the wave is due, s."""
         return (self.touched or 0.0) + (len(self.wave) + 1 - EARLY) * self.transit / PER_TRANSIT
 
-    def _still(self, frame: Frame) -> Snapshot:
+    def _still(self, frame: FieldFrame) -> Snapshot:
         skin = self.skin
         for name, values in (("von_mises", von_mises(frame.stress)), ("plastic_strain", frame.plastic_strain)):
             element = int(np.argmax(values))
             if float(values[element]) > (self.largest[name].value if name in self.largest else 0.0):
-                self.largest[name] = Spot(float(values[element]), frame.time, element)
+                self.largest[name] = FieldPeak(float(values[element]), frame.time, element)
         cells = (frame.displacement[skin.nodes], frame.stress[skin.elements], frame.plastic_strain[skin.elements])
         displacement, stress, strain = (np.asarray(values, np.float32) for values in cells)
         return Snapshot(frame.time, displacement, stress, strain)
@@ -184,7 +184,7 @@ def snapshot_recorder(model: Model, wanted: int = SNAPSHOTS) -> SnapshotRecorder
     return SnapshotRecorder(skin_of(model), transit_time(model), "" if meeting is None else meeting.name, wanted)
 
 
-def recorder_from_frames(model: Model, frames: Sequence[Frame]) -> SnapshotRecorder:
+def recorder_from_frames(model: Model, frames: Sequence[FieldFrame]) -> SnapshotRecorder:
     """Return a recorder that has seen some whole fields, and knows nothing of contacts."""
     recorder = snapshot_recorder(model, max(len(frames), 1))
     for frame in frames:

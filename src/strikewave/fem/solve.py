@@ -24,7 +24,7 @@ from strikewave.fem.model import Controls, Model
 from strikewave.fem.quality import check_mesh
 from strikewave.fem.repeated_blows import next_blow
 from strikewave.fem.restart import kept_blows, path_of_blow, read_restart, write_restart
-from strikewave.fem.run import FemRun, Frame
+from strikewave.fem.run import FemRun, FieldFrame
 
 REPORT = 0.2
 """Seconds between two reports of progress: as often as a bar on a screen is seen to move, at no cost."""
@@ -52,7 +52,7 @@ class Progress(NamedTuple):
 class Writer(Protocol):
     """Takes frames as they come."""
 
-    def add(self, frame: Frame) -> None:
+    def add(self, frame: FieldFrame) -> None:
         """Take a frame."""
 
 
@@ -158,7 +158,7 @@ def _one_blow(engine: Engine, options: RunOptions) -> FemRun:
     """Run an engine to the end of its blow."""
     begun, instants = clock.perf_counter(), engine.model.controls.intervals
     wanted = set(np.linspace(0, instants, options.frames).round().astype(int).tolist()) if options.frames else set()
-    frames: list[Frame] = []
+    frames: list[FieldFrame] = []
     stopped = _follow(engine, instants, options, wanted, frames, begun)
     return engine.result(clock.perf_counter() - begun, stopped, tuple(frames))
 
@@ -179,7 +179,7 @@ def _of_blow(options: RunOptions, blow: int, controls: Controls) -> RunOptions:
 
 
 def _follow(
-    engine: Engine, instants: int, options: RunOptions, wanted: set[int], frames: list[Frame], begun: float
+    engine: Engine, instants: int, options: RunOptions, wanted: set[int], frames: list[FieldFrame], begun: float
 ) -> str:
     """Run an engine instant by instant; return why it stopped early, or nothing."""
     shown, done = 0.0, engine.steps

@@ -20,7 +20,7 @@ from strikewave.fem import _contact_kernels as kernels
 from strikewave.fem._tie_kernels import TieState, gather_mass, gather_tied_forces, move_tied
 from strikewave.fem.contact import searched, two_surfaces
 from strikewave.fem.mesh import Mesh
-from strikewave.fem.model import Contact, Tie
+from strikewave.fem.model import SurfaceContact, Tie
 
 __all__ = ["TieState", "gather_mass", "gather_tied_forces", "move_tied", "prepare_ties"]
 
@@ -68,7 +68,7 @@ def prepare_ties(ties: Sequence[Tie], mesh: Mesh) -> TieState:
 
 
 def _tied(tie: Tie, mesh: Mesh) -> TieState:
-    state = searched(two_surfaces(Contact(tie.side, tie.onto), mesh), mesh.points, REACH * NEAR)
+    state = searched(two_surfaces(SurfaceContact(tie.side, tie.onto), mesh), mesh.points, REACH * NEAR)
     count = state.touch.first
     face, shape, distance = np.zeros(count, np.int32), np.zeros((count, 4)), np.full(count, np.inf)
     state.place[:] = mesh.points[state.touch.nodes]

@@ -3,7 +3,7 @@
 The file follows the VTKHDF specification 2.0 for an unstructured grid over time whose geometry does not change: the
 mesh stands there once, before the blow, and every step points at it (all geometry offsets are 0), while the offsets
 of its fields grow. What moves is the field ``displacement``: "warp by vector" shows the deformed parts. A stress of
-six components is read by VTK as a symmetric tensor xx yy zz xy yz xz, the order of `Frame`.
+six components is read by VTK as a symmetric tensor xx yy zz xy yz xz, the order of `FieldFrame`.
 
 Fields are kept in single precision (seven digits, half the room); times and the mesh in double precision. Memory is
 that of one frame; each frame is on the disk when `FieldWriter.add` returns.
@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
 from strikewave.fem.invariants import pressure, von_mises
-from strikewave.fem.run import Frame
+from strikewave.fem.run import FieldFrame
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,7 +56,7 @@ class Field(NamedTuple):
     name: str
     components: int
     unit: str
-    of: Callable[[Frame], NDArray[np.float64]]
+    of: Callable[[FieldFrame], NDArray[np.float64]]
 
 
 FIELDS = (
@@ -94,7 +94,7 @@ class FieldWriter:
     >>> from strikewave.fem.mesh import Mesh
     >>> corners = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
     >>> mesh = Mesh(corners, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("cube",))
-    >>> rest = Frame(0.0, np.zeros((8, 3)), np.zeros((8, 3)), np.zeros((1, 6)), np.zeros(1))
+    >>> rest = FieldFrame(0.0, np.zeros((8, 3)), np.zeros((8, 3)), np.zeros((1, 6)), np.zeros(1))
     >>> with tempfile.TemporaryDirectory() as home:
     ...     path = Path(home) / "fields.vtkhdf"
     ...     with FieldWriter(path, mesh) as writer:
@@ -164,7 +164,7 @@ class FieldWriter:
             table.resize(frames, axis=0)
         self._file.flush()
 
-    def add(self, frame: Frame) -> None:
+    def add(self, frame: FieldFrame) -> None:
         """Append a frame; it is on the disk on return.
 
         Raises
@@ -228,7 +228,7 @@ class FieldWriter:
             raise InputError("FILE", str(self.path), "a place that can be written, with room", reason) from error
 
 
-def stored_frames(path: Path) -> Iterator[Frame]:
+def stored_frames(path: Path) -> Iterator[FieldFrame]:
     """Yield the frames of a file, one in memory at a time, in the file's single precision.
 
     Raises
@@ -246,7 +246,7 @@ def stored_frames(path: Path) -> Iterator[Frame]:
         times = grid["Steps/Values"]
         for k in range(FieldWriter.frames_of(grid)):
             at_nodes, at_cells = (slice(k * n, (k + 1) * n) for n in (points, cells))
-            yield Frame(
+            yield FieldFrame(
                 float(times[k]),
                 grid["PointData/displacement"][at_nodes].astype(float),
                 grid["PointData/velocity"][at_nodes].astype(float),

@@ -1,7 +1,7 @@
 """Split Hopkinson pressure bars: pulses, reduction, checks, echoes, bar ends. Knows no units and no files."""
 
 from strikewave.hopkinson.alignment import METHODS, FaceWaves, align
-from strikewave.hopkinson.bars import Bar, Elastic, Specimen, Striker, elastic
+from strikewave.hopkinson.bars import Bar, BarMaterial, Specimen, StrikerBar, elastic
 from strikewave.hopkinson.checks import (
     energy,
     equilibrium,
@@ -11,8 +11,8 @@ from strikewave.hopkinson.checks import (
     striker_check,
 )
 from strikewave.hopkinson.gauges import BRIDGES, Bridge
-from strikewave.hopkinson.pulses import Pulses, Trace, find_pulses
-from strikewave.hopkinson.reduction import ANALYSES, Curve, Reduction, reduce
+from strikewave.hopkinson.pulses import GaugeTrace, Pulses, find_pulses
+from strikewave.hopkinson.reduction import ANALYSES, Reduction, StressStrainCurve, reduce
 from strikewave.hopkinson.shifting import Carrier, carried
 from strikewave.hopkinson.uniformity import face_forces, stress_difference, transits_to_uniform
 
@@ -21,16 +21,16 @@ __all__ = [
     "BRIDGES",
     "METHODS",
     "Bar",
+    "BarMaterial",
     "Bridge",
     "Carrier",
-    "Curve",
-    "Elastic",
     "FaceWaves",
+    "GaugeTrace",
     "Pulses",
     "Reduction",
     "Specimen",
-    "Striker",
-    "Trace",
+    "StressStrainCurve",
+    "StrikerBar",
     "align",
     "carried",
     "elastic",

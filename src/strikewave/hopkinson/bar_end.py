@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.signal import lfilter
 
 from strikewave.hopkinson.bars import Bar
-from strikewave.waves import BONDED, End, Layer, Sampled, Stack, Tap, Wanted, run_bar
+from strikewave.waves import BONDED, End, Layer, Sampled, Stack, Tap, WantedError, run_bar
 
 Array = NDArray[np.float64]
 
@@ -121,14 +121,14 @@ def elastic_disk(strain: ArrayLike, step: float, bar: Bar, disk: Layer, mass: fl
     time = step * np.arange(e.size)
     load = Sampled(np.asarray(time), bar.stiffness * e)
     fine = disk.transit / math.ceil(max(LEAST_STEPS, disk.transit / step) * (1.0 - ROUNDING))
-    run = run_bar(stack, load, [Tap(1, 0.0), Tap(1, 1.0)], 1.0 * transit + time[-1], Wanted(step=fine))
+    run = run_bar(stack, load, [Tap(1, 0.0), Tap(1, 1.0)], 1.0 * transit + time[-1], WantedError(step=fine))
     at = time + run.grid.step * round(transit / run.grid.step)
     return EndMotion(
         *(np.interp(at, run.time, values) for values in (run.velocity[:, 1], run.acceleration[:, 1], run.force[:, 0]))
     )
 
 
-class Agreement(NamedTuple):
+class SensorAgreement(NamedTuple):
     """A sensor compared with its reference.
 
     ``sensitivity`` is reading over reference by least squares at the best delay, ``peak_ratio`` that of what the
@@ -142,7 +142,7 @@ class Agreement(NamedTuple):
     residual: float
 
 
-def compare_sensor(reading: ArrayLike, reference: ArrayLike, step: float) -> Agreement:
+def compare_sensor(reading: ArrayLike, reference: ArrayLike, step: float) -> SensorAgreement:
     """Compare what a sensor read with the reference acceleration on the same clock.
 
     The delay is that of the largest correlation, between samples by a parabola.
@@ -180,7 +180,7 @@ def compare_sensor(reading: ArrayLike, reference: ArrayLike, step: float) -> Agr
     way = math.copysign(1.0, x[np.argmax(np.abs(x))])
     same = math.copysign(way, way * ratio)
     peaks = float((same * y).max()) * same / (float((way * x).max()) * way)
-    return Agreement(ratio, peaks, delay, float(np.sqrt((left @ left) / (y @ y))))
+    return SensorAgreement(ratio, peaks, delay, float(np.sqrt((left @ left) / (y @ y))))
 
 
 def _moved(values: Array, places: float) -> Array:

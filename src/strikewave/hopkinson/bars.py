@@ -13,7 +13,7 @@ from typing import NamedTuple
 from strikewave.waves.dispersion import Rod
 
 
-class Elastic(NamedTuple):
+class BarMaterial(NamedTuple):
     """Density (kg/m^3), modulus (Pa) and bar speed (m/s) that agree with each other.
 
     ``derived`` names the one that follows from the other two; ``mismatch`` is by how much of itself a stated
@@ -27,7 +27,7 @@ class Elastic(NamedTuple):
     mismatch: float = 0.0
 
 
-def elastic(density: float | None = None, modulus: float | None = None, speed: float | None = None) -> Elastic:
+def elastic(density: float | None = None, modulus: float | None = None, speed: float | None = None) -> BarMaterial:
     """Return density, modulus and bar speed from two of them: c = sqrt(E/rho).
 
     Where all three are given, density and speed are kept, which a balance and an echo measure to a part in a
@@ -52,11 +52,11 @@ def elastic(density: float | None = None, modulus: float | None = None, speed: f
             raise ValueError(f"{name} must be above zero and finite, got {value!r}")
     if density is not None and speed is not None:
         own = density * speed**2
-        return Elastic(density, own, speed, "modulus", 0.0 if modulus is None else modulus / own - 1.0)
+        return BarMaterial(density, own, speed, "modulus", 0.0 if modulus is None else modulus / own - 1.0)
     if density is not None and modulus is not None:
-        return Elastic(density, modulus, math.sqrt(modulus / density), "speed")
+        return BarMaterial(density, modulus, math.sqrt(modulus / density), "speed")
     if modulus is not None and speed is not None:
-        return Elastic(modulus / speed**2, modulus, speed, "density")
+        return BarMaterial(modulus / speed**2, modulus, speed, "density")
     raise ValueError(f"two of density, modulus and speed are needed, got {stated}")
 
 
@@ -169,7 +169,7 @@ class Specimen:
         return math.sqrt(self.density * self.modulus) * self.area / bar.impedance
 
 
-class Striker(NamedTuple):
+class StrikerBar(NamedTuple):
     """A striker bar: length (m), bar speed (m/s), impedance (N s/m), speed before impact (m/s, NaN if unknown)."""
 
     length: float
@@ -190,7 +190,7 @@ class Striker(NamedTuple):
         Examples
         --------
         >>> bar = Bar(7800.0, 210e9, 0.02, 1.02)
-        >>> round(Striker(0.2, bar.speed, bar.impedance, 10.0).strain(bar) * 1e6, 1)
+        >>> round(StrikerBar(0.2, bar.speed, bar.impedance, 10.0).strain(bar) * 1e6, 1)
         963.6
         """
         return self.speed * self.impedance / ((self.impedance + bar.impedance) * bar.speed)

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.hopkinson.bars import Striker
+from strikewave.hopkinson.bars import StrikerBar
 from strikewave.hopkinson.pulses import Pulses
-from strikewave.hopkinson.reduction import Analysis, Curve, Reduction, reduce
+from strikewave.hopkinson.reduction import Analysis, Reduction, StressStrainCurve, reduce
 from strikewave.hopkinson.uniformity import UNIFORM
 
 Array = NDArray[np.float64]
@@ -198,7 +198,7 @@ class StrikerCheck(NamedTuple):
     speed: float
 
 
-def striker_check(pulses: Pulses, reduction: Reduction, striker: Striker) -> StrikerCheck:
+def striker_check(pulses: Pulses, reduction: Reduction, striker: StrikerBar) -> StrikerCheck:
     """Compare the incident pulse with its striker: plateau v Zs/((Zs+Zb) cb), length 2 Ls/cs."""
     bar = reduction.bars[0]
     per_speed = striker._replace(speed=1.0).strain(bar)
@@ -215,7 +215,7 @@ class Slope(NamedTuple):
     high: float = math.nan
 
 
-def rise_slope(curve: Curve, loading: NDArray[np.bool_]) -> float:
+def rise_slope(curve: StressStrainCurve, loading: NDArray[np.bool_]) -> float:
     """Return the slope of the first rise of a curve from 10 to 50 % of the largest stress, Pa; NaN without samples.
 
     By least squares of strain on stress. A Hopkinson test does not measure Young's modulus well: equilibrium comes
@@ -241,7 +241,7 @@ def rise_slopes(reduction: Reduction, analysis: Analysis) -> Slope:
     return Slope(rise_slope(reduction.curve(analysis), reduction.loading), 1.0 / max(compliances), high)
 
 
-def _rise_compliance(curve: Curve, loading: NDArray[np.bool_]) -> float:
+def _rise_compliance(curve: StressStrainCurve, loading: NDArray[np.bool_]) -> float:
     """Return strain over stress of the first rise, 1/Pa; NaN where it has fewer than three samples."""
     stress, strain = curve.stress[loading], curve.strain[loading]
     top = float(stress.max(initial=0.0))

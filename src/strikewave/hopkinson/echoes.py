@@ -30,7 +30,7 @@ from scipy.special import stdtrit
 from strikewave.base.errors import InputError
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.onset import noise_ceiling
-from strikewave.hopkinson.pulses import Quiet, Trace, quieten
+from strikewave.hopkinson.pulses import GaugeTrace, Quiet, quieten
 from strikewave.signal.pulse import crossing
 from strikewave.waves.dispersion import Theory, wave_number
 
@@ -73,7 +73,7 @@ STRONGER = 0.02
 way."""
 
 
-class Estimate(NamedTuple):
+class FittedValue(NamedTuple):
     """A value by least squares, its standard error (NaN without freedom), and the degrees of freedom of the fit."""
 
     value: float
@@ -86,7 +86,7 @@ class Estimate(NamedTuple):
 
         Examples
         --------
-        >>> round(Estimate(1.0, 0.1, 3).student, 3)
+        >>> round(FittedValue(1.0, 0.1, 3).student, 3)
         3.182
         """
         return float(stdtrit(self.freedom, 0.975)) if self.freedom > 0 else math.nan
@@ -124,13 +124,13 @@ class Echoes:
         Length of the stretch of each pass, s.
     first : int
         Number of the first pass used.
-    speed : Estimate
+    speed : FittedValue
         Bar speed c0, m/s, from the turns at the near end; from all ways where the length is given.
-    length : Estimate
+    length : FittedValue
         Length of the bar, m: given (no error), or from round trips and the speed.
-    round_trip : Estimate
+    round_trip : FittedValue
         Length of the bar by round trips and the speed of the turns at the near end, m, whether it is given or not.
-    attenuation : Estimate
+    attenuation : FittedValue
         Over a round trip at the pulse's own frequencies, Np/m, each weighted with its energy.
     frequency : ndarray
         Of the band in which every pass stands out of the noise, Hz, shape (K,).
@@ -152,10 +152,10 @@ class Echoes:
     times: Array
     window: float
     first: int
-    speed: Estimate
-    length: Estimate
-    round_trip: Estimate
-    attenuation: Estimate
+    speed: FittedValue
+    length: FittedValue
+    round_trip: FittedValue
+    attenuation: FittedValue
     frequency: Array = field(repr=False)
     phase_speed: Array = field(repr=False)
     phase_speed_error: Array = field(repr=False)
@@ -178,13 +178,13 @@ class _Passes(NamedTuple):
 
 
 def calibrate_bar(
-    trace: Trace, bar: Bar, way: Way = "towards", skip: int = 0, theory: Theory = "pochhammer-chree"
+    trace: GaugeTrace, bar: Bar, way: Way = "towards", skip: int = 0, theory: Theory = "pochhammer-chree"
 ) -> Echoes:
     """Return speed, length, dispersion and attenuation of a bar with free ends from many round trips.
 
     Parameters
     ----------
-    trace : Trace
+    trace : GaugeTrace
         Strain at the gauge.
     bar : Bar
         Its gauge distance to one end is taken as known, its length where it is finite, density and modulus only
@@ -219,7 +219,7 @@ def calibrate_bar(
     length, misfit = free.length, math.nan
     other = Ways(_speed_and_length(data, _other(way))[0].speed.value, math.nan)
     if math.isfinite(bar.length):
-        length = Estimate(bar.length, math.nan, 0)
+        length = FittedValue(bar.length, math.nan, 0)
         speed, misfit, ways = _known_length(data, way)
         phase, phase_error = _phase_speed(data, ways, 1.0)
         turned, left, _ = _known_length(data, _other(way))
@@ -365,8 +365,8 @@ class _PassData(NamedTuple):
 class _Free(NamedTuple):
     """Speed and length with a way known round the near end alone."""
 
-    speed: Estimate
-    length: Estimate
+    speed: FittedValue
+    length: FittedValue
 
 
 class _Plane(NamedTuple):
@@ -438,10 +438,10 @@ def _speed_and_length(data: _PassData, way: Way) -> tuple[_Free, Array, Array]:
     error = fit.carried(np.array([0.0, -speed / near, 0.0]))
     off = fit.carried(np.array([0.0, -d * far / near**2, d / near]))
     length = d * (near + far) / near
-    return _Free(Estimate(speed, error, fit.freedom), Estimate(length, off, fit.freedom)), times, design
+    return _Free(FittedValue(speed, error, fit.freedom), FittedValue(length, off, fit.freedom)), times, design
 
 
-def _known_length(data: _PassData, way: Way) -> tuple[Estimate, float, Array]:
+def _known_length(data: _PassData, way: Way) -> tuple[FittedValue, float, Array]:
     """Return the speed over known ways, the root mean square of what is left of the times (s), and the design."""
     d, turns = data.bar.gauge_distance, _turns(data, way)
     design = np.column_stack([np.ones(turns.shape[0]), 2.0 * (turns[:, 1] * d + turns[:, 2] * (data.bar.length - d))])
@@ -453,7 +453,7 @@ def _known_length(data: _PassData, way: Way) -> tuple[Estimate, float, Array]:
         if abs(speed / before - 1.0) < CONVERGED:
             break
     left = float(np.sqrt(np.mean((times - design @ fit.value) ** 2)))
-    return Estimate(speed, float(fit.errors(1)) * speed**2, fit.freedom), left, design
+    return FittedValue(speed, float(fit.errors(1)) * speed**2, fit.freedom), left, design
 
 
 def _phase_speed(data: _PassData, design: Array, way: float) -> tuple[Array, Array]:
@@ -469,14 +469,14 @@ def _trips(data: _PassData) -> Array:
     return np.column_stack([np.ones(n.size), n % 2, n // 2 - n[0] // 2])
 
 
-def _losses(data: _PassData, length: Estimate) -> tuple[Estimate, Array, Array]:
+def _losses(data: _PassData, length: FittedValue) -> tuple[FittedValue, Array, Array]:
     """Return the attenuation by energy, that of each frequency, and its standard error: what a round trip takes."""
     way, design = 2.0 * length.value, _trips(data)
     whole = _plane(design, data.logs @ data.weight / data.weight.sum(), data.energy)
     each = _plane(design, data.logs, data.energy)
     value = -float(whole.value[2]) / way
     unsure = 0.0 if math.isnan(length.error) else value * length.error / length.value
-    mean = Estimate(value, math.hypot(float(whole.errors(2)) / way, unsure), whole.freedom)
+    mean = FittedValue(value, math.hypot(float(whole.errors(2)) / way, unsure), whole.freedom)
     return mean, np.asarray(-each.value[2] / way), np.asarray(each.errors(2) / way)
 
 

@@ -38,7 +38,7 @@ LOW, HIGH = 0.1, 0.9
 
 
 @dataclass(frozen=True)
-class Trace:
+class GaugeTrace:
     """What a gauge wrote: strain, sampling step (s), time of the first sample (s)."""
 
     strain: Array = field(repr=False)
@@ -57,7 +57,7 @@ class Quiet:
 
     Attributes
     ----------
-    trace : Trace
+    trace : GaugeTrace
         Corrected.
     onset : int
         First sample of the first pulse.
@@ -69,7 +69,7 @@ class Quiet:
         By how much means over parts of those samples differ.
     """
 
-    trace: Trace
+    trace: GaugeTrace
     onset: int
     baseline: float
     noise: float
@@ -127,7 +127,7 @@ class Pulses:
         return (self.incident.size - 1) * self.step
 
 
-def quieten(trace: Trace, field_name: str) -> Quiet:
+def quieten(trace: GaugeTrace, field_name: str) -> Quiet:
     """Take the baseline off a trace, and turn its first pulse into compression.
 
     Raises
@@ -155,11 +155,11 @@ def quieten(trace: Trace, field_name: str) -> Quiet:
     if peak is None or float(np.abs(values).max()) <= noise_ceiling(noise, values.size):
         raise InputError(field_name, "noise alone", "a pulse that stands above the noise before it")
     polarity = 1 if values[peak] > 0.0 else -1
-    corrected = Trace(polarity * values, trace.step, trace.start)
+    corrected = GaugeTrace(polarity * values, trace.step, trace.start)
     return Quiet(corrected, begin, float(np.median(trace.strain)) + level, noise, polarity, drift(head))
 
 
-def find_pulses(incident: Trace, transmitted: Trace, bars: tuple[Bar, Bar]) -> Pulses:
+def find_pulses(incident: GaugeTrace, transmitted: GaugeTrace, bars: tuple[Bar, Bar]) -> Pulses:
     """Find the three pulses and cut them out in windows of one length.
 
     A window begins a twentieth of the time between incident and reflected pulse before its pulse, and lasts until
@@ -168,7 +168,7 @@ def find_pulses(incident: Trace, transmitted: Trace, bars: tuple[Bar, Bar]) -> P
 
     Parameters
     ----------
-    incident, transmitted : Trace
+    incident, transmitted : GaugeTrace
         Strain at the two gauges, of any sign, on clocks of one rate and one zero.
     bars : (Bar, Bar)
         Incident and transmitted bar.
@@ -244,7 +244,7 @@ def _check_strain(strain: float, name: str) -> None:
         raise InputError(f"{name} trace", f"a strain of {strain:.3g}", allowed, hint)
 
 
-def _place(trace: Trace, time: float) -> tuple[int, float]:
+def _place(trace: GaugeTrace, time: float) -> tuple[int, float]:
     """Return the sample at or before a time, and by how much it lies after it (at most zero), s."""
     place = (time - trace.start) / trace.step
     k = int(np.floor(place + ROUNDING))

@@ -68,7 +68,7 @@ class Reduction:
         steps = 0.5 * (after[1:] + after[:-1]) * self.waves.step
         return np.concatenate([[0.0], np.cumsum(steps)])
 
-    def curve(self, analysis: Analysis = "3-wave") -> Curve:
+    def curve(self, analysis: Analysis = "3-wave") -> StressStrainCurve:
         """Return the engineering curve by one analysis.
 
         =======  ==============  =====================================================================
@@ -93,10 +93,10 @@ class Reduction:
         rate = (self.first_velocity - beyond) / self.specimen.length
         mean = 0.5 * (self.first_force + self.second_force)
         force = {"1-wave": self.second_force, "2-wave": self.first_force, "3-wave": mean}[analysis]
-        return Curve(self.time, self.integral(rate), force / self.specimen.area, rate)
+        return StressStrainCurve(self.time, self.integral(rate), force / self.specimen.area, rate)
 
 
-class Curve(NamedTuple):
+class StressStrainCurve(NamedTuple):
     """Time (s), strain, stress (Pa) and strain rate (1/s) of a specimen, compression positive."""
 
     time: Array
@@ -104,7 +104,7 @@ class Curve(NamedTuple):
     stress: Array
     rate: Array
 
-    def true(self) -> Curve:
+    def true(self) -> StressStrainCurve:
         """Return true strain, stress and rate of a specimen that keeps its volume.
 
         With engineering strain e and stress s in compression: -ln(1 - e), s (1 - e), rate/(1 - e); NaN for e >= 1.
@@ -112,11 +112,11 @@ class Curve(NamedTuple):
         Examples
         --------
         >>> one = np.array([0.1])
-        >>> Curve(one, one, 100.0 * one, one).true().stress.round(3).tolist()
+        >>> StressStrainCurve(one, one, 100.0 * one, one).true().stress.round(3).tolist()
         [9.0]
         """
         left = np.where(self.strain < 1.0, 1.0 - self.strain, np.nan)
-        return Curve(self.time, np.log(1.0 / left), self.stress * left, self.rate / left)
+        return StressStrainCurve(self.time, np.log(1.0 / left), self.stress * left, self.rate / left)
 
 
 def reduce(waves: FaceWaves, bars: tuple[Bar, Bar], specimen: Specimen) -> Reduction:

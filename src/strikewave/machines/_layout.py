@@ -41,7 +41,7 @@ STRIKER, OBJECT = 0, 0
 """Numbers of the bodies of a fast run: of the one striker in a blow, and of the object in free flight."""
 
 
-class Layout(NamedTuple):
+class StateLayout(NamedTuple):
     """Places of everything in one system; see the module.
 
     Attributes
@@ -133,7 +133,7 @@ class Layout(NamedTuple):
 
 
 @register_jitable(**LEAF)
-def layout(bodies: int, links: int, seats: int, strikers: int) -> Layout:
+def layout(bodies: int, links: int, seats: int, strikers: int) -> StateLayout:
     """Return the layout of a system of so many bodies, links, seats that are bases, and strikers."""
     mounted = strikers - seats
     whole = 1 if bodies - seats == 2 else 0
@@ -152,7 +152,7 @@ def layout(bodies: int, links: int, seats: int, strikers: int) -> Layout:
     touches = _DRIVE_FEED_APEX
     edges = touches + mounted
     switches = own + edges + strikers
-    return Layout(
+    return StateLayout(
         strikers=slice(0, seats),
         object=slice(seats, bodies),
         nose=seats,
@@ -207,7 +207,7 @@ def layout(bodies: int, links: int, seats: int, strikers: int) -> Layout:
 
 
 @register_jitable(**LEAF)
-def layout_of(system: Any) -> Layout:
+def layout_of(system: Any) -> StateLayout:
     """Return the layout of a system of tables: its chain, and a row of its seats for each striker."""
     chain = system.chain
     return layout(chain.bodies.shape[0], chain.joins.shape[0], chain.bases.shape[1] - 1, system.seats.shape[0])

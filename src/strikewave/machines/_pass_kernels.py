@@ -23,7 +23,7 @@ from strikewave.machines._layout import OBJECT, layout_of
     LATER,
     FACE,
     FACE_SPEED,
-    RETREAT,
+    LARGEST_DISPLACEMENT,
     STOP_FORCE,
     ANGLE,
     DISC_SPEED,
@@ -32,7 +32,7 @@ from strikewave.machines._layout import OBJECT, layout_of
 """Columns of the table of blows: pass number, striker (from 0), time of first touch (of the apex where missed, then
 with CONTACTS 0), approach speed, rigid peak, its width at 10 %, velocity change to the release before the first gap
 longer than that, contacts, impulse of the contacts and of the second and later groups of them, place and speed of the
-face at first touch (place at the apex where missed), largest retreat (NaN where missed), largest force of the stop
+face at first touch (place at the apex where missed), largest displacement (NaN where missed), largest force of the stop
 until the next pass, turntable's angle at first touch less that of the strike position, and its speed; velocity change
 to the last release."""
 BLOW_COLUMNS = 17
@@ -160,7 +160,7 @@ def note_blow(flight, blow, struck, passes, steps, work):
 
 @called_kernel
 def _note_support(blow, record, r, passes, work):
-    """Write down retreat and force of the stop at begin, middle and end of a step of a blow."""
+    """Write down displacement and force of the stop at begin, middle and end of a step of a blow."""
     numbers, row, at = passes.numbers, passes.table[passes.counts[CURRENT]], layout_of(blow)
     mode, memory = record.mode[r], record.memory[r]
     for k in range(3):
@@ -170,7 +170,7 @@ def _note_support(blow, record, r, passes, work):
             place_bases(blow, record.time[r] + 0.5 * k * record.step[r], work, mode, memory)
             force, _, _ = press(blow.chain, at.stop, work, mode, memory)
             row[STOP_FORCE] = max(row[STOP_FORCE], force)
-    row[RETREAT] = numbers[HIGHEST] - numbers[FIRST_PLACE]
+    row[LARGEST_DISPLACEMENT] = numbers[HIGHEST] - numbers[FIRST_PLACE]
 
 
 @called_kernel
@@ -236,7 +236,7 @@ def measure_row(passes):
 
 @called_kernel
 def note_flight(flight, going, passes, steps, work):
-    """Write down retreat and force of the stop of the steps after a pass, until the next touch or the retraction."""
+    """Write down displacement and force of the stop of the steps after a pass, until the next touch or retraction."""
     record, counts, numbers = going.record, passes.counts, passes.numbers
     at = layout_of(flight)
     place, speed, speed_before = work[at.positions], work[at.speeds], record.dense[:, 0, at.speeds]
@@ -261,7 +261,7 @@ def note_flight(flight, going, passes, steps, work):
             force, _, _ = press(flight.chain, at.stop, work, mode, memory)
             row[STOP_FORCE] = max(row[STOP_FORCE], force)
     if row[CONTACTS] > 0.0:
-        row[RETREAT] = numbers[HIGHEST] - numbers[FIRST_PLACE]
+        row[LARGEST_DISPLACEMENT] = numbers[HIGHEST] - numbers[FIRST_PLACE]
 
 
 @leaf_kernel

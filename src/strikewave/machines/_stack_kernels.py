@@ -84,7 +84,7 @@ class Supports(NamedTuple):
     sticking: float
 
 
-class Blow(NamedTuple):
+class StackBlow(NamedTuple):
     """One blow on a stack: who strikes, from where, and how long to follow it; SI."""
 
     striker: int

@@ -34,7 +34,7 @@ from strikewave.contact._chain_kernels import (
     spot_of,
     spring_energy,
 )
-from strikewave.contact._integrator import CONTINUE, END, FULL, STOP, STOPPED, Record, advance
+from strikewave.contact._integrator import CONTINUE, END, FULL, STOP, STOPPED, StepRecord, advance
 from strikewave.contact._law_kernels import SPOT, STIFFNESS, residual
 from strikewave.machines._kernels import (
     ALONG,
@@ -75,7 +75,7 @@ _STRETCH = 3
 """Column of the table of seats after those that `_kernels` knows: m/k of a striker on its mount, s^2."""
 
 
-class Frame(NamedTuple):
+class ObjectFrame(NamedTuple):
     """The frame of an object in flight: mass of its nose, kg, stiffness, N/m, gravity, m/s^2, share of the nose."""
 
     nose_mass: float
@@ -91,7 +91,7 @@ class FlightSystem(NamedTuple):
     seats: np.ndarray
     settings: np.ndarray
     left: np.ndarray
-    frame: Frame
+    frame: ObjectFrame
 
 
 class MountedStrikers(NamedTuple):
@@ -111,7 +111,7 @@ class Part(NamedTuple):
     y: np.ndarray
     mode: np.ndarray
     memory: np.ndarray
-    record: Record
+    record: StepRecord
 
 
 class Train(NamedTuple):

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.contact.chain import Chain, ChainMotion, Touch, simulate
+from strikewave.contact.chain import Chain, ChainContact, ChainMotion, simulate
 from strikewave.contact.law import AnyContact, not_negative, positive, refuse
 
 Array = NDArray[np.float64]
@@ -129,7 +129,7 @@ def resting_ratio(speed: float, restitution: float, falling: float = 0.0) -> flo
 
 
 @dataclass(frozen=True)
-class Line:
+class BodyLine:
     """Bodies in a line, from the bottom.
 
     Parameters
@@ -207,7 +207,7 @@ class Collisions:
 
     Attributes
     ----------
-    line : Line
+    line : BodyLine
         What was followed.
     collisions : tuple of Collision
         In their order.
@@ -219,7 +219,7 @@ class Collisions:
         Impulse of floor and ceiling on what rests there, by the last collision, N s.
     """
 
-    line: Line
+    line: BodyLine
     collisions: tuple[Collision, ...]
     words: tuple[str, ...]
     end: float
@@ -303,7 +303,7 @@ class _Flight(NamedTuple):
     pulls: Array
 
 
-def collide(line: Line, duration: float = math.inf, most: int = 10_000) -> Collisions:
+def collide(line: BodyLine, duration: float = math.inf, most: int = 10_000) -> Collisions:
     """Follow a line of bodies from collision to collision.
 
     Between collisions all is closed form: bodies fall freely or rest on a floor. The next collision is the first of
@@ -314,7 +314,7 @@ def collide(line: Line, duration: float = math.inf, most: int = 10_000) -> Colli
 
     Parameters
     ----------
-    line : Line
+    line : BodyLine
         Bodies, gaps, speeds.
     duration : float, optional
         How long, s.
@@ -332,7 +332,7 @@ def collide(line: Line, duration: float = math.inf, most: int = 10_000) -> Colli
 
     Examples
     --------
-    >>> three = Line((1.0, 0.1, 0.01), (1.0, 1.0), gaps=(0.01, 0.01), speeds=(1.0, 0.0, 0.0), gravity=0.0)
+    >>> three = BodyLine((1.0, 0.1, 0.01), (1.0, 1.0), gaps=(0.01, 0.01), speeds=(1.0, 0.0, 0.0), gravity=0.0)
     >>> run = collide(three)
     >>> [c.pair for c in run.collisions], round(run.gain, 6)
     ([0, 1], 3.305785)
@@ -377,7 +377,7 @@ def _words_about(rested: set[int], at_once: int) -> list[str]:
 class _State:
     """The line at a time; gaps are kept themselves, so that bodies that touch touch exactly."""
 
-    def __init__(self, line: Line) -> None:
+    def __init__(self, line: BodyLine) -> None:
         self.line, self.time, self.support = line, 0.0, 0.0
         self.base, self.gaps, self.speeds = 0.0, list(line.gaps), list(line.speeds)
         self.rested: set[int] = set()
@@ -504,13 +504,13 @@ class SoftCollisions:
 
 
 def collide_softly(
-    line: Line, contacts: Sequence[AnyContact], duration: float, tolerance: float = 1e-10
+    line: BodyLine, contacts: Sequence[AnyContact], duration: float, tolerance: float = 1e-10
 ) -> SoftCollisions:
     """Follow a line whose bodies meet by contact laws; its restitutions are not asked.
 
     Parameters
     ----------
-    line : Line
+    line : BodyLine
         Bodies, gaps, speeds; an infinite one must stand still.
     contacts : sequence of Contact or LogarithmicContact
         Law of each pair of neighbours.
@@ -527,7 +527,7 @@ def collide_softly(
     Examples
     --------
     >>> from strikewave.contact import Contact
-    >>> pair = Line((1.0, 1.0), (1.0,), gaps=(0.0,), speeds=(1.0, 0.0), gravity=0.0)
+    >>> pair = BodyLine((1.0, 1.0), (1.0,), gaps=(0.0,), speeds=(1.0, 0.0), gravity=0.0)
     >>> run = collide_softly(pair, [Contact(1e9, 1.5)], duration=1e-3)
     >>> print(abs(run.speeds).round(6))
     [0. 1.]
@@ -541,7 +541,7 @@ def collide_softly(
         raise ValueError("a body of infinite mass must stand still among finite contacts")
     bodies = {name: mass for name, mass, fixed in zip(names, line.masses, infinite, strict=True) if not fixed}
     bases = {name: float(x) for name, x, fixed in zip(names, places, infinite, strict=True) if fixed}
-    touches = [Touch(*pair, contact) for pair, contact in zip(itertools.pairwise(names), contacts, strict=True)]
+    touches = [ChainContact(*pair, contact) for pair, contact in zip(itertools.pairwise(names), contacts, strict=True)]
     chain = Chain(bodies, touches, bases, -line.gravity)
     start = dict(zip(names, places, strict=True)), dict(zip(names, line.speeds, strict=True))
     at, moving = ({name: float(values[name]) for name in bodies} for values in start)

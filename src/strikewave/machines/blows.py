@@ -71,9 +71,9 @@ class Blow:
         Of the assembly's rigid-body acceleration; width at 10 % of the peak.
     velocity_change : float
         Of the object's centre of mass from first touch to the release that ends the blow: impulse over its mass.
-    retreat : float
-        Largest retreat after first touch, until the next blow or the retraction, m; of a missed blow, how far behind
-        its place of rest the face was when the striker passed.
+    largest_displacement : float
+        Largest displacement of the struck face, rearward, after first touch and until the next blow or the retraction,
+        m; of a missed blow, how far behind its place of rest the face was when the striker passed.
     turntable_speed : float
         At first touch, rad/s.
     """
@@ -99,7 +99,7 @@ class Blow:
     width: float
     rise: float
     velocity_change: float
-    retreat: float
+    largest_displacement: float
     turntable_speed: float
 
 
@@ -174,7 +174,7 @@ def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
         striker=number % run.machine.strikers.count + 1,
         time=time,
         contacts=0,
-        retreat=float(passing.face_place[0]) + run.machine.engagement,
+        largest_displacement=float(passing.face_place[0]) + run.machine.engagement,
         turntable_speed=float(passing.turntable_speed[0]),
         **nothing,
         **zeros,
@@ -224,7 +224,7 @@ def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
         width=width,
         rise=pulse.rise if pulse else math.nan,
         velocity_change=velocity_change,
-        retreat=float(path.max() - path[0]),
+        largest_displacement=float(path.max() - path[0]),
         turntable_speed=float(edges.turntable_speed[0]),
     )
 

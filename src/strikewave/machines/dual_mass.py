@@ -16,7 +16,7 @@ import math
 from typing import NamedTuple
 
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.contact.chain import Chain, Link, Spring, Touch, simulate
+from strikewave.contact.chain import Chain, ChainContact, Link, Spring, simulate
 from strikewave.contact.law import AnyContact
 from strikewave.machines.launch import linear_shaper
 
@@ -97,9 +97,9 @@ def second_impact(masses: DualMass, speed: float, gravity: float = STANDARD_GRAV
     """
     shaper = linear_shaper(masses.shaper_stiffness, masses.table, masses.shaper_restitution)
     links: list[Link] = [
-        Touch("anvil", "table", shaper),
+        ChainContact("anvil", "table", shaper),
         Spring("table", "second", masses.cushion_stiffness, masses.cushion_damping, offset=-masses.gap),
-        Touch("table", "second", masses.pad),
+        ChainContact("table", "second", masses.pad),
     ]
     chain = Chain({"table": masses.table, "second": masses.second}, links, {"anvil": 0.0}, -gravity)
     places, speeds = {"table": 0.0, "second": masses.gap}, {"table": -speed, "second": -speed}

@@ -22,7 +22,7 @@ from strikewave.machines import _train_kernels as kernels
 from strikewave.machines._kernels import BASE_ROWS, STOP_AT_TOUCH, MachineSystem
 from strikewave.machines._layout import OBJECT, layout_of
 from strikewave.machines._pass_kernels import PassTable
-from strikewave.machines._train_kernels import FlightSystem, Frame, MountedStrikers, Part, Train, TrainTables
+from strikewave.machines._train_kernels import FlightSystem, MountedStrikers, ObjectFrame, Part, Train, TrainTables
 from strikewave.machines.blows import DOUBLE_SHARE, GLANCING_SHARE
 from strikewave.machines.feed import expected_time
 from strikewave.machines.machine import Machine, machine_system, start_state
@@ -59,7 +59,7 @@ class TrainBlow:
         Of the struck face at first touch; its place at the apex where missed.
     angle : float
         Of the turntable at first touch, less that at which the striker stands in the strike position.
-    retreat : float
+    largest_displacement : float
         As of a `Blow`.
     stop_force : float
         Largest force of the stop until the next pass.
@@ -78,7 +78,7 @@ class TrainBlow:
     face_place: float
     face_speed: float
     angle: float
-    retreat: float
+    largest_displacement: float
     stop_force: float
     turntable_speed: float
 
@@ -140,7 +140,7 @@ _COLUMNS = {
     "face_place": column.FACE,
     "face_speed": column.FACE_SPEED,
     "angle": column.ANGLE,
-    "retreat": column.RETREAT,
+    "largest_displacement": column.LARGEST_DISPLACEMENT,
     "stop_force": column.STOP_FORCE,
     "turntable_speed": column.DISC_SPEED,
 }
@@ -152,7 +152,7 @@ def _finished(machine: Machine, noted: Array) -> Array:
     kinds = np.array(_kinds(machine, table), dtype=object)
     double, missed = kinds == "double", kinds == "missed"
     table[double, column.VELOCITY_CHANGE] = table[double, column.LAST_CHANGE]
-    table[missed, column.RETREAT] = table[missed, column.FACE] + machine.engagement
+    table[missed, column.LARGEST_DISPLACEMENT] = table[missed, column.FACE] + machine.engagement
     return table
 
 
@@ -309,7 +309,7 @@ def train_tables(machine: Machine) -> tuple[TrainTables, Part, Part]:
         np.column_stack([full.seats, stretches]),
         full.settings,
         np.zeros(machine.strikers.count),
-        Frame(struck.nose_mass, struck.frame_stiffness, struck.gravity, struck.nose_mass / struck.mass),
+        ObjectFrame(struck.nose_mass, struck.frame_stiffness, struck.gravity, struck.nose_mass / struck.mass),
     )
     mounted = MountedStrikers(
         chain.values[at.contacts].copy(),

@@ -1,7 +1,7 @@
 """How fast a striker arrives: fall, pendulum, Machete hammer, gas gun, and the pulse of a drop table.
 
-One law, one short function. A striker bar needs none of its own: `strikewave.hopkinson.bars.Striker` gives the strain
-v/(2c) and the duration 2L/c of the pulse that it makes.
+One law, one short function. A striker bar needs none of its own: `strikewave.hopkinson.bars.StrikerBar` gives the
+strain v/(2c) and the duration 2L/c of the pulse that it makes.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def _viscous_share(x: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Pendulum:
+class RigidPendulum:
     """A rigid pendulum that strikes.
 
     Parameters
@@ -148,13 +148,13 @@ def inertia_of_period(mass: float, centre: float, period: float, gravity: float 
 
 
 def pendulum_energy(
-    pendulum: Pendulum, angle: ArrayLike, strike_angle: float = 0.0, gravity: float = STANDARD_GRAVITY
+    pendulum: RigidPendulum, angle: ArrayLike, strike_angle: float = 0.0, gravity: float = STANDARD_GRAVITY
 ) -> Array:
     """Return the energy of a pendulum let go at an angle when it strikes, m g r (cos b - cos a), J.
 
     Parameters
     ----------
-    pendulum : Pendulum
+    pendulum : RigidPendulum
         What swings.
     angle : array_like
         a, from hanging, rad; up to pi.
@@ -170,7 +170,7 @@ def pendulum_energy(
 
     Examples
     --------
-    >>> hammer = Pendulum(mass=20.0, centre=0.70, inertia=10.5, radius=0.75)
+    >>> hammer = RigidPendulum(mass=20.0, centre=0.70, inertia=10.5, radius=0.75)
     >>> print(pendulum_energy(hammer, 2.5).round(2))
     247.28
     """
@@ -181,7 +181,7 @@ def pendulum_energy(
 
 
 def pendulum_speed(
-    pendulum: Pendulum, angle: ArrayLike, strike_angle: float = 0.0, gravity: float = STANDARD_GRAVITY
+    pendulum: RigidPendulum, angle: ArrayLike, strike_angle: float = 0.0, gravity: float = STANDARD_GRAVITY
 ) -> Array:
     """Return the speed of the striking point of a pendulum let go at an angle, R sqrt(2 E/J), m/s.
 
@@ -190,7 +190,7 @@ def pendulum_speed(
 
     Examples
     --------
-    >>> simple = Pendulum(mass=1.0, centre=0.39, inertia=0.39**2, radius=0.39)
+    >>> simple = RigidPendulum(mass=1.0, centre=0.39, inertia=0.39**2, radius=0.39)
     >>> print(pendulum_speed(simple, 2.7925).round(3))
     3.852
     """
@@ -309,7 +309,7 @@ def machete_speed(hammer: MacheteHammer, teeth: ArrayLike, gravity: float = STAN
 
 
 @dataclass(frozen=True)
-class GasGun:
+class GunBarrel:
     """A reservoir, a barrel and a projectile.
 
     Parameters
@@ -355,7 +355,7 @@ class GasGun:
         return self.friction + self.ambient * self.bore
 
 
-def muzzle_speed(gun: GasGun) -> float:
+def muzzle_speed(gun: GunBarrel) -> float:
     """Return the muzzle speed of a projectile before a gas that expands without inertia, m/s.
 
     With the swept volume A L, m v^2/2 = P V (1 - (V/(V + A L))^(g - 1))/(g - 1) - A L P_amb - L f, and
@@ -374,7 +374,7 @@ def muzzle_speed(gun: GasGun) -> float:
 
     Examples
     --------
-    >>> gun = GasGun(pressure=5e5, volume=4e-3, bore=1.2e-3, length=1.0, mass=0.2)
+    >>> gun = GunBarrel(pressure=5e5, volume=4e-3, bore=1.2e-3, length=1.0, mass=0.2)
     >>> round(muzzle_speed(gun), 2)
     61.36
     """
@@ -390,7 +390,7 @@ def muzzle_speed(gun: GasGun) -> float:
     return math.sqrt(2.0 * left / gun.mass)
 
 
-def wave_muzzle_speed(gun: GasGun, sound_speed: float) -> float:
+def wave_muzzle_speed(gun: GunBarrel, sound_speed: float) -> float:
     """Return the muzzle speed where the gas must follow by its own inertia, m/s.
 
     In a long chamber of the bore of the barrel the gas behind a projectile at the speed u has the pressure
@@ -400,7 +400,7 @@ def wave_muzzle_speed(gun: GasGun, sound_speed: float) -> float:
 
     Parameters
     ----------
-    gun : GasGun
+    gun : GunBarrel
         The gun; its volume, friction and ambient pressure are not asked.
     sound_speed : float
         a of the gas at rest, m/s.
@@ -417,7 +417,7 @@ def wave_muzzle_speed(gun: GasGun, sound_speed: float) -> float:
 
     Examples
     --------
-    >>> gun = GasGun(pressure=5e5, volume=4e-3, bore=1.2e-3, length=1.0, mass=0.2)
+    >>> gun = GunBarrel(pressure=5e5, volume=4e-3, bore=1.2e-3, length=1.0, mass=0.2)
     >>> round(wave_muzzle_speed(gun, sound_speed=343.0), 2)
     70.21
     """
@@ -437,7 +437,7 @@ def wave_muzzle_speed(gun: GasGun, sound_speed: float) -> float:
     return escape * -math.expm1(brentq(missing, lowest, 0.0, xtol=1e-300, rtol=1e-14))
 
 
-class Pulse(NamedTuple):
+class TablePulse(NamedTuple):
     """Pulse of a table on its shaper: peak (m/s^2), width (s), velocity change (m/s), crush of the shaper (m)."""
 
     peak: float
@@ -446,7 +446,7 @@ class Pulse(NamedTuple):
     crush: float
 
 
-def half_sine_pulse(speed: float, mass: float, stiffness: float, gravity: float = 0.0) -> Pulse:
+def half_sine_pulse(speed: float, mass: float, stiffness: float, gravity: float = 0.0) -> TablePulse:
     """Return the pulse of a table that falls on a linear shaper without loss.
 
     With w = sqrt(k/m): v w and pi/w, half a sine. Gravity adds its own: the peak is sqrt((v w)^2 + g^2), the table
@@ -482,10 +482,10 @@ def half_sine_pulse(speed: float, mass: float, stiffness: float, gravity: float 
     g = float(not_negative("gravity", gravity))
     w = math.sqrt(k / m)
     peak = math.hypot(v * w, g)
-    return Pulse(peak, 2.0 * (math.pi - math.atan2(v * w, g)) / w, 2.0 * v, (g + peak) / w**2)
+    return TablePulse(peak, 2.0 * (math.pi - math.atan2(v * w, g)) / w, 2.0 * v, (g + peak) / w**2)
 
 
-def shaper_pulse(contact: AnyContact, speed: float, mass: float) -> Pulse:
+def shaper_pulse(contact: AnyContact, speed: float, mass: float) -> TablePulse:
     """Return the pulse of a table that falls on a shaper of any contact law; gravity is left out during the pulse.
 
     The peak of m v'' = -F, the whole duration of the contact and (1 + e) v, by `strikewave.contact.solve_impact`.
@@ -498,7 +498,7 @@ def shaper_pulse(contact: AnyContact, speed: float, mass: float) -> Pulse:
     """
     blow = solve_impact(contact, mass, math.inf, speed)
     change = (1.0 + float(blow.restitution)) * speed
-    return Pulse(float(blow.peak_force) / mass, float(blow.duration), change, float(blow.max_indentation))
+    return TablePulse(float(blow.peak_force) / mass, float(blow.duration), change, float(blow.max_indentation))
 
 
 def linear_shaper(stiffness: float, mass: float, restitution: float = 1.0) -> Contact:
@@ -516,7 +516,7 @@ def linear_shaper(stiffness: float, mass: float, restitution: float = 1.0) -> Co
     return Contact(stiffness, 1.0, damper=Damper(coefficient) if coefficient > 0.0 else None)
 
 
-class Drop(NamedTuple):
+class ShapedDrop(NamedTuple):
     """A drop that makes a pulse: speed (m/s), height (m), stiffness of the shaper over the mass (1/s^2)."""
 
     speed: float
@@ -524,7 +524,9 @@ class Drop(NamedTuple):
     stiffness_over_mass: float
 
 
-def drop_for_half_sine(peak: float, width: float, restitution: float = 1.0, gravity: float = STANDARD_GRAVITY) -> Drop:
+def drop_for_half_sine(
+    peak: float, width: float, restitution: float = 1.0, gravity: float = STANDARD_GRAVITY
+) -> ShapedDrop:
     """Return the drop whose pulse is a half sine of a wanted peak and width.
 
     The velocity change 2 A T/pi is (1 + e) v: v = 2 A T/(pi (1 + e)), h = v^2/(2 g), k/m = (pi/T)^2. Without loss it
@@ -555,4 +557,4 @@ def drop_for_half_sine(peak: float, width: float, restitution: float = 1.0, grav
     a, t, g = (float(positive(*pair)) for pair in (("the peak", peak), ("the width", width), ("gravity", gravity)))
     refuse("the restitution", restitution, np.asarray(0.0 <= restitution <= 1.0), "within 0 to 1")
     speed = 2.0 * a * t / (math.pi * (1.0 + restitution))
-    return Drop(speed, 0.5 * speed**2 / g, (math.pi / t) ** 2)
+    return ShapedDrop(speed, 0.5 * speed**2 / g, (math.pi / t) ** 2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from strikewave.waves.layers import Stack
-from strikewave.waves.transit import Grid, choose_grid, grid_of
+from strikewave.waves.transit import TimeGrid, choose_grid, grid_of
 
 MISMATCH = 1e-4
 LARGEST_STEP, SMALLEST_STEP = 40e-9, 20e-9
@@ -22,7 +22,7 @@ class LayeredObject:
         Its end is free: spring, damper and stop of the object hold it.
     first_of_assembly : int
         Index of the first layer that belongs to the assembly; the joint before it is the frame.
-    grid : Grid
+    grid : TimeGrid
         How it is stepped.
     taps : tuple of (int, float), optional
         Where it is watched: layer, and fraction of it from its struck side.
@@ -30,7 +30,7 @@ class LayeredObject:
 
     stack: Stack
     first_of_assembly: int
-    grid: Grid
+    grid: TimeGrid
     taps: tuple[tuple[int, float], ...] = ()
 
     @property
@@ -76,6 +76,6 @@ class LayeredObject:
         return 1.0 / compliance
 
 
-def machine_grid(stack: Stack, step: float | None = None) -> Grid:
+def machine_grid(stack: Stack, step: float | None = None) -> TimeGrid:
     """Return the grid on which a stack is struck: the step asked for, or one that suits all transits."""
     return grid_of(stack, step) if step else choose_grid(stack, MISMATCH, LARGEST_STEP, SMALLEST_STEP)

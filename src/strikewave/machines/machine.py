@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, PLACE, SPEED, ChainTables
-from strikewave.contact.chain import Link, Spring, Touch, first_depths, first_modes, link_arrays, stored_energy
+from strikewave.contact.chain import ChainContact, Link, Spring, first_depths, first_modes, link_arrays, stored_energy
 from strikewave.contact.law import AnyContact
-from strikewave.contact.motion import State
+from strikewave.contact.motion import MotionState
 from strikewave.machines._kernels import (
     ACROSS,
     BASE_ROWS,
@@ -305,7 +305,7 @@ def machine_links(machine: Machine) -> tuple[list[Link], list[str]]:
     names, seats = [f"striker {i + 1}" for i in range(count)], [f"seat {i + 1}" for i in range(count)]
     spot = 1 if strikers.same_spot else 0
     touches: list[Link] = [
-        Touch(name, NOSE, striker.contact, strikers.slowest_approach, spot=spot)
+        ChainContact(name, NOSE, striker.contact, strikers.slowest_approach, spot=spot)
         for name, striker in zip(names, strikers.each, strict=True)
     ]
     mounts: list[Link] = [
@@ -402,7 +402,7 @@ def _launch_settings(launch: Launch) -> dict[str, float]:
     }
 
 
-def start_state(machine: Machine, system: MachineSystem) -> State:
+def start_state(machine: Machine, system: MachineSystem) -> MotionState:
     """Return the state at the valve signal: at speed, object at rest on its stop, carriage retracted."""
     if isinstance(machine.start, Launch):
         return _launched_state(machine, machine.start, system)
@@ -436,15 +436,15 @@ def start_state(machine: Machine, system: MachineSystem) -> State:
     return start
 
 
-def _blank_state(system: MachineSystem) -> State:
+def _blank_state(system: MachineSystem) -> MotionState:
     """Return a state with nothing in it but that no link has yielded."""
     at = layout_of(system)
     memory = np.zeros(at.memories)
     memory[at.depths], memory[at.growths] = first_depths(system.chain.links), 1.0
-    return State(0.0, np.zeros(at.states), np.zeros(at.modes, dtype=np.int64), memory)
+    return MotionState(0.0, np.zeros(at.states), np.zeros(at.modes, dtype=np.int64), memory)
 
 
-def _launched_state(machine: Machine, launch: Launch, system: MachineSystem) -> State:
+def _launched_state(machine: Machine, launch: Launch, system: MachineSystem) -> MotionState:
     """Return the state `BEFORE_TOUCH` of a launched machine: striker or arm moving, object in place."""
     at, struck, start = layout_of(system), machine.struck, _blank_state(system)
     _, y, modes, memory = start
@@ -478,7 +478,7 @@ def modes_at(system: MachineSystem, y: Array, deepest: Array | None = None) -> N
     return first_modes(system.chain.links, nodes_at(system, y), deepest, speeds)
 
 
-def energy(system: MachineSystem, state: State) -> float:
+def energy(system: MachineSystem, state: MotionState) -> float:
     """Return kinetic energy of turntable, motor and bodies, energy stored in links and belt, and of height, J."""
     at, y, bodies, settings = layout_of(system), state.y, system.chain.bodies, system.settings
     place_bases(system, state.time, y, state.mode, state.memory)

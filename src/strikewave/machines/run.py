@@ -14,9 +14,9 @@ from strikewave.contact._chain_kernels import MASS, OPEN
 from strikewave.contact._integrator import Control
 from strikewave.contact._law_kernels import DAMPER
 from strikewave.contact.law import elastic_indentation, striking_law
-from strikewave.contact.motion import State, integrate
+from strikewave.contact.motion import MotionState, integrate
 from strikewave.machines._kernels import RETRACTING, MachineSystem
-from strikewave.machines._layout import FEED_SWITCH, Layout, layout_of
+from strikewave.machines._layout import FEED_SWITCH, StateLayout, layout_of
 from strikewave.machines.feed import expected_time
 from strikewave.machines.machine import (
     BEFORE_TOUCH,
@@ -224,7 +224,7 @@ def _until_top(control: Control, spans: Sequence[Span]) -> Control:
     return control._replace(end=top_of_flight(flight, float(_contacts(spans)[-1, 1])))
 
 
-def _caught(launch: Launch | RotaryDrive, system: MachineSystem, state: State) -> tuple[State, float]:
+def _caught(launch: Launch | RotaryDrive, system: MachineSystem, state: MotionState) -> tuple[MotionState, float]:
     """Return a state in which what was launched stands still, and the kinetic energy that its brake took, J."""
     at, moving = layout_of(system), energy(system, state)
     stopped = state._replace(y=state.y.copy())
@@ -248,7 +248,7 @@ def _pace(machine: Machine) -> tuple[float, float]:
     return expected_time(machine.start.feed, pitch_time), 0.02 * pitch_time
 
 
-def _at_the_edge(machine: Machine, state: State, at: Layout) -> str:
+def _at_the_edge(machine: Machine, state: MotionState, at: StateLayout) -> str:
     """Return in words that a striker met the edge of the face."""
     striker, x = int(state.mode[at.edge]), state.y[at.positions]
     deep = float(x[striker - 1] - x[at.nose])

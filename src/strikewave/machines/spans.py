@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from strikewave.contact.chain import contacts
 from strikewave.contact.motion import Motion
 from strikewave.machines import _stack_kernels as column
-from strikewave.machines._layout import Layout
+from strikewave.machines._layout import StateLayout
 from strikewave.machines.struck_object import StruckObject
 from strikewave.waves._kernels import Recording
 
@@ -42,7 +42,7 @@ class ChainSpan:
     """A span in which the object is nose, frame and assembly."""
 
     struck: StruckObject
-    layout: Layout
+    layout: StateLayout
     motion: Motion
 
     @property

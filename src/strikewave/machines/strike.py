@@ -29,11 +29,11 @@ from strikewave.contact._chain_kernels import (
 )
 from strikewave.contact._law_kernels import DAMPING, OFFSET, PRELOAD, STIFFNESS, YIELD_LOAD
 from strikewave.contact.chain import stored_energy
-from strikewave.contact.motion import State
+from strikewave.contact.motion import MotionState
 from strikewave.machines import _stack_kernels as column
 from strikewave.machines._kernels import ACROSS, HALF_FACE, MachineSystem, place_bases
 from strikewave.machines._layout import layout_of
-from strikewave.machines._stack_kernels import COLUMNS, CROWDED, ENDLESS, Blow, Supports, follow
+from strikewave.machines._stack_kernels import COLUMNS, CROWDED, ENDLESS, StackBlow, Supports, follow
 from strikewave.machines.layered import LayeredObject
 from strikewave.machines.machine import modes_at, nodes_at
 from strikewave.machines.spans import StackSpan
@@ -41,8 +41,8 @@ from strikewave.machines.struck_object import StruckObject
 from strikewave.waves import _kernels as waves
 from strikewave.waves._kernels import ELASTIC, LOST, RESISTANCE, Recording, Tables
 from strikewave.waves._kernels import MASS as POINT_MASS
-from strikewave.waves._kernels import State as Waves
-from strikewave.waves.transit import Grid, field_nodes, nearest_nodes, state_at_rest, tables_of
+from strikewave.waves._kernels import WaveState as Waves
+from strikewave.waves.transit import TimeGrid, field_nodes, nearest_nodes, state_at_rest, tables_of
 
 Array = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ LONGEST_BLOW = 10e-3
 _MOST_TOUCHES, _MOST_SWITCHES = 64, 16
 
 
-def kept_step(grid: Grid) -> float:
+def kept_step(grid: TimeGrid) -> float:
     """Return the spacing of what is kept of a blow, s: whole steps, near `SAMPLE_STEP`."""
     return max(1, round(SAMPLE_STEP / grid.step)) * grid.step
 
@@ -64,9 +64,9 @@ def strike(
     layered: LayeredObject,
     struck: StruckObject,
     system: MachineSystem,
-    start: State,
+    start: MotionState,
     field: bool = False,
-) -> tuple[StackSpan, State]:
+) -> tuple[StackSpan, MotionState]:
     """Follow one blow on a stack, from the state at first touch to the state once it has settled.
 
     Parameters
@@ -77,7 +77,7 @@ def strike(
         The same as bodies, with what supports it.
     system : MachineSystem
         The machine with these bodies.
-    start : State
+    start : MotionState
         Its state at first touch.
     field : bool, optional
         Whether to keep the x-t field.
@@ -140,7 +140,7 @@ Alone = tuple[MachineSystem, Array, NDArray[np.int64], Array]
 class _Strike:
     """What the steps of one blow share: the state at first touch, and the stack in its moving frame."""
 
-    def __init__(self, layered: LayeredObject, struck: StruckObject, system: MachineSystem, start: State) -> None:
+    def __init__(self, layered: LayeredObject, struck: StruckObject, system: MachineSystem, start: MotionState) -> None:
         self.layered, self.struck, self.system, self.start = layered, struck, system, start
         self.layout = at = layout_of(system)
         place_bases(system, start.time, start.y, start.mode, start.memory)
@@ -182,9 +182,9 @@ class _Strike:
         memory[at.growths] = 1.0
         return system, y, mode, memory
 
-    def blow(self, every: int) -> Blow:
+    def blow(self, every: int) -> StackBlow:
         """Return the blow as the kernel takes it."""
-        return Blow(
+        return StackBlow(
             striker=self.striker,
             approach=float(self.start.memory[self.striker]),
             time=self.start.time,
@@ -202,11 +202,11 @@ class _Strike:
             deepest=float(self.start.memory[self.layout.depths][self.striker]),
         )
 
-    def state_after(self, time: float, last: Array, machine: Alone) -> State:
+    def state_after(self, time: float, last: Array, machine: Alone) -> MotionState:
         """Return the state of the machine with two bodies, its modes and energies still those of before."""
         at, (alone, moved, mode, memory) = self.layout, machine
         of = layout_of(alone)
-        end = State(time, self.start.y.copy(), self.start.mode.copy(), self.start.memory.copy())
+        end = MotionState(time, self.start.y.copy(), self.start.mode.copy(), self.start.memory.copy())
         x, v = end.y[at.positions], end.y[at.speeds]
         x[at.strikers], v[at.strikers] = moved[of.positions], moved[of.speeds]
         x[at.nose], x[at.assembly] = last[column.NOSE_PLACE], last[column.ASSEMBLY_PLACE]
@@ -219,7 +219,7 @@ class _Strike:
         return end
 
     def settle_accounts(
-        self, end: State, last: Array, machine: Alone, u_end: float, energies: tuple[float, ...]
+        self, end: MotionState, last: Array, machine: Alone, u_end: float, energies: tuple[float, ...]
     ) -> None:
         """Let the stack's ringing go, set the modes of the links, and book every energy of the blow."""
         at, gravity, (alone, moved, _, _) = self.layout, self.struck.gravity, machine
@@ -245,7 +245,7 @@ class _Strike:
         end.y[at.of_drive] += moved[of.of_drive]
         end.y[at.fed] += fed
 
-    def _beyond_bodies(self, bodies: State, speed: float, stands: float, relative: Array) -> float:
+    def _beyond_bodies(self, bodies: MotionState, speed: float, stands: float, relative: Array) -> float:
         """Return the energy of the object as a stack less that as two bodies, J.
 
         ``speed`` is that of the stack's frame, ``stands`` the place of its end, ``relative`` the speeds of nose and
@@ -264,7 +264,7 @@ class _Strike:
         return waves.energy(self.tables, self.waves) + moving + stored_energy(held, nodes) - as_bodies
 
 
-def _ease(system: MachineSystem, bodies: State, energy: float) -> None:
+def _ease(system: MachineSystem, bodies: MotionState, energy: float) -> None:
     """Take an energy out of the frame's bend, as far as there is any; the centre of mass stays.
 
     Parts that an open joint let fly apart stand farther from each other than the frame is bent.

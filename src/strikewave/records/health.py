@@ -16,7 +16,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.units import in_unit
 from strikewave.records.health_notice import FIGURES, HealthNotice, worst_first
 from strikewave.records.measuring import LOOK_BACK, RecordedPulse
-from strikewave.records.pulses import MAD_TO_SIGMA, Line, robust_line, sample_noise
+from strikewave.records.pulses import MAD_TO_SIGMA, Baseline, robust_line, sample_noise
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 Array = NDArray[np.float64]
@@ -143,7 +143,7 @@ class Examined:
         return max(self.pulses, key=lambda pulse: abs(pulse.peak), default=None)
 
     @cached_property
-    def line(self) -> Line:
+    def line(self) -> Baseline:
         """The baseline of the whole record."""
         return robust_line(self.values)
 

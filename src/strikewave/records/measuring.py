@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.records.pulses import Box, Line, find_boxes, robust_line, sample_noise
+from strikewave.records.pulses import Baseline, Box, find_boxes, robust_line, sample_noise
 from strikewave.records.smooth_pulse import SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import smooth
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing, measure_pulse
@@ -137,12 +137,12 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
         earliest = boxes[k - 1].last if k else 0
         latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
         offset = _offset(values, box, earliest, line)
-        measured.append(_measure(values, Stretch(box, earliest, latest, sign, offset, noise, step, start)))
+        measured.append(_measure(values, BlowWindow(box, earliest, latest, sign, offset, noise, step, start)))
     return [pulse for pulse in measured if pulse is not None]
 
 
 @dataclass(frozen=True)
-class Stretch:
+class BlowWindow:
     """Where one blow lies in a record, between its neighbours, and its baseline."""
 
     box: Box
@@ -159,7 +159,7 @@ class Stretch:
         return self.start + place * self.step
 
 
-def _offset(values: Array, box: Box, earliest: int, line: Line) -> float:
+def _offset(values: Array, box: Box, earliest: int, line: Baseline) -> float:
     """Return the baseline under a blow: the median of the record before it, carried on along the slope of the whole.
 
     Where there is no room before it, the line of the whole record.
@@ -172,7 +172,7 @@ def _offset(values: Array, box: Box, earliest: int, line: Line) -> float:
     return float(np.median(values[begin:end] - line.slope * (np.arange(begin, end) - middle)))
 
 
-def _measure(values: Array, stretch: Stretch) -> RecordedPulse | None:
+def _measure(values: Array, stretch: BlowWindow) -> RecordedPulse | None:
     """Measure a blow; None where nothing of it is left above its own baseline."""
     box, step, sign = stretch.box, stretch.step, stretch.sign
     begin, end = _reach(stretch, values.size, TOES)
@@ -209,7 +209,7 @@ class Common(NamedTuple):
     smooth: SmoothPulse
 
 
-def _reach(stretch: Stretch, size: int, widths: int) -> tuple[int, int]:
+def _reach(stretch: BlowWindow, size: int, widths: int) -> tuple[int, int]:
     """Return the samples around a blow, so many of its widths to either side, at most halfway to its neighbours."""
     box = stretch.box
     begin = max(box.first - widths * box.width - 2, (stretch.earliest + box.first) // 2 if stretch.earliest else 0, 0)
@@ -217,7 +217,7 @@ def _reach(stretch: Stretch, size: int, widths: int) -> tuple[int, int]:
     return begin, min(box.last + widths * box.width + 3, halfway)
 
 
-def _fitted(values: Array, stretch: Stretch) -> SmoothPulse:
+def _fitted(values: Array, stretch: BlowWindow) -> SmoothPulse:
     """Return the smooth pulse that fits a blow and its near surroundings."""
     box = stretch.box
     begin, end = _reach(stretch, values.size, 1)
@@ -226,7 +226,7 @@ def _fitted(values: Array, stretch: Stretch) -> SmoothPulse:
     return fit_smooth_pulse(time, stretch.sign * (values[begin:end] - stretch.offset), *guess)
 
 
-def _ringing(values: Array, stretch: Stretch) -> float:
+def _ringing(values: Array, stretch: BlowWindow) -> float:
     """Return the frequency of what swings after a blow, from the highest peak of its spectrum, Hz.
 
     NaN where that peak does not stand out of the noise, or where fewer than four swings fit before the next blow.

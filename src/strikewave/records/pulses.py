@@ -60,7 +60,7 @@ ROUNDING = 1e-12
 """Share of the largest mean below which a box is rounding, where a record has no noise at all."""
 
 
-class Line(NamedTuple):
+class Baseline(NamedTuple):
     """A straight baseline: value at the first sample, and rise a sample."""
 
     level: float
@@ -84,7 +84,7 @@ class Box(NamedTuple):
         return self.first + self.width
 
 
-def robust_line(values: Array, blocks: int = LINE_BLOCKS) -> Line:
+def robust_line(values: Array, blocks: int = LINE_BLOCKS) -> Baseline:
     """Fit a line that blows do not bend: repeated medians over the medians of equal blocks.
 
     Half of the blocks may hold anything.
@@ -104,13 +104,13 @@ def robust_line(values: Array, blocks: int = LINE_BLOCKS) -> Line:
     middles = np.median(values[: count * size].reshape(count, size)[:, ::stride], axis=1)
     places = np.arange(count) * size + 0.5 * (size - 1)
     if count < 3:
-        return Line(float(np.median(middles)), 0.0)
+        return Baseline(float(np.median(middles)), 0.0)
     run = places[:, None] - places
     np.fill_diagonal(run, 1.0)
     slopes = (middles[:, None] - middles) / run
     others = ~np.eye(count, dtype=bool)
     slope = float(np.median(np.median(slopes[others].reshape(count, count - 1), axis=1)))
-    return Line(float(np.median(middles - slope * places)), slope)
+    return Baseline(float(np.median(middles - slope * places)), slope)
 
 
 def sample_noise(values: Array) -> float:
@@ -132,14 +132,14 @@ def sample_noise(values: Array) -> float:
     return noise if noise > 0.0 or not steps.size else float(np.min(steps)) / math.sqrt(12.0)
 
 
-def find_boxes(values: Array, line: Line, single: float) -> tuple[int, list[Box]]:
+def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[Box]]:
     """Return the sign of the blows of a record, and a box for each, in the order of time.
 
     Parameters
     ----------
     values : ndarray
         The record.
-    line : Line
+    line : Baseline
         Its baseline.
     single : float
         Standard deviation of the noise of a single sample.
@@ -178,7 +178,7 @@ def _energy(box: Box | None) -> float:
     return -1.0 if box is None else box.width * box.mean**2
 
 
-def _standing_out(values: Array, line: Line, sign: int) -> list[Box]:
+def _standing_out(values: Array, line: Baseline, sign: int) -> list[Box]:
     boxes: list[Box] = []
     spread, before = 0.0, 1
     for width in _widths(values.size):
@@ -199,7 +199,7 @@ def _widths(size: int) -> list[int]:
     return sorted({round(NARROWEST * math.sqrt(2.0) ** k) for k in range(1 + int(2.0 * octaves))})
 
 
-def _box_means(values: Array, line: Line, width: int) -> Array:
+def _box_means(values: Array, line: Baseline, width: int) -> Array:
     """Return means of boxes side by side, at most about 2^17 samples of them, without the baseline."""
     count = values.size // width
     step = max(count * width // MEAN_SAMPLES, 1)
@@ -218,7 +218,7 @@ def _threshold(places: float) -> float:
     return float(-ndtri(FALSE_ALARM / (TRIALS * max(places, 1.0))))
 
 
-def _swings(values: Array, line: Line, sign: int, box: Box, others: list[Box], single: float) -> bool:
+def _swings(values: Array, line: Baseline, sign: int, box: Box, others: list[Box], single: float) -> bool:
     """Tell whether a box is one lobe of something that swings: what lies beside it is as deep as it is high."""
     begin = max([box.first - BESIDE * box.width, 0, *(o.last for o in others if o.last <= box.first)])
     end = min([box.last + BESIDE * box.width, values.size, *(o.first for o in others if o.first >= box.last)])
@@ -229,7 +229,7 @@ def _swings(values: Array, line: Line, sign: int, box: Box, others: list[Box], s
     return before > box.mean / STANDS_OUT or after > box.mean
 
 
-def _deepest(values: Array, line: Line, sign: int, begin: int, end: int, width: int) -> float:
+def _deepest(values: Array, line: Baseline, sign: int, begin: int, end: int, width: int) -> float:
     """Return how far the mean over a box falls below the baseline between two samples."""
     if end - begin < width:
         return 0.0

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from strikewave._version import __version__
-from strikewave.base.result import LEDGER_LIMIT
+from strikewave.base.result import BALANCE_LIMIT
 from strikewave.base.units import in_unit
 from strikewave.reporting.numbers import SHOWN_UNITS, listed, spelled
 from strikewave.reporting.page import Head, whole_page
@@ -275,8 +275,8 @@ def failed_checks(codes: Sequence[str]) -> Tag:
 
     Examples
     --------
-    >>> failed_checks(["energy-ledger", "no-blow"]).text
-    'checks failed: energy-ledger and no-blow'
+    >>> failed_checks(["energy-balance", "no-blow"]).text
+    'checks failed: energy-balance and no-blow'
     """
     return Tag(f"check{'s' if len(codes) > 1 else ''} failed: {listed(list(codes))}", "bad")
 
@@ -293,16 +293,16 @@ def passed_checks(warnings: int) -> Tag:
     return Tag(f"all checks passed{number}", "warned" if warnings else "good")
 
 
-def ledger_table(ledger: Mapping[str, float]) -> Table:
+def balance_table(balance: Mapping[str, float]) -> Table:
     """List the balance errors with their limit."""
     rows: list[list[Cell]] = [
         [
             name.removesuffix("_error"),
             f"{error:.1e}",
-            f"{LEDGER_LIMIT:.0e}",
-            Tag("holds", "good") if error <= LEDGER_LIMIT else Tag("broken", "bad"),
+            f"{BALANCE_LIMIT:.0e}",
+            Tag("holds", "good") if error <= BALANCE_LIMIT else Tag("broken", "bad"),
         ]
-        for name, error in ledger.items()
+        for name, error in balance.items()
     ]
     return Table(
         "Balances", ["balance", "balance error (share)", "limit", "result"], rows, empty="No balance was computed."

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar, Generic, TypeVar
 
-from strikewave.base.output_folder import check_place, whole_folder
+from strikewave.base.output_folder import atomic_folder, check_place
 from strikewave.base.result import Notice, Result
 from strikewave.reporting.options import Output
 from strikewave.reporting.terminal import case_hash, most_memory, print_json, say, show_notices
@@ -87,7 +87,7 @@ def run_and_write(
         check_place(place.folder, identity or "", place.replace or identity is None, own)
         with command.under_way(place.folder):
             result = command.solve()
-            with whole_folder(place.folder, result.source.text, place.replace, own) as folder:
+            with atomic_folder(place.folder, result.source.text, place.replace, own) as folder:
                 names = [*command.draw(result, folder), *write_files(result, folder)]
     if output.json:
         print_json(result.document(), indent=command.indent)

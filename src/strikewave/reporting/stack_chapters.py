@@ -19,8 +19,8 @@ from strikewave.sensors import insertion_loss as loss_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from strikewave.cases.losses_of_case import Loss
-    from strikewave.sensors.channel import Channel
+    from strikewave.cases.losses_of_case import FittedLoss
+    from strikewave.sensors.channel import SensorChannel
     from strikewave.waves.setup import WaveSetup
 
 
@@ -41,7 +41,7 @@ _ROUTES = (
 )
 
 
-def fit_table(losses: Sequence[Loss]) -> Table:
+def fit_table(losses: Sequence[FittedLoss]) -> Table:
     """List where energy is lost: the loss factor of the case, its band, the largest relative deviation of the model."""
     rows: list[list[Cell]] = [
         [loss.where, f"{loss.loss_factor:g}", f"{loss.low / 1e3:g} to {loss.high / 1e3:g}", percent(loss.error, 1)]
@@ -126,7 +126,7 @@ def mismatch_words(setup: WaveSetup) -> str:
     )
 
 
-def sensor_part(channels: Sequence[Channel], picture: Figure, readings: Table) -> Section:
+def sensor_part(channels: Sequence[SensorChannel], picture: Figure, readings: Table) -> Section:
     """Describe the sensors, show what they read, and what their buffers take off."""
     described: list[list[Cell]] = []
     for sensor, _, recorder in channels:
@@ -153,7 +153,7 @@ def sensor_part(channels: Sequence[Channel], picture: Figure, readings: Table) -
     return Section("Sensors", "", parts)
 
 
-def loss_table(channels: Sequence[Channel]) -> Table:
+def loss_table(channels: Sequence[SensorChannel]) -> Table:
     """List the insertion loss of the buffered sensors."""
     shown = np.array(LOSS_FREQUENCIES)
     rows: list[list[Cell]] = [

@@ -16,8 +16,8 @@ from strikewave.base.units import in_unit
 
 if TYPE_CHECKING:
     from strikewave.base.result import Comparison, Notice
-    from strikewave.cases.losses_of_case import Loss
-    from strikewave.sensors.channel import Channel
+    from strikewave.cases.losses_of_case import FittedLoss
+    from strikewave.sensors.channel import SensorChannel
 
 SELDOM = 10.0
 """Seconds between two lines of progress, at least, where stderr is no terminal."""
@@ -163,7 +163,7 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], lef
     console.print(made)
 
 
-def print_fits(losses: Sequence[Loss]) -> None:
+def print_fits(losses: Sequence[FittedLoss]) -> None:
     """Print how well loss factors are held over their bands."""
     from strikewave.reporting.stack_chapters import fit_table
 
@@ -172,7 +172,7 @@ def print_fits(losses: Sequence[Loss]) -> None:
         table(fits.caption, fits.columns, [[str(cell) for cell in row] for row in fits.rows])
 
 
-def print_losses(channels: Sequence[Channel]) -> None:
+def print_losses(channels: Sequence[SensorChannel]) -> None:
     """Print the insertion loss of the buffered sensors."""
     from strikewave.reporting.stack_chapters import loss_table
 

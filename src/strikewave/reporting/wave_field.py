@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Quantity(NamedTuple):
+class FieldQuantity(NamedTuple):
     """What a picture of the field shows: its name, unit and size of that in SI, colours, words for both signs.
 
     The colour maps are diverging, white at zero, and told apart by colour-blind readers.
@@ -43,9 +43,9 @@ class Quantity(NamedTuple):
 
 
 QUANTITIES = {
-    "stress": Quantity("stress", "MPa", 1e6, "RdBu", "compression", "largest compression", "largest tension"),
-    "force": Quantity("force", "kN", 1e3, "RdBu", "compression", "largest compression", "largest tension"),
-    "velocity": Quantity("velocity", "m/s", 1.0, "PuOr", "along the blow", "fastest along", "fastest back"),
+    "stress": FieldQuantity("stress", "MPa", 1e6, "RdBu", "compression", "largest compression", "largest tension"),
+    "force": FieldQuantity("force", "kN", 1e3, "RdBu", "compression", "largest compression", "largest tension"),
+    "velocity": FieldQuantity("velocity", "m/s", 1.0, "PuOr", "along the blow", "fastest along", "fastest back"),
 }
 """What the pictures of a field can show, by name."""
 
@@ -200,8 +200,8 @@ def xt_diagram(field: WaveField, quantity: str = "stress") -> Figure:
     Examples
     --------
     >>> from strikewave import load_case, run_wave
-    >>> from strikewave.analyses.wave.field import bar_field
-    >>> figure = xt_diagram(bar_field(run_wave(load_case("li-ma-2019-fig13-bar"))))
+    >>> from strikewave.analyses.wave.field import field_of_solution
+    >>> figure = xt_diagram(field_of_solution(run_wave(load_case("li-ma-2019-fig13-bar"))))
     >>> figure.axes[1].get_ylabel()
     'stress (MPa), compression above 0'
     """
@@ -377,8 +377,8 @@ def snapshots(field: WaveField, quantity: str = "stress") -> Figure:
     Examples
     --------
     >>> from strikewave import load_case, run_wave
-    >>> from strikewave.analyses.wave.field import bar_field
-    >>> len(snapshots(bar_field(run_wave(load_case("li-ma-2019-fig13-bar")))).axes)
+    >>> from strikewave.analyses.wave.field import field_of_solution
+    >>> len(snapshots(field_of_solution(run_wave(load_case("li-ma-2019-fig13-bar")))).axes)
     6
     """
     shown = QUANTITIES[quantity]

@@ -23,7 +23,7 @@ ZOOMS, ZOOMED = 3, 33
 """Times that a crossing or a peak is looked at more closely, and points each time: 2e-7 of a frequency is left."""
 
 
-class Band(NamedTuple):
+class PassBand(NamedTuple):
     """What the transmissibility |H| = |a_sensor / a_surface| of a mounting passes; frequencies in Hz.
 
     Attributes
@@ -49,7 +49,7 @@ class Band(NamedTuple):
     largest_at: float
 
 
-def band(mounting: Mounting) -> Band:
+def band(mounting: Mounting) -> PassBand:
     """Return the band that a mounting passes, of its continuous layers, and its resonance.
 
     A magnitude is looked at, as data sheets of accelerometers do: a mass m on a spring k without loss leaves
@@ -69,7 +69,7 @@ def band(mounting: Mounting) -> Band:
     (953, 4913, 3162)
     """
     if mounting.direct:
-        return Band(math.inf, math.inf, math.inf, math.nan, math.nan, 1.0, math.nan)
+        return PassBand(math.inf, math.inf, math.inf, math.nan, math.nan, 1.0, math.nan)
     f = np.geomspace(LOWEST, RESOLVED, POINTS)
     magnitude = _magnitude(mounting, f)
 
@@ -82,7 +82,7 @@ def band(mounting: Mounting) -> Band:
     largest = _summit(mounting, f, int(np.argmax(magnitude)))
     if tops.size and mounting.edge_damping == 0.0 and not any(layer.loss_factor for layer in mounting.gaskets):
         resonance = largest = (resonance[0], math.inf)
-    return Band(leaves(0.95, 1.05), leaves(0.9, 1.1), leaves(math.sqrt(0.5), math.inf), *resonance, *largest[::-1])
+    return PassBand(leaves(0.95, 1.05), leaves(0.9, 1.1), leaves(math.sqrt(0.5), math.inf), *resonance, *largest[::-1])
 
 
 def _magnitude(mounting: Mounting, frequencies: Array) -> Array:

@@ -16,7 +16,7 @@ HEAVY_SENSOR = 0.02
 about as much, which the model leaves out."""
 
 
-class Channel(NamedTuple):
+class SensorChannel(NamedTuple):
     """A sensor, the index of the tap it sits at (None: it feels the rigid assembly), and its recorder."""
 
     sensor: Sensor
@@ -33,7 +33,7 @@ class SensorPulse:
     clipped: bool
 
 
-def sensor_sources(channels: Sequence[Channel]) -> list[str]:
+def sensor_sources(channels: Sequence[SensorChannel]) -> list[str]:
     """Return the keys of the sources of the sensor models that take part."""
     if all(channel.sensor == Sensor(channel.sensor.name) for channel in channels):
         return []
@@ -52,7 +52,7 @@ def sensor_pulse(reading: Reading) -> SensorPulse:
 
 
 def channel_notices(
-    channels: Sequence[Channel], pulses: Sequence[dict[str, SensorPulse]], assembly_mass: float
+    channels: Sequence[SensorChannel], pulses: Sequence[dict[str, SensorPulse]], assembly_mass: float
 ) -> tuple[Notice, ...]:
     """Return what clipped, what a slow recorder missed, and which sensor is too heavy for what it sits on.
 

@@ -29,7 +29,7 @@ DIGITS = 7
 
 
 @dataclass(frozen=True)
-class Fit:
+class CaseFit:
     """A fitted case, its relative misses of the targets, and how many runs it took."""
 
     case: Case
@@ -37,7 +37,7 @@ class Fit:
     runs: int
 
 
-def calibrate(case: Case, accuracy: float = ACCURACY) -> Fit:
+def calibrate(case: Case, accuracy: float = ACCURACY) -> CaseFit:
     """Fit the values marked ``fitted`` to the published numbers whose role is ``fitted``.
 
     Only targets of the first blow are met, so each trial runs a single blow. The values are searched on
@@ -106,7 +106,7 @@ def calibrate(case: Case, accuracy: float = ACCURACY) -> Fit:
         fitted[path] = before.model_copy(
             update={"si": float(value), "typed": rounded(before.typed, float(value) / before.si)}
         )
-    return Fit(case.with_values(fitted), misses, runs)
+    return CaseFit(case.with_values(fitted), misses, runs)
 
 
 def rounded(typed: str | int | float, ratio: float) -> str | float:

@@ -12,7 +12,7 @@ COVERED, CONFIDENCE = 0.95, 0.95
 """Share of all runs that an upper limit covers, and how surely: the usual ones, which take 59 runs at least."""
 
 
-class Spread(NamedTuple):
+class RunSpread(NamedTuple):
     """Median of a figure over the runs with its bounds at 95 %, and a limit that 95 % of all runs keep (95 %).
 
     ``n`` runs have the figure. The limit is infinite where too many of the others are known not to keep any.
@@ -86,7 +86,7 @@ def median_bounds(values: ArrayLike, confidence: float = CONFIDENCE) -> tuple[fl
     return float(sample[place]), float(sample[n - 1 - place])
 
 
-def spread(values: ArrayLike, broken: ArrayLike = False) -> Spread:
+def spread(values: ArrayLike, broken: ArrayLike = False) -> RunSpread:
     """Return median and limits of what several runs gave.
 
     Parameters
@@ -107,4 +107,4 @@ def spread(values: ArrayLike, broken: ArrayLike = False) -> Spread:
     limited = np.where(broken, math.inf, sample)
     sample, limited = sample[np.isfinite(sample)], limited[~np.isnan(limited)]
     middle = float(np.median(sample)) if sample.size else math.nan
-    return Spread(middle, *median_bounds(sample), upper_limit(limited), sample.size)
+    return RunSpread(middle, *median_bounds(sample), upper_limit(limited), sample.size)

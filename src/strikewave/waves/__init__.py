@@ -1,10 +1,10 @@
 """Stress waves in a stack of layers and joints."""
 
 from strikewave.waves.bar import run_bar
-from strikewave.waves.bar_run import BarRun, Tap, Wanted
+from strikewave.waves.bar_run import BarRun, Tap, WantedError
 from strikewave.waves.layers import BONDED, Branch, End, Joint, Layer, Stack, round_bar
-from strikewave.waves.load import Impactor, Load, Pulse, Sampled
-from strikewave.waves.transit import ErrorBound, Grid, choose_grid, error_bound, grid_of
+from strikewave.waves.load import Impactor, Load, LoadPulse, Sampled
+from strikewave.waves.transit import ErrorBound, TimeGrid, choose_grid, error_bound, grid_of
 
 __all__ = [
     "BONDED",
@@ -12,16 +12,16 @@ __all__ = [
     "Branch",
     "End",
     "ErrorBound",
-    "Grid",
     "Impactor",
     "Joint",
     "Layer",
     "Load",
-    "Pulse",
+    "LoadPulse",
     "Sampled",
     "Stack",
     "Tap",
-    "Wanted",
+    "TimeGrid",
+    "WantedError",
     "choose_grid",
     "error_bound",
     "grid_of",

@@ -32,9 +32,9 @@ JOINT_VALUES = 7
 END_OWN, END_WAVE, END_RESISTANCE, END_BETA, END_SIGMA, END_SPRING, END_DAMPING, END_INERTIA = range(8)
 """Places in `Tables.end`: f = own a + wave P; a' = beta f + sigma R v; of a mass on a spring: R of both, dashpot."""
 COMPRESSION, RATE, LOST, WORK, GUESS, DEEPEST, GROWTH, OPEN = range(8)
-"""Columns of `State.joint`: x and x' (of a joint with mass: w and v; of a mass on a spring: w of spring and mass), and
-the energy lost, J; of a nonlinear contact: work done on it, J, last force, deepest indentation, growth of its radius;
-and 1 while the joint is open."""
+"""Columns of `WaveState.joint`: x and x' (of a joint with mass: w and v; of a mass on a spring: w of spring and mass),
+and the energy lost, J; of a nonlinear contact: work done on it, J, last force, deepest indentation, growth of its
+radius; and 1 while the joint is open."""
 JOINT_STATES = 8
 """How many columns those are."""
 SEEN = 1e-12
@@ -55,7 +55,7 @@ class Tables(NamedTuple):
     end: np.ndarray
 
 
-class State(NamedTuple):
+class WaveState(NamedTuple):
     """Waves in flight, what the joints remember, and when they opened and closed.
 
     ``clock`` counts steps and events; ``events`` holds joint, time, and 1 where it opened.

@@ -31,7 +31,7 @@ class SpectralTables(NamedTuple):
     end: np.ndarray
 
 
-class Places(NamedTuple):
+class StackPlaces(NamedTuple):
     """Where a stack is looked at, in the order of its layers: layer, and distance from its loaded face (m)."""
 
     layer: np.ndarray
@@ -107,7 +107,7 @@ def respond(tables, s, travel, speed, load, by, places):
         Spectrum of what is prescribed, shape (n,).
     by : int
         `FORCE`, `SPEED` or `INCIDENT`.
-    places : Places
+    places : StackPlaces
         Where to look, sorted by layer.
     """
     layers, count = tables.length.size, places.layer.size

@@ -13,7 +13,7 @@ from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
 from strikewave.contact.law import Contact, check_end, striking_law
 from strikewave.waves import _impact_kernels, _kernels
 from strikewave.waves._kernels import Extremes, Recording
-from strikewave.waves.bar_run import BarRun, Tap, Wanted, faces_of_hung, hung_acceleration
+from strikewave.waves.bar_run import BarRun, Tap, WantedError, faces_of_hung, hung_acceleration
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import PRESCRIBED, Impactor, Load
 from strikewave.waves.spectral import is_linear
@@ -23,7 +23,7 @@ from strikewave.waves.transit import (
     FIELD_ROWS,
     MOST_EVENTS,
     ErrorBound,
-    Grid,
+    TimeGrid,
     choose_grid,
     error_bound,
     field_nodes,
@@ -73,7 +73,9 @@ _ROUNDING = 1e-12
 """Share of a step by which a duration may miss a whole number of steps and still be one."""
 
 
-def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, wanted: Wanted | None = None) -> BarRun:
+def run_bar(
+    stack: Stack, load: Load, taps: Sequence[Tap], duration: float, wanted: WantedError | None = None
+) -> BarRun:
     """Follow a stack under its load from rest.
 
     The step is the one asked for, or it is refined until the error bound keeps what is wanted, as far as
@@ -84,13 +86,13 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
     ----------
     stack : Stack
         What is loaded at its first face.
-    load : Pulse, Sampled or Impactor
+    load : LoadPulse, Sampled or Impactor
         By what; time 0 is its beginning.
     taps : sequence of Tap
         Where it is watched, at least one.
     duration : float
         s.
-    wanted : Wanted, optional
+    wanted : WantedError, optional
         Errors, or a step.
 
     Raises
@@ -101,13 +103,13 @@ def run_bar(stack: Stack, load: Load, taps: Sequence[Tap], duration: float, want
 
     Examples
     --------
-    >>> from strikewave.waves import Layer, Pulse
+    >>> from strikewave.waves import Layer, LoadPulse
     >>> bar = Layer("bar", 7820.0, 211e9, 7.0686e-4, 0.07)
-    >>> run = run_bar(Stack((bar,)), Pulse("rectangle", 19685.0, 1e-3), [Tap(0, 1.0)], 100e-6)
+    >>> run = run_bar(Stack((bar,)), LoadPulse("rectangle", 19685.0, 1e-3), [Tap(0, 1.0)], 100e-6)
     >>> round(float(run.velocity[np.searchsorted(run.time, 20e-6), 0]), 3)
     1.371
     """
-    wanted = wanted or Wanted()
+    wanted = wanted or WantedError()
     if not taps:
         raise ValueError("a run needs at least one tap")
     for tap in taps:
@@ -155,7 +157,7 @@ def _at_step(
 
 
 def _refined(
-    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, wanted: Wanted, shortest: float
+    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, wanted: WantedError, shortest: float
 ) -> BarRun:
     """Follow a stack with a step that is refined until the error bound keeps what is wanted."""
     smallest = duration * len(stack.layers) / max(MOST_LAYER_STEPS, STEPS_OF_MANY_LAYERS * len(stack.layers))
@@ -187,7 +189,7 @@ def _refined(
     return _with_lumped_error(run, sampling)
 
 
-def _refuse_thin(stack: Stack, grid: Grid, duration: float) -> None:
+def _refuse_thin(stack: Stack, grid: TimeGrid, duration: float) -> None:
     """Refuse layers so thin beside the others that no step in reach resolves them.
 
     Raises
@@ -236,7 +238,7 @@ def _with_lumped_error(run: BarRun, sampling: _Sampling) -> BarRun:
     lumped = any(joint.kind != "bonded" for joint in stack.joints) or stack.end.kind in ("mass", "spring", "oscillator")
     if not lumped or math.isinf(run.bound.velocity):
         return run
-    fine = Grid(0.5 * grid.step, tuple(2 * n for n in grid.counts), grid.mismatch)
+    fine = TimeGrid(0.5 * grid.step, tuple(2 * n for n in grid.counts), grid.mismatch)
     again = _run(stack, run.load, run.places, run.duration, fine, _Sampling(2 * sampling.every, sampling.shortest))
     rows = min(len(run.time), len(again.time))
 
@@ -248,7 +250,7 @@ def _with_lumped_error(run: BarRun, sampling: _Sampling) -> BarRun:
 
 
 def _run(
-    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, grid: Grid, sampling: _Sampling
+    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, grid: TimeGrid, sampling: _Sampling
 ) -> BarRun:
     """Follow a stack on a grid."""
     every = sampling.every

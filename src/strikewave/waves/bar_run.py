@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import Load
-from strikewave.waves.transit import ErrorBound, Grid
+from strikewave.waves.transit import ErrorBound, TimeGrid
 
 Array = NDArray[np.float64]
 STILL = 1e-9
@@ -30,7 +30,7 @@ class Tap:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class WantedError:
     """How exact a run shall be: largest error over the largest value at the taps; or a step, s, that is kept.
 
     The method is "auto": delay lines, but the spectral solver where a layer loses energy or disperses.
@@ -48,7 +48,7 @@ class BarRun:
 
     Attributes
     ----------
-    stack, load, grid : Stack, Load, Grid
+    stack, load, grid : Stack, Load, TimeGrid
         What ran; by the spectral solver no layer is cut into steps.
     time : ndarray
         Times of the samples, s, shape (N,).
@@ -86,7 +86,7 @@ class BarRun:
 
     stack: Stack
     load: Load
-    grid: Grid
+    grid: TimeGrid
     time: Array = field(repr=False)
     face_force: Array = field(repr=False)
     end_force: Array = field(repr=False)

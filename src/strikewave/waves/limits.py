@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.result import Notice
-from strikewave.waves import BarRun, Grid, Layer, Stack
+from strikewave.waves import BarRun, Layer, Stack, TimeGrid
 
 Array = NDArray[np.float64]
 
@@ -209,7 +209,7 @@ def field_extremes(stack: Stack, position: Array, force: Array) -> tuple[Array, 
     return largest, force[:, joints].min(axis=0, initial=np.inf), force[:, joints].max(axis=0, initial=-np.inf)
 
 
-def grid_notices(grid: Grid) -> Iterator[Notice]:
+def grid_notices(grid: TimeGrid) -> Iterator[Notice]:
     """Yield a time step that changes a layer noticeably."""
     if grid.mismatch > MISMATCH_LIMIT:
         message = (

@@ -18,14 +18,14 @@ Prescribed = Literal["force", "speed", "incident"]
 PRESCRIBED: tuple[Prescribed, ...] = ("force", "speed", "incident")
 """What a load prescribes at the first face, by their numbers in the kernels."""
 SHAPES = ("half-sine", "sine-squared", "rectangle", "triangle", "trapezoid")
-"""Shapes of a force pulse; the table of `Pulse` holds their equations."""
+"""Shapes of a force pulse; the table of `LoadPulse` holds their equations."""
 LOW, HIGH = 0.1, 0.9
 """Shares of the peak between which a rise time is taken: the field's definition. A history that begins or ends above
 the lower one jumps there."""
 
 
 @dataclass(frozen=True)
-class Pulse:
+class LoadPulse:
     """A force pulse of a named shape: 0 before time 0 and after its duration T, peak F0 between.
 
     ====================  =============================================================
@@ -49,7 +49,7 @@ class Pulse:
 
     Examples
     --------
-    >>> pulse = Pulse("half-sine", 100.0, 2e-4)
+    >>> pulse = LoadPulse("half-sine", 100.0, 2e-4)
     >>> float(pulse.at(np.array([1e-4]))[0]), round(pulse.impulse, 6)
     (100.0, 0.012732)
     """
@@ -213,4 +213,4 @@ class Impactor:
             raise ValueError(f"an impactor needs a mass and a speed above zero, got {self}")
 
 
-Load = Pulse | Sampled | Impactor
+Load = LoadPulse | Sampled | Impactor

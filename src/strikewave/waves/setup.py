@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from strikewave.waves import Grid, Stack
+from strikewave.waves import Stack, TimeGrid
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class WaveSetup:
     layers: tuple[LayerUsed, ...]
 
 
-def wave_setup(stack: Stack, grid: Grid) -> WaveSetup:
+def wave_setup(stack: Stack, grid: TimeGrid) -> WaveSetup:
     """Return how a stack was followed on a grid."""
     rows = zip(stack.layers, grid.lengths(stack), grid.counts, strict=True)
     return WaveSetup(

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from strikewave.waves._spectral_kernels import Places, SpectralTables, respond
+from strikewave.waves._spectral_kernels import SpectralTables, StackPlaces, respond
 from strikewave.waves.dispersion import Rod, wave_number
 from strikewave.waves.layers import END_KINDS, Layer, Stack
-from strikewave.waves.load import PRESCRIBED, Impactor, Load, Pulse, Sampled
+from strikewave.waves.load import PRESCRIBED, Impactor, Load, LoadPulse, Sampled
 from strikewave.waves.loss import dynamic_stiffness
 
 Array = NDArray[np.float64]
@@ -98,12 +98,12 @@ class Histories(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Spectrum:
+class SpectralStack:
     """A linear stack under its load from rest, in the frequency domain; `look` gives histories at places.
 
     Attributes
     ----------
-    stack, load : Stack, Pulse or Sampled
+    stack, load : Stack, LoadPulse or Sampled
         What is loaded at its first face, and by what; time 0 is the beginning of the load.
     step, steps : float, int
         Time step (s) and number of samples of a history. The error is of second order in the step, where the
@@ -118,13 +118,13 @@ class Spectrum:
     --------
     >>> from strikewave.waves import Layer, Stack
     >>> bar = Layer("bar", 7820.0, 211e9, 7.0686e-4, 0.07)
-    >>> spectrum = Spectrum(Stack((bar,)), Pulse("sine-squared", 19685.0, 20e-6), step=1e-7, steps=600)
+    >>> spectrum = SpectralStack(Stack((bar,)), LoadPulse("sine-squared", 19685.0, 20e-6), step=1e-7, steps=600)
     >>> round(float(spectrum.look([(0, 1.0)]).velocity.max()), 3)
     1.371
     """
 
     stack: Stack
-    load: Pulse | Sampled
+    load: LoadPulse | Sampled
     step: float
     steps: int
 
@@ -208,7 +208,7 @@ class Spectrum:
 
     def _respond(self, places: Sequence[tuple[int, float]]) -> tuple[NDArray[np.complex128], ...]:
         """Return the spectra at places that are sorted by layer."""
-        where = Places(
+        where = StackPlaces(
             np.array([layer for layer, _ in places], dtype=np.int64),
             np.array([part * self.stack.layers[layer].length for layer, part in places], dtype=float),
         )

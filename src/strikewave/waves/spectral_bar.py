@@ -8,12 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.waves.bar_run import BarRun, Wanted, faces_of_hung, hung_acceleration
+from strikewave.waves.bar_run import BarRun, WantedError, faces_of_hung, hung_acceleration
 from strikewave.waves.layers import Stack
-from strikewave.waves.load import Impactor, Load, Pulse, Sampled
-from strikewave.waves.spectral import MOST_VALUES, Histories, Spectrum, refuse_nonlinear
+from strikewave.waves.load import Impactor, Load, LoadPulse, Sampled
+from strikewave.waves.spectral import MOST_VALUES, Histories, SpectralStack, refuse_nonlinear
 from strikewave.waves.times import MOST_SAMPLES, load_time, refuse_coarse, refuse_few_steps, refuse_samples
-from strikewave.waves.transit import FIELD_ROWS, ErrorBound, Grid, field_nodes
+from strikewave.waves.transit import FIELD_ROWS, ErrorBound, TimeGrid, field_nodes
 
 Array = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ def refuse_spectral_layers(stack: Stack) -> None:
 
 
 def spectral_bar(
-    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, wanted: Wanted
+    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, wanted: WantedError
 ) -> BarRun:
     """Follow a linear stack under its load from rest by its spectrum.
 
@@ -122,10 +122,10 @@ def _refuse_steps(duration: float, step: float) -> None:
 
 
 def _look(
-    stack: Stack, load: Pulse | Sampled, places: Sequence[tuple[int, float]], duration: float, step: float
-) -> tuple[Spectrum, Histories]:
+    stack: Stack, load: LoadPulse | Sampled, places: Sequence[tuple[int, float]], duration: float, step: float
+) -> tuple[SpectralStack, Histories]:
     """Return a spectrum and what happens at places."""
-    spectrum = Spectrum(stack, load, step, math.ceil(duration / step * (1.0 - _ROUNDING)) + 1)
+    spectrum = SpectralStack(stack, load, step, math.ceil(duration / step * (1.0 - _ROUNDING)) + 1)
     return spectrum, spectrum.look(places)
 
 
@@ -142,11 +142,15 @@ def _largest(values: Array) -> float:
 
 
 def _bar_run(
-    spectrum: Spectrum, histories: Histories, places: Sequence[tuple[int, float]], duration: float, bound: ErrorBound
+    spectrum: SpectralStack,
+    histories: Histories,
+    places: Sequence[tuple[int, float]],
+    duration: float,
+    bound: ErrorBound,
 ) -> BarRun:
     """Return the run with its x-t field."""
     stack, step = spectrum.stack, spectrum.step
-    nodes, position = field_nodes(stack, Grid(step, (_CELLS,) * len(stack.layers), 0.0), _FIELD_LAYERS)
+    nodes, position = field_nodes(stack, TimeGrid(step, (_CELLS,) * len(stack.layers), 0.0), _FIELD_LAYERS)
     coarse = max(1, spectrum.steps // FIELD_ROWS)
     rows = (spectrum.steps - 1) // coarse + 1
     force, velocity = np.empty((rows, len(nodes))), np.empty((rows, len(nodes)))
@@ -163,7 +167,7 @@ def _bar_run(
     return BarRun(
         stack=stack,
         load=spectrum.load,
-        grid=Grid(step, (0,) * len(stack.layers), 0.0),
+        grid=TimeGrid(step, (0,) * len(stack.layers), 0.0),
         time=step * np.arange(spectrum.steps, dtype=float),
         face_force=face,
         end_force=end,
@@ -192,7 +196,7 @@ def _bar_run(
     )
 
 
-def _face_extremes(spectrum: Spectrum, batch: int) -> tuple[Array, Array]:
+def _face_extremes(spectrum: SpectralStack, batch: int) -> tuple[Array, Array]:
     """Return least and greatest force at both faces of each layer, N; NaN where that would take long."""
     layers = len(spectrum.stack.layers)
     least, greatest = np.full(2 * layers, np.nan), np.full(2 * layers, np.nan)

@@ -6,7 +6,7 @@ import math
 
 from strikewave.contact.law import AnyContact, indentation_under
 from strikewave.waves.layers import Stack
-from strikewave.waves.load import Impactor, Load, Pulse, Sampled
+from strikewave.waves.load import Impactor, Load, LoadPulse, Sampled
 
 MOST_SAMPLES = 4e6
 """Samples of all taps: 160 MB with force, velocity and what an acceleration is made of."""
@@ -16,12 +16,12 @@ RELAXATION_STEPS = 20.0
 """Relaxation times of a joint or an end that 50 steps may cover: one takes 2.5 steps at least."""
 
 
-def load_time(load: Pulse | Sampled) -> float:
+def load_time(load: LoadPulse | Sampled) -> float:
     """Return the time in which a prescribed load changes most, s."""
     return min(load.rise_time or load.duration, load.steepest_time)
 
 
-def refuse_coarse(load: Pulse | Sampled, step: float) -> None:
+def refuse_coarse(load: LoadPulse | Sampled, step: float) -> None:
     """Refuse a step that is too long for the load.
 
     Raises

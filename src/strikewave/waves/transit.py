@@ -37,8 +37,8 @@ from strikewave.waves._kernels import (
     SEEN,
     STIFFNESS,
     UNILATERAL,
-    State,
     Tables,
+    WaveState,
 )
 from strikewave.waves.layers import Joint, Stack
 
@@ -59,7 +59,7 @@ FIELD_PLACES, FIELD_ROWS = 200, 500
 
 
 @dataclass(frozen=True)
-class Grid:
+class TimeGrid:
     """A time step and the number of steps that each layer's transit takes.
 
     Attributes
@@ -82,7 +82,7 @@ class Grid:
         return tuple(n * self.step * x.bar_speed if n else x.length for n, x in pairs)
 
 
-def grid_of(stack: Stack, step: float) -> Grid:
+def grid_of(stack: Stack, step: float) -> TimeGrid:
     """Return the grid of a stack for a given step, s: each transit rounded to whole steps, one at least.
 
     Raises
@@ -107,10 +107,10 @@ def grid_of(stack: Stack, step: float) -> Grid:
             f"at most {MOST_NODES:.0e}: take a step above {transits.sum() / MOST_NODES:.3g} s"
         )
     counts = np.maximum(np.rint(transits / step), 1.0)
-    return Grid(step, tuple(int(n) for n in counts), float(np.max(np.abs(counts * step / transits - 1.0))))
+    return TimeGrid(step, tuple(int(n) for n in counts), float(np.max(np.abs(counts * step / transits - 1.0))))
 
 
-def choose_grid(stack: Stack, mismatch: float, largest: float, smallest: float) -> Grid:
+def choose_grid(stack: Stack, mismatch: float, largest: float, smallest: float) -> TimeGrid:
     """Return the coarsest grid whose transits all are whole steps to a wanted relative mismatch.
 
     Steps t_k/n of the shortest transit, n = 1, 2, .., are tried between ``largest`` and ``smallest``: a
@@ -139,7 +139,7 @@ def choose_grid(stack: Stack, mismatch: float, largest: float, smallest: float) 
         return grid_of(stack, smallest)
     first = max(1, math.ceil(shortest / largest))
     last = max(first, math.floor(shortest / smallest))
-    best: Grid | None = None
+    best: TimeGrid | None = None
     several = max(FEWEST_AT_ONCE, min(MOST_AT_ONCE, MOST_TRIED // len(transits)))
     for begin in range(first, last + 1, several):
         n = np.arange(begin, min(begin + several, last + 1), dtype=float)
@@ -152,14 +152,14 @@ def choose_grid(stack: Stack, mismatch: float, largest: float, smallest: float) 
         good = np.flatnonzero(worst <= mismatch)
         k = int(good[0]) if good.size else int(np.argmin(worst))
         if best is None or worst[k] < best.mismatch:
-            best = Grid(float(steps[k] * shared[k]), tuple(int(c) for c in counts[:, k]), float(worst[k]))
+            best = TimeGrid(float(steps[k] * shared[k]), tuple(int(c) for c in counts[:, k]), float(worst[k]))
         if good.size:
             return best
     assert best is not None
     return best
 
 
-def tables_of(stack: Stack, grid: Grid) -> Tables:
+def tables_of(stack: Stack, grid: TimeGrid) -> Tables:
     """Return the stack on a grid as the kernels take it.
 
     Raises
@@ -236,7 +236,7 @@ def _end_coefficients(stack: Stack, dt: float) -> Array:
     return np.array([share, 2.0 * resistance / z * share, resistance, beta, sigma, 0.0, 0.0, 0.0])
 
 
-def state_at_rest(stack: Stack, grid: Grid) -> State:
+def state_at_rest(stack: Stack, grid: TimeGrid) -> WaveState:
     """Return the state before the load: no force anywhere, each layer at its own speed, gaps open.
 
     A mass between two layers moves with the second one, a mass at the end with the last.
@@ -245,7 +245,7 @@ def state_at_rest(stack: Stack, grid: Grid) -> State:
     z = np.repeat([layer.impedance for layer in stack.layers], nodes)
     v = np.repeat([layer.speed for layer in stack.layers], nodes)
     joints = max(len(stack.joints), 1)
-    state = State(
+    state = WaveState(
         0.5 * z * v,
         -0.5 * z * v,
         np.full(nodes.size, -1, dtype=np.int64) % nodes,
@@ -270,13 +270,13 @@ def state_at_rest(stack: Stack, grid: Grid) -> State:
     return state
 
 
-def nearest_nodes(grid: Grid, places: Sequence[tuple[int, float]]) -> NDArray[np.int64]:
+def nearest_nodes(grid: TimeGrid, places: Sequence[tuple[int, float]]) -> NDArray[np.int64]:
     """Return (layer, node) for places given as layer index and fraction of the layer from its loaded side."""
     rows = [(layer, round(fraction * grid.counts[layer])) for layer, fraction in places]
     return np.array(rows, dtype=np.int64).reshape(-1, 2)
 
 
-def field_nodes(stack: Stack, grid: Grid, most_layers: int = MOST_FIELD_LAYERS) -> tuple[NDArray[np.int64], Array]:
+def field_nodes(stack: Stack, grid: TimeGrid, most_layers: int = MOST_FIELD_LAYERS) -> tuple[NDArray[np.int64], Array]:
     """Return about `FIELD_PLACES` (layer, node), evenly in time of travel, and their places from the first face, m.
 
     Each layer has two at least; of more layers than the most only some are looked at.
@@ -311,7 +311,7 @@ class ErrorBound:
     acceleration: float
 
 
-def error_bound(stack: Stack, grid: Grid, integrals: Array, places: Sequence[tuple[int, float]]) -> ErrorBound:
+def error_bound(stack: Stack, grid: TimeGrid, integrals: Array, places: Sequence[tuple[int, float]]) -> ErrorBound:
     """Bound the error of velocity and acceleration at places of a stack on a grid.
 
     On the grid each wave runs with a transit wrong by at most the relative mismatch d. The error e of

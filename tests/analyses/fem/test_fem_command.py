@@ -131,7 +131,9 @@ def test_a_ball_presses_a_half_space_as_hertz_says():
     assert contact.duration == pytest.approx((2.9432 - 2.0 * ends) * depth, rel=0.01)
     # 1e-3: the force on a quarter leans a little against its planes of symmetry, the acceleration is along the blow
     assert solution.parts["ball"].rigid_peak == pytest.approx(contact.peak / solution.parts["ball"].mass, rel=1e-3)
-    assert {notice.code for notice in solution.warnings} == {"fem-yield"}  # no ledger is broken; real steel would yield
+    assert {notice.code for notice in solution.warnings} == {
+        "fem-yield"
+    }  # no balance is broken; real steel would yield
 
 
 def test_the_document_has_its_keys_and_every_number_its_unit(bars):
@@ -202,7 +204,7 @@ def test_fem_writes_a_whole_result_that_runs_again(strikewave, small):
     assert sorted(os.listdir("f")) == files
     assert sorted(os.listdir(".")) == ["f", "small.toml"]  # nothing of the run under way is left
     assert "rigid peak (g)" in out
-    for words in ("40 elements", "mass: striker 0.001001 kg", "worst element", "element-steps", "ledger: energy"):
+    for words in ("40 elements", "mass: striker 0.001001 kg", "worst element", "element-steps", "balance: energy"):
         assert words in err
     code, out, _ = strikewave("fem", "f/case.toml", "--json")
     assert code == 0

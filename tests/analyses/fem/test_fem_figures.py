@@ -11,7 +11,7 @@ import pytest
 
 from strikewave.analyses.fem.figures import histories as fem
 from strikewave.analyses.fem.figures import pictures as fem_pictures
-from strikewave.analyses.fem.figures.pictures import View
+from strikewave.analyses.fem.figures.pictures import Camera
 from strikewave.analyses.fem.report import page as fem_page
 from strikewave.analyses.fem.report.page import fem_report
 from strikewave.analyses.fem.result import FemSolution
@@ -20,11 +20,11 @@ from strikewave.base.result import Notice
 from strikewave.cases.case import load_case
 from strikewave.fem.measures import balance_measure, blow_axis, contact_measure, near_axis
 from strikewave.fem.mesh import exterior, exterior_faces, joined
-from strikewave.fem.model import Contact, Symmetry
+from strikewave.fem.model import SurfaceContact, Symmetry
 
 from ...fem import synthetic
 
-CUT = View(toward=(-0.35, -1.0, 0.45), cut=((0.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
+CUT = Camera(toward=(-0.35, -1.0, 0.45), cut=((0.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
 
 
 @pytest.fixture(scope="module")
@@ -107,12 +107,12 @@ def test_nothing_that_touches_measures_none(run):
 
 
 def test_balance_measure_finds_the_leak_and_the_hourglass_share(mesh):
-    ledger = balance_measure(synthetic.run(mesh, leak=-0.03, hourglass=0.02))
-    assert ledger.energy == pytest.approx(-0.03, rel=1e-12)
-    assert ledger.hourglass == pytest.approx(
+    balance = balance_measure(synthetic.run(mesh, leak=-0.03, hourglass=0.02))
+    assert balance.energy == pytest.approx(-0.03, rel=1e-12)
+    assert balance.hourglass == pytest.approx(
         0.02 / (1 - 0.02 - 0.02), rel=0.05
     )  # contact energy and leak take a little
-    assert ledger.momentum < 1e-12
+    assert balance.momentum < 1e-12
 
 
 def test_blow_axis_follows_the_momentum(run):
@@ -250,7 +250,7 @@ def test_each_pixel_shows_the_face_that_a_ray_meets_first(monkeypatch, rng, turn
     frame = dataclasses.replace(
         frame, displacement=still, velocity=still, stress=np.zeros((len(values), 6)), plastic_strain=values
     )
-    view = View(toward=turned)
+    view = Camera(toward=turned)
     figure = fem_pictures.body_picture(mesh, frame, view, "plastic_strain")
     image, axes = pixels(figure), figure.axes[0]
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
@@ -282,14 +282,14 @@ def test_faces_are_those_of_the_mesh_with_their_elements(mesh):
 def test_a_cut_leaves_the_elements_behind_its_plane_and_a_zone_those_near(mesh):
     middle = mesh.points[mesh.hexahedra].mean(axis=1)
     assert np.array_equal(fem_pictures.kept_elements(mesh, CUT), middle[:, 1] >= 0.0)
-    near = fem_pictures.kept_elements(mesh, View(near=((0.0, 0.0, 0.0), 0.004)))
+    near = fem_pictures.kept_elements(mesh, Camera(near=((0.0, 0.0, 0.0), 0.004)))
     assert np.array_equal(near, np.linalg.norm(middle, axis=1) <= 0.004)
-    one = fem_pictures.kept_elements(mesh, View(parts=("ball",)))
+    one = fem_pictures.kept_elements(mesh, Camera(parts=("ball",)))
     assert one.sum() == 216
     with pytest.raises(InputError, match="leave elements"):
-        fem_pictures.kept_elements(mesh, View(near=((1.0, 0.0, 0.0), 0.001)))
+        fem_pictures.kept_elements(mesh, Camera(near=((1.0, 0.0, 0.0), 0.001)))
     with pytest.raises(InputError, match='did you mean "ball"'):
-        fem_pictures.kept_elements(mesh, View(parts=("bal",)))
+        fem_pictures.kept_elements(mesh, Camera(parts=("bal",)))
 
 
 def test_a_sequence_has_one_scale_and_says_its_unit(mesh):
@@ -335,7 +335,7 @@ def test_wrong_wishes_are_told(mesh):
     with pytest.raises(InputError, match='did you mean "von_mises"'):
         fem_pictures.body_picture(mesh, frame, CUT, "von_mise")
     with pytest.raises(InputError, match="a direction other than up"):
-        fem_pictures.body_picture(mesh, frame, View(toward=(0.0, 0.0, 1.0)))
+        fem_pictures.body_picture(mesh, frame, Camera(toward=(0.0, 0.0, 1.0)))
     with pytest.raises(InputError, match="at least one"):
         fem_pictures.frames_picture(mesh, [], CUT)
 
@@ -344,8 +344,10 @@ def test_fifty_thousand_faces_are_drawn():
     mesh = synthetic.grid("plate", (0, 0, 0), (0.1, 0.1, 0.002), (156, 156, 1))
     assert len(exterior_faces(mesh.hexahedra)) > 49_000
     cells, nodes = len(mesh.hexahedra), len(mesh.points)
-    frame = fem_pictures.Frame(0.0, np.zeros((nodes, 3)), np.zeros((nodes, 3)), np.ones((cells, 6)), np.arange(cells))
-    drawn = pixels(fem_pictures.body_picture(mesh, frame, View(), "plastic_strain"))
+    frame = fem_pictures.FieldFrame(
+        0.0, np.zeros((nodes, 3)), np.zeros((nodes, 3)), np.ones((cells, 6)), np.arange(cells)
+    )
+    drawn = pixels(fem_pictures.body_picture(mesh, frame, Camera(), "plastic_strain"))
     assert drawn.std() > 0.0
 
 
@@ -368,7 +370,7 @@ def test_the_zone_of_a_contact_is_where_its_sides_are_nearest(mesh):
     plates = [
         synthetic.grid(name, (0, 0, z), (0.05, 0.05, z + 0.001), (50, 50, 1)) for name, z in (("a", 0), ("b", 1e-3))
     ]
-    touching = dataclasses.replace(synthetic.model(joined(plates)), contacts=(Contact("a.top", "b.bottom"),))
+    touching = dataclasses.replace(synthetic.model(joined(plates)), contacts=(SurfaceContact("a.top", "b.bottom"),))
     place, radius = fem_pictures.contact_zone(touching)
     assert place == pytest.approx((0.025, 0.025, 0.001), rel=1e-9)
     assert radius == pytest.approx(fem_pictures.ZONE_FACES * 0.001, rel=1e-9)
@@ -441,11 +443,11 @@ def test_the_report_says_what_is_broken(mesh):
         solution(
             mesh,
             dataclasses.replace(synthetic.run(mesh, leak=-0.04, hourglass=0.2), stopped="an element turned inside out"),
-            notices=(Notice("energy-ledger", "energy is <missing>", 0.04, 0.01, broken=True),),
+            notices=(Notice("energy-balance", "energy is <missing>", 0.04, 0.01, broken=True),),
         )
     )
     for words in (
-        "stopped early; check failed: energy-ledger",
+        "stopped early; check failed: energy-balance",
         "The run ended early: an element turned inside out.",
         "The energy balance error is -4 %, beyond its limit of 1 %",
         "of the internal energy, beyond 5 %",

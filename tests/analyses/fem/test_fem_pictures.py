@@ -15,7 +15,7 @@ from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.fem.report.largest import place_words
 from strikewave.analyses.fem.run import run_fem
 from strikewave.fem.mesh import joined, volumes
-from strikewave.fem.model import Contact, Fixed, Symmetry, Wall
+from strikewave.fem.model import Fixed, RigidWall, SurfaceContact, Symmetry
 from strikewave.fem.skin import blow_contact, cut_of, faces_on, meeting_place, skin_of, symmetry_planes
 from strikewave.fem.snapshots import (
     PER_TRANSIT,
@@ -130,11 +130,11 @@ def test_only_planes_of_symmetry_along_the_blow_that_all_is_behind_are_cuts(ball
 
 
 def test_the_contact_of_the_blow_is_that_of_bodies_at_different_speeds(ball):
-    resting = Contact("block.bottom", "block.top")
+    resting = SurfaceContact("block.bottom", "block.top")
     both = dataclasses.replace(ball, contacts=(resting, *ball.contacts))
     assert blow_contact(both) is ball.contacts[0]
     assert blow_contact(dataclasses.replace(both, velocity={})) is resting
-    alone = dataclasses.replace(ball, contacts=(), walls=(Wall("ball.all", (0.0, 0.0, -0.001), (0.0, 0.0, 2.0)),))
+    alone = dataclasses.replace(ball, contacts=(), walls=(RigidWall("ball.all", (0.0, 0.0, -0.001), (0.0, 0.0, 2.0)),))
     assert meeting_place(alone) == pytest.approx([0.0, 0.0, -0.0005], abs=1e-12)
     assert blow_contact(dataclasses.replace(ball, contacts=())) is None
 
@@ -308,7 +308,7 @@ def test_the_instant_of_the_pictures_is_that_of_the_force_of_the_blow_not_of_the
     model = dataclasses.replace(
         synthetic.model(synthetic.mesh()),
         mesh=mesh,
-        contacts=(Contact("ball.all", "block.top"), Contact("block.bottom", "floor.top")),
+        contacts=(SurfaceContact("ball.all", "block.top"), SurfaceContact("block.bottom", "floor.top")),
         solids={**synthetic.model().solids, "floor": synthetic.model().solids["block"]},
     )
     skin = skin_of(model)

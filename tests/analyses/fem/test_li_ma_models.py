@@ -63,9 +63,9 @@ def test_the_object_weighs_what_the_paper_implies():
 @pytest.mark.parametrize("name", [RIGID, f"{RIGID}-quiet", WAVE, f"{WAVE}-quiet"])
 def test_energy_and_momentum_of_the_blow(name):
     solution = coarse(name)
-    ledger, run = balance_measure(solution.run), solution.run
-    assert abs(ledger.energy) < 1e-4
-    assert ledger.momentum < 1e-9
+    balance, run = balance_measure(solution.run), solution.run
+    assert abs(balance.energy) < 1e-4
+    assert balance.momentum < 1e-9
     contact = next(iter(run.impulse))
     striker = run.parts["striker"]
     # the striker touches nothing but the frame, and gravity acts on it

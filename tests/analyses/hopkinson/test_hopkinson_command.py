@@ -161,11 +161,15 @@ def test_a_clipped_gauge_is_told(strikewave, shot, tmp_path, rng):
 
 def test_a_bar_alone_is_calibrated_by_its_echoes(strikewave, tmp_path):
     """A free bar of 1 m, 5000 m/s, in delay lines, stated 1 % too fast: the speed found, and a warning."""
-    from strikewave.waves import End, Layer, Pulse, Stack, Tap, Wanted, run_bar
+    from strikewave.waves import End, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 
     layer = Layer("bar", 8000.0, 2e11, 1e-4, 1.0)
     run = run_bar(
-        Stack((layer,), (), End("free")), Pulse("sine-squared", 1e3, 20e-6), [Tap(0, 0.5)], 1.5e-3, Wanted(step=1e-7)
+        Stack((layer,), (), End("free")),
+        LoadPulse("sine-squared", 1e3, 20e-6),
+        [Tap(0, 0.5)],
+        1.5e-3,
+        WantedError(step=1e-7),
     )
     strain = np.concatenate([np.zeros(200), run.force[:, 0] / 2e7])
     lines = ["time [us],gauge [strain]", *(f"{0.1 * k:.10g},{e:.9g}" for k, e in enumerate(strain))]
@@ -367,11 +371,15 @@ def test_agreement_of_the_forces_is_told_with_begin_end_and_share(strikewave, sh
 
 def echo_setup(tmp_path, length="", distance="300 mm", way="towards"):
     """Write a free bar of 1 m with its gauge 0.3 m from the far end, in delay lines, and its set-up."""
-    from strikewave.waves import End, Layer, Pulse, Stack, Tap, Wanted, run_bar
+    from strikewave.waves import End, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 
     layer = Layer("bar", 8000.0, 2e11, 1e-4, 1.0)
     run = run_bar(
-        Stack((layer,), (), End("free")), Pulse("sine-squared", 1e3, 20e-6), [Tap(0, 0.7)], 1.9e-3, Wanted(step=1e-7)
+        Stack((layer,), (), End("free")),
+        LoadPulse("sine-squared", 1e3, 20e-6),
+        [Tap(0, 0.7)],
+        1.9e-3,
+        WantedError(step=1e-7),
     )
     strain = np.concatenate([np.zeros(400), run.force[:, 0] / 2e7])
     strain += 1e-9 * np.random.default_rng(4).standard_normal(strain.size)

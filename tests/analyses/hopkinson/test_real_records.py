@@ -7,7 +7,18 @@ import math
 
 import pytest
 
-from strikewave.hopkinson import Bar, Bridge, Specimen, Trace, align, energy, equilibrium, find_pulses, momentum, reduce
+from strikewave.hopkinson import (
+    Bar,
+    Bridge,
+    GaugeTrace,
+    Specimen,
+    align,
+    energy,
+    equilibrium,
+    find_pulses,
+    momentum,
+    reduce,
+)
 from strikewave.hopkinson.echoes import calibrate_bar
 from strikewave.records import read_record
 from strikewave.records.clock import even
@@ -19,7 +30,7 @@ ROD_SPEED, REFLECTED_SPEED = 4974.964141, 4865.900383
 def trace(path, channel, convert):
     """Return the strain of a channel."""
     found = even(read_record(path).channel(channel))[0]
-    return Trace(convert(found.values), found.step, found.start)
+    return GaugeTrace(convert(found.values), found.step, found.start)
 
 
 def copper(folder, speed):

@@ -16,7 +16,7 @@ from strikewave.analyses.machine.columns import shown_in
 from strikewave.analyses.machine.figures.pulses import chosen
 from strikewave.analyses.machine.report import report
 from strikewave.analyses.machine.result import load_solution
-from strikewave.analyses.wave.report import bar_report
+from strikewave.analyses.wave.report import wave_report
 from strikewave.base import citations
 from strikewave.base.quantities import PROVENANCES
 from strikewave.base.result import Notice
@@ -185,7 +185,7 @@ def test_published_numbers_stand_beside_computed_ones(solution, page):
     assert rows[0][1:3] == ["4151.25", "4151.25"]
 
 
-def test_warnings_ledgers_masses_phases_and_sources_are_listed(solution, page):
+def test_warnings_balances_masses_phases_and_sources_are_listed(solution, page):
     read, found = Page(page), tables(page)
     for notice in solution.warnings:
         row = next(r for r in found["Warnings; value and limit in SI units"] if r[0] == notice.code)
@@ -241,7 +241,7 @@ def test_hostile_words_come_out_as_text(solution):
         notices=(Notice(HOSTILE, HOSTILE, 1.0, 2.0),),
         phases=((HOSTILE, 0.0),),
         masses={HOSTILE: 1.0},
-        ledger={HOSTILE: 0.0},
+        balance={HOSTILE: 0.0},
         citations=(HOSTILE,),
         comparisons=tuple(dataclasses.replace(entry, note=HOSTILE, role=HOSTILE) for entry in solution.published),
     )
@@ -321,7 +321,7 @@ def test_solution_without_any_blow_says_so(solution):
         citations=(),
         masses={},
         phases=(),
-        ledger={},
+        balance={},
     )
     page = report(none)
     text = Page(page).text
@@ -435,7 +435,7 @@ duration = "200 us"
 
 def test_a_stack_without_machine_has_a_report_too():
     """Its values come in arrays of tables; there is no blow to speak of."""
-    page = bar_report(run_wave(parse_case(STACK)))
+    page = wave_report(run_wave(parse_case(STACK)))
     read = Page(page)
     assert re.findall(r'<li><a href="#section-\d+">(.*?)</a>', page)[:3] == ["Set-up", "Inputs", "Stress waves"]
     layers = {row[0]: row[1:] for row in next(v for k, v in tables(page).items() if k.startswith("[stack.layer]"))[1:]}

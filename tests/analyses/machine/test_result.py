@@ -12,7 +12,7 @@ import pytest
 from strikewave import load_solution
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import plain
-from strikewave.base.output_folder import whole_folder
+from strikewave.base.output_folder import atomic_folder
 
 
 def test_saved_and_loaded_alike(solution, tmp_path):
@@ -102,16 +102,16 @@ def names(folder: Path) -> list[str]:
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError, OSError(errno.ENOSPC, "No space left on device")])
 def test_an_interrupted_result_leaves_nothing(tmp_path, error):
-    with pytest.raises((KeyboardInterrupt, RuntimeError, InputError)), whole_folder(tmp_path / "out", "x") as place:
+    with pytest.raises((KeyboardInterrupt, RuntimeError, InputError)), atomic_folder(tmp_path / "out", "x") as place:
         (place / "half").write_text("half")
         raise error
     assert names(tmp_path) == []
 
 
 def test_an_interrupted_result_keeps_the_old_one(tmp_path):
-    with whole_folder(tmp_path / "out", "x") as place:
+    with atomic_folder(tmp_path / "out", "x") as place:
         (place / "case.toml").write_text("x")
-    with pytest.raises(KeyboardInterrupt), whole_folder(tmp_path / "out", "x") as place:
+    with pytest.raises(KeyboardInterrupt), atomic_folder(tmp_path / "out", "x") as place:
         (place / "case.toml").write_text("half")
         raise KeyboardInterrupt
     assert names(tmp_path) == ["out"]
@@ -120,7 +120,7 @@ def test_an_interrupted_result_keeps_the_old_one(tmp_path):
 
 def test_another_result_is_only_replaced_by_force(tmp_path):
     def write(identity, force=False):
-        with whole_folder(tmp_path / "out", identity, force) as place:
+        with atomic_folder(tmp_path / "out", identity, force) as place:
             (place / "case.toml").write_text(identity)
 
     write("one")
@@ -133,17 +133,17 @@ def test_another_result_is_only_replaced_by_force(tmp_path):
 
 
 def test_a_result_with_files_of_others_is_never_replaced(tmp_path):
-    with whole_folder(tmp_path / "out", "x") as place:
+    with atomic_folder(tmp_path / "out", "x") as place:
         (place / "case.toml").write_text("x")
     (tmp_path / "out" / "notes.txt").write_text("mine")
     for force in (False, True):
-        with pytest.raises(InputError, match=r"notes\.txt"), whole_folder(tmp_path / "out", "x", force):
+        with pytest.raises(InputError, match=r"notes\.txt"), atomic_folder(tmp_path / "out", "x", force):
             pass
     assert (tmp_path / "out" / "notes.txt").read_text() == "mine"
 
 
 def test_a_place_taken_meanwhile_is_not_replaced(tmp_path):
-    with pytest.raises(InputError, match=r"thesis"), whole_folder(tmp_path / "out", "x") as place:
+    with pytest.raises(InputError, match=r"thesis"), atomic_folder(tmp_path / "out", "x") as place:
         (place / "case.toml").write_text("x")
         (tmp_path / "out").mkdir()
         (tmp_path / "out" / "thesis.txt").write_text("years of work")
@@ -155,7 +155,7 @@ def test_what_is_no_result_is_never_replaced(tmp_path):
     (tmp_path / "out" / "thesis.docx").write_text("years of work")
     (tmp_path / "file").write_text("")
     for place in ("out", "file"):
-        with pytest.raises(InputError), whole_folder(tmp_path / place, "x", force=True):
+        with pytest.raises(InputError), atomic_folder(tmp_path / place, "x", force=True):
             pass
     assert (tmp_path / "out" / "thesis.docx").read_text() == "years of work"
 

@@ -168,14 +168,14 @@ def test_a_mass_at_the_end_is_not_pushed_twice():
 
 def test_a_film_between_bars_is_run_and_reported_in_seconds():
     """A nanometre between 50 and 80 mm: a wave crosses it a hundred million times in the run."""
-    from strikewave.analyses.wave.report import bar_report
+    from strikewave.analyses.wave.report import wave_report
 
     film = '[[stack.layer]]\nname = "film"\nmaterial = "2A12"\nlength = "1 nm"\ndiameter = "30 mm"\n'
     text = BASE.format(joint="", end="", load="", solver="")
     text = text.replace('[[stack.layer]]\nname = "lower"', film + '[[stack.layer]]\nname = "lower"')
     solution = run_wave(parse_case(text))
     assert solution.method == "spectral"
-    assert "<svg" in bar_report(solution)
+    assert "<svg" in wave_report(solution)
 
 
 def test_the_route_of_the_paper_takes_an_incident_wave_as_it_comes():

@@ -8,7 +8,7 @@ import pytest
 
 from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.report import report
-from strikewave.analyses.wave.report import bar_report
+from strikewave.analyses.wave.report import wave_report
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.stack_chapters import LOSS_FREQUENCIES, loss_table
 
@@ -42,7 +42,7 @@ def test_the_summary_says_what_the_specimen_and_the_sensors_felt(struck, bar):
     assert f"At the tap sensors it reaches {reading.total_peak / STANDARD_GRAVITY:.0f} g in all, at 11.9 kHz." in page
     for name, pulse in reading.sensors.items():
         assert f"{name} {pulse.peak / STANDARD_GRAVITY:.0f} g" in page
-    assert "A layered bar under its load, route exact. Signed peak values: sensor (in sensor):" in bar_report(bar)
+    assert "A layered bar under its load, route exact. Signed peak values: sensor (in sensor):" in wave_report(bar)
 
 
 @pytest.mark.verify
@@ -68,7 +68,7 @@ def test_insertion_loss_table_is_that_of_the_continuous_layers(struck):
 
 
 def test_bar_report_lists_the_lengths_used_and_the_bound(bar):
-    page = bar_report(bar)
+    page = wave_report(bar)
     assert f"velocity {bar.accuracy[0]:.1e}" in page
     for layer in bar.waves.layers:
         assert layer.name in page
@@ -80,11 +80,11 @@ def test_bar_report_lists_the_lengths_used_and_the_bound(bar):
 def test_names_of_layers_and_taps_are_text_in_the_report(bar):
     hostile = "<script>alert(1)</script>"
     stack = dataclasses.replace(bar.waves, layers=(dataclasses.replace(bar.waves.layers[0], name=hostile),))
-    page = bar_report(dataclasses.replace(bar, waves=stack))
+    page = wave_report(dataclasses.replace(bar, waves=stack))
     assert hostile not in page
     assert "&lt;script&gt;" in page
 
 
 @pytest.mark.verify
 def test_the_same_run_gives_the_same_page(bar):
-    assert bar_report(bar) == bar_report(run_wave(load_case("li-ma-2019-fig13-bar")))
+    assert wave_report(bar) == wave_report(run_wave(load_case("li-ma-2019-fig13-bar")))

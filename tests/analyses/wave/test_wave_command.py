@@ -291,8 +291,8 @@ def test_run_with_a_stack_states_total_wave_bandwidth_and_sensors(fig5):
         assert set(blow["sensors"]["direct"]) == {"peak", "width", "clipped"}
         assert abs(blow["wave_peak"]) < blow["total_peak"]
     assert document["route"] == "exact"
-    assert document["ledger"]["energy_error"] < 1e-6
-    assert document["ledger"]["momentum_error"] < 1e-9
+    assert document["balance"]["energy_error"] < 1e-6
+    assert document["balance"]["momentum_error"] < 1e-9
 
 
 def test_a_solution_with_a_stack_reads_back_the_same(fig5, tmp_path):

@@ -15,10 +15,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.stack_chapters import struck_field
-from strikewave.analyses.wave.field import bar_field
+from strikewave.analyses.wave.field import field_of_solution
 from strikewave.analyses.wave.figures import animation
 from strikewave.analyses.wave.figures.animation import wave_animation, wave_page, write_wave_gif
-from strikewave.analyses.wave.report import bar_report
+from strikewave.analyses.wave.report import wave_report
 from strikewave.reporting.curves import spread
 from strikewave.reporting.inline import inline_svg
 from strikewave.reporting.wave_curves import staircase_diagram
@@ -33,7 +33,7 @@ from strikewave.reporting.wave_field import (
     snapshots,
     xt_diagram,
 )
-from strikewave.waves import BONDED, End, Impactor, Joint, Layer, Pulse, Stack, Tap, Wanted, run_bar
+from strikewave.waves import BONDED, End, Impactor, Joint, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 
 STEEL, ALLOY = (7820.0, 211e9), (2780.0, 72e9)
 HOSTILE = "_</script><img src=x onerror=alert(1)> $\\frac{1}{$ & \u202e\u2028"
@@ -44,7 +44,7 @@ def layer(name, matter, length, diameter=0.03, speed=0.0):
 
 
 def field_of(stack, load, taps, duration, step=50e-9):
-    run = run_bar(stack, load, [tap for _, tap in taps], duration, Wanted(step=step))
+    run = run_bar(stack, load, [tap for _, tap in taps], duration, WantedError(step=step))
     held = (run.field_position, run.field_layer, run.field_force, run.field_velocity)
     return WaveField(stack, run.field_time, *held, tuple(taps), "time (µs)")
 
@@ -52,7 +52,7 @@ def field_of(stack, load, taps, duration, step=50e-9):
 def three(lower_diameter=0.03, joints=(BONDED, BONDED), load=None, end="free", names=("upper", "specimen", "lower")):
     diameters = (0.03, 0.03, lower_diameter)
     bars = (layer(*made) for made in zip(names, (STEEL, ALLOY, STEEL), (0.1, 0.03, 0.1), diameters, strict=True))
-    load = load or Pulse("rectangle", 2e4, 1e-3)
+    load = load or LoadPulse("rectangle", 2e4, 1e-3)
     return field_of(Stack(tuple(bars), joints, End(end)), load, [(f"tap {names[1]}", Tap(1, 0.5))], 100e-6)
 
 
@@ -64,22 +64,22 @@ KINDS = {
     "struck": lambda: three(load=Impactor(0.2, 2.0)),
     "hostile names": lambda: three(names=(HOSTILE, "b" * 300, "$x^{")),
     "one layer": lambda: field_of(
-        Stack((layer("only", STEEL, 0.1),)), Pulse("triangle", 2e4, 2e-5), [("t", Tap(0, 0.0))], 1e-4
+        Stack((layer("only", STEEL, 0.1),)), LoadPulse("triangle", 2e4, 2e-5), [("t", Tap(0, 0.0))], 1e-4
     ),
-    "no load": lambda: three(load=Pulse("half-sine", 0.0, 1e-5)),
+    "no load": lambda: three(load=LoadPulse("half-sine", 0.0, 1e-5)),
     "striker bar": lambda: field_of(
         Stack(
             (layer("striker", STEEL, 0.1, speed=10.0), layer("bar", STEEL, 0.3)),
             (Joint(unilateral=True),),
             End("matched"),
         ),
-        Pulse("half-sine", 0.0, 1e-5),
+        LoadPulse("half-sine", 0.0, 1e-5),
         [("gauge", Tap(1, 0.5))],
         1e-4,
     ),
     "three hundred layers": lambda: field_of(
         Stack(tuple(layer(f"layer {k}", (STEEL, ALLOY)[k % 2], 0.004) for k in range(300)), (BONDED,) * 299),
-        Pulse("half-sine", 2e4, 3e-5),
+        LoadPulse("half-sine", 2e4, 3e-5),
         [("t", Tap(101, 0.5))],
         4e-4,
         None,
@@ -88,7 +88,7 @@ KINDS = {
         Stack(
             tuple(layer(f"layer {k}", (STEEL, ALLOY)[k % 2], 0.002 + 0.01 * (k % 3)) for k in range(40)), (BONDED,) * 39
         ),
-        Pulse("half-sine", 2e4, 3e-5),
+        LoadPulse("half-sine", 2e4, 3e-5),
         [("t", Tap(5, 0.5))],
         2e-4,
     ),
@@ -295,7 +295,7 @@ def test_the_staircase_picture_shows_field_closed_form_and_steps(jump):
 
 
 def test_the_field_of_a_bar_ends_two_round_trips_after_its_load(bar):
-    field = bar_field(bar)
+    field = field_of_solution(bar)
     wanted = 10.03e-6 + 4.0 * bar.run.stack.transit
     assert wanted - bar.run.field_time[1] <= field.time[-1] <= wanted
     assert field.values("velocity").shape == (field.time.size, field.position.size)
@@ -315,7 +315,7 @@ def test_a_machine_has_the_same_picture_without_velocity():
 
 
 def test_the_report_of_a_bar_shows_the_quantity_that_is_asked_for(bar):
-    page = bar_report(bar, "velocity")
+    page = wave_report(bar, "velocity")
     assert "velocity (m/s), along the blow above 0" in page
     assert "purple is along the blow" in page
     assert "Interface II: sensor | lower" in page

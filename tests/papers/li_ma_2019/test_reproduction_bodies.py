@@ -14,12 +14,12 @@ from strikewave.analyses.fem.run import run_fem, run_model
 from strikewave.base.errors import InputError
 from strikewave.base.materials import material
 from strikewave.cases.case import parse_case
-from strikewave.contact import Chain, Touch, hertz, simulate
+from strikewave.contact import Chain, ChainContact, hertz, simulate
 from strikewave.fem.measures import interval_means
 from strikewave.fem.solids import Elastic
 from strikewave.papers.li_ma_2019.beams import (
     MIDDLE_SHARE,
-    Wall,
+    FrameWall,
     bending_stiffness,
     clamped_stiffness,
     endless_compliance,
@@ -68,7 +68,7 @@ def test_middle_mass_by_kinetic_energy_of_static_shape():
 
 def test_first_frequency_of_clamped_beam_within_two_percent():
     """22.3733 sqrt(E I/(m L^3)) is exact; Rayleigh's method lies above it."""
-    wall = Wall(STEEL, SPAN, WIDTH, THICKNESS)
+    wall = FrameWall(STEEL, SPAN, WIDTH, THICKNESS)
     omega = math.sqrt(bending_stiffness(STEEL, SPAN, WIDTH, THICKNESS) / wall.middle_mass)
     exact = 22.3733 * math.sqrt(STEEL.youngs_modulus * WIDTH * THICKNESS**3 / 12.0 / (wall.mass * SPAN**3))
     assert 1.0 < omega / exact < 1.02
@@ -87,7 +87,7 @@ def test_endless_beam_by_modes_of_a_long_one():
 
 
 def test_wall_held_by_column_is_the_wall_of_the_rest():
-    held = Wall(STEEL, SPAN, WIDTH, THICKNESS, held=0.028)
+    held = FrameWall(STEEL, SPAN, WIDTH, THICKNESS, held=0.028)
     assert held.stiffness == clamped_stiffness(STEEL, SPAN - 0.028, WIDTH, THICKNESS)
     assert held.middle_mass == pytest.approx(held.mass * (0.028 + MIDDLE_SHARE * (SPAN - 0.028)) / SPAN, rel=1e-12)
 
@@ -284,7 +284,7 @@ def test_ball_on_a_bar_by_hertz():
         bar.mass,
         interval_means(speed, edges).max(),
     )
-    chain = Chain({"ball": mass, "bar": bar.mass}, [Touch("ball", "bar", contact)])
+    chain = Chain({"ball": mass, "bar": bar.mass}, [ChainContact("ball", "bar", contact)])
     moved = simulate(chain, {}, {"ball": 1.0}, 81e-6).speeds(edges)[:, 1]
     masses = answer_of("lumped", edges, bar.mass * moved, bar.mass, interval_means(moved, edges).max())
     for answer in (layers, masses):

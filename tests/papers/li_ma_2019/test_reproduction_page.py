@@ -24,7 +24,7 @@ from strikewave.papers.li_ma_2019.element_pulses import (
     struck_body,
     whole_force,
 )
-from strikewave.papers.li_ma_2019.figures import Mark
+from strikewave.papers.li_ma_2019.figures import PublishedMark
 from strikewave.papers.li_ma_2019.published import published_numbers
 from strikewave.papers.li_ma_2019.report.figures import figure_sections, key_numbers, pictures, ratios
 from strikewave.papers.li_ma_2019.report.page import again, reproduction_report
@@ -146,7 +146,10 @@ def test_no_curve_is_called_measured(result):
 
 
 def test_levels_and_bars_stand_at_the_published_numbers():
-    marks = [Mark(4151.25 * STANDARD_GRAVITY, "measured", 200e-6), Mark(4374.52 * STANDARD_GRAVITY, "LS-DYNA", 220e-6)]
+    marks = [
+        PublishedMark(4151.25 * STANDARD_GRAVITY, "measured", 200e-6),
+        PublishedMark(4374.52 * STANDARD_GRAVITY, "LS-DYNA", 220e-6),
+    ]
     axes = draw.pulse_figure("", [], marks, 4e-4).axes[0]
     data = [(np.asarray(line.get_xdata()), np.asarray(line.get_ydata(), dtype=float)) for line in axes.lines]
     assert [y[0] for _, y in data[:2]] == pytest.approx([4151.25, 4374.52], rel=1e-12)

@@ -75,7 +75,7 @@ def test_blows_are_those_of_whole_bodies():
     whole = solution.wholes["frame.top-striker.round"]
     assert float(first["peak force (kN)"]) == pytest.approx(whole.peak / 1e3, rel=1e-4)
     assert float(first["impulse (N s)"]) == pytest.approx(whole.impulse, rel=1e-4)
-    # 4 quarters; the ledger of the run has the plastic energy of the quarter
+    # 4 quarters; the balance of the run has the plastic energy of the quarter
     assert float(first["taken by yield (J)"]) == pytest.approx(4.0 * solution.run.energy["plastic"][-1], rel=5e-3)
 
 

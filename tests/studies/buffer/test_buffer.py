@@ -17,11 +17,11 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.cases.tables import SensorTable
 from strikewave.sensors import Recorder, Sensor
-from strikewave.sensors.channel import Channel
+from strikewave.sensors.channel import SensorChannel
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.signal.srs import srs
-from strikewave.studies.buffer.candidate import RINGING, Goal, assess, look_closer, ranked, withstands
-from strikewave.studies.buffer.choice import Choice, stacks
+from strikewave.studies.buffer.candidate import RINGING, BufferGoal, assess, look_closer, ranked, withstands
+from strikewave.studies.buffer.choice import StackChoices, stacks
 from strikewave.studies.buffer.moduli import confined, confinement
 from strikewave.studies.buffer.mounting_site import (
     BaseMotion,
@@ -79,7 +79,7 @@ def site(mass=5e-3, diameter=15.0, sensor=None):
     """An ideal sensor and recorder."""
     shape = mm(diameter)
     area = 0.25 * math.pi * shape.si**2
-    channel = Channel(sensor or Sensor(), None, Recorder())
+    channel = SensorChannel(sensor or Sensor(), None, Recorder())
     table = SensorTable(name="sensor", mass=f"{mass} kg")
     return MountingSite(channel, table, {"diameter": shape}, mass, area)
 
@@ -91,12 +91,12 @@ def half_sine(peak=1e4 * G, duration=200e-6, step=1e-7, rest=1.5e-3):
     )
 
 
-RUBBERS = Choice(("PTFE", "rubber"), (mm(0.5), mm(1)), 2)
+RUBBERS = StackChoices(("PTFE", "rubber"), (mm(0.5), mm(1)), 2)
 
 
 @pytest.fixture(scope="module")
 def study():
-    return design_buffer(site(), Blows((half_sine(duration=60e-6),)), RUBBERS, Goal(5e3 * G))
+    return design_buffer(site(), Blows((half_sine(duration=60e-6),)), RUBBERS, BufferGoal(5e3 * G))
 
 
 # one mass on a spring
@@ -120,7 +120,7 @@ def test_a_short_blow_on_a_soft_buffer_reads_w_times_its_velocity_change():
     held, pin = site(0.5, 1.0), (GasketLayer("65Mn", mm(2)),)
     w = math.sqrt(material("65Mn").youngs_modulus * held.area / 2e-3 / 0.5)
     motion = half_sine(duration=0.02 * 2.0 * math.pi / w, step=2e-8, rest=2.0 / w)
-    candidate = assess(held, pin, motion, Goal(1e9))
+    candidate = assess(held, pin, motion, BufferGoal(1e9))
     assert candidate.peak == pytest.approx(w * motion.velocity_change, rel=1e-3)
     assert candidate.rigid_ratio == pytest.approx(candidate.peak / (1e4 * G))
 
@@ -130,7 +130,7 @@ def test_a_slow_blow_passes_and_loads_each_gasket_with_what_lies_above_it():
     held = site()
     motion = half_sine(duration=20e-3, step=2e-6, rest=1e-4)
     stack = (GasketLayer("PTFE", mm(1)), GasketLayer("PMMA", mm(2)))
-    goal = Goal(2e4 * G)
+    goal = BufferGoal(2e4 * G)
     found = look_closer(held, assess(held, stack, motion, goal), motion, goal)
     masses = [material(s.material).density * held.area * s.thickness.si for s in stack]
     above = [held.mass + masses[1] + 0.5 * masses[0], held.mass + 0.5 * masses[1]]
@@ -157,7 +157,7 @@ def test_the_direct_mounting_reads_the_surface(study):
 
 @pytest.mark.parametrize("name", ["PTFE", "rubber"])
 def test_thicker_gaskets_and_heavier_sensors_pass_less(name):
-    motion, goal = half_sine(rest=0.1e-3, step=1e-6), Goal(1e4 * G)
+    motion, goal = half_sine(rest=0.1e-3, step=1e-6), BufferGoal(1e4 * G)
     by_size = [assess(site(), (GasketLayer(name, mm(h)),), motion, goal).band.within_10 for h in (0.5, 1, 2, 3)]
     by_mass = [
         assess(site(m), (GasketLayer(name, mm(1)),), motion, goal).band.within_10 for m in (1e-3, 2e-3, 5e-3, 2e-2)
@@ -170,7 +170,7 @@ def test_thicker_gaskets_and_heavier_sensors_pass_less(name):
 def test_a_higher_limit_keeps_all_that_a_lower_one_keeps():
     held, motion = site(), half_sine(duration=60e-6, step=5e-7)
     kept = [
-        {c.name for c in (assess(held, stack, motion, Goal(limit * G)) for stack in stacks(RUBBERS)) if c.keeps}
+        {c.name for c in (assess(held, stack, motion, BufferGoal(limit * G)) for stack in stacks(RUBBERS)) if c.keeps}
         for limit in (3e3, 4e3, 6e3, 3e4)
     ]
     assert kept[0] < kept[2]
@@ -181,7 +181,7 @@ def test_a_higher_limit_keeps_all_that_a_lower_one_keeps():
 
 def test_a_reading_beyond_the_range_keeps_no_limit():
     clipping = site(sensor=Sensor(range=5e3 * G))
-    found = assess(clipping, (), half_sine(), Goal(9e3 * G))
+    found = assess(clipping, (), half_sine(), BufferGoal(9e3 * G))
     assert abs(found.peak) <= 5e3 * G * (1 + 1e-12)
     assert found.clipped
     assert not found.keeps
@@ -225,14 +225,14 @@ def test_a_stack_that_is_left_out_reads_what_the_kept_one_reads():
 def test_too_many_stacks_are_refused_before_one_is_tried():
     sizes = tuple(mm(0.1 * k) for k in range(1, 11))
     with pytest.raises(InputError, match=r"65641 stacks.*at most 20000"):
-        stacks(Choice(usual_materials(), sizes, 3))
+        stacks(StackChoices(usual_materials(), sizes, 3))
     with pytest.raises(InputError, match="whole number from 0 to 10"):
-        stacks(Choice(("PTFE",), sizes, -1))
+        stacks(StackChoices(("PTFE",), sizes, -1))
 
 
 def test_unknown_material_is_told_the_nearest():
     with pytest.raises(InputError, match='did you mean "PTFE"'):
-        stacks(Choice(("PTFF",), (mm(1),), 1))
+        stacks(StackChoices(("PTFF",), (mm(1),), 1))
 
 
 # ranking
@@ -251,7 +251,7 @@ def test_ranking_by_bandwidth_is_what_it_says(study):
 
 
 def test_ranking_by_peak_is_what_it_says(study):
-    kept = [c for c in ranked(study.candidates, Goal(study.goal.limit, "peak")) if c.keeps]
+    kept = [c for c in ranked(study.candidates, BufferGoal(study.goal.limit, "peak")) if c.keeps]
     assert [abs(c.peak) for c in kept] == sorted(abs(c.peak) for c in kept)
 
 
@@ -279,8 +279,8 @@ def test_robust_means_that_every_variant_keeps_the_limit(study):
 @pytest.mark.verify
 def test_a_robust_stack_keeps_the_limit_over_the_whole_spread_of_its_modulus():
     """Rubber of 5 mm: 0.5 to 5 times the modulus, free and confined, on a grid five times as dense as the search's."""
-    held, motion, goal = site(), half_sine(duration=60e-6, step=2e-7), Goal(9.9e3 * G)
-    study = design_buffer(held, Blows((motion,)), Choice(("rubber",), (mm(5),), 1), goal)
+    held, motion, goal = site(), half_sine(duration=60e-6, step=2e-7), BufferGoal(9.9e3 * G)
+    study = design_buffer(held, Blows((motion,)), StackChoices(("rubber",), (mm(5),), 1), goal)
     assert study.robust.name == "rubber 5 mm"
     rubber, stack = material("rubber"), study.robust.stack
     for factor in np.geomspace(0.5, 5.0, 25):
@@ -292,10 +292,10 @@ def test_a_robust_stack_keeps_the_limit_over_the_whole_spread_of_its_modulus():
 def test_a_peak_between_the_ends_of_the_spread_is_not_robust():
     """Ten cycles at sqrt(2.9) times the resonance: rubber of 0.5, 1 or 5 times its modulus is off it, of 2.9 on it."""
     held, stack = site(), (GasketLayer("rubber", mm(5)),)
-    frequency = math.sqrt(2.9) * assess(held, stack, half_sine(), Goal(G)).band.resonance
+    frequency = math.sqrt(2.9) * assess(held, stack, half_sine(), BufferGoal(G)).band.resonance
     t = np.arange(0.0, 10.0 / frequency, 5e-7)
     burst = 1e3 * G * np.sin(2.0 * np.pi * frequency * t) * np.sin(np.pi * frequency * t / 10.0) ** 2
-    motion, goal = BaseMotion("burst", np.concatenate([burst, np.zeros(2 * burst.size)]), 5e-7), Goal(4e3 * G)
+    motion, goal = BaseMotion("burst", np.concatenate([burst, np.zeros(2 * burst.size)]), 5e-7), BufferGoal(4e3 * G)
     found = look_closer(held, assess(held, stack, motion, goal), motion, goal)
     assert found.keeps
     assert max(found.leading.softer, found.leading.stiffer, found.leading.confined) <= goal.limit
@@ -307,14 +307,14 @@ def test_a_peak_between_the_ends_of_the_spread_is_not_robust():
 
 @pytest.mark.verify
 def test_ranking_by_robust_puts_a_robust_stack_first():
-    blows, goal = Blows((half_sine(duration=60e-6, step=2e-7),)), Goal(9.9e3 * G, "robust")
-    study = design_buffer(site(), blows, Choice(("PTFE", "rubber"), (mm(1), mm(5)), 1), goal)
+    blows, goal = Blows((half_sine(duration=60e-6, step=2e-7),)), BufferGoal(9.9e3 * G, "robust")
+    study = design_buffer(site(), blows, StackChoices(("PTFE", "rubber"), (mm(1), mm(5)), 1), goal)
     assert study.candidates[0] is study.robust
     assert withstands(study.site, study.robust, study.motion, goal)
     assert "not-robust" not in {n.code for n in study.warnings}
     places = [(not c.keeps, not c.robust) for c in study.candidates]
     assert places == sorted(places)
-    wide = design_buffer(site(), blows, Choice(("PTFE", "rubber"), (mm(1), mm(5)), 1), Goal(9.9e3 * G))
+    wide = design_buffer(site(), blows, StackChoices(("PTFE", "rubber"), (mm(1), mm(5)), 1), BufferGoal(9.9e3 * G))
     assert wide.candidates[0].band.within_10 > study.robust.band.within_10
     (notice,) = [n for n in wide.warnings if n.code == "not-robust"]
     assert "--rank robust" in notice.message
@@ -322,7 +322,7 @@ def test_ranking_by_robust_puts_a_robust_stack_first():
 
 @pytest.mark.verify
 def test_where_none_keeps_the_limit_the_lowest_peak_is_first_and_named():
-    study = design_buffer(site(), Blows((half_sine(),)), RUBBERS, Goal(100 * G))
+    study = design_buffer(site(), Blows((half_sine(),)), RUBBERS, BufferGoal(100 * G))
     assert study.broken
     assert study.best is None
     assert abs(study.candidates[0].peak) == min(abs(c.peak) for c in study.candidates)
@@ -334,7 +334,7 @@ def test_where_none_keeps_the_limit_the_lowest_peak_is_first_and_named():
 def test_a_heavy_sensor_makes_its_gasket_yield():
     """0.5 kg at some 7 000 g on 177 mm^2 press with 200 MPa; PTFE yields at 14.5."""
     blows = Blows((half_sine(duration=50e-6),))
-    buffered = design_buffer(site(0.5), blows, Choice(("PTFE",), (mm(0.5),), 1), Goal(9.9e3 * G))
+    buffered = design_buffer(site(0.5), blows, StackChoices(("PTFE",), (mm(0.5),), 1), BufferGoal(9.9e3 * G))
     assert buffered.best.name == "PTFE 0.5 mm"
     (notice,) = [n for n in buffered.warnings if n.code == "gasket-yield"]
     assert notice.limit == material("PTFE").yield_strength
@@ -347,7 +347,7 @@ def test_a_heavy_sensor_makes_its_gasket_yield():
 def test_a_history_that_ends_before_the_buffer_has_swung_is_named_and_never_robust(rest, whole, robust):
     """Rubber of 5 mm under 5 g swings at 0.90 kHz: half a period is 0.55 ms, 0.78 ms of half the modulus."""
     blows = Blows((half_sine(duration=60e-6, rest=rest, step=2e-7),))
-    study = design_buffer(site(), blows, Choice(("rubber",), (mm(5),), 1), Goal(9.9e3 * G))
+    study = design_buffer(site(), blows, StackChoices(("rubber",), (mm(5),), 1), BufferGoal(9.9e3 * G))
     assert study.best.stack
     assert study.best.band.resonance == pytest.approx(902.0, rel=0.01)
     assert study.best.whole == whole
@@ -357,7 +357,7 @@ def test_a_history_that_ends_before_the_buffer_has_swung_is_named_and_never_robu
 
 def test_velocity_change_is_stated_only_where_the_sensor_has_come_to_rest():
     """Q = 10 at 1.5 kHz rings for 2.1 ms to 1/e: after 20 ms sensor and surface move alike, after 1 ms they do not."""
-    held, stack, goal = site(), (GasketLayer("rubber", mm(2)),), Goal(1e5 * G)
+    held, stack, goal = site(), (GasketLayer("rubber", mm(2)),), BufferGoal(1e5 * G)
     short, long = (assess(held, stack, half_sine(duration=60e-6, rest=r, step=1e-6), goal) for r in (1e-3, 20e-3))
     assert short.whole
     assert short.ringing > 0.5
@@ -372,7 +372,7 @@ def test_a_buffer_that_passes_less_than_the_pulse_holds_is_named_with_both_frequ
     assert motion.width == pytest.approx(HALF_SINE_WIDTH * 60e-6, rel=1e-4)
     for rigid, lost in ((None, True), (1e-3, True), (5e-3, False)):
         blows = Blows((dataclasses.replace(motion, rigid_width=rigid),))
-        study = design_buffer(site(), blows, Choice(("rubber",), (mm(1),), 1), Goal(9e3 * G))
+        study = design_buffer(site(), blows, StackChoices(("rubber",), (mm(1),), 1), BufferGoal(9e3 * G))
         assert study.best.name == "rubber 1 mm"
         found = [n for n in study.warnings if n.code == "pulse-lost"]
         assert bool(found) == lost
@@ -394,8 +394,8 @@ def test_the_width_of_the_rigid_pulse_goes_before_that_of_the_surface():
 def cut_off():
     """All are cut off at 2000 g: only the element tells them apart; the limit is 5000 g."""
     blows = Blows((half_sine(duration=60e-6, step=2e-7),))
-    choice = Choice(("PTFE", "rubber"), (mm(0.5), mm(1)), 1)
-    return design_buffer(site(sensor=Sensor(range=2e3 * G)), blows, choice, Goal(5e3 * G))
+    choice = StackChoices(("PTFE", "rubber"), (mm(0.5), mm(1)), 1)
+    return design_buffer(site(sensor=Sensor(range=2e3 * G)), blows, choice, BufferGoal(5e3 * G))
 
 
 def test_stacks_that_are_cut_off_are_ranked_by_their_element(cut_off):
@@ -438,7 +438,7 @@ def test_a_stronger_blow_of_the_run_that_breaks_the_limit_is_named(reach, peak, 
     one = half_sine(peak=2e3 * G, duration=60e-6, step=2e-7)
     other = dataclasses.replace(half_sine(peak=peak * G, duration=60e-6, step=2e-7), name="blow 2")
     held = site(sensor=Sensor(range=reach))
-    study = design_buffer(held, Blows((one, other), 0), Choice(("PTFE",), (mm(1),), 1), Goal(5e3 * G))
+    study = design_buffer(held, Blows((one, other), 0), StackChoices(("PTFE",), (mm(1),), 1), BufferGoal(5e3 * G))
     (notice,) = [n for n in study.warnings if n.code == "other-blow"]
     assert "blow 2" in notice.message
     assert words in notice.message
@@ -449,14 +449,16 @@ def test_a_stronger_blow_of_the_run_that_breaks_the_limit_is_named(reach, peak, 
 @pytest.mark.verify
 def test_steps_of_the_recorder_that_are_coarse_for_the_limit_are_named():
     """8 bits over 60 000 g have steps of 472 g."""
-    held = dataclasses.replace(site(), channel=Channel(Sensor(range=6e4 * G), None, Recorder(bits=8)))
-    study = design_buffer(held, Blows((half_sine(duration=60e-6),)), RUBBERS, Goal(5e3 * G))
+    held = dataclasses.replace(site(), channel=SensorChannel(Sensor(range=6e4 * G), None, Recorder(bits=8)))
+    study = design_buffer(held, Blows((half_sine(duration=60e-6),)), RUBBERS, BufferGoal(5e3 * G))
     (notice,) = [n for n in study.warnings if n.code == "coarse-steps"]
     assert notice.value == pytest.approx(6e4 * G / 127)
 
 
 def test_stacks_too_thick_to_try_are_counted():
-    study = design_buffer(site(), Blows((half_sine(),)), Choice(("rubber",), (mm(1), mm(50)), 1), Goal(5e3 * G))
+    study = design_buffer(
+        site(), Blows((half_sine(),)), StackChoices(("rubber",), (mm(1), mm(50)), 1), BufferGoal(5e3 * G)
+    )
     (notice,) = [n for n in study.warnings if n.code == "stack-left-out"]
     assert notice.value == 1.0
     assert {c.name for c in study.candidates} == {"direct", "rubber 1 mm"}
@@ -483,7 +485,7 @@ def test_neighbours_of_rubber_are_confined_as_one_disc():
 
 def test_thin_rubber_is_told_to_be_confined_and_its_loss_fit_told():
     held, motion = site(), half_sine(duration=60e-6, step=2e-7)
-    study = design_buffer(held, Blows((motion,)), Choice(("rubber",), (mm(0.5),), 1), Goal(9e3 * G))
+    study = design_buffer(held, Blows((motion,)), StackChoices(("rubber",), (mm(0.5),), 1), BufferGoal(9e3 * G))
     best = study.best
     assert best.stack
     assert "elastomer-confined" in {n.code for n in study.warnings}
@@ -505,7 +507,9 @@ def test_a_stiffer_rubber_is_confined_by_the_same_bulk_modulus():
 def _designed(case, blow="worst", goal=5e3 * G):
     table = choose_sensor(case, "buffered" if len(case.sensor) > 1 else None)
     held = mounting_site_of(table, case)
-    study = design_buffer(held, blows_of(case, table, blow), Choice(("PTFE", "rubber"), (mm(1), mm(2)), 1), Goal(goal))
+    study = design_buffer(
+        held, blows_of(case, table, blow), StackChoices(("PTFE", "rubber"), (mm(1), mm(2)), 1), BufferGoal(goal)
+    )
     return study, parse_case(dump_case(case_with(case, held, study.candidates[0].stack)))
 
 

@@ -191,7 +191,7 @@ def test_cell_is_the_fast_run_of_its_case():
     peaks = run.column("rigid_peak")[:3]
     assert row[2, PLACE["cv"]] == variation(peaks) == np.std(peaks, ddof=1) / np.mean(peaks)
     assert row[2, PLACE["peak"]] == peaks.mean()
-    assert row[2, PLACE["retreat"]] == run.column("retreat")[:3].max()
+    assert row[2, PLACE["largest_displacement"]] == run.column("largest_displacement")[:3].max()
 
 
 def test_missed_blows_are_left_out_of_the_variation_but_are_never_even():

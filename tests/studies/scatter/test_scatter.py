@@ -15,7 +15,7 @@ from strikewave.base.quantities import Range
 from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.machines import blows, run_machine
 from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result
-from strikewave.studies.scatter.study import Plan, scatter
+from strikewave.studies.scatter.study import ScatterPlan, scatter
 from strikewave.studies.settings.candidate import supply
 from strikewave.uncertainty.draws import draw, drawn, drawn_case, quantiles, tolerances_of
 from strikewave.uncertainty.shares import (
@@ -116,7 +116,7 @@ def test_intervals_scatter_as_the_angles_of_the_strikers():
     of the sd has a standard error of 7 %; 20 % is near three of them.
     """
     case = case_with(*ANGLES, *SETTLED)
-    study = scatter(case, Plan(60, 11, "none"))
+    study = scatter(case, ScatterPlan(60, 11, "none"))
     speed, half = case.machine.speed.si, math.radians(0.1)
     intervals = np.array([run.interval[1:] - study.nominal_run.interval[1:] for run in study.runs])
     numbers = [blow.striker for blow in blows(run_machine(build_machine(case), 1e-7))]
@@ -129,7 +129,7 @@ def test_intervals_scatter_as_the_angles_of_the_strikers():
 def test_the_nominal_run_is_the_dynamics_alone():
     case = case_with(*ANGLES, *FEW_BLOWS)
     found = blows(run_machine(build_machine(case), 1e-9))
-    still = scatter(case, Plan(10, 1, "none")).nominal_run
+    still = scatter(case, ScatterPlan(10, 1, "none")).nominal_run
     # steps of 1e-7 instead of 1e-9 change a peak by less than 1e-6 of it
     np.testing.assert_allclose(still.peak, [blow.rigid_peak for blow in found], rtol=1e-6)
 
@@ -137,7 +137,7 @@ def test_the_nominal_run_is_the_dynamics_alone():
 def test_a_missed_blow_has_no_interval_before_or_after():
     case = case_with("feed.blows=4")
     found = list(blows(run_machine(build_machine(case), 1e-7)))
-    found[1] = replace(found[1], kind="missed", rigid_peak=math.nan, width=math.nan, retreat=math.nan)
+    found[1] = replace(found[1], kind="missed", rigid_peak=math.nan, width=math.nan, largest_displacement=math.nan)
     run = of_blows(found)
     assert np.isnan(run.interval).tolist() == [True, True, True, False]
     assert run.figure("peak").size == 3
@@ -309,10 +309,10 @@ def test_an_untouched_blow_has_no_share_of_the_dynamics():
 
 def test_the_number_of_processes_changes_no_bit():
     case = case_with(*ANGLES, "contact.restitution.tolerance=0.05", *FEW_BLOWS)
-    one, two = (scatter(case, Plan(12, 4, "alone", workers)) for workers in (1, 2))
+    one, two = (scatter(case, ScatterPlan(12, 4, "alone", workers)) for workers in (1, 2))
     assert one.tables() == two.tables()
     assert one.document() == two.document()
-    assert scatter(case, Plan(12, 5, "none")).tables() != one.tables()
+    assert scatter(case, ScatterPlan(12, 5, "none")).tables() != one.tables()
 
 
 @pytest.mark.verify
@@ -321,14 +321,14 @@ def test_progress_ends_at_one():
     case = case_with(*ANGLES, "feed.blows=1")
     for shares in ("alone", "sobol"):
         seen.clear()
-        scatter(case, Plan(10, 1, shares), seen.append)
+        scatter(case, ScatterPlan(10, 1, shares), seen.append)
         assert seen == sorted(seen)
         assert seen[-1] == 1.0
 
 
 def test_what_no_blow_feels_is_told():
     case = case_with(*ANGLES, "recorder.delay=1 ms", "recorder.delay.tolerance=10 %", "feed.blows=1")
-    study = scatter(case, Plan(10, 1, "none"))
+    study = scatter(case, ScatterPlan(10, 1, "none"))
     assert [notice.code for notice in study.warnings] == ["tolerance-not-felt"]
     assert len(study.tolerances) == 1
 
@@ -343,8 +343,8 @@ def test_rows_of_strikers_keep_what_is_their_own():
 
 @pytest.mark.parametrize(
     ("plan", "field"),
-    [(Plan(5), "--runs"), (Plan(10**6), "--runs"), (Plan(seed=-1), "--seed"), (Plan(workers=0), "--workers"),
-     (Plan(shares="all"), "--shares")],
+    [(ScatterPlan(5), "--runs"), (ScatterPlan(10**6), "--runs"), (ScatterPlan(seed=-1), "--seed"), (ScatterPlan(workers=0), "--workers"),
+     (ScatterPlan(shares="all"), "--shares")],
 )  # fmt: skip
 def test_wrong_plans_are_refused(plan, field):
     with pytest.raises(InputError, match=field):
@@ -359,7 +359,7 @@ def test_a_case_without_tolerances_says_what_to_add():
 def test_too_few_runs_that_can_be_made_are_refused():
     case = case_with("object.preload=4.52 N", "object.preload.tolerance=30 %", *FEW_BLOWS)
     with pytest.raises(InputError, match="at least 10 runs can be made"):
-        scatter(case, Plan(12, 1, "none"))
+        scatter(case, ScatterPlan(12, 1, "none"))
 
 
 # The published machine with equal blows
@@ -378,12 +378,12 @@ LARGEST_CV, LARGEST_STOP_FORCE = 0.02, 2e3
 def test_the_machine_of_equal_blows_has_them(spring, runs):
     """Another seed than the one it was found with: the bound of 95 % on the CV of the 11 peaks is below 2 %."""
     case = load_case(EQUAL, [f"object.spring={spring}"])
-    study = scatter(case, Plan(runs, 20190321, "none", 2))
+    study = scatter(case, ScatterPlan(runs, 20190321, "none", 2))
     within = study.figure("peak").within
     assert study.nominal_run.variation("peak") < within.limit < LARGEST_CV
     assert {len(run.kinds) for run in study.runs} == {11}
     assert study.kinds()["missed"] == (0, 0)
-    assert study.largest_retreat < case.feed.stroke.si
+    assert study.largest_displacement < case.feed.stroke.si
     # none is touched again on its way back, which would turn the velocity change around
     assert max(run.variation("velocity_change") for run in study.runs) < 0.05
 

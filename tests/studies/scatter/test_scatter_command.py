@@ -11,7 +11,7 @@ import pytest
 from strikewave import load_case
 from strikewave.cases.case import parse_case
 from strikewave.studies.scatter.figures import scatter_picture
-from strikewave.studies.scatter.study import Plan, scatter
+from strikewave.studies.scatter.study import ScatterPlan, scatter
 
 QUICK = ("scatter", "li-ma-2019", "--workers", "1", "--runs", "10", "--set", "feed.blows=3")
 TWO = ("--set", "striker.mass.tolerance=2 %", "--set", "feed.arrival.tolerance=0.05")
@@ -20,7 +20,7 @@ TWO = ("--set", "striker.mass.tolerance=2 %", "--set", "feed.arrival.tolerance=0
 @pytest.fixture(scope="module")
 def study():
     changes = ["feed.blows=3", "striker.mass.tolerance=2 %", "feed.arrival.tolerance=0.05"]
-    return scatter(load_case("li-ma-2019", changes), Plan(12, 3, "alone"))
+    return scatter(load_case("li-ma-2019", changes), ScatterPlan(12, 3, "alone"))
 
 
 def test_files_appear_whole_and_agree(strikewave):
@@ -93,7 +93,7 @@ def test_no_more_processes_than_cores(strikewave, monkeypatch):
 
     def note(case, plan, report):
         asked.append(plan.workers)
-        return scatter(case, Plan(plan.runs, plan.seed, plan.shares), report)
+        return scatter(case, ScatterPlan(plan.runs, plan.seed, plan.shares), report)
 
     monkeypatch.setattr("os.cpu_count", lambda: 3)
     monkeypatch.setattr("strikewave.studies.scatter.screen.scatter", note)

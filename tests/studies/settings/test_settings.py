@@ -14,7 +14,7 @@ from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import dump_case, load_case, parse_case, read_case_text
 from strikewave.machines import blows, run_machine
-from strikewave.studies.settings.candidate import Goal, limits_of, observe_blows, supply, yield_load
+from strikewave.studies.settings.candidate import BlowGoal, limits_of, observe_blows, supply, yield_load
 from strikewave.studies.settings.estimate import (
     Support,
     approach_at,
@@ -36,7 +36,7 @@ from strikewave.studies.settings.estimate import (
 )
 from strikewave.studies.settings.search import Design, Rig
 from strikewave.studies.settings.study import (
-    Choice,
+    SettingsChoices,
     check_goal,
     design_settings,
     least_width,
@@ -48,7 +48,7 @@ STEEL = material("45 steel")
 
 
 def goal(interval=20e-3, peak=4000 * G, width=200e-6, stop_limit=None):
-    return Goal(interval, peak, width, STEEL, stop_limit)
+    return BlowGoal(interval, peak, width, STEEL, stop_limit)
 
 
 # closed forms
@@ -102,7 +102,7 @@ def test_no_engagement_gives_more_than_the_rim_speed():
     ids=["below", "at", "above critical damping"],
 )
 def test_return_arc_is_that_of_the_integrated_motion(support):
-    """The equation of motion, integrated by another method, comes back at the time, speed and retreat stated."""
+    """The equation of motion, integrated by another method, comes back at the time, speed and largest_displacement stated."""
     mass, speed, weight = 0.459, 5.2, 4.5
 
     def slope(_, y):
@@ -119,7 +119,7 @@ def test_return_arc_is_that_of_the_integrated_motion(support):
     arc = return_arc(support, mass, speed, weight)
     assert arc.time == pytest.approx(run.t_events[0][0], rel=1e-7)
     assert arc.speed == pytest.approx(-run.y_events[0][0][1], rel=1e-7)
-    assert arc.retreat == pytest.approx(run.y_events[1][0][0], rel=1e-7)
+    assert arc.largest_displacement == pytest.approx(run.y_events[1][0][0], rel=1e-7)
 
 
 def test_return_without_damper_is_the_arc_tangent():
@@ -214,7 +214,7 @@ def machine():
 @pytest.fixture(scope="module")
 def studies(machine):
     """One study of each goal, one mass of a striker."""
-    return [design_settings(machine, wanted, Choice(n, (1.0,), vary)) for wanted, n, vary in GOALS]
+    return [design_settings(machine, wanted, SettingsChoices(n, (1.0,), vary)) for wanted, n, vary in GOALS]
 
 
 @pytest.mark.verify
@@ -232,7 +232,7 @@ def test_written_case_meets_the_goal(studies, which):
 
 
 def test_what_is_stated_is_that_of_an_independent_run(studies):
-    """First, typical and worst peak, scatter and retreat are those of the run of the case file, to rounding."""
+    """First, typical and worst peak, scatter and largest_displacement are those of the run of the case file, to rounding."""
     best = studies[0].best
     case = parse_case(dump_case(studies[0].case_of()))
     found = blows(run_machine(build_machine(case), case.solver.tolerance.si))
@@ -244,7 +244,7 @@ def test_what_is_stated_is_that_of_an_independent_run(studies):
         max(abs(p - best.goal.peak) for p in peaks), rel=1e-6
     )
     assert observation.peak.variation == pytest.approx(np.std(peaks, ddof=1) / np.mean(peaks), rel=1e-6)
-    assert observation.retreat == pytest.approx(max(blow.retreat for blow in found), rel=1e-9)
+    assert observation.largest_displacement == pytest.approx(max(blow.largest_displacement for blow in found), rel=1e-9)
 
 
 def test_ranking_is_by_goal_then_scatter_then_stop_force(studies):
@@ -277,7 +277,7 @@ def test_higher_peaks_need_higher_approaches(machine):
     found = []
     for peak in (2000 * G, 3000 * G, 4500 * G):
         wanted = goal(20e-3, peak, 200e-6)
-        study = design_settings(machine, wanted, Choice((4,), (1.0,)))
+        study = design_settings(machine, wanted, SettingsChoices((4,), (1.0,)))
         found.append(min((one for one in study.candidates if one.meets), key=lambda one: one.largest_miss))
     approaches = [one.observation.approach for one in found]
     depths = [one.case.values()["machine.engagement"].si for one in found]
@@ -287,7 +287,7 @@ def test_higher_peaks_need_higher_approaches(machine):
 
 
 def test_stop_force_is_that_of_the_momentum_it_turns(published):
-    """Over the held time the stop's impulse, with spring, damper and weight, turns the object: the ledger of momentum.
+    """Over the held time the stop's impulse, with spring, damper and weight, turns the object: the balance of momentum.
 
     The force is rebuilt here from places and speeds by the laws of the machine's docs, on a fine grid.
     """
@@ -377,7 +377,7 @@ def test_worst_striker_sets_stretch_and_yield_load():
 
 
 def test_one_blow_alone_has_no_scatter_and_may_meet():
-    study = design_settings(load_case("li-ma-2019", ["feed.blows=1"]), goal(), Choice((4,), (1.0,)))
+    study = design_settings(load_case("li-ma-2019", ["feed.blows=1"]), goal(), SettingsChoices((4,), (1.0,)))
     assert study.best is not None
     assert math.isnan(study.best.observation.peak.variation)
     assert "peak_scatter" not in {one.name for one in study.best.limits}
@@ -409,27 +409,27 @@ def test_no_run_is_shorter_than_the_least_width(published, mass):
     )
     depth, stiffness, speed = design.start
     _, observation = design.run(np.array([0.3 * depth, 50.0 * stiffness, speed]), 1e-7)
-    least = least_width(published, goal(peak=observation.peak.first), Choice(masses=(mass,)))
+    least = least_width(published, goal(peak=observation.peak.first), SettingsChoices(masses=(mass,)))
     assert least < observation.width.first < 1.35 * least
 
 
 def test_width_below_the_least_is_refused_at_once(published):
     for vary in ("frame", "mount"):
-        least = least_width(published, goal(), Choice(vary=vary))
+        least = least_width(published, goal(), SettingsChoices(vary=vary))
         with pytest.raises(InputError, match="--width") as told:
-            check_goal(published, goal(width=0.99 * least), Choice(vary=vary))
+            check_goal(published, goal(width=0.99 * least), SettingsChoices(vary=vary))
         assert f"{least * 1e6:.3g} us" in told.value.allowed
-        check_goal(published, goal(width=1.01 * least), Choice(vary=vary))
+        check_goal(published, goal(width=1.01 * least), SettingsChoices(vary=vary))
 
 
 def test_rows_of_single_strikers_are_held_against_the_choice():
     case = with_row('number = 3\nmass = "1.1 kg"')
     with pytest.raises(InputError) as told:
-        check_goal(case, goal(), Choice((2, 4)))
+        check_goal(case, goal(), SettingsChoices((2, 4)))
     assert told.value.field == "striker.each.3.number"
     with pytest.raises(InputError, match=r"--striker-mass: .* striker 3 has a mass of its own"):
-        check_goal(case, goal(), Choice((4,), (2.0,)))
-    kept, left = sensible_strikers(case, goal(), Choice())
+        check_goal(case, goal(), SettingsChoices((4,), (2.0,)))
+    kept, left = sensible_strikers(case, goal(), SettingsChoices())
     assert min(kept) >= 3
     assert "striker 3" in left[2]
 
@@ -437,7 +437,7 @@ def test_rows_of_single_strikers_are_held_against_the_choice():
 def test_what_no_setting_can_do_names_the_field(published):
     """A peak of 1 g does not even carry the nose: the frame is named, not the interval."""
     with pytest.raises(InputErrors) as told:
-        design_settings(published, goal(peak=1 * G), Choice((4,), (1.0,)))
+        design_settings(published, goal(peak=1 * G), SettingsChoices((4,), (1.0,)))
     assert all(line.startswith("object.frame_stiffness: got") for line in told.value.lines)
 
 
@@ -445,7 +445,7 @@ def test_what_no_setting_can_do_names_the_field(published):
 def test_stop_limit_is_kept_or_named(machine, studies):
     """The least stop force without a limit becomes the limit: only what keeps it meets the goal."""
     least = min(one.observation.supply.stop_force for one in studies[0].candidates if one.meets)
-    bound = design_settings(machine, goal(stop_limit=1.001 * least), Choice((4,), (1.0,)))
+    bound = design_settings(machine, goal(stop_limit=1.001 * least), SettingsChoices((4,), (1.0,)))
     assert all(one.observation.supply.stop_force <= 1.001 * least for one in bound.candidates if one.meets)
     others = [one for one in bound.candidates if not one.meets]
     assert others
@@ -478,7 +478,7 @@ def test_supports_return_after_the_nose_has_passed(published):
 def test_peak_out_of_reach_names_the_largest(published):
     """Twice the approach at the largest engagement bounds the velocity change; just below the bound it is tried."""
     with pytest.raises(InputError, match="at most") as told:
-        sensible_strikers(published, goal(peak=400_000 * G), Choice((4,)))
+        sensible_strikers(published, goal(peak=400_000 * G), SettingsChoices((4,)))
     largest = float(told.value.allowed.split()[2])
     reach = approach_at(largest_engagement(4, 0.2, 0.02), turntable_speed(4, 20e-3), 0.2)
     assert pulse_velocity_change(largest * G, 200e-6) == pytest.approx(2.0 * reach, rel=1e-3)
@@ -487,14 +487,14 @@ def test_peak_out_of_reach_names_the_largest(published):
 @pytest.mark.parametrize(
     ("changes", "choice", "field"),
     [
-        ({"width": 2.1e-3}, Choice(), "--width"),
-        ({"interval": 0.0}, Choice(), "--interval"),
-        ({"peak": -1.0}, Choice(), "--peak"),
-        ({"peak": math.nan}, Choice(), "--peak"),
-        ({}, Choice((0,)), "--strikers"),
-        ({}, Choice((101,)), "--strikers"),
-        ({}, Choice(vary="object"), "--vary"),
-        ({}, Choice(tuple(range(1, 90))), "--strikers"),
+        ({"width": 2.1e-3}, SettingsChoices(), "--width"),
+        ({"interval": 0.0}, SettingsChoices(), "--interval"),
+        ({"peak": -1.0}, SettingsChoices(), "--peak"),
+        ({"peak": math.nan}, SettingsChoices(), "--peak"),
+        ({}, SettingsChoices((0,)), "--strikers"),
+        ({}, SettingsChoices((101,)), "--strikers"),
+        ({}, SettingsChoices(vary="object"), "--vary"),
+        ({}, SettingsChoices(tuple(range(1, 90))), "--strikers"),
     ],
 )
 def test_bad_goals_are_refused(published, changes, choice, field):
@@ -505,9 +505,9 @@ def test_bad_goals_are_refused(published, changes, choice, field):
 
 def test_stack_is_refused():
     with pytest.raises(InputError, match="nose on a frame"):
-        check_goal(load_case("li-ma-2019-fig5"), goal(), Choice())
+        check_goal(load_case("li-ma-2019-fig5"), goal(), SettingsChoices())
 
 
 def test_disc_that_is_no_metal_is_refused(published):
     with pytest.raises(InputError, match="--disc"):
-        check_goal(published, Goal(20e-3, 4000 * G, 200e-6, material("PTFE")), Choice())
+        check_goal(published, BlowGoal(20e-3, 4000 * G, 200e-6, material("PTFE")), SettingsChoices())

@@ -53,7 +53,9 @@ def test_document_says_goal_best_and_limits(strikewave):
     assert all(abs(best[key]["miss"]) <= 0.05 for key in ("peak", "width", "interval"))
     assert best["settings"]["machine.strikers"]["typed"] == 4
     limits = {limit["name"]: limit for limit in best["limits"]}
-    assert {"rim_speed", "disc_stress", "mount_stretch", "retreat", "mean_torque", "stop_force"} <= set(limits)
+    assert {"rim_speed", "disc_stress", "mount_stretch", "largest_displacement", "mean_torque", "stop_force"} <= set(
+        limits
+    )
     assert all(limit["kept"] for limit in limits.values() if limit["decides"])
     assert limits["stop_force"]["value"] == best["stop_force"] <= limits["stop_force"]["limit"] == 1000.0
     assert limits["contact_force"]["decides"] is False

@@ -28,9 +28,8 @@ from strikewave.cases.stack_of_case import once
 from strikewave.fem.mesh import Mesh, joined
 from strikewave.fem.model import (
     AnyBoundary,
-    Contact,
     Controls,
-    Curve,
+    CutSection,
     Driven,
     Fixed,
     Guided,
@@ -39,10 +38,11 @@ from strikewave.fem.model import (
     Point,
     Pressure,
     Rigid,
-    Section,
+    RigidWall,
+    SurfaceContact,
     Symmetry,
     Tie,
-    Wall,
+    TimeCurve,
 )
 from strikewave.fem.quality import check_mesh
 from strikewave.fem.solids import AnySolid, Bilinear, Elastic, JohnsonCook
@@ -97,15 +97,15 @@ def build_model(case: Case, threads: int = 1) -> Model:
         velocity={part.name: vector(part.velocity) for part in parts if part.velocity is not None},
         gravity=vector(fem.gravity),
         boundaries=tuple(_boundary(row, f"fem.boundary.{k}") for k, row in enumerate(fem.boundary)),
-        contacts=tuple(Contact(side_name(x.first), side_name(x.second), x.friction.si) for x in fem.contact),
+        contacts=tuple(SurfaceContact(side_name(x.first), side_name(x.second), x.friction.si) for x in fem.contact),
         ties=tuple(Tie(side_name(row.side), side_name(row.onto)) for row in fem.tie),
         walls=tuple(
-            Wall(side_name(x.side), vector(x.point), direction(x.normal, f"fem.wall.{k}.normal"), x.friction.si)
+            RigidWall(side_name(x.side), vector(x.point), direction(x.normal, f"fem.wall.{k}.normal"), x.friction.si)
             for k, x in enumerate(fem.wall)
         ),
         rigid=tuple(_rigid(part) for part in parts if part.rigid),
         sections=tuple(
-            Section(x.name, x.part, vector(x.point), direction(x.normal, f"fem.section.{x.name}.normal"))
+            CutSection(x.name, x.part, vector(x.point), direction(x.normal, f"fem.section.{x.name}.normal"))
             for x in fem.section
         ),
         points=tuple(Point(x.name, x.part, vector(x.place)) for x in fem.point),
@@ -238,7 +238,7 @@ def _boundary(row: AnyBoundaryTable, path: str) -> AnyBoundary:
     return NonReflecting(side)
 
 
-def _curve(time: Sequence[Value], value: Sequence[Value], path: str) -> Curve:
+def _curve(time: Sequence[Value], value: Sequence[Value], path: str) -> TimeCurve:
     """Return a quantity over time; instants must ascend and each needs its value."""
     if not time or len(time) != len(value):
         allowed = f"one for each of the {len(value)} values, at least 1"
@@ -248,7 +248,7 @@ def _curve(time: Sequence[Value], value: Sequence[Value], path: str) -> Curve:
     if late is not None:
         allowed = f"later than the one before it, {time[late - 1].typed}"
         raise InputError(f"{path}.time.{late}", time[late].typed, allowed)
-    return Curve(instants, tuple(x.si for x in value))
+    return TimeCurve(instants, tuple(x.si for x in value))
 
 
 def _rigid(part: AnyPart) -> Rigid:

@@ -47,7 +47,7 @@ def command(
     files are written only where --out says. The exit code is 3 where energy is off by more than 1 %, or hourglass modes
     hold more than 5 % of the internal energy.
     """
-    from strikewave.analyses.fem.screen import Choice, check_element_case, run_element_case
+    from strikewave.analyses.fem.screen import FemOptions, check_element_case, run_element_case
     from strikewave.cases.case import load_case
 
     read = load_case(case, changes or ())
@@ -57,4 +57,4 @@ def command(
             read = load_case(case, changes)
     if check:
         return check_element_case(read, output.json, threads)
-    return run_element_case(read, changes or (), output, Choice(threads, not no_report, restart, animate))
+    return run_element_case(read, changes or (), output, FemOptions(threads, not no_report, restart, animate))

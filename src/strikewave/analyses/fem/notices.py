@@ -9,7 +9,7 @@ import numpy as np
 
 from strikewave.analyses.fem.sectors import open_cuts, sectors
 from strikewave.base.materials import material
-from strikewave.base.result import LEDGER_LIMIT, Notice
+from strikewave.base.result import BALANCE_LIMIT, Notice
 from strikewave.cases.case import Case
 from strikewave.fem.blow_measures import still_presses
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, balance_measure
@@ -111,16 +111,16 @@ def _balances(run: FemRun) -> Iterator[Notice]:
     if not abs(balance.energy) <= ENERGY_LIMIT:
         what = "too much" if balance.energy > 0.0 else "missing"
         message = f"{abs(balance.energy):.2%} of the energy is {what}: take a smaller fem.safety or smaller elements"
-        yield Notice("energy-ledger", message, abs(balance.energy), ENERGY_LIMIT, broken=True)
+        yield Notice("energy-balance", message, abs(balance.energy), ENERGY_LIMIT, broken=True)
     if not balance.hourglass <= HOURGLASS_LIMIT:
         message = (
             f"hourglass modes hold {balance.hourglass:.1%} of the internal energy: take smaller elements, or "
             'elements = "full" for the part that bends'
         )
         yield Notice("hourglass-energy", message, balance.hourglass, HOURGLASS_LIMIT, broken=True)
-    if not balance.momentum <= LEDGER_LIMIT:
+    if not balance.momentum <= BALANCE_LIMIT:
         message = f"the momentum balance error is {balance.momentum:.1e}"
-        yield Notice("momentum-ledger", message, balance.momentum, LEDGER_LIMIT, broken=True)
+        yield Notice("momentum-balance", message, balance.momentum, BALANCE_LIMIT, broken=True)
 
 
 def _overlaps(model: Model, run: FemRun) -> Iterator[Notice]:

@@ -17,7 +17,7 @@ from strikewave.cases.mesh_tables import (
     Block,
     Cylinder,
     FilePart,
-    Frame,
+    FramePart,
     HalfCylinder,
     HalfSpace,
     MeshTable,
@@ -120,7 +120,7 @@ def exact_volume(part: AnyPart) -> float | None:
         return None
     if isinstance(part, Block):
         whole = part.width.si * part.depth.si * part.height.si
-    elif isinstance(part, Frame):
+    elif isinstance(part, FramePart):
         opening = (part.width.si - part.left.si - part.right.si) * (part.height.si - part.bottom.si - part.top.si)
         whole = part.depth.si * (part.width.si * part.height.si - opening)
     elif isinstance(part, Cylinder):
@@ -163,7 +163,7 @@ def _grading(part: ShapedPart, at: float = 0.0) -> Grading:
     return Grading(part.size.si, part.finest.si, (at,), extent, part.growth.si if part.growth else GROWTH)
 
 
-def _lines(part: Block | Frame) -> list[tuple[float, Grading]]:
+def _lines(part: Block | FramePart) -> list[tuple[float, Grading]]:
     """Return length and sizes along x, y and z of what is fine about the middle of its upper or lower side."""
     across = zip(_cuts(part), (part.width.si, part.depth.si), strict=True)
     lines = [(0.5 * length, 0.0) if cut else (length, 0.5 * length) for cut, length in across]
@@ -172,7 +172,7 @@ def _lines(part: Block | Frame) -> list[tuple[float, Grading]]:
     return [(length, _grading(part, at)) for length, at in lines]
 
 
-def _cuts(part: Block | Frame) -> tuple[bool, bool]:
+def _cuts(part: Block | FramePart) -> tuple[bool, bool]:
     """Return whether a part is cut where x is 0, and where y is 0."""
     return part.sector == "quarter", part.sector != "whole"
 
@@ -187,7 +187,7 @@ def _block(part: Block) -> Mesh:
     return moved(block(part.name, (width, depth, height), x, y, z), (aside, behind, 0.0))
 
 
-def _frame(part: Frame) -> Mesh:
+def _frame(part: FramePart) -> Mesh:
     sizes = (part.width, part.depth, part.height, part.left, part.right, part.bottom, part.top)
     x, y, z = (grading for _, grading in _lines(part))
     return frame(part.name, FrameSize(*(size.si for size in sizes)), x, y, z, part.sector)
@@ -221,7 +221,7 @@ _MAKERS: dict[type, Callable[[Any], Mesh]] = {
     Cylinder: _cylinder,
     Tube: _tube,
     HalfCylinder: _half_cylinder,
-    Frame: _frame,
+    FramePart: _frame,
     HalfSpace: _half_space,
     Ball: _ball,
 }
@@ -238,7 +238,7 @@ def _estimate(part: AnyShaped) -> float:
 
     A block's lines are counted; a round part has a core and a ring of as many elements as its radius takes.
     """
-    if isinstance(part, Block | Frame):
+    if isinstance(part, Block | FramePart):
         return float(math.prod(_count(length, sizes) for length, sizes in _lines(part)))
     sizes, share = _grading(part), SHARE[part.sector]
     if isinstance(part, Tube):

@@ -1,4 +1,4 @@
-"""What a model of hexahedra did: what its parts, contacts and ledgers came to; histories, tables, documents."""
+"""What a model of hexahedra did: what its parts, contacts and balances came to; histories, tables, documents."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from strikewave.fem.measures import (
     part_measure,
 )
 from strikewave.fem.model import Model
-from strikewave.fem.run import ENERGIES, FemRun, Frame
+from strikewave.fem.run import ENERGIES, FemRun, FieldFrame
 from strikewave.fem.snapshots import SnapshotRecorder
 
 if TYPE_CHECKING:
@@ -59,8 +59,8 @@ class FemSolution(Result):
     model : Model
         Mesh, solids, and what holds and loads them.
     run : FemRun
-        Histories and ledger.
-    frames : tuple of Frame
+        Histories and balance.
+    frames : tuple of FieldFrame
         Fields to be shown.
     film : SnapshotRecorder, optional
         Instants that pictures are made of.
@@ -74,7 +74,7 @@ class FemSolution(Result):
     case: Case
     model: Model = field(repr=False)
     run: FemRun = field(repr=False)
-    frames: tuple[Frame, ...] = field(repr=False)
+    frames: tuple[FieldFrame, ...] = field(repr=False)
     film: SnapshotRecorder | None = field(default=None, repr=False)
     later: tuple[FemRun, ...] = field(default=(), repr=False)
 
@@ -159,7 +159,7 @@ class FemSolution(Result):
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
-        run, ledger = self.run, balance_measure(self.run)
+        run, balance = self.run, balance_measure(self.run)
         energy = {name: float(run.energy[name][-1]) for name in ENERGIES}
         wholes, found = self.wholes, self.sectors
         contacts = {name: None if x is None else _contact(x, wholes[name]) for name, x in self.contacts.items()}
@@ -176,9 +176,9 @@ class FemSolution(Result):
             "contacts": contacts,
             "parts": {name: _part(part, found[name]) for name, part in self.parts.items()},
             "groups": {name: _part(part, found[name]) for name, part in self.groups.items()},
-            "energy": {"initial": run.initial_energy, **energy, "error": ledger.energy},
-            "hourglass_share": ledger.hourglass,
-            "momentum_error": ledger.momentum,
+            "energy": {"initial": run.initial_energy, **energy, "error": balance.energy},
+            "hourglass_share": balance.hourglass,
+            "momentum_error": balance.momentum,
             "published": [comparison_document(row, "note") for row in self.comparisons],
             "fitted_fields": self.case.fitted_fields(),
             "stopped": run.stopped or None,
@@ -308,7 +308,7 @@ UNITS = {
     "restitution": "1",
     "plastic_energy": "J",
     "kinetic_share": "1",
-    "retreat": "m",
+    "added_distance": "m",
     "overlap": "m",
     "plastic_before": "J",
 }

@@ -14,7 +14,7 @@ from strikewave.base import citations
 from strikewave.cases.case import Case
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.model import Model, NonReflecting
-from strikewave.fem.run import Frame
+from strikewave.fem.run import FieldFrame
 from strikewave.fem.snapshots import SNAPSHOTS, snapshot_recorder
 from strikewave.fem.solids import JohnsonCook
 
@@ -33,11 +33,11 @@ class Watch:
     """
 
     writer: Writer | None = None
-    worst: Frame | None = None
-    last: Frame | None = None
+    worst: FieldFrame | None = None
+    last: FieldFrame | None = None
     _largest: float = field(default=0.0, init=False)
 
-    def add(self, frame: Frame) -> None:
+    def add(self, frame: FieldFrame) -> None:
         """Take a frame."""
         if self.writer is not None:
             self.writer.add(frame)
@@ -47,7 +47,7 @@ class Watch:
         self.last = frame
 
     @property
-    def shown(self) -> tuple[Frame, ...]:
+    def shown(self) -> tuple[FieldFrame, ...]:
         """The frames to be shown, in the order of time."""
         by_time = {frame.time: frame for frame in (self.worst, self.last) if frame is not None}
         return tuple(by_time[time] for time in sorted(by_time))

@@ -58,7 +58,7 @@ STATES = 20
 
 
 @dataclass(frozen=True)
-class Choice:
+class FemOptions:
     """What was asked for besides the case."""
 
     threads: int = 1
@@ -67,7 +67,7 @@ class Choice:
     animate: bool = False
 
 
-def run_element_case(case: Case, changes: Sequence[str], output: Output, choice: Choice | None = None) -> int:
+def run_element_case(case: Case, changes: Sequence[str], output: Output, choice: FemOptions | None = None) -> int:
     """Run an element case, write and print its result, and return the exit code.
 
     Raises
@@ -75,7 +75,7 @@ def run_element_case(case: Case, changes: Sequence[str], output: Output, choice:
     InputError, InputErrors
         If there is no folder for an animation or to go on from, or what the run raises.
     """
-    choice = choice or Choice()
+    choice = choice or FemOptions()
     output.check_animation(choice.animate)
     if choice.restart and output.json and output.out is None:
         raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
@@ -109,7 +109,7 @@ class FemCommand(Command[FemSolution]):
 
     case: Case
     model: Model
-    choice: Choice
+    choice: FemOptions
     anew: bool
     home: Path | None = field(default=None, init=False)
     fields: FieldFiles | None = field(default=None, init=False)
@@ -232,7 +232,7 @@ def say_faceted(case: Case, quality: Sequence[PartQuality]) -> None:
 
 
 def show(solution: FemSolution) -> None:
-    """Print parts, contacts, ledger and warnings."""
+    """Print parts, contacts, balance and warnings."""
     found = solution.sectors
     rows = [
         [
@@ -265,7 +265,7 @@ def show(solution: FemSolution) -> None:
         many = len(heads) if any(wholes.values()) else len(heads) - 2
         table("Contacts", heads[:many], [row[:many] for row in rows])
     print_published(solution.comparisons)
-    _show_ledger(solution)
+    _show_balance(solution)
     if solution.later:
         _show_blows(solution)
 
@@ -279,14 +279,14 @@ def _whole_cells(whole: WholeForce | None) -> list[str]:
     return ["-", "-"] if whole is None else [number(whole.peak, "N", "kN", 5), number(whole.impulse, "N s", "N s")]
 
 
-def _show_ledger(solution: FemSolution) -> None:
-    run, ledger = solution.run, balance_measure(solution.run)
+def _show_balance(solution: FemSolution) -> None:
+    run, balance = solution.run, balance_measure(solution.run)
     kinds = [name for name in ENERGIES if run.energy[name].any()]
     cells = [number(run.initial_energy, "J", "J"), *(number(float(run.energy[name][-1]), "J", "J") for name in kinds)]
     table("Energy at the end (J)", ["initial", *kinds], [cells], left=0)
     say(
-        f"ledger: energy {ledger.energy:+.1e} (limit {ENERGY_LIMIT:g}), hourglass {ledger.hourglass:.1e} of internal "
-        f"(limit {HOURGLASS_LIMIT:g}), momentum {ledger.momentum:.1e}"
+        f"balance: energy {balance.energy:+.1e} (limit {ENERGY_LIMIT:g}), hourglass {balance.hourglass:.1e} of internal "
+        f"(limit {HOURGLASS_LIMIT:g}), momentum {balance.momentum:.1e}"
     )
     say(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
 
@@ -314,7 +314,7 @@ def _show_blows(solution: FemSolution) -> None:
     table("Blow after blow", [*heads, "plastic strain", "yields with (J)", "energy error"], rows, left=0)
     for run in solution.later:
         if run.rest is not None:
-            away = f"; begins {run.rest.retreat * 1e6:.3g} um farther away" if run.rest.retreat else ""
+            away = f"; begins {run.rest.added_distance * 1e6:.3g} um farther away" if run.rest.added_distance else ""
             say(
                 f"at rest before blow {run.blow}: {run.rest.maxima} maxima, {run.rest.steps} steps, "
                 f"{run.rest.kinetic_share:.1e} of the energy left, {run.rest.plastic_energy:.3g} J of yield{away}"

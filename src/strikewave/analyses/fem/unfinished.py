@@ -13,7 +13,7 @@ from pathlib import Path
 from strikewave.analyses.fem.result import of_blow
 from strikewave.base.errors import InputError
 from strikewave.fem.mesh import Mesh
-from strikewave.fem.run import Frame
+from strikewave.fem.run import FieldFrame
 from strikewave.fem.vtkhdf import FieldWriter
 from strikewave.reporting.terminal import say
 
@@ -88,7 +88,7 @@ class FieldFile:
         self.path, self.mesh, self.resumed = path, mesh, resumed
         self.writer: FieldWriter | None = None
 
-    def add(self, frame: Frame) -> None:
+    def add(self, frame: FieldFrame) -> None:
         """Write a frame; what an interrupted run wrote beyond the state that it goes on from is dropped."""
         if self.writer is None:
             begun = self.resumed and self.path.with_name(self.path.name + ".part").is_file()

@@ -20,8 +20,8 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
 from strikewave.base.errors import InputError
-from strikewave.hopkinson import Bar, Carrier, Pulses, Trace, carried, find_pulses
-from strikewave.hopkinson.bar_end import Agreement, EndMotion, compare_sensor, elastic_disk, free_end, rigid_disk
+from strikewave.hopkinson import Bar, Carrier, GaugeTrace, Pulses, carried, find_pulses
+from strikewave.hopkinson.bar_end import EndMotion, SensorAgreement, compare_sensor, elastic_disk, free_end, rigid_disk
 from strikewave.hopkinson.onset import noise_ceiling
 from strikewave.hopkinson.shifting import highest_frequency
 from strikewave.signal.filters import Filter
@@ -93,7 +93,7 @@ class Bench(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Comparison:
+class SensorComparison:
     """A sensor beside the reference at the end of a bar; everything low-passed at the bandwidth.
 
     Attributes
@@ -108,7 +108,7 @@ class Comparison:
         Velocity of the end by incident and reflected wave, m/s; NaN once the far end's echo comes to the gauge.
     joint : ndarray
         The same by the incident wave and the model, m/s.
-    agreement : Agreement
+    agreement : SensorAgreement
         Sensitivity, delay and residual by least squares.
     pulses : Pulses
         Incident and reflected pulse as the gauge saw them.
@@ -128,7 +128,7 @@ class Comparison:
     reading: Array = field(repr=False)
     both_waves: Array = field(repr=False)
     joint: Array = field(repr=False)
-    agreement: Agreement
+    agreement: SensorAgreement
     pulses: Pulses = field(repr=False)
     bandwidth: Bandwidth
     scatter: float
@@ -171,14 +171,16 @@ class Comparison:
         return float(apart / moved) if moved > 0.0 else math.nan
 
 
-def compare_at_end(strain: Trace, reading: Trace, bench: Bench, wanted: float | None = None) -> Comparison:
+def compare_at_end(
+    strain: GaugeTrace, reading: GaugeTrace, bench: Bench, wanted: float | None = None
+) -> SensorComparison:
     """Set the reading of a sensor on the end of a bar beside the acceleration that the strain gauge tells.
 
     Parameters
     ----------
-    strain : Trace
+    strain : GaugeTrace
         At the gauge; it must hold the incident and the reflected pulse.
-    reading : Trace
+    reading : GaugeTrace
         Of the sensor, on a clock with the same zero.
     bench : Bench
         Bar, what stands on its end, theory of dispersion.
@@ -209,7 +211,7 @@ def compare_at_end(strain: Trace, reading: Trace, bench: Bench, wanted: float | 
     reference_noise = steep * math.sqrt(2.0 * pulses.step * bandwidth.value / 3.0)
     since = time - (pulses.onset - pulses.starts[0])
     prompt = _spline(time, read, time + agreement.delay)
-    return Comparison(
+    return SensorComparison(
         time=since,
         motion=motion,
         reading=prompt,
@@ -325,7 +327,7 @@ def _echo(pulses: Pulses, bar: Bar, bandwidth: float) -> float:
     return echo if echo > pulses.width else -math.inf
 
 
-def _read(reading: Trace, begin: float, time: Array, low_pass: Filter) -> tuple[Array, float]:
+def _read(reading: GaugeTrace, begin: float, time: Array, low_pass: Filter) -> tuple[Array, float]:
     """Return the filtered reading on the common clock without its baseline, and its noise at the bandwidth."""
     own = reading.time - begin
     if own[0] > time[0] + 1e-9 * reading.step or own[-1] < time[-1] - 1e-9 * reading.step:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
@@ -19,13 +19,13 @@ from strikewave.cases.hopkinson_tables import (
     BarTable,
     DiskTable,
     GaugeTable,
+    HopkinsonSetup,
     RecordedTable,
     SpecimenTable,
-    SplitBarSetup,
 )
-from strikewave.hopkinson.bars import Bar, Elastic, Specimen, Striker, elastic
+from strikewave.hopkinson.bars import Bar, BarMaterial, Specimen, StrikerBar, elastic
 from strikewave.hopkinson.gauges import Bridge
-from strikewave.hopkinson.pulses import Trace, quieten
+from strikewave.hopkinson.pulses import GaugeTrace, quieten
 from strikewave.records import Channel, Options, read_record
 from strikewave.records.calibration import Calibration, known_unit
 from strikewave.records.clock import even
@@ -44,7 +44,7 @@ STEEL_RATIO = 0.29
 enters the dispersion."""
 
 
-def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> tuple[Bar, Elastic]:
+def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> tuple[Bar, BarMaterial]:
     """Return a bar, and which of its constants is derived; the rest comes from the incident bar.
 
     Raises
@@ -74,7 +74,7 @@ def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> t
     return Bar(constants.density, constants.modulus, diameter.si, table.gauge_distance.si, nu, length), constants
 
 
-def _constants(path: str, name: str, stated: tuple[float | None, float | None, float | None]) -> Elastic:
+def _constants(path: str, name: str, stated: tuple[float | None, float | None, float | None]) -> BarMaterial:
     """Return density, modulus and speed of a bar from what is stated, over what its material has.
 
     Raises
@@ -120,7 +120,7 @@ def build_specimen(table: SpecimenTable) -> Specimen:
     return Specimen(table.length.si, area, density, modulus)
 
 
-def build_striker(setup: SplitBarSetup, bar: Bar) -> Striker | None:
+def build_striker(setup: HopkinsonSetup, bar: Bar) -> StrikerBar | None:
     """Return the striker bar, of the incident bar's constants where it states none of its own; None without one.
 
     Raises
@@ -131,7 +131,7 @@ def build_striker(setup: SplitBarSetup, bar: Bar) -> Striker | None:
     table = setup.striker
     if table is None:
         return None
-    own = Elastic(bar.density, bar.modulus, bar.speed, "speed")
+    own = BarMaterial(bar.density, bar.modulus, bar.speed, "speed")
     if table.material or table.density or table.modulus:
         for key, other in (("density", "modulus"), ("modulus", "density")):
             if not table.material and getattr(table, key) is None:
@@ -139,7 +139,7 @@ def build_striker(setup: SplitBarSetup, bar: Bar) -> Striker | None:
         own = _constants("striker", table.material, (_si(table.density), _si(table.modulus), None))
     diameter = bar.diameter if table.diameter is None else table.diameter.si
     impedance = own.density * own.speed * 0.25 * math.pi * diameter**2
-    return Striker(table.length.si, own.speed, impedance, math.nan if table.speed is None else table.speed.si)
+    return StrikerBar(table.length.si, own.speed, impedance, math.nan if table.speed is None else table.speed.si)
 
 
 def build_disk(table: DiskTable, bar: Bar) -> Layer:
@@ -158,12 +158,12 @@ def build_disk(table: DiskTable, bar: Bar) -> Layer:
     return Layer("disk", density, modulus, area, table.thickness.si, diameter, strength)
 
 
-def recorded_file(case: SplitBarCase, table: RecordedTable) -> Path:
+def recorded_file(case: HopkinsonCase, table: RecordedTable) -> Path:
     """Return the file of a record, which is relative to the set-up file."""
     return case.folder / table.file
 
 
-def check_setup(case: SplitBarCase) -> list[str]:
+def check_setup(case: HopkinsonCase) -> list[str]:
     """Build all that needs no file, and return the names of the files that are not there.
 
     Raises
@@ -191,12 +191,12 @@ def check_setup(case: SplitBarCase) -> list[str]:
 class Gauged(NamedTuple):
     """The strain of a gauge, the findings of reading it, and file and name of the channel that it came from."""
 
-    trace: Trace
+    trace: GaugeTrace
     findings: list[HealthNotice]
     source: tuple[Path, str]
 
 
-def build_trace(case: SplitBarCase, table: GaugeTable, path: str, bar: Bar) -> Gauged:
+def build_trace(case: HopkinsonCase, table: GaugeTable, path: str, bar: Bar) -> Gauged:
     """Read the strain of a gauge, and the findings of reading it.
 
     Raises
@@ -205,19 +205,19 @@ def build_trace(case: SplitBarCase, table: GaugeTable, path: str, bar: Bar) -> G
         If the file, the channel or its unit cannot be used, or samples are missing.
     """
     channel, findings = _channel(case, table, path)
-    trace = Trace(_strain(channel, table, path, bar), channel.step, channel.start)
+    trace = GaugeTrace(_strain(channel, table, path, bar), channel.step, channel.start)
     return Gauged(trace, findings, (recorded_file(case, table).resolve(), channel.name))
 
 
-class Reading(NamedTuple):
+class AccelerometerSignal(NamedTuple):
     """Record of an accelerometer: the history, in m/s^2 or V as ``unit`` says, and the findings of reading it."""
 
-    trace: Trace
+    trace: GaugeTrace
     unit: str
     findings: list[HealthNotice]
 
 
-def build_reading(case: SplitBarCase, table: AccelerometerTable) -> Reading:
+def build_reading(case: HopkinsonCase, table: AccelerometerTable) -> AccelerometerSignal:
     """Read the record of an accelerometer: an acceleration where it can be made of it, else the sensor's volts.
 
     Raises
@@ -242,7 +242,7 @@ def build_reading(case: SplitBarCase, table: AccelerometerTable) -> Reading:
         raise InputError(
             path, f"{largest:g} times {factor:g} {scale.unit}", "readings of a sensor", "look at its factors"
         )
-    return Reading(Trace(channel.values * factor, channel.step, channel.start), scale.unit, findings)
+    return AccelerometerSignal(GaugeTrace(channel.values * factor, channel.step, channel.start), scale.unit, findings)
 
 
 def _calibration(table: AccelerometerTable) -> Calibration:
@@ -258,7 +258,7 @@ def _calibration(table: AccelerometerTable) -> Calibration:
     return Calibration(table.unit, table.sensitivity, gain, **stated)
 
 
-def _channel(case: SplitBarCase, table: RecordedTable, path: str) -> tuple[Channel, list[HealthNotice]]:
+def _channel(case: HopkinsonCase, table: RecordedTable, path: str) -> tuple[Channel, list[HealthNotice]]:
     """Read a channel with uniform sampling, and the findings of reading it."""
     options = Options(_si(table.rate), table.time, (table.channel,))
     try:
@@ -299,7 +299,7 @@ def _strain(channel: Channel, table: GaugeTable, path: str, bar: Bar) -> np.ndar
         raise InputError(path, "a bridge", "gauge_factor and excitation beside it")
     gain = 1.0 if table.gain is None else table.gain.si
     bridge = Bridge(table.bridge, table.gauge_factor.si, table.excitation.si, gain, bar.poissons_ratio)
-    quiet = quieten(Trace(volts, channel.step, channel.start), f"{path}.file")
+    quiet = quieten(GaugeTrace(volts, channel.step, channel.start), f"{path}.file")
     return -bridge.strain(-quiet.trace.strain)  # a bridge is not quite linear: it must know that this is compression
 
 

@@ -7,15 +7,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from strikewave.analyses.hopkinson.bar_end import Bench, Comparison, Standing, bar_layer, compare_at_end
+from strikewave.analyses.hopkinson.bar_end import Bench, SensorComparison, Standing, bar_layer, compare_at_end
 from strikewave.analyses.hopkinson.build import build_bar, build_disk, build_reading, build_trace
 from strikewave.analyses.hopkinson.notices import citations, constant_notices, digests, drift_notices, reading_notices
 from strikewave.analyses.hopkinson.plausibility import strain_notices
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
-from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.materials import material
 from strikewave.base.result import Notice
-from strikewave.cases.hopkinson_tables import SplitBarSetup
+from strikewave.cases.hopkinson_tables import HopkinsonSetup
 from strikewave.hopkinson import Bar
 from strikewave.waves import BONDED, Layer, Stack
 from strikewave.waves.limits import REFUSED, layer_notices, rise_in_diameters, rise_notices
@@ -28,7 +28,7 @@ REFLECTED_MISFIT = 0.05
 speed are known to a few per cent."""
 
 
-def compare_accelerometer(case: SplitBarCase) -> SensorSolution:
+def compare_accelerometer(case: HopkinsonCase) -> SensorSolution:
     """Set an accelerometer on the end of a bar beside its strain gauge.
 
     Raises
@@ -76,7 +76,7 @@ def compare_accelerometer(case: SplitBarCase) -> SensorSolution:
     )
 
 
-def _standing(setup: SplitBarSetup, bar: Bar) -> Standing:
+def _standing(setup: HopkinsonSetup, bar: Bar) -> Standing:
     """Return what stands on the end of the bar: the sensor's own mass, and the disk below it."""
     assert setup.accelerometer is not None
     own = setup.accelerometer.mass.si if setup.accelerometer.mass is not None else 0.0
@@ -91,13 +91,13 @@ def _stack(bar: Layer, standing: Standing) -> Stack:
     return Stack((bar,)) if standing.disk is None else Stack((bar, standing.disk), (BONDED,))
 
 
-def _largest_forces(found: Comparison, bar: Bar, stack: Stack) -> np.ndarray:
+def _largest_forces(found: SensorComparison, bar: Bar, stack: Stack) -> np.ndarray:
     """Return the largest force in the bar, by the gauge, and on the disk, N."""
     passing = bar.stiffness * float(np.abs(found.pulses.incident).max())
     return np.array([passing, float(np.abs(found.motion.force).max())])[: len(stack.layers)]
 
 
-def _bandwidth_notices(found: Comparison) -> Iterator[Notice]:
+def _bandwidth_notices(found: SensorComparison) -> Iterator[Notice]:
     value, _, noise = found.bandwidth
     if value > noise * (1.0 + 1e-9):
         message = (
@@ -107,7 +107,7 @@ def _bandwidth_notices(found: Comparison) -> Iterator[Notice]:
         yield Notice("bandwidth-noise", message, value, noise)
 
 
-def _agreement_notices(found: Comparison) -> Iterator[Notice]:
+def _agreement_notices(found: SensorComparison) -> Iterator[Notice]:
     agreement, rise = found.agreement, found.pulses.rise
     if agreement.sensitivity < 0.0:
         message = "the sensor reads against the blow: it is mounted the other way, or its leads are swapped"
@@ -123,7 +123,7 @@ def _agreement_notices(found: Comparison) -> Iterator[Notice]:
         yield Notice("sensor-misfit", message, agreement.residual, MISFIT)
 
 
-def _reflected_notices(found: Comparison) -> Iterator[Notice]:
+def _reflected_notices(found: SensorComparison) -> Iterator[Notice]:
     misfit = found.reflected_misfit
     if misfit > REFLECTED_MISFIT:
         message = (
@@ -133,7 +133,7 @@ def _reflected_notices(found: Comparison) -> Iterator[Notice]:
         yield Notice("reflected-differs", message, misfit, REFLECTED_MISFIT)
 
 
-def _uncertainty_notices(setup: SplitBarSetup) -> Iterator[Notice]:
+def _uncertainty_notices(setup: HopkinsonSetup) -> Iterator[Notice]:
     missing = [key for key in ("strain", "speed") if getattr(setup.uncertainty, key) is None]
     if missing:
         message = (

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from strikewave.analyses.hopkinson.echo_result import EchoSolution
-from strikewave.analyses.hopkinson.result import SplitBarSolution
+from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.hopkinson import ANALYSES, stress_difference
@@ -74,7 +74,7 @@ def draw_waves(axes: Any, reduction: Reduction) -> None:
     above_right(axes)
 
 
-def draw_forces(axes: Any, solution: SplitBarSolution) -> None:
+def draw_forces(axes: Any, solution: HopkinsonSolution) -> None:
     """Draw the forces on both faces, and below them by how much they differ."""
     r = solution.reduction
     time = r.time * 1e6
@@ -85,7 +85,7 @@ def draw_forces(axes: Any, solution: SplitBarSolution) -> None:
     above_right(axes)
 
 
-def draw_difference(axes: Any, solution: SplitBarSolution) -> None:
+def draw_difference(axes: Any, solution: HopkinsonSolution) -> None:
     """Draw how much the forces differ while the incident wave lasts."""
     r, on = solution.reduction, solution.reduction.loading
     axes.plot(r.time[on] * 1e6, 100.0 * solution.equilibrium.ratio[on], color=BLUE, linewidth=1.2)
@@ -117,7 +117,7 @@ def draw_rate(axes: Any, reduction: Reduction) -> None:
     above_right(axes)
 
 
-def shot_summary(solution: SplitBarSolution) -> Figure:
+def shot_summary(solution: HopkinsonSolution) -> Figure:
     """Draw a reduced shot: record, waves, forces, their difference, curve and rate."""
     figure = new_figure((11.0, 9.6))
     sheet_title(figure, solution.title)

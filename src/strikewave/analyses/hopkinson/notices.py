@@ -7,10 +7,10 @@ import hashlib
 from collections.abc import Iterable, Iterator
 
 from strikewave.analyses.hopkinson.build import recorded_file
-from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.result import Notice
 from strikewave.cases.hopkinson_tables import RecordedTable
-from strikewave.hopkinson import Elastic
+from strikewave.hopkinson import BarMaterial
 from strikewave.hopkinson.pulses import Quiet
 from strikewave.records.health_notice import HealthNotice
 
@@ -25,7 +25,7 @@ DRIFT_SHARE = 1e-3
 is shown."""
 
 
-def digests(case: SplitBarCase) -> dict[str, str]:
+def digests(case: HopkinsonCase) -> dict[str, str]:
     """Return the SHA-256 of the files that a set-up names, by these names; none of one that cannot be read."""
     setup, by_name = case.setup, {}
     records: list[RecordedTable | None] = [setup.bar.incident.gauge, setup.accelerometer]
@@ -49,7 +49,7 @@ def reading_notices(findings: Iterable[HealthNotice]) -> Iterator[Notice]:
             yield Notice(f"record-{finding.code}", finding.message, float(finding.value), 0.0)
 
 
-def constant_notices(constants: dict[str, Elastic]) -> Iterator[Notice]:
+def constant_notices(constants: dict[str, BarMaterial]) -> Iterator[Notice]:
     """Yield bars whose stated modulus contradicts density and speed."""
     for name, elastic in constants.items():
         if abs(elastic.mismatch) > MISMATCH:

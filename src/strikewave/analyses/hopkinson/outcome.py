@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.result import Result, Source
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ class Outcome(Result):
 
     Attributes
     ----------
-    case : SplitBarCase
+    case : HopkinsonCase
         Set-up, its text, its folder.
     digests : mapping
         SHA-256 of the files, by their names.
@@ -36,7 +36,7 @@ class Outcome(Result):
 
     command: ClassVar[str] = "hopkinson"
 
-    case: SplitBarCase
+    case: HopkinsonCase
     digests: Mapping[str, str]
 
     @property
@@ -59,7 +59,7 @@ class Outcome(Result):
         return {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.case.text}
 
 
-def marked_text(case: SplitBarCase, digests: Mapping[str, str]) -> str:
+def marked_text(case: HopkinsonCase, digests: Mapping[str, str]) -> str:
     """Return the text of a set-up with the SHA-256 of its files below: other files are another result."""
     return case.text + "".join(f"# SHA-256 {digest} {name}\n" for name, digest in digests.items())
 

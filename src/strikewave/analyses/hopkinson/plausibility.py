@@ -9,7 +9,7 @@ import numpy as np
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice
-from strikewave.hopkinson import Bar, Curve, Pulses, Reduction, Specimen
+from strikewave.hopkinson import Bar, Pulses, Reduction, Specimen, StressStrainCurve
 
 BAR_STRAIN = 0.005
 """Plateau strain of a bar above which its material must be asked: a strong steel yields at 0.7 %."""
@@ -23,7 +23,7 @@ LARGEST_STRESS = 10e9
 """Largest stress, Pa, where no modulus is stated."""
 
 
-def check_strain(reduction: Reduction, curve: Curve) -> None:
+def check_strain(reduction: Reduction, curve: StressStrainCurve) -> None:
     """Refuse a specimen that is shorter than the way that its faces come together.
 
     Raises

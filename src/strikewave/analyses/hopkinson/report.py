@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
     from strikewave.analyses.hopkinson.echo_result import EchoSolution
     from strikewave.analyses.hopkinson.outcome import Outcome
-    from strikewave.analyses.hopkinson.result import SplitBarSolution
+    from strikewave.analyses.hopkinson.result import HopkinsonSolution
     from strikewave.analyses.hopkinson.sensor_result import SensorSolution
     from strikewave.hopkinson.checks import Equilibrium, Slope
-    from strikewave.hopkinson.echoes import Estimate
+    from strikewave.hopkinson.echoes import FittedValue
 
 RISE_SHARE = 0.8
 """Share of a straight rise that lies between 10 and 90 % of it."""
@@ -57,7 +57,7 @@ _DOUBT = (
 )
 
 
-def shot_tables(solution: SplitBarSolution) -> list[Table]:
+def shot_tables(solution: HopkinsonSolution) -> list[Table]:
     """Return the tables of a reduced shot."""
     return [
         _curve_table(solution),
@@ -69,7 +69,7 @@ def shot_tables(solution: SplitBarSolution) -> list[Table]:
     ]
 
 
-def _curve_table(solution: SplitBarSolution) -> Table:
+def _curve_table(solution: HopkinsonSolution) -> Table:
     on, slopes = solution.reduction.loading, solution.slopes()
     rows: list[list[Cell]] = []
     for name in ANALYSES:
@@ -106,7 +106,7 @@ def _slope(slope: Slope) -> str:
     return f"{value} ({above})"
 
 
-def _balance_table(solution: SplitBarSolution) -> Table:
+def _balance_table(solution: HopkinsonSolution) -> Table:
     equilibrium, impulses, work, limits = (
         solution.equilibrium,
         solution.momentum,
@@ -152,7 +152,7 @@ def _three(values: Sequence[float], scale: float, unit: str) -> str:
     return ", ".join(f"{value * scale:.4g}" for value in values) + f" {unit}"
 
 
-def _alignment_table(solution: SplitBarSolution) -> Table:
+def _alignment_table(solution: HopkinsonSolution) -> Table:
     waves = solution.reduction.waves
     rows: list[list[Cell]] = [
         [name, *(f"{late[k] * 1e6:+.2f}" for late in (waves.late_onset, waves.late_balance, waves.applied))]
@@ -165,7 +165,7 @@ def _alignment_table(solution: SplitBarSolution) -> Table:
     return Table(caption, ["wave", "by onset (µs)", "by balance (µs)", "applied shift (µs)"], rows)
 
 
-def _bar_table(solution: SplitBarSolution) -> Table:
+def _bar_table(solution: HopkinsonSolution) -> Table:
     rows: list[list[Cell]] = [
         [
             name,
@@ -184,7 +184,7 @@ def _bar_table(solution: SplitBarSolution) -> Table:
     return Table("Bars, with the constant that follows from the two others", heads, rows)
 
 
-def _striker_table(solution: SplitBarSolution) -> list[Table]:
+def _striker_table(solution: HopkinsonSolution) -> list[Table]:
     check = solution.striker_check
     if check is None:
         return []
@@ -196,7 +196,7 @@ def _striker_table(solution: SplitBarSolution) -> list[Table]:
     return [Table(caption, ["quantity", "measured", "v Zs/((Zs+Zb) c), 2 Ls/cs"], rows)]
 
 
-def _theory_table(solution: SplitBarSolution) -> list[Table]:
+def _theory_table(solution: HopkinsonSolution) -> list[Table]:
     """Say how soon an elastic specimen would be in equilibrium, where its density and modulus are known."""
     specimen, bar = solution.reduction.specimen, solution.reduction.bars[0]
     beta, transit = specimen.impedance_ratio(bar), specimen.transit
@@ -245,7 +245,7 @@ def _length_words(solution: EchoSolution) -> str:
     return f"by round trips; given as {stated * 1e3:.6g}" if math.isfinite(stated) else "by round trips"
 
 
-def _estimated(estimate: Estimate, scale: float) -> tuple[str, str, str, str]:
+def _estimated(estimate: FittedValue, scale: float) -> tuple[str, str, str, str]:
     if math.isnan(estimate.error):
         return f"{estimate.value * scale:.6g}", NONE, NONE, str(estimate.freedom)
     return (
@@ -343,7 +343,7 @@ def _sensitivity(value: float, unit: str, digits: int = 5) -> str:
     return f"{value * STANDARD_GRAVITY * 1e3:.{digits}g} mV/g" if unit == "V" else f"{value:.{digits}g}"
 
 
-def shot_report(solution: SplitBarSolution) -> str:
+def shot_report(solution: HopkinsonSolution) -> str:
     """Return the report of a reduced shot as one HTML page."""
     from strikewave.analyses.hopkinson.figures import (
         draw_curves,
@@ -387,7 +387,7 @@ def shot_report(solution: SplitBarSolution) -> str:
     return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", text, numbers), body)
 
 
-def _closing(solution: SplitBarSolution) -> str:
+def _closing(solution: HopkinsonSolution) -> str:
     return "missing" if solution.momentum.closure >= 0.0 else "in excess"
 
 

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
-from strikewave.analyses.hopkinson.setup_file import SplitBarCase, values_of
+from strikewave.analyses.hopkinson.setup_file import HopkinsonCase, values_of
 from strikewave.base.json_document import without
 from strikewave.base.variables import quantity
-from strikewave.hopkinson.bars import Elastic, Striker
+from strikewave.hopkinson.bars import BarMaterial, StrikerBar
 from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
 from strikewave.hopkinson.pulses import Pulses
-from strikewave.hopkinson.reduction import ANALYSES, Curve, Reduction
+from strikewave.hopkinson.reduction import ANALYSES, Reduction, StressStrainCurve
 
 if TYPE_CHECKING:
     import xarray
@@ -40,7 +40,7 @@ UNITS = {key: unit for unit, keys in _KEYS.items() for key in keys.split()}
 
 
 @dataclass(frozen=True, kw_only=True)
-class SplitBarSolution(Outcome):
+class HopkinsonSolution(Outcome):
     """A reduced shot.
 
     Attributes
@@ -51,7 +51,7 @@ class SplitBarSolution(Outcome):
         Waves, forces and velocities at the specimen.
     equilibrium, momentum, energy : Equilibrium, Momentum, Energy
         The checks.
-    striker, striker_check : Striker, StrikerCheck or None
+    striker, striker_check : StrikerBar, StrikerCheck or None
         Where a striker is stated.
     constants : dict
         Which of density, modulus and speed of each bar is derived.
@@ -64,12 +64,12 @@ class SplitBarSolution(Outcome):
     equilibrium: Equilibrium = field(repr=False)
     momentum: Momentum
     energy: Energy
-    striker: Striker | None
+    striker: StrikerBar | None
     striker_check: StrikerCheck | None
-    constants: Mapping[str, Elastic]
+    constants: Mapping[str, BarMaterial]
 
     @property
-    def curve(self) -> Curve:
+    def curve(self) -> StressStrainCurve:
         """The engineering curve by the analysis of the set-up."""
         return self.reduction.curve(self.case.setup.solver.analysis)
 
@@ -193,7 +193,7 @@ class SplitBarSolution(Outcome):
         return csv_text(columns)
 
 
-def inputs(case: SplitBarCase) -> dict[str, dict[str, Any]]:
+def inputs(case: HopkinsonCase) -> dict[str, dict[str, Any]]:
     """Return every quantity of a set-up by its path, with provenance."""
     return {
         path: {"value": value.si, "typed": value.typed, "provenance": value.provenance, "note": value.note}

@@ -17,9 +17,9 @@ from strikewave.analyses.hopkinson.plausibility import (
     strain_notices,
     stress_notices,
 )
-from strikewave.analyses.hopkinson.result import SplitBarSolution
+from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
-from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice
 from strikewave.cases.hopkinson_tables import LimitsTable
@@ -51,7 +51,7 @@ FEWEST_SAMPLES = 10.0
 by a tenth of the plateau."""
 
 
-def run_split_bar(case: SplitBarCase) -> SplitBarSolution | SensorSolution | EchoSolution:
+def run_hopkinson(case: HopkinsonCase) -> HopkinsonSolution | SensorSolution | EchoSolution:
     """Reduce the shot of a set-up, compare the accelerometer on its bar, or calibrate the bar by echoes.
 
     Raises
@@ -64,7 +64,7 @@ def run_split_bar(case: SplitBarCase) -> SplitBarSolution | SensorSolution | Ech
     return _calibrate(case) if case.setup.kind == "echoes" else _reduce(case)
 
 
-def _reduce(case: SplitBarCase) -> SplitBarSolution:
+def _reduce(case: HopkinsonCase) -> HopkinsonSolution:
     setup = case.setup
     incident, transmitted = setup.bar.incident, setup.bar.transmitted
     assert transmitted is not None
@@ -98,7 +98,7 @@ def _reduce(case: SplitBarCase) -> SplitBarSolution:
         *_balance_notices(alike, impulses, setup.limits),
         *_striker_notices(checked),
     ]
-    return SplitBarSolution(
+    return HopkinsonSolution(
         case=case,
         pulses=pulses,
         reduction=reduction,
@@ -114,7 +114,7 @@ def _reduce(case: SplitBarCase) -> SplitBarSolution:
     )
 
 
-def _calibrate(case: SplitBarCase) -> EchoSolution:
+def _calibrate(case: HopkinsonCase) -> EchoSolution:
     setup = case.setup
     table = setup.bar.incident
     bar, constants = build_bar(table, "bar.incident")

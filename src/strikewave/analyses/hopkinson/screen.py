@@ -11,19 +11,19 @@ from strikewave.analyses.hopkinson.echo_result import EchoSolution
 from strikewave.analyses.hopkinson.notices import digests
 from strikewave.analyses.hopkinson.outcome import marked_text
 from strikewave.analyses.hopkinson.report import echo_tables, sensor_tables, shot_tables
-from strikewave.analyses.hopkinson.result import SplitBarSolution
-from strikewave.analyses.hopkinson.run import run_split_bar
+from strikewave.analyses.hopkinson.result import HopkinsonSolution
+from strikewave.analyses.hopkinson.run import run_hopkinson
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
-from strikewave.analyses.hopkinson.setup_file import SplitBarCase
+from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.reporting.options import Output
 from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import table
 
-AnySolution = SplitBarSolution | SensorSolution | EchoSolution
+AnySolution = HopkinsonSolution | SensorSolution | EchoSolution
 
 
-def run_setup(case: SplitBarCase, changes: Sequence[str], output: Output) -> int:
+def run_setup(case: HopkinsonCase, changes: Sequence[str], output: Output) -> int:
     """Reduce a set-up, write and print its result, and return the exit code.
 
     Raises
@@ -41,11 +41,11 @@ class SetupCommand(Command[AnySolution]):
 
     indent: ClassVar[int | None] = None
 
-    case: SplitBarCase
+    case: HopkinsonCase
 
     def solve(self) -> AnySolution:
         """Return the solution."""
-        return run_split_bar(self.case)
+        return run_hopkinson(self.case)
 
     def show(self, result: AnySolution) -> None:
         """Print the tables of a result."""
@@ -62,6 +62,6 @@ class SetupCommand(Command[AnySolution]):
 
 def _tables(solution: AnySolution) -> list[Table]:
     """Return the tables of a result."""
-    if isinstance(solution, SplitBarSolution):
+    if isinstance(solution, HopkinsonSolution):
         return shot_tables(solution)
     return sensor_tables(solution) if isinstance(solution, SensorSolution) else echo_tables(solution)

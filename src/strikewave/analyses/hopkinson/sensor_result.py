@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.hopkinson.bar_end import Comparison, Standing
+from strikewave.analyses.hopkinson.bar_end import SensorComparison, Standing
 from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
 from strikewave.analyses.hopkinson.result import inputs
 from strikewave.base.variables import quantity
-from strikewave.hopkinson.bars import Bar, Elastic
+from strikewave.hopkinson.bars import Bar, BarMaterial
 
 if TYPE_CHECKING:
     import xarray
@@ -76,7 +76,7 @@ class SensorSolution(Outcome):
         Mass and disk on its end.
     unit : str
         Of the reading: m/s^2 or V.
-    comparison : Comparison
+    comparison : SensorComparison
         Reference and reading at one bandwidth.
     rise_diameters : float
         Rise that is left at the bandwidth, in diameters of travel.
@@ -91,10 +91,10 @@ class SensorSolution(Outcome):
     bar: Bar
     standing: Standing
     unit: str
-    comparison: Comparison = field(repr=False)
+    comparison: SensorComparison = field(repr=False)
     rise_diameters: float
     quoted: bool
-    constants: Mapping[str, Elastic]
+    constants: Mapping[str, BarMaterial]
 
     @property
     def sensitivity_unit(self) -> str:

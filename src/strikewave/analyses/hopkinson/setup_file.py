@@ -13,20 +13,20 @@ from pydantic import BaseModel, ValidationError
 
 from strikewave.base.errors import MISSING, InputError, InputErrors, show
 from strikewave.base.quantities import Value
-from strikewave.cases.hopkinson_tables import SplitBarSetup
+from strikewave.cases.hopkinson_tables import HopkinsonSetup
 from strikewave.cases.paths import Form
-from strikewave.cases.tables import Table
+from strikewave.cases.tables import CaseTable
 
 LARGEST_FILE = 1_000_000
 """A set-up above this many bytes is refused: a record was named in its place, since no set-up comes near."""
-FORM = Form(SplitBarSetup, "set-up", 'bar.incident.speed="4866 m/s"')
+FORM = Form(HopkinsonSetup, "set-up", 'bar.incident.speed="4866 m/s"')
 """A set-up file."""
 
 
-class SplitBarCase(NamedTuple):
+class HopkinsonCase(NamedTuple):
     """A set-up, its text with all changes, and the folder that its files are relative to."""
 
-    setup: SplitBarSetup
+    setup: HopkinsonSetup
     text: str
     folder: Path
 
@@ -57,7 +57,7 @@ def holds_setup(text: str) -> bool:
     return isinstance(bar, dict) and "incident" in bar
 
 
-def load_setup(path: str, changes: Iterable[str] = ()) -> SplitBarCase:
+def load_setup(path: str, changes: Iterable[str] = ()) -> HopkinsonCase:
     """Read a set-up file, change some of its fields, and check it.
 
     Parameters
@@ -88,7 +88,7 @@ def load_setup(path: str, changes: Iterable[str] = ()) -> SplitBarCase:
     return parse_setup(text, name, changes, file.parent)
 
 
-def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: Path | None = None) -> SplitBarCase:
+def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: Path | None = None) -> HopkinsonCase:
     """Check the TOML text of a set-up; see `load_setup`."""
     import tomlkit
 
@@ -109,17 +109,17 @@ def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: 
         place = place / document["folder"]
     document["folder"] = str(place.absolute())
     try:
-        setup = SplitBarSetup.model_validate(document)
+        setup = HopkinsonSetup.model_validate(document)
     except ValidationError as error:
         raise InputErrors(FORM.lines(error)) from None
-    return SplitBarCase(setup, tomlkit.dumps(_toml(document)), place)
+    return HopkinsonCase(setup, tomlkit.dumps(_toml(document)), place)
 
 
 def _check_tables(part: dict[str, Any], places: list[str]) -> None:
     """Refuse what stands where a table belongs, in words."""
     for key, entry in part.items():
         model = FORM.table_at([*places, key])
-        if model is None or not issubclass(model, Table):
+        if model is None or not issubclass(model, CaseTable):
             continue
         path = ".".join([*places, key])
         if not isinstance(entry, dict):

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.result import Notice, Result, Source
-from strikewave.contact.identification import DESCRIBED, Estimate, Identified, identify
+from strikewave.contact.identification import DESCRIBED, Identified, IdentifiedValue, identify
 from strikewave.contact.impact import reduced_mass
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
@@ -263,7 +263,7 @@ def _identified(
         raise InputError("FILE", file, "a record of one whole blow", f"{error}{how}") from None
 
 
-def _row(estimate: Estimate) -> dict[str, Any]:
+def _row(estimate: IdentifiedValue) -> dict[str, Any]:
     return {"value": estimate.value, "standard_error": estimate.standard_error, "given": estimate.given}
 
 
@@ -282,7 +282,7 @@ def _print(result: IdentifyResult) -> None:
         say(words)
 
 
-def _line(name: str, estimate: Estimate) -> tuple[str, str, str, str]:
+def _line(name: str, estimate: IdentifiedValue) -> tuple[str, str, str, str]:
     unit = _UNITS[name]
     shown = _SHOWN.get(name, unit)
     called = _CALLED.get(name, name)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
-from strikewave.analyses.impact.setup import Loss, Setup
+from strikewave.analyses.impact.setup import ContactLoss, Setup
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice, Result, Source
 from strikewave.contact import Impact, Stiffness, first_yield, impact_history, reduced_mass, solve_impact
@@ -341,7 +341,7 @@ def _rows(setup: Setup, blow: Impact) -> list[tuple[str, str]]:
     return rows
 
 
-def _loss_row(loss: Loss) -> tuple[str, str]:
+def _loss_row(loss: ContactLoss) -> tuple[str, str]:
     named = _status(loss.law.name, loss.law.status)
     if loss.damper is None:
         return "hysteresis factor", f"{loss.factor:.6g} ({named})"

@@ -44,7 +44,7 @@ class Base:
 
 
 @dataclass(frozen=True)
-class Loss:
+class ContactLoss:
     """What takes energy: a damping law with its factor, or a damper."""
 
     law: DampingLaw | DamperLaw
@@ -60,7 +60,7 @@ class Setup:
     masses: tuple[float, float]
     speed: float
     base: Base
-    loss: Loss
+    loss: ContactLoss
     cap: PressureCap | None
     repeat: int
     contact: AnyContact = field(init=False)
@@ -144,7 +144,7 @@ def _missing(need: str, whose: str) -> InputError:
     return InputError(f"--{need}", MISSING, f"the {words} {whose}", f'such as --{need} "{example}"')
 
 
-def read_loss(typed: LossOptions, stiffness: AnyStiffness, masses: tuple[float, float]) -> Loss:
+def read_loss(typed: LossOptions, stiffness: AnyStiffness, masses: tuple[float, float]) -> ContactLoss:
     """Return the damping law or the damper asked for.
 
     Raises
@@ -158,14 +158,14 @@ def read_loss(typed: LossOptions, stiffness: AnyStiffness, masses: tuple[float, 
         raise InputError("--time", f"{typed.time:g} s", "a time beside --damper kuwabara-kono")
     law = damping_law(typed.damping or "exact", "--damping")
     asked = _asked(typed)
-    return Loss(law, asked, float(law.function(asked)))
+    return ContactLoss(law, asked, float(law.function(asked)))
 
 
 def _asked(typed: LossOptions) -> float:
     return 1.0 if typed.restitution is None else typed.restitution
 
 
-def _damper(typed: LossOptions, stiffness: AnyStiffness, masses: tuple[float, float]) -> Loss:
+def _damper(typed: LossOptions, stiffness: AnyStiffness, masses: tuple[float, float]) -> ContactLoss:
     name = str(typed.damper)
     law = damper_law(name, "--damper")
     if typed.damping is not None:
@@ -178,7 +178,7 @@ def _damper(typed: LossOptions, stiffness: AnyStiffness, masses: tuple[float, fl
         damper = law.function(stiffness, float(reduced_mass(*masses)), time if asked is None else asked)
     except ValueError as error:
         raise InputError("--damper", name, "a damper that fits the contact", str(error)) from None
-    return Loss(law, asked, damper=damper)
+    return ContactLoss(law, asked, damper=damper)
 
 
 def _number(typed: LossOptions, law: DamperLaw) -> tuple[float | None, float]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from strikewave.analyses.machine.columns import shown_in
 from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.words import MACHINES, launch_tables, reference_law
-from strikewave.reporting.chapters import layer_steps, ledger_table
+from strikewave.reporting.chapters import balance_table, layer_steps
 from strikewave.reporting.numbers import fixed, heads, listed, with_unit
 from strikewave.reporting.parts import Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
 
@@ -172,16 +172,16 @@ def _marked(solution: Solution) -> bool:
 
 
 def checks(solution: Solution) -> Section:
-    """List ledgers, masses and phases."""
+    """List balances, masses and phases."""
     masses: list[list[Cell]] = [[name, mass] for name, mass in solution.masses.items()]
     phases: list[list[Cell]] = [[name, f"{time:.6f}"] for name, time in solution.phases]
     begun = solution.case.time_zero
     return Section(
-        "Ledgers, masses and phases",
-        "Energy: what the ledger of work and losses misses, over the energy that flowed. Momentum: impulse of all "
+        "Balances, masses and phases",
+        "Energy: what the balance of work and losses misses, over the energy that flowed. Momentum: impulse of all "
         "forces less change of momentum, over the contact impulse; the worst blow.",
         [
-            ledger_table(solution.ledger),
+            balance_table(solution.balance),
             Table("Masses", ["body", "mass (kg)"], masses, empty="No mass is listed."),
             *launch_tables(solution),
             Table(f"Phases, from {begun}", ["phase", "begins (s)"], phases, empty="No phase is listed."),

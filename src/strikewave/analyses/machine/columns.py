@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 
-class Column(NamedTuple):
+class BlowColumn(NamedTuple):
     """A column of the tables of blows.
 
     Attributes
@@ -36,26 +36,26 @@ class Column(NamedTuple):
 
 
 COLUMNS = (
-    Column("striker", "1", document=False),
-    Column("time", "s", "ms", 3, "blows"),
-    Column("approach_speed", "m/s", "m/s", 3, "blows, contact"),
-    Column("rebound_speed", "m/s", "m/s", 3, "contact"),
-    Column("restitution", "1", "1", 4, "contact"),
-    Column("indentation", "m", "um", 2, "contact"),
-    Column("residual_indentation", "m", "um", 2, "contact"),
-    Column("contact_stiffness", "N/m", "MN/m", 1, "contact"),
-    Column("flattening", "1", "1", 4, "contact"),
-    Column("impulse", "N s", "N s", 3, "blows"),
-    Column("contact_impulse", "N s", document=False),
-    Column("support_impulse", "N s", document=False),
-    Column("momentum_error", "1", document=False),
-    Column("peak_force", "N", "kN", 2, "blows"),
-    Column("rigid_peak", "m/s^2", "g", 1, "blows"),
-    Column("width", "s", "us", 1, "blows"),
-    Column("rise", "s", document=False),
-    Column("velocity_change", "m/s", "m/s", 3, "blows"),
-    Column("retreat", "m", "mm", 2, "blows", document=False),
-    Column("turntable_speed", "rad/s"),
+    BlowColumn("striker", "1", document=False),
+    BlowColumn("time", "s", "ms", 3, "blows"),
+    BlowColumn("approach_speed", "m/s", "m/s", 3, "blows, contact"),
+    BlowColumn("rebound_speed", "m/s", "m/s", 3, "contact"),
+    BlowColumn("restitution", "1", "1", 4, "contact"),
+    BlowColumn("indentation", "m", "um", 2, "contact"),
+    BlowColumn("residual_indentation", "m", "um", 2, "contact"),
+    BlowColumn("contact_stiffness", "N/m", "MN/m", 1, "contact"),
+    BlowColumn("flattening", "1", "1", 4, "contact"),
+    BlowColumn("impulse", "N s", "N s", 3, "blows"),
+    BlowColumn("contact_impulse", "N s", document=False),
+    BlowColumn("support_impulse", "N s", document=False),
+    BlowColumn("momentum_error", "1", document=False),
+    BlowColumn("peak_force", "N", "kN", 2, "blows"),
+    BlowColumn("rigid_peak", "m/s^2", "g", 1, "blows"),
+    BlowColumn("width", "s", "us", 1, "blows"),
+    BlowColumn("rise", "s", document=False),
+    BlowColumn("velocity_change", "m/s", "m/s", 3, "blows"),
+    BlowColumn("largest_displacement", "m", "mm", 2, "blows"),
+    BlowColumn("turntable_speed", "rad/s"),
 )
 
 BLOW_UNITS = {column.name: column.unit for column in COLUMNS if column.unit != "1"}

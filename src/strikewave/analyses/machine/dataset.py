@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.columns import BLOW_UNITS
-from strikewave.analyses.machine.sensor_readings import BlowHistory, Observed, View
+from strikewave.analyses.machine.sensor_readings import BlowHistory, Observed, ReadingSetup
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case
 from strikewave.machines import Blow
@@ -18,7 +18,7 @@ from strikewave.machines._kernels import stroke_places
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import Moments, StackSpan
-from strikewave.sensors.channel import Channel
+from strikewave.sensors.channel import SensorChannel
 from strikewave.waves.li_ma import ROUTES
 
 if TYPE_CHECKING:
@@ -120,7 +120,9 @@ def _place_variables(case: Case, run: MachineRun, time: Array, train: Moments) -
     }
 
 
-def _tap_variables(histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: View) -> dict[str, Any]:
+def _tap_variables(
+    histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: ReadingSetup
+) -> dict[str, Any]:
     """Return force, speed and total acceleration at the taps, and the rigid acceleration at the same bandwidth."""
     force, speed, total = (np.full((len(histories), taps, pulse_time.size), np.nan) for _ in range(3))
     rigid = np.full((len(histories), pulse_time.size), np.nan)
@@ -147,7 +149,9 @@ def _tap_variables(histories: Sequence[BlowHistory | None], taps: int, pulse_tim
     }
 
 
-def _route_variables(histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: View) -> dict[str, Any]:
+def _route_variables(
+    histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: ReadingSetup
+) -> dict[str, Any]:
     """Return the wave acceleration of the first blow by the paper's routes, where a tap has two neighbours."""
     waves = np.full((len(ROUTES), taps, pulse_time.size), np.nan)
     first = next((history for history in histories if history is not None), None)
@@ -158,7 +162,7 @@ def _route_variables(histories: Sequence[BlowHistory | None], taps: int, pulse_t
     return {"route_acceleration": quantity(("route", "tap", "pulse_time"), waves, "m/s^2", name)}
 
 
-def _reading_variables(histories: Sequence[BlowHistory | None], channels: Sequence[Channel]) -> dict[str, Any]:
+def _reading_variables(histories: Sequence[BlowHistory | None], channels: Sequence[SensorChannel]) -> dict[str, Any]:
     """Return what each sensor's recorder kept of each blow, and when each of its records begins."""
     variables: dict[str, Any] = {}
     for k, channel in enumerate(channels):

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from strikewave.contact.law import AnyContact
     from strikewave.machines import Machine
     from strikewave.machines.amplifier import Collisions
-    from strikewave.machines.launch import Pendulum
+    from strikewave.machines.launch import RigidPendulum
 
 
-class Setting(NamedTuple):
+class ShownSetting(NamedTuple):
     """A setting that stands in the head of a result: field of the table, SI unit, unit shown, what it is called."""
 
     field: str
@@ -51,7 +51,7 @@ class MachineKind(MachineTable):
         What it is and does, in two or three sentences.
     chain : tuple of str
         Its bodies and links in the order in which a blow runs through them.
-    settings : tuple of Setting
+    settings : tuple of ShownSetting
         Its main settings.
     sources : tuple of str
         Keys of `strikewave.base.citations`: what its way to first touch follows.
@@ -61,7 +61,7 @@ class MachineKind(MachineTable):
 
     description: ClassVar[str]
     chain: ClassVar[tuple[str, ...]]
-    settings: ClassVar[tuple[Setting, ...]]
+    settings: ClassVar[tuple[ShownSetting, ...]]
     sources: ClassVar[tuple[str, ...]] = ()
     reference_law: ClassVar[str]
 
@@ -87,7 +87,7 @@ class Release(NamedTuple):
         Speeds, m/s.
     arm : float
         Speed of an arm, rad/s.
-    pendulum : Pendulum or None
+    pendulum : RigidPendulum or None
         The arm that carries the striker.
     gain : float or None
         Of a machine that makes its object faster than it fell: the speed of the object over that of the fall.
@@ -104,7 +104,7 @@ class Release(NamedTuple):
     striker: float = 0.0
     object: float = 0.0
     arm: float = 0.0
-    pendulum: Pendulum | None = None
+    pendulum: RigidPendulum | None = None
     gain: float | None = None
     line: Collisions | None = None
     bodies: tuple[str, ...] = ()

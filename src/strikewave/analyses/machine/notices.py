@@ -87,9 +87,9 @@ def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
         if any(blow.kind == "double" for blow in blows):
             message += "; impulse and velocity change of a double blow span its whole pass"
         yield Notice("blow-kind", message, float(len(odd)), 0.0)
-    away = [blow for blow in blows if blow.kind == "missed" and blow.retreat > 0.0]
+    away = [blow for blow in blows if blow.kind == "missed" and blow.largest_displacement > 0.0]
     if away:
-        farthest = max(blow.retreat for blow in away)
+        farthest = max(blow.largest_displacement for blow in away)
         message = (
             f"the object was still away, by up to {farthest * 1e3:.3g} mm, when the strikers of blow "
             f"{', '.join(str(blow.index) for blow in away)} passed: it needs a stiffer spring, more preload, less "

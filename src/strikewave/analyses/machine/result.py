@@ -92,7 +92,7 @@ class Solution(Result):
         What ran.
     blows : tuple of Blow
         The table of blows.
-    masses, ledger : dict
+    masses, balance : dict
         kg; errors as shares.
     phases : tuple of (str, float)
         Name and time (s) from the valve signal.
@@ -116,7 +116,7 @@ class Solution(Result):
     blows: tuple[Blow, ...]
     masses: dict[str, float]
     phases: tuple[tuple[str, float], ...]
-    ledger: dict[str, float]
+    balance: dict[str, float]
     reference: RigidReference
     readings: tuple[BlowReading | None, ...]
     waves: WaveSetup | None
@@ -152,7 +152,7 @@ class Solution(Result):
         units |= {"step": "s", "mismatch": "1", "length_asked": "m", "length_used": "m"}
         units |= LAUNCH_UNITS | {"lower_before": "m/s", "upper_before": "m/s"}
         units |= {"lower_after": "m/s", "upper_after": "m/s", "energy_lost": "J"}
-        return units | {"ledger": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
+        return units | {"balance": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
@@ -167,7 +167,7 @@ class Solution(Result):
             "blows": rows,
             "masses": self.masses,
             "phases": [{"name": name, "time": time} for name, time in self.phases],
-            "ledger": self.ledger,
+            "balance": self.balance,
             **self._launched(),
             "waves": dataclasses.asdict(self.waves) if self.waves else None,
             "published": [comparison_document(c, "note", "sensor") for c in self.comparisons],
@@ -213,7 +213,7 @@ class Solution(Result):
         state = {
             "masses": self.masses,
             "phases": self.phases,
-            "ledger": self.ledger,
+            "balance": self.balance,
             "published": [dataclasses.asdict(c) for c in self.comparisons],
             "warnings": [dataclasses.asdict(n) for n in self.notices],
             "reference": dataclasses.asdict(self.reference),
@@ -252,8 +252,12 @@ def load_solution(path: Path | str) -> Solution:
                 raise InputError("solution", str(path), "a file of at most 4 GB in memory")
             schema = opened.attrs["strikewave_schema"]
             if schema != SCHEMA:
+                older = "an older strikewave wrote it: run the case.toml beside it again"
                 raise InputError(
-                    "solution", str(path), f"schema {SCHEMA}", f"it has schema {schema}: update strikewave"
+                    "solution",
+                    str(path),
+                    f"a file of schema {SCHEMA}",
+                    f"it has schema {schema}; {older if schema < SCHEMA else 'update strikewave'}",
                 )
             data = opened.load()
         case = parse_case(str(data.attrs.pop("case")))
@@ -268,7 +272,7 @@ def load_solution(path: Path | str) -> Solution:
             blows=blows,
             masses=state["masses"],
             phases=tuple((name, time) for name, time in state["phases"]),
-            ledger=state["ledger"],
+            balance=state["balance"],
             comparisons=tuple(Comparison(**row) for row in state["published"]),
             notices=tuple(Notice(**row) for row in state["warnings"]),
             reference=RigidReference(**state["reference"]),

@@ -18,14 +18,14 @@ from strikewave.analyses.machine.result import RigidReference, Solution
 from strikewave.analyses.machine.sensor_readings import (
     BlowReading,
     Observed,
-    View,
+    ReadingSetup,
     blow_history,
     blow_reading,
     without_peaks,
 )
 from strikewave.base import citations
 from strikewave.base.errors import InputError
-from strikewave.base.result import Comparison, ledger_notices
+from strikewave.base.result import Comparison, balance_notices
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import comparisons
 from strikewave.cases.contact_of_case import contact_stiffness
@@ -89,16 +89,16 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
         + [span.momentum_error for span in run.spans if isinstance(span, StackSpan)],
         default=0.0,
     )
-    ledger = {"energy_error": run.energy_error, "momentum_error": momentum}
+    balance = {"energy_error": run.energy_error, "momentum_error": momentum}
     struck = machine.struck
     return Solution(
         case=case,
         blows=seen.blows,
         masses={"striker": machine.strikers.mass, "object": struck.mass, "assembly": struck.assembly_mass},
         phases=run.phases,
-        ledger=ledger,
+        balance=balance,
         comparisons=compare(case, seen.blows, readings),
-        notices=(*ledger_notices(ledger), *listed),
+        notices=(*balance_notices(balance), *listed),
         reference=rigid_reference(case, machine),
         readings=readings,
         waves=wave_setup(machine.layered.stack, machine.layered.grid) if machine.layered else None,
@@ -131,7 +131,7 @@ def observe(case: Case, progress: Callable[[float], None] | None = None) -> Obse
     if route != EXACT and stack is None:
         raise InputError("solver.route", route, EXACT, "the object of this case is no stack")
     check_route(case, taps, channels)
-    view = View(channels, stated_bandwidth(case, stack), case.impact().recorder.begin, route)
+    view = ReadingSetup(channels, stated_bandwidth(case, stack), case.impact().recorder.begin, route)
     if machine.layered is not None:
         check_rates(case, view, kept_step(machine.layered.grid))
     run = run_machine(machine, case.solver.tolerance.si, progress)
@@ -146,7 +146,7 @@ def observe(case: Case, progress: Callable[[float], None] | None = None) -> Obse
     return Observed(run, found, view, tuple(name for name, _ in taps), histories, readings)
 
 
-def check_rates(case: Case, view: View, step: float) -> None:
+def check_rates(case: Case, view: ReadingSetup, step: float) -> None:
     """Refuse a bandwidth or a filter that the histories of a stack, or its short blows, cannot show.
 
     Raises

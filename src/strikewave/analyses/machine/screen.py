@@ -95,8 +95,8 @@ def show(solution: Solution) -> None:
     if fitted:
         values = solution.case.values()
         say("fitted: " + ", ".join(f"{path} = {values[path].typed}" for path in fitted))
-    ledger = solution.ledger
-    say(f"ledger: energy {ledger['energy_error']:.1e}, momentum {ledger['momentum_error']:.1e} (limit 1e-6)")
+    balance = solution.balance
+    say(f"balance: energy {balance['energy_error']:.1e}, momentum {balance['momentum_error']:.1e} (limit 1e-6)")
 
 
 def _print_waves(solution: Solution) -> None:

@@ -19,7 +19,7 @@ from strikewave.machines.machine import Machine
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import StackSpan
 from strikewave.sensors import Reading, read
-from strikewave.sensors.channel import Channel, SensorPulse, sensor_pulse
+from strikewave.sensors.channel import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.filters import stated
 from strikewave.signal.pulse import front, largest
 from strikewave.waves.li_ma import ROUTES, superposed
@@ -51,12 +51,12 @@ class BlowReading:
     sensors: dict[str, SensorPulse]
 
 
-class View(NamedTuple):
+class ReadingSetup(NamedTuple):
     """How a run is looked at.
 
     Attributes
     ----------
-    channels : tuple of Channel
+    channels : tuple of SensorChannel
         The sensors.
     bandwidth : float
         -3 dB of the zero-phase filter that rigid and total acceleration pass, Hz.
@@ -66,7 +66,7 @@ class View(NamedTuple):
         "exact", or a route of the paper.
     """
 
-    channels: tuple[Channel, ...]
+    channels: tuple[SensorChannel, ...]
     bandwidth: float
     recorder_begin: float
     route: str = EXACT
@@ -91,7 +91,7 @@ class BlowHistory(NamedTuple):
     front: float
 
 
-def blow_history(run: MachineRun, blow: Blow, view: View, routes: bool = False) -> BlowHistory:
+def blow_history(run: MachineRun, blow: Blow, view: ReadingSetup, routes: bool = False) -> BlowHistory:
     """Return what taps and sensors show of a blow that touched; with ``routes``, also by those of the paper.
 
     Before first touch everything moves as the rigid assembly does; the history ends with the blow's window,
@@ -141,7 +141,7 @@ def blow_history(run: MachineRun, blow: Blow, view: View, routes: bool = False) 
     return BlowHistory(since, rigid, force, speed, total, tuple(readings), by_route, steepest)
 
 
-def _recorded(channel: Channel, felt: Array, step: float, start: float, touched: float) -> Reading:
+def _recorded(channel: SensorChannel, felt: Array, step: float, start: float, touched: float) -> Reading:
     """Return what a channel keeps of a history from ``start`` on; a slow recorder may take no sample in it.
 
     ``touched`` is the time of first touch after a sampling instant of the recorder.
@@ -161,7 +161,7 @@ def without_peaks(reading: BlowReading) -> BlowReading:
     return replace(reading, total_peak=None, wave_peak=None)
 
 
-def blow_reading(history: BlowHistory, view: View) -> BlowReading:
+def blow_reading(history: BlowHistory, view: ReadingSetup) -> BlowReading:
     """Return the peaks of a blow's history."""
     pairs = zip(view.channels, history.readings, strict=True)
     sensors = {channel.sensor.name: sensor_pulse(reading) for channel, reading in pairs}
@@ -175,7 +175,7 @@ class Observed(NamedTuple):
 
     run: MachineRun
     blows: tuple[Blow, ...]
-    view: View
+    view: ReadingSetup
     taps: tuple[str, ...]
     histories: tuple[BlowHistory | None, ...]
     readings: tuple[BlowReading | None, ...]

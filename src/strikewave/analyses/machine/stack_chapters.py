@@ -19,7 +19,7 @@ from strikewave.reporting.stack_chapters import (
     sensor_part,
 )
 from strikewave.reporting.wave_field import WaveField
-from strikewave.waves.transit import Grid, field_nodes
+from strikewave.waves.transit import TimeGrid, field_nodes
 
 if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution
@@ -37,7 +37,7 @@ def struck_field(solution: Solution) -> WaveField | None:
         return None
     stack, setup = build_stack(solution.case), solution.waves
     assert setup is not None
-    nodes, _ = field_nodes(stack, Grid(setup.step, tuple(layer.steps for layer in setup.layers), 0.0))
+    nodes, _ = field_nodes(stack, TimeGrid(setup.step, tuple(layer.steps for layer in setup.layers), 0.0))
     return WaveField(
         stack,
         data["field_time"].values,

@@ -34,7 +34,7 @@ SHOWN_ROWS = 24
 """Rows of the table on the screen, which it shows at once; the files have all."""
 
 
-class Wanted(NamedTuple):
+class SpectrumRequest(NamedTuple):
     """What was asked of the spectra: quality factor, frequencies, kinds, side, part of the shock and its end."""
 
     q: float
@@ -127,7 +127,7 @@ class SpectrumResult(Result):
 
 
 def compute_spectra(
-    file: str, wanted: Wanted, stated: dict[str, dict[str, Any]], options: Options, output: Output
+    file: str, wanted: SpectrumRequest, stated: dict[str, dict[str, Any]], options: Options, output: Output
 ) -> int:
     """Compute the spectra of a file, write and print them, and return the exit code.
 
@@ -149,7 +149,7 @@ class SrsCommand(Command[SpectrumResult]):
     indent: ClassVar[int | None] = None
 
     file: str
-    wanted: Wanted
+    wanted: SpectrumRequest
     stated: dict[str, dict[str, Any]]
     options: Options
     asked: str

@@ -64,8 +64,8 @@ def command(
 
     They are those of a record, its baseline taken off. With --json, files are written only where --out says.
     """
-    from strikewave.analyses.record.spectrum import Wanted, compute_spectra
+    from strikewave.analyses.record.spectrum import SpectrumRequest, compute_spectra
 
     kinds = tuple(dict.fromkeys(kind or ["absolute"]))
-    wanted = Wanted(q, frequency, (low, high, per_octave), kinds, side, part, end)
+    wanted = SpectrumRequest(q, frequency, (low, high, per_octave), kinds, side, part, end)
     return compute_spectra(file, wanted, measurement.calibration(), measurement.reading(), output)

@@ -8,7 +8,7 @@ from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import face_contact
 from strikewave.cases.stack_of_case import checked, need, typed
 from strikewave.cases.tables import LoadTable
-from strikewave.waves import Impactor, Load, Pulse, Sampled, Stack, Wanted
+from strikewave.waves import Impactor, Load, LoadPulse, Sampled, Stack, WantedError
 from strikewave.waves.load import Prescribed
 
 NO_LOAD = 1e-6
@@ -28,7 +28,7 @@ def build_load(case: Case, stack: Stack) -> Load:
     """
     load = case.load
     if load is None and any(layer.speed for layer in stack.layers):
-        return Pulse("rectangle", 0.0, NO_LOAD)
+        return LoadPulse("rectangle", 0.0, NO_LOAD)
     if load is None:
         hint = "or `strikewave run`, which strikes the stack with the machine" if case.machine else ""
         raise InputError("load", MISSING, "a [load] with its shape", hint)
@@ -50,7 +50,7 @@ def build_load(case: Case, stack: Stack) -> Load:
     peak = need(load.peak, "load.peak", "a force", 'add peak = "20 kN"')
     duration = need(load.duration, "load.duration", "a time", 'add duration = "100 us"')
     rise = load.rise.si if load.rise else 0.0
-    return checked("load", lambda: Pulse(load.shape, peak, duration, rise, _APPLIED[load.applied]))
+    return checked("load", lambda: LoadPulse(load.shape, peak, duration, rise, _APPLIED[load.applied]))
 
 
 def _as_applied(load: Sampled, table: LoadTable) -> Sampled:
@@ -78,9 +78,9 @@ def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
     )
 
 
-def wanted(case: Case) -> Wanted:
+def wanted(case: Case) -> WantedError:
     """Return the errors that the waves of a case may have, the time step and the method."""
     step = case.solver.step.si if case.solver.step else None
     if case.solver.error is None:
-        return Wanted(step=step, method=case.solver.method)
-    return Wanted(case.solver.error.si, ACCELERATION_ERROR * case.solver.error.si, step, case.solver.method)
+        return WantedError(step=step, method=case.solver.method)
+    return WantedError(case.solver.error.si, ACCELERATION_ERROR * case.solver.error.si, step, case.solver.method)

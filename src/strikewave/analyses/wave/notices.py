@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.wave.build import wanted
-from strikewave.analyses.wave.result import BarSolution, load_peak
-from strikewave.base.result import LEDGER_LIMIT, Notice
+from strikewave.analyses.wave.result import WaveSolution, load_peak
+from strikewave.base.result import BALANCE_LIMIT, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import law_notices, yield_notices
 from strikewave.reporting.numbers import percent
@@ -44,8 +44,8 @@ class Front(NamedTuple):
     bandwidth: float
 
 
-def bar_notices(
-    solution: BarSolution, front: Front, extremes: tuple[Array, Array, Array], lasting: float
+def layered_bar_notices(
+    solution: WaveSolution, front: Front, extremes: tuple[Array, Array, Array], lasting: float
 ) -> Iterator[Notice]:
     """Yield the notices on a layered bar under a load that lasts so long, s; for the extremes see `bar_extremes`."""
     case, run, stack, accuracy = solution.case, solution.run, solution.run.stack, solution.accuracy
@@ -96,10 +96,10 @@ def _file_notices(run: BarRun) -> list[Notice]:
 
 
 def _momentum_balance(run: BarRun) -> list[Notice]:
-    if run.momentum_error <= LEDGER_LIMIT:
+    if run.momentum_error <= BALANCE_LIMIT:
         return []
     message = f"the momentum balance error is {run.momentum_error:.1e}"
-    return [Notice("momentum-ledger", message, run.momentum_error, LEDGER_LIMIT, broken=True)]
+    return [Notice("momentum-balance", message, run.momentum_error, BALANCE_LIMIT, broken=True)]
 
 
 def _not_reached(run: BarRun, taps: Sequence[tuple[str, Tap]], accuracy: tuple[float, float]) -> list[Notice]:

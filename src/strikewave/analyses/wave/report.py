@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.wave.field import bar_field
+from strikewave.analyses.wave.field import field_of_solution
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting import chapters
 from strikewave.reporting.curves import Trace, traces
@@ -24,7 +24,7 @@ from strikewave.reporting.wave_curves import staircase_diagram
 from strikewave.reporting.wave_field import WaveField, sandwiched
 
 if TYPE_CHECKING:
-    from strikewave.analyses.wave.result import BarSolution
+    from strikewave.analyses.wave.result import WaveSolution
     from strikewave.cases.case import Case
 
 
@@ -39,7 +39,7 @@ MOST_CURVES = 4
 JOINT_HEADS = ["after", "kind", "preload (N)", "opens at (us)", "closes at (us)"]
 
 
-def tap_rows(solution: BarSolution) -> list[list[str]]:
+def tap_rows(solution: WaveSolution) -> list[list[str]]:
     """Return a row a tap with its largest values, for the route of the case."""
     rows = []
     for k, (name, tap) in enumerate(solution.taps):
@@ -60,7 +60,7 @@ def tap_rows(solution: BarSolution) -> list[list[str]]:
     return rows
 
 
-def bar_words(solution: BarSolution) -> str:
+def wave_words(solution: WaveSolution) -> str:
     """Return the peak values at the taps as a sentence."""
     at_taps = []
     for name, _, layer, _, force, stress, velocity, acceleration in tap_rows(solution):
@@ -69,7 +69,7 @@ def bar_words(solution: BarSolution) -> str:
     return f"A layered bar under its load, route {solution.route}. Signed peak values: {'; '.join(at_taps)}."
 
 
-def error_words(solution: BarSolution) -> str:
+def error_words(solution: WaveSolution) -> str:
     """Say how exact the waves of a bar are."""
     velocity, acceleration = solution.accuracy
     bounds = "no bound" if math.isinf(velocity) else f"velocity {velocity:.1e}, acceleration {acceleration:.1e}"
@@ -86,7 +86,7 @@ def error_words(solution: BarSolution) -> str:
     )
 
 
-def joint_rows(solution: BarSolution, most: int = MOST_OPENINGS) -> list[list[str]]:
+def joint_rows(solution: WaveSolution, most: int = MOST_OPENINGS) -> list[list[str]]:
     """List the joints that can open, and their first openings and closings."""
 
     def times(values: Sequence[float]) -> str:
@@ -99,7 +99,7 @@ def joint_rows(solution: BarSolution, most: int = MOST_OPENINGS) -> list[list[st
     ]
 
 
-def contact_rows(solution: BarSolution) -> list[list[str]]:
+def contact_rows(solution: WaveSolution) -> list[list[str]]:
     """List peak force, indentation, impulse and losses of the contact of a striker; nothing without one."""
     contact = solution.contact()
     if contact is None:
@@ -116,7 +116,7 @@ def contact_rows(solution: BarSolution) -> list[list[str]]:
     ]
 
 
-def oscillator_rows(solution: BarSolution) -> list[list[str]]:
+def oscillator_rows(solution: WaveSolution) -> list[list[str]]:
     """List the masses on springs and their largest acceleration, without any filter."""
     return [
         [row["where"], f"{row['mass'] * 1e3:.4g}", f"{row['peak'] / STANDARD_GRAVITY:.5g}"]
@@ -124,7 +124,7 @@ def oscillator_rows(solution: BarSolution) -> list[list[str]]:
     ]
 
 
-def _staircase(field: WaveField, layer: int, solution: BarSolution) -> Picture:
+def _staircase(field: WaveField, layer: int, solution: WaveSolution) -> Picture:
     """Show how force grows at both faces of a layer between two others."""
     name, run = field.stack.layers[layer].name, solution.run
     caption = (
@@ -135,7 +135,7 @@ def _staircase(field: WaveField, layer: int, solution: BarSolution) -> Picture:
     return Picture(staircase_diagram(field, layer, run.time, run.face_force), caption)
 
 
-def bar_tables(solution: BarSolution) -> list[tuple[str, list[str], list[list[str]]]]:
+def wave_tables(solution: WaveSolution) -> list[tuple[str, list[str], list[list[str]]]]:
     """Return the further tables of a bar, captions, heads and rows: contact, masses on springs, joints, layers."""
     layers = [
         [layer.name, f"{stress / 1e6:.4g}"]
@@ -150,14 +150,14 @@ def bar_tables(solution: BarSolution) -> list[tuple[str, list[str], list[list[st
     return [entry for entry in tables if entry[2]]
 
 
-def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Section]:
+def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Section]:
     """Show load, taps, the field of a quantity, staircase, routes and accuracy of a bar alone."""
     run, time = solution.run, solution.run.time
     heads = ["tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"]
     rows: list[list[Cell]] = [list(row) for row in tap_rows(solution)]
     names = [name for name, _ in solution.taps[:MOST_CURVES]]
     parts: list[Part] = [Table("Peak values at the taps", heads, rows)]
-    for caption, columns, listing in bar_tables(solution):
+    for caption, columns, listing in wave_tables(solution):
         parts.append(Table(caption, columns, [list(row) for row in listing]))
     force = [Trace(name, time, run.force[:, k]) for k, name in enumerate(names)]
     speed = [Trace(name, time, run.velocity[:, k]) for k, name in enumerate(names)]
@@ -174,7 +174,7 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
             + ("" if solution.quoted else " Its peaks are not to be quoted: see the warnings."),
         ),
     ]
-    field = bar_field(solution)
+    field = field_of_solution(solution)
     parts += field_pictures(field, quantity)
     layer = sandwiched(field)
     if layer is not None:
@@ -213,7 +213,7 @@ def bar_sections(solution: BarSolution, quantity: str = "stress") -> list[Sectio
     return sections
 
 
-def bar_report(solution: BarSolution, quantity: str = "stress") -> str:
+def wave_report(solution: WaveSolution, quantity: str = "stress") -> str:
     """Return the report of a bar alone as one HTML page.
 
     ``quantity`` is what the pictures of the whole field show: stress, force or velocity.
@@ -221,23 +221,23 @@ def bar_report(solution: BarSolution, quantity: str = "stress") -> str:
     Examples
     --------
     >>> from strikewave import load_case, run_wave
-    >>> "x-t" in bar_report(run_wave(load_case("li-ma-2019-fig13-bar")))
+    >>> "x-t" in wave_report(run_wave(load_case("li-ma-2019-fig13-bar")))
     False
     """
     case = solution.case
     parts = [
         _setup(case),
         chapters.inputs(case),
-        *bar_sections(solution, quantity),
+        *wave_sections(solution, quantity),
         chapters.warnings(solution.notices),
         Section(
             "Momentum balance",
             "Balance error: impulses at both ends less the momentum of the bar, over the greater impulse.",
-            [chapters.ledger_table(solution.ledger)],
+            [chapters.balance_table(solution.balance)],
         ),
     ]
     return chapters.result_page(
-        solution, chapters.Summary("Report of waves in a layered bar", bar_words(solution)), parts
+        solution, chapters.Summary("Report of waves in a layered bar", wave_words(solution)), parts
     )
 
 

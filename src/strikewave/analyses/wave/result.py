@@ -18,9 +18,9 @@ from strikewave._version import __version__
 from strikewave.base.result import SCHEMA, Result, Source
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
-from strikewave.cases.losses_of_case import Loss, fitted_losses
+from strikewave.cases.losses_of_case import FittedLoss, fitted_losses
 from strikewave.sensors import Reading
-from strikewave.sensors.channel import Channel, SensorPulse, sensor_pulse
+from strikewave.sensors.channel import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.pulse import largest
 from strikewave.waves import BarRun, Impactor, Tap
 from strikewave.waves.routes import EXACT, RouteHistory
@@ -38,7 +38,7 @@ def load_peak(run: BarRun) -> float:
 
 
 @dataclass(frozen=True)
-class BarSolution(Result):
+class WaveSolution(Result):
     """What a bar under its load did; see `Result` for what it shares with others.
 
     Attributes
@@ -55,7 +55,7 @@ class BarSolution(Result):
         Acceleration of the stack as one rigid body, m/s^2, at the times of the run.
     routes : dict
         By tap and route: what the paper's routes say, where the tap lies between two fixtures.
-    channels : tuple of Channel
+    channels : tuple of SensorChannel
         The sensors.
     readings : tuple of Reading
         What their recorders kept; a sensor gets the acceleration before any filter.
@@ -76,7 +76,7 @@ class BarSolution(Result):
     waves: WaveSetup
     rigid: Array = field(repr=False)
     routes: dict[tuple[str, str], RouteHistory] = field(repr=False)
-    channels: tuple[Channel, ...]
+    channels: tuple[SensorChannel, ...]
     readings: tuple[Reading, ...] = field(repr=False)
     accuracy: tuple[float, float]
     layer_stress: tuple[float, ...]
@@ -100,7 +100,7 @@ class BarSolution(Result):
         return Source("case", self.case.name, dump_case(self.case))
 
     @property
-    def ledger(self) -> dict[str, float]:
+    def balance(self) -> dict[str, float]:
         """Momentum of the stack against the impulses on it, as a share."""
         return {"momentum_error": self.run.momentum_error}
 
@@ -127,7 +127,7 @@ class BarSolution(Result):
         return "delay lines" if any(layer.steps for layer in self.waves.layers) else "spectral"
 
     @functools.cached_property
-    def losses(self) -> tuple[Loss, ...]:
+    def losses(self) -> tuple[FittedLoss, ...]:
         """Where the stack loses energy, and how well the loss factor is held over its band."""
         return fitted_losses(self.case)
 

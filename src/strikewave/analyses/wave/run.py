@@ -11,17 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.wave.build import build_load, wanted
-from strikewave.analyses.wave.notices import Front, bar_notices
-from strikewave.analyses.wave.result import BarSolution
+from strikewave.analyses.wave.notices import Front, layered_bar_notices
+from strikewave.analyses.wave.result import WaveSolution
 from strikewave.base.errors import InputError
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import build_stack, build_taps, check_route, checked, need
 from strikewave.sensors import read
-from strikewave.sensors.channel import Channel, sensor_sources
+from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.signal.filters import stated
 from strikewave.signal.pulse import front, largest, measure_pulse
-from strikewave.waves import BarRun, Impactor, Pulse, Sampled, Stack, Tap, run_bar
+from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Stack, Tap, run_bar
 from strikewave.waves.li_ma import ROUTES
 from strikewave.waves.limits import (
     bar_extremes,
@@ -40,7 +40,7 @@ MOST_REST = 4
 """Of such samples at most, over those of the run: a very low bandwidth would else fill the memory."""
 
 
-def run_wave(case: Case) -> BarSolution:
+def run_wave(case: Case) -> WaveSolution:
     """Run the stack of a case under its load.
 
     Raises
@@ -81,8 +81,8 @@ def run_wave(case: Case) -> BarSolution:
     for key, wave in routes.items():
         routes[key] = wave._replace(acceleration=_from_rest(wave.acceleration, step, bandwidth))
     extremes = bar_extremes(run)
-    lasting = load.duration if isinstance(load, Pulse | Sampled) else float(run.touches[:, 1].max(initial=0.0))
-    solution = BarSolution(
+    lasting = load.duration if isinstance(load, LoadPulse | Sampled) else float(run.touches[:, 1].max(initial=0.0))
+    solution = WaveSolution(
         case=case,
         run=run,
         taps=taps,
@@ -97,7 +97,7 @@ def run_wave(case: Case) -> BarSolution:
         citations=_citations(case, stack, channels),
     )
     return dataclasses.replace(
-        solution, notices=tuple(bar_notices(solution, Front(rise, peak, bandwidth), extremes, lasting))
+        solution, notices=tuple(layered_bar_notices(solution, Front(rise, peak, bandwidth), extremes, lasting))
     )
 
 
@@ -146,7 +146,7 @@ def _from_rest(values: Array, step: float, bandwidth: float) -> Array:
     return stated(with_rest, step, bandwidth)[..., rest:]
 
 
-def _citations(case: Case, stack: Stack, channels: Sequence[Channel]) -> tuple[str, ...]:
+def _citations(case: Case, stack: Stack, channels: Sequence[SensorChannel]) -> tuple[str, ...]:
     origin = ("li-ma-2019",) if _of_the_paper(case) else ()
     theory = {"none": (), "love-rayleigh": ("love-1927",), "pochhammer-chree": ("graff-1975",)}[case.solver.dispersion]
     lossy = any(x.loss for x in stack.layers) or any(x.branches for x in stack.joints)

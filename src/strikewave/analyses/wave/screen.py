@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.analyses.wave.report import bar_tables, error_words, tap_rows
-from strikewave.analyses.wave.run import BarSolution, run_wave
+from strikewave.analyses.wave.report import error_words, tap_rows, wave_tables
+from strikewave.analyses.wave.run import WaveSolution, run_wave
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.options import Output
@@ -38,7 +38,7 @@ def run_wave_case(
 
 
 @dataclass(frozen=True)
-class WaveCommand(Command[BarSolution]):
+class WaveCommand(Command[WaveSolution]):
     """A run of a stack under its load."""
 
     indent: ClassVar[int | None] = None
@@ -47,23 +47,23 @@ class WaveCommand(Command[BarSolution]):
     field: str = "stress"
     animate: bool = False
 
-    def solve(self) -> BarSolution:
+    def solve(self) -> WaveSolution:
         """Return the solution."""
         say_compiling()
         return run_wave(self.case)
 
-    def show(self, result: BarSolution) -> None:
+    def show(self, result: WaveSolution) -> None:
         """Print the tables of a run."""
         show(result)
 
-    def draw(self, result: BarSolution, folder: Path) -> list[str]:
+    def draw(self, result: WaveSolution, folder: Path) -> list[str]:
         """Write page and pictures, and the animation, which takes a few seconds."""
         from strikewave.analyses.wave.drawn import draw_result
 
         return draw_result(result, folder, self.field, self.animate)
 
 
-def show(solution: BarSolution) -> None:
+def show(solution: WaveSolution) -> None:
     """Print the largest values at the taps, the layers, joints and sensors of a stack, and how exact they are."""
     stack = solution.run.stack
     say(f"{solution.case.name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {stack.transit * 1e6:.4g} us")
@@ -84,7 +84,7 @@ def show(solution: BarSolution) -> None:
         title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
         table(title, ["layer", "asked (mm)", "used (mm)", "steps"], used)
     print_fits(solution.losses)
-    for caption, columns, rows in bar_tables(solution):
+    for caption, columns, rows in wave_tables(solution):
         table(caption, columns, rows)
     if solution.channels:
         read = [
@@ -99,4 +99,4 @@ def show(solution: BarSolution) -> None:
         table("What the sensors read", ["sensor", "peak (g)", "width (us)", "clipped"], read)
         print_losses(solution.channels)
     say(error_words(solution))
-    say(f"ledger: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")
+    say(f"balance: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")

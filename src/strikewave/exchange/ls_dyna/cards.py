@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from strikewave.exchange.deck import Curve, lasting, plain, real
+from strikewave.exchange.deck import TimeCurve, lasting, plain, real
 from strikewave.fem.mesh import Array, Index, Mesh
 
 Value = int | float | None
@@ -92,7 +92,7 @@ class Sets:
         self.lines += keyword("SET_NODE_LIST_TITLE", plain(title, 80), [number, 0.0, 0.0, 0.0, 0.0], *rows)
         return number
 
-    def curve(self, title: str, curve: Curve, scale: tuple[float, float], until: float) -> int:
+    def curve(self, title: str, curve: TimeCurve, scale: tuple[float, float], until: float) -> int:
         """Write a curve over time, with factors of time and value, and return its number; ``until`` is in s."""
         number, long = self.next("curve"), lasting(curve, until)
         points = (

@@ -21,12 +21,12 @@ from strikewave.base.result import Notice
 from strikewave.exchange.ls_dyna.agreement import Agreement, agreement
 from strikewave.exchange.ls_dyna.ascii import LARGEST_FILE, Array
 from strikewave.exchange.ls_dyna.folder import (
-    Contact,
+    ContactPulse,
     EnergyHistory,
     Extreme,
     Force,
+    LsDynaContact,
     LsDynaRun,
-    Pulse,
     pulse_of,
     widened,
 )
@@ -85,10 +85,10 @@ class ForcePair:
     ----------
     name : str
         In strikewave.
-    contact : Contact
+    contact : LsDynaContact
     side : str
         That of LS-DYNA whose impulse points as that on the first surface in strikewave.
-    strikewave, ls_dyna : Pulse or None
+    strikewave, ls_dyna : ContactPulse or None
         None where nothing touched.
     curves : tuple of Force
         strikewave, LS-DYNA.
@@ -99,10 +99,10 @@ class ForcePair:
     """
 
     name: str
-    contact: Contact
+    contact: LsDynaContact
     side: str
-    strikewave: Pulse | None
-    ls_dyna: Pulse | None
+    strikewave: ContactPulse | None
+    ls_dyna: ContactPulse | None
     curves: tuple[Force, Force]
     angle: float
     plain: Agreement
@@ -197,7 +197,7 @@ def compare_runs(
     return RunComparison(ls_dyna, strikewave, pairs, twins, tuple(_notices(compared)))
 
 
-def force_pair(name: str, strikewave: Force, contact: Contact) -> ForcePair:
+def force_pair(name: str, strikewave: Force, contact: LsDynaContact) -> ForcePair:
     """Pair a contact force with that of LS-DYNA on the side whose impulse points the same way."""
     side = max(sorted(contact.sides), key=lambda key: float(contact.sides[key].gathered @ strikewave.gathered))
     ls_dyna = contact.sides[side]

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from strikewave.base.errors import InputError
 from strikewave.exchange.ls_dyna.ascii import title_of
 from strikewave.fem.mesh import Mesh
-from strikewave.fem.run import Frame
+from strikewave.fem.run import FieldFrame
 from strikewave.fem.vtkhdf import MOST_NODES
 
 if TYPE_CHECKING:
@@ -70,10 +70,10 @@ COUNTED = (
 """Counts that are bounded before they are used."""
 
 
-class State(NamedTuple):
+class D3plotState(NamedTuple):
     """A field at an instant, and which elements are not deleted, (elements,)."""
 
-    frame: Frame
+    frame: FieldFrame
     alive: NDArray[np.bool_]
 
 
@@ -92,11 +92,11 @@ class D3plot:
     mesh: Mesh
     numbers: tuple[int, ...]
     _files: tuple[Path, ...]
-    _layout: _Layout
+    _layout: _StateLayout
     _order: Whole
     _units: UnitSystem
 
-    def states(self) -> Iterator[State]:
+    def states(self) -> Iterator[D3plotState]:
         """Yield the states in the order of time, one in memory at a time.
 
         A state that is cut off, as where a run was killed, and all after it, is left out.
@@ -118,7 +118,7 @@ class D3plot:
         """Return whether these are zeros that fill a file up to a whole block: no node has a place."""
         return not words[self._layout.place_of_nodes :][: 3 * len(self.mesh.points)].any()
 
-    def _state(self, words: NDArray[Any]) -> State:
+    def _state(self, words: NDArray[Any]) -> D3plotState:
         layout, units, count = self._layout, self._units, len(self.mesh.points)
         nodes = words[layout.place_of_nodes :]
         moved = nodes[: 3 * count].reshape(-1, 3) * units.length - self.mesh.points
@@ -132,10 +132,10 @@ class D3plot:
         alive = np.ones(layout.solids, bool)
         if layout.place_of_alive is not None:
             alive = words[layout.place_of_alive :][: layout.solids][self._order] != 0.0
-        return State(Frame(float(words[0]) * units.time, moved, velocity, stress, strain), alive)
+        return D3plotState(FieldFrame(float(words[0]) * units.time, moved, velocity, stress, strain), alive)
 
 
-class _Layout(NamedTuple):
+class _StateLayout(NamedTuple):
     """Where things stand in a state, in words, and where states begin in the first file, bytes."""
 
     real: np.dtype[Any]
@@ -312,7 +312,7 @@ def _check(path: Path, control: dict[str, int]) -> None:
             raise _damaged(path, f"{control[name]} {name.replace('_', ' ')}")
 
 
-def _state_layout(path: Path, reader: _Reader, rigid_shells: int) -> _Layout:
+def _state_layout(path: Path, reader: _Reader, rigid_shells: int) -> _StateLayout:
     """Return where things stand in a state; see "State data" of the source."""
     c, nodes = reader.control, reader.control["nodes"]
     heat, rates = c["temperatures"] % 10, c["temperature_rates"]
@@ -333,13 +333,13 @@ def _state_layout(path: Path, reader: _Reader, rigid_shells: int) -> _Layout:
     points = 8 if c["solid_numbers"] >= 8 * each else 1
     if c["solid_numbers"] < each or c["solid_numbers"] % points:
         raise _damaged(path, f"{c['solid_numbers']} numbers to a solid, where {each} are needed")
-    return _Layout(
+    return _StateLayout(
         reader.real, reader.place, place, c["solids"], c["solid_numbers"], points, strained,
         place_of_nodes, velocity, place_of_solids, alive,
     )  # fmt: skip
 
 
-def _stored(file: Path, layout: _Layout, begin: int) -> Iterator[NDArray[Any]]:
+def _stored(file: Path, layout: _StateLayout, begin: int) -> Iterator[NDArray[Any]]:
     """Yield the states of a file as words; what is left at its end is none."""
     try:
         with file.open("rb") as stream:
@@ -352,7 +352,7 @@ def _stored(file: Path, layout: _Layout, begin: int) -> Iterator[NDArray[Any]]:
         raise InputError("FILE", str(file), "a file that can be read", error.strerror or str(error)) from None
 
 
-def _finite(file: Path, state: State) -> State:
+def _finite(file: Path, state: D3plotState) -> D3plotState:
     """Return a state in which all is finite."""
     for what, values in vars(state.frame).items():
         if not np.isfinite(values).all():

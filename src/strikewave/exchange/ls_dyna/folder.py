@@ -19,7 +19,7 @@ from strikewave.exchange.ls_dyna.binout import read_binout
 from strikewave.exchange.ls_dyna.d3plot import D3plot, read_d3plot
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.invariants import von_mises
-from strikewave.fem.run import Frame
+from strikewave.fem.run import FieldFrame
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing
 
 NAMES = re.compile(r"(?P<job>(.+\.)?)(?P<name>rcforc|glstat|d3plot|binout\d*)", re.DOTALL)
@@ -65,7 +65,7 @@ class Force:
 
 
 @dataclass(frozen=True)
-class Pulse:
+class ContactPulse:
     """What a contact force comes to.
 
     Attributes
@@ -108,7 +108,7 @@ class EnergyHistory:
 
 
 @dataclass(frozen=True)
-class Contact:
+class LsDynaContact:
     """A contact of LS-DYNA.
 
     Attributes
@@ -144,7 +144,7 @@ class LsDynaRun:
     folder : Path
     files : tuple of Path
         Those that were read.
-    contacts : tuple of Contact
+    contacts : tuple of LsDynaContact
         By number; none where no file of forces is there.
     energies : EnergyHistory or None
     fields : D3plot or None
@@ -158,7 +158,7 @@ class LsDynaRun:
 
     folder: Path
     files: tuple[Path, ...]
-    contacts: tuple[Contact, ...]
+    contacts: tuple[LsDynaContact, ...]
     energies: EnergyHistory | None
     fields: D3plot | None
     extremes: Mapping[str, Extreme]
@@ -215,7 +215,7 @@ def _held(folder: Path) -> dict[str, Path]:
     return {match["name"]: path for match, path in matches if match["job"] == jobs[0]}
 
 
-def pulse_of(force: Force) -> Pulse | None:
+def pulse_of(force: Force) -> ContactPulse | None:
     """Measure a contact force by its size; None where nothing touched.
 
     Examples
@@ -237,7 +237,7 @@ def pulse_of(force: Force) -> Pulse | None:
     ]
     count = np.arange(size.size)
     begin, end = (float(t) for t in np.interp(places, count, force.time))
-    return Pulse(
+    return ContactPulse(
         peak=peak,
         at=float(force.time[int(np.argmax(size))]),
         impulse=float(np.linalg.norm(force.gathered)),
@@ -247,7 +247,7 @@ def pulse_of(force: Force) -> Pulse | None:
 
 
 def widened(
-    so_far: Mapping[str, Extreme], frame: Frame, parts: Mapping[str, tuple[NDArray[Any], slice]]
+    so_far: Mapping[str, Extreme], frame: FieldFrame, parts: Mapping[str, tuple[NDArray[Any], slice]]
 ) -> dict[str, Extreme]:
     """Return the extremes of parts with those of a further frame; ``parts`` are nodes and elements of each."""
     size, stress = np.linalg.norm(frame.displacement, axis=1), von_mises(frame.stress)
@@ -260,14 +260,14 @@ def widened(
     return extremes
 
 
-def _contacts(forces: tuple[ContactForce, ...], units: UnitSystem) -> tuple[Contact, ...]:
-    contacts: dict[int, Contact] = {}
+def _contacts(forces: tuple[ContactForce, ...], units: UnitSystem) -> tuple[LsDynaContact, ...]:
+    contacts: dict[int, LsDynaContact] = {}
     for series in forces:
         force = Force(series.time * units.time, series.force / units.force)
         sides = contacts[series.number].sides if series.number in contacts else {}
         if series.side in sides:
             raise InputError(f"contact {series.number}, side {series.side}", "two forces", "one force on each side")
-        contacts[series.number] = Contact(series.number, series.title, {**sides, series.side: force})
+        contacts[series.number] = LsDynaContact(series.number, series.title, {**sides, series.side: force})
     return tuple(contacts[number] for number in sorted(contacts))
 
 

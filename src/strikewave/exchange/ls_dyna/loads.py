@@ -9,7 +9,7 @@ import numpy as np
 from strikewave.exchange.deck import axis_of, driven_nodes, plain, restraints, tie_distance
 from strikewave.exchange.ls_dyna.cards import Sets, Value, keyword
 from strikewave.exchange.units import UnitSystem
-from strikewave.fem.model import Contact, Curve, Driven, Model, NonReflecting, Pressure, Tie, Wall
+from strikewave.fem.model import Driven, Model, NonReflecting, Pressure, RigidWall, SurfaceContact, Tie, TimeCurve
 from strikewave.fem.tie import TieState
 
 SEGMENTS, NODES = 0, 4
@@ -18,7 +18,7 @@ SOFT = 1
 """Contact stiffness from nodal masses and the time step too, as that of strikewave is."""
 TRACKED = 1
 """IGNORE: overlaps before the blow stay as they are, without a force."""
-CONSTANT = Curve((0.0,), (1.0,))
+CONSTANT = TimeCurve((0.0,), (1.0,))
 """A load that does not change: gravity."""
 NO_DEATH, NO_END = 1e20, 1e28
 """Time at which a contact or wall, and a prescribed motion, ends: LS-DYNA's own defaults for never."""
@@ -55,7 +55,7 @@ def _held(model: Model, sets: Sets, ties: TieState) -> Iterator[str]:
         yield from keyword("BOUNDARY_SPC_SET", [number, axes, *(int(is_held) for is_held in restraint.held), 0, 0, 0])
 
 
-def _contact(number: int, contact: Contact, sets: Sets) -> list[str]:
+def _contact(number: int, contact: SurfaceContact, sets: Sets) -> list[str]:
     """Return a contact of two sides, each checked against the other; faces of solids have no thickness."""
     first, second = sets.segments(contact.first), sets.segments(contact.second)
     friction = float(f"{contact.friction:.{DIGITS}g}")
@@ -84,7 +84,7 @@ def _tie(number: int, tie: Tie, system: UnitSystem, sets: Sets) -> list[str]:
     )
 
 
-def _wall(wall: Wall, system: UnitSystem, sets: Sets, ties: TieState) -> list[str]:
+def _wall(wall: RigidWall, system: UnitSystem, sets: Sets, ties: TieState) -> list[str]:
     """Return a wall; its normal runs from tail to head, a unit of length long."""
     nodes = np.setdiff1d(np.unique(sets.mesh.side(wall.side)), ties.nodes).astype(np.int32)
     tail = system.distance * np.array(wall.point)

@@ -39,7 +39,7 @@ class Archived(NamedTuple):
     values: NDArray[Any]
 
 
-class _Layout(NamedTuple):
+class _LsdaHeader(NamedTuple):
     """Sizes of a length, a command and a type, bytes, and the byte order."""
 
     length: int
@@ -85,7 +85,7 @@ def _walked(path: Path, view: mmap.mmap) -> Iterator[Archived]:
         place += length
 
 
-def _array(path: Path, view: mmap.mmap, place: int, length: int, layout: _Layout, folder: str) -> Archived:
+def _array(path: Path, view: mmap.mmap, place: int, length: int, layout: _LsdaHeader, folder: str) -> Archived:
     """Return the array of a record."""
     start = place + layout.length + layout.command
     kind = int.from_bytes(view[start : start + layout.kind], _word(layout))
@@ -100,15 +100,15 @@ def _array(path: Path, view: mmap.mmap, place: int, length: int, layout: _Layout
     return Archived(posixpath.join(folder, name), values)
 
 
-def _layout(path: Path, view: mmap.mmap) -> _Layout:
+def _layout(path: Path, view: mmap.mmap) -> _LsdaHeader:
     header, length, _, command, kind, order = view[:6]
     known = length in (2, 4, 8) and command in (1, 2, 4) and kind in (1, 2, 4) and order in (0, 1)
     if not (8 <= header <= 64 and known):
         raise InputError("FILE", str(path), "an archive of LS-DYNA (binout)", "its first bytes are of something else")
-    return _Layout(length, command, kind, "<" if order else ">")
+    return _LsdaHeader(length, command, kind, "<" if order else ">")
 
 
-def _word(layout: _Layout) -> Any:
+def _word(layout: _LsdaHeader) -> Any:
     return "little" if layout.order == "<" else "big"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from strikewave.exchange.deck import lasting, plain, real
 from strikewave.fem.mesh import Array, Index, Mesh
-from strikewave.fem.model import Curve
+from strikewave.fem.model import TimeCurve
 
 Value = int | float | str | None
 
@@ -69,7 +69,7 @@ class Groups:
         self.lines += block(f"GRNOD/NODE/{number}", title, *(numbers[k : k + 10] for k in range(0, len(numbers), 10)))
         return number
 
-    def function(self, title: str, curve: Curve, scale: tuple[float, float], until: float) -> int:
+    def function(self, title: str, curve: TimeCurve, scale: tuple[float, float], until: float) -> int:
         """Write a function of time, with factors of time and value, and return its number; ``until`` is in s."""
         number, long = self.next("function"), lasting(curve, until)
         rows = ([t * scale[0], v * scale[1]] for t, v in zip(long.time, long.value, strict=True))

@@ -10,7 +10,7 @@ from strikewave.exchange.deck import axes_from, axis_of, driven_nodes, restraint
 from strikewave.exchange.radioss.blocks import Groups, Value, block
 from strikewave.exchange.radioss.parts import restraint, rigid_lines
 from strikewave.exchange.units import UnitSystem
-from strikewave.fem.model import Contact, Curve, Driven, Model, Pressure, Tie, Wall
+from strikewave.fem.model import Driven, Model, Pressure, RigidWall, SurfaceContact, Tie, TimeCurve
 from strikewave.fem.tie import TieState
 
 SHIFTED = 5
@@ -46,7 +46,7 @@ def load_lines(model: Model, system: UnitSystem, groups: Groups, ties: TieState)
     yield from rigid_lines(model, system, groups)
 
 
-def _contact(number: int, contact: Contact, groups: Groups) -> list[str]:
+def _contact(number: int, contact: SurfaceContact, groups: Groups) -> list[str]:
     """Return a contact of two surfaces of solids, which have no gap: nodes of each are checked against the other."""
     first, second = groups.surface(contact.first), groups.surface(contact.second)
     return block(
@@ -70,7 +70,7 @@ def _tie(number: int, tie: Tie, system: UnitSystem, groups: Groups) -> list[str]
     )
 
 
-def _wall(number: int, wall: Wall, system: UnitSystem, groups: Groups, ties: TieState) -> list[str]:
+def _wall(number: int, wall: RigidWall, system: UnitSystem, groups: Groups, ties: TieState) -> list[str]:
     """Return a wall; its normal runs from its point to a second one, a unit of length away."""
     nodes = np.setdiff1d(np.unique(groups.mesh.side(wall.side)), ties.nodes).astype(np.int32)
     point = system.distance * np.array(wall.point)
@@ -108,7 +108,7 @@ def _pressed(model: Model, boundary: Pressure, system: UnitSystem, groups: Group
 def _gravity(model: Model, system: UnitSystem, groups: Groups) -> Iterator[str]:
     if not any(model.gravity):
         return
-    constant = Curve((0.0,), (1.0,))
+    constant = TimeCurve((0.0,), (1.0,))
     function = groups.function("gravity", constant, (system.duration, 1.0), model.controls.duration)
     nodes = groups.nodes("all nodes", np.arange(len(model.mesh.points) + len(model.rigid), dtype=np.int32))
     for number, (axis, value) in enumerate(zip("XYZ", model.gravity, strict=True), start=1):

@@ -24,7 +24,7 @@ SEVEN_BLOWS, SEVEN_WINDOW, ELEVEN_BLOWS = "comparison count", "comparison time",
 
 
 @dataclass(frozen=True)
-class Impact:
+class PublishedAnswer:
     """Where a machine case compares a published number: of which runs, under which quantity and sensor."""
 
     runs: str
@@ -33,21 +33,21 @@ class Impact:
 
 
 IMPACTS = {
-    DIRECT_PEAK: Impact("comparison", "first.sensor_peak", "direct"),
-    BUFFERED_PEAK: Impact("comparison", "first.sensor_peak", "buffered"),
-    SEVEN_BLOWS: Impact("comparison", "count"),
-    SEVEN_WINDOW: Impact("comparison", "window"),
-    ELEVEN_BLOWS: Impact("machine", "count"),
-    TYPICAL_PEAK: Impact("machine", "typical.rigid_peak"),
-    TYPICAL_WIDTH: Impact("machine", "typical.width"),
-    RIGID_PEAK: Impact("machine", "first.rigid_peak"),
-    RIGID_WIDTH: Impact("machine", "first.width"),
-    DYNA_PEAK: Impact("machine", "first.rigid_peak"),
-    DYNA_WIDTH: Impact("machine", "first.width"),
-    DYNA_FORCE: Impact("machine", "first.peak_force"),
-    WAVE_PEAK: Impact("fixture", "first.sensor_peak", "oscilloscope"),
-    WAVE_WIDTH: Impact("fixture", "first.sensor_width", "oscilloscope"),
-    DYNA_WAVE_PEAK: Impact("fixture", "first.sensor_peak", "oscilloscope"),
+    DIRECT_PEAK: PublishedAnswer("comparison", "first.sensor_peak", "direct"),
+    BUFFERED_PEAK: PublishedAnswer("comparison", "first.sensor_peak", "buffered"),
+    SEVEN_BLOWS: PublishedAnswer("comparison", "count"),
+    SEVEN_WINDOW: PublishedAnswer("comparison", "window"),
+    ELEVEN_BLOWS: PublishedAnswer("machine", "count"),
+    TYPICAL_PEAK: PublishedAnswer("machine", "typical.rigid_peak"),
+    TYPICAL_WIDTH: PublishedAnswer("machine", "typical.width"),
+    RIGID_PEAK: PublishedAnswer("machine", "first.rigid_peak"),
+    RIGID_WIDTH: PublishedAnswer("machine", "first.width"),
+    DYNA_PEAK: PublishedAnswer("machine", "first.rigid_peak"),
+    DYNA_WIDTH: PublishedAnswer("machine", "first.width"),
+    DYNA_FORCE: PublishedAnswer("machine", "first.peak_force"),
+    WAVE_PEAK: PublishedAnswer("fixture", "first.sensor_peak", "oscilloscope"),
+    WAVE_WIDTH: PublishedAnswer("fixture", "first.sensor_width", "oscilloscope"),
+    DYNA_WAVE_PEAK: PublishedAnswer("fixture", "first.sensor_peak", "oscilloscope"),
 }
 """Published numbers that a machine case compares, each with where."""
 OF_THE_FIRST_BLOW = (RIGID_PEAK, RIGID_WIDTH, DYNA_PEAK, DYNA_WIDTH, DYNA_FORCE, WAVE_PEAK, WAVE_WIDTH, DYNA_WAVE_PEAK)
@@ -77,7 +77,7 @@ def _answers(number: PublishedNumber, runs: Runs) -> Iterator[Computed]:
         yield from bodies
 
 
-def _comparison(solution: Solution, place: Impact, number: PublishedNumber) -> Comparison:
+def _comparison(solution: Solution, place: PublishedAnswer, number: PublishedNumber) -> Comparison:
     """Return where a case compares a number; measured and simulated ones have a line each."""
     origin = "simulated" if number.origin == "simulated" else "measured"
     return next(

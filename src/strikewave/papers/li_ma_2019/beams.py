@@ -78,7 +78,7 @@ def middle_mass(mass: float) -> float:
 
 
 @dataclass(frozen=True)
-class Wall:
+class FrameWall:
     """A wall of a frame between its side walls, struck in its middle.
 
     Where a column is bonded to its middle, the wall neither bends nor turns there: by symmetry what is left is a

@@ -20,12 +20,12 @@ from strikewave.analyses.fem.build import solid_of
 from strikewave.analyses.fem.vectors import vector
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case
-from strikewave.cases.mesh_tables import AnyPart, Cylinder, Frame, HalfCylinder, Tube
-from strikewave.contact import AnyContact, Chain, Geometry, Spring, Stop, Touch, simulate, stiffness_of
+from strikewave.cases.mesh_tables import AnyPart, Cylinder, FramePart, HalfCylinder, Tube
+from strikewave.contact import AnyContact, Chain, ChainContact, Geometry, Spring, Stop, simulate, stiffness_of
 from strikewave.contact.chain import Link
 from strikewave.fem.measures import interval_means, middles
 from strikewave.fem.solids import AnySolid
-from strikewave.papers.li_ma_2019.beams import Wall
+from strikewave.papers.li_ma_2019.beams import FrameWall
 from strikewave.papers.li_ma_2019.element_pulses import SPECIMEN
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing
 from strikewave.waves import BONDED, BarRun, Impactor, Joint, Layer, Stack, Tap, run_bar
@@ -138,17 +138,17 @@ class FrameBlow:
         return sum(piece.mass for piece in self.column)
 
     @property
-    def top_wall(self) -> Wall:
+    def top_wall(self) -> FrameWall:
         """Top wall, with the upper end of the column on it."""
         return self._wall(self.top, self.column[0])
 
     @property
-    def bottom_wall(self) -> Wall:
+    def bottom_wall(self) -> FrameWall:
         """Bottom wall, with the lower end of the column on it."""
         return self._wall(self.bottom, self.column[-1])
 
-    def _wall(self, thickness: float, piece: Piece) -> Wall:
-        return Wall(self.frame, self.span, self.depth, thickness, piece.diameter if self.bonded else 0.0)
+    def _wall(self, thickness: float, piece: Piece) -> FrameWall:
+        return FrameWall(self.frame, self.span, self.depth, thickness, piece.diameter if self.bonded else 0.0)
 
     def contact(self, law: LineLaw = LAW) -> AnyContact:
         """Return the elastic line contact of striker and frame; a law with a datum has it at the wall's far face."""
@@ -206,7 +206,7 @@ def frame_blow(case: Case) -> FrameBlow:
     """
     parts = case.mesh.part if case.mesh else ()
     strikers = [part for part in parts if isinstance(part, HalfCylinder)]
-    frames = [part for part in parts if isinstance(part, Frame)]
+    frames = [part for part in parts if isinstance(part, FramePart)]
     column = [part for part in parts if isinstance(part, Cylinder | Tube)]
     known = len(strikers) + len(frames) + len(column)
     if case.fem is None or len(strikers) != 1 or len(frames) != 1 or not column or known != len(parts):
@@ -289,7 +289,7 @@ def _chain(blow: FrameBlow, law: LineLaw) -> Chain:
     masses["top"], masses["bottom"] = top.middle_mass, bottom.middle_mass
     masses["sides"] = blow.side_mass + top.mass + bottom.mass - top.middle_mass - bottom.middle_mass
     links: list[Link] = [
-        Touch("striker", "top", blow.contact(law)),
+        ChainContact("striker", "top", blow.contact(law)),
         Spring("top", "sides", top.stiffness),
         Spring("bottom", "sides", bottom.stiffness),
     ]

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.run import run_model
 from strikewave.cases.case import Case, dump_case, parse_case
-from strikewave.cases.mesh_tables import Frame, HalfCylinder, MeshTable
+from strikewave.cases.mesh_tables import FramePart, HalfCylinder, MeshTable
 from strikewave.contact import slow_force
-from strikewave.fem.model import Curve, Driven, Fixed, Model, Point
+from strikewave.fem.model import Driven, Fixed, Model, Point, TimeCurve
 from strikewave.papers.li_ma_2019.beams import endless_compliance
 from strikewave.papers.li_ma_2019.bodies import LAW, FrameBlow, LineLaw, SimpleAnswer, frame_blow, layered, lumped
 from strikewave.papers.li_ma_2019.element_pulses import whole_force
@@ -155,9 +155,9 @@ def wall_stiffness(case: Case, threads: int = 1) -> float:
     if coarse.mesh is None or coarse.fem is None:
         raise ValueError("a case with [[mesh.part]] and [fem] is needed")
     parts = tuple(
-        part.model_copy(update={"elements": "full"}) if isinstance(part, Frame) else part
+        part.model_copy(update={"elements": "full"}) if isinstance(part, FramePart) else part
         for part in coarse.mesh.part
-        if isinstance(part, Frame | HalfCylinder)
+        if isinstance(part, FramePart | HalfCylinder)
     )
     names = {part.name for part in parts}
     tables = {
@@ -168,7 +168,7 @@ def wall_stiffness(case: Case, threads: int = 1) -> float:
         **dict.fromkeys(("tie", "group", "section", "point"), ()),
     }
     pushed_case = coarse.model_copy(update={"mesh": MeshTable(part=parts), "fem": coarse.fem.model_copy(update=tables)})
-    striker, frame = (next(x.name for x in parts if isinstance(x, shape)) for shape in (HalfCylinder, Frame))
+    striker, frame = (next(x.name for x in parts if isinstance(x, shape)) for shape in (HalfCylinder, FramePart))
     solution = run_model(pushed_case, _pushed(build_model(pushed_case, threads), frame_blow(coarse), striker, frame))
     contact_force = whole_force(solution)
     if contact_force is None:
@@ -183,7 +183,7 @@ def wall_stiffness(case: Case, threads: int = 1) -> float:
 def _pushed(model: Model, blow: FrameBlow, striker: str, frame: str) -> Model:
     """Return a frame that stands still while the top of the striker is pushed down, slowly, and held."""
     height = blow.height - 0.5 * blow.top
-    push = Curve((0.0, 0.5 * RAMP, RAMP), (0.0, 2.0 * PUSH / RAMP, 0.0))
+    push = TimeCurve((0.0, 0.5 * RAMP, RAMP), (0.0, 2.0 * PUSH / RAMP, 0.0))
     supports = (Fixed(f"{frame}.bottom"), Driven(f"{striker}.top", (0.0, 0.0, -1.0), push))
     return replace(
         elastic(model),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.cases.case import Case
-from strikewave.cases.mesh_tables import Frame, HalfCylinder
+from strikewave.cases.mesh_tables import FramePart, HalfCylinder
 from strikewave.papers.li_ma_2019.bodies import LineLaw, SimpleAnswer, layered, lumped
 from strikewave.papers.li_ma_2019.element_pulses import SPECIMEN
 from strikewave.papers.li_ma_2019.solid_bars import element_answer
@@ -88,4 +88,4 @@ def body_rows(solutions: Sequence[FemSolution]) -> list[BodyRow]:
 def _is_frame_blow(case: Case) -> bool:
     shapes = [type(part) for part in (case.mesh.part if case.mesh else ())]
     held = {row.kind for row in (case.fem.boundary if case.fem else ())} - {"symmetry"}
-    return HalfCylinder in shapes and Frame in shapes and not held
+    return HalfCylinder in shapes and FramePart in shapes and not held

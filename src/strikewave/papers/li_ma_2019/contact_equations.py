@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from strikewave.base.materials import Material
 from strikewave.contact import Stiffness, exact, factor, impact_history, palmgren, restitution
-from strikewave.papers.li_ma_2019.examples import SAMPLES, Blow, ContactExample, solve_blow
+from strikewave.papers.li_ma_2019.examples import SAMPLES, ContactExample, SolvedContact, solve_blow
 from strikewave.papers.li_ma_2019.values import Values
 
 EXPONENT = 10.0 / 9.0
@@ -97,7 +97,7 @@ def _stiffness(example: ContactExample) -> dict[str, Values]:
     }
 
 
-def _impact(blow: Blow) -> dict[str, Values]:
+def _impact(blow: SolvedContact) -> dict[str, Values]:
     """Return (1) and (6) to (11)."""
     one, other, v0 = blow.example.striker_mass, blow.example.struck_mass, blow.example.speed
     time = float(blow.closed.peak_time)
@@ -121,7 +121,7 @@ def _impact(blow: Blow) -> dict[str, Values]:
     }
 
 
-def _impulse_and_work(blow: Blow) -> tuple[float, float]:
+def _impulse_and_work(blow: SolvedContact) -> tuple[float, float]:
     """Return impulse (N s) and work (J) of the contact force over the integrated motion."""
     impulse = work = 0.0
     for begin, end in ((0.0, blow.turning), (blow.turning, blow.end)):
@@ -132,7 +132,7 @@ def _impulse_and_work(blow: Blow) -> tuple[float, float]:
     return impulse, work
 
 
-def _losses(blow: Blow) -> dict[str, Values]:
+def _losses(blow: SolvedContact) -> dict[str, Values]:
     """Return (12) to (16): the estimate of the loss with the true C and depth."""
     v0, e = blow.example.speed, blow.example.restitution
     unit = blow.damping * v0 * blow.deepest ** (EXPONENT + 1.0)
@@ -150,12 +150,12 @@ def _losses(blow: Blow) -> dict[str, Values]:
     }
 
 
-def _elastic_energy(blow: Blow) -> float:
+def _elastic_energy(blow: SolvedContact) -> float:
     """Return U(max) of (18) at the largest indentation of the closed form, J."""
     return blow.stiffness * blow.deepest ** (EXPONENT + 1.0) / (EXPONENT + 1.0)
 
 
-def _turning(blow: Blow) -> dict[str, Values]:
+def _turning(blow: SolvedContact) -> dict[str, Values]:
     """Return (17) to (21): the balance at the largest indentation."""
     one, other, v0 = blow.example.striker_mass, blow.example.struck_mass, blow.example.speed
     speeds = blow.motion.speeds(blow.turning)
@@ -176,7 +176,7 @@ def _turning(blow: Blow) -> dict[str, Values]:
     }
 
 
-def _damping(blow: Blow) -> dict[str, Values]:
+def _damping(blow: SolvedContact) -> dict[str, Values]:
     """Return (22) to (25): the damping, and the restitution that comes of it."""
     example, v0, e = blow.example, blow.example.speed, blow.example.restitution
     fast, slow = (float(speed) for speed in blow.motion.speeds(blow.end))

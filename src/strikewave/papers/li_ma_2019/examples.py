@@ -16,9 +16,19 @@ from scipy.integrate import simpson
 from scipy.optimize import brentq
 
 from strikewave.base.materials import Material, material
-from strikewave.contact import Chain, ChainMotion, Impact, Touch, exact, palmgren, reduced_mass, simulate, solve_impact
+from strikewave.contact import (
+    Chain,
+    ChainContact,
+    ChainMotion,
+    Impact,
+    exact,
+    palmgren,
+    reduced_mass,
+    simulate,
+    solve_impact,
+)
 from strikewave.papers.li_ma_2019.published import published_number
-from strikewave.waves import BONDED, BarRun, End, Layer, Pulse, Stack, Tap, Wanted, round_bar, run_bar
+from strikewave.waves import BONDED, BarRun, End, Layer, LoadPulse, Stack, Tap, WantedError, round_bar, run_bar
 from strikewave.waves.li_ma import Incident, Sandwich
 
 Array = NDArray[np.float64]
@@ -81,7 +91,7 @@ class ContactExample:
 
 
 @dataclass(frozen=True, eq=False)
-class Blow:
+class SolvedContact:
     """A contact example solved twice: in closed form, and by integrating both bodies in time.
 
     Attributes
@@ -133,7 +143,7 @@ class Blow:
         return np.maximum(one - other, 0.0), fast - slow
 
 
-def solve_blow(example: ContactExample) -> Blow:
+def solve_blow(example: ContactExample) -> SolvedContact:
     """Solve an example in closed form and by the integrator.
 
     Examples
@@ -147,7 +157,7 @@ def solve_blow(example: ContactExample) -> Blow:
     contact = law.contact(factor)
     closed = solve_impact(contact, example.striker_mass, example.struck_mass, example.speed)
     bodies = {"striker": example.striker_mass, "struck": example.struck_mass}
-    chain = Chain(bodies, [Touch("striker", "struck", contact)])
+    chain = Chain(bodies, [ChainContact("striker", "struck", contact)])
     motion = simulate(chain, {}, {"striker": example.speed}, FOLLOWED * float(closed.duration), TOLERANCE)
     end = float(motion.contacts(0)[0, 1])
 
@@ -157,7 +167,7 @@ def solve_blow(example: ContactExample) -> Blow:
     turning = float(brentq(rate, 0.0, end, xtol=TURNING * end))
     mass = float(reduced_mass(example.striker_mass, example.struck_mass))
     damping = factor * law.stiffness / example.speed
-    return Blow(example, law.stiffness, law.exponent, damping, mass, closed, motion, turning, end)
+    return SolvedContact(example, law.stiffness, law.exponent, damping, mass, closed, motion, turning, end)
 
 
 def _bar(name: str, of: str) -> Layer:
@@ -236,7 +246,7 @@ class Watched:
 
 
 def watch(
-    example: WaveExample, pulse: Pulse, transits: float, end: FarEnd = "matched", position: float | None = None
+    example: WaveExample, pulse: LoadPulse, transits: float, end: FarEnd = "matched", position: float | None = None
 ) -> Watched:
     """Follow an incident wave through the bars by delay lines, for so many transits of the specimen.
 
@@ -257,7 +267,7 @@ def watch(
     bars = (upper, example.specimen, lower) if end == "matched" else (upper, example.specimen)
     stack = Stack(bars, (BONDED,) * (len(bars) - 1), End(end))
     first = (1.0 + place) * transit
-    wanted = Wanted(step=transit / STEPS_OF_TRANSIT)
+    wanted = WantedError(step=transit / STEPS_OF_TRANSIT)
     run: BarRun = run_bar(stack, pulse, [Tap(1, place)], first + transits * transit, wanted)
     strain = run.force[:, 0] / (example.specimen.modulus * example.specimen.area)
     return Watched(run.time - first, strain, run.velocity[:, 0], run.acceleration[:, 0])
@@ -268,17 +278,17 @@ def _cut(bar: Layer, transit: float) -> Layer:
     return Layer(bar.name, bar.density, bar.modulus, bar.area, bar.bar_speed * transit)
 
 
-def step_of(example: WaveExample) -> Pulse:
+def step_of(example: WaveExample) -> LoadPulse:
     """Return a jump of the incident wave that stays."""
-    return Pulse("rectangle", example.force, 1.0, kind="incident")
+    return LoadPulse("rectangle", example.force, 1.0, kind="incident")
 
 
-def pulse_of(example: WaveExample, duration: float) -> Pulse:
+def pulse_of(example: WaveExample, duration: float) -> LoadPulse:
     """Return a smooth incident pulse, F0 sin^2(pi t/T)."""
-    return Pulse("sine-squared", example.force, duration, kind="incident")
+    return LoadPulse("sine-squared", example.force, duration, kind="incident")
 
 
-def incident_of(example: WaveExample, pulse: Pulse) -> Incident:
+def incident_of(example: WaveExample, pulse: LoadPulse) -> Incident:
     """Return strain and strain rate of an incident pulse, the rate of a jump being zero."""
     over = 1.0 / (example.upper.modulus * example.upper.area)
 

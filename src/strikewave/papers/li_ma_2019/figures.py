@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from strikewave.analyses.machine.result import Solution
-    from strikewave.analyses.wave.result import BarSolution
+    from strikewave.analyses.wave.result import WaveSolution
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ TWO_ROWS = (9.8, 6.2)
 """Size of a figure of two rows, inches."""
 
 
-class Mark(NamedTuple):
+class PublishedMark(NamedTuple):
     """A published number in a picture.
 
     Attributes
@@ -122,7 +122,7 @@ def ratio_figure(rows: Sequence[Ratio]) -> Figure:
     return figure
 
 
-def sensors_figure(solution: Solution, direct: Mark, buffered: Mark) -> Figure:
+def sensors_figure(solution: Solution, direct: PublishedMark, buffered: PublishedMark) -> Figure:
     """Draw what a directly mounted and a buffered sensor read: all blows, and the first one (Figure 5)."""
     from matplotlib.figure import Figure
 
@@ -161,7 +161,7 @@ def reading_traces(solution: Solution, sensor: str) -> list[Trace]:
     return traces
 
 
-def passing_figure(solution: BarSolution, tap: int = 0) -> Figure:
+def passing_figure(solution: WaveSolution, tap: int = 0) -> Figure:
     """Draw the multiple reflections of a wave in a layer, and the force at a place in it by three routes (Figure 7).
 
     On the left the way of the wave, with the instants at which it passes the place: as it must be (filled) and as the
@@ -204,14 +204,14 @@ def passing_figure(solution: BarSolution, tap: int = 0) -> Figure:
     return figure
 
 
-def _arrival(solution: BarSolution, tap: int) -> float:
+def _arrival(solution: WaveSolution, tap: int) -> float:
     """Return when the front first reaches a tap, s."""
     place = solution.taps[tap][1]
     layers = solution.run.stack.layers
     return sum(layer.transit for layer in layers[: place.layer]) + place.position * layers[place.layer].transit
 
 
-def train_figure(machine: Solution, equal: Solution, typical: Mark) -> Figure:
+def train_figure(machine: Solution, equal: Solution, typical: PublishedMark) -> Figure:
     """Draw the rigid-body pulses of a train, and their peaks beside those of a machine with equal blows (Figure 9)."""
     from matplotlib.figure import Figure
 
@@ -250,7 +250,9 @@ def train_figure(machine: Solution, equal: Solution, typical: Mark) -> Figure:
     return figure
 
 
-def pulse_figure(title: str, curves: Sequence[Trace], marks: Sequence[Mark], until: float | None = None) -> Figure:
+def pulse_figure(
+    title: str, curves: Sequence[Trace], marks: Sequence[PublishedMark], until: float | None = None
+) -> Figure:
     """Draw computed pulses with the marks of published ones (Figures 11 and 15).
 
     Parameters
@@ -259,7 +261,7 @@ def pulse_figure(title: str, curves: Sequence[Trace], marks: Sequence[Mark], unt
         What they show.
     curves : sequence of Trace
         Label, s after first touch, m/s^2; none gives a picture of the marks alone.
-    marks : sequence of Mark
+    marks : sequence of PublishedMark
         Peaks as levels, widths as bars at a tenth of them.
     until : float, optional
         End of the time shown, s.
@@ -267,7 +269,8 @@ def pulse_figure(title: str, curves: Sequence[Trace], marks: Sequence[Mark], unt
     Examples
     --------
     >>> t = np.linspace(0.0, 3e-4, 301)
-    >>> figure = pulse_figure("a", [Trace("computed", t, 4e4 * np.sin(1e4 * t))], [Mark(49033.25, "measured", 2e-4)])
+    >>> curve = Trace("computed", t, 4e4 * np.sin(1e4 * t))
+    >>> figure = pulse_figure("a", [curve], [PublishedMark(49033.25, "measured", 2e-4)])
     >>> [text.get_text() for text in figure.axes[0].texts]
     ['measured 5 000 g', 'measured 200 µs']
     """
@@ -286,7 +289,7 @@ def pulse_figure(title: str, curves: Sequence[Trace], marks: Sequence[Mark], unt
     return figure
 
 
-def fixture_figure(solution: Solution, sensor: str, marks: Sequence[Mark]) -> Figure:
+def fixture_figure(solution: Solution, sensor: str, marks: Sequence[PublishedMark]) -> Figure:
     """Draw what the sensor between two cylinders reads: all blows, and the first one (Figure 13)."""
     from matplotlib.figure import Figure
 
@@ -311,7 +314,7 @@ def fixture_figure(solution: Solution, sensor: str, marks: Sequence[Mark]) -> Fi
     return figure
 
 
-def front_figure(solution: BarSolution, marks: Sequence[Mark]) -> Figure:
+def front_figure(solution: WaveSolution, marks: Sequence[PublishedMark]) -> Figure:
     """Draw the acceleration at the taps of a bar under a steep front, with the levels of published peaks."""
     figure, axes = _sheet(WHOLE)
     for k, ((name, _), (colour, stroke)) in enumerate(zip(solution.taps, CURVES[: len(solution.taps)], strict=True)):
@@ -325,7 +328,7 @@ def front_figure(solution: BarSolution, marks: Sequence[Mark]) -> Figure:
     return figure
 
 
-def draw_levels(axes: Any, marks: Sequence[Mark], colours: Sequence[str] = ()) -> None:
+def draw_levels(axes: Any, marks: Sequence[PublishedMark], colours: Sequence[str] = ()) -> None:
     """Draw published peaks as levels across the axes, with their words: of the highest above it, of others below."""
     highest = max((mark.value for mark in marks), default=0.0)
     for k, mark in enumerate(marks):
@@ -345,7 +348,7 @@ def draw_levels(axes: Any, marks: Sequence[Mark], colours: Sequence[str] = ()) -
         )
 
 
-def draw_widths(axes: Any, marks: Sequence[Mark]) -> None:
+def draw_widths(axes: Any, marks: Sequence[PublishedMark]) -> None:
     """Draw published widths as bars with their words, the first at a tenth of its peak, the next ones below."""
     wide = [mark for mark in marks if mark.width is not None]
     for k, mark in enumerate(wide):

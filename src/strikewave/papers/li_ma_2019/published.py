@@ -12,7 +12,7 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import Material
 from strikewave.base.units import DIMENSIONS, convertible, parse_quantity
 from strikewave.cases.case import load_case
-from strikewave.cases.mesh_tables import Frame, HalfCylinder
+from strikewave.cases.mesh_tables import FramePart, HalfCylinder
 from strikewave.contact import contact_modulus
 from strikewave.papers.li_ma_2019.types import Consistency, Origin, PublishedNumber
 
@@ -221,7 +221,7 @@ def nose() -> tuple[float, float]:
     mesh = load_case(ELEMENTS).mesh
     parts = {part.name: part for part in mesh.part} if mesh else {}
     striker, frame = parts["striker"], parts["frame"]
-    if not isinstance(striker, HalfCylinder) or not isinstance(frame, Frame):
+    if not isinstance(striker, HalfCylinder) or not isinstance(frame, FramePart):
         raise ValueError(f"{ELEMENTS} must have a half-cylinder named striker and a frame")
     return striker.radius.si, min(striker.length.si, frame.depth.si)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.result import Solution
 from strikewave.analyses.machine.run import run_case
-from strikewave.analyses.wave.result import BarSolution
+from strikewave.analyses.wave.result import WaveSolution
 from strikewave.analyses.wave.run import run_wave
 from strikewave.cases.case import Case, bundled_cases, load_case
 
@@ -76,7 +76,7 @@ class Runs:
     ----------
     machine, comparison, fixture, equal_blows : Solution
         Of Figures 9 and 11, 5, 13, and of the same machine with equal blows.
-    bar, passing : BarSolution
+    bar, passing : WaveSolution
         The sensor fixture under a front of 5 us, and a stack with multiple reflections (Figure 7).
     elements : tuple of FemSolution
         Of Figures 11 and 15; empty where they were left out.
@@ -88,8 +88,8 @@ class Runs:
     comparison: Solution
     fixture: Solution
     equal_blows: Solution
-    bar: BarSolution
-    passing: BarSolution
+    bar: WaveSolution
+    passing: WaveSolution
     elements: tuple[FemSolution, ...]
     quick: bool
 

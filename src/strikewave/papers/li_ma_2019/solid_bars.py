@@ -12,8 +12,8 @@ from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_model
 from strikewave.analyses.fem.vectors import vector
 from strikewave.cases.case import Case, document_of
-from strikewave.cases.mesh_tables import Frame, HalfCylinder
-from strikewave.contact import AnyContact, Chain, Geometry, Touch, contact_modulus, simulate, stiffness_of
+from strikewave.cases.mesh_tables import FramePart, HalfCylinder
+from strikewave.contact import AnyContact, Chain, ChainContact, Geometry, contact_modulus, simulate, stiffness_of
 from strikewave.fem.measures import interval_means
 from strikewave.fem.model import Model
 from strikewave.fem.solids import AnySolid, Elastic
@@ -104,7 +104,7 @@ def solid_bar(case: Case, length: float | None = None, interval: float = INTERVA
     """
     parts = case.mesh.part if case.mesh else ()
     (striker,) = (part for part in parts if isinstance(part, HalfCylinder))
-    (frame,) = (part for part in parts if isinstance(part, Frame))
+    (frame,) = (part for part in parts if isinstance(part, FramePart))
     blow = BarBlow(
         striker=solid_of(striker),
         bar=solid_of(frame),
@@ -121,7 +121,9 @@ def solid_bar(case: Case, length: float | None = None, interval: float = INTERVA
 
 def bar_lumped(blow: BarBlow) -> SimpleAnswer:
     """Return the answer of two masses: all of the bar's yielding, over its whole length, is in the contact law."""
-    chain = Chain({"striker": blow.striker_mass, BAR: blow.mass}, [Touch("striker", BAR, blow.contact(blow.length))])
+    chain = Chain(
+        {"striker": blow.striker_mass, BAR: blow.mass}, [ChainContact("striker", BAR, blow.contact(blow.length))]
+    )
     edges = edges_of(blow)
     motion = simulate(chain, {}, {"striker": blow.speed}, float(edges[-1]))
     speeds = motion.speeds(edges)[:, 1]

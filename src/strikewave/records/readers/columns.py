@@ -57,7 +57,7 @@ class Region(NamedTuple):
     line: int = 1
 
 
-class Grid(NamedTuple):
+class CellLayout(NamedTuple):
     """How a line is cut into cells, how many it has, which are wanted, and the header that must not come again."""
 
     marks: Marks
@@ -66,7 +66,7 @@ class Grid(NamedTuple):
     header: tuple[str, ...] = ()
 
 
-class Table(NamedTuple):
+class ParsedColumns(NamedTuple):
     """Columns wanted, how many of their cells are no numbers, and the line of the first of these."""
 
     columns: list[Array]
@@ -212,14 +212,14 @@ def _decimals_behind_commas(rows: list[list[str]], width: int) -> bool:
     return any(len(c) > 1 and c[0] == "0" for c in behind) or any(row[0] == "-0" for row in rows)
 
 
-def parse(region: Region, grid: Grid, expected: int) -> Table:
+def parse(region: Region, grid: CellLayout, expected: int) -> ParsedColumns:
     """Read columns of numbers in blocks; blocks that are not clean are read again line by line.
 
     Parameters
     ----------
     region : Region
         Where in the file.
-    grid : Grid
+    grid : CellLayout
         How lines are cut, and what is wanted.
     expected : int
         About how many lines there are.
@@ -235,7 +235,7 @@ def parse(region: Region, grid: Grid, expected: int) -> Table:
     for block in blocks(region):
         _take(block, line, grid, store, region.encoding)
         line += block.count(b"\n")
-    return Table(store.columns(), store.words, store.first_word)
+    return ParsedColumns(store.columns(), store.words, store.first_word)
 
 
 class _Store:
@@ -313,7 +313,7 @@ def _raw(region: Region) -> Iterator[bytes]:
             yield raw.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if region.lone_returns else raw
 
 
-def _take(block: bytes, line: int, grid: Grid, store: _Store, encoding: str) -> None:
+def _take(block: bytes, line: int, grid: CellLayout, store: _Store, encoding: str) -> None:
     """Read a block at once; halve it where that fails, so that only few lines are read one by one."""
     columns = _at_once(block, grid)
     if columns is not None:
@@ -325,7 +325,7 @@ def _take(block: bytes, line: int, grid: Grid, store: _Store, encoding: str) -> 
     return _take(block[middle:], line + block.count(b"\n", 0, middle), grid, store, encoding)
 
 
-def _at_once(block: bytes, grid: Grid) -> list[Array] | None:
+def _at_once(block: bytes, grid: CellLayout) -> list[Array] | None:
     import pyarrow as pa  # type: ignore[import-untyped]
     from pyarrow import csv as fast
 
@@ -371,7 +371,7 @@ def _single_blanks(block: bytes) -> bytes:
     return block.replace(b"\n ", b"\n").replace(b" \n", b"\n").strip(b" ")
 
 
-def _one_by_one(block: bytes, line: int, grid: Grid, store: _Store, encoding: str) -> None:
+def _one_by_one(block: bytes, line: int, grid: CellLayout, store: _Store, encoding: str) -> None:
     rows = []
     text = block.decode("utf-8" if encoding.startswith("utf-16") else encoding, "replace")
     for k, row in enumerate(lines_of(text), start=line):
@@ -390,7 +390,7 @@ def _one_by_one(block: bytes, line: int, grid: Grid, store: _Store, encoding: st
         store.add(list(np.array(rows, dtype=float).T))
 
 
-def _value(cell: str, grid: Grid, store: _Store, line: int) -> float:
+def _value(cell: str, grid: CellLayout, store: _Store, line: int) -> float:
     value = number(cell, grid.marks.decimal)
     if value is not None:
         return value

@@ -59,7 +59,7 @@ _STARTS = {"t0", "start_time", "wf_start_offset", "starttime"}
 """Those of the time of the first sample, s."""
 
 
-class Column(NamedTuple):
+class ArrayColumn(NamedTuple):
     """One array of a file that is not loaded yet.
 
     Attributes
@@ -158,7 +158,9 @@ def grid_of(attributes: Iterable[tuple[str, object]]) -> tuple[float, float]:
     return step, start
 
 
-def on_grids(columns: Sequence[Column], attributes: Mapping[str, Iterable[tuple[str, object]]]) -> list[Column]:
+def on_grids(
+    columns: Sequence[ArrayColumn], attributes: Mapping[str, Iterable[tuple[str, object]]]
+) -> list[ArrayColumn]:
     """Give the longest arrays of each folder the step and start that attributes or scalars of the folder state."""
     grids = {folder: grid_of(named) for folder, named in attributes.items()}
     longest: dict[str, int] = {}
@@ -215,12 +217,12 @@ class Scaled:
         return values if np.isnan(offset) else values + offset
 
 
-def columns_of(name: str, array: Any, unit: str = "", folder: str = "", **details: Any) -> list[Column]:
+def columns_of(name: str, array: Any, unit: str = "", folder: str = "", **details: Any) -> list[ArrayColumn]:
     """Return the columns of a 1-D or 2-D array that is sliced only when a column is loaded; none for another one."""
     shape = array.shape
     long = [extent for extent in shape if extent != 1]
     if len(long) == 1 or (len(shape) == 1 and shape[0]):
-        return [Column(name, int(np.prod(shape)), lambda: array[...], unit, folder=folder, **details)]
+        return [ArrayColumn(name, int(np.prod(shape)), lambda: array[...], unit, folder=folder, **details)]
     if len(long) != 2 or len(shape) != 2 or min(shape) > MOST_COLUMNS or min(shape) < 1:
         return []
     across = shape[0] < shape[1]
@@ -228,13 +230,15 @@ def columns_of(name: str, array: Any, unit: str = "", folder: str = "", **detail
     def load(k: int) -> Callable[[], Any]:
         return (lambda: array[k, :]) if across else (lambda: array[:, k])
 
-    return [Column(f"{name} {k + 1}", max(shape), load(k), unit, folder=folder, **details) for k in range(min(shape))]
+    return [
+        ArrayColumn(f"{name} {k + 1}", max(shape), load(k), unit, folder=folder, **details) for k in range(min(shape))
+    ]
 
 
 def assemble(
     path: Path,
     form: str,
-    columns: Sequence[Column],
+    columns: Sequence[ArrayColumn],
     options: Options,
     grid: tuple[float, float] = (math.nan, math.nan),
     findings: Iterable[HealthNotice] = (),
@@ -247,7 +251,7 @@ def assemble(
         The file.
     form : str
         Name of the format.
-    columns : sequence of Column
+    columns : sequence of ArrayColumn
         Its arrays, in their order. Where the caller wants only some channels, the others keep their place and are
         NaN, at no cost in memory.
     options : Options
@@ -288,7 +292,7 @@ def left_out(names: Sequence[str]) -> tuple[HealthNotice, ...]:
     )
 
 
-def _clocks(columns: Sequence[Column], options: Options) -> list[Column]:
+def _clocks(columns: Sequence[ArrayColumn], options: Options) -> list[ArrayColumn]:
     """Return the arrays that hold time: the one that the user names, else those that the file or their name tells."""
     if options.time is not None:
         wanted, names = str(options.time).strip(), [column.name for column in columns]
@@ -306,14 +310,14 @@ def _clocks(columns: Sequence[Column], options: Options) -> list[Column]:
     return marked + [column for column in named if all(column is not clock for clock in marked)]
 
 
-def _clock_of(column: Column, clocks: Sequence[Column]) -> Column | None:
+def _clock_of(column: ArrayColumn, clocks: Sequence[ArrayColumn]) -> ArrayColumn | None:
     fitting = [clock for clock in clocks if clock.size == column.size]
     return next((clock for clock in fitting if clock.folder == column.folder), fitting[0] if fitting else None)
 
 
 def _kept(
-    with_clock: list[tuple[Column, Column | None]], timed: bool
-) -> tuple[list[tuple[Column, Column | None]], list[Column]]:
+    with_clock: list[tuple[ArrayColumn, ArrayColumn | None]], timed: bool
+) -> tuple[list[tuple[ArrayColumn, ArrayColumn | None]], list[ArrayColumn]]:
     """Keep the arrays over time; without time those with a grid of their own, else those of the fullest length."""
     keep = [pair for pair in with_clock if pair[1] is not None or not math.isnan(pair[0].step)]
     if not keep:
@@ -323,14 +327,14 @@ def _kept(
     return keep, [column for column, _ in with_clock if all(column is not pair[0] for pair in keep)]
 
 
-def _wanted(k: int, column: Column, options: Options) -> bool:
+def _wanted(k: int, column: ArrayColumn, options: Options) -> bool:
     names = {str(word).strip() for word in options.channels}
     return not names or bool(names & {str(k), column.name, _named(column)[0]})
 
 
 def _channel(
-    column: Column,
-    clock: Column | None,
+    column: ArrayColumn,
+    clock: ArrayColumn | None,
     wanted: bool,
     options: Options,
     grid: tuple[float, float],
@@ -355,14 +359,14 @@ def _channel(
     return Channel(name, values, step, start, unit, own_stamps)
 
 
-def _named(column: Column) -> tuple[str, str]:
+def _named(column: ArrayColumn) -> tuple[str, str]:
     """Return name and unit, the unit from the name where the file does not state it."""
     own = column.name.removeprefix(column.folder)
     name, unit = name_and_unit(own)
     return column.name[: len(column.name) - len(own)] + (name or own), column.unit or unit
 
 
-def _stamps(clock: Column) -> tuple[Array, float, float]:
+def _stamps(clock: ArrayColumn) -> tuple[Array, float, float]:
     """Return time stamps, s, with their step and start."""
     with np.errstate(all="ignore"):
         stamps = to_seconds(floats(clock.load()).copy(), _named(clock)[1])

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.records.readers import Options
-from strikewave.records.readers.common import Column, assemble, damaged, extra, guard, left_out, text
+from strikewave.records.readers.common import ArrayColumn, assemble, damaged, extra, guard, left_out, text
 from strikewave.records.readers.headings import is_unit, name_and_unit
 from strikewave.records.record import Record
 
@@ -46,7 +46,7 @@ def read(path: Path, options: Options) -> Record:
         warnings.filterwarnings("ignore", module="openpyxl")
         book = openpyxl.load_workbook(opened, read_only=True, data_only=True, keep_links=False)
         try:
-            columns: list[Column] = []
+            columns: list[ArrayColumn] = []
             left = MOST_CELLS
             sheets = book.worksheets[:MOST_SHEETS]
             for sheet in sheets:
@@ -61,7 +61,7 @@ def read(path: Path, options: Options) -> Record:
             book.close()
 
 
-def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[list[Column], int]:
+def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[list[ArrayColumn], int]:
     """Return the columns of a sheet and how many cells it has."""
     above: list[tuple[Any, ...]] = []
     numbers_at: dict[int, array[float]] = {}
@@ -86,7 +86,7 @@ def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[li
     for place, numbers in sorted(numbers_at.items()):
         values = np.frombuffer(numbers, np.float64)
         (name, unit) = names[place]
-        columns.append(Column(name or f"column {place + 1}", values.size, _loader(values), unit))
+        columns.append(ArrayColumn(name or f"column {place + 1}", values.size, _loader(values), unit))
     return _trimmed(columns), cells
 
 
@@ -94,7 +94,7 @@ def _loader(values: Any) -> Any:
     return lambda: values
 
 
-def _trimmed(columns: list[Column]) -> list[Column]:
+def _trimmed(columns: list[ArrayColumn]) -> list[ArrayColumn]:
     """Leave out the rows below the last number of any column."""
     last = max((int(np.flatnonzero(~np.isnan(column.load()))[-1]) + 1 for column in columns), default=0)
     return [column._replace(size=last, load=_loader(column.load()[:last])) for column in columns]

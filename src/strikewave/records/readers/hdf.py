@@ -17,7 +17,7 @@ from strikewave.records.readers.child import isolated
 from strikewave.records.readers.common import (
     MOST_ARRAYS,
     MOST_COLUMNS,
-    Column,
+    ArrayColumn,
     Scaled,
     assemble,
     columns_of,
@@ -52,7 +52,7 @@ def read(path: Path, options: Options) -> Record:
 def parse(path: Path, options: Options) -> Record:
     """Read an HDF5 file in this process."""
     h5py = importlib.import_module("h5py")
-    columns: list[Column] = []
+    columns: list[ArrayColumn] = []
     skipped: list[str] = []
     attributes: dict[str, list[tuple[str, Any]]] = {}
     with h5py.File(path, "r") as file:
@@ -97,7 +97,7 @@ def _own(data: Any) -> bool:
     )
 
 
-def _columns(path: Path, folder: str, name: str, data: Any) -> list[Column]:
+def _columns(path: Path, folder: str, name: str, data: Any) -> list[ArrayColumn]:
     """Return what a dataset holds; nothing for coordinates without time, text and arrays of more dimensions."""
     named = dict(_attributes(data))
     scale = text(named.get("CLASS")) == "DIMENSION_SCALE"
@@ -123,9 +123,9 @@ def _columns(path: Path, folder: str, name: str, data: Any) -> list[Column]:
     return [c._replace(name=folder + names[k] if len(names) == len(columns) else c.name) for k, c in enumerate(columns)]
 
 
-def _fields(folder: str, name: str, data: Any) -> list[Column]:
+def _fields(folder: str, name: str, data: Any) -> list[ArrayColumn]:
     """Return the numeric fields of a table."""
-    columns: list[Column] = []
+    columns: list[ArrayColumn] = []
     place = f"{folder}{name}/"
     for field in (data.dtype.names or ())[:MOST_COLUMNS]:
         kind = data.dtype[field]

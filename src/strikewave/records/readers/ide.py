@@ -13,7 +13,7 @@ from typing import Any
 
 from strikewave.records.readers import Options
 from strikewave.records.readers.child import isolated
-from strikewave.records.readers.common import MOST_ARRAYS, Column, assemble, damaged, extra, guard, left_out, text
+from strikewave.records.readers.common import MOST_ARRAYS, ArrayColumn, assemble, damaged, extra, guard, left_out, text
 from strikewave.records.record import Record
 
 _MICROSECOND = 1e-6
@@ -42,7 +42,7 @@ def parse(path: Path, options: Options) -> Record:
         warnings.simplefilter("ignore")
         opened = idelib.importFile(str(path), quiet=True)
         with opened:
-            columns: list[Column] = []
+            columns: list[ArrayColumn] = []
             skipped: list[str] = []
             for channel in list(opened.channels.values())[:MOST_ARRAYS]:
                 channel_columns = _columns(path, channel)
@@ -57,7 +57,7 @@ def _ratio(value: Any) -> float:
     return float(above) / float(below or 1.0)
 
 
-def _columns(path: Path, channel: Any) -> list[Column]:
+def _columns(path: Path, channel: Any) -> list[ArrayColumn]:
     """Return the axes of one sensor, with their time, in place of what the file keeps of them."""
     events = channel.getSession()
     size = len(events)
@@ -68,10 +68,10 @@ def _columns(path: Path, channel: Any) -> list[Column]:
     guard(path, 8.0 * size * (len(channel.subchannels) + 1))
     values = events.arraySlice()
     folder = f"{channel.id}"
-    columns = [Column("time", size, lambda: values[0] * _MICROSECOND, "s", folder=folder, time=True)]
+    columns = [ArrayColumn("time", size, lambda: values[0] * _MICROSECOND, "s", folder=folder, time=True)]
     for k, axis in enumerate(channel.subchannels, start=1):
         if axis is not None and k < len(values):
             unit = text((axis.units or ("", ""))[1])
             name = f"{channel.name}/{axis.displayName}"
-            columns.append(Column(name, size, lambda k=k: values[k], unit, folder=folder))  # type: ignore[misc]
+            columns.append(ArrayColumn(name, size, lambda k=k: values[k], unit, folder=folder))  # type: ignore[misc]
     return columns

@@ -59,7 +59,7 @@ class Look(NamedTuple):
     ended: bool
 
 
-class Layout(NamedTuple):
+class NumberLayout(NamedTuple):
     """Where the numbers are: first line, columns that hold some, columns that hold them in most lines."""
 
     marks: Marks
@@ -109,7 +109,7 @@ def look_at(path: Path) -> Look:
     )
 
 
-def lay_out(look: Look) -> Layout:
+def lay_out(look: Look) -> NumberLayout:
     """Find the marks, the columns and the first line of the numbers, and what stands above them.
 
     Raises
@@ -141,7 +141,7 @@ def lay_out(look: Look) -> Layout:
     )
     first = _first_line(look, marks, width, full)
     above = look.head[:first]
-    return Layout(marks, width, first, filled, full, find_headings(above, marks, width, filled), above, findings)
+    return NumberLayout(marks, width, first, filled, full, find_headings(above, marks, width, filled), above, findings)
 
 
 def _columns_with_numbers(
@@ -213,7 +213,7 @@ def _nearly(line: str, marks: Marks, width: int, full: list[int]) -> bool:
     return values[0] is not None and values[0] == values[0] and all(_OVER.fullmatch(cell[:20]) for cell in rest)
 
 
-def is_cut(look: Look, layout: Layout) -> bool:
+def is_cut(look: Look, layout: NumberLayout) -> bool:
     """Tell whether the last line lacks columns, or ends in a number that was cut."""
     lines = look.tail if look.size > HEAD else [x for x in look.head[layout.first :] if x.strip()][-_LINES:]
     if len(lines) < 3 or is_comment(lines[-1]):
@@ -227,7 +227,7 @@ def is_cut(look: Look, layout: Layout) -> bool:
     return not look.ended and not lacking and _number_is_cut(before, last, layout)
 
 
-def _number_is_cut(before: list[list[str]], last: list[str], layout: Layout) -> bool:
+def _number_is_cut(before: list[list[str]], last: list[str], layout: NumberLayout) -> bool:
     """Tell whether the last number has fewer digits than any above it, where these are all alike or many."""
     k = max(k for k, cell in enumerate(last) if cell)
     if k != len(last) - 1 or k not in layout.filled:

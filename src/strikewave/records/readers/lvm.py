@@ -18,10 +18,10 @@ from strikewave.records.readers import Options
 from strikewave.records.readers.clock import last_digit, step_of
 from strikewave.records.readers.columns import (
     MOST_COLUMNS,
-    Grid,
+    CellLayout,
     Marks,
+    ParsedColumns,
     Region,
-    Table,
     cells_of,
     decode,
     encoding_of,
@@ -261,7 +261,7 @@ def _run(
     width = len(segment.columns)
     table = parse(
         region._replace(cut=cut),
-        Grid(marks, width, tuple(read_columns)),
+        CellLayout(marks, width, tuple(read_columns)),
         100 + (segment.end - segment.start) // (4 * width),
     )
     values_of = dict(zip(read_columns, table.columns, strict=True))
@@ -279,7 +279,7 @@ def _run(
         stamps.append(clock)
         steps.append(step)
         starts.append(start if math.isfinite(start) else 0.0)
-    findings = odd_cells(Table([], table.words, table.first_word))
+    findings = odd_cells(ParsedColumns([], table.words, table.first_word))
     findings += [HealthNotice("truncated", "the last line is cut: it is left out")] if cut else []
     return Read(values, stamps, steps, starts, findings)
 

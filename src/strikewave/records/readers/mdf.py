@@ -14,7 +14,7 @@ from typing import Any
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import Options
 from strikewave.records.readers.child import isolated
-from strikewave.records.readers.common import MOST_ARRAYS, Column, assemble, damaged, extra, floats, left_out, text
+from strikewave.records.readers.common import MOST_ARRAYS, ArrayColumn, assemble, damaged, extra, floats, left_out, text
 from strikewave.records.record import Record
 
 _PLAIN = {3: {0, 1, 2, 6, 7, 8, 9, 65535}, 4: {0, 1, 2, 4, 5, 6}}
@@ -36,7 +36,7 @@ def parse(path: Path, options: Options) -> Record:
     """Read an MDF file in this process."""
     logging.disable(logging.CRITICAL)
     asammdf = extra("asammdf", path)
-    columns: list[Column] = []
+    columns: list[ArrayColumn] = []
     skipped: list[str] = []
     raw: list[str] = []
     # An open file has no name with an ending that would have it unpacked.
@@ -56,7 +56,7 @@ def parse(path: Path, options: Options) -> Record:
         return assemble(path, "mdf", columns, options, findings=findings)
 
 
-def _column(file: Any, group: int, index: int, channel: Any, raw: list[str]) -> list[Column]:
+def _column(file: Any, group: int, index: int, channel: Any, raw: list[str]) -> list[ArrayColumn]:
     """Return a channel; the master channel of its group is its time."""
     signal = file.get(group=group, index=index, raw=True, ignore_invalidation_bits=True)
     values = signal.samples
@@ -71,7 +71,7 @@ def _column(file: Any, group: int, index: int, channel: Any, raw: list[str]) -> 
     unit = text(signal.unit)
     name = "time" if master else str(channel.name)
     load = functools.partial(_physical, values, conversion)
-    return [Column(name, values.size, load, unit, folder=f"{group}", time=master)]
+    return [ArrayColumn(name, values.size, load, unit, folder=f"{group}", time=master)]
 
 
 def _physical(values: Any, conversion: Any) -> Any:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.records.readers import Options
-from strikewave.records.readers.common import Column, Scaled, assemble, columns_of, grid_of, left_out, text
+from strikewave.records.readers.common import ArrayColumn, Scaled, assemble, columns_of, grid_of, left_out, text
 from strikewave.records.record import Record
 
 
@@ -25,7 +25,7 @@ def read(path: Path, options: Options) -> Record:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", category=RuntimeWarning, module=r"scipy\.io")
         with netcdf_file(path, "r", mmap=True) as file:
-            columns: list[Column] = []
+            columns: list[ArrayColumn] = []
             skipped, scalars = [], list(vars(file).get("_attributes", {}).items())
             for name, variable in file.variables.items():
                 numeric = variable.data.dtype.kind in "iuf"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.records.readers import Options
-from strikewave.records.readers.common import Column, assemble, floats, grid_of, left_out, text
+from strikewave.records.readers.common import ArrayColumn, assemble, floats, grid_of, left_out, text
 from strikewave.records.record import Record
 
 _BATCH = 2**18
@@ -33,7 +33,7 @@ def read(path: Path, options: Options) -> Record:
             if _numeric(arrow.types, field.type):
                 named = _decoded(field.metadata)
                 unit = named.get("units", named.get("unit", ""))
-                columns.append(Column(field.name, rows, _loader(file, schema.names, k, rows), unit))
+                columns.append(ArrayColumn(field.name, rows, _loader(file, schema.names, k, rows), unit))
             else:
                 skipped.append(field.name)
         grid = grid_of(_decoded(schema.metadata).items())

@@ -13,7 +13,7 @@ import numpy as np
 
 from strikewave.records.readers import Options
 from strikewave.records.readers.child import isolated
-from strikewave.records.readers.common import Column, assemble, damaged, extra, guard
+from strikewave.records.readers.common import ArrayColumn, assemble, damaged, extra, guard
 from strikewave.records.record import Record
 
 _MAGIC = {
@@ -85,9 +85,9 @@ def _family(path: Path) -> tuple[str, str]:
     return family, form
 
 
-def _column(channel: Any) -> Column:
+def _column(channel: Any) -> ArrayColumn:
     volts = np.asarray(channel.volts)
     step = float(channel.seconds_per_point)
     start = float(channel.times[0]) if channel.times is not None and len(channel.times) else 0.0
     unit = {"V": "V", "A": "A", "W": "W"}.get(str(getattr(channel.unit, "name", "v")).upper(), "")
-    return Column(f"CH{channel.channel_number}", volts.size, lambda: volts, unit, step, start)
+    return ArrayColumn(f"CH{channel.channel_number}", volts.size, lambda: volts, unit, step, start)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from strikewave.records.readers import Options
-from strikewave.records.readers.common import Column, assemble, extra, guard, left_out, number, text
+from strikewave.records.readers.common import ArrayColumn, assemble, extra, guard, left_out, number, text
 from strikewave.records.record import Record
 
 
@@ -21,7 +21,7 @@ def read(path: Path, options: Options) -> Record:
     nptdms = extra("nptdms", path)
     logging.getLogger("nptdms").setLevel(logging.CRITICAL)
     with path.open("rb") as opened, nptdms.TdmsFile.open(opened) as file:
-        columns: list[Column] = []
+        columns: list[ArrayColumn] = []
         skipped: list[str] = []
         for channel in (channel for group in file.groups() for channel in group.channels()):
             name = f"{channel.group_name}/{channel.name}"
@@ -34,11 +34,11 @@ def read(path: Path, options: Options) -> Record:
         return assemble(path, "tdms", columns, options, findings=left_out(skipped))
 
 
-def _column(channel: Any, name: str) -> Column:
+def _column(channel: Any, name: str) -> ArrayColumn:
     """Return a channel with the grid and unit of its properties."""
     properties = channel.properties
     step = number(properties.get("wf_increment"))
     start = number(properties.get("wf_start_offset"))
     unit = text(properties.get("unit_string")) or text(properties.get("NI_UnitDescription"))
     folder = f"{channel.group_name}/"
-    return Column(name, len(channel), channel.read_data, unit, step if step > 0.0 else float("nan"), start, folder)
+    return ArrayColumn(name, len(channel), channel.read_data, unit, step if step > 0.0 else float("nan"), start, folder)

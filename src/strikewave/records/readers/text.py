@@ -20,9 +20,9 @@ from strikewave.records.readers.clock import (
     to_seconds,
 )
 from strikewave.records.readers.columns import (
-    Grid,
+    CellLayout,
+    ParsedColumns,
     Region,
-    Table,
     cells_of,
     encoding_of,
     is_comment,
@@ -31,7 +31,7 @@ from strikewave.records.readers.columns import (
     refuse,
 )
 from strikewave.records.readers.headings import is_counter, is_time
-from strikewave.records.readers.layout import Layout, Look, is_cut, lay_out, look_at
+from strikewave.records.readers.layout import Look, NumberLayout, is_cut, lay_out, look_at
 from strikewave.records.record import Array, Channel, Record
 
 _SHOWN = 1000
@@ -101,18 +101,18 @@ def _wanted(path: str, shown: dict[int, tuple[str, str]], names: Sequence[str]) 
     return {columns[channel.name] for channel in blank.only(names).channels}
 
 
-def _numbers(look: Look, layout: Layout, columns: set[int]) -> tuple[dict[int, Array], list[HealthNotice]]:
+def _numbers(look: Look, layout: NumberLayout, columns: set[int]) -> tuple[dict[int, Array], list[HealthNotice]]:
     """Read columns of numbers; report cells that are none, and a last line that was cut."""
     wanted, cut = tuple(sorted(columns)), is_cut(look, layout)
     region = Region(look.path, look.encoding, skip=layout.first, cut=cut, lone_returns=look.lone_returns)
-    table = parse(region, Grid(layout.marks, layout.width, wanted, layout.headings.header), _expected(look))
+    table = parse(region, CellLayout(layout.marks, layout.width, wanted, layout.headings.header), _expected(look))
     findings = odd_cells(table)
     if cut:
         findings.append(HealthNotice("truncated", "the last line is cut: it is left out"))
     return dict(zip(wanted, table.columns, strict=True)), findings
 
 
-def _time_column(look: Look, layout: Layout, options: Options) -> int | None:
+def _time_column(look: Look, layout: NumberLayout, options: Options) -> int | None:
     if options.time is not None:
         return _named_time(layout, options.time)
     names, units, _ = layout.headings
@@ -125,7 +125,7 @@ def _time_column(look: Look, layout: Layout, options: Options) -> int | None:
     return next((k for k in layout.filled if _even(look, layout, k)), None)
 
 
-def _named_time(layout: Layout, wanted: str) -> int:
+def _named_time(layout: NumberLayout, wanted: str) -> int:
     names = layout.headings.names
     folded = [name.casefold() for name in names]
     headers = [cell.casefold() for cell in layout.headings.header]
@@ -147,23 +147,23 @@ def _named_time(layout: Layout, wanted: str) -> int:
     return k
 
 
-def _cells(lines: Iterable[str], layout: Layout, column: int) -> list[str]:
+def _cells(lines: Iterable[str], layout: NumberLayout, column: int) -> list[str]:
     rows = (cells_of(line, layout.marks) for line in lines if line.strip() and not is_comment(line))
     return [row[column] for row in rows if len(row) > column]
 
 
-def _values(look: Look, layout: Layout, column: int) -> tuple[list[str], Array]:
+def _values(look: Look, layout: NumberLayout, column: int) -> tuple[list[str], Array]:
     cells = _cells(look.head[layout.first : layout.first + _SHOWN], layout, column)
     values = [number(cell, layout.marks.decimal) for cell in cells]
     return cells, np.array([np.nan if value is None else value for value in values])
 
 
-def _even(look: Look, layout: Layout, column: int) -> bool:
+def _even(look: Look, layout: NumberLayout, column: int) -> bool:
     cells, values = _values(look, layout, column)
     return rises_evenly(values[:_FIRST], last_digit(cells[:_FIRST])) and rises_evenly(values, _coarsest(cells))
 
 
-def _rises(look: Look, layout: Layout, column: int) -> bool:
+def _rises(look: Look, layout: NumberLayout, column: int) -> bool:
     _, values = _values(look, layout, column)
     return bool(values.size > 1 and values[-1] > values[0] and np.all(np.diff(values) >= 0.0))
 
@@ -173,7 +173,9 @@ def _coarsest(cells: Sequence[str]) -> float:
     return max(last_digit(cells[:_EDGE_LINES]), last_digit(cells[-_EDGE_LINES:]))
 
 
-def _channels(look: Look, layout: Layout, time: int | None) -> tuple[dict[int, tuple[str, str]], list[HealthNotice]]:
+def _channels(
+    look: Look, layout: NumberLayout, time: int | None
+) -> tuple[dict[int, tuple[str, str]], list[HealthNotice]]:
     """Name the channels by column; leave out time, and a column that counts samples."""
     names, units, _ = layout.headings
     findings = list(layout.findings)
@@ -214,7 +216,7 @@ def _expected(look: Look) -> int:
     return int(_SPARE * look.size / (letters * (1 + sum(map(len, lines)) / len(lines)))) + 100
 
 
-def odd_cells(table: Table) -> list[HealthNotice]:
+def odd_cells(table: ParsedColumns) -> list[HealthNotice]:
     """Say how many cells are no numbers."""
     if not table.words:
         return []
@@ -223,7 +225,9 @@ def odd_cells(table: Table) -> list[HealthNotice]:
     return [HealthNotice("not-a-number", message, float(table.words))]
 
 
-def _with_time(columns: dict[int, Array], clock: int | None, layout: Layout) -> tuple[Array | None, list[HealthNotice]]:
+def _with_time(
+    columns: dict[int, Array], clock: int | None, layout: NumberLayout
+) -> tuple[Array | None, list[HealthNotice]]:
     """Return the stamps, s; leave out lines without time."""
     if clock is None:
         return None, []
@@ -238,7 +242,7 @@ def _with_time(columns: dict[int, Array], clock: int | None, layout: Layout) -> 
 
 
 def _grid(
-    look: Look, layout: Layout, clock: int | None, stamps: Array | None, loose: list[int]
+    look: Look, layout: NumberLayout, clock: int | None, stamps: Array | None, loose: list[int]
 ) -> tuple[float, float, int, list[HealthNotice]]:
     """Return step, start, how many first lines are no samples, and findings."""
     if clock is not None and stamps is not None and stamps.size:

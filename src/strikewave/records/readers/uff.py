@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.records.readers import Options
-from strikewave.records.readers.common import MOST_ARRAYS, Column, assemble, damaged, left_out, text
+from strikewave.records.readers.common import MOST_ARRAYS, ArrayColumn, assemble, damaged, left_out, text
 from strikewave.records.record import Record
 
 TIME_RESPONSE = 1
@@ -38,7 +38,7 @@ def read(path: Path, options: Options) -> Record:
         kinds = file.get_set_types()
         if len(kinds) > MOST_ARRAYS:
             raise damaged(path, f"it has {len(kinds)} data sets", f"a file with at most {MOST_ARRAYS}")
-        columns: list[Column] = []
+        columns: list[ArrayColumn] = []
         skipped: list[str] = []
         for k, kind in enumerate(kinds):
             set_columns = _columns(file.read_sets(k), len(columns)) if kind == MEASURED else []
@@ -48,7 +48,7 @@ def read(path: Path, options: Options) -> Record:
     raise damaged(path, "it cannot be opened")
 
 
-def _columns(data_set: dict[str, Any], count: int) -> list[Column]:
+def _columns(data_set: dict[str, Any], count: int) -> list[ArrayColumn]:
     """Return a time response, with its abscissa where that is uneven."""
     values = data_set["data"]
     if data_set["func_type"] != TIME_RESPONSE or np.iscomplexobj(values) or not len(values):
@@ -59,11 +59,11 @@ def _columns(data_set: dict[str, Any], count: int) -> list[Column]:
     values = values[: data_set["num_pts"]] if data_set["num_pts"] > 0 else values
     step, start = (data_set["abscissa_inc"], data_set["abscissa_min"]) if even else (math.nan, math.nan)
     step = step if step > 0.0 else math.nan
-    column = Column(_name(data_set, count), len(values), lambda: values, unit, step, start, folder)
+    column = ArrayColumn(_name(data_set, count), len(values), lambda: values, unit, step, start, folder)
     if even:
         return [column]
     stamps, scale = data_set["x"][: len(values)], _label(data_set, "abscissa_axis_units_lab")
-    return [column, Column("time", len(stamps), lambda: stamps, scale, folder=folder, time=True)]
+    return [column, ArrayColumn("time", len(stamps), lambda: stamps, scale, folder=folder, time=True)]
 
 
 def _name(data_set: dict[str, Any], count: int) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import Options
-from strikewave.records.readers.common import Column, assemble, damaged
+from strikewave.records.readers.common import ArrayColumn, assemble, damaged
 from strikewave.records.record import Record
 
 BLOCK = 2**18
@@ -27,7 +27,7 @@ _UNKNOWN_SIZE = 2**32 - 1
 """Size of the samples where 32 bits do not hold it."""
 
 
-class _Layout(NamedTuple):
+class _WavFormat(NamedTuple):
     order: str
     kind: int
     channels: int
@@ -58,7 +58,7 @@ def read(path: Path, options: Options) -> Record:
     samples = np.memmap(path, layout.order + kind, "r", layout.begin, shape)
     scale = 2.0 ** (layout.bits - 1) if integer else 1.0
     columns = [
-        Column(f"channel {k + 1}", frames, lambda k=k: _scaled(samples[:, k], layout, scale))  # type: ignore[misc]
+        ArrayColumn(f"channel {k + 1}", frames, lambda k=k: _scaled(samples[:, k], layout, scale))  # type: ignore[misc]
         for k in range(layout.channels)
     ]
     findings = [
@@ -71,7 +71,7 @@ def read(path: Path, options: Options) -> Record:
     return assemble(path, "wav", columns, options, (1.0 / layout.rate if layout.rate else np.nan, 0.0), findings)
 
 
-def _layout(path: Path) -> _Layout:
+def _layout(path: Path) -> _WavFormat:
     """Walk the chunks of the file up to its samples."""
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -91,7 +91,7 @@ def _layout(path: Path) -> _Layout:
                 kind, channels, rate, _, _, bits = struct.unpack(order + "HHIIHH", form[:16])
                 if kind == _EXTENSIBLE and len(form) >= 26:
                     kind = struct.unpack(order + "H", form[24:26])[0]
-                return _Layout(
+                return _WavFormat(
                     order, kind, channels, rate, bits, begin, big if big and length == _UNKNOWN_SIZE else length
                 )
             if begin + length > size:
@@ -100,7 +100,7 @@ def _layout(path: Path) -> _Layout:
     raise damaged(path, "it has no samples", "a file with samples")
 
 
-def _scaled(raw: Any, layout: _Layout, scale: float) -> Any:
+def _scaled(raw: Any, layout: _WavFormat, scale: float) -> Any:
     """Return the samples of one channel, the full scale of integers being 1."""
     out = np.empty(len(raw))
     for k in range(0, len(raw), BLOCK):

@@ -62,7 +62,7 @@ class Clock(NamedTuple):
         return cls(unit, per, int(np.clip(np.ceil(np.round(-np.log10(finest), 6)), 0, MOST_DECIMALS)))
 
 
-class View(NamedTuple):
+class PlayedSpan(NamedTuple):
     """A stretch of the run that can be played.
 
     Attributes
@@ -152,7 +152,7 @@ class Scene:
         }
 
 
-class History(NamedTuple):
+class PlayedHistory(NamedTuple):
     """Values over time, s; the page keeps 4 bytes of what lies after ``begin``, so that a late history stays sharp."""
 
     time: Array
@@ -168,12 +168,12 @@ class History(NamedTuple):
         }
 
 
-class Curve(NamedTuple):
+class PlayedCurve(NamedTuple):
     """A curve over time: a history for each view, or one for all, or else a track. One without a name has no legend."""
 
     name: str
     colour: str
-    histories: Sequence[History] = ()
+    histories: Sequence[PlayedHistory] = ()
     track: str = ""
 
     def document(self) -> Document:
@@ -205,7 +205,7 @@ class Panel:
     ----------
     name, unit : str
         Of the values.
-    curves : sequence of Curve or FieldCurve
+    curves : sequence of PlayedCurve or FieldCurve
     per : float
         Size of the unit in that of the values.
     label : str
@@ -222,7 +222,7 @@ class Panel:
 
     name: str
     unit: str
-    curves: Sequence[Curve | FieldCurve]
+    curves: Sequence[PlayedCurve | FieldCurve]
     per: float = 1.0
     label: str = ""
     limits: tuple[float, float] | None = None
@@ -270,7 +270,7 @@ class Chart:
         }
 
 
-class Band(NamedTuple):
+class LayerBand(NamedTuple):
     """A layer behind a chart over place: where it lies, m, its grey, 0 to 255, and how the joint before it is drawn."""
 
     name: str
@@ -280,7 +280,7 @@ class Band(NamedTuple):
     joint: Literal["", "dashed", "thick"] = ""
 
 
-class Mark(NamedTuple):
+class PlaceMark(NamedTuple):
     """A place with a name, m."""
 
     name: str
@@ -288,13 +288,13 @@ class Mark(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Places:
+class PlaceAxis:
     """The axis of charts over place: positions, m, the band of each, the one that is read first, marked ones."""
 
     position: Sequence[float]
     band: Sequence[int]
-    bands: Sequence[Band]
-    marks: Sequence[Mark]
+    bands: Sequence[LayerBand]
+    marks: Sequence[PlaceMark]
     start: int
     unit: str = "mm"
     per: float = 1e-3
@@ -344,7 +344,7 @@ class Animation:
     gif : str
         File in which the same run is found where no script runs.
     clock : Clock
-    views : sequence of View
+    views : sequence of PlayedSpan
     canvases : sequence of Scene or Chart
     beside : int
         How many of these share the first line of a wide screen.
@@ -359,14 +359,14 @@ class Animation:
     events : sequence of Event
     no_event : str
         What is written before the first event; empty: no events are written.
-    places : Places or None
+    places : PlaceAxis or None
     """
 
     kicker: str
     note: str
     gif: str
     clock: Clock
-    views: Sequence[View]
+    views: Sequence[PlayedSpan]
     canvases: Sequence[Scene | Chart]
     beside: int = 0
     smooth: bool = False
@@ -376,7 +376,7 @@ class Animation:
     readouts: Sequence[Readout] = ()
     events: Sequence[Event] = ()
     no_event: str = ""
-    places: Places | None = None
+    places: PlaceAxis | None = None
 
     def document(self) -> Document:
         """Return what the player draws from; times in s."""
@@ -410,9 +410,10 @@ def animation_page(animation: Animation, title: str, name: str = "") -> str:
     Examples
     --------
     >>> time = np.array([0.0, 1e-5, 2e-5])
-    >>> panel = Panel("force", "kN", [Curve("", "#0072b2", [History(time, np.array([0.0, 1.0, 0.0]))])])
+    >>> panel = Panel("force", "kN", [PlayedCurve("", "#0072b2", [PlayedHistory(time, np.array([0.0, 1.0, 0.0]))])])
     >>> chart = Chart("force", "Force over time.", "time", "time", 98, [panel])
-    >>> page = animation_page(Animation("Force", "", "", Clock.of(time), [View("run", "run", time)], [chart]), "a < b")
+    >>> spans = [PlayedSpan("run", "run", time)]
+    >>> page = animation_page(Animation("Force", "", "", Clock.of(time), spans, [chart]), "a < b")
     >>> "<title>a &lt; b</title>" in page, "://" in page
     (True, False)
     """

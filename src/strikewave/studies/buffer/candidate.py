@@ -15,7 +15,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import material
 from strikewave.sensors import Mounting, Reading, Sensor, output
-from strikewave.sensors.bandwidth import Band, band
+from strikewave.sensors.bandwidth import PassBand, band
 from strikewave.sensors.channel import sensor_pulse
 from strikewave.studies.buffer.moduli import SOFTEST, STIFFEST, confined, moduli, spread, variants
 from strikewave.studies.buffer.mounting_site import BaseMotion, GasketStack, MountingSite, loads, read_on, reading_of
@@ -42,7 +42,7 @@ RANKS = ("bandwidth", "peak", "robust")
 
 
 @dataclass(frozen=True)
-class Goal:
+class BufferGoal:
     """The largest reading, m/s^2, and what stacks that keep it are ranked by: bandwidth, peak or robust.
 
     Raises
@@ -63,7 +63,9 @@ class Goal:
 
 @dataclass(frozen=True)
 class Leading:
-    """What is computed only of the first of a ranking and of Pareto-optimal stacks; peaks as `Candidate.true_peak`.
+    """What is computed only of the first of a ranking and of Pareto-optimal stacks.
+
+    Peaks are as `BufferCandidate.true_peak`.
 
     Attributes
     ----------
@@ -86,7 +88,7 @@ class Leading:
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class BufferCandidate:
     """A stack, and what the sensor reads on it.
 
     Attributes
@@ -107,7 +109,7 @@ class Candidate:
         Whether the reading keeps the limit without being cut off.
     margin : float
         One less the true peak over the limit, or over the range of sensor or recorder where that is lower.
-    band : Band
+    band : PassBand
         What the mounting passes.
     rigid_ratio, velocity_error : float
         Peak over that of the rigid body; velocity change against that of the surface, relative; NaN where unknown,
@@ -138,7 +140,7 @@ class Candidate:
     true_peak: float
     keeps: bool
     margin: float
-    band: Band
+    band: PassBand
     rigid_ratio: float
     velocity_error: float
     ringing: float
@@ -172,20 +174,20 @@ def true_peak(reading: Reading) -> float:
     return reading.peak_before_clip if reading.clipped else abs(sensor_pulse(reading).peak)
 
 
-def assess(site: MountingSite, stack: GasketStack, motion: BaseMotion, goal: Goal) -> Candidate:
+def assess(site: MountingSite, stack: GasketStack, motion: BaseMotion, goal: BufferGoal) -> BufferCandidate:
     """Run one stack in time and find what it costs."""
     return dataclasses.replace(assess_mounting(site, site.mounting(stack), motion, goal), stack=stack)
 
 
 def assess_mounting(
-    site: MountingSite, mounting: Mounting, motion: BaseMotion, goal: Goal, label: str = ""
-) -> Candidate:
+    site: MountingSite, mounting: Mounting, motion: BaseMotion, goal: BufferGoal, label: str = ""
+) -> BufferCandidate:
     """Run any mounting in time and find what it costs."""
     reading, passed = read_on(site, mounting, motion), band(mounting)
     pulse, highest = sensor_pulse(reading), true_peak(reading)
     whole = not motion.after_peak * passed.resonance < SHOWN_PERIODS
     error, ringing = _velocity(reading, motion, passed.resonance)
-    return Candidate(
+    return BufferCandidate(
         stack=(),
         height=sum(layer.thickness for layer in mounting.gaskets),
         peak=pulse.peak,
@@ -226,7 +228,9 @@ def _running(values: Array, step: float) -> Array:
     return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]))]) * step
 
 
-def look_closer(site: MountingSite, candidate: Candidate, motion: BaseMotion, goal: Goal) -> Candidate:
+def look_closer(
+    site: MountingSite, candidate: BufferCandidate, motion: BaseMotion, goal: BufferGoal
+) -> BufferCandidate:
     """Return a candidate with its sensitivity to the moduli, and the stress and strain of its gaskets."""
     stack = candidate.stack
     mounting = site.mounting(stack)
@@ -240,7 +244,7 @@ def look_closer(site: MountingSite, candidate: Candidate, motion: BaseMotion, go
     return dataclasses.replace(candidate, leading=Leading(softer, stiffer, no_slip, robust, stress, strain))
 
 
-def withstands(site: MountingSite, candidate: Candidate, motion: BaseMotion, goal: Goal) -> bool:
+def withstands(site: MountingSite, candidate: BufferCandidate, motion: BaseMotion, goal: BufferGoal) -> bool:
     """Return whether a stack keeps the limit with all `variants` of its moduli; it ends at the first that does not.
 
     The history must last half a period of the softest variant after the surface's largest value.
@@ -261,7 +265,7 @@ def _peak(site: MountingSite, stack: GasketStack, motion: BaseMotion, factors: S
     return true_peak(reading_of(site, stack, motion, factors))
 
 
-def ranked(candidates: Sequence[Candidate], goal: Goal) -> list[Candidate]:
+def ranked(candidates: Sequence[BufferCandidate], goal: BufferGoal) -> list[BufferCandidate]:
     """Return candidates in order: those that keep the limit first, the others by their true peak.
 
     By ``bandwidth`` the one that passes the highest frequency within 10 % comes first; what is equal to
@@ -270,7 +274,7 @@ def ranked(candidates: Sequence[Candidate], goal: Goal) -> list[Candidate]:
     to be robust come first, then by bandwidth.
     """
 
-    def key(candidate: Candidate) -> tuple[Any, ...]:
+    def key(candidate: BufferCandidate) -> tuple[Any, ...]:
         peak = candidate.true_peak if math.isfinite(candidate.true_peak) else math.inf
         layers, bandwidth = len(candidate.stack), candidate.band.within_10
         first = (not candidate.keeps, goal.rank == "robust" and not candidate.robust)
@@ -281,7 +285,7 @@ def ranked(candidates: Sequence[Candidate], goal: Goal) -> list[Candidate]:
     return sorted(candidates, key=key)
 
 
-def with_pareto(candidates: Sequence[Candidate]) -> list[Candidate]:
+def with_pareto(candidates: Sequence[BufferCandidate]) -> list[BufferCandidate]:
     """Return candidates in the same order, those marked that are Pareto-optimal in true peak and bandwidth."""
     order = sorted(range(len(candidates)), key=lambda k: (candidates[k].true_peak, -candidates[k].band.within_10))
     marked, widest = set(), -math.inf
@@ -292,15 +296,15 @@ def with_pareto(candidates: Sequence[Candidate]) -> list[Candidate]:
     return [dataclasses.replace(candidate, pareto=k in marked) for k, candidate in enumerate(candidates)]
 
 
-def alike(one: Candidate, other: Candidate) -> bool:
+def alike(one: BufferCandidate, other: BufferCandidate) -> bool:
     """Return whether true peak and bandwidth of two stacks are the same within `ALIKE`."""
     pairs = ((one.band.within_10, other.band.within_10), (one.true_peak, other.true_peak))
     return all(math.isclose(*pair, rel_tol=ALIKE) for pair in pairs)
 
 
-def distinct(candidates: Sequence[Candidate], count: int) -> list[Candidate]:
+def distinct(candidates: Sequence[BufferCandidate], count: int) -> list[BufferCandidate]:
     """Return the first of a ranking, those left out that are `alike` to one before."""
-    first: list[Candidate] = []
+    first: list[BufferCandidate] = []
     for candidate in candidates:
         if len(first) == count:
             break

@@ -22,7 +22,7 @@ below every thickness that can be typed with sense."""
 
 
 @dataclass(frozen=True)
-class Choice:
+class StackChoices:
     """What stacks may be made of: materials, thicknesses, and the most layers."""
 
     materials: tuple[str, ...]
@@ -30,7 +30,7 @@ class Choice:
     layers: int = 3
 
 
-def stacks(choice: Choice) -> list[GasketStack]:
+def stacks(choice: StackChoices) -> list[GasketStack]:
     """Return all stacks of a choice, none first; those that another one equals are left out.
 
     Neighbours of one material are bonded and are as one gasket of both thicknesses: 0.5 + 1 mm is 1 + 0.5 mm.
@@ -43,7 +43,7 @@ def stacks(choice: Choice) -> list[GasketStack]:
     Examples
     --------
     >>> thin, thick = Value(si=1e-3, typed="1 mm"), Value(si=2e-3, typed="2 mm")
-    >>> [" | ".join(map(str, found)) for found in stacks(Choice(("PTFE",), (thin, thick), 2))]
+    >>> [" | ".join(map(str, found)) for found in stacks(StackChoices(("PTFE",), (thin, thick), 2))]
     ['', 'PTFE 1 mm', 'PTFE 2 mm', 'PTFE 1 mm | PTFE 2 mm', 'PTFE 2 mm | PTFE 2 mm']
     """
     names = tuple(dict.fromkeys(material(name, "--material").name for name in choice.materials))

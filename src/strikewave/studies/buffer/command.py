@@ -13,7 +13,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Changes, Output, case_name, quantity, read_value, typed_value
 
 if TYPE_CHECKING:
-    from strikewave.studies.buffer.choice import Choice
+    from strikewave.studies.buffer.choice import StackChoices
 
 WORST = "worst"
 """The blow that the stacks are compared at unless said otherwise: that with the largest reading."""
@@ -97,10 +97,10 @@ def command(
     case or a layered bar at the sensor's tap, or a record. With --json, files are written only where --out says.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for matrices this small, threads wait longer than they work
-    from strikewave.studies.buffer.candidate import Goal
+    from strikewave.studies.buffer.candidate import BufferGoal
     from strikewave.studies.buffer.screen import BufferCommand, rank_buffers, source_of_case, source_of_record
 
-    goal = Goal(limit, rank)
+    goal = BufferGoal(limit, rank)
     choice = _choice(material, thickness, layers)
     given = _given(mass, diameter, model)
     if record is None:
@@ -118,14 +118,14 @@ def _chosen(value: Value) -> Value:
     return value.model_copy(update={"note": "chosen by strikewave buffer"})
 
 
-def _choice(names: list[str] | None, sizes: list[Value] | None, layers: int) -> Choice:
-    from strikewave.studies.buffer.choice import Choice, stacks
+def _choice(names: list[str] | None, sizes: list[Value] | None, layers: int) -> StackChoices:
+    from strikewave.studies.buffer.choice import StackChoices, stacks
     from strikewave.studies.buffer.mounting_site import usual_materials
 
     thicknesses = tuple(
         _chosen(size) for size in sizes or [read_value(text, "--thickness", "m", THICKEST) for text in THICKNESSES]
     )
-    choice = Choice(tuple(names or usual_materials()), thicknesses, layers)
+    choice = StackChoices(tuple(names or usual_materials()), thicknesses, layers)
     stacks(choice)
     return choice
 

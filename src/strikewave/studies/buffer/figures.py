@@ -13,7 +13,7 @@ from strikewave.reporting.curves import thin
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
 from strikewave.sensors import transmission
 from strikewave.sensors.mounting import RESOLVED
-from strikewave.studies.buffer.candidate import Candidate, distinct
+from strikewave.studies.buffer.candidate import BufferCandidate, distinct
 from strikewave.studies.buffer.result import BufferStudy
 from strikewave.studies.log_ticks import plain_log_ticks
 
@@ -29,7 +29,7 @@ DARK = "#333333"
 STYLES = ((BLUE, "-"), (RED, "--"), (GREEN, "-."))
 
 
-def first_ones(study: BufferStudy) -> list[Candidate]:
+def first_ones(study: BufferStudy) -> list[BufferCandidate]:
     """Return the first distinct ones of the ranking that have gaskets."""
     return distinct([candidate for candidate in study.candidates if candidate.stack], SHOWN)
 
@@ -140,12 +140,12 @@ def _figure() -> tuple[Figure, Any]:
     return figure, figure.add_subplot()
 
 
-def _points(axes: Any, candidates: Sequence[Candidate], label: str, **style: Any) -> None:
+def _points(axes: Any, candidates: Sequence[BufferCandidate], label: str, **style: Any) -> None:
     if candidates:
         axes.plot(*_places(candidates), linestyle="none", label=label, **style)
 
 
-def _places(candidates: Sequence[Candidate]) -> tuple[list[float], list[float]]:
+def _places(candidates: Sequence[BufferCandidate]) -> tuple[list[float], list[float]]:
     """Return bandwidths (at most that which is resolved) and peaks in g."""
     return (
         [min(c.band.within_10, RESOLVED) for c in candidates],

@@ -23,7 +23,7 @@ from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import area_of, checked, need
 from strikewave.cases.tables import GasketTable, SensorTable
 from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor, accelerometer, read
-from strikewave.sensors.channel import Channel
+from strikewave.sensors.channel import SensorChannel
 from strikewave.signal.pulse import largest, measure_pulse
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ class MountingSite:
 
     Attributes
     ----------
-    channel : Channel
+    channel : SensorChannel
         Sensor, tap and recorder; the mounting in it does not count.
     table : SensorTable
         What a case says of it.
@@ -84,7 +84,7 @@ class MountingSite:
         The buffer that the case has now.
     """
 
-    channel: Channel
+    channel: SensorChannel
     table: SensorTable
     footprint: dict[str, Value]
     mass: float
@@ -281,7 +281,7 @@ def mounting_site_of(
         (channel,) = build_channels(case.model_copy(update={"sensor": (bare,)}))
     else:
         known = accelerometer(table.model, "--model").mounted() if table.model else Sensor()
-        channel = Channel(dataclasses.replace(known, name=table.name), None, Recorder())
+        channel = SensorChannel(dataclasses.replace(known, name=table.name), None, Recorder())
     shape = dict(footprint or {})
     for key in ("diameter", "area") if table.gasket and not shape else ():
         value = getattr(table.gasket[0], key)

@@ -10,7 +10,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.materials import material
 from strikewave.base.result import Notice
 from strikewave.sensors.channel import channel_notices, sensor_pulse
-from strikewave.studies.buffer.candidate import SHOWN_PERIODS, Candidate, slowest_shown, true_peak
+from strikewave.studies.buffer.candidate import SHOWN_PERIODS, BufferCandidate, slowest_shown, true_peak
 from strikewave.studies.buffer.moduli import confined, spread
 from strikewave.studies.buffer.mounting_site import reading_of
 
@@ -60,7 +60,7 @@ def study_notices(study: BufferStudy, skipped: int) -> Iterator[Notice]:
     yield from _not_robust(study, first)
 
 
-def _pulse_lost(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
+def _pulse_lost(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:
     """Yield whether the first stack passes too little of the pulse to show it."""
     width, passed = study.motion.width, first.band.within_10
     if not math.isnan(width) and passed * width < 1.0:
@@ -72,7 +72,7 @@ def _pulse_lost(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
         yield Notice("pulse-lost", message, passed, 1.0 / width)
 
 
-def _not_robust(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
+def _not_robust(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:
     """Yield whether the first stack keeps the limit with the moduli of the table only."""
     leading, limit = first.leading, study.goal.limit
     if leading is None or not first.keeps or leading.robust:
@@ -117,7 +117,7 @@ def _why_none(study: BufferStudy) -> Notice:
     return Notice("limit-not-kept", message + "; try softer or thicker gaskets, or more layers", value, bound, True)
 
 
-def _gasket_notices(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
+def _gasket_notices(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:
     """Yield limits that the gaskets of the first stack exceed, and materials whose numbers are from memory."""
     assert first.leading is not None
     for layer, stress, strain in zip(first.stack, first.leading.stress, first.leading.strain, strict=True):
@@ -146,7 +146,7 @@ def _gasket_notices(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
             yield Notice("material-from-memory", f"{name}: {row.note}", 1.0, 0.0)
 
 
-def _other_blows(study: BufferStudy, first: Candidate) -> Iterator[Notice]:
+def _other_blows(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:
     """Yield whether the first stack breaks the limit in another blow of the run."""
     others = [motion for motion in study.blows.motions if motion is not study.motion]
     readings = [(reading_of(study.site, first.stack, motion), motion.name) for motion in others]

@@ -21,10 +21,10 @@ from strikewave.base.result import Result, Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.measured_files import identity
 from strikewave.sensors import Reading
-from strikewave.sensors.channel import Channel, sensor_sources
+from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.studies.buffer.candidate import (
-    Candidate,
-    Goal,
+    BufferCandidate,
+    BufferGoal,
     Leading,
 )
 from strikewave.studies.buffer.moduli import spread
@@ -44,7 +44,7 @@ _OWN = (
     "height", "peak", "width", "clipped", "element_peak", "true_peak", "keeps", "margin", "pareto", "rigid_ratio",
     "velocity_error", "ringing", "loss_error", "sag", "whole",
 )  # fmt: skip
-"""Attributes of a `Candidate` that a row of the document and of the table holds under their own names."""
+"""Attributes of a `BufferCandidate` that a row of the document and of the table holds under their own names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +59,11 @@ class BufferStudy(Result):
         Where the sensor sits.
     blows : Blows
         The motion of the surface below it.
-    goal : Goal
+    goal : BufferGoal
         What the reading must keep.
-    candidates : tuple of Candidate
+    candidates : tuple of BufferCandidate
         The stacks, the best first.
-    present : Candidate or None
+    present : BufferCandidate or None
         The buffer that the case has now.
     case : Case or None
         Where sensor and blow come from.
@@ -79,9 +79,9 @@ class BufferStudy(Result):
 
     site: MountingSite
     blows: Blows
-    goal: Goal
-    candidates: tuple[Candidate, ...]
-    present: Candidate | None = None
+    goal: BufferGoal
+    candidates: tuple[BufferCandidate, ...]
+    present: BufferCandidate | None = None
     case: Case | None = None
     record: Path | None = None
     asked: str = ""
@@ -107,7 +107,7 @@ class BufferStudy(Result):
         return self.blows.motion
 
     @property
-    def best(self) -> Candidate | None:
+    def best(self) -> BufferCandidate | None:
         """First of the ranking that keeps the limit; None where none does."""
         return self.candidates[0] if self.candidates[0].keeps else None
 
@@ -117,22 +117,22 @@ class BufferStudy(Result):
         return self.best is None
 
     @property
-    def robust(self) -> Candidate | None:
+    def robust(self) -> BufferCandidate | None:
         """First of the ranking that is known to keep the limit whatever the moduli; None where none is."""
         return next((candidate for candidate in self.candidates if candidate.robust), None)
 
     @property
-    def first_channel(self) -> Channel:
+    def first_channel(self) -> SensorChannel:
         """The sensor on the first stack, and its recorder."""
         mounting = self.site.mounting(self.candidates[0].stack)
         return self.site.channel._replace(sensor=self.site.sensor(mounting))
 
     @property
-    def direct(self) -> Candidate:
+    def direct(self) -> BufferCandidate:
         """The sensor without gaskets."""
         return next(candidate for candidate in self.candidates if not candidate.stack)
 
-    def reading(self, candidate: Candidate) -> Reading:
+    def reading(self, candidate: BufferCandidate) -> Reading:
         """Return what the recorder keeps with a stack."""
         return reading_of(self.site, candidate.stack, self.motion)
 
@@ -210,7 +210,7 @@ class BufferStudy(Result):
         return text.getvalue()
 
 
-def _row(place: int | None, candidate: Candidate) -> dict[str, Any]:
+def _row(place: int | None, candidate: BufferCandidate) -> dict[str, Any]:
     """Return a candidate as one flat row."""
     own = {key: getattr(candidate, key) for key in _OWN}
     leading = {f.name: getattr(candidate.leading, f.name, None) for f in dataclasses.fields(Leading)}

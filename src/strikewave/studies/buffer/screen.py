@@ -30,8 +30,8 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, progress_bar, say, say_compiling, significant, table
-from strikewave.studies.buffer.candidate import ALIKE, RINGING, Candidate, Goal, distinct
-from strikewave.studies.buffer.choice import Choice
+from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferCandidate, BufferGoal, distinct
+from strikewave.studies.buffer.choice import StackChoices
 from strikewave.studies.buffer.mounting_site import (
     BaseMotion,
     Blows,
@@ -57,7 +57,7 @@ NAME, SHORT_NAME = 38, 24
 """Characters of a line of a stack's name, on a wide and on a narrow screen."""
 
 
-class Source(NamedTuple):
+class BlowSource(NamedTuple):
     """Where sensor and blow come from: the case, the sensor's table, its site, the record's path and reading."""
 
     case: Case | None
@@ -78,7 +78,9 @@ def rank_buffers(command: BufferCommand, output: Output) -> int:
     return run_and_write(command, output, f"buffer-{_called(command.source)}", None)
 
 
-def source_of_case(name: str | None, sensor: str | None, changes: list[str] | None, given: dict[str, Any]) -> Source:
+def source_of_case(
+    name: str | None, sensor: str | None, changes: list[str] | None, given: dict[str, Any]
+) -> BlowSource:
     """Return where sensor and blow of a case come from."""
     return _from_case(name, sensor, changes, given)
 
@@ -89,10 +91,10 @@ def source_of_record(
     options: Options,
     case: tuple[str | None, str | None, list[str] | None],
     given: dict[str, Any],
-) -> Source:
+) -> BlowSource:
     """Return where the blow of a record, and the sensor of a case or of what was typed, come from."""
     reading, found = _reading(file, stated, options)
-    return Source(None, _from_case(*case, given, needed=False).site, Path(file), reading, found)
+    return BlowSource(None, _from_case(*case, given, needed=False).site, Path(file), reading, found)
 
 
 @dataclass(frozen=True)
@@ -101,22 +103,22 @@ class BufferCommand(Command[BufferStudy]):
 
     Attributes
     ----------
-    source : Source
+    source : BlowSource
         Where sensor and blow come from.
     blow : str
         Which of the blows of a case: worst, first, or a number.
-    choice : Choice
+    choice : StackChoices
         Gaskets to choose from.
-    goal : Goal
+    goal : BufferGoal
         What the reading must keep.
     """
 
     indent: ClassVar[int | None] = None
 
-    source: Source
+    source: BlowSource
     blow: str
-    choice: Choice
-    goal: Goal
+    choice: StackChoices
+    goal: BufferGoal
 
     def solve(self) -> BufferStudy:
         """Return the study, with bars on stderr."""
@@ -151,7 +153,7 @@ class BufferCommand(Command[BufferStudy]):
 
 def _from_case(
     name: str | None, sensor: str | None, changes: list[str] | None, given: dict[str, Any], needed: bool = True
-) -> Source:
+) -> BlowSource:
     """Return case and site; without a case, where none is needed, the site stands on what was typed."""
     typed = {key: value for key, value in given.items() if key != "diameter"}
     footprint = {"diameter": given["diameter"]} if "diameter" in given else None
@@ -163,13 +165,13 @@ def _from_case(
             hint = "without one, --model, --mass and --diameter describe the sensor"
             raise InputError(field, sensor or changes, "only with a case", hint)
         alone: SensorTable = SensorTable(name="sensor").model_copy(update=typed)
-        return Source(None, mounting_site_of(alone, None, footprint))
+        return BlowSource(None, mounting_site_of(alone, None, footprint))
     case = load_case(name, changes or ())
     table = choose_sensor(case, sensor).model_copy(update=typed)
-    return Source(case, mounting_site_of(table, case, footprint))
+    return BlowSource(case, mounting_site_of(table, case, footprint))
 
 
-def _blows(source: Source, blow: str, report: Callable[[float], None]) -> Blows:
+def _blows(source: BlowSource, blow: str, report: Callable[[float], None]) -> Blows:
     assert source.case is not None
     return blows_of(source.case, source.site.table, blow, report)
 
@@ -208,7 +210,7 @@ def _recorded(path: Path | None, reading: ChannelReading, findings: Sequence[Hea
     return Blows((BaseMotion(name, values, channel.step, channel.start + first * channel.step),), 0, tuple(warnings))
 
 
-def _called(source: Source) -> str:
+def _called(source: BlowSource) -> str:
     if source.record is not None:
         return source.record.stem
     return (source.case.name if source.case else "") or "case"
@@ -255,7 +257,7 @@ def _wide() -> bool:
     return shutil.get_terminal_size((160, 24)).columns >= WIDE
 
 
-def _cells(place: str, candidate: Candidate) -> list[str]:
+def _cells(place: str, candidate: BufferCandidate) -> list[str]:
     """Return a row of the table on the screen."""
     band, found = candidate.band, candidate.leading if candidate.stack else None
     passed = [

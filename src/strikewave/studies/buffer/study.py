@@ -14,8 +14,8 @@ from collections.abc import Callable, Sequence
 from strikewave.sensors import Mounting
 from strikewave.sensors.mounting import mounting_system
 from strikewave.studies.buffer.candidate import (
-    Candidate,
-    Goal,
+    BufferCandidate,
+    BufferGoal,
     alike,
     assess,
     assess_mounting,
@@ -25,7 +25,7 @@ from strikewave.studies.buffer.candidate import (
     with_pareto,
     withstands,
 )
-from strikewave.studies.buffer.choice import Choice, stacks
+from strikewave.studies.buffer.choice import StackChoices, stacks
 from strikewave.studies.buffer.mounting_site import BaseMotion, Blows, MountingSite
 from strikewave.studies.buffer.notices import study_notices
 from strikewave.studies.buffer.result import BufferStudy
@@ -39,7 +39,11 @@ keep the limit. Chosen: as many as a screen shows; each takes up to 13 more runs
 
 
 def design_buffer(
-    site: MountingSite, blows: Blows, choice: Choice, goal: Goal, progress: Callable[[float], None] | None = None
+    site: MountingSite,
+    blows: Blows,
+    choice: StackChoices,
+    goal: BufferGoal,
+    progress: Callable[[float], None] | None = None,
 ) -> BufferStudy:
     """Rank all stacks of a choice for a sensor, a blow, and a limit on what it may read.
 
@@ -49,9 +53,9 @@ def design_buffer(
         The sensor.
     blows : Blows
         The blow, and the others of its run, which the best stack is tried on too.
-    choice : Choice
+    choice : StackChoices
         What stacks may be made of.
-    goal : Goal
+    goal : BufferGoal
         The limit, and what decides among those that keep it.
     progress : callable, optional
         Called with the share done, 0 to 1.
@@ -75,7 +79,7 @@ def design_buffer(
     return dataclasses.replace(study, notices=(*blows.warnings, *study_notices(study, skipped)))
 
 
-def _present(site: MountingSite, blows: Blows, goal: Goal) -> Candidate | None:
+def _present(site: MountingSite, blows: Blows, goal: BufferGoal) -> BufferCandidate | None:
     """Return what the sensor reads on the buffer that the case has now."""
     if site.present is None or _too_large(site.present.mounting):
         return None
@@ -83,8 +87,8 @@ def _present(site: MountingSite, blows: Blows, goal: Goal) -> Candidate | None:
 
 
 def _looked_at(
-    candidates: Sequence[Candidate], site: MountingSite, motion: BaseMotion, goal: Goal
-) -> tuple[Candidate, ...]:
+    candidates: Sequence[BufferCandidate], site: MountingSite, motion: BaseMotion, goal: BufferGoal
+) -> tuple[BufferCandidate, ...]:
     """Return candidates ranked, the first distinct and the Pareto-optimal ones with what is computed only of them."""
     order = ranked(with_pareto(candidates), goal)
     chosen = distinct(order, LEADING) + [candidate for candidate in order if candidate.pareto and candidate.keeps]
@@ -94,9 +98,11 @@ def _looked_at(
     return tuple(ranked([closer.get(id(candidate), candidate) for candidate in order], goal))
 
 
-def _withstanding(order: Sequence[Candidate], site: MountingSite, motion: BaseMotion, goal: Goal) -> list[Candidate]:
+def _withstanding(
+    order: Sequence[BufferCandidate], site: MountingSite, motion: BaseMotion, goal: BufferGoal
+) -> list[BufferCandidate]:
     """Return the first distinct ones of a ranking that keep the limit with all moduli, `LEADING` at most."""
-    robust: list[Candidate] = []
+    robust: list[BufferCandidate] = []
     for candidate in order:
         if len(robust) == LEADING:
             break

@@ -27,7 +27,7 @@ FIELDS = {
     "peak": ("m/s^2", "mean rigid peak of the machine's own blows; missed ones are left out"),
     "first_peak": ("m/s^2", "rigid peak of the first blow"),
     "missed": ("1", "how many of the machine's own blows missed, or did not come before feed.hold was over"),
-    "retreat": ("m", "largest displacement (rearward) of the object"),
+    "largest_displacement": ("m", "largest displacement (rearward) of the object"),
     "stop_force": ("N", "largest force of the stop"),
     "train_time": ("s", "from the first to the last of the machine's own blows"),
     "return_ratio": ("1", "time of the return after the last of the own blows, closed form, over the striking period"),
@@ -67,7 +67,7 @@ _worker: dict[str, Any] = {}
 
 
 @dataclass(frozen=True)
-class Plan:
+class MapPlan:
     """What a map is of.
 
     Attributes
@@ -154,7 +154,7 @@ def measured(run: FastTrain, blows: int, train: int) -> Array:
         "peak": peaks[struck].mean() if struck.any() else np.nan,
         "first_peak": peaks[0] if peaks.size else np.nan,
         "missed": blows - struck.sum(),
-        "retreat": _largest(run.column("retreat")[own]),
+        "largest_displacement": _largest(run.column("largest_displacement")[own]),
         "stop_force": _largest(run.column("stop_force")[own]),
         "train_time": times[-1] - times[0] if times.size else np.nan,
         "return_ratio": back[0] / period,
@@ -199,7 +199,7 @@ def _largest(values: Array) -> float:
     return float(known.max()) if known.size else float("nan")
 
 
-def start_worker(plan: Plan) -> None:
+def start_worker(plan: MapPlan) -> None:
     """Make a process ready for rows of a map."""
     _worker["plan"], _worker["case"] = plan, parse_case(plan.case)
 

@@ -72,7 +72,7 @@ def command(
         ),
     ] = 60,
     colour: Annotated[
-        Literal["cv", "cv_later", "peak", "first_peak", "retreat", "stop_force", "train_time", "missed"],
+        Literal["cv", "cv_later", "peak", "first_peak", "largest_displacement", "stop_force", "train_time", "missed"],
         typer.Option("--colour", help="Quantity that the picture shows."),
     ] = "cv",
     want_cv: Annotated[

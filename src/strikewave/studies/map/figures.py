@@ -50,7 +50,7 @@ COLOURS = {
     "cv_later": Colour("coefficient of variation of the peaks, from the second blow (%)", "", "", True),
     "peak": Colour("mean rigid peak (g)", "m/s^2", "g"),
     "first_peak": Colour("rigid peak of the first blow (g)", "m/s^2", "g"),
-    "retreat": Colour("largest displacement (mm)", "m", "mm"),
+    "largest_displacement": Colour("largest displacement (mm)", "m", "mm"),
     "stop_force": Colour("largest force of the stop (kN)", "N", "kN"),
     "train_time": Colour("from first to last blow (ms)", "s", "ms"),
     "missed": Colour("missed blows (1)", "", ""),

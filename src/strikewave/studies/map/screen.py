@@ -13,7 +13,7 @@ from strikewave.base.compiled import is_cold
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import number, progress_bar, say, table
-from strikewave.studies.map.cells import Axis, Plan
+from strikewave.studies.map.cells import Axis, MapPlan
 from strikewave.studies.map.store import Store, rows_beside
 from strikewave.studies.map.study import MapStudy, make_map, marked_text
 
@@ -23,7 +23,7 @@ SHOWN = (
     ("CV from 2nd blow (%)", "cv_later", "1", "%"),
     ("mean peak (g)", "peak", *_PEAK),
     ("missed (1)", "missed", "1", "1"),
-    ("largest displacement (mm)", "retreat", "m", "mm"),
+    ("largest displacement (mm)", "largest_displacement", "m", "mm"),
     ("stop force (kN)", "stop_force", "N", "kN"),
     ("train (ms)", "train_time", "s", "ms"),
 )
@@ -32,7 +32,7 @@ INTERRUPTED = 128 + signal.SIGINT
 """Exit code of a map that was stopped."""
 
 
-def run_map(plan: Plan, name: str, changes: Sequence[str], command: MapCommand, output: Output) -> int:
+def run_map(plan: MapPlan, name: str, changes: Sequence[str], command: MapCommand, output: Output) -> int:
     """Make a map, write and print it, and return the exit code.
 
     Raises
@@ -50,7 +50,7 @@ class MapCommand(Command[MapStudy]):
 
     Attributes
     ----------
-    plan : Plan
+    plan : MapPlan
         What is mapped.
     wanted : float
         Coefficient of variation below which blows count as even.
@@ -66,7 +66,7 @@ class MapCommand(Command[MapStudy]):
 
     indent: ClassVar[int | None] = None
 
-    plan: Plan
+    plan: MapPlan
     wanted: float
     workers: int
     seconds: float
@@ -112,7 +112,7 @@ class MapCommand(Command[MapStudy]):
         return ["map.svg", "map.png"]
 
 
-def _words(plan: Plan, seconds: float, store: Store) -> str:
+def _words(plan: MapPlan, seconds: float, store: Store) -> str:
     """Return what is about to be run, in words."""
     panels, rows, columns = plan.shape
     size = f"{columns} x {rows}" + (f" x {panels}" if panels > 1 else "")

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from strikewave._version import __version__
 from strikewave.base.compiled import PACKAGE, kernel_key
 from strikewave.base.errors import InputError
-from strikewave.studies.map.cells import FIELDS, Plan
+from strikewave.studies.map.cells import FIELDS, MapPlan
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ _MARK = b"rows of a strikewave map "
 _HINT = "start anew with --fresh, or choose another --out"
 
 
-def key_of(plan: Plan) -> str:
+def key_of(plan: MapPlan) -> str:
     """Return what tells one map from all others: its plan, the version, and the source of the kernels."""
     return hashlib.sha256(repr((plan, tuple(FIELDS), __version__, kernel_key(PACKAGE))).encode()).hexdigest()
 
@@ -54,7 +54,7 @@ class Store:
 
     Parameters
     ----------
-    plan : Plan
+    plan : MapPlan
         What the map is of.
     path : Path, optional
         The file.
@@ -67,7 +67,7 @@ class Store:
         If the file is damaged, or holds another map.
     """
 
-    def __init__(self, plan: Plan, path: Path | None, fresh: bool = False) -> None:
+    def __init__(self, plan: MapPlan, path: Path | None, fresh: bool = False) -> None:
         panels, rows, columns = plan.shape
         self.key = key_of(plan)
         self.path = path

@@ -28,7 +28,7 @@ from strikewave.studies.map.cells import (
     NOTE,
     PLACE,
     REASONS,
-    Plan,
+    MapPlan,
     cell_of,
     machine_of,
     row_of,
@@ -66,7 +66,7 @@ CONFIRMED = 5
 
 
 @dataclass(frozen=True)
-class Setting:
+class EvenSetting:
     """A setting of the map with even blows, and what it costs.
 
     Attributes
@@ -90,7 +90,7 @@ class Setting:
     peak: float
 
 
-def marked_text(plan: Plan, wanted: float) -> str:
+def marked_text(plan: MapPlan, wanted: float) -> str:
     """Return the case as text, and above it what was asked: other axes are another result."""
     sizes = " x ".join(f"{len(axis.values)} {axis.path}" for axis in plan.axes)
     key = hashlib.sha256(repr((plan, wanted)).encode()).hexdigest()[:12]
@@ -111,7 +111,7 @@ class MapStudy(Result):
 
     Attributes
     ----------
-    plan : Plan
+    plan : MapPlan
         What it is of.
     values : ndarray
         Shape (panels, rows, columns, fields); see `strikewave.studies.map.cells.FIELDS`.
@@ -119,7 +119,7 @@ class MapStudy(Result):
         Coefficient of variation below which blows count as even.
     present : dict
         The case itself, as a cell.
-    setting : Setting or None
+    setting : EvenSetting or None
         The nearest even setting that a full run confirms; the case itself, at distance 0, where it is even already.
     refused : tuple of Refusal
         Nearer ones whose full runs disagree.
@@ -128,11 +128,11 @@ class MapStudy(Result):
     command: ClassVar[str] = "map"
     data_file: ClassVar[str] = "map.nc"
 
-    plan: Plan
+    plan: MapPlan
     values: Array
     wanted: float
     present: dict[str, float]
-    setting: Setting | None = None
+    setting: EvenSetting | None = None
     refused: tuple[Refusal, ...] = ()
 
     @cached_property
@@ -321,7 +321,7 @@ def _cell(name: str, value: float) -> str:
     return "" if math.isnan(value) else f"{value:.9g}"
 
 
-def check_plan(plan: Plan, workers: int) -> float:
+def check_plan(plan: MapPlan, workers: int) -> float:
     """Return about how long a map takes, s, and refuse one that is too large.
 
     Raises
@@ -346,7 +346,7 @@ def check_plan(plan: Plan, workers: int) -> float:
 
 
 def make_map(
-    plan: Plan,
+    plan: MapPlan,
     wanted: float,
     workers: int = 1,
     store: Store | None = None,
@@ -356,7 +356,7 @@ def make_map(
 
     Parameters
     ----------
-    plan : Plan
+    plan : MapPlan
         What it is of.
     wanted : float
         Coefficient of variation below which blows count as even.
@@ -390,7 +390,7 @@ def make_map(
     return dataclasses.replace(study, setting=setting, refused=refused)
 
 
-def confirmed(study: MapStudy) -> tuple[Setting | None, tuple[Refusal, ...]]:
+def confirmed(study: MapStudy) -> tuple[EvenSetting | None, tuple[Refusal, ...]]:
     """Return the nearest even setting that a full run confirms, and those nearer that it does not."""
     refused: list[Refusal] = []
     for distance, values, cell in study.even_settings()[:CONFIRMED]:
@@ -400,7 +400,7 @@ def confirmed(study: MapStudy) -> tuple[Setting | None, tuple[Refusal, ...]]:
             refused.append(Refusal(values, f"the full run failed: {error}"))
             continue
         if cv <= study.wanted:
-            return Setting(values, distance, cell, cv, peak), tuple(refused)
+            return EvenSetting(values, distance, cell, cv, peak), tuple(refused)
         refused.append(Refusal(values, f"the full run has a CV of {100.0 * cv:.3g} %"))
     return None, tuple(refused)
 
@@ -423,10 +423,10 @@ def in_full(case: Case, count: int) -> tuple[float, float]:
     return variation(peaks), float(peaks.mean())
 
 
-def plan_of(case: Case, axes: tuple[Axis, ...], own: int | None = None, train: int = TRAIN) -> Plan:
+def plan_of(case: Case, axes: tuple[Axis, ...], own: int | None = None, train: int = TRAIN) -> MapPlan:
     """Return the plan of a map of a case over two or three of its quantities."""
     paths = [axis.path for axis in axes]
     if len(set(paths)) < len(paths):
         raise InputError("--y", paths[-1], "another quantity than the other axes")
     count = int(case.rotary_tables().feed.blows.si) if own is None else own
-    return Plan(dump_case(case), axes, count, train)
+    return MapPlan(dump_case(case), axes, count, train)

@@ -37,9 +37,9 @@ def command(
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for arrays this small, threads wait longer than they work
     from strikewave.cases.case import load_case
     from strikewave.studies.scatter.screen import run_scatter
-    from strikewave.studies.scatter.study import Plan
+    from strikewave.studies.scatter.study import ScatterPlan
 
-    plan = Plan(runs, seed, shares, workers)
+    plan = ScatterPlan(runs, seed, shares, workers)
     plan.check()
     plan = dataclasses.replace(plan, workers=min(workers, os.cpu_count() or 1))
     return run_scatter(load_case(case, changes or ()), changes or (), plan, output)

@@ -49,7 +49,7 @@ class RunResult:
     width: Array = field(default_factory=_none)
     interval: Array = field(default_factory=_none)
     velocity_change: Array = field(default_factory=_none)
-    retreat: float = np.nan
+    largest_displacement: float = np.nan
     failure: str = ""
 
     @property
@@ -113,14 +113,14 @@ def of_blows(train: Sequence[Blow]) -> RunResult:
     interval = np.diff(times, prepend=np.nan)
     interval[missed | np.concatenate([[True], missed[:-1]])[: times.size]] = np.nan
     change = np.where(missed, np.nan, [blow.velocity_change for blow in train])
-    retreats = [blow.retreat for blow in train if np.isfinite(blow.retreat)]
+    displacements = [blow.largest_displacement for blow in train if np.isfinite(blow.largest_displacement)]
     return RunResult(
         kinds=tuple(blow.kind for blow in train),
         peak=np.array([blow.rigid_peak for blow in train]),
         width=np.array([blow.width for blow in train]),
         interval=interval,
         velocity_change=change,
-        retreat=max(retreats, default=np.nan),
+        largest_displacement=max(displacements, default=np.nan),
     )
 
 

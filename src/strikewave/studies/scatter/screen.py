@@ -12,7 +12,7 @@ from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import number, progress_bar, say, say_compiling, table
-from strikewave.studies.scatter.study import Plan, ScatterStudy, marked_text, scatter
+from strikewave.studies.scatter.study import ScatterPlan, ScatterStudy, marked_text, scatter
 from strikewave.uncertainty.shares import Shares
 
 SHOWN = {"peak": ("m/s^2", "g"), "width": ("s", "us"), "interval": ("s", "ms"), "velocity_change": ("m/s", "m/s")}
@@ -24,7 +24,7 @@ SHARES_LEFT_OUT, MEANS_LEFT_OUT, WIDE = (1, 2, 3, 7), (3,), 120
 """Columns of the tables of shares and of means that a screen with fewer characters does without."""
 
 
-def run_scatter(case: Case, changes: Sequence[str], plan: Plan, output: Output) -> int:
+def run_scatter(case: Case, changes: Sequence[str], plan: ScatterPlan, output: Output) -> int:
     """Run a case within its tolerances, write and print the scatter, and return the exit code.
 
     Raises
@@ -41,7 +41,7 @@ class ScatterCommand(Command[ScatterStudy]):
     """Runs of a case within its tolerances."""
 
     case: Case
-    plan: Plan
+    plan: ScatterPlan
 
     def solve(self) -> ScatterStudy:
         """Return the study, with a bar on stderr."""
@@ -88,7 +88,7 @@ def _print(study: ScatterStudy) -> None:
     if len(study.runs) < FEWEST_FOR_LIMIT:
         say(f"95 % of runs below takes {FEWEST_FOR_LIMIT} runs or more")
     kinds = ", ".join(f"{blows} {kind} (in {runs} runs)" for kind, (blows, runs) in study.kinds().items())
-    say(f"blows: {kinds}; largest displacement (rearward) {number(study.largest_retreat, 'm', 'mm', 3)} mm")
+    say(f"blows: {kinds}; largest displacement (rearward) {number(study.largest_displacement, 'm', 'mm', 3)} mm")
     for one in study.shares:
         _print_shares(study, one)
 

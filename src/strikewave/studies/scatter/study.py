@@ -33,7 +33,7 @@ from strikewave.uncertainty.shares import (
     sobol_shares,
     variance_shares,
 )
-from strikewave.uncertainty.statistics import Spread, spread
+from strikewave.uncertainty.statistics import RunSpread, spread
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ COLUMNS: tuple[tuple[str, Callable[[RunResult, str], float]], ...] = (
 )
 """What the table of runs holds of each figure: head of the column, and how it is read from a run."""
 UNITS = {
-    **FIGURE_UNITS, "cv": "1", "share": "1", "total": "1", "retreat": "m", "largest_retreat": "m",
+    **FIGURE_UNITS, "cv": "1", "share": "1", "total": "1", "largest_displacement": "m",
     "nominal": "SI of its path", "half_width": "SI of its path",
 }  # fmt: skip
 """SI unit of each quantity of the document."""
@@ -90,7 +90,7 @@ STATEMENTS = {
 
 
 @dataclass(frozen=True)
-class Plan:
+class ScatterPlan:
     """How many runs, from which seed, how shares are found, and on how many processes."""
 
     runs: int = 500
@@ -137,15 +137,15 @@ class Figure(NamedTuple):
         Of the means of the runs: mean and its bounds, scatter between runs and its bounds.
     typical : Statistic
         The same of the typical blow of each run, the median of the later full or double ones.
-    within, later : Spread
+    within, later : RunSpread
         Coefficient of variation of the blows of a run, over the runs; without the first blow. What 95 % of all runs
         keep counts runs that failed or missed a blow as beyond every limit.
     """
 
     mean: Statistic
     typical: Statistic
-    within: Spread
-    later: Spread
+    within: RunSpread
+    later: RunSpread
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +155,7 @@ class ScatterStudy(Result):
     command: ClassVar[str] = "scatter"
 
     case: Case
-    plan: Plan
+    plan: ScatterPlan
     tolerances: tuple[Tolerance, ...]
     numbers: Array
     runs: tuple[RunResult, ...]
@@ -210,9 +210,9 @@ class ScatterStudy(Result):
         return np.array([np.percentile(p, BAND) if p.size else np.full(3, np.nan) for p in peaks]).T
 
     @property
-    def largest_retreat(self) -> float:
+    def largest_displacement(self) -> float:
         """Largest displacement (rearward) of the object after a blow of any run, m."""
-        return max(run.retreat for run in self.completed if math.isfinite(run.retreat))
+        return max(run.largest_displacement for run in self.completed if math.isfinite(run.largest_displacement))
 
     def found_notices(self) -> tuple[Notice, ...]:
         """Return what should be known."""
@@ -255,7 +255,7 @@ class ScatterStudy(Result):
             "figures": {name: _figure(self.figure(name)) for name in FIGURES},
             "kinds": kinds,
             "peaks": {"percentiles": BAND, "low": low, "median": middle, "high": high},
-            "largest_retreat": self.largest_retreat,
+            "largest_displacement": self.largest_displacement,
             "shares": {"method": self.plan.shares, "of": [_shares(one) for one in self.shares]},
         }
 
@@ -289,22 +289,24 @@ class ScatterStudy(Result):
         names = [name for one in self.tolerances for name in one.names]
         columns = ["run", *(_headed(name, unit) for name, unit in zip(names, units, strict=True)), "blows", *KINDS]
         columns += [_headed(f"{how} {name}", unit) for name, unit in FIGURE_UNITS.items() for how, _ in COLUMNS]
-        writer.writerow([*columns, "largest retreat [m]", "failure"])
+        writer.writerow([*columns, "largest displacement [m]", "failure"])
         for number, (row, run) in enumerate(zip(self.numbers, self.runs, strict=True), 1):
             counts = [len(run.kinds), *(run.kinds.count(kind) for kind in KINDS)]
             values = [read(run, name) for name in FIGURE_UNITS for _, read in COLUMNS]
-            cells = [_cell(float(value)) for value in (*values, run.retreat)]
+            cells = [_cell(float(value)) for value in (*values, run.largest_displacement)]
             writer.writerow([number, *(_cell(float(value)) for value in row), *counts, *cells, run.failure])
         return text.getvalue()
 
 
-def marked_text(case: Case, plan: Plan) -> str:
+def marked_text(case: Case, plan: ScatterPlan) -> str:
     """Return the case as text, and above it what was asked: another seed is another result."""
     asked = f"# strikewave scatter --runs {plan.runs} --seed {plan.seed} --shares {plan.shares}\n"
     return asked + dump_case(case)
 
 
-def scatter(case: Case, plan: Plan | None = None, progress: Callable[[float], None] | None = None) -> ScatterStudy:
+def scatter(
+    case: Case, plan: ScatterPlan | None = None, progress: Callable[[float], None] | None = None
+) -> ScatterStudy:
     """Run a case many times within its tolerances.
 
     Equal seeds reproduce the runs bit for bit, whatever the number of processes.
@@ -313,7 +315,7 @@ def scatter(case: Case, plan: Plan | None = None, progress: Callable[[float], No
     ----------
     case : Case
         Of a machine, with a tolerance at least.
-    plan : Plan, optional
+    plan : ScatterPlan, optional
         Runs, seed, shares, processes. With more than one process, call it below ``if __name__ == "__main__":``.
     progress : callable, optional
         Called with the share done, 0 to 1.
@@ -325,7 +327,7 @@ def scatter(case: Case, plan: Plan | None = None, progress: Callable[[float], No
     StrikewaveError
         If a process ended before its time.
     """
-    plan = Plan() if plan is None else plan
+    plan = ScatterPlan() if plan is None else plan
     plan.check()
     tolerances = tolerances_of(case)
     whole = plan.all_runs(len(tolerances))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.materials import Material, material
-from strikewave.base.result import LEDGER_LIMIT
+from strikewave.base.result import BALANCE_LIMIT
 from strikewave.cases.case import Case
 from strikewave.contact import Geometry, first_yield, stiffness_law
 from strikewave.machines import Blow, MachineRun, Striker, Turntable
@@ -47,7 +47,7 @@ since tolerances scatter the blows by more."""
 
 
 @dataclass(frozen=True)
-class Goal:
+class BlowGoal:
     """What the blows shall be, SI; ``disc`` carries the strikers, ``stop_limit`` is the largest force of the stop."""
 
     interval: float
@@ -57,7 +57,7 @@ class Goal:
     stop_limit: float | None = None
 
 
-class Spread(NamedTuple):
+class BlowSpread(NamedTuple):
     """A quantity over the blows: that of the typical one, of the first, of the one farthest from the goal; scatter.
 
     ``typical`` is the median of the later full blows (of all struck ones where no later one is full), ``variation`` the
@@ -104,16 +104,16 @@ class Supply(NamedTuple):
 class Observation:
     """Measures of the blows of a full run; SI."""
 
-    peak: Spread
-    width: Spread
-    interval: Spread
+    peak: BlowSpread
+    width: BlowSpread
+    interval: BlowSpread
     kinds: tuple[str, ...]
     touched_again: int
     wanted: int
     approach: float
     velocity_change: float
     peak_force: float
-    retreat: float
+    largest_displacement: float
     supply: Supply
     energy_error: float
 
@@ -130,7 +130,7 @@ class Observation:
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class SettingsCandidate:
     """A setting: its case, the blows of its full run, the limits, and how many runs were needed.
 
     ``estimate`` holds the closed forms that the search began with, ``halt`` says why it ended before the goal.
@@ -139,7 +139,7 @@ class Candidate:
     case: Case
     chosen: tuple[str, ...]
     observation: Observation
-    goal: Goal
+    goal: BlowGoal
     limits: tuple[Limit, ...]
     estimate: dict[str, float]
     runs: int
@@ -174,14 +174,14 @@ class Candidate:
         return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
 
 
-def misses(observation: Observation, goal: Goal) -> dict[str, float]:
+def misses(observation: Observation, goal: BlowGoal) -> dict[str, float]:
     """Return the relative misses of the typical blow: peak, width, interval."""
     return {
         name: getattr(observation, name).typical / getattr(goal, name) - 1.0 for name in ("peak", "width", "interval")
     }
 
 
-def rank_key(candidate: Candidate) -> tuple[bool, float, float]:
+def rank_key(candidate: SettingsCandidate) -> tuple[bool, float, float]:
     """Return what candidates are ordered by.
 
     First those that meet the goal, by the scatter of their peaks in steps of 0.1 %, then by the force of the stop; then
@@ -198,7 +198,7 @@ def rank_key(candidate: Candidate) -> tuple[bool, float, float]:
     return True, far, candidate.observation.supply.stop_force
 
 
-def observe_blows(run: MachineRun, train: Sequence[Blow], goal: Goal) -> Observation | None:
+def observe_blows(run: MachineRun, train: Sequence[Blow], goal: BlowGoal) -> Observation | None:
     """Return the measures of the blows of a run; None where no striker touched the object."""
     struck = [blow for blow in train if blow.kind != "missed"]
     if not struck:
@@ -209,14 +209,14 @@ def observe_blows(run: MachineRun, train: Sequence[Blow], goal: Goal) -> Observa
     return Observation(
         peak=_spread([blow.rigid_peak for blow in struck], full, goal.peak),
         width=_spread([blow.width for blow in struck], full, goal.width),
-        interval=Spread(median(gaps), gaps[0], _farthest(gaps, goal.interval), variation(gaps)),
+        interval=BlowSpread(median(gaps), gaps[0], _farthest(gaps, goal.interval), variation(gaps)),
         kinds=tuple(blow.kind for blow in train),
         touched_again=_touched_again(run, [blow.width for blow in struck]),
         wanted=run.machine.drive.feed.blows,
         approach=median(blow.approach_speed for blow in struck),
         velocity_change=median(blow.velocity_change for blow in struck),
         peak_force=max(blow.peak_force for blow in struck),
-        retreat=max(blow.retreat for blow in struck),
+        largest_displacement=max(blow.largest_displacement for blow in struck),
         supply=supply(run, times),
         energy_error=run.energy_error,
     )
@@ -233,10 +233,10 @@ def _touched_again(run: MachineRun, widths: Sequence[float]) -> int:
     return int(sum(late))
 
 
-def _spread(values: Sequence[float], full: Sequence[bool], goal: float) -> Spread:
+def _spread(values: Sequence[float], full: Sequence[bool], goal: float) -> BlowSpread:
     later = [value for value, counts in zip(values[1:], full[1:], strict=True) if counts] or values
     known = [value for value in later if math.isfinite(value)]
-    return Spread(median(known) if known else math.nan, values[0], _farthest(values, goal), variation(values))
+    return BlowSpread(median(known) if known else math.nan, values[0], _farthest(values, goal), variation(values))
 
 
 def _farthest(values: Sequence[float], goal: float) -> float:
@@ -299,7 +299,7 @@ def _drive(run: MachineRun, times: Array) -> tuple[Array, Array, Array]:
     return work, stored, speed
 
 
-def limits_of(case: Case, run: MachineRun, observation: Observation, goal: Goal) -> tuple[Limit, ...]:
+def limits_of(case: Case, run: MachineRun, observation: Observation, goal: BlowGoal) -> tuple[Limit, ...]:
     """Return the values of a setting that have a limit.
 
     The mean torque is what makes good the energy of a blow, E/(w T), and the drag at set speed. Stretch of the mount
@@ -313,10 +313,10 @@ def limits_of(case: Case, run: MachineRun, observation: Observation, goal: Goal)
         Limit("rim_speed", disc.speed * disc.radius, rim_speed_at_yield(goal.disc, strength), "m/s"),
         Limit("disc_stress", disc_stress(goal.disc, disc.speed, disc.radius), strength, "Pa"),
         Limit("mount_stretch", stretch, STRETCH_SHARE * machine.engagement, "m"),
-        Limit("retreat", observation.retreat, machine.drive.feed.stroke, "m"),
+        Limit("largest_displacement", observation.largest_displacement, machine.drive.feed.stroke, "m"),
         Limit("mean_torque", torque, disc.torque, "N m"),
         Limit("speed_drop", 1.0 - observation.supply.slowest / disc.speed, LARGEST_DROP, "1"),
-        Limit("energy_error", observation.energy_error, LEDGER_LIMIT, "1"),
+        Limit("energy_error", observation.energy_error, BALANCE_LIMIT, "1"),
     ]
     if math.isfinite(observation.peak.variation):
         limits.append(Limit("peak_scatter", observation.peak.variation, LARGEST_SCATTER, "1"))

@@ -78,14 +78,14 @@ def command(
     """
     from strikewave.base.materials import material
     from strikewave.cases.case import load_case
-    from strikewave.studies.settings.candidate import Goal
+    from strikewave.studies.settings.candidate import BlowGoal
     from strikewave.studies.settings.screen import SettingsCommand, find_settings
-    from strikewave.studies.settings.study import Choice, check_goal
+    from strikewave.studies.settings.study import SettingsChoices, check_goal
 
     plain = not (changes or strikers or striker_mass or stop_limit) and blows is None
     plain = plain and (source, vary, disc) == (REFERENCE, STIFFNESS, DISC)
-    goal = Goal(interval, peak, width, material(disc, "--disc"), stop_limit)
-    choice = Choice(tuple(dict.fromkeys(strikers or ())), tuple(dict.fromkeys(striker_mass or ())), vary)
+    goal = BlowGoal(interval, peak, width, material(disc, "--disc"), stop_limit)
+    choice = SettingsChoices(tuple(dict.fromkeys(strikers or ())), tuple(dict.fromkeys(striker_mass or ())), vary)
     case = load_case(source, [*(changes or ()), *([] if blows is None else [f"feed.blows={blows}"])])
     check_goal(case, goal, choice)
     return find_settings(SettingsCommand(case, goal, choice), output, plain)

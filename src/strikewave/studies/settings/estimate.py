@@ -155,7 +155,7 @@ class Arc(NamedTuple):
 
     time: float
     speed: float
-    retreat: float
+    largest_displacement: float
 
 
 class Support(NamedTuple):
@@ -182,7 +182,7 @@ def return_arc(support: Support, mass: float, speed: float, weight: float = 0.0)
     --------
     >>> import math
     >>> arc = return_arc(Support(1.0, 1.0, 0.0), 1.0, 1.0)
-    >>> round(arc.time / math.pi, 6), round(arc.speed, 6), round(arc.retreat, 6)
+    >>> round(arc.time / math.pi, 6), round(arc.speed, 6), round(arc.largest_displacement, 6)
     (0.5, 1.0, 0.414214)
     """
     force, k = support.preload - weight, support.spring

@@ -10,7 +10,7 @@ import numpy as np
 
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
 from strikewave.studies.log_ticks import plain_log_ticks
-from strikewave.studies.settings.candidate import WITHIN, Candidate
+from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
 from strikewave.studies.settings.study import SettingsStudy
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def settings_figure(study: SettingsStudy) -> Figure:
     return figure
 
 
-def _misses(axes: Any, candidates: Sequence[Candidate]) -> None:
+def _misses(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
     """Draw typical peak, width and interval over the goal, and the worst peak, of each candidate."""
     places = list(range(1, len(candidates) + 1))
     axes.axhspan(-100.0 * WITHIN, 100.0 * WITHIN, color="#EEEEEE", zorder=0, label=f"within {WITHIN:.0%}")
@@ -63,7 +63,7 @@ def _misses(axes: Any, candidates: Sequence[Candidate]) -> None:
     axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3)
 
 
-def _scatter(axes: Any, candidates: Sequence[Candidate]) -> None:
+def _scatter(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
     """Draw the scatter of the peaks against the largest force of the stop; filled where the goal is met."""
     counts = sorted({round(one.case.rotary_tables().machine.strikers.si) for one in candidates})
     for k, count in enumerate(counts):
@@ -89,7 +89,7 @@ def _scatter(axes: Any, candidates: Sequence[Candidate]) -> None:
     axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4)
 
 
-def _places(candidates: Sequence[Candidate]) -> tuple[list[float], list[float]]:
+def _places(candidates: Sequence[SettingsCandidate]) -> tuple[list[float], list[float]]:
     """Return forces in kN and scatters in %."""
     return (
         [max(one.observation.supply.stop_force, 1.0) / 1e3 for one in candidates],

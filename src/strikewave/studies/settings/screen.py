@@ -11,10 +11,17 @@ from strikewave.cases.case import Case
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import fixed, number, progress_bar, say, say_compiling, significant, table
-from strikewave.studies.settings.candidate import Candidate, Goal, Limit
+from strikewave.studies.settings.candidate import BlowGoal, Limit, SettingsCandidate
 from strikewave.studies.settings.estimate import engagement_sensitivity
 from strikewave.studies.settings.search import VARIED
-from strikewave.studies.settings.study import Choice, SettingsStudy, asked_line, design_settings, goal_words, name_of
+from strikewave.studies.settings.study import (
+    SettingsChoices,
+    SettingsStudy,
+    asked_line,
+    design_settings,
+    goal_words,
+    name_of,
+)
 
 SHOWN = 6
 """First of the ranking in the table; the first of each other number of strikers follows."""
@@ -53,8 +60,8 @@ class SettingsCommand(Command[SettingsStudy]):
     indent: ClassVar[int | None] = None
 
     case: Case
-    goal: Goal
-    choice: Choice
+    goal: BlowGoal
+    choice: SettingsChoices
 
     def solve(self) -> SettingsStudy:
         """Return the study, with a bar on stderr."""
@@ -111,7 +118,7 @@ def _print(study: SettingsStudy) -> None:
         say(f"no result, {why}")
 
 
-def _header(case: Case, goal: Goal, first: Candidate) -> str:
+def _header(case: Case, goal: BlowGoal, first: SettingsCandidate) -> str:
     guess = first.estimate
     return (
         f"{goal_words(goal)}, from {case.name}: a half-sine changes the velocity by "
@@ -121,7 +128,7 @@ def _header(case: Case, goal: Goal, first: Candidate) -> str:
     )
 
 
-def _cells(study: SettingsStudy, place: int, one: Candidate) -> list[str]:
+def _cells(study: SettingsStudy, place: int, one: SettingsCandidate) -> list[str]:
     """Return a row of the table of candidates."""
     values, observation = one.case.values(), one.observation
     depth, radius = values["machine.engagement"].si, values["machine.radius"].si
@@ -140,7 +147,7 @@ def _cells(study: SettingsStudy, place: int, one: Candidate) -> list[str]:
         fixed(observation.width.typical, "s", "us", 1),
         fixed(observation.interval.typical, "s", "ms", 3),
         number(observation.supply.stop_force, "N", "kN", 3),
-        number(observation.retreat, "m", "mm", 3),
+        number(observation.largest_displacement, "m", "mm", 3),
         fixed(1e-2 * engagement_sensitivity(depth, radius), "1", "1", 1),
         "yes" if one.meets else "no",
     ]
@@ -159,7 +166,7 @@ def _limit(limit: Limit) -> list[str]:
     ]
 
 
-def _mass_cells(study: SettingsStudy, one: Candidate) -> list[str]:
+def _mass_cells(study: SettingsStudy, one: SettingsCandidate) -> list[str]:
     """Return a row of the table of masses."""
     values = one.case.values()
     return [

@@ -17,7 +17,14 @@ from strikewave.base.units import in_unit
 from strikewave.cases.case import FORM, Case
 from strikewave.machines import MachineRun, blows, run_machine
 from strikewave.studies.accuracy import RUN_TOLERANCE
-from strikewave.studies.settings.candidate import Candidate, Goal, Observation, limits_of, misses, observe_blows
+from strikewave.studies.settings.candidate import (
+    BlowGoal,
+    Observation,
+    SettingsCandidate,
+    limits_of,
+    misses,
+    observe_blows,
+)
 from strikewave.studies.settings.estimate import (
     Support,
     approach_at,
@@ -97,7 +104,7 @@ class Design:
     """A rig with a goal: its first estimates, its bounds, and the case at given settings."""
 
     rig: Rig
-    goal: Goal
+    goal: BlowGoal
 
     @cached_property
     def start(self) -> Array:
@@ -159,7 +166,7 @@ class Design:
             "turntable_speed": speed,
             "passage_time": passage_time(depth, speed, self.rig.case.rotary_tables().machine.radius.si),
             "return_time": arc.time,
-            "retreat": arc.retreat,
+            "largest_displacement": arc.largest_displacement,
             "settling_time": settled,
         }
 
@@ -301,7 +308,7 @@ def reason_of(error: Exception) -> str:
     return error.lines[0] if isinstance(error, InputErrors) else str(error)
 
 
-def candidate(design: Design) -> Candidate | str:
+def candidate(design: Design) -> SettingsCandidate | str:
     """Return the setting that a search ends at, as a full run shows it; or why there is none.
 
     The run has the case's own tolerance and the rounded values, as the case file will hold them.
@@ -318,4 +325,4 @@ def candidate(design: Design) -> Candidate | str:
         return "no striker touches the object"
     limits = limits_of(case, run, observation, design.goal)
     paths = tuple(design.changes(end.settings))
-    return Candidate(case, paths, observation, design.goal, limits, design.estimates(), end.runs + 1, end.halt)
+    return SettingsCandidate(case, paths, observation, design.goal, limits, design.estimates(), end.runs + 1, end.halt)

@@ -25,7 +25,7 @@ from strikewave.cases.case import Case, dump_case
 from strikewave.cases.contact_of_case import face_contact
 from strikewave.contact.law import indentation_under
 from strikewave.signal.pulse import HALF_SINE_WIDTH
-from strikewave.studies.settings.candidate import WITHIN, Candidate, Goal, Spread, rank_key
+from strikewave.studies.settings.candidate import WITHIN, BlowGoal, BlowSpread, SettingsCandidate, rank_key
 from strikewave.studies.settings.estimate import (
     Support,
     approach_at,
@@ -84,7 +84,7 @@ SOURCES = ("li-ma-2019", "timoshenko-goodier-1970", "schwager-poschel-2007")
 """Keys of the sources: of the machine, the stress of the disc, the time on the stop."""
 UNITS = {
     "interval": "s", "peak": "m/s^2", "width": "s", "within": "1", "variation": "1", "approach": "m/s",
-    "velocity_change": "m/s", "peak_force": "N", "retreat": "m", "stop_force": "N", "energy_taken": "J",
+    "velocity_change": "m/s", "peak_force": "N", "largest_displacement": "m", "stop_force": "N", "energy_taken": "J",
     "speed_lost": "rad/s", "speed_regained": "rad/s", "slowest": "rad/s", "engagement": "m", "stiffness": "N/m",
     "turntable_speed": "rad/s", "passage_time": "s", "return_time": "s", "settling_time": "s", "energy_error": "1",
     "stop_limit": "N", "engagement_sensitivity": "1/m",
@@ -93,7 +93,7 @@ UNITS = {
 
 
 @dataclass(frozen=True)
-class Choice:
+class SettingsChoices:
     """What may be chosen: numbers of strikers, masses of one (empty: ladders about the case), what sets the width."""
 
     strikers: tuple[int, ...] = ()
@@ -111,14 +111,14 @@ class SettingsStudy(Result):
     command: ClassVar[str] = "settings"
 
     case: Case
-    goal: Goal
-    choice: Choice
-    candidates: tuple[Candidate, ...]
+    goal: BlowGoal
+    choice: SettingsChoices
+    candidates: tuple[SettingsCandidate, ...]
     left_out: dict[int, str]
     failed: tuple[str, ...]
 
     @property
-    def best(self) -> Candidate | None:
+    def best(self) -> SettingsCandidate | None:
         """First of the ranking if it meets the goal."""
         return self.candidates[0] if self.candidates[0].meets else None
 
@@ -144,7 +144,7 @@ class SettingsStudy(Result):
         return name_of(self.goal)
 
     @property
-    def masses(self) -> list[Candidate]:
+    def masses(self) -> list[SettingsCandidate]:
         """The first candidate, and those that differ from it in the strikers' mass alone, lightest first."""
         first = self.candidates[0]
         alike = [candidate for candidate in self.candidates if _without_mass(candidate) == _without_mass(first)]
@@ -180,17 +180,17 @@ class SettingsStudy(Result):
         }
 
 
-def asked_line(case: Case, goal: Goal, choice: Choice) -> str:
+def asked_line(case: Case, goal: BlowGoal, choice: SettingsChoices) -> str:
     """Return the first line of the written case: what was asked, and a mark of everything that it was asked of."""
     limits = goal.interval, goal.peak, goal.width, goal.disc.name, goal.stop_limit
     mark = hashlib.sha256(f"{limits} {choice} {dump_case(case)}".encode()).hexdigest()[:8]
     return f"# strikewave settings: {goal_words(goal)}, from {case.name or 'case'} ({mark})\n"
 
 
-def _row(place: int, one: Candidate) -> dict[str, Any]:
+def _row(place: int, one: SettingsCandidate) -> dict[str, Any]:
     """Return a candidate as a row of the document."""
     observation, values = one.observation, one.case.values()
-    spreads: dict[str, Spread] = {
+    spreads: dict[str, BlowSpread] = {
         "peak": observation.peak,
         "width": observation.width,
         "interval": observation.interval,
@@ -210,7 +210,7 @@ def _row(place: int, one: Candidate) -> dict[str, Any]:
         },
         **{
             key: getattr(observation, key)
-            for key in ("approach", "velocity_change", "peak_force", "retreat", "energy_error")
+            for key in ("approach", "velocity_change", "peak_force", "largest_displacement", "energy_error")
         },
         **observation.supply._asdict(),
         "engagement_sensitivity": engagement_sensitivity(values["machine.engagement"].si, values["machine.radius"].si),
@@ -220,38 +220,38 @@ def _row(place: int, one: Candidate) -> dict[str, Any]:
     }
 
 
-def _without_mass(candidate: Candidate) -> tuple[float, ...]:
+def _without_mass(candidate: SettingsCandidate) -> tuple[float, ...]:
     """Return number of strikers and support of a candidate."""
     values = candidate.case.values()
     return tuple(values[path].si for path in ("machine.strikers", "object.spring", "object.preload", "object.damper"))
 
 
-def goal_words(goal: Goal) -> str:
+def goal_words(goal: BlowGoal) -> str:
     """Return a goal in words.
 
     Examples
     --------
     >>> from strikewave.base.materials import material
-    >>> goal_words(Goal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")))
+    >>> goal_words(BlowGoal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")))
     'blows of 4000 g and 200 us every 20 ms'
     """
     pulse = f"{goal.peak / STANDARD_GRAVITY:.6g} g and {goal.width * 1e6:.6g} us"
     return f"blows of {pulse} every {goal.interval * 1e3:.6g} ms"
 
 
-def name_of(goal: Goal) -> str:
+def name_of(goal: BlowGoal) -> str:
     """Return the name of the case and of the folder of a goal.
 
     Examples
     --------
     >>> from strikewave.base.materials import material
-    >>> name_of(Goal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")))
+    >>> name_of(BlowGoal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")))
     'settings-20ms-4000g-200us'
     """
     return f"settings-{goal.interval * 1e3:.6g}ms-{goal.peak / STANDARD_GRAVITY:.6g}g-{goal.width * 1e6:.6g}us"
 
 
-def _notices(candidate: Candidate) -> Iterator[Notice]:
+def _notices(candidate: SettingsCandidate) -> Iterator[Notice]:
     """Yield the warnings on a candidate: limits that do not decide, and a goal that is not met."""
     for limit in candidate.limits:
         if not limit.decides and not limit.kept:
@@ -266,7 +266,7 @@ def _notices(candidate: Candidate) -> Iterator[Notice]:
         yield Notice("not-met", message, candidate.largest_miss, WITHIN)
 
 
-def check_goal(case: Case, goal: Goal, choice: Choice) -> None:
+def check_goal(case: Case, goal: BlowGoal, choice: SettingsChoices) -> None:
     """Refuse what no setting can give, before anything is run.
 
     Raises
@@ -309,7 +309,7 @@ def check_goal(case: Case, goal: Goal, choice: Choice) -> None:
         raise InputError("--width", f"{goal.width * 1e6:.4g} us", allowed, hint)
 
 
-def _check_strikers(case: Case, choice: Choice) -> None:
+def _check_strikers(case: Case, choice: SettingsChoices) -> None:
     """Refuse numbers of strikers out of range, and those that rows of single strikers contradict."""
     odd = [number for number in choice.strikers if not 1 <= number <= MOST_STRIKERS]
     if odd:
@@ -325,7 +325,7 @@ def _check_strikers(case: Case, choice: Choice) -> None:
         raise InputError("--striker-mass", f"{choice.masses[0]:g} kg", allowed, "remove the masses of [[striker.each]]")
 
 
-def least_width(case: Case, goal: Goal, choice: Choice) -> float:
+def least_width(case: Case, goal: BlowGoal, choice: SettingsChoices) -> float:
     """Return a width that no setting goes below, s: `LEAST_SHARE` times 0.9362 pi sqrt(M/k) for a free striker.
 
     1/M = 1/m + 1/m_s of object and lightest striker; k is the contact's force over its indentation at the peak, with
@@ -349,7 +349,7 @@ def least_width(case: Case, goal: Goal, choice: Choice) -> float:
     return LEAST_SHARE * math.pi * HALF_SINE_WIDTH * math.sqrt(reduced * compliance)
 
 
-def sensible_strikers(case: Case, goal: Goal, choice: Choice) -> tuple[list[int], dict[int, str]]:
+def sensible_strikers(case: Case, goal: BlowGoal, choice: SettingsChoices) -> tuple[list[int], dict[int, str]]:
     """Return the numbers of strikers to run, and why each other one is left out.
 
     Raises
@@ -396,7 +396,7 @@ def sensible_strikers(case: Case, goal: Goal, choice: Choice) -> tuple[list[int]
     raise InputError("--strikers", ", ".join(map(str, wanted)), "a number that leaves the object time to return", why)
 
 
-def supports(case: Case, goal: Goal, strikers: int) -> list[Support | None]:
+def supports(case: Case, goal: BlowGoal, strikers: int) -> list[Support | None]:
     """Return what may bring the object back: the case's own (None), and those of the ladder that settle soonest.
 
     The first arc takes between the passage of a nose and about half the interval. What would move beyond the stroke, or
@@ -418,13 +418,13 @@ def supports(case: Case, goal: Goal, strikers: int) -> list[Support | None]:
                 support = Support(*(float(f"{value:.{SUPPORT_DIGITS}g}") for value in exact))
                 arc = return_arc(support, mass, change, weight)
                 pressed = support.preload / rig.object.stop_stiffness.si
-                fits = arc.retreat < rig.feed.stroke.si and pressed < PRESSED * arc.retreat
+                fits = arc.largest_displacement < rig.feed.stroke.si and pressed < PRESSED * arc.largest_displacement
                 order[support] = not fits, settling_time(support, mass, change, restitution, weight)
     return [None, *sorted(order, key=order.__getitem__)[:SUPPORTS]]
 
 
 def design_settings(
-    case: Case, goal: Goal, choice: Choice | None = None, progress: Callable[[float], None] | None = None
+    case: Case, goal: BlowGoal, choice: SettingsChoices | None = None, progress: Callable[[float], None] | None = None
 ) -> SettingsStudy:
     """Return settings of a machine for blows of a peak and a width at an interval, ranked.
 
@@ -432,9 +432,9 @@ def design_settings(
     ----------
     case : Case
         What is not chosen: geometry, materials, contact, feed, stop.
-    goal : Goal
+    goal : BlowGoal
         What the blows shall be.
-    choice : Choice, optional
+    choice : SettingsChoices, optional
         What may be chosen.
     progress : callable, optional
         Called with the share done, 0 to 1.
@@ -444,7 +444,7 @@ def design_settings(
     InputError, InputErrors
         If no setting can give it, or none could be run: with the reasons.
     """
-    choice = choice or Choice()
+    choice = choice or SettingsChoices()
     check_goal(case, goal, choice)
     numbers, left_out = sensible_strikers(case, goal, choice)
     note = f"chosen by strikewave settings for {goal_words(goal)}"
@@ -461,7 +461,7 @@ def design_settings(
     tried = list(_candidates(first, progress, 0, whole))
     if heavier:
         tried += _candidates(list(_other_masses(tried, numbers)), progress, len(first), whole)
-    candidates = [result for _, result in tried if isinstance(result, Candidate)]
+    candidates = [result for _, result in tried if isinstance(result, SettingsCandidate)]
     failures = [(design, result) for design, result in tried if isinstance(result, str)]
     if not candidates:
         raise InputErrors(list(dict.fromkeys(reason for _, reason in failures))[:MOST_REASONS])
@@ -472,10 +472,12 @@ def design_settings(
     )
 
 
-def _other_masses(tried: Sequence[tuple[Design, Candidate | str]], numbers: Sequence[int]) -> Iterator[Design]:
+def _other_masses(tried: Sequence[tuple[Design, SettingsCandidate | str]], numbers: Sequence[int]) -> Iterator[Design]:
     """Yield the best design of each number of strikers with other masses of a striker."""
     for number in numbers:
-        runs = [(design, c) for design, c in tried if design.rig.strikers == number and isinstance(c, Candidate)]
+        runs = [
+            (design, c) for design, c in tried if design.rig.strikers == number and isinstance(c, SettingsCandidate)
+        ]
         if runs:
             design, _ = min(runs, key=lambda pair: rank_key(pair[1]))
             mass = design.rig.case.rotary_tables().striker.mass.si
@@ -485,7 +487,7 @@ def _other_masses(tried: Sequence[tuple[Design, Candidate | str]], numbers: Sequ
 
 def _candidates(
     designs: Sequence[Design], progress: Callable[[float], None] | None, done: int, whole: int
-) -> Iterator[tuple[Design, Candidate | str]]:
+) -> Iterator[tuple[Design, SettingsCandidate | str]]:
     """Yield each design with its candidate, in order; `WORKERS` are run at a time."""
     with ThreadPoolExecutor(WORKERS) as pool:
         try:
@@ -499,8 +501,8 @@ def _candidates(
 
 
 __all__ = [
-    "Choice",
-    "Goal",
+    "BlowGoal",
+    "SettingsChoices",
     "SettingsStudy",
     "design_settings",
     "goal_words",

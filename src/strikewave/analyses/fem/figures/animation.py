@@ -20,7 +20,7 @@ from PIL.Image import Image, fromarray
 from strikewave.analyses.fem.figures.cut import (
     QUANTITIES,
     TILT,
-    Quantity,
+    CutQuantity,
     Seen,
     colour_scale,
     draw_body,
@@ -39,11 +39,11 @@ from strikewave.reporting.animation.page import (
     Chart,
     Clock,
     ColourScale,
-    Curve,
-    History,
     Panel,
+    PlayedCurve,
+    PlayedHistory,
+    PlayedSpan,
     Scene,
-    View,
     animation_page,
     even_rows,
 )
@@ -91,7 +91,7 @@ NOTE = (
 )
 
 
-class Trace(NamedTuple):
+class PanelHistories(NamedTuple):
     """Histories in one panel of the animation: what stands above, and time, s, and values by name."""
 
     label: str
@@ -109,7 +109,7 @@ class Movie:
         s.
     images : sequence of image
         All of one size.
-    shown : Quantity
+    shown : CutQuantity
         What their colours say.
     scale : ScalarMappable
         How.
@@ -117,16 +117,16 @@ class Movie:
         Of what a picture shows, m.
     extend : str
         At which ends values lie beyond the scale, as matplotlib calls it.
-    traces : sequence of Trace
+    traces : sequence of PanelHistories
     """
 
     time: Array
     images: Sequence[Image]
-    shown: Quantity
+    shown: CutQuantity
     scale: Any
     width: float
     extend: str
-    traces: Sequence[Trace]
+    traces: Sequence[PanelHistories]
 
     @property
     def wide(self) -> bool:
@@ -177,7 +177,7 @@ def chosen(film: SnapshotRecorder) -> list[Snapshot]:
     return sorted(shown, key=lambda still: still.time)
 
 
-def traces_of(solution: FemSolution) -> list[Trace]:
+def traces_of(solution: FemSolution) -> list[PanelHistories]:
     """Return the contact forces and the rigid-body accelerations along the blow, those that reach farthest.
 
     Forces are those of whole bodies where sectors match, and say so. Parts of a group move as the group.
@@ -194,8 +194,8 @@ def traces_of(solution: FemSolution) -> list[Trace]:
     bodies = [*groups, *(name for name in run.parts if name not in grouped)]
     rates = {name: mean_acceleration(run, name) @ axis / STANDARD_GRAVITY for name in bodies}
     return [
-        Trace("contact force" + ", whole bodies" * every, "kN", _curves(between, forces)),
-        Trace("rigid-body acceleration along the blow", "g", _curves(between, rates)),
+        PanelHistories("contact force" + ", whole bodies" * every, "kN", _curves(between, forces)),
+        PanelHistories("rigid-body acceleration along the blow", "g", _curves(between, rates)),
     ]
 
 
@@ -270,17 +270,17 @@ def fem_animation(movie: Movie) -> Animation:
         note=NOTE,
         gif="animation.gif",
         clock=Clock.of(time),
-        views=[View("whole", "whole run", time)],
+        views=[PlayedSpan("whole", "whole run", time)],
         canvases=[bodies, histories],
         beside=0 if movie.wide else 2,
         pictures=_encoded(movie.images),
     )
 
 
-def _panel(trace: Trace) -> Panel:
+def _panel(trace: PanelHistories) -> Panel:
     """Return the histories of a panel, their times in s."""
     curves = [
-        Curve(name, colour, [History(time, values)])
+        PlayedCurve(name, colour, [PlayedHistory(time, values)])
         for (name, (time, values)), colour in zip(trace.curves.items(), COLOURS, strict=False)
     ]
     return Panel(trace.label, trace.unit, curves)
@@ -365,7 +365,7 @@ def _moving(movie: Movie, title: str) -> tuple[Any, Callable[[int], None]]:
     return figure, show
 
 
-def _history(axes: Any, trace: Trace, movie: Movie) -> list[tuple[Any, Array, Array]]:
+def _history(axes: Any, trace: PanelHistories, movie: Movie) -> list[tuple[Any, Array, Array]]:
     """Draw the curves of a panel in grey, and return those that grow over them with their time and values."""
     quiet(axes, "", "", "")
     axes.set_title(f"{trace.label} ({trace.unit})", loc="left", fontsize=8)

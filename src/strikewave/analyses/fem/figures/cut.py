@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.fem.figures.pictures import (
     SMALLEST_LINED,
     WIDEST,
-    View,
+    Camera,
     frame_window,
     instant_words,
     paint_faces,
@@ -74,7 +74,7 @@ class Seen(NamedTuple):
     coarse: float = 1.0
 
 
-class Quantity(NamedTuple):
+class CutQuantity(NamedTuple):
     """What colours say: words, unit, its scale to it, colours, how it comes from a still, (elements,)."""
 
     words: str
@@ -96,14 +96,14 @@ def axial_stress(skin: Skin, still: Snapshot) -> Array:
     return np.asarray(still.stress.astype(float) @ weights)
 
 
-QUANTITIES: Mapping[str, Quantity] = {
-    "von_mises": Quantity(
+QUANTITIES: Mapping[str, CutQuantity] = {
+    "von_mises": CutQuantity(
         "von Mises stress", "MPa", 1e6, "viridis", lambda skin, still: von_mises(still.stress.astype(float))
     ),
-    "plastic_strain": Quantity(
+    "plastic_strain": CutQuantity(
         "equivalent plastic strain", "%", 1e-2, "magma_r", lambda skin, still: still.plastic_strain.astype(float)
     ),
-    "axial_stress": Quantity("stress along the blow, tension positive", "MPa", 1e6, "RdBu_r", axial_stress),
+    "axial_stress": CutQuantity("stress along the blow, tension positive", "MPa", 1e6, "RdBu_r", axial_stress),
 }
 
 
@@ -188,7 +188,7 @@ def seen_close_up(skin: Skin, zone: Zone, still: Snapshot, name: str) -> Array:
     return np.asarray(QUANTITIES[name].of(skin, still)[skin.element][inside])
 
 
-def _sheet(skin: Skin, stills: Sequence[Snapshot], seen: Seen, looks: tuple[Quantity, int]) -> Figure:
+def _sheet(skin: Skin, stills: Sequence[Snapshot], seen: Seen, looks: tuple[CutQuantity, int]) -> Figure:
     """Draw instants in columns, in one scale of colours."""
     shown, columns = looks
     rows, aspect = -(-len(stills) // columns), _aspect(seen.window)
@@ -243,10 +243,10 @@ def sight(skin: Skin, stills: Sequence[Snapshot], tilt: float, lying: bool = Tru
     normal = skin.cut.plane.normal
     up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.7 else np.array([1.0, 0.0, 0.0])
     if lying:
-        straight = View(toward=_vector(normal), up=_vector(up)).axes()
+        straight = Camera(toward=_vector(normal), up=_vector(up)).axes()
         if _aspect(window_of(skin, stills, straight)) > SLENDER:
             up = straight[0] * -1.0
-    return View(toward=_vector(normal + tilt * up), up=_vector(up)).axes()
+    return Camera(toward=_vector(normal + tilt * up), up=_vector(up)).axes()
 
 
 def window_of(skin: Skin, stills: Sequence[Snapshot], frame: Array, bar: bool = True) -> Window:
@@ -259,7 +259,7 @@ def window_of(skin: Skin, stills: Sequence[Snapshot], frame: Array, bar: bool = 
     return float(left - aside), float(right + aside), float(low - below), float(high + 0.02 * largest)
 
 
-def colour_scale(skin: Skin, values: Sequence[Array], shown: Quantity) -> tuple[Any, str]:
+def colour_scale(skin: Skin, values: Sequence[Array], shown: CutQuantity) -> tuple[Any, str]:
     """Return the scale of colours for values by face at some instants, and at which ends values lie beyond it."""
     corners = skin.points[skin.faces]
     areas = 0.5 * np.linalg.norm(np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]), axis=1)
@@ -271,7 +271,7 @@ def colour_scale(skin: Skin, values: Sequence[Array], shown: Quantity) -> tuple[
     return _mappable(shown, (low, high)), extend
 
 
-def _limits(values: Array, areas: Array | None, shown: Quantity) -> tuple[float, float]:
+def _limits(values: Array, areas: Array | None, shown: CutQuantity) -> tuple[float, float]:
     """Return the ends of a scale of colours: all values, or what covers `COVERED` of the areas, rounded up."""
     sizes = np.abs(values)
     most = float(sizes.max(initial=0.0))
@@ -297,7 +297,7 @@ def round_up(value: float) -> float:
     return float(f"{power * next(step for step in steps if step * power >= value * (1.0 - 1e-9)):.6g}")
 
 
-def _mappable(shown: Quantity, limits: tuple[float, float]) -> Any:
+def _mappable(shown: CutQuantity, limits: tuple[float, float]) -> Any:
     return ScalarMappable(Normalize(*limits), shown.colours)
 
 

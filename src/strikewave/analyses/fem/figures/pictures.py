@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from strikewave.base.errors import InputError, nearest
 from strikewave.fem.invariants import pressure, von_mises
 from strikewave.fem.mesh import Index, Mesh, exterior
-from strikewave.fem.model import Contact, Model, Symmetry
-from strikewave.fem.run import Frame
+from strikewave.fem.model import Model, SurfaceContact, Symmetry
+from strikewave.fem.run import FieldFrame
 from strikewave.fem.skin import blow_axis, blow_contact, meeting_place, outward
 from strikewave.reporting.curves import shortened
 from strikewave.reporting.numbers import time_unit
@@ -53,20 +53,20 @@ neighbouring piece lies half a size away, so that its line stays on top, while b
 PART_COLOURS = (BLUE, ORANGE, GREEN, RED, "#CC79A7", "#56B4E9", GREY, "#F0E442")
 
 
-class Shown(NamedTuple):
+class PicturedField(NamedTuple):
     """A field that can be shown: its words, its unit, the scale to it, how it comes from a frame by element."""
 
     words: str
     unit: str
     scale: float
-    of: Callable[[Frame, Mesh], Array]
+    of: Callable[[FieldFrame, Mesh], Array]
 
 
-QUANTITIES: Mapping[str, Shown] = {
-    "von_mises": Shown("von Mises stress", "MPa", 1e6, lambda frame, mesh: von_mises(frame.stress)),
-    "pressure": Shown("pressure", "MPa", 1e6, lambda frame, mesh: pressure(frame.stress)),
-    "plastic_strain": Shown("equivalent plastic strain", "%", 1e-2, lambda frame, mesh: frame.plastic_strain),
-    "speed": Shown(
+QUANTITIES: Mapping[str, PicturedField] = {
+    "von_mises": PicturedField("von Mises stress", "MPa", 1e6, lambda frame, mesh: von_mises(frame.stress)),
+    "pressure": PicturedField("pressure", "MPa", 1e6, lambda frame, mesh: pressure(frame.stress)),
+    "plastic_strain": PicturedField("equivalent plastic strain", "%", 1e-2, lambda frame, mesh: frame.plastic_strain),
+    "speed": PicturedField(
         "speed",
         "m/s",
         1.0,
@@ -76,7 +76,7 @@ QUANTITIES: Mapping[str, Shown] = {
 
 
 @dataclass(frozen=True)
-class View:
+class Camera:
     """How parts are looked at.
 
     Attributes
@@ -121,7 +121,7 @@ class View:
         return np.asarray(frame / np.linalg.norm(frame, axis=1, keepdims=True))
 
 
-def view_of(model: Model) -> View:
+def view_of(model: Model) -> Camera:
     """Return the view that shows most of a model: onto its planes of symmetry, or else cut along its blow.
 
     The blow goes along the greatest initial momentum, or what is driven; without either along z.
@@ -136,11 +136,11 @@ def view_of(model: Model) -> View:
         toward = flat[0] + 0.5 * sum(flat[1:], np.zeros(3)) + 0.4 * up
         if len(flat) == 1:
             toward = toward + 0.35 * np.cross(up, flat[0])
-        return View(toward=_vector(toward), up=_vector(up))
+        return Camera(toward=_vector(toward), up=_vector(up))
     normal = next(n for n in (np.array([0.0, -1.0, 0.0]), np.array([-1.0, 0.0, 0.0])) if abs(n @ axis) < 0.9)
     middle = 0.5 * (mesh.points.min(axis=0) + mesh.points.max(axis=0))
     toward = normal + 0.35 * np.cross(normal, up) + 0.45 * up
-    return View(toward=_vector(toward), up=_vector(up), cut=(_vector(middle), _vector(normal)))
+    return Camera(toward=_vector(toward), up=_vector(up), cut=(_vector(middle), _vector(normal)))
 
 
 def contact_zone(model: Model) -> tuple[Vector, float] | None:
@@ -149,7 +149,7 @@ def contact_zone(model: Model) -> tuple[Vector, float] | None:
     The radius is half the extent of the smaller side, or `ZONE_FACES` times the size of the faces there.
     """
     contact, place = blow_contact(model), meeting_place(model)
-    if place is None or not isinstance(contact, Contact):
+    if place is None or not isinstance(contact, SurfaceContact):
         return None
     mesh = model.mesh
     one, other = (mesh.points[np.unique(mesh.side(side))] for side in (contact.first, contact.second))
@@ -165,7 +165,7 @@ def _vector(values: Array) -> Vector:
     return x, y, z
 
 
-def kept_elements(mesh: Mesh, view: View) -> NDArray[np.bool_]:
+def kept_elements(mesh: Mesh, view: Camera) -> NDArray[np.bool_]:
     """Return which elements a view leaves, (elements,), by their middle before the blow.
 
     Raises
@@ -190,7 +190,7 @@ def kept_elements(mesh: Mesh, view: View) -> NDArray[np.bool_]:
     return kept
 
 
-def quantity_of(name: str) -> Shown:
+def quantity_of(name: str) -> PicturedField:
     """Return a field that can be shown, by its name.
 
     Raises
@@ -203,16 +203,16 @@ def quantity_of(name: str) -> Shown:
     return QUANTITIES[name]
 
 
-def body_picture(mesh: Mesh, frame: Frame, view: View | None = None, quantity: str = "von_mises") -> Figure:
+def body_picture(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quantity: str = "von_mises") -> Figure:
     """Draw the parts at an instant, coloured by a field, with matplotlib alone.
 
     Parameters
     ----------
     mesh : Mesh
         What was run.
-    frame : Frame
+    frame : FieldFrame
         The instant.
-    view : View, optional
+    view : Camera, optional
         From where, cut where.
     quantity : str, optional
         One of `QUANTITIES`.
@@ -226,7 +226,7 @@ def body_picture(mesh: Mesh, frame: Frame, view: View | None = None, quantity: s
 
 
 def frames_picture(
-    mesh: Mesh, frames: Sequence[Frame], view: View | None = None, quantity: str = "von_mises"
+    mesh: Mesh, frames: Sequence[FieldFrame], view: Camera | None = None, quantity: str = "von_mises"
 ) -> Figure:
     """Draw the parts at several instants side by side, in one scale of colours; see `body_picture`.
 
@@ -235,7 +235,7 @@ def frames_picture(
     InputError
         If there is no frame, the field is unknown or the view leaves nothing.
     """
-    view, shown = view or View(), quantity_of(quantity)
+    view, shown = view or Camera(), quantity_of(quantity)
     if not frames:
         raise InputError("frames", "none", "at least one")
     kept = kept_elements(mesh, view)
@@ -262,7 +262,7 @@ def frames_picture(
     return figure
 
 
-def mesh_picture(mesh: Mesh, view: View | None = None) -> Figure:
+def mesh_picture(mesh: Mesh, view: Camera | None = None) -> Figure:
     """Draw the mesh before the blow, each part in its colour, with matplotlib alone.
 
     Raises
@@ -270,7 +270,7 @@ def mesh_picture(mesh: Mesh, view: View | None = None) -> Figure:
     InputError
         If the view leaves nothing.
     """
-    view = view or View()
+    view = view or Camera()
     kept = kept_elements(mesh, view)
     palette = np.array([to_rgb(PART_COLOURS[k % len(PART_COLOURS)]) for k in range(len(mesh.names))])
     palette = 0.35 + 0.65 * palette  # pale, so that the mesh lines stand out
@@ -294,7 +294,7 @@ def _paint(
     axes: Any,
     mesh: Mesh,
     moved: Array,
-    seen: tuple[View, NDArray[np.bool_]],
+    seen: tuple[Camera, NDArray[np.bool_]],
     colours: Array,
     smallest_lined: float,
 ) -> None:
@@ -411,7 +411,7 @@ def _strokes(cells: Array) -> Array:
     return strokes
 
 
-def _scale(values: Sequence[Array], view: View, shown: Shown) -> Any:
+def _scale(values: Sequence[Array], view: Camera, shown: PicturedField) -> Any:
     """Return the scale of colours, the same for all frames."""
     if view.limits is not None:
         low, high = (limit / shown.scale for limit in view.limits)
@@ -428,7 +428,7 @@ def _extended(values: Sequence[Array], scale: Any) -> str:
     return "both" if below and above else "min" if below else "max" if above else "neither"
 
 
-def _window(hexahedra: Index, places: Sequence[Array], view: View) -> tuple[float, float, float, float]:
+def _window(hexahedra: Index, places: Sequence[Array], view: Camera) -> tuple[float, float, float, float]:
     """Return the window that holds the elements at all instants with a little air: left, right, low, high, mm."""
     nodes, frame = np.unique(hexahedra), view.axes()
     flat = np.concatenate([moved[nodes] @ frame.T[:, :2] for moved in places]) * 1e3
@@ -471,7 +471,7 @@ def frame_window(axes: Any, window: tuple[float, float, float, float], bar: bool
     label.set_path_effects(halo)
 
 
-def scene(mesh: Mesh, frame: Frame, view: View | None = None, quantity: str = "von_mises") -> NDArray[np.uint8]:
+def scene(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quantity: str = "von_mises") -> NDArray[np.uint8]:
     """Render the parts at an instant with pyvista, without a screen: an image (height, width, 3).
 
     The same view, cut and scale as `body_picture`, by VTK's own hidden surfaces.
@@ -481,7 +481,7 @@ def scene(mesh: Mesh, frame: Frame, view: View | None = None, quantity: str = "v
     InputError
         If pyvista is not installed or finds nothing to draw with, the field is unknown or the view leaves nothing.
     """
-    view, shown = view or View(), quantity_of(quantity)
+    view, shown = view or Camera(), quantity_of(quantity)
     try:
         pyvista: Any = importlib.import_module("pyvista")
     except ImportError:

@@ -29,7 +29,7 @@ from strikewave.reporting.style import (
 
 if TYPE_CHECKING:
     from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
-    from strikewave.exchange.ls_dyna.folder import Contact, EnergyHistory
+    from strikewave.exchange.ls_dyna.folder import EnergyHistory, LsDynaContact
 
 OURS, THEIRS = BLUE, RED
 CONTACT_COLOURS = (*COLOURS, "#000000")
@@ -64,7 +64,7 @@ def force_figure(pair: ForcePair) -> Figure:
     return one_diagram(lambda axes: draw_force(axes, pair), WHOLE)
 
 
-def contact_figure(contacts: tuple[Contact, ...]) -> Figure:
+def contact_figure(contacts: tuple[LsDynaContact, ...]) -> Figure:
     """Draw LS-DYNA's contact forces alone, as wide as a page."""
     return one_diagram(lambda axes: draw_contacts(axes, contacts), WHOLE)
 
@@ -92,7 +92,7 @@ def draw_force(axes: Any, pair: ForcePair) -> None:
     _legend(axes)
 
 
-def draw_contacts(axes: Any, contacts: tuple[Contact, ...]) -> None:
+def draw_contacts(axes: Any, contacts: tuple[LsDynaContact, ...]) -> None:
     """Draw the sizes of LS-DYNA's contact forces, those that reach farthest."""
     if not contacts:
         empty_axes(axes, "Contact force", "no rcforc or binout is there")

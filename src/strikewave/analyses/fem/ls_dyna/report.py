@@ -12,7 +12,7 @@ from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 if TYPE_CHECKING:
     from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
     from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
-    from strikewave.exchange.ls_dyna.folder import Contact, Extreme, LsDynaRun, Pulse
+    from strikewave.exchange.ls_dyna.folder import ContactPulse, Extreme, LsDynaContact, LsDynaRun
 
 _METHOD = (
     "LS-DYNA computed its numbers; strikewave read them from its files, in the units that were stated, as the files "
@@ -146,7 +146,7 @@ def pair_table(pair: ForcePair) -> Table:
     return Table(f"Contact {pair.name}: contact {pair.contact.name} of LS-DYNA, side {pair.side}", heads, rows)
 
 
-def contact_table(contacts: tuple[Contact, ...]) -> Table:
+def contact_table(contacts: tuple[LsDynaContact, ...]) -> Table:
     """Return what each contact of LS-DYNA came to, by side."""
     rows: list[list[Cell]] = []
     for contact in contacts:
@@ -158,7 +158,7 @@ def contact_table(contacts: tuple[Contact, ...]) -> Table:
     return Table("Contacts of LS-DYNA", heads, rows, empty="No rcforc or binout with contact forces is there.")
 
 
-def _cell(pulse: Pulse | None, what: str, scale: float) -> str:
+def _cell(pulse: ContactPulse | None, what: str, scale: float) -> str:
     return NONE if pulse is None else written(getattr(pulse, what) / scale)
 
 

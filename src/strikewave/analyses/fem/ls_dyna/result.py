@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 from strikewave.base.result import Result, Source
 from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
-from strikewave.exchange.ls_dyna.folder import Contact, EnergyHistory, Extreme, Pulse, pulse_of
+from strikewave.exchange.ls_dyna.folder import ContactPulse, EnergyHistory, Extreme, LsDynaContact, pulse_of
 from strikewave.reporting import measured_files as measured
 
 UNITS = {
@@ -68,7 +68,7 @@ class LsDynaResult(Result):
             "span": theirs.span,
             "states": theirs.frames,
             "contacts": [_contact(contact) for contact in theirs.contacts],
-            "energy": _ledger(theirs.energies),
+            "energy": _balance(theirs.energies),
             "parts": parts,
         }
         if ours is not None:
@@ -76,7 +76,7 @@ class LsDynaResult(Result):
                 "folder": str(ours.folder),
                 "title": ours.title,
                 "contacts": {pair.name: _pair(pair) for pair in found.forces},
-                "energy": _ledger(ours.energies),
+                "energy": _balance(ours.energies),
                 "parts": {name: {"of": found.parts.get(name), **_extreme(one)} for name, one in ours.extremes.items()},
             }
         return content
@@ -91,12 +91,12 @@ def folder_name(folder: Path) -> str:
     return folder.absolute().name or "run"
 
 
-def _contact(contact: Contact) -> dict[str, Any]:
+def _contact(contact: LsDynaContact) -> dict[str, Any]:
     sides = {side: _pulse(pulse_of(force)) for side, force in sorted(contact.sides.items())}
     return {"number": contact.number, "title": contact.title, "sides": sides}
 
 
-def _pulse(pulse: Pulse | None) -> dict[str, float] | None:
+def _pulse(pulse: ContactPulse | None) -> dict[str, float] | None:
     return None if pulse is None else {**dataclasses.asdict(pulse), "width": pulse.width}
 
 
@@ -114,10 +114,10 @@ def _pair(pair: ForcePair) -> dict[str, Any]:
     }
 
 
-def _ledger(ledger: EnergyHistory | None) -> dict[str, dict[str, float]] | None:
-    if ledger is None:
+def _balance(balance: EnergyHistory | None) -> dict[str, dict[str, float]] | None:
+    if balance is None:
         return None
-    return {name: {"largest": float(v[abs(v).argmax()]), "last": float(v[-1])} for name, v in ledger.energy.items()}
+    return {name: {"largest": float(v[abs(v).argmax()]), "last": float(v[-1])} for name, v in balance.energy.items()}
 
 
 def _extreme(one: Extreme | None) -> dict[str, float]:

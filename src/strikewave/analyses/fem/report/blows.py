@@ -59,7 +59,7 @@ def _yield(solution: FemSolution) -> Table:
         energy = [sum(measure.plastic_energy.values()), blow.run.initial_energy]
         to_rest: list[Cell] = [NONE] * 5
         if rest is not None:
-            values = [rest.kinetic_share, rest.plastic_energy, rest.retreat * 1e6]
+            values = [rest.kinetic_share, rest.plastic_energy, rest.added_distance * 1e6]
             to_rest = [str(rest.maxima), str(rest.steps), *(written(value, 3) for value in values)]
         cells = [NONE if math.isnan(strain) else written(strain), *(written(value) for value in energy)]
         rows.append([str(measure.blow), *cells, f"{balance_measure(blow.run).energy:+.1e}", *to_rest])

@@ -40,7 +40,7 @@ _END_OF_SCALE = (
 )
 
 
-class Pressed(NamedTuple):
+class PeakContact(NamedTuple):
     """The instant nearest to the largest force of the contact of the blow, where it presses, and that in words."""
 
     still: Snapshot
@@ -64,7 +64,7 @@ def fields_section(solution: FemSolution) -> Section:
     return Section("Fields", f"{_HOW}{opened} {largest_words(film, mesh)}".rstrip(), parts)
 
 
-def _pressed(solution: FemSolution, film: SnapshotRecorder) -> Pressed | None:
+def _pressed(solution: FemSolution, film: SnapshotRecorder) -> PeakContact | None:
     """Return when and where the contact of the blow presses, nearest to its largest force; None where it does not."""
     model: Model = solution.model
     meeting = blow_contact(model)
@@ -74,7 +74,7 @@ def _pressed(solution: FemSolution, film: SnapshotRecorder) -> Pressed | None:
     own = faces_on(film.skin, model.mesh, model.touching[meeting.name])
     pressed = pressed_most(film.skin, film.snapshots, measure.at, own)
     instant = f"the stored instant nearest to the force peak of {meeting.name}, at {instant_words(measure.at)}"
-    return None if pressed is None else Pressed(*pressed, instant)
+    return None if pressed is None else PeakContact(*pressed, instant)
 
 
 def _opened(film: SnapshotRecorder) -> str:
@@ -87,7 +87,7 @@ def _opened(film: SnapshotRecorder) -> str:
     return "The bodies are seen from a plane of symmetry; the quarter that is modelled is mirrored at the other plane."
 
 
-def _whole(film: SnapshotRecorder, pressed: Pressed | None) -> Picture:
+def _whole(film: SnapshotRecorder, pressed: PeakContact | None) -> Picture:
     """Return the bodies cut open when the force of the blow is largest, or else the stress, and at the end."""
     stills = film.snapshots
     still, when = (film.worst or stills[-1], "when the stress is largest")
@@ -101,7 +101,7 @@ def _whole(film: SnapshotRecorder, pressed: Pressed | None) -> Picture:
     return Picture(cut_figure(film.skin, shown), f"{caption} {_END_OF_SCALE}")
 
 
-def _close_up(film: SnapshotRecorder, pressed: Pressed | None, mesh: Mesh) -> list[Part]:
+def _close_up(film: SnapshotRecorder, pressed: PeakContact | None, mesh: Mesh) -> list[Part]:
     """Return where bodies press each other, and what yielded there; nothing where nothing is pressed."""
     if pressed is None:
         return []

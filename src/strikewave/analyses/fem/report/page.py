@@ -16,7 +16,7 @@ from strikewave.analyses.fem.report.blows import blows_section
 from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.fem.sectors import Sector, WholeForce, blow_of_bodies
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.result import LEDGER_LIMIT
+from strikewave.base.result import BALANCE_LIMIT
 from strikewave.fem.measures import (
     ENERGY_LIMIT,
     HOURGLASS_LIMIT,
@@ -419,7 +419,7 @@ def _balances(run: FemRun) -> Section:
     checks = [
         ("energy, largest error", balance.energy, ENERGY_LIMIT, "energy in play"),
         ("hourglass energy, largest", balance.hourglass, HOURGLASS_LIMIT, "largest internal energy"),
-        ("momentum, largest error", balance.momentum, LEDGER_LIMIT, "momentum in play"),
+        ("momentum, largest error", balance.momentum, BALANCE_LIMIT, "momentum in play"),
     ]
     rows: list[list[Cell]] = [
         [

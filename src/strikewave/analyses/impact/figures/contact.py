@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from strikewave.contact import (
     DampingLaw,
     Geometry,
-    History,
     Impact,
+    ImpactHistory,
     LogarithmicStiffness,
     Stiffness,
     StiffnessLaw,
@@ -40,22 +40,22 @@ BELOW = "Difference, logarithmic beyond 10 %"
 MARKS = ("o", "s", "^", "D", "v")
 
 
-class Blow(NamedTuple):
+class PlottedBlow(NamedTuple):
     """One blow to draw: its label, the blow, its history and the index of its peak there."""
 
     label: str
     impact: Impact
-    history: History
+    history: ImpactHistory
     peak: int
 
 
-def _blows(impacts: Sequence[Impact], labels: Sequence[str]) -> list[Blow]:
+def _blows(impacts: Sequence[Impact], labels: Sequence[str]) -> list[PlottedBlow]:
     """Sample blows at equal steps, and at the peaks of force and indentation."""
     blows = []
     for impact, label in zip(impacts, labels, strict=True):
         end, peak = float(impact.duration), float(impact.peak_time)
         times = np.unique([*np.linspace(0.0, end, 501), peak, min(float(impact.turning_time), end)])
-        blows.append(Blow(label, impact, impact_history(impact, times), int(np.searchsorted(times, peak))))
+        blows.append(PlottedBlow(label, impact, impact_history(impact, times), int(np.searchsorted(times, peak))))
     return blows
 
 
@@ -97,7 +97,7 @@ def _legend(figure: Any, axes: Any) -> None:
     figure.legend(handles, labels, loc="outside lower left", ncols=6, frameon=False, fontsize=8, columnspacing=1.4)
 
 
-def _curves(axes: Any, blows: Sequence[Blow], of: Callable[[Blow], tuple[Array, Array]]) -> None:
+def _curves(axes: Any, blows: Sequence[PlottedBlow], of: Callable[[PlottedBlow], tuple[Array, Array]]) -> None:
     """Draw a curve a blow, with a mark at its largest force."""
     for k, blow in enumerate(blows):
         x, y = of(blow)
@@ -106,19 +106,19 @@ def _curves(axes: Any, blows: Sequence[Blow], of: Callable[[Blow], tuple[Array, 
         axes.plot(x[blow.peak], y[blow.peak], "o", color=colour, markersize=5.0, zorder=4)
 
 
-def _draw_forces(axes: Any, blows: Sequence[Blow]) -> None:
+def _draw_forces(axes: Any, blows: Sequence[PlottedBlow]) -> None:
     _curves(axes, blows, lambda blow: (blow.history.time * 1e6, blow.history.force / 1e3))
     quiet(axes, "Force", "time after first touch (µs)", "force (kN)")
 
 
-def _draw_loops(axes: Any, blows: Sequence[Blow]) -> None:
+def _draw_loops(axes: Any, blows: Sequence[PlottedBlow]) -> None:
     _curves(axes, blows, lambda blow: (blow.history.indentation * 1e6, blow.history.force / 1e3))
     quiet(axes, "Force over indentation", "indentation (µm)", "force (kN)")
     axes.margins(x=0.03)
 
 
-def _draw_phase(axes: Any, blows: Sequence[Blow]) -> None:
-    def shares(blow: Blow) -> tuple[Array, Array]:
+def _draw_phase(axes: Any, blows: Sequence[PlottedBlow]) -> None:
+    def shares(blow: PlottedBlow) -> tuple[Array, Array]:
         deepest, speed = float(blow.impact.max_indentation), float(blow.impact.problem.speed[0])
         return blow.history.indentation / deepest, blow.history.rate / speed
 

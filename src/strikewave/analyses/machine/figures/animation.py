@@ -22,7 +22,7 @@ from strikewave.analyses.machine.figures.geometry import (
     Outline,
     Outlines,
 )
-from strikewave.analyses.machine.figures.motion import MachineMotion, NearBlow, Trace, machine_motion
+from strikewave.analyses.machine.figures.motion import MachineMotion, NearBlow, TimeHistory, machine_motion
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.units import in_unit
 from strikewave.reporting.animation.gif import FRAMES_PER_SECOND, write_gif
@@ -30,14 +30,14 @@ from strikewave.reporting.animation.page import (
     Animation,
     Chart,
     Clock,
-    Curve,
     Event,
-    History,
     Panel,
+    PlayedCurve,
+    PlayedHistory,
+    PlayedSpan,
     Readout,
     Scene,
     Shape,
-    View,
     animation_page,
 )
 from strikewave.reporting.style import BLUE, GREY, RED, printable, quiet
@@ -90,9 +90,9 @@ def machine_page(solution: Solution) -> str | None:
 def machine_animation(motion: MachineMotion) -> Animation:
     """Return turntable, object and feed in motion, whole and close up, above the histories of the run or of a blow."""
     made, near = motion.made, motion.near
-    views = [View("whole", "whole run", motion.time[[0, -1]])]
+    views = [PlayedSpan("whole", "whole run", motion.time[[0, -1]])]
     views += [
-        View(str(k), f"blow {one.blow.index} ({one.blow.kind})", np.array([one.begin, one.end]))
+        PlayedSpan(str(k), f"blow {one.blow.index} ({one.blow.kind})", np.array([one.begin, one.end]))
         for k, one in enumerate(near)
     ]
     return Animation(
@@ -142,11 +142,11 @@ def _panels(motion: MachineMotion) -> list[Panel]:
     accelerations = [_history(motion.acceleration), *(_history(one.acceleration, one.begin) for one in near)]
     least = LEAST_SPEED_SPAN * float(np.abs(motion.speed).max())
     return [
-        Panel("contact force", "kN", [Curve("", BLUE, forces)], 1e3, least=1.0, decimals=3),
+        Panel("contact force", "kN", [PlayedCurve("", BLUE, forces)], 1e3, least=1.0, decimals=3),
         Panel(
             "rigid-body acceleration",
             "g",
-            [Curve("", RED, accelerations)],
+            [PlayedCurve("", RED, accelerations)],
             STANDARD_GRAVITY,
             least=1.0,
             decimals=1,
@@ -154,7 +154,7 @@ def _panels(motion: MachineMotion) -> list[Panel]:
         Panel(
             "turntable speed",
             "r/min",
-            [Curve("", GREY, track="speed")],
+            [PlayedCurve("", GREY, track="speed")],
             RPM,
             zero=False,
             least=least / RPM,
@@ -163,8 +163,8 @@ def _panels(motion: MachineMotion) -> list[Panel]:
     ]
 
 
-def _history(trace: Trace, begin: float = 0.0) -> History:
-    return History(trace.time, trace.values, begin)
+def _history(trace: TimeHistory, begin: float = 0.0) -> PlayedHistory:
+    return PlayedHistory(trace.time, trace.values, begin)
 
 
 def _shapes(made: Outlines) -> list[Shape]:
@@ -307,8 +307,8 @@ def frame_words(motion: MachineMotion, time: float, slowed: float) -> str:
     done = [blow for blow in motion.blows if blow.time <= time]
     blow = f"blow {done[-1].index}" if done else "no blow yet"
     turns = in_unit(float(np.interp(time, motion.time, motion.speed)), "rad/s", "rpm")
-    retreat = (float(np.interp(time, motion.time, motion.nose)) - motion.rest) * 1e3
+    displacement = (float(np.interp(time, motion.time, motion.nose)) - motion.rest) * 1e3
     return (
-        f"t = {time * 1e3:8.3f} ms  {blow:<11} {turns:6.1f} r/min  face {retreat:+6.2f} mm from rest  "
+        f"t = {time * 1e3:8.3f} ms  {blow:<11} {turns:6.1f} r/min  face {displacement:+6.2f} mm from rest  "
         f"slowed {slowed:,.0f} times"
     )

@@ -19,7 +19,7 @@ from strikewave.cases.tables import RotaryTable
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
-    from strikewave.cases.tables import LayerTable, Striker
+    from strikewave.cases.tables import LayerTable, StrikerTable
 
 Array = NDArray[np.float64]
 
@@ -83,10 +83,10 @@ class StrikeGeometry:
         turned = angle - self.pitch * np.arange(self.strikers) - self.blow_angle + ahead
         return np.asarray((self.radius + beyond) * np.array([np.cos(turned), np.sin(turned)])).T
 
-    def touch_angle(self, retreat: float = 0.0) -> float:
+    def touch_angle(self, displacement: float = 0.0) -> float:
         """Return the angle before the strike position (negative) at which a nose meets the face.
 
-        ``retreat`` is how far the face has gone back from its rest; NaN where no nose reaches it. For a cam it is
+        ``displacement`` is how far the face has gone back from its rest; NaN where no nose reaches it. For a cam it is
         -arccos(1 - q/R).
 
         Examples
@@ -95,7 +95,7 @@ class StrikeGeometry:
         >>> round(math.degrees(cam.touch_angle()), 3)
         -13.468
         """
-        share = math.cos(self.blow_angle) - (self.engagement - retreat) / self.radius
+        share = math.cos(self.blow_angle) - (self.engagement - displacement) / self.radius
         return self.blow_angle - math.acos(share) if abs(share) <= 1.0 else math.nan
 
     @property
@@ -155,7 +155,7 @@ def strike_geometry(case: Case) -> StrikeGeometry | None:
     )
 
 
-def _errors(striker: Striker, count: int) -> tuple[tuple[float, float], ...]:
+def _errors(striker: StrikerTable, count: int) -> tuple[tuple[float, float], ...]:
     """Return how far each striker stands ahead of its place and beyond the path, rad and m."""
     own = {int(row.number.si): (row.angle_error, row.reach_error) for row in striker.each}
     if not any(part is not None for row in own.values() for part in row):
@@ -197,7 +197,7 @@ class Connection(NamedTuple):
     lines: tuple[Array, ...]
 
 
-class Places(NamedTuple):
+class LabelPlaces(NamedTuple):
     """Where things are that words point at, m, at rest in the strike position."""
 
     half_height: float
@@ -217,7 +217,7 @@ class Outlines(NamedTuple):
     geometry: StrikeGeometry
     shapes: tuple[Outline, ...]
     connections: tuple[Connection, ...]
-    places: Places
+    places: LabelPlaces
     to_scale: bool
 
 
@@ -401,7 +401,7 @@ def _connections(geometry: StrikeGeometry, at: Levels, frame: tuple[float, float
     return tuple(found)
 
 
-def _places(geometry: StrikeGeometry, at: Levels, names: dict[str, float]) -> Places:
+def _places(geometry: StrikeGeometry, at: Levels, names: dict[str, float]) -> LabelPlaces:
     """Return where words and numbers stand."""
     y, held, unit = geometry.strike_position[1], geometry.reach - geometry.engagement, at.unit
     behind = held + 0.5 * (at.end + at.wall)
@@ -416,7 +416,7 @@ def _places(geometry: StrikeGeometry, at: Levels, names: dict[str, float]) -> Pl
         "feed": (held + at.cylinder + 13.0 * unit, y),
     }
     far = held + at.cylinder + 28.0 * unit
-    return Places(at.high, held, middles, held + at.wall + 6.0 * unit, y + at.floor - 9.0 * unit, far)
+    return LabelPlaces(at.high, held, middles, held + at.wall + 6.0 * unit, y + at.floor - 9.0 * unit, far)
 
 
 def _spring(y: float, half: float) -> Array:

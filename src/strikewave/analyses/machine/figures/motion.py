@@ -33,7 +33,7 @@ PULSE_WIDTHS = 2.0
 """Widths of a pulse, from first touch, that are kept as a pulse."""
 
 
-class Trace(NamedTuple):
+class TimeHistory(NamedTuple):
     """A history: times after the valve signal, s, and values."""
 
     time: Array
@@ -50,8 +50,8 @@ class NearBlow(NamedTuple):
     blow: Blow
     begin: float
     end: float
-    force: Trace
-    acceleration: Trace
+    force: TimeHistory
+    acceleration: TimeHistory
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class MachineMotion:
         Of the turntable, rad and rad/s.
     nose, assembly, carriage : ndarray
         Places, m; see `Pose`.
-    force, acceleration : Trace
+    force, acceleration : TimeHistory
         Contact force and rigid-body acceleration over the whole run.
     blows : tuple of Blow
         All of them.
@@ -83,8 +83,8 @@ class MachineMotion:
     nose: Array
     assembly: Array
     carriage: Array
-    force: Trace
-    acceleration: Trace
+    force: TimeHistory
+    acceleration: TimeHistory
     blows: tuple[Blow, ...]
     near: tuple[NearBlow, ...]
 
@@ -123,8 +123,8 @@ def machine_motion(solution: Solution) -> MachineMotion | None:
         nose=data["nose_position"].values[kept],
         assembly=data["assembly_position"].values[kept],
         carriage=carriage[kept],
-        force=Trace(*thin(time, data["contact_force"].values, WHOLE_COLUMNS)),
-        acceleration=Trace(*thin(time, data["rigid_acceleration"].values, WHOLE_COLUMNS)),
+        force=TimeHistory(*thin(time, data["contact_force"].values, WHOLE_COLUMNS)),
+        acceleration=TimeHistory(*thin(time, data["rigid_acceleration"].values, WHOLE_COLUMNS)),
         blows=solution.blows,
         near=near,
     )
@@ -163,7 +163,7 @@ def _near(solution: Solution, row: int) -> NearBlow:
     return NearBlow(blow, begin, end, force, acceleration)
 
 
-def _joined(solution: Solution, row: int, shown: tuple[float, float], train: str, pulse_name: str) -> Trace:
+def _joined(solution: Solution, row: int, shown: tuple[float, float], train: str, pulse_name: str) -> TimeHistory:
     """Return a history about a blow, its pulse sampled as finely as the solution keeps it."""
     data, begun = solution.data, solution.blows[row].time
     time = data["time"].values
@@ -172,16 +172,16 @@ def _joined(solution: Solution, row: int, shown: tuple[float, float], train: str
     fine, pulsed = begun + data["pulse_time"].values, data[pulse_name].values[row]
     known = np.isfinite(pulsed) & (fine >= shown[0]) & (fine <= shown[1])
     if not known.any():
-        return Trace(*thin(coarse, values, PULSE_COLUMNS))
+        return TimeHistory(*thin(coarse, values, PULSE_COLUMNS))
     fine, pulsed = fine[known], pulsed[known]
     width = solution.blows[row].width
     within = fine <= begun + (PULSE_WIDTHS * width if width > 0.0 else AFTER)
-    parts = [Trace(coarse[coarse < fine[0]], values[coarse < fine[0]])]
-    parts += [Trace(*thin(fine[within], pulsed[within], PULSE_COLUMNS))]
-    parts += [Trace(*thin(fine[~within], pulsed[~within], REST_COLUMNS))] if not within.all() else []
-    parts += [Trace(coarse[coarse > fine[-1]], values[coarse > fine[-1]])]
-    whole = [Trace(*thin(*part, PULSE_COLUMNS)) if part.time.size else part for part in parts]
-    return Trace(np.concatenate([part.time for part in whole]), np.concatenate([part.values for part in whole]))
+    parts = [TimeHistory(coarse[coarse < fine[0]], values[coarse < fine[0]])]
+    parts += [TimeHistory(*thin(fine[within], pulsed[within], PULSE_COLUMNS))]
+    parts += [TimeHistory(*thin(fine[~within], pulsed[~within], REST_COLUMNS))] if not within.all() else []
+    parts += [TimeHistory(coarse[coarse > fine[-1]], values[coarse > fine[-1]])]
+    whole = [TimeHistory(*thin(*part, PULSE_COLUMNS)) if part.time.size else part for part in parts]
+    return TimeHistory(np.concatenate([part.time for part in whole]), np.concatenate([part.values for part in whole]))
 
 
 def _kept_rows(time: Array, near: tuple[NearBlow, ...]) -> NDArray[np.int64]:

@@ -27,7 +27,7 @@ MOST_LAYERS = 6
 """Layers of a stack that are listed one by one."""
 
 
-class Entry(NamedTuple):
+class PartNumber(NamedTuple):
     """A number of a part: what it is, the number with its unit, where it comes from."""
 
     name: str
@@ -40,7 +40,7 @@ class PartEntry(NamedTuple):
 
     place: str
     name: str
-    entries: Sequence[Entry]
+    entries: Sequence[PartNumber]
 
 
 def significant(value: float, digits: int = 4) -> str:
@@ -57,14 +57,14 @@ def significant(value: float, digits: int = 4) -> str:
     return f"{value:.0f}" if "e" in text and 1e-4 <= abs(value) < 1e7 else text
 
 
-def quantity(name: str, value: Value | None, si: str = "", unit: str = "", spelled: str = "") -> list[Entry]:
+def quantity(name: str, value: Value | None, si: str = "", unit: str = "", spelled: str = "") -> list[PartNumber]:
     """Return one entry for a value of a case, none where it is absent."""
     if value is None:
         return []
     number = in_unit(value.si, si, unit) if unit else value.si
     unit = spelled or unit
     words = f"{significant(float(number))}{'' if unit in ('', '°') else ' '}{unit}"
-    return [Entry(name, words, value.provenance)]
+    return [PartNumber(name, words, value.provenance)]
 
 
 def shown(value: Value, si: str, unit: str) -> str:
@@ -72,23 +72,23 @@ def shown(value: Value, si: str, unit: str) -> str:
     return quantity("", value, si, unit)[0].shown
 
 
-def length(name: str, value: Value | None) -> list[Entry]:
+def length(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in mm."""
     return quantity(name, value, "m", "mm")
 
 
-def stiffness(name: str, value: Value | None) -> list[Entry]:
+def stiffness(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in kN/m, from a million on in MN/m."""
     unit = "kN/m" if value is None or value.si < 1e6 else "MN/m"
     return quantity(name, value, "N/m", unit)
 
 
-def damping(name: str, value: Value | None) -> list[Entry]:
+def damping(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in N s/m."""
     return quantity(name, value, "", "", "N s/m")
 
 
-def mass(name: str, value: Value | None) -> list[Entry]:
+def mass(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in kg, below a tenth in g."""
     small = value is not None and value.si < 0.1
     return quantity(name, value, "kg", "gram" if small else "kg", "g" if small else "kg")
@@ -140,8 +140,8 @@ def _struck_by(case: Case, geometry: StrikeGeometry) -> Iterator[PartEntry]:
             *length("engagement q", machine.engagement),
             *quantity("blow to radius", machine.blow_angle, "rad", "deg", "°"),
             *length("face width", machine.face_width),
-            Entry("angle from first touch", meets, "computed"),
-            Entry("approach, nominal", speed, "computed"),
+            PartNumber("angle from first touch", meets, "computed"),
+            PartNumber("approach, nominal", speed, "computed"),
         ],
     )
 

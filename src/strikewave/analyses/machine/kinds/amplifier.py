@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, ShownSetting
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Length, Mass, MaybeGap, MaybeShare, Restitution
 from strikewave.base.result import Notice
-from strikewave.cases.tables import Name, Table
+from strikewave.cases.tables import CaseTable, Name
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
@@ -23,7 +23,7 @@ FLOOR, STRIKER, OBJECT = "floor", "striker", "object"
 """Names of the bodies that have no row of their own."""
 
 
-class BodyTable(Table):
+class BodyTable(CaseTable):
     """[[machine.body]]: a body of the amplifier below the striker: restitution to the body above, and gap to it (0)."""
 
     name: Name
@@ -52,7 +52,7 @@ class Amplifier(LaunchedKind):
         "last one, the striker, on the object is followed in full. The run begins just before that first touch."
     )
     chain: ClassVar[tuple[str, ...]] = ("floor", "bodies", "striker", "contact", "nose", "frame", "assembly")
-    settings: ClassVar[tuple[Setting, ...]] = (Setting("height", "m", "m", "drop height"),)
+    settings: ClassVar[tuple[ShownSetting, ...]] = (ShownSetting("height", "m", "m", "drop height"),)
     sources: ClassVar[tuple[str, ...]] = ("rodgers-2009",)
     falls: ClassVar = "both"
 
@@ -60,7 +60,7 @@ class Amplifier(LaunchedKind):
         """Return striker and object as the collisions below leave them when they first meet."""
         from strikewave.analyses.machine.falling import fall
         from strikewave.cases.contact_of_case import or_else
-        from strikewave.machines.amplifier import Line, collide
+        from strikewave.machines.amplifier import BodyLine, collide
 
         parts = case.impact()
         names = [FLOOR, STRIKER, OBJECT]
@@ -71,7 +71,7 @@ class Amplifier(LaunchedKind):
             names.append(row.name)
         bodies = (*(row.mass.si for row in self.body), parts.striker.mass.si, mass)
         speed, travel, energy = fall(self.height, self.friction, sum(bodies))
-        line = Line(
+        line = BodyLine(
             masses=(math.inf, *bodies),
             restitutions=(
                 self.restitution.si,

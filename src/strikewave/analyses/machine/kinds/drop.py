@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, ShownSetting
 from strikewave.base.quantities import Length, MaybeShare
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class Drop(LaunchedKind):
         *("ground", "mount of the anvil, where there is one", "anvil", "pulse shaper"),
         *("nose", "frame", "assembly"),
     )
-    settings: ClassVar[tuple[Setting, ...]] = (Setting("height", "m", "m", "drop height"),)
+    settings: ClassVar[tuple[ShownSetting, ...]] = (ShownSetting("height", "m", "m", "drop height"),)
     sources: ClassVar[tuple[str, ...]] = ("jesd22-b104",)
     falls: ClassVar = "object"
     mount: ClassVar = "optional"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, ShownSetting
 from strikewave.base.quantities import Length, MaybeDamping, MaybeShare, Restitution, SpringRate
 from strikewave.base.result import Notice
 
@@ -39,9 +39,9 @@ class DualMassAmplifier(LaunchedKind):
         *("anvil", "pulse shaper", "table", "pad, and cushions beside it"),
         *("nose", "frame", "assembly of the second mass"),
     )
-    settings: ClassVar[tuple[Setting, ...]] = (
-        Setting("height", "m", "m", "drop height"),
-        Setting("gap", "m", "mm", "gap"),
+    settings: ClassVar[tuple[ShownSetting, ...]] = (
+        ShownSetting("height", "m", "m", "drop height"),
+        ShownSetting("gap", "m", "mm", "gap"),
     )
     sources: ClassVar[tuple[str, ...]] = ("jesd22-b104", "rodgers-2009")
     falls: ClassVar = "both"

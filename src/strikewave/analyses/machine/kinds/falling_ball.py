@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, ShownSetting
 from strikewave.base.quantities import Length, MaybeShare
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ class FallingBall(LaunchedKind):
         "just before first touch."
     )
     chain: ClassVar[tuple[str, ...]] = ("falling ball", *FREE_OBJECT)
-    settings: ClassVar[tuple[Setting, ...]] = (Setting("height", "m", "m", "drop height"),)
+    settings: ClassVar[tuple[ShownSetting, ...]] = (ShownSetting("height", "m", "m", "drop height"),)
     falls: ClassVar = "striker"
 
     def release(self, case: Case, mass: float) -> Release:

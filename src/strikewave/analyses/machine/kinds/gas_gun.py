@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, ShownSetting
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import (
     MaybeAmbient,
@@ -53,9 +53,9 @@ class GasGun(LaunchedKind):
         "first touch."
     )
     chain: ClassVar[tuple[str, ...]] = ("projectile", *FREE_OBJECT)
-    settings: ClassVar[tuple[Setting, ...]] = (
-        Setting("speed", "m/s", "m/s", "speed"),
-        Setting("pressure", "Pa", "bar", "pressure, absolute"),
+    settings: ClassVar[tuple[ShownSetting, ...]] = (
+        ShownSetting("speed", "m/s", "m/s", "speed"),
+        ShownSetting("pressure", "Pa", "bar", "pressure, absolute"),
     )
     sources: ClassVar[tuple[str, ...]] = ("rohrbach-2012", "siegel-1965")
 
@@ -85,7 +85,7 @@ class GasGun(LaunchedKind):
         if self.pressure is not None and pressure <= ambient:
             allowed = f"more than the ambient {ambient / 1e3:.4g} kPa: it is absolute"
             raise InputError("machine.pressure", self.pressure.typed, allowed, "add 1 atm to a gauge pressure")
-        gun = launch.GasGun(
+        gun = launch.GunBarrel(
             *(pressure, volume, 0.25 * math.pi * bore**2, length, projectile, or_else(self.friction, 0.0), ambient),
             heat_ratio=or_else(self.heat_ratio, AIR_HEAT_RATIO),
         )
@@ -118,7 +118,7 @@ class GasGun(LaunchedKind):
         return sketch.drawing("The gas gun")
 
 
-def _from_reservoir(gun: launch.GasGun, sound_speed: float) -> Release:
+def _from_reservoir(gun: launch.GunBarrel, sound_speed: float) -> Release:
     """Return the release of a gun whose speed follows from its reservoir: the smaller of two upper bounds."""
     from strikewave.cases.stack_of_case import checked
     from strikewave.machines import launch

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, ShownSetting
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.quantities import Count, Inertia, Length, MaybeAngle, MaybeLength, MaybeMass, MaybeTorque
@@ -50,10 +50,10 @@ class Machete(LaunchedKind):
         "The run begins just before first touch."
     )
     chain: ClassVar[tuple[str, ...]] = ("anvil", "contact", "nose", "frame", "assembly")
-    settings: ClassVar[tuple[Setting, ...]] = (
-        Setting("teeth", "", "", "teeth"),
-        Setting("weight", "kg", "kg", "weight"),
-        Setting("radius", "m", "m", "radius"),
+    settings: ClassVar[tuple[ShownSetting, ...]] = (
+        ShownSetting("teeth", "", "", "teeth"),
+        ShownSetting("weight", "kg", "kg", "weight"),
+        ShownSetting("radius", "m", "m", "radius"),
     )
     mount: ClassVar = "optional"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, Setting
+from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, ShownSetting
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import Length, Mass, MaybeInertia, MaybeTime, SwingAngle
@@ -35,14 +35,14 @@ class Pendulum(LaunchedKind):
         "begins just before first touch."
     )
     chain: ClassVar[tuple[str, ...]] = ("arm", "mount", "striker", *FREE_OBJECT)
-    settings: ClassVar[tuple[Setting, ...]] = (
-        Setting("angle", "rad", "deg", "release angle"),
-        Setting("radius", "m", "m", "radius"),
+    settings: ClassVar[tuple[ShownSetting, ...]] = (
+        ShownSetting("angle", "rad", "deg", "release angle"),
+        ShownSetting("radius", "m", "m", "radius"),
     )
     sources: ClassVar[tuple[str, ...]] = ("iso-148-2",)
     mount: ClassVar = "needed"
 
-    def arm(self) -> launch.Pendulum:
+    def arm(self) -> launch.RigidPendulum:
         """Return the arm.
 
         Raises
@@ -61,7 +61,7 @@ class Pendulum(LaunchedKind):
                 "machine.inertia", got, "either inertia or period of small swings", 'inertia = "10 kg m^2"'
             )
         inertia = given[0].si if given[0] else launch.inertia_of_period(mass, centre, or_else(given[1], math.nan))
-        return checked("machine.inertia", lambda: launch.Pendulum(mass, centre, inertia, self.radius.si))
+        return checked("machine.inertia", lambda: launch.RigidPendulum(mass, centre, inertia, self.radius.si))
 
     def release(self, case: Case, mass: float) -> Release:
         """Return an arm at w = sqrt(2 m g r (1 - cos a)/J), after a quarter of its period at this amplitude."""

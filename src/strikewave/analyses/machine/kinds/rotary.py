@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
-from strikewave.analyses.machine.kind import Drawing, MachineKind, Setting
+from strikewave.analyses.machine.kind import Drawing, MachineKind, ShownSetting
 from strikewave.cases.tables import RotaryTable
 
 if TYPE_CHECKING:
@@ -31,10 +31,10 @@ class Rotary(RotaryTable, MachineKind):
         *("turntable", "mount", "striker", "contact", "nose", "frame", "assembly"),
         *("spring, damper, stop", "carriage of the feed"),
     )
-    settings: ClassVar[tuple[Setting, ...]] = (
-        Setting("speed", "rad/s", "rpm", ""),
-        Setting("strikers", "", "", "strikers"),
-        Setting("engagement", "m", "mm", "engagement"),
+    settings: ClassVar[tuple[ShownSetting, ...]] = (
+        ShownSetting("speed", "rad/s", "rpm", ""),
+        ShownSetting("strikers", "", "", "strikers"),
+        ShownSetting("engagement", "m", "mm", "engagement"),
     )
     reference_law: ClassVar[str] = "the printed contact law"
 

@@ -41,7 +41,7 @@ _SEVERITY = {"bad": RED, "suspect": ORANGE, "good": GREY}
 _COLOURS = (BLUE, RED, GREEN, ORANGE, "#CC79A7", "#56B4E9", "#000000", GREY)
 
 
-class Shown(NamedTuple):
+class ChannelStyle(NamedTuple):
     """How a channel is drawn: what it is, in which unit, how much SI that is, and what its integral is."""
 
     name: str
@@ -62,18 +62,18 @@ class Shown(NamedTuple):
 
 
 _SHOWN = {
-    "m/s^2": Shown("acceleration", "g", STANDARD_GRAVITY, "velocity", "m/s"),
-    "m/s": Shown("velocity", "m/s", 1.0, "displacement", "m"),
-    "N": Shown("force", "N", 1.0, "impulse", "N s"),
-    "Pa": Shown("pressure", "Pa", 1.0, "integral", "Pa s"),
-    "m": Shown("displacement", "m", 1.0, "integral", "m s"),
-    "V": Shown("voltage", "V", 1.0, "integral", "V s"),
-    "1": Shown("strain", "m/m", 1.0, "integral", "s"),
-    "": Shown("file's own numbers", "", 1.0, "integral", "unit·s"),
+    "m/s^2": ChannelStyle("acceleration", "g", STANDARD_GRAVITY, "velocity", "m/s"),
+    "m/s": ChannelStyle("velocity", "m/s", 1.0, "displacement", "m"),
+    "N": ChannelStyle("force", "N", 1.0, "impulse", "N s"),
+    "Pa": ChannelStyle("pressure", "Pa", 1.0, "integral", "Pa s"),
+    "m": ChannelStyle("displacement", "m", 1.0, "integral", "m s"),
+    "V": ChannelStyle("voltage", "V", 1.0, "integral", "V s"),
+    "1": ChannelStyle("strain", "m/m", 1.0, "integral", "s"),
+    "": ChannelStyle("file's own numbers", "", 1.0, "integral", "unit·s"),
 }
 
 
-def shown(unit: str) -> Shown:
+def shown(unit: str) -> ChannelStyle:
     """Return how values of an SI unit are drawn: accelerations in g, unknown ones as the file has them.
 
     Examples
@@ -81,7 +81,7 @@ def shown(unit: str) -> Shown:
     >>> shown("m/s^2").label, shown("").label, shown("N").integral_label
     ('acceleration (g)', "file's own numbers", 'impulse (N s)')
     """
-    return _SHOWN.get(unit, Shown("value", unit, 1.0, "integral", f"{unit} s"))
+    return _SHOWN.get(unit, ChannelStyle("value", unit, 1.0, "integral", f"{unit} s"))
 
 
 def history(reading: ChannelReading) -> Figure:

@@ -44,14 +44,14 @@ _SIDES = (("maximax", "#8FC3E4", "-", 4.0), ("positive", BLUE, "-", 1.3), ("nega
 _COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
 
 
-class Stretch(NamedTuple):
+class RecordPart(NamedTuple):
     """A part of a record, its baseline taken off."""
 
     values: Array
     step: float
 
 
-def around(reading: ChannelReading) -> Stretch:
+def around(reading: ChannelReading) -> RecordPart:
     """Return the stretch around the largest blow, tapered at its ends, as far as half way to its neighbours."""
     channel, pulses = reading.channel, reading.pulses
     k = max(range(len(pulses)), key=lambda i: abs(pulses[i].peak))
@@ -64,7 +64,7 @@ def around(reading: ChannelReading) -> Stretch:
     ramp = 0.5 - 0.5 * np.cos(np.pi * (np.arange(edge) + 0.5) / edge)
     values[:edge] *= ramp
     values[-edge:] *= ramp[::-1]
-    return Stretch(values, channel.step)
+    return RecordPart(values, channel.step)
 
 
 def _between(reading: ChannelReading, begin: float, end: float) -> Array:

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from strikewave.reporting.animation.gif import write_gif
 from strikewave.reporting.animation.page import (
     Animation,
-    Band,
     Chart,
     Clock,
     FieldCurve,
-    Mark,
+    LayerBand,
     Panel,
-    Places,
-    View,
+    PlaceAxis,
+    PlaceMark,
+    PlayedSpan,
     animation_page,
     even_rows,
 )
@@ -76,8 +76,8 @@ def wave_page(field: WaveField, title: str, name: str = "") -> str:
     Examples
     --------
     >>> from strikewave import load_case, run_wave
-    >>> from strikewave.analyses.wave.field import bar_field
-    >>> page = wave_page(bar_field(run_wave(load_case("li-ma-2019-fig13-bar"))), "a < b")
+    >>> from strikewave.analyses.wave.field import field_of_solution
+    >>> page = wave_page(field_of_solution(run_wave(load_case("li-ma-2019-fig13-bar"))), "a < b")
     >>> "<title>a &lt; b</title>" in page, len(page) < 1.5e6
     (True, True)
     """
@@ -96,22 +96,22 @@ def wave_animation(field: WaveField) -> Animation:
         note=NOTE,
         gif="animation.gif",
         clock=Clock.of(time),
-        views=[View("whole", "whole run", time)],
+        views=[PlayedSpan("whole", "whole run", time)],
         canvases=[chart],
         places=_places(field),
     )
 
 
-def _places(field: WaveField) -> Places:
+def _places(field: WaveField) -> PlaceAxis:
     """Return the places of a field, the layers that have places, and the taps; the first tap is read first."""
     shown, band = np.unique(field.layer, return_inverse=True)
     layers, joints = field.stack.layers, field.stack.joints
     greys, ends = shades(field.stack), field.ends
-    return Places(
+    return PlaceAxis(
         position=[_digits(x) for x in field.position],
         band=band.tolist(),
         bands=[
-            Band(
+            LayerBand(
                 layers[k].name,
                 _digits(ends[k] - layers[k].length),
                 _digits(ends[k]),
@@ -120,7 +120,7 @@ def _places(field: WaveField) -> Places:
             )
             for k in shown.tolist()
         ],
-        marks=[Mark(name, _digits(field.place(tap))) for name, tap in field.taps],
+        marks=[PlaceMark(name, _digits(field.place(tap))) for name, tap in field.taps],
         start=_place_of(field, field.taps[0][1]) if field.taps else 0,
     )
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from strikewave.analyses.wave.run import BarSolution
+from strikewave.analyses.wave.run import WaveSolution
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.curves import COLOURS, DASHES, above_right, thin
 from strikewave.reporting.style import GREY, new_figure, quiet, sheet_title
 
 
-def bar_summary(solution: BarSolution) -> Figure:
+def wave_summary(solution: WaveSolution) -> Figure:
     """Draw stress, velocity and acceleration at the taps of a bar, and the force on its first face.
 
     Examples
     --------
     >>> from strikewave import load_case, run_wave
-    >>> len(bar_summary(run_wave(load_case("li-ma-2019-fig13-bar"))).axes)
+    >>> len(wave_summary(run_wave(load_case("li-ma-2019-fig13-bar"))).axes)
     4
     """
     figure = new_figure((9.0, 6.4))

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from strikewave.analyses.fem.report.fields import fields_section
-from strikewave.analyses.wave.field import bar_field
+from strikewave.analyses.wave.field import field_of_solution
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
 from strikewave.papers.li_ma_2019.answers import element_pulse
 from strikewave.papers.li_ma_2019.element_pulses import element_numbers, first_touch, struck_body, whole_force
-from strikewave.papers.li_ma_2019.figures import Mark, Ratio, reading_traces
+from strikewave.papers.li_ma_2019.figures import PublishedMark, Ratio, reading_traces
 from strikewave.papers.li_ma_2019.published import half_sine_change
 from strikewave.papers.li_ma_2019.report.tables import ORIGINS, share
 from strikewave.papers.li_ma_2019.result import Computed, NumberRow, Reproduction, si_unit
@@ -44,11 +44,11 @@ HARDLY = 0.5
 """Share of the published drop of the peak by the buffer below which it is called hardly met."""
 
 
-def mark(result: Reproduction, peak: str, width: str = "", what: str = "") -> Mark:
+def mark(result: Reproduction, peak: str, width: str = "", what: str = "") -> PublishedMark:
     """Return the mark of a published peak, and of its width."""
     number = result.row(peak).number
     span = result.row(width).number.value if width else None
-    return Mark(number.value, ORIGINS[number.origin], span, what)
+    return PublishedMark(number.value, ORIGINS[number.origin], span, what)
 
 
 def sentence_of(row: NumberRow) -> str:
@@ -151,7 +151,7 @@ def _buffering(result: Reproduction) -> str:
 
 def _passing(result: Reproduction) -> Section:
     solution = result.runs.passing
-    field, layer = bar_field(solution), solution.taps[0][1].layer
+    field, layer = field_of_solution(solution), solution.taps[0][1].layer
     text = """The paper draws the multiple reflections of a wave in the specimen and counts its passages. If its \
 areas are equal, which is not said, its own experiment cannot show them: 45 steel between 65Mn reflects next to \
 nothing. Here the specimen is 2A12 between 65Mn, and the load rises within 0.3 µs and stays.
