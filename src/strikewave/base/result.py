@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray
 
 SCHEMA = 4
-"""Of the files of a solution; 2 adds readings and waves, 3 the contact of each blow; 4 says balance, largest displacement."""
+"""Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance)."""
 BALANCE_LIMIT = 1e-6
 """Energy or momentum missing beyond this share breaks a stated limit."""
 
