@@ -199,7 +199,7 @@ def test_a_bar_alone_is_calibrated_by_its_echoes(strikewave, tmp_path):
         ("bar.incident.gauge_distance=9 km", "record"),
         ("bar.incident.gauge.channel=3", "channel"),
         ("bar.incident.gauge.channel=transmitted", "another channel"),
-        ("bar.incident.gauge.file=nothing.csv", "exists"),
+        ("bar.incident.gauge.file=nothing.csv", "no such file"),
         ("bar.incident.gauge.unit=N", "strain"),
         ("bar.incident.gauge.unit=V", "strain_per_volt"),
         ("bar.incident.lenght=1 m", "length"),

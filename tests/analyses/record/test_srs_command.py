@@ -185,10 +185,14 @@ def test_a_file_that_is_none_is_bad_input(strikewave):
     with open("empty.csv", "w"):
         pass
     os.mkdir("folder")
-    for name in ("missing.csv", "empty.csv", "folder"):
+    for name, told in (
+        ("missing.csv", "no such file: missing.csv"),
+        ("empty.csv", 'got "empty.csv"'),
+        ("folder", "no such file: folder; this is a folder"),
+    ):
         code, out, err = strikewave("srs", name, "--json")
         assert (code, out) == (2, "")
-        assert f'FILE: got "{name}"' in err
+        assert f"FILE: {told}" in err
 
 
 def test_a_folder_appears_whole(strikewave, shot):

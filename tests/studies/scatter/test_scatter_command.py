@@ -129,7 +129,7 @@ def test_runs_without_a_limit_count_as_beyond_it(study):
     missed = replace(study.runs[0], kinds=("full", "missed", "full"))
     for one in (failed, missed):
         spoiled = replace(study, runs=(*good, *(one,) * 8))
-        assert sum(spoiled.broken) == 8
+        assert sum(spoiled.without_limit) == 8
         assert spoiled.figure("peak").within.limit == math.inf
         assert spoiled.document()["figures"]["peak"]["cv_within"]["limit"] is None
         assert spoiled.document()["without_limit"] == 8
