@@ -285,8 +285,8 @@ def _show_balance(solution: FemSolution) -> None:
     cells = [number(run.initial_energy, "J", "J"), *(number(float(run.energy[name][-1]), "J", "J") for name in kinds)]
     table("Energy at the end (J)", ["initial", *kinds], [cells], left=0)
     say(
-        f"balance: energy {balance.energy:+.1e} (limit {ENERGY_LIMIT:g}), hourglass {balance.hourglass:.1e} of internal "
-        f"(limit {HOURGLASS_LIMIT:g}), momentum {balance.momentum:.1e}"
+        f"balance: energy {balance.energy:+.1e} (limit {ENERGY_LIMIT:g}), hourglass {balance.hourglass:.1e} of "
+        f"internal (limit {HOURGLASS_LIMIT:g}), momentum {balance.momentum:.1e}"
     )
     say(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
 
