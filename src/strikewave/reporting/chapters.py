@@ -10,18 +10,20 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from pydantic import BaseModel
+
 from strikewave._version import __version__
+from strikewave.base.citations import SOURCES
+from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.base.result import BALANCE_LIMIT
 from strikewave.base.units import in_unit
+from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, bundled_cases, dump_case, load_case, row_name
 from strikewave.reporting.numbers import SHOWN_UNITS, listed, spelled
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Section, Table, Tag, written
 
 if TYPE_CHECKING:
-    from pydantic import BaseModel
-
     from strikewave.base.result import Comparison, Notice, Result, Source
-    from strikewave.cases.case import Case
 
 
 _PROVENANCE_WORDS = {
@@ -54,8 +56,6 @@ def layer_steps(case: Case) -> list[str]:
 
 def inputs(case: BaseModel, unused: str = "") -> Section:
     """List every value of a case or a set-up, as typed, with provenance and note; without those of an unused table."""
-    from strikewave.base.quantities import PROVENANCES, Value
-
     groups = [group for group in _groups(case) if group[0] != unused]
     quantities = [
         (f"{path}.{key}", entry) for path, _, rows in groups for key, entry in rows if isinstance(entry, Value)
@@ -89,10 +89,6 @@ def inputs(case: BaseModel, unused: str = "") -> Section:
 
 def _groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, list[tuple[str, Any]]]]:
     """Yield path, description and entries of each table of a case; an array of tables is one table."""
-    from pydantic import BaseModel
-
-    from strikewave.base.quantities import Value
-
     inner: list[tuple[str, str, list[tuple[str, Any]]]] = []
     rows: list[tuple[str, Any]] = []
     for key, entry in model:
@@ -118,11 +114,6 @@ def _about(table: Any) -> str:
 
 def _flat(part: Any, path: str) -> Iterator[tuple[str, Any]]:
     """Yield all entries below a part of a case, named as their paths are."""
-    from pydantic import BaseModel
-
-    from strikewave.base.quantities import Value
-    from strikewave.cases.case import row_name
-
     start = f"{path}." if path else ""
     if isinstance(part, tuple):
         for place, row in enumerate(part):
@@ -136,15 +127,11 @@ def _flat(part: Any, path: str) -> Iterator[tuple[str, Any]]:
 
 
 def _quantities(part: Any) -> bool:
-    from strikewave.base.quantities import Value
-
     return any(isinstance(entry, Value) for _, entry in _flat(part, ""))
 
 
 def published(comparisons: Sequence[Comparison]) -> Section:
     """Compare computed values with published ones."""
-    from strikewave.cases.case import PUBLISHED_QUANTITIES
-
     rows: list[list[Cell]] = []
     for entry in comparisons:
         si = PUBLISHED_QUANTITIES.get(entry.quantity, "")
@@ -190,8 +177,6 @@ def warnings(notices: Sequence[Notice]) -> Section:
 
 def sources(keys: Sequence[str]) -> Section:
     """List the sources of the models used, by their keys."""
-    from strikewave.base.citations import SOURCES
-
     rows: list[list[Cell]] = [[key, SOURCES.get(key, NONE)] for key in keys]
     table = Table("Sources of the models used", ["key", "source"], rows, empty="No source is named.")
     return Section("Sources", "", [table])
@@ -210,7 +195,7 @@ def reproduction(result: Result) -> Section:
     either = "Either of these commands" if len(names) > 1 else "This command"
     text = (
         f"{either} gives the same numbers again with strikewave {__version__}; {source.file} is the text below, which "
-        f"also lies beside this report. The text has the SHA-256 {source.digest}."
+        f"is also in the folder of this report. The text has the SHA-256 {source.digest}."
     )
     commands = "\n".join(f"strikewave {result.command} {name}" for name in names)
     inputs_text = Code(source.text, f"The whole {source.kind}, {source.file}")
@@ -219,8 +204,6 @@ def reproduction(result: Result) -> Section:
 
 def _is_published(source: Source) -> bool:
     """Tell whether the inputs are a bundled case without any change."""
-    from strikewave.cases.case import bundled_cases, dump_case, load_case
-
     return source.name in bundled_cases() and dump_case(load_case(source.name)) == source.text
 
 

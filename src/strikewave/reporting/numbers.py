@@ -8,6 +8,11 @@ from collections.abc import Sequence
 from strikewave.base.units import in_unit
 from strikewave.reporting.parts import NONE, written
 
+LONGEST_IN_MICROSECONDS = 5e-3
+"""Runs that last longer, s, are shown in milliseconds: µs would need five digits before the point."""
+SHOWN_UNITS = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
+"""SI unit of a published number and the unit in which it is shown."""
+
 
 def heads(columns: Sequence[tuple[str, str, str, int]]) -> list[str]:
     """Return the heads of columns with their units.
@@ -18,12 +23,6 @@ def heads(columns: Sequence[tuple[str, str, str, int]]) -> list[str]:
     ['restitution', 'indentation (µm)']
     """
     return [name.replace("_", " ") + (f" ({spelled(unit)})" if unit != "1" else "") for name, _, unit, _ in columns]
-
-
-LONGEST_IN_MICROSECONDS = 5e-3
-"""Runs that last longer, s, are shown in milliseconds: µs would need five digits before the point."""
-SHOWN_UNITS = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
-"""SI unit of a published number and the unit in which it is shown."""
 
 
 def fixed(value: float | None, si: str, unit: str, decimals: int) -> str:

@@ -31,7 +31,7 @@ _APART = 0.06
 
 
 def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) -> Figure:
-    """Draw how force grows at both interfaces of a layer, beside what bonded, endless neighbours would do.
+    """Draw how force grows at both interfaces of a layer, compared with bonded, endless neighbours.
 
     Forces are over the largest load; time counts from when the front reaches interface I, in transits of the
     layer. Dotted are the steps of `staircase` for a jump; dashed the same steps for the load as it was. Behind the

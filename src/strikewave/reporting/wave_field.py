@@ -85,7 +85,7 @@ BONDED_STYLE: tuple[Any, float] = ("-", 0.7)
 DASHED: tuple[Any, float] = ((0, (4, 2)), 0.9)
 THICK: tuple[Any, float] = ("-", 1.8)
 JOINT_STYLES = {"compliant": DASHED, "gasket": DASHED, "contact": DASHED, "mass": THICK, "oscillator": THICK}
-"""Line style and width of the joints that are not bonded."""
+"""Line style and width of joints, bonded ones apart: a spring is dashed, a mass thick."""
 
 
 @dataclass(frozen=True)

@@ -51,6 +51,7 @@ NEARER = 0.75
 """How much nearer to the eye lines are painted than the pieces they border, in sizes of a piece: the middle of a
 neighbouring piece lies half a size away, so that its line stays on top, while bodies in front still hide it."""
 PART_COLOURS = (BLUE, ORANGE, GREEN, RED, "#CC79A7", "#56B4E9", GREY, "#F0E442")
+"""Of parts in their order: the eight colours of Okabe and Ito, with grey for black, which would hide mesh lines."""
 
 
 class PicturedField(NamedTuple):

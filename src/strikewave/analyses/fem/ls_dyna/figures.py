@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from strikewave.exchange.ls_dyna.folder import EnergyHistory, LsDynaContact
 
 OURS, THEIRS = BLUE, RED
+"""Colours of strikewave and of LS-DYNA."""
 CONTACT_COLOURS = (*COLOURS, "#000000")
 """One for each contact that is drawn: those that reach farthest."""
 BEYOND = 0.35
@@ -45,7 +46,7 @@ def beside_sheet(comparison: RunComparison, title: str) -> Figure:
 
     Parameters
     ----------
-    beside : RunComparison
+    comparison : RunComparison
         Both runs, or LS-DYNA's alone.
     title : str
         Stands above.

@@ -42,6 +42,7 @@ from strikewave.waves import Tap
 Array = NDArray[np.float64]
 
 PANELS = ("stress", "velocity")
+"""Quantities that the page shows, from above."""
 MOST_FRAMES, GIF_FRAMES = 400, 100
 """Of a page: 40 a second at speed 1, as smooth as a film; of a GIF: ten seconds."""
 MOST_VALUES = 200_000
