@@ -428,7 +428,7 @@ def test_a_file_that_is_cut_off_or_garbled_ends_in_an_input_error(meshio, tmp_pa
 @pytest.mark.parametrize(
     ("name", "content", "word"),
     [
-        ("nothing.msh", None, "exists"),
+        ("nothing.msh", None, "no such file"),
         ("mesh.stl", b"solid", "ends in"),
         ("empty.inp", b"", "0 hexahedra"),
     ],
