@@ -4,7 +4,8 @@
 
 Runs every built-in case, and each other command on samples that this script writes. Documents must be equal but for
 version, times that ran and rates; each difference is printed with its path. Exit code 1 where there is one.
-``--rename old=new`` (repeated) tells of keys that were renamed; ``--only WORD`` takes the commands that hold a word.
+``--rename old=new`` (repeated) tells of keys that were renamed, ``--added KEY`` of keys that the old version had not,
+``--words KEY`` of keys whose sentences may read otherwise; ``--only WORD`` takes the commands that hold a word.
 """
 
 import argparse
@@ -123,15 +124,20 @@ def document_of(program: str, command: str, folder: Path) -> tuple[int, object]:
         return done.returncode, done.stderr.strip()
 
 
-def differences(old: object, new: object, renamed: dict[str, str], path: str = "") -> list[str]:
-    """Return where two documents differ."""
+def differences(old: object, new: object, renamed: dict[str, str], aside: set[str], path: str = "") -> list[str]:
+    """Return where two documents differ; keys of ``aside`` may."""
     if isinstance(old, dict) and isinstance(new, dict):
         old = {renamed.get(k, k): v for k, v in old.items() if k not in VOLATILE}
         new = {k: v for k, v in new.items() if k not in VOLATILE}
+        old, new = ({k: v for k, v in one.items() if k not in aside} for one in (old, new))
         found = [f"{path}.{k}: only in the {'old' if k in old else 'new'}" for k in old.keys() ^ new.keys()]
-        return found + [d for k in old.keys() & new.keys() for d in differences(old[k], new[k], renamed, f"{path}.{k}")]
+        return found + [
+            d for k in old.keys() & new.keys() for d in differences(old[k], new[k], renamed, aside, f"{path}.{k}")
+        ]
     if isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
-        rows = (differences(a, b, renamed, f"{path}[{k}]") for k, (a, b) in enumerate(zip(old, new, strict=True)))
+        rows = (
+            differences(a, b, renamed, aside, f"{path}[{k}]") for k, (a, b) in enumerate(zip(old, new, strict=True))
+        )
         return [difference for row in rows for difference in row]
     return [] if old == new else [f"{path}: {str(old)[:80]} -> {str(new)[:80]}"]
 
@@ -143,8 +149,11 @@ def main() -> int:
     parser.add_argument("new")
     parser.add_argument("--only", default="")
     parser.add_argument("--rename", action="append", default=[])
+    parser.add_argument("--added", action="append", default=[])
+    parser.add_argument("--words", action="append", default=[])
     asked = parser.parse_args()
     renamed = dict(pair.split("=") for pair in asked.rename)
+    aside = {*asked.added, *asked.words}
     broken = 0
     with tempfile.TemporaryDirectory() as made, ThreadPoolExecutor(2) as pool:
         folder = Path(made)
@@ -154,7 +163,7 @@ def main() -> int:
         for command in [c for c in (*cases, *COMMANDS) if asked.only in c]:
             pair = pool.map(lambda program, c=command: document_of(program, c, folder), (asked.old, asked.new))
             (old_code, old), (new_code, new) = pair
-            found = differences(old, new, renamed)
+            found = differences(old, new, renamed, aside)
             found += [f"exit code {old_code} -> {new_code}"] if old_code != new_code else []
             found += [] if isinstance(new, dict) else ["no document: the command is refused"]
             kind = "document" if isinstance(new, dict) else f"words: {new}"
