@@ -275,8 +275,8 @@ def test_the_command_writes_report_picture_and_numbers(strikewave, written, fold
     page = Path("here/report.html").read_text("utf-8")
     assert "<script" not in page
     assert f"Contact {NAME}" in page
-    document = json.loads(Path("here/beside.json").read_text("utf-8"))
-    pair = document["beside"]["contacts"][NAME]
+    document = json.loads(Path("here/comparison.json").read_text("utf-8"))
+    pair = document["comparison"]["contacts"][NAME]
     assert pair["peak_difference"] == pytest.approx(0.07, abs=DIGITS)
     assert document["states"] == len(solution.frames)
     code, out, _ = strikewave("ls-dyna", home, "--units", "mm-t-s", "--compare", folder, "--json")
@@ -290,7 +290,7 @@ def test_titles_from_a_hostile_deck_are_escaped(strikewave, written):
     home = written(title="<script>alert(1)</script> $\\frac{", fields=False)
     assert strikewave("ls-dyna", home, "--units", "mm-t-s", "--out", "here")[0] == 0
     assert "<script" not in Path("here/report.html").read_text("utf-8")
-    assert "<script" not in Path("here/beside.svg").read_text("utf-8")
+    assert "<script" not in Path("here/comparison.svg").read_text("utf-8")
 
 
 @pytest.mark.parametrize(
@@ -393,11 +393,11 @@ def test_runs_of_the_same_name_do_not_overwrite_each_other(strikewave, written, 
     places = sorted(Path("out").iterdir())
     assert len(places) == 3
     assert all(path.name.startswith("ls-dyna-dyna-") for path in places)
-    assert sum(str(other) in (path / "beside.json").read_text("utf-8") for path in places) == 1
+    assert sum(str(other) in (path / "comparison.json").read_text("utf-8") for path in places) == 1
 
 
 def test_pictures_of_nothing_say_so(tmp_path):
-    from strikewave.analyses.fem.ls_dyna.figures import beside_sheet
+    from strikewave.analyses.fem.ls_dyna.figures import comparison_sheet
     from strikewave.analyses.fem.ls_dyna.report import ls_dyna_report
     from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
     from strikewave.exchange.ls_dyna.comparison import RunComparison
@@ -405,7 +405,7 @@ def test_pictures_of_nothing_say_so(tmp_path):
 
     empty = LsDynaRun(tmp_path, (), (), None, None, {}, 0, (math.nan, math.nan))
     assert "no rcforc or binout is there" in [
-        t.get_text() for axes in beside_sheet(RunComparison(empty), "").axes for t in axes.texts
+        t.get_text() for axes in comparison_sheet(RunComparison(empty), "").axes for t in axes.texts
     ]
     still = LsDynaContact(1, "", {"A": Force(np.array([0.0]), np.zeros((1, 3)))})
     one = dataclasses.replace(

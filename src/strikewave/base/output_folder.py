@@ -61,8 +61,8 @@ RESULT_FILES = (
     "histories.nc",
     "histories.csv",
     "field.vtkhdf",
-    "beside.json",
-    "beside.svg",
+    "comparison.json",
+    "comparison.svg",
     "report.html",
 )
 """What a result consists of; a folder that holds anything else is never replaced, for it may be the user's own."""

@@ -41,7 +41,7 @@ a little late)."""
 _LOOKS = {"kinetic": BLUE, "internal": RED, "hourglass": ORANGE, "contact": GREEN, "external": GREY, "total": "#000000"}
 
 
-def beside_sheet(comparison: RunComparison, title: str) -> Figure:
+def comparison_sheet(comparison: RunComparison, title: str) -> Figure:
     """Draw the forces of both above their energies, on one sheet.
 
     Parameters

@@ -46,7 +46,7 @@ class LsDynaResult(Result):
     def title(self) -> str:
         """The case of ours that it is laid beside, or the name of its folder."""
         theirs, ours = self.found.ls_dyna, self.found.strikewave
-        return f"LS-DYNA beside strikewave: {ours.title}" if ours else f"LS-DYNA: {folder_name(theirs.folder)}"
+        return f"LS-DYNA compared with strikewave: {ours.title}" if ours else f"LS-DYNA: {folder_name(theirs.folder)}"
 
     @property
     def source(self) -> Source:
@@ -68,22 +68,22 @@ class LsDynaResult(Result):
             "span": theirs.span,
             "states": theirs.frames,
             "contacts": [_contact(contact) for contact in theirs.contacts],
-            "energy": _balance(theirs.energies),
+            "energy": _energies(theirs.energies),
             "parts": parts,
         }
         if ours is not None:
-            content["beside"] = {
+            content["comparison"] = {
                 "folder": str(ours.folder),
                 "title": ours.title,
                 "contacts": {pair.name: _pair(pair) for pair in found.forces},
-                "energy": _balance(ours.energies),
+                "energy": _energies(ours.energies),
                 "parts": {name: {"of": found.parts.get(name), **_extreme(one)} for name, one in ours.extremes.items()},
             }
         return content
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
-        return {"beside.json": self.document_text(2)}
+        return {"comparison.json": self.document_text(2)}
 
 
 def folder_name(folder: Path) -> str:
@@ -106,7 +106,7 @@ def _pair(pair: ForcePair) -> dict[str, Any]:
         "number": pair.contact.number,
         "side": pair.side,
         "ls_dyna": _pulse(pair.ls_dyna),
-        "ours": _pulse(pair.strikewave),
+        "strikewave": _pulse(pair.strikewave),
         **{f"{what}_difference": pair.difference(what) for what in ("peak", "impulse", "width")},
         "shift": pair.shift,
         "angle": pair.angle,
@@ -114,7 +114,7 @@ def _pair(pair: ForcePair) -> dict[str, Any]:
     }
 
 
-def _balance(balance: EnergyHistory | None) -> dict[str, dict[str, float]] | None:
+def _energies(balance: EnergyHistory | None) -> dict[str, dict[str, float]] | None:
     if balance is None:
         return None
     return {name: {"largest": float(v[abs(v).argmax()]), "last": float(v[-1])} for name, v in balance.energy.items()}

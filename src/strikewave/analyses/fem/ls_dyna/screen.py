@@ -22,14 +22,14 @@ class LsDynaCommand(Command[LsDynaResult]):
 
     folder: Path
     system: UnitSystem
-    beside: Path | None
+    other: Path | None
     contacts: dict[str, int]
     parts: dict[str, int]
     asked: str
 
     def solve(self) -> LsDynaResult:
         """Return both runs, and what they differ in."""
-        ours = None if self.beside is None else read_strikewave(self.beside)
+        ours = None if self.other is None else read_strikewave(self.other)
         theirs = read_folder(self.folder, self.system)
         found = compare_runs(theirs, ours, self.contacts, self.parts) if ours else RunComparison(theirs)
         read = [*theirs.files, *([ours.folder / "histories.nc", ours.folder / "field.vtkhdf"] if ours else [])]
@@ -55,8 +55,8 @@ def read_run(command: LsDynaCommand, output: Output) -> int:
     InputError
         If a file of either run cannot be used, or a name fits nothing.
     """
-    beside = str(command.beside.resolve() if command.beside else "")
-    asked = repr((str(command.folder.resolve()), command.system.name, beside, [command.contacts, command.parts]))
+    other = str(command.other.resolve() if command.other else "")
+    asked = repr((str(command.folder.resolve()), command.system.name, other, [command.contacts, command.parts]))
     usual = f"ls-dyna-{folder_name(command.folder)}{case_hash(asked, [asked])}"
     return run_and_write(command, output, usual, None)
 
