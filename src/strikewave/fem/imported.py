@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.errors import InputError
+from strikewave.base.errors import EXISTING_FILE, InputError
 from strikewave.fem import meshio_child
 from strikewave.fem.abaqus import read_abaqus
 from strikewave.fem.mesh import Array, Index, Mesh, exterior_faces, volumes
@@ -81,7 +81,7 @@ def read_mesh(path: str | Path, scale: float = 1.0) -> Mesh:
     if not 0.0 < scale < math.inf:
         raise InputError("scale", scale, "above 0, such as 1e-3 for a mesh in mm")
     if not file.is_file():
-        raise InputError("mesh.file", str(path), "a file that exists")
+        raise InputError("mesh.file", str(path), EXISTING_FILE)
     if file.stat().st_size > LARGEST_FILE:
         raise InputError("mesh.file", f"{file.stat().st_size} bytes", f"at most {LARGEST_FILE}")
     kind = file.suffix.lower()

@@ -13,7 +13,7 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
-from strikewave.base.errors import InputError, StrikewaveError, show
+from strikewave.base.errors import EXISTING_FILE, InputError, StrikewaveError, show
 from strikewave.records.record import Record
 
 FORMATS = (
@@ -80,7 +80,7 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
         raise InputError("--rate", options.rate, "a sampling rate above zero")
     try:
         if not file.is_file():
-            raise InputError("FILE", str(path), "a file that exists", "this is a folder" if file.is_dir() else "")
+            raise InputError("FILE", str(path), EXISTING_FILE, "this is a folder" if file.is_dir() else "")
         with file.open("rb") as opened:
             head = opened.read(HEAD)
     except OSError as error:

@@ -27,7 +27,7 @@ SHOWN = (
     ("stop force (kN)", "stop_force", "N", "kN"),
     ("train (ms)", "train_time", "s", "ms"),
 )
-"""What is told of a setting: words, name of the field, SI unit and unit."""
+"""What is printed of a setting: words, name of the field, SI unit and unit."""
 INTERRUPTED = 128 + signal.SIGINT
 """Exit code of a map that was stopped."""
 
