@@ -106,9 +106,9 @@ def _contacts(solution: Solution) -> list[Table]:
     ]
     caption = (
         "Contact, blow by blow. The coefficient of restitution is that of the contact: the square root of the work it "
-        "gives back over the work it takes; the rebound speed depends on frame and mount too. The stiffness is the slope "
-        "of the contact force at the largest indentation on the way back; what stays of the indentation, and the radius "
-        "of the spot over that before, change only where the case gives a yield pressure."
+        "gives back over the work it takes; the rebound speed depends on frame and mount too. The stiffness is the "
+        "slope of the contact force at the largest indentation on the way back. What stays of the indentation, and the "
+        "radius of the spot over that before, change only where the case gives a yield pressure."
     )
     return [Table(caption, ["#", *headings("contact")], rows)] if rows else []
 
