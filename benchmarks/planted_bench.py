@@ -101,7 +101,7 @@ def rows(tallies):
 
 
 HEAD = (
-    "signal over noise", "records", "blows found", "false ones", "clipping told", "peak", "rise", "width",
+    "signal over noise", "records", "blows found", "false ones", "clipping reported", "peak", "rise", "width",
     "velocity change", "time (of duration)", "smooth peak", "smooth width", "ringing frequency",
 )  # fmt: skip
 
