@@ -1,4 +1,4 @@
-"""Case in, solution out: run the machine and set the published numbers beside it."""
+"""Case in, solution out: run the machine and compare it with published values."""
 
 from __future__ import annotations
 

@@ -94,7 +94,7 @@ UNITS = {
 
 @dataclass(frozen=True)
 class SettingsChoices:
-    """What may be chosen: numbers of strikers, masses of one (empty: ladders about the case), what sets the width."""
+    """What may be chosen: numbers of strikers, masses of one (empty: several about the case), what sets the width."""
 
     strikers: tuple[int, ...] = ()
     masses: tuple[float, ...] = ()
