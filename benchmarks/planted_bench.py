@@ -101,8 +101,8 @@ def rows(tallies):
 
 
 HEAD = (
-    "signal over noise", "records", "blows found", "false ones", "clipping told", "peak", "rise", "width",
-    "velocity change", "time (of duration)", "smooth peak", "smooth width", "ringing frequency",
+    "signal over noise", "records", "blows found", "false ones", "clipping reported", "peak",
+    "rise time 10-90 %", "pulse width at 10 %", "velocity change", "time (of duration)", "smooth peak", "smooth width", "ringing frequency",
 )  # fmt: skip
 
 

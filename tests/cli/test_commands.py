@@ -42,7 +42,7 @@ def test_run_writes_a_whole_result_that_runs_again_to_the_same_numbers(strikewav
     assert code == 0
     assert sorted(os.listdir("a")) == ["blows.csv", "case.toml", "report.html", "solution.nc", "summary.svg"]
     assert sorted(os.listdir(tmp_path)) == ["a"]
-    assert "Published beside computed" in out
+    assert "Comparison with published values" in out
     assert "printed contact law on a rigid object" in err
     assert "written: a/ (report.html, " in err
     assert open("a/report.html", encoding="utf-8").read().startswith("<!doctype html>")

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 MISSING = object()
 """Stands for what came where nothing came."""
-EXISTING_FILE = "a file that exists"
+EXISTING_FILE = "an existing file"
 """What is allowed where a path names no file: the message then reads "no such file: x", which is all there is to
 say."""
 LONGEST_SHOWN = 60

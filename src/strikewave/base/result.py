@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 SCHEMA = 4
 """Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance)."""
 BALANCE_LIMIT = 1e-6
-"""Energy or momentum missing beyond this share breaks a stated limit."""
+"""Energy or momentum missing beyond this share fails the check of its balance."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Notice:
     limit : float
         What the number is held against; NaN where there is no limit.
     broken : bool
-        Whether it is a stated limit (a balance, no blow at all) that makes the command exit with 3.
+        Whether it is a failed check (a balance, no blow at all) that makes the command exit with 3.
     case : str
         Name of the case, where a result is made of several.
     """
@@ -63,7 +63,7 @@ class Notice:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A published number beside the computed one; ``difference`` is relative."""
+    """Comparison of a computed number with the published one; ``difference`` is relative."""
 
     quantity: str
     published: float
@@ -126,7 +126,7 @@ class Result(ABC):
     notices : tuple of Notice
         What the user should know.
     comparisons : tuple of Comparison
-        Published numbers beside computed ones.
+        Comparisons of computed numbers with published ones.
     citations : tuple of str
         Keys of the sources of the models used.
     """
@@ -162,7 +162,7 @@ class Result(ABC):
 
     @property
     def broken(self) -> bool:
-        """Whether a stated limit was broken, or a goal missed: the command exits with 3."""
+        """Whether a check failed, or a goal was missed: the command exits with 3."""
         return any(notice.broken for notice in self.notices)
 
     @abstractmethod

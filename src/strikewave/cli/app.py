@@ -1,6 +1,6 @@
 """The command ``strikewave``: runs a command, and turns errors into one line and an exit code.
 
-Exit codes: 0 done, 1 our fault, 2 bad input, 3 done but a stated limit was broken.
+Exit codes: 0 done, 1 our fault, 2 bad input, 3 done but a check failed.
 """
 
 from __future__ import annotations

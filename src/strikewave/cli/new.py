@@ -32,7 +32,7 @@ def command(
         typer.Option(
             "--from",
             metavar="CASE",
-            help="The case to begin from; hopkinson for a set-up of split bars.",
+            help="The case to begin from; hopkinson for a set-up of split Hopkinson bars.",
             autocompletion=_complete,
         ),
     ] = "li-ma-2019",

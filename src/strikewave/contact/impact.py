@@ -39,7 +39,7 @@ _LARGEST_ENERGY = 1e60
 """m v0^2 beyond this, or below its inverse, is refused by the integrator, J: powers of such depths would overflow."""
 TOLERANCE, HISTORY_TOLERANCE = 1e-8, 1e-9
 """Local error of a step of the integrator over its scales, of many impacts and of one in time: restitutions are then
-good to 1e-7, far better than any law, and a curve to rounding of what is drawn."""
+good to 1e-7, far better than any law, and a curve is good to its rounding."""
 _HISTORY_STEPS = 500
 """Steps of a history where no times are given: 0.2 % of the contact, finer than a curve in a figure shows."""
 _ROUNDING = 1e-12

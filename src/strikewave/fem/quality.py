@@ -24,7 +24,7 @@ CORNERS = np.array(
 FLAT = 1e-6
 """Scaled Jacobian at and below which a corner counts as flat; and shortest over longest edge of a flat element.
 
-Files of meshes keep six digits or more: what is flatter cannot be told from inverted."""
+Files of meshes keep six digits or more: what is flatter cannot be distinguished from inverted."""
 
 FARTHEST = 1e6
 """Largest coordinate, m: what lies farther has the wrong unit, or is no number."""

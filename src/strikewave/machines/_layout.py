@@ -18,7 +18,7 @@ stack of layers. What a system has none of is an empty part.
 
 Who owns what: ``contact`` owns the chain (`strikewave.contact._chain_kernels.ChainTables`): bodies, links and their
 laws, and of each of the four arrays what belongs to them. It finds its parts by their order alone: positions, speeds,
-modes, approach speeds and switches of the links come first, depths and growths last, and it is told where dissipated
+modes, approach speeds and switches of the links come first, depths and growths last, and it names where dissipated
 powers go. ``machines`` owns the rest: the bases (seats on the turntable, carriage), turntable and drive, feed,
 passes, and the edges of the face; it opens a contact that slips off. ``waves`` owns a stack of layers during a blow.
 

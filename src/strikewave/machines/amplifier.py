@@ -309,8 +309,8 @@ def collide(line: BodyLine, duration: float = math.inf, most: int = 10_000) -> C
     Between collisions all is closed form: bodies fall freely or rest on a floor. The next collision is the first of
     all pairs, whatever their order in the line. Collisions at once are taken from the bottom up, each as a pair of its
     own with the speeds that the one before has left; so touching bodies act as if a gap of nothing lay between them.
-    Bodies that meet at less than `AT_REST` of the speed scale stay together: endless bounces end there, and the words
-    say so.
+    Bodies that meet at less than `AT_REST` of the speed scale stay together: endless bounces end there, and a
+    notice reports it.
 
     Parameters
     ----------

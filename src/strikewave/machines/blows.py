@@ -24,7 +24,7 @@ GLANCING_SHARE = 0.5
 DOUBLE_SHARE = 0.1
 """A blow is called double when a later group of contacts carries this share of its contact impulse."""
 SMALLEST_SPEED = 1e-6
-"""Momentum is told to this speed of the object at least, m/s: a face that is only grazed gets none."""
+"""Momentum is resolved to this speed of the object at least, m/s: a face that is only grazed gets none."""
 WORK_SAMPLES = 2001
 """Samples of a contact over which its work is summed."""
 WINDOW_BEFORE, WINDOW_AFTER, SAMPLE_STEP = 50e-6, 1.5e-3, 0.25e-6

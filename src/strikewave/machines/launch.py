@@ -202,7 +202,7 @@ def pendulum_speed(
 class MacheteHammer:
     """A hammer arm on a ratchet wheel: each tooth turns it back by one pitch and lifts a weight that drives it.
 
-    The weight hangs on a rope from a drum on the arm's shaft; a drum without a weight leaves an arm that falls by
+    The weight is held by a rope from a drum on the arm's shaft; a drum without a weight leaves an arm that falls by
     itself. The rope pushes nothing: when the head strikes, the weight takes no part.
 
     Parameters

@@ -350,7 +350,7 @@ def _arm_angle(launch: Launch) -> float:
 
 
 def _drive_settings(drive: RotaryDrive) -> dict[str, float]:
-    """Return what the kernels are told of turntable, feed and face."""
+    """Return what the kernels need of turntable, feed and face."""
     disc, feed = drive.turntable, drive.feed
     return {
         "inertia": disc.turning if disc.rigid_belt else disc.inertia,
@@ -379,7 +379,7 @@ def _drive_settings(drive: RotaryDrive) -> dict[str, float]:
 
 
 def _launch_settings(launch: Launch) -> dict[str, float]:
-    """Return what the kernels are told where nothing is driven or fed: an arm that hangs free, and an end in time.
+    """Return what the kernels need where nothing is driven or fed: an arm that hangs free, and an end in time.
 
     No motor, belt, brake or ripple; the object is in place from the start, on a face without edges, and the run ends
     with the hold of the feed. A stroke of 0 tells the kernels that there is no feed.

@@ -203,7 +203,7 @@ def reproduction(result: Result) -> Section:
 
 
 def _is_published(source: Source) -> bool:
-    """Tell whether the inputs are a bundled case without any change."""
+    """Tell whether the inputs are a built-in case without any change."""
     return source.name in bundled_cases() and dump_case(load_case(source.name)) == source.text
 
 

@@ -15,7 +15,7 @@ from strikewave.reporting.options import Output
 from strikewave.reporting.terminal import case_hash, most_memory, print_json, say, show_notices
 
 BROKEN = 3
-"""Exit code of a run that broke a stated limit, or missed its goal."""
+"""Exit code of a run that failed a check, or missed its goal."""
 
 R = TypeVar("R", bound=Result)
 

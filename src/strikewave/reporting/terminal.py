@@ -182,7 +182,7 @@ def print_losses(channels: Sequence[SensorChannel]) -> None:
 
 
 def print_published(published: Sequence[Comparison]) -> None:
-    """Print published numbers beside computed ones; nothing where there are none."""
+    """Print the comparison with published values; nothing where there are none."""
     from strikewave.cases.case import PUBLISHED_QUANTITIES
     from strikewave.reporting.numbers import SHOWN_UNITS
 
@@ -207,5 +207,8 @@ def print_published(published: Sequence[Comparison]) -> None:
             ]
         )
     table(
-        "Published beside computed", ["quantity", "origin", "role", "published", "computed", "difference"], rows, left=3
+        "Comparison with published values",
+        ["quantity", "origin", "role", "published", "computed", "difference"],
+        rows,
+        left=3,
     )

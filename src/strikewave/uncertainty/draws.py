@@ -157,7 +157,7 @@ def drawn(tolerances: Sequence[Tolerance], points: Array) -> Array:
 
 
 def nominal(tolerances: Sequence[Tolerance]) -> Array:
-    """Return the nominal values in the order of what is drawn, shape (1, numbers drawn)."""
+    """Return the nominal values in the order of the drawn numbers, shape (1, numbers drawn)."""
     return np.array([[tolerance.value.si for tolerance in tolerances for _ in range(tolerance.count)]])
 
 
@@ -194,7 +194,7 @@ def _with_rows(striker: Any, own: dict[int, dict[str, Value]]) -> Any:
 
 
 def _exactly(tolerance: Tolerance, number: float) -> Value:
-    """Return a drawn number as a value without tolerance that reads back to the same bits."""
+    """Return a drawn number as a value without tolerance that reads back bit for bit."""
     number = float(number)
     typed = f"{number!r} {tolerance.allowed.unit}" if tolerance.allowed.unit in DIMENSIONS else number
     return tolerance.value.model_copy(update={"si": number, "typed": typed, "tolerance": None})

@@ -18,7 +18,7 @@ from strikewave.contact._law_kernels import YIELD_LOAD, flattening, residual
 from strikewave.waves._press_kernels import contact_force, losses
 
 BONDED, ELASTIC, MASS, UNILATERAL, OSCILLATOR, CONTACT = 0, 1, 2, 3, 4, 5
-"""What a joint does; an elastic one has a spring, a dashpot, Maxwell branches; an oscillator is a mass hung on one."""
+"""What a joint does; an elastic one has a spring, a dashpot, Maxwell branches; an oscillator is a mass on one."""
 MOST_BRANCHES = 5
 """Branches of an elastic joint: its spring, and four Maxwell branches, the most that `loss.fit_loss` makes."""
 FORCE, SPEED, INCIDENT = 0, 1, 2

@@ -468,7 +468,7 @@ def test_run_takes_a_mesh_and_other_commands_send_it_to_its_own(strikewave, smal
 
 
 def test_the_example_of_the_docs_builds(strikewave, tmp_path):
-    text = (Path(__file__).parents[3] / "docs" / "elements.md").read_text("utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "fem.md").read_text("utf-8")
     (tmp_path / "docs.toml").write_text(text.split("```toml\n")[1].partition("```")[0])
     code, _, err = strikewave("fem", "docs.toml", "--check")
     assert code == 0
@@ -510,7 +510,7 @@ def test_the_line_of_each_boundary_in_the_docs_is_read():
 
     from strikewave.cases.fem_tables import BOUNDARIES, FemTable
 
-    text = (Path(__file__).parents[3] / "docs" / "elements.md").read_text("utf-8")
+    text = (Path(__file__).parents[3] / "docs" / "fem.md").read_text("utf-8")
     blocks = [block.partition("```")[0] for block in text.split("```toml\n")[1:]]
     (lines,) = [block for block in blocks if block.startswith("[fem]")]
     table = FemTable.model_validate(tomllib.loads(lines)["fem"])

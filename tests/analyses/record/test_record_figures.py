@@ -216,7 +216,7 @@ def test_trend_shows_points_mean_and_how_many_are_left_out():
     campaign = summed(files)
     axes = campaigns.trend(campaign, count=4).axes
     assert [a.get_title(loc="left") for a in axes] == [
-        f"{name} (1 file left out)" for name in ("Peak", "Width", "Velocity change", "Interval")
+        f"{name} (1 file left out)" for name in ("Peak", "Pulse width at 10 %", "Velocity change", "Interval")
     ]
     lines = {line.get_label(): line for line in axes[0].lines}
     assert lines["blows"].get_xdata().tolist() == [1, 1, 3, 3, 4, 4]

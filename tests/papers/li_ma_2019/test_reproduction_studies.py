@@ -35,7 +35,7 @@ def test_answers_are_written_in_the_units_of_their_heads():
     table = mesh_table("a", [MeshRow(2.0, 10, 20, 1.5, -1e-6, 0.021, BASE)])
     cells = dict(zip(table.columns, table.rows[0], strict=True))
     assert cells["peak force (kN)"] == "20"
-    assert cells["width (µs)"] == "200"
+    assert cells["pulse width at 10 % (µs)"] == "200"
     assert cells["body's peak (g)"] == "4078.9", "4e4 m/s^2 over 9.80665"
     assert cells["hourglass energy"] == "2.1 %"
 

@@ -62,7 +62,7 @@ def test_case_that_is_even_is_told_so(strikewave):
     """With a limit above its own CV, the case is the nearest even setting, and the file is the case."""
     code, _, err = strikewave(*FEW, "--want-cv", "20 %", "--out", "here")
     assert code == 0
-    assert "the case has even blows already" in err
+    assert "the case has equal blows already" in err
     assert load_case("here/equal-blows.toml").machine.speed.typed == load_case("li-ma-2019").machine.speed.typed
 
 

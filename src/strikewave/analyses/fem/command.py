@@ -1,4 +1,4 @@
-"""``strikewave fem``: run a model of hexahedra."""
+"""``strikewave fem``: run an explicit finite-element model."""
 
 from __future__ import annotations
 

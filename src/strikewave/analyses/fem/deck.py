@@ -1,4 +1,4 @@
-"""``strikewave deck``: a model of hexahedra as input of LS-DYNA or OpenRadioss."""
+"""``strikewave deck``: an explicit finite-element model as input of LS-DYNA or OpenRadioss."""
 
 from __future__ import annotations
 

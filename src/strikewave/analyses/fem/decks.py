@@ -142,7 +142,7 @@ class DeckCommand(Command[DeckResult]):
 
 
 def _heading(case: Case, model: Model) -> Heading:
-    """Return what the deck of a case is called; parts that are sectors are told of."""
+    """Return the heading of the deck of a case; it names the parts that are sectors."""
     frames = int(case.fem.frames.si) if case.fem else 0
     found = sectors(case, model)
     pieces = {name: found[name].pieces for name in model.mesh.names if found[name].pieces > 1}

@@ -1,4 +1,4 @@
-"""What a model of hexahedra did: what its parts, contacts and balances came to; histories, tables, documents."""
+"""The result of an explicit finite-element run: parts, contacts, balances; histories, tables, documents."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 
 @dataclass(frozen=True)
 class FemSolution(Result):
-    """What a model of hexahedra did; see `Result` for what it shares with others.
+    """The result of an explicit finite-element run; see `Result` for what it shares with others.
 
     Attributes
     ----------

@@ -245,7 +245,7 @@ def show(solution: FemSolution) -> None:
         ]
         for name, part in {**solution.parts, **solution.groups}.items()
     ]
-    heads = ["part", "mass (kg)", "rigid peak (g)", "width (us)", "velocity change (m/s)", "along"]
+    heads = ["part", "mass (kg)", "rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)", "along"]
     table(f"{solution.title}: parts as rigid bodies", heads, rows)
     rows = [
         [name, number(part.von_mises, "Pa", "MPa"), number(part.plastic_strain, "1", "1", 3)]

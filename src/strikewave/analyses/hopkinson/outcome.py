@@ -1,4 +1,4 @@
-"""What every result of a split-bar set-up is: its set-up and the files it names."""
+"""What every result of a split-Hopkinson-bar set-up shares: its set-up and the files it names."""
 
 from __future__ import annotations
 

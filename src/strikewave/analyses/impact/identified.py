@@ -182,7 +182,7 @@ class IdentifyCommand(Command[IdentifyResult]):
         return IdentifyResult(self.file, reading, found, self.asked, self.digests, notices=notices)
 
     def show(self, result: IdentifyResult) -> None:
-        """Print what is told of the contact."""
+        """Print what the pulse determines of the contact."""
         _print(result)
 
     def draw(self, result: IdentifyResult, folder: Path) -> list[str]:

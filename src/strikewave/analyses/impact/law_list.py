@@ -165,7 +165,7 @@ def _notices(laws: Laws) -> tuple[Notice, ...]:
 
 
 def _all_laws() -> Laws:
-    """Return every law that works; one of an installed package that fails is told and left out."""
+    """Return every law that works; one of an installed package that fails is reported and left out."""
     given: dict[str, list[float] | None] = {}
     damping = {name: law for name, law in damping_laws().items() if _try(given, "damping", law)}
     dampers = {name: law for name, law in damper_laws().items() if _try(given, "damper", law)}

@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.machine.columns import shown_in
+from strikewave.analyses.machine.columns import headings, shown_in
 from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.words import MACHINES, launch_tables, reference_law
 from strikewave.reporting.chapters import balance_table, layer_steps
-from strikewave.reporting.numbers import fixed, heads, listed, with_unit
+from strikewave.reporting.numbers import fixed, listed, with_unit
 from strikewave.reporting.parts import Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ _DATA_FLOW = (
     "motion with every contact located in time",
     "blows",
     "pulses: peak, width, velocity change",
-    "published beside computed",
+    "comparison with published values",
 )
 
 
@@ -76,7 +76,7 @@ def _drawing(case: Case) -> list[Part]:
 
 def blow_table(solution: Solution) -> Section:
     """List the blows, in the units and columns of the command line."""
-    named = ["#", "kind", *heads(shown_in("blows")), "contacts"]
+    named = ["#", "kind", *headings("blows"), "contacts"]
     rows: list[list[Cell]] = [
         [
             str(blow.index),
@@ -105,12 +105,12 @@ def _contacts(solution: Solution) -> list[Table]:
         [str(b.index), *(fixed(getattr(b, name), si, unit, d) for name, si, unit, d in columns)] for b in struck
     ]
     caption = (
-        "Contact, blow by blow. The restitution is that of the contact: the square root of the work it gives back over "
-        "the work it takes; the rebound speed hangs on frame and mount too. The stiffness is the slope of the contact "
-        "force at the largest indentation on the way back; what stays of the indentation, and the radius of the spot "
-        "over that before, change only where the case gives a yield pressure."
+        "Contact, blow by blow. The coefficient of restitution is that of the contact: the square root of the work it "
+        "gives back over the work it takes; the rebound speed depends on frame and mount too. The stiffness is the "
+        "slope of the contact force at the largest indentation on the way back. What stays of the indentation, and the "
+        "radius of the spot over that before, change only where the case gives a yield pressure."
     )
-    return [Table(caption, ["#", *heads(columns)], rows)] if rows else []
+    return [Table(caption, ["#", *headings("contact")], rows)] if rows else []
 
 
 def pulse_pictures(solution: Solution) -> Section:

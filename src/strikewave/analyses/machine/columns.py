@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from strikewave.reporting.numbers import heads
+
 
 class BlowColumn(NamedTuple):
     """A column of the tables of blows.
@@ -60,6 +62,8 @@ COLUMNS = (
 
 BLOW_UNITS = {column.name: column.unit for column in COLUMNS if column.unit != "1"}
 """SI unit of each column that has one."""
+CALLED = {"width": "pulse width at 10 %", "restitution": "coefficient of restitution"}
+"""Head of each column whose name is short for the field's term."""
 HIDDEN = frozenset(column.name for column in COLUMNS if not column.document)
 """Columns that the JSON document leaves out."""
 
@@ -73,3 +77,14 @@ def shown_in(table: str) -> list[tuple[str, str, str, int]]:
     ('rebound_speed', 'm/s', 'm/s', 3)
     """
     return [column[:4] for column in COLUMNS if table in column.tables]
+
+
+def headings(table: str) -> list[str]:
+    """Return the heads of the columns of a table, ``blows`` or ``contact``, with their units.
+
+    Examples
+    --------
+    >>> headings("contact")[1:3]
+    ['rebound speed (m/s)', 'coefficient of restitution']
+    """
+    return heads([(CALLED.get(name, name), si, unit, decimals) for name, si, unit, decimals in shown_in(table)])

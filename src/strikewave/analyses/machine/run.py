@@ -1,4 +1,4 @@
-"""Case in, solution out: run the machine and set the published numbers beside it."""
+"""Case in, solution out: run the machine and compare it with published values."""
 
 from __future__ import annotations
 
@@ -223,7 +223,7 @@ def _measured(blow: Blow, reading: BlowReading, quantity: str, sensor: str) -> f
 
 
 def compare(case: Case, found: Sequence[Blow], readings: Sequence[BlowReading | None]) -> tuple[Comparison, ...]:
-    """Set the published numbers of a case beside the computed ones; the difference is relative."""
+    """Compare the published numbers of a case with the computed ones; the difference is relative."""
     return comparisons(case, lambda entry: published_value(entry.quantity, found, readings, entry.sensor))
 
 

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from strikewave.analyses.machine.columns import shown_in
+from strikewave.analyses.machine.columns import headings, shown_in
 from strikewave.analyses.machine.result import Solution
 from strikewave.analyses.machine.run import run_case
 from strikewave.analyses.machine.words import COLLISION_HEADS, collision_rows, reference_law, settings
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
-from strikewave.reporting.numbers import heads
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
@@ -74,10 +73,10 @@ def show(solution: Solution) -> None:
         for b in solution.blows
     ]
     say(_header(solution))
-    table(solution.title, ["#", "kind", *heads(columns), "contacts"], rows, left=2)
+    table(solution.title, ["#", "kind", *headings("blows"), "contacts"], rows, left=2)
     columns, struck = shown_in("contact"), [blow for blow in solution.blows if blow.kind != "missed"]
     rows = [[str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns)] for b in struck]
-    table("Contact, blow by blow", ["#", *heads(columns)], rows)
+    table("Contact, blow by blow", ["#", *headings("contact")], rows)
     _print_waves(solution)
     print_published(solution.comparisons)
     _print_collisions(solution)

@@ -153,7 +153,7 @@ def sensor_section(solution: Solution) -> list[Section]:
         curves.append(Trace(channel.sensor.name, start + float(values.attrs["step"]) * np.arange(held.size), held))
     index = solution.blows[struck[0]].index
     picture = traces(f"What the sensors read, blow {index}", curves, "g", _SINCE_TOUCH)
-    table = Table("Sensor readings", ["blow", "sensor", "peak (g)", "width (µs)", "clipped"], rows)
+    table = Table("Sensor readings", ["blow", "sensor", "peak (g)", "pulse width at 10 % (µs)", "clipped"], rows)
     return [sensor_part(channels, picture, table)]
 
 

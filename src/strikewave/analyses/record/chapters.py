@@ -138,11 +138,11 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
                 ]
             )
     text = (
-        "The peak counts from the baseline before the blow. The rise is from 10 to 90 % of the peak, the width above "
-        "10 %, the velocity change from foot to foot, where 2 % of the peak is left. "
+        "The peak counts from the baseline before the blow. The rise time is from 10 to 90 % of the peak, the pulse "
+        "width at 10 %, the velocity change from foot to foot, where 2 % of the peak is left. "
         + ("Ringing is what swings afterwards. " if rings else "No ringing stands out. ")
-        + "The smooth pulse is the best fit of a half-sine's kin: the blow with little of its ringing. Where noise "
-        "hides a tenth of the peak, the figures are those of the fit. Bad records stand here too."
+        + "The smooth pulse is the best fit of a power of a half-sine: the blow with little of its ringing. Where "
+        "noise hides a tenth of the peak, the figures are those of the fit. Bad records stand here too."
     )
     if total > len(cells):
         text += f" The first {len(cells)} of {total} blows are listed."

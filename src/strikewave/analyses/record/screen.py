@@ -123,7 +123,16 @@ def _calibrations(wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str
 def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> None:
     names = short_names([file.path for file in readings])
     rows = [row for file in readings for row in _rows(file, names[file.path])]
-    columns = ["file", "channel", "status", "blows", "peak", "rise (us)", "width (us)", "velocity change"]
+    columns = [
+        "file",
+        "channel",
+        "status",
+        "blows",
+        "peak",
+        "rise time 10-90 % (us)",
+        "pulse width at 10 % (us)",
+        "velocity change",
+    ]
     shown = rows[:MOST_ROWS]
     title = f"{len(readings)} records" if len(readings) > 1 else readings[0].path
     table(

@@ -54,7 +54,7 @@ def build_load(case: Case, stack: Stack) -> Load:
 
 
 def _as_applied(load: Sampled, table: LoadTable) -> Sampled:
-    """Return a measured force as an incident wave where the case says so."""
+    """Return a measured force as an incident wave where the case asks for one."""
     if table.applied == "force":
         return load
     if load.kind != "force":

@@ -96,7 +96,7 @@ def show(solution: WaveSolution) -> None:
             ]
             for name, pulse in solution.sensors.items()
         ]
-        table("What the sensors read", ["sensor", "peak (g)", "width (us)", "clipped"], read)
+        table("What the sensors read", ["sensor", "peak (g)", "pulse width at 10 % (us)", "clipped"], read)
         print_losses(solution.channels)
     say(error_words(solution))
     say(f"balance: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")

@@ -24,7 +24,7 @@ SHARE = 0.1
 """By which an assumed dimension is changed, up and down. Chosen: large enough to stand out of what a coarse mesh
 errs by, small enough that the answer goes nearly straight with it."""
 MESHES = (2.0, math.sqrt(2.0), 1.0)
-"""Sizes of elements, relative to those of the case: three in equal ratios, from which convergence is read. The
+"""Sizes of elements, relative to those of the case: three in a geometric series, from which convergence is read. The
 finest is the mesh of the case; each root of two takes four times as long."""
 STUDIED = "300 us"
 """Duration of the runs of a study: one and a half published widths, so that the blow is over."""

@@ -360,7 +360,7 @@ def _slices(blow: FrameBlow) -> Stack:
 
 
 def _hung(blow: FrameBlow) -> Stack:
-    """Return strips and column as layers, the rest hung on the bending springs of the walls."""
+    """Return strips and column as layers, the rest carried by the bending springs of the walls."""
     half_top, half_bottom = (
         layer_of(name, blow.frame, wall.middle_mass / (blow.frame.density * wall.thickness), 0.5 * wall.thickness)
         for name, wall in (("top", blow.top_wall), ("bottom", blow.bottom_wall))

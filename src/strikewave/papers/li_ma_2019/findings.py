@@ -1,4 +1,4 @@
-"""The closing table: what Li & Ma 2019 get right, and what not, each with the computed numbers that say so."""
+"""The closing table: what Li & Ma 2019 get right, and what not, each with the computed numbers that show it."""
 
 from __future__ import annotations
 

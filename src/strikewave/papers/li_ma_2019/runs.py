@@ -100,7 +100,7 @@ class Runs:
 
     @property
     def cases(self) -> tuple[Case, ...]:
-        """All bundled cases that were run, each once."""
+        """All built-in cases that were run, each once."""
         own = tuple(solution.case for solution in self.impacts)
         return (*own, self.bar.case, *(solution.case for solution in self.elements))
 

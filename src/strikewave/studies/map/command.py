@@ -76,7 +76,7 @@ def command(
         typer.Option("--colour", help="Quantity that the picture shows."),
     ] = "cv",
     want_cv: Annotated[
-        float, share("--want-cv", help="Largest coefficient of variation of even blows; 2 % by default.")
+        float, share("--want-cv", help="Largest coefficient of variation of equal blows; 2 % by default.")
     ] = 0.02,
     workers: Annotated[
         int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
@@ -88,7 +88,7 @@ def command(
     """Map a machine over two of its settings.
 
     Shows the scatter of the peaks of its blows, and the regime that a longer train settles to. A map that is stopped
-    is continued by the same command. The nearest setting with even blows is tried in a full run; the exit code is 3
+    is continued by the same command. The nearest setting with equal blows is tried in a full run; the exit code is 3
     where there is none. With --json, files are written only where --out says.
     """
     from strikewave.cases.case import load_case

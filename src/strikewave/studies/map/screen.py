@@ -27,7 +27,7 @@ SHOWN = (
     ("stop force (kN)", "stop_force", "N", "kN"),
     ("train (ms)", "train_time", "s", "ms"),
 )
-"""What is told of a setting: words, name of the field, SI unit and unit."""
+"""What is printed of a setting: words, name of the field, SI unit and unit."""
 INTERRUPTED = 128 + signal.SIGINT
 """Exit code of a map that was stopped."""
 
@@ -142,7 +142,7 @@ def _print(study: MapStudy) -> None:
         return
     full = f"a full run has a CV of {100.0 * found.cv:.3g} % and a mean peak of {number(found.peak, *_PEAK, 5)} g"
     if found.distance == 0.0:
-        say(f"the case has even blows already: {full}")
+        say(f"the case has equal blows already: {full}")
     else:
         say(f"the nearest is {found.distance:.3g} away in relative steps; {full}")
 

@@ -67,7 +67,7 @@ CONFIRMED = 5
 
 @dataclass(frozen=True)
 class EvenSetting:
-    """A setting of the map with even blows, and what it costs.
+    """A setting of the map with equal blows, and what it costs.
 
     Attributes
     ----------
@@ -157,7 +157,7 @@ class MapStudy(Result):
 
     @property
     def broken(self) -> bool:
-        """Whether no setting of the map has even blows, or none that a full run confirms."""
+        """Whether no setting of the map has equal blows, or none that a full run confirms."""
         return self.setting is None
 
     @property

@@ -58,10 +58,10 @@ grows by up to 1.6 in the search (measured), and the passage with its root."""
 WIDTHS = 10.0
 """Least time of return that is tried, over the width of the pulse: what returns sooner takes part in the pulse."""
 PRELOADS, DAMPINGS, TIMES = (0.3, 1.0), (0.2, 0.4, 0.7), 3
-"""Ladder of supports: preload ratios, damping ratios (see `support_for`), and how many times of return. Chosen: from
+"""Series of supports: preload ratios, damping ratios (see `support_for`), and how many times of return. Chosen: from
 a weak to a strong preload and from light to nearly critical damping, in steps that differ clearly."""
 SUPPORTS = 6
-"""Supports of the ladder that are run, those that settle soonest, for each number of strikers: a third of the ladder,
+"""Supports of the series that are run, those that settle soonest, for each number of strikers: a third of the series,
 about 0.8 s each (measured, li-ma-2019)."""
 SUPPORT_DIGITS = 3
 """Significant digits of spring, preload and damper: no spring is made more exactly, and no run depends on more."""
@@ -94,7 +94,7 @@ UNITS = {
 
 @dataclass(frozen=True)
 class SettingsChoices:
-    """What may be chosen: numbers of strikers, masses of one (empty: ladders about the case), what sets the width."""
+    """What may be chosen: numbers of strikers, masses of one (empty: several about the case), what sets the width."""
 
     strikers: tuple[int, ...] = ()
     masses: tuple[float, ...] = ()
@@ -397,7 +397,7 @@ def sensible_strikers(case: Case, goal: BlowGoal, choice: SettingsChoices) -> tu
 
 
 def supports(case: Case, goal: BlowGoal, strikers: int) -> list[Support | None]:
-    """Return what may bring the object back: the case's own (None), and those of the ladder that settle soonest.
+    """Return what may bring the object back: the case's own (None), and those of the series that settle soonest.
 
     The first arc takes between the passage of a nose and about half the interval. What would move beyond the stroke, or
     press the stop by more than `PRESSED` of its largest displacement, comes last.

@@ -180,7 +180,7 @@ def chosen(film: SnapshotRecorder) -> list[Snapshot]:
 def traces_of(solution: FemSolution) -> list[PanelHistories]:
     """Return the contact forces and the rigid-body accelerations along the blow, those that reach farthest.
 
-    Forces are those of whole bodies where sectors match, and say so. Parts of a group move as the group.
+    Forces are those of whole bodies where sectors match; their names state it. Parts of a group move as the group.
     """
     run, groups = solution.run, solution.model.groups
     between = middles(run.time)

@@ -225,7 +225,7 @@ def _draw_curves(
     time: Array | None = None,
     chief: Sequence[str] = (),
 ) -> None:
-    """Draw named curves over the time of the run or another, those that reach farthest; say so where there is none.
+    """Draw named curves over the time of the run or another, those that reach farthest; a note where there is none.
 
     ``chief`` are drawn thick and above the others, and set the scale.
     """

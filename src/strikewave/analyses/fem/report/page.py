@@ -84,7 +84,7 @@ def fem_report(solution: FemSolution) -> str:
     Parameters
     ----------
     solution : FemSolution
-        What ran and what it gave; without frames the page says so.
+        What ran and what it gave; without frames the page has a note of it.
     """
     sectors, wholes = solution.sectors, solution.wholes
     bodies = blow_of_bodies(solution.model, solution.run, sectors)

@@ -26,7 +26,7 @@ each of 30 teeth."""
 class Machete(LaunchedKind):
     """[machine]: a Machete hammer, drawn back by ``teeth`` of its ratchet wheel of ``wheel_teeth``.
 
-    The object sits in the head of the arm and meets a fixed anvil, which is [striker]. ``weight`` hangs on a ``drum``
+    The object sits in the head of the arm and meets a fixed anvil, which is [striker]. ``weight`` pulls at a ``drum``
     of that radius; ``inertia`` is that of arm, head and counterweight about the shaft, ``radius`` shaft to head;
     ``mass`` and ``centre`` are those of an arm that is not balanced. ``friction`` is the torque of the shaft;
     ``strike_angle`` is where the arm strikes, from hanging down.

@@ -82,7 +82,7 @@ def figure_unit(name: str, unit: str) -> tuple[float, str, str]:
     Examples
     --------
     >>> figure_unit("width", "m/s^2"), figure_unit("velocity_change", "N")
-    ((1e-06, 'width', 'µs'), (1.0, 'impulse change', 'N s'))
+    ((1e-06, 'pulse width at 10 %', 'µs'), (1.0, 'impulse change', 'N s'))
     """
     how = shown(unit)
     if name == "peak":
@@ -91,4 +91,6 @@ def figure_unit(name: str, unit: str) -> tuple[float, str, str]:
         return 1.0, f"{how.integral} change", how.integral_unit
     if name == "ringing_frequency":
         return 1e3, "ringing frequency", "kHz"
-    return (1e-3, name, "ms") if name == "interval" else (1e-6, name, "µs")
+    if name == "interval":
+        return 1e-3, name, "ms"
+    return 1e-6, {"rise": "rise time 10-90 %", "width": "pulse width at 10 %"}[name], "µs"

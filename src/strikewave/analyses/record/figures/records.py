@@ -286,7 +286,7 @@ def velocity(reading: ChannelReading) -> Figure:
     Parameters
     ----------
     reading : ChannelReading
-        A record without blows has no zero to begin from; the picture says so.
+        A record without blows has no zero to begin from; the picture has a note of it.
     """
     figure = new_figure()
     draw_velocity(figure.add_subplot(), reading)

@@ -39,7 +39,7 @@ def reproduction_report(result: Reproduction) -> str:
 
 def _status(result: Reproduction) -> Tag:
     if result.broken:
-        return Tag("a run broke a stated limit, see warnings", "bad")
+        return Tag("a run failed a check, see warnings", "bad")
     if not result.runs.elements:
         return Tag("the element models were not run", "warned")
     return Tag("quick: coarse elements", "warned") if result.runs.quick else Tag("all runs, full meshes", "good")

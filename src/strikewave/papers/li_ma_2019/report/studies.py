@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from strikewave.papers.li_ma_2019.body_rows import BodyRow
     from strikewave.papers.li_ma_2019.result import Reproduction
 
-ANSWERS = ["peak force (kN)", "width (µs)", "impulse (N s)", "body's peak (g)", "plastic strain"]
+ANSWERS = ["peak force (kN)", "pulse width at 10 % (µs)", "impulse (N s)", "body's peak (g)", "plastic strain"]
 """Heads of an `Answer`."""
 
 

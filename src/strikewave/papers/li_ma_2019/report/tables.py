@@ -307,14 +307,12 @@ def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = 
                 share(balance.energy),
                 share(balance.hourglass),
                 f"{balance.momentum:.1e}",
-                Tag("broken", "bad") if one.broken else Tag("hold", "good"),
+                Tag("failed", "bad") if one.broken else Tag("passed", "good"),
             ]
         )
     heads = ["case", "elements", "steps", "smallest step (ns)", "took (s)", "energy error", "hourglass energy"]
     empty = "The finite-element models were not run."
-    table = Table(
-        "Explicit finite elements (8-node hexahedra)", [*heads, "momentum error", "stated limits"], rows, empty
-    )
+    table = Table("Explicit finite elements (8-node hexahedra)", [*heads, "momentum error", "checks"], rows, empty)
     text = (
         "Hexahedra of eight nodes with one point of integration, followed explicitly in time. Of its elements the "
         "paper says that they are Solid164, explicit hexahedra too. It shows its meshes in pictures and gives no "

@@ -1,0 +1,208 @@
+"""The words that users read are the field's: no old word is left in help, messages, docstrings, pages or cases."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from strikewave.cli.group import entries, whole_command
+
+ROOT = Path(__file__).parents[2]
+SOURCE = ROOT / "src" / "strikewave"
+PAGES = sorted([*ROOT.glob("docs/*.md"), *ROOT.glob("*.md")])
+CASES = sorted(SOURCE.rglob("*.toml"))
+TEMPLATES = sorted([*SOURCE.rglob("*.html"), *SOURCE.rglob("*.js")])
+MODULES = sorted(SOURCE.rglob("*.py"))
+
+
+class Word(NamedTuple):
+    """An old word: what finds it, what to say instead, and texts that hold it.
+
+    ``^`` and ``$`` are begin and end of a text: a string, a paragraph, a cell of a table.
+    """
+
+    pattern: str
+    say: str
+    planted: tuple[str, ...]
+
+
+WORDS = (
+    Word(r"\bledgers?\b", "energy balance, momentum balance", ("The energy ledger is off by 4 %.", "Ledgers")),
+    Word(r"\bretreat(s|ed|ing)?\b", "largest displacement (rearward)", ("largest retreat after first touch",)),
+    Word(r"^width( \([µu]s\))?$", "pulse width at 10 %", ("width (µs)", "Width")),
+    Word(r"^rise( \([µu]s\))?$", "rise time 10-90 %", ("rise (us)", "Rise")),
+    Word(r"\bzero lines?\b", "baseline", ("The zero line is taken off.",)),
+    Word(r"\b(un)?even clock\b|\bclock (is|was) (not |un)?even\b", "uniform sampling", ("an even clock",)),
+    Word(r"\bblows? that begins? in noise\b", "onset", ("a blow that begins in noise",)),
+    Word(
+        r"\bbeside (the )?(published|computed)\b|\bpublished numbers? beside\b",
+        "comparison with published values",
+        ("Published beside computed", "every published number beside what is computed"),
+    ),
+    Word(
+        r"\bmodels? of hexahedra\b|^#+ .*\bhexahedr",
+        "explicit finite elements (8-node hexahedra)",
+        ("A model of hexahedra as a deck.", "## Hexahedra in motion"),
+    ),
+    Word(
+        r"\bsplit[_-]bars?\b|\bsplit bar command\b|\bstrikewave (bar|stack|elements)\b|\belements(-theory)?\.md\b",
+        "one name for room, command and docs: hopkinson, wave, fem",
+        ("[elements](elements.md)", "a split-bar set-up", "run strikewave stack"),
+    ),
+    Word(r"\b(hangs?|hanging|hung) on\b", "depends on", ("The duration hangs on the stiffness.",)),
+    Word(
+        r"\bwithout a word\b|\btold\b(?! (apart|from))|\b(say|says|said) so\b|\bin silence\b",
+        "no warning; is reported; warns",
+        ("differs without a word", "What was cut off is always told.", "It is assumed, and the run says so."),
+    ),
+    Word(
+        r"\bstated limits?\b|\bno limit (is |was )?broken\b",
+        "a check failed; all checks passed",
+        ("no stated limit broken", "No limit is broken."),
+    ),
+    Word(r"\bweight: to know\b|^to know$", "severity: info", ("weight: to know", "to know")),
+    Word(r"\bclear of zero\b", "significant (95 %)", ("clear of zero: no",)),
+    Word(
+        r"\bfront of (the )?peak\b|\bon the front\b|^front$",
+        "Pareto-optimal",
+        ("* on the front of peak and bandwidth", "Front"),
+    ),
+    Word(
+        r"\bof what is drawn\b|\bgives? the same (bits|draws|runs)\b|\bthe same bits\b",
+        "random seed; equal seeds reproduce the run bit for bit",
+        ("Of what is drawn.", "The same seed gives the same bits."),
+    ),
+    Word(r"\bladders?\b", "the values themselves", ("A ladder by default.",)),
+    Word(
+        r"^of one\b|(?<!may be )\brepeated\.$",
+        "state the default; may be repeated",
+        ("Of one.", "One gasket; repeated."),
+    ),
+    Word(r"\bin equal ratios\b", "logarithmic spacing along x or y", ("x or y: in equal ratios",)),
+    Word(r"\ba file that exists\b", "no such file: x", ('got "x"; allowed: a file that exists',)),
+    Word(
+        r"\bpublished cases?\b|\b(cases?|come) (that )?comes? along\b|\bbundled cases?\b",
+        "built-in case",
+        ("the published cases that come along", "another published case"),
+    ),
+    Word(r"\bto and fro\b", "multiple reflections", ("the wave passing to and fro",)),
+    Word(r"\bsurplus\b", "excess impulse", ("impulse in surplus",)),
+    Word(
+        r"\blaw is stretched\b|\bstretche[sd] the (elastic )?law\b",
+        "the elastic law is outside its range",
+        ("the elastic law is stretched",),
+    ),
+)
+"""One row for each old word of what users see, in the order of the glossary."""
+FIRST_USE = {
+    "restitution": r"coefficients? of restitution",
+    "engagement": r"engagement.{0,60}radial overlap",
+}
+"""A term, and how it stands where a page of ``docs``, the README or the help of a command first uses it."""
+
+
+def found_in(text: str) -> list[tuple[str, str]]:
+    """Return the old words in a text of one paragraph, each with what to say instead."""
+    flat = " ".join(text.split())
+    matches = ((re.search(word.pattern, flat, re.IGNORECASE), word.say) for word in WORDS)
+    return [(match[0], say) for match, say in matches if match]
+
+
+def without_code(text: str) -> str:
+    return re.sub(r"```.*?```|``[^`]*``|`[^`]*`|\n    [^\n]*(?=\n)", " ", text, flags=re.DOTALL)
+
+
+def paragraphs(text: str) -> Iterator[str]:
+    """Cut a page at empty lines, headings and cells of tables."""
+    for block in re.split(r"\n\s*\n|\n(?=#+ )|(?<=\n)(?=#+ )", text):
+        rows = [row for row in block.split("\n") if row.lstrip().startswith("|")]
+        yield "\n".join(row for row in block.split("\n") if row not in rows)
+        yield from (cell.strip() for row in rows for cell in row.split("|"))
+
+
+def strings(path: Path) -> Iterator[str]:
+    """Yield what may be read of a module: docstrings without their code, and text that is no key or name."""
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        text = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+        if not re.fullmatch(r"[a-z0-9_./*\[\]-]*", text):
+            yield re.sub(r"``[^`]*``", "", text)
+
+
+def help_of(name: str) -> str:
+    """Return summary, help and help of the options of a command."""
+    command = whole_command(name, entries()[name].module)
+    options = [getattr(parameter, "help", None) or "" for parameter in command.params]
+    return "\n\n".join([entries()[name].summary, command.help or "", *options])
+
+
+def first_use(term: str, text: str) -> bool:
+    """Tell whether a term is not used, or explained where it is used first."""
+    flat = " ".join(without_code(text).split())
+    first = re.search(rf"\b{term}\b", flat, re.IGNORECASE)
+    explained = [match.span() for match in re.finditer(FIRST_USE[term], flat, re.IGNORECASE)]
+    return not first or any(begin <= first.start() and first.end() <= end for begin, end in explained)
+
+
+def old_words(path: Path, texts: Iterator[str]) -> list[str]:
+    place = path.relative_to(ROOT)
+    return [f'{place}: "{old}": say {say}' for text in texts for old, say in found_in(text)]
+
+
+@pytest.mark.parametrize("path", [*PAGES, *CASES, *TEMPLATES], ids=lambda path: path.name)
+def test_pages_cases_and_templates_use_the_words_of_the_field(path):
+    text = path.read_text("utf-8")
+    if path.suffix == ".toml":
+        text = re.sub(r"\n# ?", "\n", text)  # comments run over lines
+    assert old_words(path, paragraphs(text)) == []
+
+
+def test_strings_and_docstrings_use_the_words_of_the_field():
+    assert [
+        line for path in MODULES for line in old_words(path, (p for s in strings(path) for p in paragraphs(s)))
+    ] == []
+
+
+@pytest.mark.parametrize("name", sorted(entries()))
+def test_the_help_of_each_command_uses_the_words_of_the_field(name):
+    text = help_of(name)
+    assert [found for paragraph in paragraphs(text) for found in found_in(paragraph)] == []
+    assert [term for term in FIRST_USE if not first_use(term, text)] == []
+
+
+@pytest.mark.parametrize(
+    "page",
+    [page for page in PAGES if page.parent.name == "docs" or page.name == "README.md"],
+    ids=lambda page: page.name,
+)
+def test_a_page_explains_a_term_where_it_first_uses_it(page):
+    assert [term for term in FIRST_USE if not first_use(term, page.read_text("utf-8"))] == []
+
+
+@pytest.mark.parametrize("word", WORDS, ids=lambda word: word.planted[0])
+def test_a_planted_old_word_is_found_wherever_it_stands(word, tmp_path):
+    for planted in word.planted:
+        assert word.say in [say for _, say in found_in(planted)]
+        module, broken = tmp_path / "module.py", planted.replace(" ", "\n    ", 1)
+        module.write_text(f"def f(x):\n    '''{broken}'''\n    return {planted!r}, f{(planted + '{x}')!r}\n", "utf-8")
+        read = [text for text in strings(module) if found_in(text)]
+        assert len(read) >= 2 - word.pattern.startswith("^")
+        assert [
+            cell for cell in paragraphs(f"# Page\n\n| a | b |\n| --- | --- |\n| {planted} | 1 |\n") if found_in(cell)
+        ]
+
+
+def test_the_fields_own_words_are_not_found():
+    """Words that hold an old one, or stand beside it in code, stay as they are."""
+    fine = (
+        "energy balance", "the retraction begins", "pulse width at 10 % (µs)", "rise time 10-90 %", "width of the face",
+        "baseline", "uniform sampling", "explicit finite elements (8-node hexahedra)", "hexahedra of 8 nodes",
+        "split Hopkinson bar", "strikewave hopkinson", "cannot be told apart", "may be repeated", "Pareto-optimal",
+        "published values", "built-in cases", "excess impulse", "the wave front", "the weight of the object",
+    )  # fmt: skip
+    assert [text for text in fine if found_in(text)] == []
+    assert first_use("restitution", "The coefficient of restitution e; the restitution then falls.")
+    assert not first_use("restitution", "The restitution e.")
+    assert first_use("restitution", "The field `contact.restitution`.")
