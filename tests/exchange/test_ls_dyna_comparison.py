@@ -411,4 +411,4 @@ def test_pictures_of_nothing_say_so(tmp_path):
     one = dataclasses.replace(
         empty, contacts=(still,), energies=EnergyHistory(np.array([0.0]), {"kinetic": np.array([np.nan])})
     )
-    assert "Nothing touched." in ls_dyna_report(LsDynaResult(RunComparison(one), "", {}))
+    assert "Nothing touched." in ls_dyna_report(LsDynaResult(RunComparison(one)))

@@ -16,6 +16,7 @@ import tomlkit
 import typer
 
 from strikewave.base.errors import InputError, StrikewaveError, nearest
+from strikewave.base.result import Result, Source
 from strikewave.reporting.options import quantity
 from strikewave.reporting.terminal import say
 
@@ -215,6 +216,34 @@ def digests_of(paths: Sequence[Path]) -> dict[str, str]:
             with path.open("rb") as file:
                 digests[str(path)] = hashlib.file_digest(file, "sha256").hexdigest()
     return digests
+
+
+UNKNOWN = Source("records", "records", "", "record.toml")
+"""Where a result comes from that was made in Python: no command line gives it again."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AskedResult(Result):
+    """A result that its command line and the files it names give again, not a text alone.
+
+    Attributes
+    ----------
+    origin : Source
+        The command line, and the files by their SHA-256: see `source_of`.
+    """
+
+    origin: Source = UNKNOWN
+
+    @property
+    def source(self) -> Source:
+        """The command line, and the files by their SHA-256."""
+        return self.origin
+
+
+def source_of(kind: str, name: str, paths: Sequence[Path] = ()) -> Source:
+    """Return the source of a result of measured files, or of a command alone: what runs now, and their SHA-256."""
+    digests, command = digests_of(paths), asked()
+    return Source(kind, name, identity(command, digests), "record.toml", digests, command)
 
 
 def asked() -> str:

@@ -10,7 +10,7 @@ import pytest
 from strikewave.analyses.record.chapters import MOST_ROWS
 from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.result import record_result
-from strikewave.base.result import Notice
+from strikewave.base.result import Notice, Source
 from strikewave.records.campaign import compare, summed
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import FileReading, Request, read_file
@@ -24,9 +24,10 @@ FACTS = {"asked": "strikewave read a.csv --unit g", "calibrations": [("--unit", 
 FEW = Notice("few", "too few", 2)
 
 
-def page_of(files, campaigns, notices=(), **asked):
+def page_of(files, campaigns, notices=(), asked="", digests=None, **more):
     """The page of a result, with further notices."""
-    result = record_result(files, campaigns, **asked)
+    origin = Source("records", "runs", "", "record.toml", digests or {}, asked)
+    result = record_result(files, campaigns, origin=origin, **more)
     return record_report(dataclasses.replace(result, notices=(*result.notices, *notices)))
 
 

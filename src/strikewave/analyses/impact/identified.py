@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
 from strikewave.base.errors import MISSING, InputError
-from strikewave.base.result import Notice, Result, Source
+from strikewave.base.result import Notice, Source
 from strikewave.contact.identification import DESCRIBED, Identified, IdentifiedValue, identify
 from strikewave.contact.impact import reduced_mass
 from strikewave.records import ChannelReading, Options
@@ -68,7 +67,7 @@ class Given:
 
 
 @dataclass(frozen=True)
-class IdentifyResult(Result):
+class IdentifyResult(measured.AskedResult):
     """What a channel of a file tells of a contact; see `Result` for what it shares with others.
 
     Attributes
@@ -79,10 +78,6 @@ class IdentifyResult(Result):
         The channel, examined.
     found : Identified
         What was identified.
-    asked : str
-        Command line that gives the same again.
-    digests : mapping
-        SHA-256 of the file, by its path.
     """
 
     command: ClassVar[str] = "identify"
@@ -90,19 +85,11 @@ class IdentifyResult(Result):
     file: str
     reading: ChannelReading
     found: Identified
-    asked: str = ""
-    digests: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
         """File and channel."""
         return f"{Path(self.file).name}, {self.reading.channel.name}"
-
-    @property
-    def source(self) -> Source:
-        """The file by its SHA-256, and what was asked of it."""
-        text = measured.identity(self.asked, self.digests)
-        return Source("records", Path(self.file).stem, text, "record.toml", self.digests, self.asked)
 
     @property
     def broken(self) -> bool:
@@ -151,10 +138,8 @@ def identify_contact(
     InputError
         If the file, or what is known of the bodies, cannot be used.
     """
-    digests = measured.digests_of([Path(file)])
-    asked = measured.asked()
-    command = IdentifyCommand(file, given, stated, options, asked, digests)
-    return run_and_write(command, output, None, measured.identity(asked, digests))
+    origin = measured.source_of("records", Path(file).stem, [Path(file)])
+    return run_and_write(IdentifyCommand(file, given, stated, options, origin), output, None, origin.text)
 
 
 @dataclass(frozen=True)
@@ -167,8 +152,7 @@ class IdentifyCommand(Command[IdentifyResult]):
     given: Given
     stated: dict[str, dict[str, Any]]
     options: Options
-    asked: str
-    digests: dict[str, str]
+    origin: Source
 
     def solve(self) -> IdentifyResult:
         """Return what the blow tells."""
@@ -179,7 +163,7 @@ class IdentifyCommand(Command[IdentifyResult]):
         known = self.given.known if reduced is None else {**self.given.known, "mass": reduced}
         found = _identified(self.file, reading, scale, known, self.given.window)
         notices = _notices(reading, found)
-        return IdentifyResult(self.file, reading, found, self.asked, self.digests, notices=notices)
+        return IdentifyResult(self.file, reading, found, origin=self.origin, notices=notices)
 
     def show(self, result: IdentifyResult) -> None:
         """Print what the pulse determines of the contact."""

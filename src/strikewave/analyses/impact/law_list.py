@@ -11,7 +11,7 @@ import numpy as np
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import material
-from strikewave.base.result import Notice, Result, Source
+from strikewave.base.result import Notice, Source
 from strikewave.contact import (
     CAP_LAWS,
     CapLaw,
@@ -56,7 +56,7 @@ class Laws(NamedTuple):
 
 
 @dataclass(frozen=True)
-class LawsResult(Result):
+class LawsResult(measured.AskedResult):
     """The laws that are shown; see `Result` for what it shares with others.
 
     Attributes
@@ -65,25 +65,17 @@ class LawsResult(Result):
         Those of the name that was asked for, or all.
     everything : Laws
         All laws, which the pictures show.
-    asked : str
-        Command line that gives the same again.
     """
 
     command: ClassVar[str] = "laws"
 
     laws: Laws
     everything: Laws
-    asked: str = ""
 
     @property
     def title(self) -> str:
         """What it lists."""
         return "Contact laws"
-
-    @property
-    def source(self) -> Source:
-        """What was asked for."""
-        return Source("command", "laws", measured.identity(self.asked, {}), "record.toml", asked=self.asked)
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -113,8 +105,8 @@ def list_laws(name: str | None, output: Output) -> int:
     InputError
         If no law has the name.
     """
-    asked = measured.asked()
-    return run_and_write(LawsCommand(name, asked), output, None, measured.identity(asked, {}))
+    origin = measured.source_of("command", "laws")
+    return run_and_write(LawsCommand(name, origin), output, None, origin.text)
 
 
 @dataclass(frozen=True)
@@ -122,13 +114,13 @@ class LawsCommand(Command[LawsResult]):
     """The list of the laws."""
 
     name: str | None
-    asked: str = ""
+    origin: Source
 
     def solve(self) -> LawsResult:
         """Return the laws, with what each makes of the restitution asked for."""
         everything = _all_laws()
         laws = _named(everything, self.name)
-        return LawsResult(laws, everything, self.asked, notices=_notices(laws))
+        return LawsResult(laws, everything, origin=self.origin, notices=_notices(laws))
 
     def show(self, result: LawsResult) -> None:
         """Print an overview, or the laws of a name in full."""

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from strikewave.analyses.impact.setup import ContactLoss, Setup
 from strikewave.base.errors import InputError
-from strikewave.base.result import Notice, Result, Source
+from strikewave.base.result import Notice, Source
 from strikewave.contact import Impact, Stiffness, first_yield, impact_history, reduced_mass, solve_impact
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
@@ -53,7 +53,7 @@ _UNITS = {
 
 
 @dataclass(frozen=True)
-class ImpactResult(Result):
+class ImpactResult(measured.AskedResult):
     """Blows of two free bodies, and what was asked for; see `Result` for what it shares with others.
 
     Attributes
@@ -62,15 +62,12 @@ class ImpactResult(Result):
         What was asked for.
     blows : list of Impact
         One blow after another on the same spot.
-    asked : str
-        Command line that gives the same again.
     """
 
     command: ClassVar[str] = "impact"
 
     setup: Setup
     blows: list[Impact]
-    asked: str = ""
 
     @property
     def title(self) -> str:
@@ -81,11 +78,6 @@ class ImpactResult(Result):
         where = " in blow 1" if setup.repeat > 1 else ""
         law = _stiffness_words(setup) if setup.base.stiffness.law == "given" else setup.base.stiffness.law
         return f"Stiffness {law}, {kind} {setup.loss.law.name}: e = {float(first.restitution):.4g}{where}{asked}"
-
-    @property
-    def source(self) -> Source:
-        """What was asked for."""
-        return Source("command", "impact", measured.identity(self.asked, {}), "record.toml", asked=self.asked)
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -126,8 +118,8 @@ def solve_setup(setup: Setup, output: Output) -> int:
     InputError
         If the numbers are beyond what can be solved.
     """
-    asked = measured.asked()
-    return run_and_write(ImpactCommand(setup, asked), output, None, measured.identity(asked, {}))
+    origin = measured.source_of("command", "impact")
+    return run_and_write(ImpactCommand(setup, origin), output, None, origin.text)
 
 
 @dataclass(frozen=True)
@@ -135,12 +127,12 @@ class ImpactCommand(Command[ImpactResult]):
     """The impact of two free bodies."""
 
     setup: Setup
-    asked: str = ""
+    origin: Source
 
     def solve(self) -> ImpactResult:
         """Return the blows."""
         blows = _blows(self.setup)
-        return ImpactResult(self.setup, blows, self.asked, notices=_notices(self.setup, blows[0]))
+        return ImpactResult(self.setup, blows, origin=self.origin, notices=_notices(self.setup, blows[0]))
 
     def show(self, result: ImpactResult) -> None:
         """Print the first blow, and the others in a table."""

@@ -5,18 +5,18 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
 from strikewave.analyses.record.chosen import sources_of
-from strikewave.base.result import Notice, Result, Source
+from strikewave.base.result import Notice
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.reporting.measured_files import identity
+from strikewave.reporting.measured_files import AskedResult
 from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
@@ -27,7 +27,7 @@ OWN = "as in the file"
 
 
 @dataclass(frozen=True)
-class RecordResult(Result):
+class RecordResult(AskedResult):
     """What measured records say, file by file and together; see `Result` for what it shares with others.
 
     Attributes
@@ -40,10 +40,6 @@ class RecordResult(Result):
         Low-pass that was taken before the blows were measured.
     calibrations : sequence of (str, str)
         Where a calibration was stated (an option, a file), and what.
-    asked : str
-        Command line that gives the same again, as it is to be typed.
-    digests : mapping
-        SHA-256 of each file, by its path; may be empty.
     """
 
     command: ClassVar[str] = "record"
@@ -52,28 +48,12 @@ class RecordResult(Result):
     campaigns: Sequence[Campaign] = ()
     filter: Filter | None = None
     calibrations: Sequence[tuple[str, str]] = ()
-    asked: str = ""
-    digests: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def name(self) -> str:
-        """Name of the only file without its ending, or of the folder of several."""
-        paths = [Path(reading.path) for reading in self.readings]
-        if len(paths) == 1:
-            return paths[0].stem
-        return paths[0].absolute().parent.name or "records" if paths else "records"
 
     @property
     def title(self) -> str:
         """Name of the only file, or how many there are of which folder."""
         only = len(self.readings) == 1
-        return Path(self.readings[0].path).name if only else f"{len(self.readings)} records of {self.name}"
-
-    @property
-    def source(self) -> Source:
-        """The files by their SHA-256, and what was asked of them."""
-        text = identity(self.asked, self.digests)
-        return Source("records", self.name, text, "record.toml", self.digests, self.asked)
+        return Path(self.readings[0].path).name if only else f"{len(self.readings)} records of {self.origin.name}"
 
     @property
     def broken(self) -> bool:
@@ -97,6 +77,17 @@ class RecordResult(Result):
     def tables(self) -> dict[str, str]:
         """Return all pulses as CSV text."""
         return {"pulses.csv": pulse_table(self.readings)}
+
+
+def name_of(paths: Sequence[Path]) -> str:
+    """Return the name of the only file without its ending, or of the folder of several.
+
+    Examples
+    --------
+    >>> name_of([Path("shots/a.csv")]), name_of([Path("shots/a.csv"), Path("shots/b.csv")])
+    ('a', 'shots')
+    """
+    return paths[0].stem if len(paths) == 1 else paths[0].absolute().parent.name or "records"
 
 
 def record_result(

@@ -9,9 +9,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from strikewave.analyses.record.result import INTEGRALS, RecordResult, cutoff_for, filter_effect, record_result
+from strikewave.analyses.record.result import (
+    INTEGRALS,
+    RecordResult,
+    cutoff_for,
+    filter_effect,
+    name_of,
+    record_result,
+)
 from strikewave.analyses.record.tables import short_names
 from strikewave.base.errors import StrikewaveError
+from strikewave.base.result import Source
 from strikewave.records import (
     Campaign,
     ChannelReading,
@@ -45,11 +53,9 @@ def examine_records(files: Sequence[str], wanted: Request, options: Options, out
     InputError, StrikewaveError
         If not one file can be read.
     """
-    digests = measured.digests_of([Path(measured.shown(file)) for file in files])
-    asked = measured.asked()
-    command = RecordCommand(files, wanted, options, asked, digests)
-    name = RecordResult([FileReading(measured.shown(file), "", ()) for file in files]).name
-    return run_and_write(command, output, f"record-{name}", measured.identity(asked, digests))
+    paths = [Path(measured.shown(file)) for file in files]
+    origin = measured.source_of("records", name_of(paths), paths)
+    return run_and_write(RecordCommand(files, wanted, options, origin), output, f"record-{origin.name}", origin.text)
 
 
 @dataclass(frozen=True)
@@ -61,8 +67,7 @@ class RecordCommand(Command[RecordResult]):
     files: Sequence[str]
     wanted: Request
     options: Options
-    asked: str
-    digests: dict[str, str]
+    origin: Source
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
@@ -80,9 +85,7 @@ class RecordCommand(Command[RecordResult]):
         numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
         campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
         calibrations = _calibrations(wanted, [Path(reading.path) for reading in readings])
-        return record_result(
-            readings, campaigns, wanted.filter, calibrations=calibrations, asked=self.asked, digests=self.digests
-        )
+        return record_result(readings, campaigns, wanted.filter, calibrations=calibrations, origin=self.origin)
 
     def show(self, result: RecordResult) -> None:
         """Print files, campaigns, and what the filter did."""

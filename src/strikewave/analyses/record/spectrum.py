@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from strikewave.base.errors import InputError
-from strikewave.base.result import Notice, Result, Source
+from strikewave.base.result import Notice, Source
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output, Typed
@@ -47,7 +46,7 @@ class SpectrumRequest(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SpectrumResult(Result):
+class SpectrumResult(measured.AskedResult):
     """Spectra of one channel of a file; see `Result` for what it shares with others.
 
     Attributes
@@ -64,10 +63,6 @@ class SpectrumResult(Result):
         maximax, positive or negative.
     scope : Scope
         Which part of the shock.
-    asked : str
-        Command line that gives the same again.
-    digests : mapping
-        SHA-256 of the file, by its path.
     """
 
     command: ClassVar[str] = "srs"
@@ -78,20 +73,12 @@ class SpectrumResult(Result):
     velocity: Spectrum
     side: str
     scope: Scope
-    asked: str = ""
-    digests: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
         """File, channel, and the part of the shock where that is not the whole."""
         part = "" if self.scope.part == "total" else f", {self.scope.part} part"
         return f"{Path(self.file).name}, {self.reading.channel.name}{part}"
-
-    @property
-    def source(self) -> Source:
-        """The file by its SHA-256, and what was asked of it."""
-        text = measured.identity(self.asked, self.digests)
-        return Source("records", Path(self.file).stem, text, "record.toml", self.digests, self.asked)
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -136,10 +123,8 @@ def compute_spectra(
     InputError
         If the file, a frequency or the end of the shock cannot be used.
     """
-    digests = measured.digests_of([Path(file)])
-    asked = measured.asked()
-    command = SrsCommand(file, wanted, stated, options, asked, digests)
-    return run_and_write(command, output, f"srs-{Path(file).stem}", measured.identity(asked, digests))
+    origin = measured.source_of("records", Path(file).stem, [Path(file)])
+    return run_and_write(SrsCommand(file, wanted, stated, options, origin), output, f"srs-{origin.name}", origin.text)
 
 
 @dataclass(frozen=True)
@@ -152,8 +137,7 @@ class SrsCommand(Command[SpectrumResult]):
     wanted: SpectrumRequest
     stated: dict[str, dict[str, Any]]
     options: Options
-    asked: str
-    digests: dict[str, str]
+    origin: Source
 
     def solve(self) -> SpectrumResult:
         """Return the spectra, the baseline of the record taken off."""
@@ -175,8 +159,7 @@ class SrsCommand(Command[SpectrumResult]):
             velocity,
             wanted.side,
             scope,
-            self.asked,
-            self.digests,
+            origin=self.origin,
             notices=_notices(reading),
         )
 

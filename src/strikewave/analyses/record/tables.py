@@ -78,7 +78,7 @@ class Columns:
     --------
     >>> columns = Columns(["peak", "width"], ["m/s^2", "m/s^2"])
     >>> columns.heads, columns.cells({"peak": 9806.65, "width": 1e-4}, "m/s^2")
-    (['peak (g)', 'width (µs)'], ['1000', '100'])
+    (['peak (g)', 'pulse width at 10 % (µs)'], ['1000', '100'])
     >>> Columns(["peak"], ["m/s^2", "N"]).cells({"peak": 9806.65}, "m/s^2")
     ['1000 g']
     """

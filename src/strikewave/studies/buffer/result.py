@@ -6,9 +6,8 @@ import csv
 import dataclasses
 import io
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import tomlkit
@@ -19,7 +18,7 @@ from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.base.result import Result, Source
 from strikewave.cases.case import Case, dump_case
-from strikewave.reporting.measured_files import identity
+from strikewave.reporting.measured_files import UNKNOWN
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.studies.buffer.candidate import (
@@ -67,12 +66,8 @@ class BufferStudy(Result):
         The buffer that the case has now.
     case : Case or None
         Where sensor and blow come from.
-    record : Path or None
-        The measured blow, where it is no case's.
-    asked : str
-        Command line that gives the same again.
-    digests : mapping
-        SHA-256 of the record, by its path.
+    origin : Source or None
+        The command line and the record, where the blow is no case's.
     """
 
     command: ClassVar[str] = "buffer"
@@ -83,9 +78,7 @@ class BufferStudy(Result):
     candidates: tuple[BufferCandidate, ...]
     present: BufferCandidate | None = None
     case: Case | None = None
-    record: Path | None = None
-    asked: str = ""
-    digests: Mapping[str, str] = field(default_factory=dict)
+    origin: Source | None = None
 
     @property
     def title(self) -> str:
@@ -98,8 +91,7 @@ class BufferStudy(Result):
         if self.case is not None:
             held = case_with(self.case, self.site, self.candidates[0].stack)
             return Source("case", self.case.name, dump_case(held))
-        name = "case" if self.record is None else self.record.stem
-        return Source("records", name, identity(self.asked, self.digests), "record.toml", self.digests, self.asked)
+        return self.origin or UNKNOWN
 
     @property
     def motion(self) -> BaseMotion:

@@ -131,10 +131,8 @@ class BufferCommand(Command[BufferStudy]):
                 blows = _blows(source, self.blow, report)
         with progress_bar("stacks") as report:
             study = design_buffer(source.site, blows, self.choice, self.goal, report)
-        digests = measured.digests_of([source.record] if source.record else [])
-        return dataclasses.replace(
-            study, case=source.case, record=source.record, asked=measured.asked(), digests=digests
-        )
+        origin = measured.source_of("records", source.record.stem, [source.record]) if source.record else None
+        return dataclasses.replace(study, case=source.case, origin=origin)
 
     def show(self, result: BufferStudy) -> None:
         """Print the ranking."""

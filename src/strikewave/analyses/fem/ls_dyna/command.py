@@ -59,7 +59,6 @@ def command(
     """
     from strikewave.analyses.fem.ls_dyna.screen import LsDynaCommand, read_run
     from strikewave.exchange.units import unit_system
-    from strikewave.reporting.measured_files import asked
 
     if beside is not None:
         raise InputError("--beside", str(beside), "--compare, its new name", "write --compare DIR")
@@ -68,7 +67,7 @@ def command(
         if compare is None and given:
             raise InputError(option, given[0], "only with a result of strikewave fem", "add --compare DIR")
     system = unit_system(units, "--units")
-    return read_run(LsDynaCommand(folder, system, compare, contacts, parts, asked()), output)
+    return read_run(LsDynaCommand(folder, system, compare, contacts, parts), output)
 
 
 def _numbers(option: str, given: Sequence[str] | None) -> dict[str, int]:

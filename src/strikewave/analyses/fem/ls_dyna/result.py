@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from strikewave.base.result import Result, Source
 from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
 from strikewave.exchange.ls_dyna.folder import ContactPulse, EnergyHistory, Extreme, LsDynaContact, pulse_of
 from strikewave.reporting import measured_files as measured
@@ -23,36 +21,24 @@ UNITS = {
 
 
 @dataclass(frozen=True)
-class LsDynaResult(Result):
+class LsDynaResult(measured.AskedResult):
     """A run of LS-DYNA, alone or beside one of ours; see `Result` for what it shares with others.
 
     Attributes
     ----------
     found : RunComparison
         Both runs, and what they differ in.
-    asked : str
-        Command line that gives the same again.
-    digests : mapping
-        SHA-256 of the files, by their paths.
     """
 
     command: ClassVar[str] = "ls-dyna"
 
     found: RunComparison
-    asked: str = ""
-    digests: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
         """The case of ours that it is laid beside, or the name of its folder."""
         theirs, ours = self.found.ls_dyna, self.found.strikewave
         return f"LS-DYNA compared with strikewave: {ours.title}" if ours else f"LS-DYNA: {folder_name(theirs.folder)}"
-
-    @property
-    def source(self) -> Source:
-        """The files by their SHA-256, and what was asked of them."""
-        text = measured.identity(self.asked, self.digests)
-        return Source("records", folder_name(self.found.ls_dyna.folder), text, "record.toml", self.digests, self.asked)
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""

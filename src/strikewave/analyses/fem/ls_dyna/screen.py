@@ -25,7 +25,6 @@ class LsDynaCommand(Command[LsDynaResult]):
     other: Path | None
     contacts: dict[str, int]
     parts: dict[str, int]
-    asked: str
 
     def solve(self) -> LsDynaResult:
         """Return both runs, and what they differ in."""
@@ -33,8 +32,8 @@ class LsDynaCommand(Command[LsDynaResult]):
         theirs = read_folder(self.folder, self.system)
         found = compare_runs(theirs, ours, self.contacts, self.parts) if ours else RunComparison(theirs)
         read = [*theirs.files, *([ours.folder / "histories.nc", ours.folder / "field.vtkhdf"] if ours else [])]
-        digests = measured.digests_of(read)
-        return LsDynaResult(found, self.asked, digests, notices=found.warnings)
+        origin = measured.source_of("records", folder_name(self.folder), read)
+        return LsDynaResult(found, origin=origin, notices=found.warnings)
 
     def show(self, result: LsDynaResult) -> None:
         """Print contacts, energies, fields, and how far both are apart."""
