@@ -14,15 +14,16 @@ def command(
     *,
     changes: Changes = None,
     animate: Annotated[
-        bool, typer.Option("--animate", help="Write the machine, the waves or the elements in motion too.")
+        bool, typer.Option("--animate", help="Also write an animation: of the machine, the waves or the elements.")
     ] = False,
     output: Output,
 ) -> int:
     """Run a case or a set-up file.
 
-    Its tables say which analysis it is for: [machine] a train of blows, [[stack.layer]] with [load] a layered bar under
-    its load, [fem] explicit finite elements, [bar.incident] a split Hopkinson bar. The commands wave, fem and hopkinson
-    have further options of their own. With --json, files are written only where --out says.
+    The tables of the file choose the analysis: [machine] a shock machine and its blows, [[stack.layer]] with [load] a
+    layered bar, [fem] explicit finite elements, [bar.incident] a split Hopkinson bar. The commands wave, fem and
+    hopkinson have options of their own. With --json, no files are written unless --out is given. The exit code is 3
+    where a check failed, such as a balance or the number of blows.
     """
     from strikewave.analyses.by_tables import run_any
 

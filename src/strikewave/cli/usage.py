@@ -27,6 +27,8 @@ def usage_line(error: Exception) -> str | None:
         if wrong is not None:
             return str(wrong)
     words = " ".join(str(error.format_message()).split()).rstrip(".")
+    if "unexpected extra argument" in words:  # as the shell cuts --set machine.height=60 cm
+        words += ": put quotes around a value that has a space"
     return f"{path}: {words} ({help_of})"
 
 

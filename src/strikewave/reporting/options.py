@@ -278,16 +278,17 @@ CaseName = Annotated[str, case_name("CASE", "A case file, or the name of a built
 Changes = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="PATH=VALUE", help="Change a field of the case; may be repeated.", show_default=False
+        "--set",
+        metavar="PATH=VALUE",
+        help='Change a field, such as machine.speed="700 rpm"; may be repeated.',
+        show_default=False,
     ),
 ]
 Out = Annotated[
     Path | None,
-    typer.Option(
-        "--out", metavar="DIR", help="Folder of the result; a name below out/ by default.", show_default=False
-    ),
+    typer.Option("--out", metavar="DIR", help="Folder of the result; out/NAME by default.", show_default=False),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Replace another result in that folder.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace the result of another case in that folder.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
 
 

@@ -98,7 +98,14 @@ def run_and_write(
         say(f"written: {str(place.folder).rstrip('/')}/ ({', '.join(names)})")
     if usual is not None or place.folder is not None:  # a question that is answered at once needs no clock
         say(f"done in {time.perf_counter() - begun:.2f} s{most_memory()}")
-    return BROKEN if result.broken else 0
+    if not result.broken:
+        return 0
+    failed = ", ".join(dict.fromkeys(notice.code for notice in result.notices if notice.broken))
+    say(
+        f"exit code {BROKEN}: "
+        + (f"check failed: {failed}" if failed else "the goal is missed, or something could not be read")
+    )
+    return BROKEN
 
 
 def write_files(result: Result, folder: Path) -> list[str]:

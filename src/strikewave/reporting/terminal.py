@@ -38,7 +38,8 @@ def show_notices(notices: Sequence[Notice]) -> None:
     for notice in notices:
         about = f" {notice.case}" if notice.case else ""
         limit = f" (limit {significant(notice.limit, 3)})" if notice.broken and notice.limit == notice.limit else ""
-        say(f"warning [{notice.code}]{about}: {notice.message}{limit}")
+        kind = "check failed" if notice.broken else "warning"
+        say(f"{kind} [{notice.code}]{about}: {notice.message}{limit}")
 
 
 def case_hash(text: str, changes: Sequence[str] | None) -> str:

@@ -44,8 +44,8 @@ def command(
     """Run an explicit finite-element model.
 
     Gives contact forces, rigid-body accelerations, section forces, fields, energy and momentum balances. With --json,
-    files are written only where --out says. The exit code is 3 where energy is off by more than 1 %, or hourglass modes
-    hold more than 5 % of the internal energy.
+    no files are written unless --out is given. The exit code is 3 where energy is off by more than 1 %, or hourglass
+    modes hold more than 5 % of the internal energy.
     """
     from strikewave.analyses.fem.screen import FemOptions, check_element_case, run_element_case
     from strikewave.cases.case import load_case

@@ -23,7 +23,7 @@ def command(
 ) -> int:
     """Write a model for LS-DYNA or OpenRadioss.
 
-    The files are CASE.k, or CASE_0000.rad and CASE_0001.rad. With --json, files are written only where --out says.
+    The files are CASE.k, or CASE_0000.rad and CASE_0001.rad. With --json, no files are written unless --out is given.
     """
     from strikewave.analyses.fem.decks import write_deck
     from strikewave.cases.case import load_case

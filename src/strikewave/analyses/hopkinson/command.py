@@ -21,8 +21,8 @@ def command(setup: Setup, *, changes: Changes = None, output: Output) -> int:
 
     The set-up names files, gauges and bars; the pulses are found. With [specimen] it is a shot, reduced to stress,
     strain and strain rate; with [accelerometer], a sensor on the end of one bar, compared with the acceleration that
-    the gauge gives; with neither, a bar alone, calibrated by its echoes. With --json, files are written only where
-    --out says. The exit code is 3 where forces or impulses miss each other by more than [limits].
+    the gauge gives; with neither, a bar alone, calibrated by its echoes. With --json, no files are written unless
+    --out is given. The exit code is 3 where forces or impulses miss each other by more than [limits].
     """
     from strikewave.analyses.hopkinson.screen import run_setup
     from strikewave.analyses.hopkinson.setup_file import load_setup

@@ -181,8 +181,8 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
         return
     if seen.machine.rebounds is None:
         message = (
-            f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): unless "
-            "something catches it, what rebounds comes again"
+            f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): what "
+            'rebounds strikes again unless a brake catches it; machine.until = "rest" follows it'
         )
         yield Notice("first-blow-only", message, machine.follow.si, 0.0)
     else:

@@ -87,8 +87,8 @@ def show(solution: Solution) -> None:
         number(r.peak_acceleration, "m/s^2", "g", 3) + " g",
     )
     say(
-        f"for comparison: {reference_law(solution.case)} on a rigid object, at the nominal {r.approach_speed:.3g} m/s "
-        f"and with no frame or mount to bend: {', '.join(pulse)}"
+        f"if nothing but the contact gave way ({reference_law(solution.case)} on a rigid object, at the nominal "
+        f"{r.approach_speed:.3g} m/s), the pulse would be {', '.join(pulse)}"
     )
     fitted = solution.case.fitted_fields()
     if fitted:

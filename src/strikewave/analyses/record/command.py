@@ -38,8 +38,8 @@ def command(
 ) -> int:
     """Measure the pulses of recorded files.
 
-    Gives status, health and pulses of each file, and the statistics of all together. With --json, files are written
-    only where --out says. The exit code is 3 where a file could not be read.
+    Gives status, health and pulses of each file, and the statistics of all together. With --json, no files are
+    written unless --out is given. The exit code is 3 where a file could not be read.
     """
     from strikewave.analyses.record.screen import examine_records
     from strikewave.records import Request

@@ -62,7 +62,7 @@ def command(
 ) -> int:
     """Compute shock response spectra.
 
-    They are those of a record, its baseline taken off. With --json, files are written only where --out says.
+    They are those of a record, its baseline taken off. With --json, no files are written unless --out is given.
     """
     from strikewave.analyses.record.spectrum import SpectrumRequest, compute_spectra
 

@@ -22,7 +22,7 @@ def command(
 ) -> int:
     """Run a layered bar under its load.
 
-    Gives force, stress, velocity and acceleration at the taps. With --json, files are written only where --out says.
+    Gives force, stress, velocity and acceleration at the taps. With --json, no files are written unless --out is given.
     """
     from strikewave.analyses.wave.screen import run_wave_case
     from strikewave.cases.case import load_case

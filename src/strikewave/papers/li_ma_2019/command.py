@@ -42,8 +42,8 @@ def command(
 ) -> int:
     """Reproduce a published paper.
 
-    Computes its equations, figures and published numbers, and compares them with what is printed. With --json, files
-    are written only where --out says. The exit code is 3 where a run failed a check.
+    Computes its equations, figures and published numbers, and compares them with what is printed. With --json, no
+    files are written unless --out is given. The exit code is 3 where a run failed a check.
     """
     from strikewave.papers.li_ma_2019.runs import Effort
     from strikewave.papers.li_ma_2019.screen import run_reproduction

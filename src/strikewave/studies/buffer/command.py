@@ -94,7 +94,7 @@ def command(
     """Rank gasket stacks under a sensor.
 
     They are ranked by what the sensor reads of a blow, and by the bandwidth that is left. The blow is that of a machine
-    case or a layered bar at the sensor's tap, or a record. With --json, files are written only where --out says.
+    case or a layered bar at the sensor's tap, or a record. With --json, no files are written unless --out is given.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for matrices this small, threads wait longer than they work
     from strikewave.studies.buffer.candidate import BufferGoal

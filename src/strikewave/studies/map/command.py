@@ -89,7 +89,7 @@ def command(
 
     Shows the scatter of the peaks of its blows, and the regime that a longer train settles to. A map that is stopped
     is continued by the same command. The nearest setting with equal blows is tried in a full run; the exit code is 3
-    where there is none. With --json, files are written only where --out says.
+    where there is none. With --json, no files are written unless --out is given.
     """
     from strikewave.cases.case import load_case
     from strikewave.studies.map.screen import MapCommand, run_map

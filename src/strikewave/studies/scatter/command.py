@@ -31,8 +31,8 @@ def command(
     """Propagate tolerances to the blows.
 
     Runs a machine case many times within its tolerances, and gives the scatter of the blows and the share of each
-    tolerance in it. A tolerance stands beside a value: { value = "1 kg", tolerance = "2 %" }. With --json, files are
-    written only where --out says.
+    tolerance in it. A tolerance stands beside a value: { value = "1 kg", tolerance = "2 %" }. With --json, no files
+    are written unless --out is given.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for arrays this small, threads wait longer than they work
     from strikewave.cases.case import load_case

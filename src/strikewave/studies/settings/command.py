@@ -72,9 +72,10 @@ def command(
 ) -> int:
     """Find machine settings for wanted blows.
 
-    The rotary machine shall give blows of a peak and a width at an interval. Every candidate is checked by a full run
-    of all its blows; the case of the first one is written. With --json, files are written only where --out says. The
-    exit code is 3 where no candidate meets the goal within 5 % and keeps all limits.
+    For the rotary machine: settings for blows of a wanted peak and width at a wanted interval. Every candidate is
+    checked by a full run of all its blows; the best one is written as case.toml. With --json, no files
+    are written unless --out is given. The exit code is 3 where no candidate meets the goal within 5 % and keeps all
+    limits.
     """
     from strikewave.base.materials import material
     from strikewave.cases.case import load_case

@@ -55,7 +55,7 @@ def command(
     """Read the results of an LS-DYNA run.
 
     They are contact forces, energies and fields; with --compare, beside those of a run of strikewave fem. With --json,
-    files are written only where --out says.
+    no files are written unless --out is given.
     """
     from strikewave.analyses.fem.ls_dyna.screen import LsDynaCommand, read_run
     from strikewave.exchange.units import unit_system

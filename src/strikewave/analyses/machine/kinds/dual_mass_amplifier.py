@@ -69,8 +69,8 @@ class DualMassAmplifier(LaunchedKind):
         impact = checked("machine.gap", lambda: second_impact(masses, speed))
         pushed = impact.cushion_force * self.follow.si / mass
         message = (
-            f"while the blow is followed the cushions do nothing: they push with {impact.cushion_force:.3g} N when the "
-            f"masses meet, which would change the speed of the second mass by {pushed:.3g} m/s in {self.follow.typed}"
+            f"the cushions are left out while the blow is followed: their {impact.cushion_force:.3g} N when the masses "
+            f"meet would change the speed of the second mass by {pushed:.3g} m/s in {self.follow.typed}"
         )
         notices = [Notice("cushions-let-go", message, pushed, 0.0)]
         if impact.shaper_force > 0.0:
