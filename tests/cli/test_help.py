@@ -130,7 +130,7 @@ def test_completion_names_what_the_libraries_know():
     from strikewave.cases.case import bundled_cases
     from strikewave.contact.law import SHAPES
     from strikewave.exchange.units import SYSTEMS
-    from strikewave.papers.li_ma_2019.command import PAPERS
+    from strikewave.papers.li_ma_2019.result import PAPER
     from strikewave.reporting.options import complete_case
     from strikewave.reporting.wave_field import QUANTITIES
     from strikewave.signal.srs import KINDS, PARTS
@@ -144,7 +144,7 @@ def test_completion_names_what_the_libraries_know():
     for name, option, known in (
         ("wave", "field", QUANTITIES), ("deck", "code", CODES), ("deck", "units", SYSTEMS), ("ls-dyna", "units", SYSTEMS),
         ("map", "colour", COLOURS), ("scatter", "shares", METHODS), ("settings", "vary", VARIED), ("buffer", "rank", RANKS),
-        ("srs", "part", PARTS), ("reproduce", "paper", PAPERS), ("impact", "shape", SHAPES),
+        ("srs", "part", PARTS), ("reproduce", "paper", [PAPER]), ("impact", "shape", SHAPES),
     ):  # fmt: skip
         assert choices(name, option) == set(known), (name, option)
 

@@ -17,7 +17,7 @@ def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = F
     Raises
     ------
     InputError, InputErrors
-        If the file is none of both, or what its analysis raises.
+        If the file is neither, or what its analysis raises.
     """
     from strikewave.analyses.hopkinson.setup_file import holds_setup, load_setup
 

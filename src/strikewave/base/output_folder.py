@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import secrets
 import shutil
 from collections.abc import Iterator, Sequence
@@ -71,6 +72,10 @@ _LONGEST_NAME, _RANDOM_BYTES = 60, 6
 and random bytes behind them, of which no two runs ever share."""
 
 
+_NUMBER = re.compile(r"-\d+\.")
+"""Of the files of a later blow: histories-2.csv is one of the files that a result consists of, as histories.csv is."""
+
+
 def check_place(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> None:
     """Refuse a result folder that holds something else.
 
@@ -100,7 +105,9 @@ def _check(folder: Path, identity: str, force: bool, own: Sequence[str]) -> None
     if not folder.exists() or not any(folder.iterdir()):
         return
     mark = next((folder / name for name in MARKS if (folder / name).is_file()), None)
-    foreign = sorted(entry.name for entry in folder.iterdir() if entry.name not in (*RESULT_FILES, *own))
+    foreign = sorted(
+        entry.name for entry in folder.iterdir() if _NUMBER.sub(".", entry.name) not in (*RESULT_FILES, *own)
+    )
     if foreign or mark is None:
         hint = (
             f"it holds files that are not of a result ({show(', '.join(foreign))}); move them, or choose another folder"

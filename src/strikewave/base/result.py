@@ -82,7 +82,7 @@ class Source:
     Attributes
     ----------
     kind : str
-        What they are: case, set-up, record, command.
+        What they are: case, set-up, records, command, paper.
     name : str
         What they are called.
     text : str

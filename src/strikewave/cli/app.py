@@ -16,7 +16,7 @@ from strikewave._version import __version__
 from strikewave.base.errors import StrikewaveError, StrikewaveWarning
 from strikewave.cli.group import SETTINGS, CommandGroup
 from strikewave.cli.usage import usage_line
-from strikewave.reporting.terminal import say
+from strikewave.reporting.terminal import INTERRUPTED, say
 
 app = typer.Typer(
     name="strikewave",
@@ -27,10 +27,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings=SETTINGS,
 )
-
-
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""
 
 
 def _print_version(wanted: bool) -> None:

@@ -32,6 +32,9 @@ FARTHEST = 1e6
 AT_ONCE = 50_000
 """Elements looked at in one go: 24 numbers each of some tens of arrays, together below 1 GB."""
 
+UNWARPED = 1e-9
+"""Warpage below which a face counts as flat, rad (chosen: flat faces of built-in meshes have 0, warped ones 0.1;
+numbers of rounding would only distract)."""
 NAMED = 5
 """Elements named of each kind of fault: enough to see where, few enough for a screen."""
 

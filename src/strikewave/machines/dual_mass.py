@@ -21,7 +21,7 @@ from strikewave.contact.law import AnyContact
 from strikewave.machines.launch import linear_shaper
 
 LONGEST_WAY = 1.0
-"""How long the second mass may take to meet the table, s: chosen; after a second any table has fallen again."""
+"""How long the second mass may take to meet the table, s: chosen, ten times what soft cushions of 16 Hz take."""
 
 
 class DualMass(NamedTuple):
@@ -105,7 +105,7 @@ def second_impact(masses: DualMass, speed: float, gravity: float = STANDARD_GRAV
     places, speeds = {"table": 0.0, "second": masses.gap}, {"table": -speed, "second": -speed}
     duration = math.pi * math.sqrt(masses.table / masses.shaper_stiffness) + masses.gap / speed
     while duration < LONGEST_WAY:
-        duration *= 2.0
+        duration = min(2.0 * duration, LONGEST_WAY)
         motion = simulate(chain, places, speeds, duration)
         contacts = motion.contacts(2)
         if len(contacts) and contacts[0, 1] < duration:

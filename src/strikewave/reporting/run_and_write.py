@@ -12,7 +12,7 @@ from typing import ClassVar, Generic, TypeVar
 from strikewave.base.output_folder import atomic_folder, check_place
 from strikewave.base.result import Notice, Result
 from strikewave.reporting.options import Output
-from strikewave.reporting.terminal import case_hash, most_memory, print_json, say, show_notices
+from strikewave.reporting.terminal import STARTED, case_hash, most_memory, print_json, say, show_notices
 
 BROKEN = 3
 """Exit code of a run that failed a check, or missed its goal."""
@@ -23,7 +23,8 @@ R = TypeVar("R", bound=Result)
 class Command(ABC, Generic[R]):
     """What a command does: how it comes to its result, prints it, and draws it.
 
-    `run_and_write` calls these in their order; what the result keeps of itself (`Result.files`) it writes by itself.
+    `run_and_write` enters `under_way`, then calls `solve`, `draw`, `hand_over` and `show`; what the result keeps of
+    itself (`Result.files`) it writes by itself, between the pictures and what is handed over.
     """
 
     indent: ClassVar[int | None] = 2
@@ -43,6 +44,10 @@ class Command(ABC, Generic[R]):
 
     def draw(self, result: R, folder: Path) -> Sequence[str]:
         """Write page and pictures into a folder, and return the names of the files, the first ones first."""
+        return ()
+
+    def hand_over(self, folder: Path) -> Sequence[str]:
+        """Move what was written under way into a folder, last of all, and return the names of the files."""
         return ()
 
     def under_way(self, folder: Path) -> contextlib.AbstractContextManager[object]:
@@ -79,7 +84,6 @@ def run_and_write(
     InputError
         If the place is taken, or what `Command.solve` raises.
     """
-    begun = time.perf_counter()
     place, names = output.place(usual), list[str]()
     if place.folder is None:
         result = command.solve()
@@ -88,7 +92,7 @@ def run_and_write(
         with command.under_way(place.folder):
             result = command.solve()
             with atomic_folder(place.folder, result.source.text, place.replace, own) as folder:
-                names = [*command.draw(result, folder), *write_files(result, folder)]
+                names = [*command.draw(result, folder), *write_files(result, folder), *command.hand_over(folder)]
     if output.json:
         print_json(result.document(), indent=command.indent)
     else:
@@ -97,7 +101,7 @@ def run_and_write(
     if place.folder is not None:
         say(f"written: {str(place.folder).rstrip('/')}/ ({', '.join(names)})")
     if usual is not None or place.folder is not None:  # a question that is answered at once needs no clock
-        say(f"done in {time.perf_counter() - begun:.2f} s{most_memory()}")
+        say(f"done in {time.perf_counter() - STARTED:.2f} s{most_memory()}")
     if not result.broken:
         return 0
     failed = ", ".join(dict.fromkeys(notice.code for notice in result.notices if notice.broken))

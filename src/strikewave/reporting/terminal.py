@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from strikewave.cases.losses_of_case import FittedLoss
     from strikewave.sensors.channel import SensorChannel
 
+STARTED = time.perf_counter()
+"""When the program started, but for what is imported before this module."""
+INTERRUPTED = 130
+"""Exit code after Ctrl-C: 128 and the number of the signal, as shells have it."""
 SELDOM = 10.0
 """Seconds between two lines of progress, at least, where stderr is no terminal."""
 
@@ -62,13 +66,14 @@ def say_compiling() -> None:
 
 
 def most_memory() -> str:
-    """Return in words how much memory the process has held at most; nothing where the system does not say."""
+    """Return in words how much memory one process has held at most; nothing where the system does not say."""
     try:
         import resource
     except ImportError:  # Windows
         return ""
-    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
-    return f", {held / 1e9:.2f} GB of memory at most"
+    processes = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    most = max(resource.getrusage(which).ru_maxrss for which in processes) * (1 if sys.platform == "darwin" else 1024)
+    return f", {most / 1e9:.2f} GB of memory at most"
 
 
 @contextlib.contextmanager

@@ -117,6 +117,14 @@ def test_a_run_interrupted_in_its_second_blow_goes_on_to_the_same_files(strikewa
                 assert np.array_equal(one[f"VTKHDF/{path}"], other[f"VTKHDF/{path}"])
 
 
+def test_a_result_of_several_blows_takes_the_place_of_an_older_one(strikewave, rod):
+    command = ("fem", rod, "--blows", "2", "--no-report", "--out", "again")
+    assert strikewave(*command)[0] == 0
+    assert Path("again/histories-2.csv").is_file()
+    code, _, err = strikewave(*command)
+    assert code == 0, err
+
+
 def test_a_blow_that_is_not_over_when_the_next_begins_is_said(rod):
     from strikewave import load_case
     from strikewave.analyses.fem.run import run_fem

@@ -334,6 +334,25 @@ def test_the_step_that_is_said_before_is_the_one_that_is_taken(bars):
     assert first_step(bars.model) == pytest.approx(bars.run.step, rel=0.01)  # the mesh hardly deforms
 
 
+def test_a_run_that_is_stopped_while_it_draws_keeps_its_fields(strikewave, small, monkeypatch):
+    """The fields are handed over last: what goes on after the run has all of them."""
+    import h5py
+
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("strikewave.analyses.fem.drawn.fem_report", stopped)
+        code, _, err = strikewave("run", small, "--out", "f")
+    assert code == 130
+    assert "to go on from there: strikewave fem small.toml --out f --restart" in err  # run has no --restart
+    assert not Path("f").exists()
+    assert strikewave("fem", small, "--out", "f", "--restart")[0] == 0
+    assert strikewave("fem", small, "--out", "whole")[0] == 0
+    with h5py.File("f/field.vtkhdf") as one, h5py.File("whole/field.vtkhdf") as other:
+        assert np.array_equal(one["VTKHDF/Steps/Values"], other["VTKHDF/Steps/Values"])
+
+
 @pytest.mark.verify
 def test_an_interrupted_run_goes_on_to_the_same_numbers(strikewave, small, monkeypatch):
     import h5py

@@ -80,7 +80,7 @@ def test_the_outlines_of_a_case_meet_at_first_touch(changes, angle):
 
 
 def test_a_face_that_has_gone_back_is_met_later_and_one_out_of_reach_never():
-    angles = [CAM.touch_angle(largest_displacement) for largest_displacement in (0.0, 2e-3, 5e-3, CAM.engagement)]
+    angles = [CAM.touch_angle(displacement) for displacement in (0.0, 2e-3, 5e-3, CAM.engagement)]
     assert all(a < b for a, b in itertools.pairwise(angles))
     assert angles[-1] == pytest.approx(0.0, abs=1e-7)  # arccos has an infinite slope there: half the digits
     assert math.isnan(CAM.touch_angle(CAM.engagement + 1e-6))

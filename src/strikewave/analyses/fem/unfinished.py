@@ -15,10 +15,8 @@ from strikewave.base.errors import InputError
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.vtkhdf import FieldWriter
-from strikewave.reporting.terminal import say
+from strikewave.reporting.terminal import INTERRUPTED, say
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C."""
 OWN = re.compile(r"(case|state|field)(-\d+)?(\.|$)")
 """Names of what a run under way writes."""
 STATE = "state.h5"
@@ -68,6 +66,7 @@ def unfinished(folder: Path, text: str, restart: bool, anew: bool) -> Iterator[P
 def _command(option: str) -> str:
     """Return the command that runs now, with --restart or --force."""
     words = [word for word in sys.argv[1:] if word not in ("--restart", "--force")]
+    words = ["fem" if k == 0 and word == "run" else word for k, word in enumerate(words)]  # run has no --restart
     return shlex.join(["strikewave", *words, option])
 
 

@@ -46,7 +46,7 @@ def command(
         float | None,
         bare_number(
             "--stiffness",
-            high=1e300,
+            high=MOST_STIFFNESS,
             allowed="a number above zero, in N/m^n",
             help="Stiffness K in N/m^n; estimated by default.",
         ),

@@ -280,8 +280,8 @@ def load_solution(path: Path | str) -> Solution:
             waves=_waves(state["waves"]),
             citations=tuple(state["citations"]),
             histories=data.drop_attrs(deep=False),
-            launch=state.get("launch", {}),
-            collisions=tuple(LineCollision(**row) for row in state.get("collisions", ())),
+            launch=state["launch"],
+            collisions=tuple(LineCollision(**row) for row in state["collisions"]),
         )
     except InputError:
         raise

@@ -192,7 +192,7 @@ def _frequencies(given: list[Typed] | None, grid: tuple[float, Typed | None, flo
     if given:
         return [_below(frequency, "--frequency", rate) for frequency in given]
     low, asked, per_octave = grid
-    high = min(HIGHEST, 0.4 * rate) if asked is None else _below(asked, "--to", rate)
+    high = min(HIGHEST, OF_SAMPLING * rate) if asked is None else _below(asked, "--to", rate)
     if not low < high:
         got = f"{high:g} Hz" if asked is None else asked.word
         raise InputError("--to", got, f"a frequency above --from, {low:g} Hz")

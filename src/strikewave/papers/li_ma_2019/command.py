@@ -9,8 +9,6 @@ import typer
 
 from strikewave.reporting.options import Output, one_of
 
-PAPERS = ("li-ma-2019",)
-"""Papers that can be reproduced, by the key of their source."""
 LEFT_OUT = ("elements", "studies")
 """What can be left out."""
 

@@ -78,13 +78,6 @@ def rank_buffers(command: BufferCommand, output: Output) -> int:
     return run_and_write(command, output, f"buffer-{_called(command.source)}", None)
 
 
-def source_of_case(
-    name: str | None, sensor: str | None, changes: list[str] | None, given: dict[str, Any]
-) -> BlowSource:
-    """Return where sensor and blow of a case come from."""
-    return _from_case(name, sensor, changes, given)
-
-
 def source_of_record(
     file: str,
     stated: dict[str, dict[str, Any]],
@@ -94,7 +87,7 @@ def source_of_record(
 ) -> BlowSource:
     """Return where the blow of a record, and the sensor of a case or of what was typed, come from."""
     reading, found = _reading(file, stated, options)
-    return BlowSource(None, _from_case(*case, given, needed=False).site, Path(file), reading, found)
+    return BlowSource(None, source_of_case(*case, given, needed=False).site, Path(file), reading, found)
 
 
 @dataclass(frozen=True)
@@ -149,7 +142,7 @@ class BufferCommand(Command[BufferStudy]):
         return ["peak-bandwidth.svg", "histories.svg", "transmissibility.svg"]
 
 
-def _from_case(
+def source_of_case(
     name: str | None, sensor: str | None, changes: list[str] | None, given: dict[str, Any], needed: bool = True
 ) -> BlowSource:
     """Return case and site; without a case, where none is needed, the site stands on what was typed."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import signal
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import ClassVar
 from strikewave.base.compiled import is_cold
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import number, progress_bar, say, table
+from strikewave.reporting.terminal import INTERRUPTED, number, progress_bar, say, table
 from strikewave.studies.map.cells import Axis, MapPlan
 from strikewave.studies.map.store import Store, rows_beside
 from strikewave.studies.map.study import MapStudy, make_map, marked_text
@@ -28,8 +27,6 @@ SHOWN = (
     ("train (ms)", "train_time", "s", "ms"),
 )
 """What is printed of a setting: words, name of the field, SI unit and unit."""
-INTERRUPTED = 128 + signal.SIGINT
-"""Exit code of a map that was stopped."""
 
 
 def run_map(plan: MapPlan, name: str, changes: Sequence[str], command: MapCommand, output: Output) -> int:

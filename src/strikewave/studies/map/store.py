@@ -7,6 +7,7 @@ that was not written to its end, by a full disk or a process that was killed, is
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import struct
 import zlib
@@ -35,7 +36,9 @@ _HINT = "start anew with --fresh, or choose another --out"
 
 def key_of(plan: MapPlan) -> str:
     """Return what tells one map from all others: its plan, the version, and the source of the kernels."""
-    return hashlib.sha256(repr((plan, tuple(FIELDS), __version__, kernel_key(PACKAGE))).encode()).hexdigest()
+    return hashlib.sha256(
+        repr((dataclasses.astuple(plan), tuple(FIELDS), __version__, kernel_key(PACKAGE))).encode()
+    ).hexdigest()
 
 
 def rows_beside(folder: Path) -> Path:

@@ -93,7 +93,7 @@ class EvenSetting:
 def marked_text(plan: MapPlan, wanted: float) -> str:
     """Return the case as text, and above it what was asked: other axes are another result."""
     sizes = " x ".join(f"{len(axis.values)} {axis.path}" for axis in plan.axes)
-    key = hashlib.sha256(repr((plan, wanted)).encode()).hexdigest()[:12]
+    key = hashlib.sha256(repr((dataclasses.astuple(plan), wanted)).encode()).hexdigest()[:12]
     asked = f"{sizes}, {plan.blows} blows, trains of {plan.train}, CV within {100.0 * wanted:g} %"
     return f"# strikewave map of {asked}; plan {key}\n{plan.case}"
 

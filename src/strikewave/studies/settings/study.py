@@ -183,7 +183,7 @@ class SettingsStudy(Result):
 def asked_line(case: Case, goal: BlowGoal, choice: SettingsChoices) -> str:
     """Return the first line of the written case: what was asked, and a mark of everything that it was asked of."""
     limits = goal.interval, goal.peak, goal.width, goal.disc.name, goal.stop_limit
-    mark = hashlib.sha256(f"{limits} {choice} {dump_case(case)}".encode()).hexdigest()[:8]
+    mark = hashlib.sha256(f"{limits} {dataclasses.astuple(choice)} {dump_case(case)}".encode()).hexdigest()[:8]
     return f"# strikewave settings: {goal_words(goal)}, from {case.name or 'case'} ({mark})\n"
 
 

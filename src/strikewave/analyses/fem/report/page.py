@@ -27,7 +27,7 @@ from strikewave.fem.measures import (
     contact_measure,
     part_measure,
 )
-from strikewave.fem.quality import quality_report
+from strikewave.fem.quality import UNWARPED, quality_report
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.skin import blow_contact
 from strikewave.fem.solids import Bilinear, JohnsonCook
@@ -45,9 +45,6 @@ if TYPE_CHECKING:
 _SOLIDS = {"Elastic": "elastic", "Bilinear": "bilinear plastic", "JohnsonCook": "Johnson-Cook"}
 _BOUNDARIES = {"NonReflecting": "non-reflecting", "Symmetry": "plane of symmetry"}
 _SHARES = {2: "half", 4: "quarter"}
-FLAT = 1e-9
-"""Warpage below which a face counts as flat, rad (chosen: flat faces of built-in meshes have 0, warped ones 0.1;
-numbers of rounding would only distract)."""
 TOUCHES_AT_END = 0.01
 """Share of the peak force above which a contact counts as touching at the end (chosen: well below the tenth of the peak
 that ends its duration, so that a contact that still fades is marked)."""
@@ -385,7 +382,7 @@ def _quality_table(model: Model) -> Table:
             written(quality.longest_edge * 1e3, 3),
             written(quality.aspect_ratio, 3),
             written(quality.scaled_jacobian, 3),
-            written(math.degrees(quality.warpage) if quality.warpage >= FLAT else 0.0, 2),
+            written(math.degrees(quality.warpage) if quality.warpage >= UNWARPED else 0.0, 2),
         ]
         for quality in quality_report(model.mesh, speeds)
     ]

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.dataset import carriage_position
 from strikewave.analyses.machine.figures.geometry import Outlines, Pose, outlines
-from strikewave.machines.feed import Feed, angle_at_valve_signal
 from strikewave.reporting.curves import thin
 
 if TYPE_CHECKING:
@@ -100,10 +97,7 @@ class MachineMotion:
 
 
 def machine_motion(solution: Solution) -> MachineMotion | None:
-    """Return what moves in a run of the rotary machine; None for any other case.
-
-    A solution that was written without angle or carriage gets them from its turntable speed and phases.
-    """
+    """Return what moves in a run of the rotary machine; None for any other case."""
     made = outlines(solution.case)
     if made is None:
         return None
@@ -111,18 +105,14 @@ def machine_motion(solution: Solution) -> MachineMotion | None:
     time = data["time"].values
     near = tuple(_near(solution, row) for row in detailed(solution.blows))
     kept = _kept_rows(time, near)
-    carriage = _variable(solution, "carriage_position")
-    carriage = carriage_position(solution.case, solution.phases, time) if carriage is None else carriage
-    angle = _variable(solution, "turntable_angle")
-    angle = _integrated_angle(solution) if angle is None else angle
     return MachineMotion(
         made=made,
         time=time[kept],
-        angle=angle[kept],
+        angle=data["turntable_angle"].values[kept],
         speed=data["turntable_speed"].values[kept],
         nose=data["nose_position"].values[kept],
         assembly=data["assembly_position"].values[kept],
-        carriage=carriage[kept],
+        carriage=data["carriage_position"].values[kept],
         force=TimeHistory(*thin(time, data["contact_force"].values, WHOLE_COLUMNS)),
         acceleration=TimeHistory(*thin(time, data["rigid_acceleration"].values, WHOLE_COLUMNS)),
         blows=solution.blows,
@@ -137,21 +127,6 @@ def detailed(blows: tuple[Blow, ...]) -> list[int]:
     odd = [row for row, blow in enumerate(blows) if blow.kind != "full"][: MOST_DETAILED // 2]
     rest = np.linspace(0, len(blows) - 1, MOST_DETAILED - len(odd)).round().astype(int)
     return sorted({*odd, *rest.tolist()})
-
-
-def _variable(solution: Solution, name: str) -> Array | None:
-    return solution.data[name].values if name in solution.data else None
-
-
-def _integrated_angle(solution: Solution) -> Array:
-    """Return the turntable's angle, rad, from its speed and from where it stands at the valve signal."""
-    table, machine = solution.case.rotary_tables().feed, solution.case.rotary_tables().machine
-    known = {f.name: getattr(table, f.name, None) for f in fields(Feed)}
-    feed = Feed(**{name: value.si for name, value in known.items() if value is not None})
-    first = angle_at_valve_signal(feed, machine.speed.si, 2.0 * math.pi / machine.strikers.si)
-    time, speed = solution.data["time"].values, solution.data["turntable_speed"].values
-    steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(time)
-    return np.asarray(first + np.concatenate([[0.0], np.cumsum(steps)]))
 
 
 def _near(solution: Solution, row: int) -> NearBlow:
