@@ -13,13 +13,13 @@ from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.reporting.options import complete_case
 from strikewave.reporting.terminal import say
 
-SPLIT_BAR = "hopkinson"
+HOPKINSON = "hopkinson"
 """Stands for the example of a set-up of split bars, and is the command that it is for."""
 
 
 def _complete(incomplete: str) -> list[str]:
     """Return what a case may begin from."""
-    return [*complete_case(incomplete), *([SPLIT_BAR] if SPLIT_BAR.startswith(incomplete) else [])]
+    return [*complete_case(incomplete), *([HOPKINSON] if HOPKINSON.startswith(incomplete) else [])]
 
 
 def command(
@@ -49,11 +49,11 @@ def command(
         raise InputError("FILE", str(path), "a name that is not taken", "add --force to replace it")
     if not path.absolute().parent.is_dir():
         raise InputError("FILE", str(path), "a file in a folder that exists")
-    if origin == SPLIT_BAR:
+    if origin == HOPKINSON:
         from strikewave.analyses.hopkinson.setup_file import example_setup
 
         write_atomically(path, example_setup())
-        say(f"written: {path}; name your bars and files, then: strikewave {SPLIT_BAR} {path}")
+        say(f"written: {path}; name your bars and files, then: strikewave {HOPKINSON} {path}")
         return 0
     case = load_case(origin)
     text = dump_case(case.model_copy(update={"name": path.stem, "title": f"{path.stem}, from {origin}"}))

@@ -23,8 +23,8 @@ def command(case: CaseName, *, changes: Changes = None, json: Json = False) -> i
     from strikewave.analyses.hopkinson.setup_file import holds_setup, load_setup, values_of
 
     if holds_setup(read_case_text(case)[0]):
-        split_bar = load_setup(case, changes or ())
-        missing, setup = check_setup(split_bar), split_bar.setup
+        setup_case = load_setup(case, changes or ())
+        missing, setup = check_setup(setup_case), setup_case.setup
         _show(setup.name, setup.title, dict(values_of(setup)), json)
         if missing:
             say("not there yet: " + ", ".join(missing))

@@ -254,10 +254,10 @@ def test_the_words_of_a_frame_are_the_solution_s(solution, motion):
     time = float(solution.data["time"].values[row])
     words = frame_words(motion, time, 30.0)
     speed = float(solution.data["turntable_speed"].values[row]) * 30.0 / np.pi
-    largest_displacement = (float(solution.data["nose_position"].values[row]) + motion.made.geometry.engagement) * 1e3
+    displacement = (float(solution.data["nose_position"].values[row]) + motion.made.geometry.engagement) * 1e3
     done = sum(blow.time <= time for blow in solution.blows)
     assert f"{speed:.1f} r/min" in words
-    assert f"face {largest_displacement:+6.2f} mm" in words
+    assert f"face {displacement:+6.2f} mm" in words
     assert f"blow {done} " in words
     assert "slowed 30 times" in words
 
@@ -322,7 +322,7 @@ def test_the_browser_shows_the_numbers_of_the_solution(solution, motion, page, t
     for at, which in ((near.force.time[top], "force"), (motion.time[row], "places")):
         read = opened(place, at=f"#view=2&time={float(at) * 1e3!r}")
         (text,) = [words for a, words in read.of("p") if a.get("id") == "reading"]
-        time, force, _, speed, largest_displacement, carriage = numbers(text)
+        time, force, _, speed, displacement, carriage = numbers(text)
         assert time == pytest.approx(at * 1e3, abs=5.1e-4)
         assert f"blow {near.blow.index} (full)" in text
         if which == "force":
@@ -331,7 +331,7 @@ def test_the_browser_shows_the_numbers_of_the_solution(solution, motion, page, t
             assert force == pytest.approx(near.blow.peak_force / 1e3, rel=1e-2)  # half a microsecond beside its top
         else:
             assert speed == pytest.approx(motion.speed[row] * 30.0 / np.pi, abs=5.1e-3)
-            assert largest_displacement == pytest.approx((motion.nose[row] - motion.rest) * 1e3, abs=5.1e-3)
+            assert displacement == pytest.approx((motion.nose[row] - motion.rest) * 1e3, abs=5.1e-3)
             assert carriage == pytest.approx(motion.carriage[row] * 1e3, abs=5.1e-3)
 
 
