@@ -272,9 +272,9 @@ def _part_names(fem: FemTable) -> Iterator[tuple[str, str]]:
 
 def _check_rigid(fem: FemTable, rigid: Collection[str]) -> None:
     """Refuse a boundary that holds or drives a rigid part, and ties of one."""
-    held = [(f"boundary.{k}.side", x.side) for k, x in enumerate(fem.boundary) if not isinstance(x, PressedSide)]
+    conditions = [(f"boundary.{k}.side", x.side) for k, x in enumerate(fem.boundary) if not isinstance(x, PressedSide)]
     ties = [(f"tie.{k}.{key}", getattr(x, key)) for k, x in enumerate(fem.tie) for key in ("side", "onto")]
-    for field, side in (*held, *ties):
+    for field, side in (*conditions, *ties):
         if part_of(side) in rigid:
             hint = f'{part_of(side)} is rigid: state its freedoms by rigid = "z" or the like, its start by velocity'
             raise InputError(f"fem.{field}", side, "a side of a part that deforms", hint)

@@ -144,8 +144,8 @@ class DeckCommand(Command[DeckResult]):
 def _heading(case: Case, model: Model) -> Heading:
     """Return the heading of the deck of a case; it names the parts that are sectors."""
     frames = int(case.fem.frames.si) if case.fem else 0
-    found = sectors(case, model)
-    pieces = {name: found[name].pieces for name in model.mesh.names if found[name].pieces > 1}
+    sector_of = sectors(case, model)
+    pieces = {name: sector_of[name].pieces for name in model.mesh.names if sector_of[name].pieces > 1}
     notes = [
         f"{', '.join(name for name in pieces if pieces[name] == many)}: 1/{many} of the body is modelled; "
         f"forces, energies and masses of the whole are {many} times these"

@@ -96,14 +96,14 @@ class FemSolution(Result):
     @property
     def parts(self) -> dict[str, PartMeasure]:
         """The blow that each part took."""
-        found = self.sectors
-        return {name: part_measure(self.run, name, found[name].free) for name in self.run.parts}
+        sector_of = self.sectors
+        return {name: part_measure(self.run, name, sector_of[name].free) for name in self.run.parts}
 
     @property
     def groups(self) -> dict[str, PartMeasure]:
         """The blow that each group of parts took as one body."""
-        found = self.sectors
-        return {name: part_measure(self.run, name, found[name].free) for name in self.run.groups}
+        sector_of = self.sectors
+        return {name: part_measure(self.run, name, sector_of[name].free) for name in self.run.groups}
 
     @property
     def sectors(self) -> dict[str, Sector]:
@@ -151,7 +151,7 @@ class FemSolution(Result):
     @property
     def contact_force_peak(self) -> float:
         """Largest mean force of any contact over an interval of the histories, N."""
-        return max((found.peak for found in self.contacts.values() if found is not None), default=0.0)
+        return max((contact.peak for contact in self.contacts.values() if contact is not None), default=0.0)
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -161,7 +161,7 @@ class FemSolution(Result):
         """Return what the JSON document holds beside its head."""
         run, balance = self.run, balance_measure(self.run)
         energy = {name: float(run.energy[name][-1]) for name in ENERGIES}
-        wholes, found = self.wholes, self.sectors
+        wholes, sector_of = self.wholes, self.sectors
         contacts = {name: None if x is None else _contact(x, wholes[name]) for name, x in self.contacts.items()}
         return {
             "case": self.case.name,
@@ -174,8 +174,8 @@ class FemSolution(Result):
             "element_steps_per_second": run.speed,
             "contact_force_peak": self.contact_force_peak,
             "contacts": contacts,
-            "parts": {name: _part(part, found[name]) for name, part in self.parts.items()},
-            "groups": {name: _part(part, found[name]) for name, part in self.groups.items()},
+            "parts": {name: _part(part, sector_of[name]) for name, part in self.parts.items()},
+            "groups": {name: _part(part, sector_of[name]) for name, part in self.groups.items()},
             "energy": {"initial": run.initial_energy, **energy, "error": balance.energy},
             "hourglass_share": balance.hourglass,
             "momentum_error": balance.momentum,
@@ -329,26 +329,26 @@ def of_blow(name: str, blow: int) -> str:
 
 def _blow(solution: FemSolution) -> dict[str, Any]:
     """Return what one of several blows came to, for the JSON document."""
-    found, wholes, sector = blow_measure(solution.run, solution.model.touching), solution.wholes, solution.sectors
+    blow, wholes, sector = blow_measure(solution.run, solution.model.touching), solution.wholes, solution.sectors
     contacts = {name: None if x is None else _contact(x, wholes[name]) for name, x in solution.contacts.items()}
     return {
-        "blow": found.blow,
+        "blow": blow.blow,
         "contacts": contacts,
         "parts": {name: _part(part, sector[name]) for name, part in solution.parts.items()},
         "groups": {name: _part(part, sector[name]) for name, part in solution.groups.items()},
-        "restitution": dict(found.restitution),
-        "plastic_strain": dict(found.plastic_strain),
-        "plastic_energy": dict(found.plastic_energy),
+        "restitution": dict(blow.restitution),
+        "plastic_strain": dict(blow.plastic_strain),
+        "plastic_energy": dict(blow.plastic_energy),
         "energy_error": balance_measure(solution.run).energy,
-        "rest": found.rest._asdict() if found.rest else None,
+        "rest": blow.rest._asdict() if blow.rest else None,
         "stopped": solution.run.stopped or None,
     }
 
 
-def _part(found: PartMeasure, sector: Sector) -> dict[str, Any]:
+def _part(measure: PartMeasure, sector: Sector) -> dict[str, Any]:
     """Return the blow that a part took, and how many such sectors make its body, for the JSON document."""
-    whole = {"sectors": sector.pieces, "whole_mass": sector.pieces * found.mass}
-    return {**dataclasses.asdict(found), **whole}
+    whole = {"sectors": sector.pieces, "whole_mass": sector.pieces * measure.mass}
+    return {**dataclasses.asdict(measure), **whole}
 
 
 def _contact(found: ContactMeasure, whole: WholeForce | None) -> dict[str, float | None]:

@@ -174,10 +174,10 @@ def progress() -> Iterator[Callable[[Progress], None]]:
 
 def say_model(case: Case, model: Model, quality: Sequence[PartQuality]) -> None:
     """Say what will be run: elements, nodes, masses, the worst element, about how many steps."""
-    mesh, controls, found = model.mesh, model.controls, sectors(case, model)
+    mesh, controls, sector_of = model.mesh, model.controls, sectors(case, model)
     say(f"{len(mesh.hexahedra)} elements, {len(mesh.points)} nodes")
     masses = {row.part: row.volume * model.solids[row.part].density for row in quality}
-    say("mass: " + ", ".join(f"{name} {_mass_words(mass, found[name].pieces)}" for name, mass in masses.items()))
+    say("mass: " + ", ".join(f"{name} {_mass_words(mass, sector_of[name].pieces)}" for name, mass in masses.items()))
     worst = min(quality, key=lambda row: row.scaled_jacobian)
     place = ", ".join(f"{x * 1e3:.4g}" for x in worst.worst_at)
     say(f"worst element: scaled Jacobian {worst.scaled_jacobian:.2f} in {worst.part} at ({place}) mm")
@@ -234,10 +234,10 @@ def say_faceted(case: Case, quality: Sequence[PartQuality]) -> None:
 
 def show(solution: FemSolution) -> None:
     """Print parts, contacts and balance."""
-    found = solution.sectors
+    sector_of = solution.sectors
     rows = [
         [
-            name + SHARES[found[name].pieces],
+            name + SHARES[sector_of[name].pieces],
             number(part.mass, "kg", "kg"),
             number(part.rigid_peak, "m/s^2", "g", 5),
             number(part.width, "s", "us"),
@@ -296,18 +296,18 @@ def _show_blows(solution: FemSolution) -> None:
     """Print what each blow came to, and how the bodies came to rest before it."""
     rows = []
     for each in solution.blows:
-        found, touched = blow_measure(each.run, each.model.touching), [x for x in each.contacts.values() if x]
+        blow, touched = blow_measure(each.run, each.model.touching), [x for x in each.contacts.values() if x]
         most = max(touched, key=lambda x: x.peak, default=None)
         body, pulse = next(iter(blow_of_bodies(each.model, each.run, each.sectors).items()))
-        back = [x for x in found.restitution.values() if x is not None]
+        back = [x for x in blow.restitution.values() if x is not None]
         rows.append(
             [
-                str(found.blow),
+                str(blow.blow),
                 *(["-"] * 3 if most is None else _pulse_cells(most)),
                 f"{back[0]:.4f}" if len(back) == 1 else "-",
                 f"{body}: {number(pulse.rigid_peak, 'm/s^2', 'g', 5)}",
-                number(max(found.plastic_strain.values(), default=math.nan), "1", "1", 3),
-                number(sum(found.plastic_energy.values()), "J", "J", 3),
+                number(max(blow.plastic_strain.values(), default=math.nan), "1", "1", 3),
+                number(sum(blow.plastic_energy.values()), "J", "J", 3),
                 f"{balance_measure(each.run).energy:+.1e}",
             ]
         )
@@ -351,5 +351,5 @@ def _check_document(case: Case, model: Model, quality: Sequence[PartQuality]) ->
     units = {"volume": "m^3", "shortest_edge": "m", "longest_edge": "m", "warpage": "rad", "worst_at": "m", "step": "s"}
     counted = {"elements": len(model.mesh.hexahedra), "nodes": len(model.mesh.points), "step": first_step(model)}
     rows = {row.part: without(dataclasses.asdict(row), "part", "step") for row in quality}
-    found = [without(dataclasses.asdict(notice), "broken") for notice in model_notices(case, model)]
-    return plain({**head(units, found), "case": case.name, **counted, "parts": rows})
+    notices = [without(dataclasses.asdict(notice), "broken") for notice in model_notices(case, model)]
+    return plain({**head(units, notices), "case": case.name, **counted, "parts": rows})

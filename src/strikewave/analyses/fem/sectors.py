@@ -85,7 +85,7 @@ def sectors(case: Case | None, model: Model) -> dict[str, Sector]:
 
 def open_cuts(model: Model, sector_of: dict[str, Sector]) -> Iterator[str]:
     """Yield the sides of sectors across whose planes of symmetry nodes may move."""
-    held = {b.side for b in model.boundaries if isinstance(b, Symmetry | Fixed)}
+    held_sides = {b.side for b in model.boundaries if isinstance(b, Symmetry | Fixed)}
     guided = {b.side: unit(b.axis, "axis") for b in model.boundaries if isinstance(b, Guided)}
     rigid = {body.part: body for body in model.rigid}
     for part in model.mesh.names:
@@ -95,7 +95,7 @@ def open_cuts(model: Model, sector_of: dict[str, Sector]) -> Iterator[str]:
             if part in rigid:
                 is_held = not any(rigid[part].rotations) and _in_plane(np.diag(rigid[part].translations), normal)
             else:
-                is_held = side in held or (along is not None and _in_plane(along, normal))
+                is_held = side in held_sides or (along is not None and _in_plane(along, normal))
             if not is_held:
                 yield side
 
@@ -130,12 +130,12 @@ def blow_of_bodies(model: Model, run: FemRun, sector_of: dict[str, Sector]) -> d
 
     Held are parts with a fixed or non-reflecting side. What does not move comes last.
     """
-    held = {b.side.partition(".")[0] for b in model.boundaries if isinstance(b, Fixed | NonReflecting)}
+    held_parts = {b.side.partition(".")[0] for b in model.boundaries if isinstance(b, Fixed | NonReflecting)}
     bodies = {name: part_measure(run, name, sector_of[name].free) for name in (*run.groups, *run.parts)}
 
     def place(name: str) -> tuple[bool, bool, bool, float]:
         body, part = bodies[name], name not in run.groups
-        return body.velocity_change == 0.0, part, part and name in held, -body.mass * sector_of[name].pieces
+        return body.velocity_change == 0.0, part, part and name in held_parts, -body.mass * sector_of[name].pieces
 
     return {name: bodies[name] for name in sorted(bodies, key=place)}
 

@@ -175,20 +175,20 @@ def kept_elements(mesh: Mesh, view: Camera) -> NDArray[np.bool_]:
         If the view names a part that is not there, or leaves nothing.
     """
     middle = mesh.points[mesh.hexahedra].mean(axis=1)
-    kept = np.ones(len(middle), bool)
+    visible = np.ones(len(middle), bool)
     if view.parts:
-        kept[:] = False
+        visible[:] = False
         for name in view.parts:
-            kept[mesh.elements_of(name)] = True
+            visible[mesh.elements_of(name)] = True
     if view.cut is not None:
         point, normal = (np.asarray(v, float) for v in view.cut)
-        kept &= (middle - point) @ normal <= 0.0
+        visible &= (middle - point) @ normal <= 0.0
     if view.near is not None:
         centre, radius = view.near
-        kept &= np.linalg.norm(middle - np.asarray(centre), axis=1) <= radius
-    if not kept.any():
+        visible &= np.linalg.norm(middle - np.asarray(centre), axis=1) <= radius
+    if not visible.any():
         raise InputError("view", "nothing left", "a cut, a zone and parts that leave elements to be drawn")
-    return kept
+    return visible
 
 
 def quantity_of(name: str) -> PicturedField:
@@ -239,11 +239,11 @@ def frames_picture(
     view, shown = view or Camera(), quantity_of(quantity)
     if not frames:
         raise InputError("frames", "none", "at least one")
-    kept = kept_elements(mesh, view)
+    visible = kept_elements(mesh, view)
     values = [np.asarray(shown.of(frame, mesh)) / shown.scale for frame in frames]
     places = [mesh.points + view.warp * frame.displacement for frame in frames]
-    scale = _scale([cells[kept] for cells in values], view, shown)
-    window = _window(mesh.hexahedra[kept], places, view)
+    scale = _scale([cells[visible] for cells in values], view, shown)
+    window = _window(mesh.hexahedra[visible], places, view)
     columns = min(len(frames), 3)
     rows = -(-len(frames) // columns)
     width, aspect = (9.8 if columns > 1 else 6.4), (window[3] - window[2]) / (window[1] - window[0])
@@ -251,13 +251,13 @@ def frames_picture(
     figure = Figure(figsize=(width, rows * height), dpi=160, layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, frame, moved, cells in zip(panels, frames, places, values, strict=False):
-        _paint(axes, mesh, moved, (view, kept), scale.to_rgba(cells)[:, :3], SMALLEST_LINED)
+        _paint(axes, mesh, moved, (view, visible), scale.to_rgba(cells)[:, :3], SMALLEST_LINED)
         frame_window(axes, window)
         larger = "" if view.warp == 1.0 else f", displacements × {view.warp:g}"
         axes.set_title(instant_words(frame.time) + larger, loc="left", fontsize=9)
     for axes in panels[len(frames) :]:
         axes.set_axis_off()
-    extend = _extended([cells[kept] for cells in values], scale)
+    extend = _extended([cells[visible] for cells in values], scale)
     bar = figure.colorbar(scale, ax=list(panels), shrink=0.85, pad=0.01, aspect=24, extend=extend)
     bar.set_label(f"{shown.words} ({shown.unit})")
     return figure
@@ -272,16 +272,16 @@ def mesh_picture(mesh: Mesh, view: Camera | None = None) -> Figure:
         If the view leaves nothing.
     """
     view = view or Camera()
-    kept = kept_elements(mesh, view)
+    visible = kept_elements(mesh, view)
     palette = np.array([to_rgb(PART_COLOURS[k % len(PART_COLOURS)]) for k in range(len(mesh.names))])
     palette = 0.35 + 0.65 * palette  # pale, so that the mesh lines stand out
-    window = _window(mesh.hexahedra[kept], [mesh.points], view)
+    window = _window(mesh.hexahedra[visible], [mesh.points], view)
     height = 0.5 + float(np.clip(4.7 * (window[3] - window[2]) / (window[1] - window[0]), 1.0, 5.5))
     figure = Figure(figsize=(4.9, height), dpi=200, layout="constrained")
     axes = figure.add_subplot()
-    _paint(axes, mesh, mesh.points, (view, kept), palette[mesh.part], SMALLEST_MESHED)
+    _paint(axes, mesh, mesh.points, (view, visible), palette[mesh.part], SMALLEST_MESHED)
     frame_window(axes, window)
-    present = np.unique(mesh.part[kept])
+    present = np.unique(mesh.part[visible])
     patches = [Patch(color=tuple(palette[k]), label=shortened(mesh.names[k], 28)) for k in present[:12]]
     legend = figure.legend(
         handles=patches, loc="outside lower center", ncols=3, frameon=False, fontsize=8, handlelength=1.2
@@ -300,12 +300,12 @@ def _paint(
     smallest_lined: float,
 ) -> None:
     """Paint the exterior faces of the elements that are kept, from the farthest to the nearest."""
-    view, kept = seen
+    view, visible = seen
     frame = view.axes()
-    faces, element = exterior(mesh.hexahedra[kept])
+    faces, element = exterior(mesh.hexahedra[visible])
     corners = moved[faces] @ frame.T
     across = float(np.ptp(corners.reshape(-1, 3)[:, :2], axis=0).max()) or 1.0
-    paint_faces(axes, corners, colours[np.flatnonzero(kept)[element]], across, smallest_lined)
+    paint_faces(axes, corners, colours[np.flatnonzero(visible)[element]], across, smallest_lined)
 
 
 def paint_faces(
@@ -488,10 +488,10 @@ def scene(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quantity: s
     except ImportError:
         hint = "pip install 'strikewave[mesh]', or use body_picture, which needs matplotlib alone"
         raise InputError("scene", "no pyvista", "an installation with pyvista", hint) from None
-    kept = kept_elements(mesh, view)
-    cells = np.asarray(shown.of(frame, mesh))[kept] / shown.scale
+    visible = kept_elements(mesh, view)
+    cells = np.asarray(shown.of(frame, mesh))[visible] / shown.scale
     scale = _scale([cells], view, shown)
-    grid = pyvista.UnstructuredGrid({12: mesh.hexahedra[kept]}, mesh.points + view.warp * frame.displacement)
+    grid = pyvista.UnstructuredGrid({12: mesh.hexahedra[visible]}, mesh.points + view.warp * frame.displacement)
     label = f"{shown.words} ({shown.unit})"
     grid.cell_data[label] = cells
     try:

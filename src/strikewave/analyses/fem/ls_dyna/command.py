@@ -72,10 +72,10 @@ def command(
 
 def _numbers(option: str, given: Sequence[str] | None) -> dict[str, int]:
     """Return numbers by name from NAME=NUMBER."""
-    found: dict[str, int] = {}
+    numbers: dict[str, int] = {}
     for text in given or ():
         name, _, number = text.rpartition("=")
-        if not name or not number.strip().isdecimal() or name in found:
+        if not name or not number.strip().isdecimal() or name in numbers:
             raise InputError(option, text, "NAME=NUMBER, each name once", f"such as {option} ball=1")
-        found[name] = int(number)
-    return found
+        numbers[name] = int(number)
+    return numbers

@@ -46,7 +46,7 @@ class LsDynaResult(measured.AskedResult):
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
-        found, theirs, ours = self.found, self.found.ls_dyna, self.found.strikewave
+        comparison, theirs, ours = self.found, self.found.ls_dyna, self.found.strikewave
         parts = {name: {"number": n, **_extreme(theirs.extremes.get(name))} for name, n in theirs.parts.items()}
         content = {
             "folder": str(theirs.folder),
@@ -61,9 +61,11 @@ class LsDynaResult(measured.AskedResult):
             content["comparison"] = {
                 "folder": str(ours.folder),
                 "title": ours.title,
-                "contacts": {pair.name: _pair(pair) for pair in found.forces},
+                "contacts": {pair.name: _pair(pair) for pair in comparison.forces},
                 "energy": _energies(ours.energies),
-                "parts": {name: {"of": found.parts.get(name), **_extreme(one)} for name, one in ours.extremes.items()},
+                "parts": {
+                    name: {"of": comparison.parts.get(name), **_extreme(one)} for name, one in ours.extremes.items()
+                },
             }
         return content
 

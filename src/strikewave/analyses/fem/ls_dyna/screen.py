@@ -30,10 +30,10 @@ class LsDynaCommand(Command[LsDynaResult]):
         """Return both runs, and what they differ in."""
         ours = None if self.other is None else read_strikewave(self.other)
         theirs = read_folder(self.folder, self.system)
-        found = compare_runs(theirs, ours, self.contacts, self.parts) if ours else RunComparison(theirs)
+        comparison = compare_runs(theirs, ours, self.contacts, self.parts) if ours else RunComparison(theirs)
         read = [*theirs.files, *([ours.folder / "histories.nc", ours.folder / "field.vtkhdf"] if ours else [])]
         origin = measured.source_of("records", folder_name(self.folder), read)
-        return LsDynaResult(found, origin=origin, notices=found.warnings)
+        return LsDynaResult(comparison, origin=origin, notices=comparison.warnings)
 
     def show(self, result: LsDynaResult) -> None:
         """Print contacts, energies, fields, and how far both are apart."""
@@ -60,14 +60,19 @@ def read_run(command: LsDynaCommand, output: Output) -> int:
     return run_and_write(command, output, usual, None)
 
 
-def _show(found: RunComparison) -> None:
+def _show(comparison: RunComparison) -> None:
     """Print contacts, energies, fields, and how far both are apart."""
-    _show_read(found.ls_dyna)
-    for pair in found.forces:
+    _show_read(comparison.ls_dyna)
+    for pair in comparison.forces:
         _show_pair(pair)
-    for made in (contact_table(found.ls_dyna.contacts), energy_table(found), field_table(found)):
-        if made.rows:
-            table(made.caption, list(made.columns), [[str(cell) for cell in row] for row in made.rows], left=2)
+    for run_table in (contact_table(comparison.ls_dyna.contacts), energy_table(comparison), field_table(comparison)):
+        if run_table.rows:
+            table(
+                run_table.caption,
+                list(run_table.columns),
+                [[str(cell) for cell in row] for row in run_table.rows],
+                left=2,
+            )
 
 
 def _show_read(theirs: LsDynaRun) -> None:
@@ -78,5 +83,5 @@ def _show_read(theirs: LsDynaRun) -> None:
 
 
 def _show_pair(pair: ForcePair) -> None:
-    made = pair_table(pair)
-    table(made.caption, list(made.columns), [[str(cell) for cell in row] for row in made.rows])
+    force_table = pair_table(pair)
+    table(force_table.caption, list(force_table.columns), [[str(cell) for cell in row] for row in force_table.rows])
