@@ -275,9 +275,9 @@ def _channel(case: HopkinsonCase, table: RecordedTable, path: str) -> tuple[Chan
         raise InputError(f"{path}.file", f"{bad} samples that are no numbers", "finite samples")
     findings += [
         dataclasses.replace(
-            found, message=f"{path}: the record stops at {found.value:.4g} again and again: its range ended there"
+            finding, message=f"{path}: the record stops at {finding.value:.4g} again and again: its range ended there"
         )
-        for found in clipped(Examined(channel.values, channel.step, channel.start))
+        for finding in clipped(Examined(channel.values, channel.step, channel.start))
     ]
     return channel, findings
 

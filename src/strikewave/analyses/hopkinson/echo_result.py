@@ -55,41 +55,41 @@ class EchoSolution(Outcome):
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
-        found = self.echoes
+        echoes = self.echoes
         return {
             "setup": self.case.setup.name,
             "inputs": inputs(self.case),
-            "passes": found.times,
-            "first_pass": found.first,
-            "window": found.window,
-            "speed": {**found.speed._asdict(), "student": found.speed.student},
+            "passes": echoes.times,
+            "first_pass": echoes.first,
+            "window": echoes.window,
+            "speed": {**echoes.speed._asdict(), "student": echoes.speed.student},
             "stated_speed": self.bar.speed,
             "difference": self.difference,
-            "length": found.length._asdict(),
-            "round_trip": found.round_trip._asdict(),
-            "attenuation": found.attenuation._asdict(),
-            "odd_pass": None if found.odd is None else found.odd._asdict(),
-            "other_way": found.other_way.speed,
-            "dispersion": found.theory,
-            "frequency": found.frequency,
-            "phase_speed": found.phase_speed,
-            "phase_speed_error": found.phase_speed_error,
-            "theory_speed": found.theory_speed,
-            "losses": found.losses,
-            "losses_error": found.losses_error,
+            "length": echoes.length._asdict(),
+            "round_trip": echoes.round_trip._asdict(),
+            "attenuation": echoes.attenuation._asdict(),
+            "odd_pass": None if echoes.odd is None else echoes.odd._asdict(),
+            "other_way": echoes.other_way.speed,
+            "dispersion": echoes.theory,
+            "frequency": echoes.frequency,
+            "phase_speed": echoes.phase_speed,
+            "phase_speed_error": echoes.phase_speed_error,
+            "theory_speed": echoes.theory_speed,
+            "losses": echoes.losses,
+            "losses_error": echoes.losses_error,
         }
 
     def tables(self) -> dict[str, str]:
         """Return speed and attenuation over frequency as CSV text."""
-        found = self.echoes
+        echoes = self.echoes
         table = csv_text(
             {
-                "frequency [Hz]": found.frequency,
-                "phase speed [m/s]": found.phase_speed,
-                "standard error [m/s]": found.phase_speed_error,
-                f"{found.theory} [m/s]": found.theory_speed,
-                "attenuation [1/m]": found.losses,
-                "standard error [1/m]": found.losses_error,
+                "frequency [Hz]": echoes.frequency,
+                "phase speed [m/s]": echoes.phase_speed,
+                "standard error [m/s]": echoes.phase_speed_error,
+                f"{echoes.theory} [m/s]": echoes.theory_speed,
+                "attenuation [1/m]": echoes.losses,
+                "standard error [1/m]": echoes.losses_error,
             }
         )
         return {"echoes.csv": table}
@@ -99,17 +99,17 @@ class EchoSolution(Outcome):
         """Speed and attenuation over frequency, and the trace, with units."""
         import xarray
 
-        found, trace = self.echoes, self.echoes.quiet.trace
+        echoes, trace = self.echoes, self.echoes.quiet.trace
         variables = {
-            "phase_speed": quantity("frequency", found.phase_speed, "m/s", "phase speed by the echoes"),
-            "phase_speed_error": quantity("frequency", found.phase_speed_error, "m/s", "its standard error"),
-            "theory_speed": quantity("frequency", found.theory_speed, "m/s", f"phase speed, {found.theory}"),
-            "attenuation": quantity("frequency", found.losses, "1/m", "attenuation over a round trip"),
-            "attenuation_error": quantity("frequency", found.losses_error, "1/m", "its standard error"),
+            "phase_speed": quantity("frequency", echoes.phase_speed, "m/s", "phase speed by the echoes"),
+            "phase_speed_error": quantity("frequency", echoes.phase_speed_error, "m/s", "its standard error"),
+            "theory_speed": quantity("frequency", echoes.theory_speed, "m/s", f"phase speed, {echoes.theory}"),
+            "attenuation": quantity("frequency", echoes.losses, "1/m", "attenuation over a round trip"),
+            "attenuation_error": quantity("frequency", echoes.losses_error, "1/m", "its standard error"),
             "strain": quantity("time", trace.strain, "1", "strain at the gauge, first pulse positive"),
         }
         coordinates = {
-            "frequency": quantity("frequency", found.frequency, "Hz", "frequency"),
+            "frequency": quantity("frequency", echoes.frequency, "Hz", "frequency"),
             "time": quantity("time", trace.time, "s", "time of the record"),
         }
         return xarray.Dataset(variables, coordinates, self.attributes())

@@ -87,7 +87,7 @@ def _reduce(case: HopkinsonCase) -> HopkinsonSolution:
     striker = build_striker(setup, bars[0])
     checked = None if striker is None else striker_check(pulses, reduction, striker)
     notices = [
-        *reading_notices([found for one in gauged for found in one.findings]),
+        *reading_notices([finding for one in gauged for finding in one.findings]),
         *drift_notices(pulses.traces, [path for _, path in gauges]),
         *constant_notices({"incident": constants, "transmitted": others}),
         *strain_notices(pulses),
@@ -119,17 +119,17 @@ def _calibrate(case: HopkinsonCase) -> EchoSolution:
     table = setup.bar.incident
     bar, constants = build_bar(table, "bar.incident")
     trace, findings, _ = build_trace(case, table.gauge, "bar.incident.gauge", bar)
-    found = calibrate_bar(trace, bar, setup.echoes.way, int(setup.echoes.skip.si), setup.solver.dispersion)
+    echoes = calibrate_bar(trace, bar, setup.echoes.way, int(setup.echoes.skip.si), setup.solver.dispersion)
     notices = [
         *reading_notices(findings),
-        *drift_notices([found.quiet], ["bar.incident.gauge"]),
+        *drift_notices([echoes.quiet], ["bar.incident.gauge"]),
         *constant_notices({"incident": constants}),
-        *echo_notices(found, bar, setup.echoes.way),
+        *echo_notices(echoes, bar, setup.echoes.way),
     ]
     return EchoSolution(
         case=case,
         bar=bar,
-        echoes=found,
+        echoes=echoes,
         digests=digests(case),
         notices=tuple(notices),
         citations=citations(setup.solver.dispersion, ["bacon-1998", "maeda-1985"]),
@@ -187,8 +187,8 @@ def _striker_notices(checked: StrikerCheck | None) -> Iterator[Notice]:
         ("strain", checked.strain, checked.strain_expected, "plateau strain"),
         ("duration", checked.duration, checked.duration_expected, "width"),
     )
-    for code, found, expected, words in pairs:
-        off = found / expected - 1.0
+    for code, measured, expected, words in pairs:
+        off = measured / expected - 1.0
         if abs(off) > STRIKER_MISMATCH:
             message = f"the {words} of the incident pulse is {off:+.1%} off what the striker should make"
             yield Notice(f"striker-{code}", message, off, STRIKER_MISMATCH)

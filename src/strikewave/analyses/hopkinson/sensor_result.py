@@ -145,9 +145,9 @@ class SensorSolution(Outcome):
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
-        found, parts, kept = self.comparison, self.uncertainty, self.kept
-        agreement, pulses = found.agreement, found.pulses
-        velocities, peaks = found.velocities, self.peaks
+        comparison, parts, samples = self.comparison, self.uncertainty, self.kept
+        agreement, pulses = comparison.agreement, comparison.pulses
+        velocities, peaks = comparison.velocities, self.peaks
         layer = self.standing.disk
         return {
             "setup": self.case.setup.name,
@@ -155,9 +155,9 @@ class SensorSolution(Outcome):
             "bars": {name: constants._asdict() for name, constants in self.constants.items()},
             "end": {"mass": self.standing.mass, "disk_mass": None if layer is None else layer.mass},
             "pulse": {"onset": pulses.onset, "rise": pulses.rise, "width": pulses.width, "plateau": pulses.plateau},
-            "bandwidth": found.bandwidth.value,
-            "bandwidth_by": found.bandwidth.reason,
-            "noise_limit": found.bandwidth.noise,
+            "bandwidth": comparison.bandwidth.value,
+            "bandwidth_by": comparison.bandwidth.reason,
+            "noise_limit": comparison.bandwidth.noise,
             "rise_diameters": self.rise_diameters,
             "quoted": self.quoted,
             "reading_unit": self.unit,
@@ -173,49 +173,57 @@ class SensorSolution(Outcome):
                 "by_peaks": peaks[1] / peaks[0],
                 "by_velocity": velocities[1] / velocities[0],
             },
-            "peak": {"acceleration": peaks[0], "reading": peaks[1], "reading_noise": found.reading_noise},
+            "peak": {"acceleration": peaks[0], "reading": peaks[1], "reading_noise": comparison.reading_noise},
             "velocity_change": {"velocity": velocities[0], "reading_integral": velocities[1]},
-            "reference_noise": found.reference_noise,
+            "reference_noise": comparison.reference_noise,
             "delay": agreement.delay,
-            "correlation": found.correlation,
+            "correlation": comparison.correlation,
             "residual": agreement.residual,
-            "reflected_misfit": found.reflected_misfit,
-            "time": found.time[kept],
-            "reference_acceleration": found.motion.acceleration[kept],
-            "reading": found.reading[kept],
-            "reference_velocity": found.motion.velocity[kept],
-            "velocity_by_both_waves": found.both_waves[kept],
+            "reflected_misfit": comparison.reflected_misfit,
+            "time": comparison.time[samples],
+            "reference_acceleration": comparison.motion.acceleration[samples],
+            "reading": comparison.reading[samples],
+            "reference_velocity": comparison.motion.velocity[samples],
+            "velocity_by_both_waves": comparison.both_waves[samples],
         }
 
     def tables(self) -> dict[str, str]:
         """Return the histories as CSV text; the delay of the reading is taken out."""
-        found, kept = self.comparison, self.kept
+        comparison, samples = self.comparison, self.kept
         columns = {
-            "time [s]": found.time,
-            "reference acceleration [m/s^2]": found.motion.acceleration,
-            f"reading [{self.unit}]": found.reading,
+            "time [s]": comparison.time,
+            "reference acceleration [m/s^2]": comparison.motion.acceleration,
+            f"reading [{self.unit}]": comparison.reading,
             "reading as acceleration [m/s^2]": self.shown_acceleration,
-            "difference [m/s^2]": self.shown_acceleration - found.motion.acceleration,
-            "reference velocity [m/s]": found.motion.velocity,
+            "difference [m/s^2]": self.shown_acceleration - comparison.motion.acceleration,
+            "reference velocity [m/s]": comparison.motion.velocity,
             "reading integrated [m/s]": self.shown_velocity,
-            "end velocity by both waves [m/s]": found.both_waves,
+            "end velocity by both waves [m/s]": comparison.both_waves,
         }
-        return {"reduction.csv": csv_text({name: values[kept] for name, values in columns.items()})}
+        return {"reduction.csv": csv_text({name: values[samples] for name, values in columns.items()})}
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:
         """The histories with units."""
         import xarray
 
-        found, kept = self.comparison, self.kept
+        comparison, samples = self.comparison, self.kept
         histories = {
-            "reference_acceleration": (found.motion.acceleration, "m/s^2", "acceleration of the sensor by the gauge"),
-            "reading": (found.reading, self.unit, "reading of the sensor, its delay taken out"),
-            "reference_velocity": (found.motion.velocity, "m/s", "velocity of the sensor by the gauge"),
+            "reference_acceleration": (
+                comparison.motion.acceleration,
+                "m/s^2",
+                "acceleration of the sensor by the gauge",
+            ),
+            "reading": (comparison.reading, self.unit, "reading of the sensor, its delay taken out"),
+            "reference_velocity": (comparison.motion.velocity, "m/s", "velocity of the sensor by the gauge"),
             "integrated_reading": (self.shown_velocity, "m/s", "reading as acceleration, integrated"),
-            "end_force": (found.motion.force, "N", "force of the bar on what stands on its end"),
-            "velocity_by_both_waves": (found.both_waves, "m/s", "velocity of the end by incident and reflected wave"),
+            "end_force": (comparison.motion.force, "N", "force of the bar on what stands on its end"),
+            "velocity_by_both_waves": (
+                comparison.both_waves,
+                "m/s",
+                "velocity of the end by incident and reflected wave",
+            ),
         }
-        variables = {name: quantity("time", v[kept], unit, words) for name, (v, unit, words) in histories.items()}
-        coordinates = {"time": quantity("time", found.time[kept], "s", "time after the wave comes to the end")}
+        variables = {name: quantity("time", v[samples], unit, words) for name, (v, unit, words) in histories.items()}
+        coordinates = {"time": quantity("time", comparison.time[samples], "s", "time after the wave comes to the end")}
         return xarray.Dataset(variables, coordinates, self.attributes())
