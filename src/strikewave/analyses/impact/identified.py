@@ -102,25 +102,25 @@ class IdentifyResult(measured.AskedResult):
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
-        reading, found = self.reading, self.found
+        reading, contact = self.reading, self.found
         return {
             "file": self.file,
             "channel": reading.channel.name,
             "measured_unit": reading.channel.unit,
             "status": reading.status,
             "calibration": reading.calibration.stated(),
-            "values": {name: _row(estimate) for name, estimate in found.values.items()},
-            "begin": _row(found.begin),
-            "combinations": {name: _row(estimate) for name, estimate in found.combinations.items()},
-            "correlation": {"names": found.names, "matrix": found.correlation},
-            "noise": found.noise,
-            "offset": found.offset,
-            "residual": found.residual,
-            "described": found.described,
-            "words": found.words,
-            "time": found.time,
-            "measured": found.measured,
-            "fitted": found.fitted,
+            "values": {name: _row(estimate) for name, estimate in contact.values.items()},
+            "begin": _row(contact.begin),
+            "combinations": {name: _row(estimate) for name, estimate in contact.combinations.items()},
+            "correlation": {"names": contact.names, "matrix": contact.correlation},
+            "noise": contact.noise,
+            "offset": contact.offset,
+            "residual": contact.residual,
+            "described": contact.described,
+            "words": contact.words,
+            "time": contact.time,
+            "measured": contact.measured,
+            "fitted": contact.fitted,
         }
 
     def texts(self) -> dict[str, str]:
@@ -161,9 +161,9 @@ class IdentifyCommand(Command[IdentifyResult]):
         scale = _newtons(reading, masses["--m2"])
         reduced = _reduced(masses, reading.channel.unit == "m/s^2")
         known = self.given.known if reduced is None else {**self.given.known, "mass": reduced}
-        found = _identified(self.file, reading, scale, known, self.given.window)
-        notices = _notices(reading, found)
-        return IdentifyResult(self.file, reading, found, origin=self.origin, notices=notices)
+        contact = _identified(self.file, reading, scale, known, self.given.window)
+        notices = _notices(reading, contact)
+        return IdentifyResult(self.file, reading, contact, origin=self.origin, notices=notices)
 
     def show(self, result: IdentifyResult) -> None:
         """Print what the pulse determines of the contact."""
@@ -252,17 +252,20 @@ def _row(estimate: IdentifiedValue) -> dict[str, Any]:
 
 
 def _print(result: IdentifyResult) -> None:
-    found = result.found
-    rows = [_line(name, estimate) for name, estimate in found.values.items()]
-    rows += [_line(name, estimate) for name, estimate in found.combinations.items()]
-    rows.append(_line("begin", found.begin))
+    contact = result.found
+    rows = [_line(name, estimate) for name, estimate in contact.values.items()]
+    rows += [_line(name, estimate) for name, estimate in contact.combinations.items()]
+    rows.append(_line("begin", contact.begin))
     title = f"Contact of {Path(result.file).name}, {result.reading.channel.name}: F = K d^n (1 + chi d'/v0)"
     table(title, ["", "value", "standard error", "unit"], rows)
-    say(f"noise {significant(found.noise, 3)} N, misfit {found.residual:.2%} of the peak, {found.time.size} samples")
-    shared = found.correlated("exponent", "restitution")
+    say(
+        f"noise {significant(contact.noise, 3)} N, misfit {contact.residual:.2%} of the peak, "
+        f"{contact.time.size} samples"
+    )
+    shared = contact.correlated("exponent", "restitution")
     if shared is not None:
         say(f"correlation of exponent and restitution: {shared:.2f}")
-    for words in found.words[: None if found.described else -1]:
+    for words in contact.words[: None if contact.described else -1]:
         say(words)
 
 

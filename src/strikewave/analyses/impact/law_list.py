@@ -151,7 +151,9 @@ class LawsCommand(Command[LawsResult]):
 
 def _notices(laws: Laws) -> tuple[Notice, ...]:
     """Return a notice that names the laws whose formula was not seen in an opened text."""
-    names = [f"{name} ({kind})" for kind, found in laws.kinds for name, law in found.items() if _unseen(law)]
+    names = [
+        f"{name} ({kind})" for kind, laws_of_kind in laws.kinds for name, law in laws_of_kind.items() if _unseen(law)
+    ]
     message = f"from memory, the formula not seen in an opened text: {', '.join(names)}"
     return (Notice("law-from-memory", message),) if names else ()
 
@@ -168,12 +170,12 @@ def _try(given: dict[str, list[float] | None], kind: str, law: Any) -> bool:
     """Put down what a law gives, and tell whether it works."""
     asked = np.array(ASKED)
     try:
-        found: Any = None
+        answer: Any = None
         if kind == "damping":
-            found = restitution(law.function(asked))
+            answer = restitution(law.function(asked))
         elif law.given is not None:
-            found = law.given(asked, EXPONENT)
-        values = None if found is None else [float(value) for value in np.broadcast_to(found, asked.shape)]
+            answer = law.given(asked, EXPONENT)
+        values = None if answer is None else [float(value) for value in np.broadcast_to(answer, asked.shape)]
     except Exception as error:  # whatever a law of a foreign package does wrong
         say(f"warning: the {kind} law {law.name!r} is left out ({type(error).__name__}: {error})")
         return False
@@ -185,12 +187,12 @@ def _named(laws: Laws, name: str | None) -> Laws:
     """Return the laws of a name, which may be of several kinds."""
     if name is None:
         return laws
-    known = {known for _, found in laws.kinds for known in found}
+    known = {known for _, laws_of_kind in laws.kinds for known in laws_of_kind}
     if name not in known:
         raise InputError("NAME", name, "a contact law", nearest(name, known))
 
-    def of(found: dict[str, Any]) -> dict[str, Any]:
-        return {name: found[name]} if name in found else {}
+    def of(laws_of_kind: dict[str, Any]) -> dict[str, Any]:
+        return {name: laws_of_kind[name]} if name in laws_of_kind else {}
 
     return Laws(of(laws.damping), of(laws.dampers), of(laws.stiffness), of(laws.caps), laws.given)
 
@@ -262,8 +264,8 @@ def _needs(law: Law) -> str:
 
 
 def _print_each(laws: Laws) -> None:
-    for kind, found in laws.kinds:
-        for law in found.values():
+    for kind, laws_of_kind in laws.kinds:
+        for law in laws_of_kind.values():
             table(f"{law.name}, {kind}", ["", ""], _rows(law), left=2)
     for name in laws.damping:
         _print_given(laws.given[f"damping {name}"], "Restitution of the damping law")

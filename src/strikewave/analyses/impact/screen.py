@@ -150,8 +150,8 @@ class ImpactCommand(Command[ImpactResult]):
 
 def _notices(setup: Setup, blow: Impact) -> tuple[Notice, ...]:
     """Return what is odd about the first blow, and the laws that stand here from memory."""
-    found = [_indentation_large(setup, blow), _restitution_differs(setup, blow), _contact_yields(setup, blow)]
-    return (*(notice for notice in found if notice), *_from_memory(setup))
+    notices = [_indentation_large(setup, blow), _restitution_differs(setup, blow), _contact_yields(setup, blow)]
+    return (*(notice for notice in notices if notice), *_from_memory(setup))
 
 
 def _blows(setup: Setup) -> list[Impact]:
@@ -238,8 +238,8 @@ def _expected(setup: Setup) -> str:
     """Return the name of a damper, and what its own relation says where it is something else than asked for."""
     law: Any = setup.loss.law
     expected = float(law.given(setup.loss.asked, setup.base.stiffness[1]))
-    told = f"(its relation says {expected:.4f}) " if abs(expected - float(setup.loss.asked or 0.0)) > 1e-9 else ""
-    return f"{law.name} {told}"
+    relation = f"(its relation says {expected:.4f}) " if abs(expected - float(setup.loss.asked or 0.0)) > 1e-9 else ""
+    return f"{law.name} {relation}"
 
 
 def _contact_yields(setup: Setup, blow: Impact) -> Notice | None:
@@ -273,8 +273,8 @@ def _from_memory(setup: Setup) -> list[Notice]:
     stiffness, law = setup.base.stiffness, setup.loss.law
     kind = "damping law" if setup.loss.damper is None else "damper"
     used = (("stiffness law", stiffness.law, stiffness.status), (kind, law.name, law.status))
-    told = "stands here from memory: its formula was not seen in an opened text"
-    return [Notice("law-from-memory", f"the {k} {name} {told}") for k, name, s in used if s == FROM_MEMORY]
+    origin = "stands here from memory: its formula was not seen in an opened text"
+    return [Notice("law-from-memory", f"the {k} {name} {origin}") for k, name, s in used if s == FROM_MEMORY]
 
 
 def _histories(result: ImpactResult, drawn: list[int]) -> str:
