@@ -117,17 +117,17 @@ def pulse_pictures(solution: Solution) -> Section:
     """Draw force and acceleration of the first blow, all pulses, the train; say what is missing."""
     from strikewave.analyses.machine.figures import pulses
 
-    held = solution.data
+    data = solution.data
     struck = [row for row, blow in enumerate(solution.blows) if blow.kind != "missed"]
     parts: list[Part] = []
     words = [] if struck else ["No striker touched the object: there is no pulse to show."]
 
     def add(needs: Sequence[str], draw: Callable[[], Figure], caption: str, label: str) -> None:
-        if all(name in held for name in needs):
+        if all(name in data for name in needs):
             parts.append(Picture(draw(), caption, label))
         else:
             words.append(
-                f"Without the history {listed([n for n in needs if n not in held])} there is no picture: {label}"
+                f"Without the history {listed([n for n in needs if n not in data])} there is no picture: {label}"
             )
 
     if struck:

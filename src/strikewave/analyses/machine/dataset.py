@@ -60,8 +60,8 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
         if blow.kind != "missed":
             since, f, a = pulse_window(run, blow.time, WINDOW_AFTER, PULSE_STEP)
             first = round((since[0] - pulse_time[0]) / PULSE_STEP)
-            held = slice(first, first + since.size)
-            force[row, held], acceleration[row, held] = (v[: pulse_time.size - first] for v in (f, a))
+            window = slice(first, first + since.size)
+            force[row, window], acceleration[row, window] = (v[: pulse_time.size - first] for v in (f, a))
     recorder, begun = case.impact().recorder, case.time_zero
     record_time = recorder.begin + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
     inside = (record_time >= 0.0) & (record_time <= run.end)

@@ -76,11 +76,11 @@ def _wanted(case: Case, made: int) -> float:
 
 
 def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
-    made = sum(blow.kind != "missed" for blow in blows)
-    wanted = _wanted(case, made)
-    if made != wanted:
-        message = f"{made} blows instead of the {wanted:.0f} wanted"
-        yield Notice("blow-count", message, float(made), wanted, broken=True)
+    delivered = sum(blow.kind != "missed" for blow in blows)
+    wanted = _wanted(case, delivered)
+    if delivered != wanted:
+        message = f"{delivered} blows instead of the {wanted:.0f} wanted"
+        yield Notice("blow-count", message, float(delivered), wanted, broken=True)
     odd = [f"{blow.index} {blow.kind}" for blow in blows if blow.kind != "full"]
     if odd:
         message = "not every blow is full: " + ", ".join(odd)

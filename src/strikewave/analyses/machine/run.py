@@ -135,15 +135,15 @@ def observe(case: Case, progress: Callable[[float], None] | None = None) -> Obse
     if machine.layered is not None:
         check_rates(case, view, kept_step(machine.layered.grid))
     run = run_machine(machine, case.solver.tolerance.si, progress)
-    found = blows(run)
+    run_blows = blows(run)
     if case.launched() is not None:
-        found = tuple(dataclasses.replace(blow, turntable_speed=math.nan) for blow in found)
-    first = next((blow for blow in found if blow.kind != "missed"), None)
+        run_blows = tuple(dataclasses.replace(blow, turntable_speed=math.nan) for blow in run_blows)
+    first = next((blow for blow in run_blows if blow.kind != "missed"), None)
     histories = tuple(
-        None if blow.kind == "missed" else blow_history(run, blow, view, routes=blow is first) for blow in found
+        None if blow.kind == "missed" else blow_history(run, blow, view, routes=blow is first) for blow in run_blows
     )
     readings = tuple(history and blow_reading(history, view) for history in histories)
-    return Observed(run, found, view, tuple(name for name, _ in taps), histories, readings)
+    return Observed(run, run_blows, view, tuple(name for name, _ in taps), histories, readings)
 
 
 def check_rates(case: Case, view: ReadingSetup, step: float) -> None:

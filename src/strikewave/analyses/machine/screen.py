@@ -100,14 +100,14 @@ def show(solution: Solution) -> None:
 
 def _print_waves(solution: Solution) -> None:
     """Print what taps and sensors show of each blow, and the insertion loss of the buffers."""
-    found = [(blow, reading) for blow, reading in zip(solution.blows, solution.readings, strict=True) if reading]
+    read_blows = [(blow, reading) for blow, reading in zip(solution.blows, solution.readings, strict=True) if reading]
     names = [sensor.name for sensor in solution.case.sensor]
-    if not found or not (solution.waves or names):
+    if not read_blows or not (solution.waves or names):
         return
-    band = found[0][1].bandwidth
+    band = read_blows[0][1].bandwidth
     stated = "" if band is None else f", total and wave at {number(band, 'Hz', 'kHz', 3)} kHz"
     rows = []
-    for blow, reading in found:
+    for blow, reading in read_blows:
         peaks = [blow.rigid_peak, reading.total_peak, reading.wave_peak] if solution.waves else [blow.rigid_peak]
         cells = [number(peak, "m/s^2", "g", 5) for peak in peaks]
         for name in names:

@@ -149,8 +149,10 @@ def sensor_section(solution: Solution) -> list[Section]:
     curves = []
     for k, channel in enumerate(channels):
         values, start = data[f"reading_{k + 1}"], float(data[f"reading_{k + 1}_start"].values[struck[0]])
-        held = values.values[struck[0]]
-        curves.append(Trace(channel.sensor.name, start + float(values.attrs["step"]) * np.arange(held.size), held))
+        samples = values.values[struck[0]]
+        curves.append(
+            Trace(channel.sensor.name, start + float(values.attrs["step"]) * np.arange(samples.size), samples)
+        )
     index = solution.blows[struck[0]].index
     picture = traces(f"What the sensors read, blow {index}", curves, "g", _SINCE_TOUCH)
     table = Table("Sensor readings", ["blow", "sensor", "peak (g)", "pulse width at 10 % (µs)", "clipped"], rows)

@@ -54,12 +54,12 @@ def launch_tables(solution: Solution) -> list[Table]:
     for key, value in solution.launch.items():
         name, si, unit = _OF_LAUNCH[key]
         rows.append([name, with_unit(value, si, unit, 6) if si else f"{value:.4g}"])
-    made = [Table("Up to first touch", ["quantity", "value"], rows)]
+    tables = [Table("Up to first touch", ["quantity", "value"], rows)]
     collisions: list[list[Cell]] = [list(row) for row in collision_rows(solution)]
     if collisions:
         caption = "Collisions in the line, by restitution alone; speeds upwards, time after the lowest met the floor"
-        made.append(Table(caption, list(COLLISION_HEADS), collisions))
-    return made
+        tables.append(Table(caption, list(COLLISION_HEADS), collisions))
+    return tables
 
 
 def collision_rows(solution: Solution) -> list[list[str]]:

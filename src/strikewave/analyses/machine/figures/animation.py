@@ -89,7 +89,7 @@ def machine_page(solution: Solution) -> str | None:
 
 def machine_animation(motion: MachineMotion) -> Animation:
     """Return turntable, object and feed in motion, whole and close up, above the histories of the run or of a blow."""
-    made, near = motion.made, motion.near
+    outline, near = motion.made, motion.near
     views = [PlayedSpan("whole", "whole run", motion.time[[0, -1]])]
     views += [
         PlayedSpan(str(k), f"blow {one.blow.index} ({one.blow.kind})", np.array([one.begin, one.end]))
@@ -106,9 +106,9 @@ def machine_animation(motion: MachineMotion) -> Animation:
                 "whole",
                 "The whole machine; what it does at this time is written below.",
                 "the whole machine: strikers blue, struck face red, stop yellow, carriage and feed grey",
-                whole_limits(made),
+                whole_limits(outline),
             ),
-            Scene("close", "The strike, close up.", "the strike, close up", near_limits(made)),
+            Scene("close", "The strike, close up.", "the strike, close up", near_limits(outline)),
             Chart(
                 "traces",
                 "Contact force, rigid-body acceleration and turntable speed over time; their values at this time are "
@@ -122,7 +122,7 @@ def machine_animation(motion: MachineMotion) -> Animation:
         beside=2,
         smooth=True,
         tracks={name: getattr(motion, name) for name in ("time", "angle", "speed", NOSE, ASSEMBLY, CARRIAGE)},
-        shapes=_shapes(made),
+        shapes=_shapes(outline),
         readouts=[
             Readout("face", "mm behind its place at rest", NOSE, 1e-3, 2, motion.rest),
             Readout("carriage", "mm back", CARRIAGE, 1e-3, 2),

@@ -62,16 +62,16 @@ def machine_drawing(case: Case) -> Figure | None:
     """
     from matplotlib.figure import Figure
 
-    made = outlines(case)
-    if made is None:
+    outline = outlines(case)
+    if outline is None:
         return None
     figure = Figure(figsize=SIZE)
-    parts = machine_parts(case, made.geometry)
-    whole, scale = view(figure, WHOLE, whole_limits(made))
-    _draw_whole(whole, case, made, parts)
-    close, enlarged = view(figure, CLOSE, close_limits(made.geometry))
-    _draw_close(close, case, made, enlarged / scale)
-    _draw_notes(figure, case, made)
+    parts = machine_parts(case, outline.geometry)
+    whole, scale = view(figure, WHOLE, whole_limits(outline))
+    _draw_whole(whole, case, outline, parts)
+    close, enlarged = view(figure, CLOSE, close_limits(outline.geometry))
+    _draw_close(close, case, outline, enlarged / scale)
+    _draw_notes(figure, case, outline)
     list_parts(figure, parts)
     return figure
 

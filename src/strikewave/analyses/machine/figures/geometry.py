@@ -160,8 +160,8 @@ def _errors(striker: StrikerTable, count: int) -> tuple[tuple[float, float], ...
     own = {int(row.number.si): (row.angle_error, row.reach_error) for row in striker.each}
     if not any(part is not None for row in own.values() for part in row):
         return ()
-    found = (own.get(k + 1, (None, None)) for k in range(count))
-    return tuple((0.0 if a is None else a.si, 0.0 if r is None else r.si) for a, r in found)
+    errors = (own.get(k + 1, (None, None)) for k in range(count))
+    return tuple((0.0 if a is None else a.si, 0.0 if r is None else r.si) for a, r in errors)
 
 
 class Pose(NamedTuple):
@@ -385,9 +385,9 @@ def _holding(geometry: StrikeGeometry, at: Levels, half_height: float) -> list[O
 
 def _connections(geometry: StrikeGeometry, at: Levels, frame: tuple[float, float] | None) -> tuple[Connection, ...]:
     """Return spring and damper behind the object, the rod of the feed, and spring and damper of a frame."""
-    y, reach, held = geometry.strike_position[1], geometry.reach, geometry.reach - geometry.engagement
-    behind, rod = (reach + at.end, held + at.wall), (held + at.wall + 6.0 * at.unit, held + at.cylinder)
-    found = [
+    y, reach, face = geometry.strike_position[1], geometry.reach, geometry.reach - geometry.engagement
+    behind, rod = (reach + at.end, face + at.wall), (face + at.wall + 6.0 * at.unit, face + at.cylinder)
+    connections = [
         Connection((ASSEMBLY, CARRIAGE), behind, (_spring(y + 0.45 * at.high, 3.5 * at.unit),)),
         Connection((ASSEMBLY, CARRIAGE), behind, _damper(y - 0.45 * at.high, 4.0 * at.unit)),
         Connection((CARRIAGE, GROUND), rod, (np.array([(0.0, y), (1.0, y)]),)),
@@ -396,27 +396,27 @@ def _connections(geometry: StrikeGeometry, at: Levels, frame: tuple[float, float
         ends = (reach + frame[0], reach + frame[1])
         half = at.high if geometry.face_width is None else min(at.high, geometry.half_face)
         size = min(3.5 * at.unit, 0.4 * half)
-        found.append(Connection((NOSE, ASSEMBLY), ends, (_spring(y + 0.45 * half, size),)))
-        found.append(Connection((NOSE, ASSEMBLY), ends, _damper(y - 0.45 * half, 1.1 * size)))
-    return tuple(found)
+        connections.append(Connection((NOSE, ASSEMBLY), ends, (_spring(y + 0.45 * half, size),)))
+        connections.append(Connection((NOSE, ASSEMBLY), ends, _damper(y - 0.45 * half, 1.1 * size)))
+    return tuple(connections)
 
 
 def _places(geometry: StrikeGeometry, at: Levels, names: dict[str, float]) -> LabelPlaces:
     """Return where words and numbers stand."""
-    y, held, unit = geometry.strike_position[1], geometry.reach - geometry.engagement, at.unit
-    behind = held + 0.5 * (at.end + at.wall)
-    middles = {name: (held + x, y) for name, x in names.items()}
+    y, face, unit = geometry.strike_position[1], geometry.reach - geometry.engagement, at.unit
+    behind = face + 0.5 * (at.end + at.wall)
+    middles = {name: (face + x, y) for name, x in names.items()}
     if "frame" in middles:
         middles["frame"] = (middles["frame"][0], y + at.high + 8.0 * unit)
     middles |= {
         "spring": (behind, y + 0.45 * at.high + 13.0 * unit),
         "damper": (behind, y - 0.45 * at.high - 13.0 * unit),
-        "stop": (held + 0.5 * (at.lug + 5.0 * unit + at.flange), y - at.high - 8.0 * unit),
-        "carriage": (held + at.wall + 3.0 * unit, y + 0.5 * at.floor),
-        "feed": (held + at.cylinder + 13.0 * unit, y),
+        "stop": (face + 0.5 * (at.lug + 5.0 * unit + at.flange), y - at.high - 8.0 * unit),
+        "carriage": (face + at.wall + 3.0 * unit, y + 0.5 * at.floor),
+        "feed": (face + at.cylinder + 13.0 * unit, y),
     }
-    far = held + at.cylinder + 28.0 * unit
-    return LabelPlaces(at.high, held, middles, held + at.wall + 6.0 * unit, y + at.floor - 9.0 * unit, far)
+    far = face + at.cylinder + 28.0 * unit
+    return LabelPlaces(at.high, face, middles, face + at.wall + 6.0 * unit, y + at.floor - 9.0 * unit, far)
 
 
 def _spring(y: float, half: float) -> Array:

@@ -98,21 +98,21 @@ class MachineMotion:
 
 def machine_motion(solution: Solution) -> MachineMotion | None:
     """Return what moves in a run of the rotary machine; None for any other case."""
-    made = outlines(solution.case)
-    if made is None:
+    outline = outlines(solution.case)
+    if outline is None:
         return None
     data = solution.data
     time = data["time"].values
     near = tuple(_near(solution, row) for row in detailed(solution.blows))
-    kept = _kept_rows(time, near)
+    rows = _kept_rows(time, near)
     return MachineMotion(
-        made=made,
-        time=time[kept],
-        angle=data["turntable_angle"].values[kept],
-        speed=data["turntable_speed"].values[kept],
-        nose=data["nose_position"].values[kept],
-        assembly=data["assembly_position"].values[kept],
-        carriage=data["carriage_position"].values[kept],
+        made=outline,
+        time=time[rows],
+        angle=data["turntable_angle"].values[rows],
+        speed=data["turntable_speed"].values[rows],
+        nose=data["nose_position"].values[rows],
+        assembly=data["assembly_position"].values[rows],
+        carriage=data["carriage_position"].values[rows],
         force=TimeHistory(*thin(time, data["contact_force"].values, WHOLE_COLUMNS)),
         acceleration=TimeHistory(*thin(time, data["rigid_acceleration"].values, WHOLE_COLUMNS)),
         blows=solution.blows,
