@@ -117,14 +117,14 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
 
 def notices_of(files: Sequence[FileReading]) -> tuple[Notice, ...]:
     """Return the warnings on all files, each once."""
-    found: dict[str, tuple[HealthNotice, int]] = {}
+    findings: dict[str, tuple[HealthNotice, int]] = {}
     for file in files:
         for code in {f.code for f in file.all_findings if f.code in ("unit-unknown", "not-calibrated", "unreadable")}:
             first = next(f for f in file.all_findings if f.code == code)
-            found[code] = (found[code][0] if code in found else first, found.get(code, (first, 0))[1] + 1)
+            findings[code] = (findings[code][0] if code in findings else first, findings.get(code, (first, 0))[1] + 1)
     return tuple(
         Notice(code, f.message if count == 1 else f"{f.message} ({count} files)", count, 0)
-        for code, (f, count) in found.items()
+        for code, (f, count) in findings.items()
     )
 
 

@@ -203,13 +203,13 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
         "ringing_frequency": lambda v: number(v, "Hz", "Hz") + " Hz",
     }
     rows = []
-    for name, found in campaign.statistics.items():
+    for name, statistic in campaign.statistics.items():
         write = writers.get(name, lambda v: number(v, "s", "us") + " us")
         line = campaign.trends.get(name)
         trend = "-" if line is None else f"{line.change:+.1%}" + ("" if line.low <= 0.0 <= line.high else " *")
-        bounds = "-" if found.n < 2 else f"{write(found.low)} to {write(found.high)}"
-        cv = "-" if found.n < 2 else f"{found.cv:.2%}"
-        rows.append([name.replace("_", " "), write(found.mean), cv, bounds, str(found.n), trend])
+        bounds = "-" if statistic.n < 2 else f"{write(statistic.low)} to {write(statistic.high)}"
+        cv = "-" if statistic.n < 2 else f"{statistic.cv:.2%}"
+        rows.append([name.replace("_", " "), write(statistic.mean), cv, bounds, str(statistic.n), trend])
     if not rows:
         say(f"{campaign.channel}: nothing is left to sum up")
         return
@@ -232,10 +232,10 @@ def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) ->
         return
     for reading in readings:
         effect = filter_effect(reading, filter_)
-        said = f"{reading.channel.name}: {effect['name']}"
+        sentence = f"{reading.channel.name}: {effect['name']}"
         if effect["peak_left"]:
             peak, width = _mean(effect["peak_left"]), _mean(effect["width_left"])
-            said += f" leaves {peak:.1%} of the peak, {width:.1%} of the width"
+            sentence += f" leaves {peak:.1%} of the peak, {width:.1%} of the width"
         if effect["half_sine_peak_left"] is not None:
-            said += f" (of a half-sine as wide {effect['half_sine_peak_left']:.1%})"
-        say(said)
+            sentence += f" (of a half-sine as wide {effect['half_sine_peak_left']:.1%})"
+        say(sentence)

@@ -316,8 +316,8 @@ def record_summary(files: Sequence[FileReading], campaign: Campaign | None, titl
     (first, second), (third, fourth) = figure.subplots(2, 2)
     records.draw_history(first, best, 400)
     records.draw_overlay(second, sound or named, names=False)
-    found = response(best) if best.channel.unit in ("m/s^2", "") else None
-    draw_srs(third, [found] if found is not None else [], (), best.channel.unit)
+    spectrum = response(best) if best.channel.unit in ("m/s^2", "") else None
+    draw_srs(third, [spectrum] if spectrum is not None else [], (), best.channel.unit)
     if len(files) > 1 and campaign is not None:
         campaigns.draw_trend(fourth, campaign, "peak", best.channel.unit, len(files))
     else:
