@@ -110,10 +110,10 @@ class WaveSolution(Result):
 
     def peaks(self, k: int, route: str = EXACT) -> dict[str, float | None]:
         """Return the values of largest magnitude at tap k; no acceleration where theory allows none to be quoted."""
-        found = self.by_route(k, route)
-        if found is None:
+        history = self.by_route(k, route)
+        if history is None:
             return dict.fromkeys(RouteHistory._fields)
-        peaks: dict[str, float | None] = {key: largest(values) for key, values in found._asdict().items()}
+        peaks: dict[str, float | None] = {key: largest(values) for key, values in history._asdict().items()}
         return peaks if self.quoted else {**peaks, "acceleration": None}
 
     @property
@@ -208,11 +208,11 @@ class WaveSolution(Result):
         velocity, acceleration = self.accuracy
         taps = []
         for k, (name, tap) in enumerate(self.taps):
-            layer, found = self.run.stack.layers[tap.layer], self.by_route(k, self.route)
-            if found is not None:
+            layer, history = self.run.stack.layers[tap.layer], self.by_route(k, self.route)
+            if history is not None:
                 place = {"name": name, "layer": layer.name, "position": tap.position, "route": self.route}
                 place["peaks"] = self.peaks(k, self.route)
-                taps.append({**place, "time": self.run.time, **found._asdict(), "stress": found.force / layer.area})
+                taps.append({**place, "time": self.run.time, **history._asdict(), "stress": history.force / layer.area})
         return {
             "case": self.case.name,
             "step": float(self.run.time[1]) if self.run.time.size > 1 else self.waves.step,
@@ -240,9 +240,9 @@ class WaveSolution(Result):
         """Yield force, stress, velocity, acceleration at each tap by the route of the case; NaN where it has none."""
         for k, (_, tap) in enumerate(self.taps):
             nothing = np.full(self.run.time.size, np.nan)
-            found = self.by_route(k, self.route) or RouteHistory(nothing, nothing, nothing)
-            stress = found.force / self.run.stack.layers[tap.layer].area
-            yield found.force, stress, found.velocity, found.acceleration
+            history = self.by_route(k, self.route) or RouteHistory(nothing, nothing, nothing)
+            stress = history.force / self.run.stack.layers[tap.layer].area
+            yield history.force, stress, history.velocity, history.acceleration
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:
