@@ -194,16 +194,16 @@ def restraints(model: Model, ties: TieState) -> list[Restraint]:
         As `strikewave.fem.boundary.held_nodes` does.
     """
     holding = [b for b in model.boundaries if isinstance(b, Fixed | Symmetry | Guided)]
-    held = held_nodes(model.mesh, holding, ties)
-    if held is None:
+    restrained = held_nodes(model.mesh, holding, ties)
+    if restrained is None:
         return []
-    planes = np.einsum("nki,nkj->nij", held.directions, held.directions)
+    planes = np.einsum("nki,nkj->nij", restrained.directions, restrained.directions)
     kinds, which = np.unique(planes.round(9).reshape(-1, 9) + 0.0, axis=0, return_inverse=True)
     named = {side: nodes_named(model.mesh, side) for side in dict.fromkeys(b.side for b in holding)}
     groups = []
     for k in range(len(kinds)):
         rows = np.flatnonzero(which.ravel() == k)
-        nodes = held.nodes[rows]
+        nodes = restrained.nodes[rows]
         sides = tuple(side for side, members in named.items() if np.isin(nodes, members).any())
         groups.append(Restraint(nodes, *_axes(planes[rows[0]]), sides))
     return groups

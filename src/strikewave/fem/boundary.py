@@ -86,10 +86,10 @@ class Acting(abc.ABC):
 
     def done(self, v: Array, kick: float) -> tuple[float, float, float, float]:
         """Return work (J) and impulse (N s) of the step that led to the velocity v."""
-        found: tuple[float, float, float, float] = kernels.work_and_impulse(
+        work_and_impulse: tuple[float, float, float, float] = kernels.work_and_impulse(
             self.nodes, self.force, self.before, v, kick
         )
-        return found
+        return work_and_impulse
 
     def work_before(self, dt_previous: float) -> float:
         """Return the part of it that lies before the instant itself, J; ``dt_previous`` is the step before, s."""
@@ -218,14 +218,14 @@ def _held_directions(mesh: Mesh, boundary: Fixed | Symmetry | Guided) -> Array:
     return _across(unit(boundary.axis, "boundary.axis"))
 
 
-def _orthonormal(held: Array, new: Array) -> Array:
-    """Return the rows of held and those parts of new directions that they do not hold yet."""
+def _orthonormal(basis: Array, new: Array) -> Array:
+    """Return the rows of a basis and those parts of new directions that they do not span yet."""
     for direction in new:
-        rest = direction - held.T @ (held @ direction)
+        rest = direction - basis.T @ (basis @ direction)
         length = np.linalg.norm(rest)
         if length > PARALLEL:
-            held = np.vstack([held, rest / length])
-    return held
+            basis = np.vstack([basis, rest / length])
+    return basis
 
 
 def held_nodes(mesh: Mesh, boundaries: Sequence[Fixed | Symmetry | Guided], ties: TieState) -> Held | None:
@@ -302,11 +302,11 @@ def build_boundaries(model: Model, ties: TieState) -> tuple[list[Acting], list[H
     free[ties.nodes] = False
     loads: list[Acting] = [Pressed(mesh.side(b.side), b.pressure) for b in model.boundaries if isinstance(b, Pressure)]
     quiet = dashpots(mesh, [b for b in model.boundaries if isinstance(b, NonReflecting)], model.solids, free)
-    held = held_nodes(mesh, [b for b in model.boundaries if isinstance(b, Fixed | Symmetry | Guided)], ties)
+    restrained = held_nodes(mesh, [b for b in model.boundaries if isinstance(b, Fixed | Symmetry | Guided)], ties)
     moving = [b for b in model.boundaries if isinstance(b, Driven)]
     _check_driven(mesh, moving, ties)
-    driven = [_driven(mesh, b, held, free) for b in moving]
-    return [*loads, *([quiet] if quiet else [])], [*driven, *([held] if held else [])]
+    driven = [_driven(mesh, b, restrained, free) for b in moving]
+    return [*loads, *([quiet] if quiet else [])], [*driven, *([restrained] if restrained else [])]
 
 
 def _check_driven(mesh: Mesh, boundaries: Sequence[Driven], ties: TieState) -> None:

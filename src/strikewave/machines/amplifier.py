@@ -387,11 +387,11 @@ class _State:
 
     def _pulls(self) -> list[float]:
         """Return the acceleration of each body: none for what is infinite or rests on such from below."""
-        out, held = [], True
+        out, rests = [], True
         for k, mass in enumerate(self.line.masses):
             below = k > 0 and self.gaps[k - 1] == 0.0 and self.speeds[k] == self.speeds[k - 1]
-            held = math.isinf(mass) if k == 0 else held and below
-            out.append(0.0 if held or math.isinf(mass) else -self.line.gravity)
+            rests = math.isinf(mass) if k == 0 else rests and below
+            out.append(0.0 if rests or math.isinf(mass) else -self.line.gravity)
         return out
 
     def flight(self) -> _Flight:
@@ -431,8 +431,8 @@ class _State:
             self.gaps[k] = max(self.gaps[k] + (w + 0.5 * change * wait) * wait, 0.0)
         self.gaps[pair] = 0.0
         self.base += (v[0] + 0.5 * a[0] * wait) * wait
-        held = sum(m for m, pull in zip(self.line.masses, a, strict=True) if math.isfinite(m) and pull == 0.0)
-        self.support += held * self.line.gravity * wait
+        resting_mass = sum(m for m, pull in zip(self.line.masses, a, strict=True) if math.isfinite(m) and pull == 0.0)
+        self.support += resting_mass * self.line.gravity * wait
         self.speeds = [speed + pull * wait for speed, pull in zip(v, a, strict=True)]
         self.time += wait
 

@@ -297,15 +297,15 @@ def train_tables(machine: Machine) -> tuple[TrainTables, Part, Part]:
     full.settings[STOP_AT_TOUCH] = 0.0
     nodes, links = np.arange(len(chain.bodies) + chain.bases.shape[1]), np.arange(len(chain.joins))
     of_bodies, of_bases = nodes[: len(chain.bodies)], nodes[len(chain.bodies) :]
-    carriage, held = of_bases[at.carriage], links[at.support :]
+    carriage, supports = of_bases[at.carriage], links[at.support :]
     one = np.r_[of_bodies[at.strikers][0], of_bodies[at.object]]
-    of_blow = np.r_[links[at.contacts][0], links[at.mounts][0], links[at.frame], held]
+    of_blow = np.r_[links[at.contacts][0], links[at.mounts][0], links[at.frame], supports]
     in_blow = [*one, of_bases[0], carriage]
     blow = MachineSystem(_part_of(chain, chain.bodies[one], of_blow, in_blow), full.seats[:1].copy(), full.settings)
     masses = chain.bodies[at.strikers, MASS]
     stretches = masses / np.array([s.mount_stiffness for s in machine.strikers.each])
     flight = FlightSystem(
-        _part_of(chain, np.array([[struck.mass, struck.gravity, 0.0]]), held, [at.assembly, carriage]),
+        _part_of(chain, np.array([[struck.mass, struck.gravity, 0.0]]), supports, [at.assembly, carriage]),
         np.column_stack([full.seats, stretches]),
         full.settings,
         np.zeros(machine.strikers.count),

@@ -104,18 +104,18 @@ def strike(
         raise IntegrationError(
             f"a blow on the stack lasts longer than {LONGEST_BLOW * 1e3:g} ms: the contact or its mount is too soft"
         )
-    kept = (steps - 1) // every + 1
+    samples = (steps - 1) // every + 1
     # the last acceleration has no velocity after it: straight on
-    taps.velocity[kept - 1, :, 2] = 2.0 * taps.velocity[kept - 1, :, 1] - taps.velocity[kept - 1, :, 0]
-    last = history[kept - 1]
+    taps.velocity[samples - 1, :, 2] = 2.0 * taps.velocity[samples - 1, :, 1] - taps.velocity[samples - 1, :, 0]
+    last = history[samples - 1]
     gained = waves.momentum(going.tables, going.waves) - going.momentum
     span = StackSpan(
         struck=struck,
         begin=start.time,
         step=every * step,
         striker=going.striker,
-        history=history[:kept].copy(),
-        taps=Recording(taps.nodes, every, taps.force[:kept].copy(), taps.velocity[:kept].copy()),
+        history=history[:samples].copy(),
+        taps=Recording(taps.nodes, every, taps.force[:samples].copy(), taps.velocity[:samples].copy()),
         field_position=places,
         field_step=whole.every * step,
         field_force=whole.force[: (steps - 1) // whole.every + 1].copy(),
@@ -152,8 +152,8 @@ class _Strike:
         self.supports = _supports(system)
         self.tables, self.waves = tables_of(layered.stack, layered.grid), state_at_rest(layered.stack, layered.grid)
         carriage, carriage_speed = (float(system.chain.bases[row, at.carriage]) for row in (PLACE, SPEED))
-        held = _end_force(self.supports, float(self.x[at.assembly]) - carriage, self.speed - carriage_speed)
-        _settle_in(layered, self.tables, self.waves, held, self.relative)
+        end_force = _end_force(self.supports, float(self.x[at.assembly]) - carriage, self.speed - carriage_speed)
+        _settle_in(layered, self.tables, self.waves, end_force, self.relative)
         self.momentum = waves.momentum(self.tables, self.waves)
         self.ringing = self._beyond_bodies(start, self.speed, float(self.x[at.assembly]), self.relative)
 
@@ -255,13 +255,13 @@ class _Strike:
         at, chain = self.layout, self.system.chain
         masses = chain.bodies[at.object, MASS]
         of_object = [at.frame, at.support, at.stop]
-        frame_too, held = (Links(chain.joins[k], chain.values[k]) for k in (of_object, of_object[1:]))
+        frame_too, supports = (Links(chain.joins[k], chain.values[k]) for k in (of_object, of_object[1:]))
         nodes = nodes_at(self.system, bodies.y)
         v = bodies.y[at.speeds][at.object]
         as_bodies = 0.5 * float(masses @ v**2) + stored_energy(frame_too, nodes)
         nodes[at.assembly] = stands
         moving = 0.5 * float(masses.sum()) * speed**2 + speed * float(masses @ relative)
-        return waves.energy(self.tables, self.waves) + moving + stored_energy(held, nodes) - as_bodies
+        return waves.energy(self.tables, self.waves) + moving + stored_energy(supports, nodes) - as_bodies
 
 
 def _ease(system: MachineSystem, bodies: MotionState, energy: float) -> None:
@@ -272,8 +272,8 @@ def _ease(system: MachineSystem, bodies: MotionState, energy: float) -> None:
     at, chain = layout_of(system), system.chain
     masses, x = chain.bodies[at.object, MASS], bodies.y[at.positions]
     bend = x[at.nose] - x[at.assembly]
-    kept = 1.0 - energy / (0.5 * chain.values[at.frame, STIFFNESS] * bend**2) if bend else 0.0
-    less = bend * (1.0 - math.sqrt(max(kept, 0.0)))
+    remaining = 1.0 - energy / (0.5 * chain.values[at.frame, STIFFNESS] * bend**2) if bend else 0.0
+    less = bend * (1.0 - math.sqrt(max(remaining, 0.0)))
     x[at.nose] -= less * masses[1] / masses.sum()
     x[at.assembly] += less * masses[0] / masses.sum()
 
@@ -305,30 +305,30 @@ def _strikers_only(system: MachineSystem) -> MachineSystem:
     return MachineSystem(alone, system.seats, system.settings)
 
 
-def _settle_in(layered: LayeredObject, tables: Tables, state: Waves, held: float, relative: Array) -> None:
+def _settle_in(layered: LayeredObject, tables: Tables, state: Waves, end_force: float, relative: Array) -> None:
     """Fill the waves of a stack that moves as two rigid parts while its end is held by a force.
 
-    The force in a section is the share of the mass before it, f = held m(s)/m, so that the stack starts
+    The force in a section is the share of the mass before it, f = end_force m(s)/m, so that the stack starts
     without ringing; across an open gap it would not hold together, and the stack starts free of force.
     """
     stack = layered.stack
     total, passed = layered.nose_mass + layered.assembly_mass, 0.0
     if any(joint.gap > 0.0 for joint in stack.joints):
-        held = 0.0
+        end_force = 0.0
     for i, layer in enumerate(stack.layers):
         v = float(relative[0 if i < layered.first_of_assembly else 1])
         nodes, begin = int(tables.nodes[i]), int(tables.start[i])
         place, z = int(state.place[i]), float(tables.impedance[i])
         share = (passed + layer.mass * np.arange(nodes) / (nodes - 1)) / total
-        force = held * share
+        force = end_force * share
         ahead, behind = (place - np.arange(nodes)) % nodes, (place - np.arange(nodes)[::-1]) % nodes
         state.forward[begin + ahead] = 0.5 * (force + z * v)
         state.backward[begin + behind] = 0.5 * (force - z * v)
         passed += layer.mass
         if i < len(stack.joints):
-            joint, f = stack.joints[i], held * passed / total
+            joint, f = stack.joints[i], end_force * passed / total
             if tables.joint_kind[i] == POINT_MASS:
-                push = held * joint.mass / total
+                push = end_force * joint.mass / total
                 state.joint[i, 0], state.joint[i, 1] = tables.joint_value[i, RESISTANCE] * v - push, v
             elif joint.gap == 0.0 and math.isfinite(joint.stiffness):
                 state.joint[i, 0] = f / joint.stiffness

@@ -83,9 +83,9 @@ class StruckObject:
     def links(self, rest: float) -> list[Link]:
         """Return frame, support spring and stop for an assembly that rests at ``rest`` on a carriage at 0, m."""
         stands = -rest - self.stop_compression if self.stop_stiffness else FAR
-        held: list[Link] = [
+        without_rail: list[Link] = [
             Spring(NOSE, ASSEMBLY, self.frame_stiffness, self.frame_damping),
             Spring(ASSEMBLY, CARRIAGE, self.spring, self.damper, self.preload, offset=rest),
             Stop(CARRIAGE, ASSEMBLY, self.stop_stiffness, self.stop_damping, offset=stands),
         ]
-        return [*held, self.rail] if self.rubs else held
+        return [*without_rail, self.rail] if self.rubs else without_rail

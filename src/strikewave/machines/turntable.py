@@ -81,12 +81,12 @@ def spin_up_time(turntable: Turntable, tolerance: float = 1e-4) -> float:
     8.69
     """
     t = turntable
-    held = t.drag * t.speed
-    if held >= t.torque:
+    drag_torque = t.drag * t.speed
+    if drag_torque >= t.torque:
         raise ValueError(
-            f"the drive's {t.torque:.4g} N m cannot hold {t.speed:.4g} rad/s against a drag of {held:.4g} N m"
+            f"the drive's {t.torque:.4g} N m cannot hold {t.speed:.4g} rad/s against a drag of {drag_torque:.4g} N m"
         )
-    limit = max(t.speed - (t.torque - held) / t.speed_gain, 0.0)
+    limit = max(t.speed - (t.torque - drag_torque) / t.speed_gain, 0.0)
     full = t.turning * limit / t.torque * _log_share(-t.drag * limit / t.torque)
     error = t.speed - limit
     approach = t.turning / (t.speed_gain + t.drag) * math.log(max(error / (tolerance * t.speed), 1.0))
