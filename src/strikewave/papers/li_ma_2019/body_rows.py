@@ -87,5 +87,5 @@ def body_rows(solutions: Sequence[FemSolution]) -> list[BodyRow]:
 
 def _is_frame_blow(case: Case) -> bool:
     shapes = [type(part) for part in (case.mesh.part if case.mesh else ())]
-    held = {row.kind for row in (case.fem.boundary if case.fem else ())} - {"symmetry"}
-    return HalfCylinder in shapes and FramePart in shapes and not held
+    boundary_kinds = {row.kind for row in (case.fem.boundary if case.fem else ())} - {"symmetry"}
+    return HalfCylinder in shapes and FramePart in shapes and not boundary_kinds

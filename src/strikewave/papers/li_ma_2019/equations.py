@@ -42,6 +42,6 @@ def _table() -> tuple[dict[str, Any], ...]:
 
 def _row(words: dict[str, Any], values: Values) -> EquationRow:
     """Join the words of an equation and its numbers."""
-    told = {key: words[key].format(**values.words) for key in ("quantity", "note")}
-    filled = {"corrected": "", **words, **told}
+    texts = {key: words[key].format(**values.words) for key in ("quantity", "note")}
+    filled = {"corrected": "", **words, **texts}
     return EquationRow(**filled, printed=values.printed, corrected_value=values.corrected, exact=values.exact)

@@ -154,10 +154,10 @@ def reading_traces(solution: Solution, sensor: str) -> list[Trace]:
     struck = [k for k, blow in enumerate(solution.blows) if blow.kind != "missed"]
     traces = []
     for row in struck:
-        held = values.values[row]
-        held = held[np.isfinite(held)]
+        reading = values.values[row]
+        reading = reading[np.isfinite(reading)]
         since = solution.blows[row].time - solution.blows[struck[0]].time + float(starts[row])
-        traces.append(Trace(sensor, since + float(values.attrs["step"]) * np.arange(held.size), held))
+        traces.append(Trace(sensor, since + float(values.attrs["step"]) * np.arange(reading.size), reading))
     return traces
 
 
@@ -193,10 +193,10 @@ def passing_figure(solution: WaveSolution, tap: int = 0) -> Figure:
     scale = float(np.abs(solution.run.face_force).max())
     styles = {EXACT: (BLUE, "-", 1.6), "corrected": (GREEN, "--", 1.6), "as printed": (RED, "-.", 1.4)}
     for route, (colour, stroke, width) in styles.items():
-        found = solution.by_route(tap, route)
-        if found is not None:
+        history = solution.by_route(tap, route)
+        if history is not None:
             words = "exact, this stack" if route == EXACT else f"paper's route, {route}"
-            time, values = thin(since[shown], found.force[shown] / scale)
+            time, values = thin(since[shown], history.force[shown] / scale)
             force.plot(time, values, stroke, color=colour, linewidth=width, label=words)
     quiet(force, f"Force at x = {x:g} l", f"time since the first arrival / t₀ = {transit * 1e6:.4g} µs", "force / load")
     force.set_ylim(bottom=0.0)

@@ -46,9 +46,9 @@ def reproduce(effort: Effort, report: Report = lambda share, words: None) -> Rep
     solutions[ELASTIC] = further.elastic
     measured = {name: None if table is None else element_numbers(table) for name, table in solutions.items()}
     numbers = number_rows(published_numbers(), runs)
-    found = findings(equations, checks, measured, _read_ratio(numbers))
+    finding_rows = findings(equations, checks, measured, _read_ratio(numbers))
     return Reproduction(
-        runs, equations, numbers, checks, found, further, effort, notices=notices_of(runs), citations=(PAPER,)
+        runs, equations, numbers, checks, finding_rows, further, effort, notices=notices_of(runs), citations=(PAPER,)
     )
 
 

@@ -202,8 +202,8 @@ def si_unit(unit: str) -> str:
     >>> si_unit("us"), si_unit("GPa"), si_unit("1"), si_unit("blows")
     ('s', 'Pa', '1', 'blows')
     """
-    found = None if unit == "1" else convertible(unit, DIMENSIONS)
-    return unit if found is None else found[0]
+    conversion = None if unit == "1" else convertible(unit, DIMENSIONS)
+    return unit if conversion is None else conversion[0]
 
 
 def equation_document(row: EquationRow) -> dict[str, Any]:

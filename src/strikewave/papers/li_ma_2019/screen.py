@@ -93,12 +93,12 @@ def progress() -> Iterator[Report]:
         with progress_bar("") as report:
             yield report
         return
-    told = [""]
+    reported = [""]
 
     def line(share: float, words: str) -> None:
         run = words.partition(":")[0]
-        if run not in ("", told[-1]):
+        if run not in ("", reported[-1]):
             say(f"{share:4.0%}  {run}")
-            told.append(run)
+            reported.append(run)
 
     yield line

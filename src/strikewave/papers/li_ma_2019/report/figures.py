@@ -227,8 +227,8 @@ because the walls of the assumed frame bend. {_momenta(result)}{_left_out(result
 
 def _pulses(result: Reproduction, named: Iterable[tuple[str, str]]) -> list[Trace]:
     """Return the pulses of the finite-element models that were run, by case and words."""
-    found = [(result.runs.element_solution(name), words) for name, words in named]
-    pulses = [(element_pulse(solution), words) for solution, words in found if solution is not None]
+    solutions = [(result.runs.element_solution(name), words) for name, words in named]
+    pulses = [(element_pulse(solution), words) for solution, words in solutions if solution is not None]
     return [Trace(words, pulse.time, pulse.acceleration) for pulse, words in pulses]
 
 
@@ -239,17 +239,17 @@ def _momenta(result: Reproduction) -> str:
         for peak, width in ((known.RIGID_PEAK, known.RIGID_WIDTH), (known.DYNA_PEAK, known.DYNA_WIDTH))
     )
     words = {RIGID_ELEMENTS: "with faces that reflect", QUIET_ELEMENTS: "with non-reflecting ones"}
-    found = {name: result.runs.element_solution(name) for name in words}
-    told = [
+    solutions = {name: result.runs.element_solution(name) for name in words}
+    impulses = [
         f"{with_unit(impulse, 'N s', 'N s', 3)} {words[name]}"
-        for name, solution in found.items()
+        for name, solution in solutions.items()
         if solution is not None and (impulse := element_numbers(solution).impulse) is not None
     ]
-    if not told:
+    if not impulses:
         return ""
     return (
         "That the elements meet peak and width by fit is one crest of a ringing pulse, not its shape: the impulse of "
-        f"the blow is {listed(told)}, where half-sines of the published peaks and widths have "
+        f"the blow is {listed(impulses)}, where half-sines of the published peaks and widths have "
         f"{with_unit(measured, 'N s', 'N s', 3)} (measured) and {with_unit(simulated, 'N s', 'N s', 3)} (LS-DYNA). "
     )
 
@@ -262,10 +262,10 @@ def struck_mass(result: Reproduction) -> float:
 def _force_over_mass(result: Reproduction) -> Iterator[Trace]:
     """Yield the contact force over the object's mass where faces do not reflect: what the paper calls acceleration."""
     solution = result.runs.element_solution(QUIET_ELEMENTS)
-    found = None if solution is None else whole_force(solution)
-    if solution is None or found is None:
+    history = None if solution is None else whole_force(solution)
+    if solution is None or history is None:
         return
-    time, force, _ = found
+    time, force, _ = history
     body = struck_body(solution)
     mass = solution.run.groups[body].mass * solution.sectors[body].pieces
     yield Trace("the same, contact force over mass", time - first_touch(solution), force / mass)

@@ -50,8 +50,8 @@ def _summary(result: Reproduction) -> str:
     verdicts = [row.verdict for row in result.equations]
     counted = listed([f"{verdicts.count(name)} {name}" for name in tables.VERDICTS if name in verdicts])
     findings = [row.verdict for row in result.findings]
-    held = listed([f"{findings.count(name)} {name}" for name in tables.ANSWERS if name in findings])
-    stated = f"Of {len(findings)} points: {held}. " if findings else ""
+    answers = listed([f"{findings.count(name)} {name}" for name in tables.ANSWERS if name in findings])
+    stated = f"Of {len(findings)} points: {answers}. " if findings else ""
     return (
         f"Of {len(verdicts)} numbered equations: {counted}. {stated}"
         "What the machine was fitted to agrees by construction; what was not shows how far bodies, springs and waves "

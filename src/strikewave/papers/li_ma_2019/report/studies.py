@@ -97,20 +97,20 @@ def blow_table(solution: FemSolution) -> Table:
     """Say what the plastic memory of the first blow changes in the second."""
     rows: list[list[Cell]] = []
     for blow in solution.blows:
-        found, contact = blow_measure(blow.run, blow.model.touching), next(iter(blow.contacts))
-        touched, whole, back = blow.contacts[contact], blow.wholes[contact], found.restitution[contact]
+        measure, contact = blow_measure(blow.run, blow.model.touching), next(iter(blow.contacts))
+        touched, whole, back = blow.contacts[contact], blow.wholes[contact], measure.restitution[contact]
         if touched is None:
             continue
         pieces = blow.sectors[contact.partition(".")[0]].pieces if whole is not None else 1
         rows.append(
             [
-                str(found.blow),
+                str(measure.blow),
                 written((touched.peak if whole is None else whole.peak) / 1e3, 5),
                 written(touched.duration * 1e6, 5),
                 written(touched.impulse if whole is None else whole.impulse, 5),
                 NONE if back is None else f"{back:.4f}",
-                written(pieces * sum(found.plastic_energy.values()), 3),
-                written(max(found.plastic_strain.values(), default=math.nan), 3),
+                written(pieces * sum(measure.plastic_energy.values()), 3),
+                written(max(measure.plastic_strain.values(), default=math.nan), 3),
             ]
         )
     heads = [*ANSWERS[:3], "restitution", "taken by yield (J)", "plastic strain"]

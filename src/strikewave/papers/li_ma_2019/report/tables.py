@@ -72,16 +72,16 @@ def provenance_section(cases: Sequence[Case]) -> Section:
     for case in cases:
         values = [str(value.provenance) for value in case.values().values()]
         counts.append([case.name, *(str(values.count(p)) for p in PROVENANCES), str(len(values))])
-    found = inputs_by_cases(cases)
-    shared = [entry.provenance for entry in found]
+    inputs = inputs_by_cases(cases)
+    shared = [entry.provenance for entry in inputs]
     counts.append(["all, each once", *(str(shared.count(p)) for p in PROVENANCES), str(len(shared))])
     known: list[list[Cell]] = [
         [entry.path, entry.typed, Tag(entry.provenance, entry.provenance), entry.note or NONE, ", ".join(names)]
         for provenance in ("fitted", "inferred", "measured", "published")
-        for entry, names in found.items()
+        for entry, names in inputs.items()
         if entry.provenance == provenance
     ]
-    assumed = [(entry, names) for entry, names in found.items() if entry.provenance == "assumed"]
+    assumed = [(entry, names) for entry, names in inputs.items() if entry.provenance == "assumed"]
     lines = [
         f"{entry.path} = {entry.typed}" + (f"   # {entry.note}" if entry.note else "") + f"   [{', '.join(names)}]"
         for entry, names in assumed
@@ -242,11 +242,11 @@ def numbers_table(rows: Sequence[NumberRow]) -> Table:
 
 def given_table(rows: Sequence[NumberRow]) -> Table:
     """List published numbers that no model answers: what the authors chose or state."""
-    found: list[list[Cell]] = [
+    lines: list[list[Cell]] = [
         [_name(row), _with_unit(row.number.value, row.number.unit, 8), row.number.note or NONE] for row in rows
     ]
     words = "Published numbers that are inputs, materials or statements"
-    return Table(words, ["published number", "published", "note"], found)
+    return Table(words, ["published number", "published", "note"], lines)
 
 
 def _name(row: NumberRow) -> str:
@@ -269,26 +269,26 @@ def _number(row: NumberRow) -> list[list[Cell]]:
     for k, one in enumerate(row.computed):
         note = "; ".join(filter(None, ["" if k else number.note, one.note]))
         value = NONE if one.value is None else _with_unit(one.value, number.unit)
-        found: list[Cell] = [
+        cells: list[Cell] = [
             value,
             _difference(one, number.value),
             Tag(one.role, one.role),
             _short(one.by),
             note or NONE,
         ]
-        lines.append([*(begin if k == 0 else [""] * len(begin)), *found])
+        lines.append([*(begin if k == 0 else [""] * len(begin)), *cells])
     return lines
 
 
 def _difference(one: Computed, published: float) -> str:
-    found = one.difference(published)
-    return NONE if found is None or one.role == "shown" else share(found)
+    difference = one.difference(published)
+    return NONE if difference is None or one.role == "shown" else share(difference)
 
 
 def _with_unit(value: float, unit: str, digits: int = 5) -> str:
     """Write an SI value in a unit that the paper uses, with it."""
-    found = convertible(unit, DIMENSIONS)
-    text = written(value / found[1] if found else value, digits)
+    conversion = convertible(unit, DIMENSIONS)
+    text = written(value / conversion[1] if conversion else value, digits)
     return text if unit in ("", "1") else f"{text} {spelled(unit).replace('^3', '³')}"
 
 
