@@ -43,8 +43,8 @@ def _tables_of_folder() -> dict[str, type[MachineTable]]:
     """
     folder = importlib.import_module(KINDS_FOLDER)
     tables: dict[str, type[MachineTable]] = {}
-    for found in pkgutil.iter_modules(folder.__path__):
-        module = importlib.import_module(f"{KINDS_FOLDER}.{found.name}")
+    for entry in pkgutil.iter_modules(folder.__path__):
+        module = importlib.import_module(f"{KINDS_FOLDER}.{entry.name}")
         own = [
             item
             for item in vars(module).values()

@@ -10,11 +10,11 @@ from strikewave.reporting.terminal import print_json, table
 
 def command(json: Json = False) -> int:
     """List the built-in cases."""
-    found = [load_case(name) for name in bundled_cases()]
+    cases = [load_case(name) for name in bundled_cases()]
     if json:
-        listed = [{"name": c.name, "title": c.title, "source": c.source, "command": c.command} for c in found]
+        listed = [{"name": c.name, "title": c.title, "source": c.source, "command": c.command} for c in cases]
         print_json({**head({}), "cases": listed})
     else:
-        rows = [[f"strikewave {c.command} {c.name}", c.title] for c in found]
+        rows = [[f"strikewave {c.command} {c.name}", c.title] for c in cases]
         table("Built-in cases", ["to run it", "title"], rows, left=2)
     return 0

@@ -15,7 +15,7 @@ def command(json: Json = False) -> int:
 
     Elastic constants, yield strength, loss factor, status and source.
     """
-    found = materials().values()
+    entries = materials().values()
     if json:
         units = {
             "density": "kg/m^3",
@@ -25,7 +25,7 @@ def command(json: Json = False) -> int:
             "loss_factor": "1",
         }
         units |= {"bar_speed": "m/s"}
-        listed = [{**dataclasses.asdict(m), "bar_speed": m.bar_speed} for m in found]
+        listed = [{**dataclasses.asdict(m), "bar_speed": m.bar_speed} for m in entries]
         print_json({**head(units), "materials": listed})
         return 0
     rows = [
@@ -39,7 +39,7 @@ def command(json: Json = False) -> int:
             "-" if m.loss_factor is None else f"{m.loss_factor:g}",
             significant(m.bar_speed, 4),
         ]
-        for m in found
+        for m in entries
     ]
     columns = ["name", "status", "density (kg/m³)", "E (GPa)", "nu", "yield (MPa)", "loss factor", "bar speed (m/s)"]
     table("Materials (sources: strikewave materials --json)", columns, rows, left=2)

@@ -256,10 +256,10 @@ def identity(asked: str, digests: Mapping[str, str]) -> str:
     document = tomlkit.document()
     document.add("schema", tomlkit.item(1))
     document.add("command", tomlkit.item(shown(asked)))
-    held = tomlkit.aot()
+    files = tomlkit.aot()
     for path, digest in digests.items():
-        held.append(tomlkit.item({"path": shown(path), "sha256": digest}))
-    document.add("file", held)
+        files.append(tomlkit.item({"path": shown(path), "sha256": digest}))
+    document.add("file", files)
     return tomlkit.dumps(document)
 
 

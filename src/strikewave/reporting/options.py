@@ -38,9 +38,9 @@ class Typed(float):
 
     def __new__(cls, value: float, word: str) -> Typed:
         """Keep the word beside the number."""
-        made = super().__new__(cls, value)
-        made.word = word
-        return made
+        typed = super().__new__(cls, value)
+        typed.word = word
+        return typed
 
     def __reduce__(self) -> tuple[type[float], tuple[float]]:
         """Go to another process as a plain float."""

@@ -158,15 +158,15 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], lef
     from rich.markup import escape
     from rich.table import Table
 
-    made = Table(title=escape(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
+    grid = Table(title=escape(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
     for place, column in enumerate(columns):
-        made.add_column(escape(column), justify="left" if place < left else "right", overflow="fold")
+        grid.add_column(escape(column), justify="left" if place < left else "right", overflow="fold")
     for row in rows:
-        made.add_row(*(escape(cell) for cell in row))
+        grid.add_row(*(escape(cell) for cell in row))
     console = Console(soft_wrap=False)
     if not console.is_terminal:
         console.width = int(os.environ.get("COLUMNS", "160")) if os.environ.get("COLUMNS", "160").isdigit() else 160
-    console.print(made)
+    console.print(grid)
 
 
 def print_fits(losses: Sequence[FittedLoss]) -> None:

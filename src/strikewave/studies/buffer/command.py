@@ -132,9 +132,9 @@ def _choice(names: list[str] | None, sizes: list[Value] | None, layers: int) -> 
 
 def _given(mass: Value | None, diameter: Value | None, model: str | None) -> dict[str, Any]:
     """Return what was typed of the sensor."""
-    found: dict[str, Any] = {} if model is None else {"model": model}
+    sensor: dict[str, Any] = {} if model is None else {"model": model}
     if mass is not None:
-        found["mass"] = _chosen(mass)
+        sensor["mass"] = _chosen(mass)
     if diameter is not None:
-        found["diameter"] = _chosen(diameter)
-    return found
+        sensor["diameter"] = _chosen(diameter)
+    return sensor

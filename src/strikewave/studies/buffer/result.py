@@ -89,8 +89,8 @@ class BufferStudy(Result):
     def source(self) -> Source:
         """The case with the first stack under its sensor; of a measured blow, what was asked of which file."""
         if self.case is not None:
-            held = case_with(self.case, self.site, self.candidates[0].stack)
-            return Source("case", self.case.name, dump_case(held))
+            case = case_with(self.case, self.site, self.candidates[0].stack)
+            return Source("case", self.case.name, dump_case(case))
         return self.origin or UNKNOWN
 
     @property
@@ -143,7 +143,7 @@ class BufferStudy(Result):
             "pulse_width": motion.width,
             "duration": motion.step * (motion.acceleration.size - 1),
         }
-        held = {
+        sensor_row = {
             "name": self.site.table.name,
             "mass": self.site.mass,
             "area": self.site.area,
@@ -164,7 +164,7 @@ class BufferStudy(Result):
             "back_effect": "none: the motion of the surface is given, the sensor does not load it back",
             "sources": [citation(key) for key in (*sensor_sources([self.first_channel]), "gent-lindley-1959")],
             "materials": origin,
-            "sensor": held,
+            "sensor": sensor_row,
             "blow": blow,
             "present": None if self.present is None else without(_row(None, self.present), "place", "gaskets"),
             "candidates": rows,

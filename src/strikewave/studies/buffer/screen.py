@@ -86,8 +86,8 @@ def source_of_record(
     given: dict[str, Any],
 ) -> BlowSource:
     """Return where the blow of a record, and the sensor of a case or of what was typed, come from."""
-    reading, found = _reading(file, stated, options)
-    return BlowSource(None, source_of_case(*case, given, needed=False).site, Path(file), reading, found)
+    reading, notices = _reading(file, stated, options)
+    return BlowSource(None, source_of_case(*case, given, needed=False).site, Path(file), reading, notices)
 
 
 @dataclass(frozen=True)
@@ -220,11 +220,11 @@ def _print(study: BufferStudy) -> None:
     places = {candidate: place for place, candidate in enumerate(study.candidates, 1)}
     rows = [_cells(str(places[candidate]), candidate) for candidate in sorted(shown, key=places.__getitem__)]
     rows += [] if study.present is None else [_cells("", study.present)]
-    kept = sum(candidate.keeps for candidate in study.candidates)
+    within_limit = sum(candidate.keeps for candidate in study.candidates)
     first_by = {"robust": "the robust first, then by bandwidth"}.get(study.goal.rank, f"first by {study.goal.rank}")
     title = (
-        f"{kept} of {len(study.candidates)} stacks keep {number(study.goal.limit, 'm/s^2', 'g', 5)} g; "
-        f"{first_by if kept else 'first by peak'} (*: Pareto-optimal in peak and bandwidth)"
+        f"{within_limit} of {len(study.candidates)} stacks keep {number(study.goal.limit, 'm/s^2', 'g', 5)} g; "
+        f"{first_by if within_limit else 'first by peak'} (*: Pareto-optimal in peak and bandwidth)"
     )
     kinds = [k for k in range(len(COLUMNS)) if k not in LEFT_OUT or _wide()]
     table(title, [COLUMNS[k] for k in kinds], [[row[k] for k in kinds] for row in rows], left=2)
@@ -250,12 +250,12 @@ def _wide() -> bool:
 
 def _cells(place: str, candidate: BufferCandidate) -> list[str]:
     """Return a row of the table on the screen."""
-    band, found = candidate.band, candidate.leading if candidate.stack else None
+    band, leading = candidate.band, candidate.leading if candidate.stack else None
     passed = [
         "-" if not math.isfinite(f) else significant(f, 3)
         for f in (band.within_5, band.within_10, band.half_power, band.resonance)
     ]
-    spread = (found.softer, found.stiffer, found.confined) if found else (None,) * 3
+    spread = (leading.softer, leading.stiffer, leading.confined) if leading else (None,) * 3
     return [
         f"{place}{'*' if candidate.pareto else ''}",
         _folded(candidate.name),
@@ -264,7 +264,7 @@ def _cells(place: str, candidate: BufferCandidate) -> list[str]:
         *passed,
         "-" if math.isnan(band.quality) else significant(band.quality, 3),
         *(number(peak, "m/s^2", "g", 4) for peak in spread),
-        "-" if found is None or not candidate.keeps else "yes" if found.robust else "no",
+        "-" if leading is None or not candidate.keeps else "yes" if leading.robust else "no",
     ]
 
 

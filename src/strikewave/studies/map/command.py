@@ -106,22 +106,22 @@ def _axes(case: Case, given: tuple[str, str, str | None], points: Size, log: lis
     """Return the axes of a map from what was typed."""
     from strikewave.studies.axes import Axis, axis_of, units_of
 
-    found = []
+    axes = []
     for option, text, size in zip(("x", "y"), given[:2], points, strict=True):
         path, equals, ends = (part.strip() for part in str(text).partition("="))
         parts = ends.split(":") if equals else []
         if equals and len(parts) != 2:
             raise InputError(f"--{option}", text, "setting=low:high", f'such as --{option} {X}="400 rpm:1000 rpm"')
         typed = tuple(_value(case, path, part) for part in parts)
-        found.append(axis_of(case, path, (typed[0], typed[1]) if typed else None, size, option in log))
+        axes.append(axis_of(case, path, (typed[0], typed[1]) if typed else None, size, option in log))
     if given[2] is None:
-        return tuple(found)
+        return tuple(axes)
     path, _, ends = (part.strip() for part in given[2].partition("="))
     values = [_value(case, path, part) for part in ends.split(",") if part.strip()]
     if not 1 <= len(values) <= MOST_PANELS:
         allowed = f"setting=value,value, with 1 to {MOST_PANELS} values"
         raise InputError("--panels", given[2], allowed, 'such as object.damper="10 N s/m, 40 N s/m"')
-    return (*found, Axis(path, *units_of(path, values[0]), tuple(sorted(v.si for v in values))))
+    return (*axes, Axis(path, *units_of(path, values[0]), tuple(sorted(v.si for v in values))))
 
 
 def _value(case: Case, path: str, text: str) -> Value:

@@ -88,10 +88,10 @@ class MapCommand(Command[MapStudy]):
             with progress_bar("map", float(store.done.mean()), ("left",)) as report:
                 return make_map(self.plan, self.wanted, self.workers, store, report)
         except KeyboardInterrupt:
-            kept = (
+            resumption = (
                 f"{store.done.sum()} of {store.done.size} rows are kept in {store.path}: the same command goes on there"
             )
-            say("stopped; " + (kept if store.path is not None and store.done.any() else "nothing was written"))
+            say("stopped; " + (resumption if store.path is not None and store.done.any() else "nothing was written"))
             raise SystemExit(INTERRUPTED) from None
 
     def show(self, result: MapStudy) -> None:
@@ -114,9 +114,9 @@ def _words(plan: MapPlan, seconds: float, store: Store) -> str:
     panels, rows, columns = plan.shape
     size = f"{columns} x {rows}" + (f" x {panels}" if panels > 1 else "")
     left = 1.0 - float(store.done.mean())
-    kept = f", {store.done.sum()} of {store.done.size} rows are there already" if store.done.any() else ""
+    stored = f", {store.done.sum()} of {store.done.size} rows are there already" if store.done.any() else ""
     trains = f" and trains of {plan.train}" if plan.train else ""
-    return f"{size} machines, {plan.blows} blows{trains}: about {max(left * seconds, 1.0):.0f} s on free cores{kept}"
+    return f"{size} machines, {plan.blows} blows{trains}: about {max(left * seconds, 1.0):.0f} s on free cores{stored}"
 
 
 def _print(study: MapStudy) -> None:
@@ -125,23 +125,23 @@ def _print(study: MapStudy) -> None:
     table("Regimes", ["regime", "cells (%)"], rows)
     for text, count in study.failures.items():
         say(f"no result, or no regime, in {count} cells: {text}")
-    found = study.setting
-    columns = ["", "case"] + ([] if found is None else [f"nearest within {100.0 * study.wanted:g} %"])
+    nearest = study.setting
+    columns = ["", "case"] + ([] if nearest is None else [f"nearest within {100.0 * study.wanted:g} %"])
     shown = [_column(study, study.here, study.present)]
-    if found is not None:
-        shown.append(_column(study, found.values, found.cell))
+    if nearest is not None:
+        shown.append(_column(study, nearest.values, nearest.cell))
     heads = [f"{a.path} ({a.unit or '1'})" for a in study.plan.axes] + [head for head, *_ in SHOWN]
     table(f"{study.case.name}: {study.plan.blows} blows", columns, list(zip(heads, *shown, strict=True)))
     for values, reason in study.refused:
         say(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")
-    if found is None:
+    if nearest is None:
         say(_none_found(study))
         return
-    full = f"a full run has a CV of {100.0 * found.cv:.3g} % and a mean peak of {number(found.peak, *_PEAK, 5)} g"
-    if found.distance == 0.0:
+    full = f"a full run has a CV of {100.0 * nearest.cv:.3g} % and a mean peak of {number(nearest.peak, *_PEAK, 5)} g"
+    if nearest.distance == 0.0:
         say(f"the case has equal blows already: {full}")
     else:
-        say(f"the nearest is {found.distance:.3g} away in relative steps; {full}")
+        say(f"the nearest is {nearest.distance:.3g} away in relative steps; {full}")
 
 
 def _none_found(study: MapStudy) -> str:

@@ -225,10 +225,10 @@ class MapStudy(Result):
     def _nearest(self) -> dict[str, Any] | None:
         if self.setting is None:
             return None
-        found = self.setting
-        full = {"cv": found.cv, "peak": found.peak, "tolerance": RUN_TOLERANCE}
-        settings = dict(zip(self.paths, found.values, strict=True))
-        return {"settings": settings, "distance": found.distance, "result": found.cell, "full_run": full}
+        nearest = self.setting
+        full = {"cv": nearest.cv, "peak": nearest.peak, "tolerance": RUN_TOLERANCE}
+        settings = dict(zip(self.paths, nearest.values, strict=True))
+        return {"settings": settings, "distance": nearest.distance, "result": nearest.cell, "full_run": full}
 
     @property
     def data(self) -> xarray.Dataset:

@@ -63,14 +63,14 @@ class ScatterCommand(Command[ScatterStudy]):
 
 
 def _print(study: ScatterStudy) -> None:
-    made, still = len(study.completed), study.nominal_run
-    say(f"{study.case.name}: {made} runs within {len(study.tolerances)} tolerances, seed {study.plan.seed}")
+    completed, still = len(study.completed), study.nominal_run
+    say(f"{study.case.name}: {completed} runs within {len(study.tolerances)} tolerances, seed {study.plan.seed}")
     rows = []
     for name, units in SHOWN.items():
-        found = study.figure(name)
-        mean = [number(value, *units, 5) for value in (found.mean.mean, found.mean.low, found.mean.high)]
-        between = [_bare(value) for value in (found.mean.cv, found.mean.cv_low, found.mean.cv_high)]
-        typical = number(found.typical.mean, *units, 5)
+        figure = study.figure(name)
+        mean = [number(value, *units, 5) for value in (figure.mean.mean, figure.mean.low, figure.mean.high)]
+        between = [_bare(value) for value in (figure.mean.cv, figure.mean.cv_low, figure.mean.cv_high)]
+        typical = number(figure.typical.mean, *units, 5)
         rows.append([f"{NAMES[name]} ({units[1]})", mean[0], _to(*mean[1:]), typical, between[0], _to(*between[1:])])
     heads = ["figure", "mean", "95 % bounds", "typical", "CV (%)", "95 % bounds"]
     _table("Means of the runs, and CV between runs", heads, rows, MEANS_LEFT_OUT)
