@@ -87,8 +87,8 @@ def shapes(points: Array, hexahedra: Index) -> Shapes:
     Examples
     --------
     >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
-    >>> found = shapes(cube, np.arange(8, dtype=np.int32)[None])
-    >>> found.gradients[0, :3].diagonal().tolist(), float(found.volume[0])
+    >>> geometry = shapes(cube, np.arange(8, dtype=np.int32)[None])
+    >>> geometry.gradients[0, :3].diagonal().tolist(), float(geometry.volume[0])
     ([2.0, 2.0, 2.0], 1.0)
     """
     amplitudes = np.einsum("mk,ekd->emd", MODES, points[hexahedra]) / 8.0

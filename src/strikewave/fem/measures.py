@@ -156,8 +156,8 @@ def contact_measure(run: FemRun, name: str) -> ContactMeasure | None:
     >>> from types import SimpleNamespace
     >>> t = np.linspace(0.0, 1e-3, 1001)
     >>> given = 1e3 * 6e-4 / np.pi * (1.0 - np.cos(np.pi * np.clip((t - 2e-4) / 6e-4, 0.0, 1.0)))
-    >>> found = contact_measure(SimpleNamespace(time=t, impulse={"a-b": np.outer(given, [0, 0, 1])}), "a-b")
-    >>> round(found.peak, 2), round(found.at * 1e6, 1), round(found.duration * 1e6), round(found.impulse, 4)
+    >>> measure = contact_measure(SimpleNamespace(time=t, impulse={"a-b": np.outer(given, [0, 0, 1])}), "a-b")
+    >>> round(measure.peak, 2), round(measure.at * 1e6, 1), round(measure.duration * 1e6), round(measure.impulse, 4)
     (1000.0, 499.5, 562, 0.382)
     """
     size = np.linalg.norm(mean_force(run, name), axis=1)

@@ -65,8 +65,8 @@ def extents(points: Array, faces: Index) -> Extents:
     Examples
     --------
     >>> square = np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])
-    >>> found = extents(square, np.array([[0, 1, 2, 3]], np.int32))
-    >>> found.area.tolist(), found.size.tolist()
+    >>> sizes = extents(square, np.array([[0, 1, 2, 3]], np.int32))
+    >>> sizes.area.tolist(), sizes.size.tolist()
     ([1.0, 1.0, 1.0, 1.0], [2.0])
     """
     area, size, radius = np.zeros(len(points)), np.zeros(len(faces)), np.zeros(len(faces))

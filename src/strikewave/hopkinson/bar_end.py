@@ -157,8 +157,8 @@ def compare_sensor(reading: ArrayLike, reference: ArrayLike, step: float) -> Sen
     >>> t = np.linspace(0.0, 1.0, 1001)
     >>> pulse = np.exp(-(((t - 0.4) / 0.05) ** 2))
     >>> late = 2.0 * np.exp(-(((t - 0.41) / 0.05) ** 2))
-    >>> found = compare_sensor(late, pulse, 1e-3)
-    >>> round(found.sensitivity, 6), round(found.delay, 6), found.residual < 1e-6
+    >>> comparison = compare_sensor(late, pulse, 1e-3)
+    >>> round(comparison.sensitivity, 6), round(comparison.delay, 6), comparison.residual < 1e-6
     (2.0, 0.01, True)
     """
     y, x = _history(reading, step), _history(reference, step)

@@ -113,8 +113,8 @@ def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float, ri
     --------
     >>> t = np.linspace(0.0, 400e-6, 81)
     >>> true = SmoothPulse(5.0, 100e-6, 200e-6, 0.4, 1.5)
-    >>> found = fit_smooth_pulse(t, true.at(t), 120e-6, 150e-6)
-    >>> bool(abs(found.width() / true.width() - 1.0) < 1e-4)
+    >>> fitted = fit_smooth_pulse(t, true.at(t), 120e-6, 150e-6)
+    >>> bool(abs(fitted.width() / true.width() - 1.0) < 1e-4)
     True
     """
     from scipy.optimize import least_squares

@@ -44,8 +44,8 @@ def thin(time: Array, values: Array, columns: int = PIXEL_COLUMNS) -> tuple[Arra
     --------
     >>> values = np.zeros(10_000)
     >>> values[1234], values[5678] = 9.0, -3.0
-    >>> _, kept = thin(np.arange(10_000.0), values, 100)
-    >>> kept.size <= 201, kept.max(), kept.min()
+    >>> _, thinned = thin(np.arange(10_000.0), values, 100)
+    >>> thinned.size <= 201, thinned.max(), thinned.min()
     (True, np.float64(9.0), np.float64(-3.0))
     """
     if values.size <= 2 * columns:

@@ -60,8 +60,8 @@ def agreement(reference: tuple[Array, Array], curve: tuple[Array, Array], window
     Examples
     --------
     >>> t = np.linspace(0.0, 1.0, 2001)
-    >>> found = agreement((t, np.sin(np.pi * t)), (t, 1.1 * np.sin(np.pi * t)), (0.0, 1.0))
-    >>> round(found.magnitude, 6), round(found.phase, 6), round(found.rms, 4)
+    >>> errors = agreement((t, np.sin(np.pi * t)), (t, 1.1 * np.sin(np.pi * t)), (0.0, 1.0))
+    >>> round(errors.magnitude, 6), round(errors.phase, 6), round(errors.rms, 4)
     (0.1, 0.0, 0.0707)
     """
     t = instants(reference[0], curve[0], window)

@@ -113,8 +113,8 @@ def read_rcforc(path: Path) -> tuple[ContactForce, ...]:
     >>> with tempfile.TemporaryDirectory() as home:
     ...     path = Path(home) / "rcforc"
     ...     _ = path.write_text(line + chr(10))
-    ...     found = read_rcforc(path)
-    >>> found[0].number, found[0].side, found[0].force.tolist()
+    ...     curves = read_rcforc(path)
+    >>> curves[0].number, curves[0].side, curves[0].force.tolist()
     (1, 'A', [[0.0, 0.0, -50.0]])
     """
     titles: dict[int, str] = {}
@@ -160,8 +160,8 @@ def read_glstat(path: Path) -> GlobalEnergies:
     >>> with tempfile.TemporaryDirectory() as home:
     ...     path = Path(home) / "glstat"
     ...     _ = path.write_text(text)
-    ...     found = read_glstat(path)
-    >>> found.time.tolist(), {name: values.tolist() for name, values in found.values.items()}
+    ...     energies = read_glstat(path)
+    >>> energies.time.tolist(), {name: values.tolist() for name, values in energies.values.items()}
     ([1e-06], {'kinetic energy': [0.25], 'hourglass energy': [0.0]})
     """
     blocks: list[dict[str, float]] = []

@@ -222,8 +222,8 @@ def pulse_of(force: Force) -> ContactPulse | None:
     --------
     >>> t = np.linspace(0.0, 1e-3, 1001)
     >>> half_sine = 1e3 * np.sin(np.pi * np.clip((t - 2e-4) / 6e-4, 0.0, 1.0))
-    >>> found = pulse_of(Force(t, np.outer(half_sine, [0.0, 0.6, -0.8])))
-    >>> round(found.peak, 6), round(found.at * 1e6), round(found.width * 1e6, 1), round(found.impulse, 4)
+    >>> pulse = pulse_of(Force(t, np.outer(half_sine, [0.0, 0.6, -0.8])))
+    >>> round(pulse.peak, 6), round(pulse.at * 1e6), round(pulse.width * 1e6, 1), round(pulse.impulse, 4)
     (1000.0, 500, 561.7, 0.382)
     """
     size = force.size

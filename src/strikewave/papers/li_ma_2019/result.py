@@ -217,8 +217,8 @@ def number_document(row: NumberRow) -> dict[str, Any]:
     Examples
     --------
     >>> number = PublishedNumber("window", "Figure 5", "time", 0.15, "ms", "measured")
-    >>> found = number_document(NumberRow(number, ()))
-    >>> [found[key] for key in ("value_si", "si", "published_value", "published_unit")]
+    >>> document = number_document(NumberRow(number, ()))
+    >>> [document[key] for key in ("value_si", "si", "published_value", "published_unit")]
     [0.15, 's', 150.0, 'ms']
     """
     number = row.number

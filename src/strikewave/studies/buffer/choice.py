@@ -43,7 +43,7 @@ def stacks(choice: StackChoices) -> list[GasketStack]:
     Examples
     --------
     >>> thin, thick = Value(si=1e-3, typed="1 mm"), Value(si=2e-3, typed="2 mm")
-    >>> [" | ".join(map(str, found)) for found in stacks(StackChoices(("PTFE",), (thin, thick), 2))]
+    >>> [" | ".join(map(str, stack)) for stack in stacks(StackChoices(("PTFE",), (thin, thick), 2))]
     ['', 'PTFE 1 mm', 'PTFE 2 mm', 'PTFE 1 mm | PTFE 2 mm', 'PTFE 2 mm | PTFE 2 mm']
     """
     names = tuple(dict.fromkeys(material(name, "--material").name for name in choice.materials))

@@ -54,8 +54,8 @@ def inputs_by_cases(cases: Sequence[Case]) -> dict[Input, list[str]]:
     Examples
     --------
     >>> from strikewave import load_case
-    >>> found = inputs_by_cases([load_case("li-ma-2019"), load_case("li-ma-2019-fig13")])
-    >>> [names for entry, names in found.items() if entry.path == "machine.speed"]
+    >>> inputs = inputs_by_cases([load_case("li-ma-2019"), load_case("li-ma-2019-fig13")])
+    >>> [names for entry, names in inputs.items() if entry.path == "machine.speed"]
     [['li-ma-2019', 'li-ma-2019-fig13']]
     """
     cases_by_input: dict[Input, list[str]] = defaultdict(list)
