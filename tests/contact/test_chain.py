@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -111,11 +111,14 @@ def scipy_chain(masses, kf, cf, contact, speed, duration):
     speed=st.floats(0.5, 20.0),
 )
 def test_rigid_peak_against_an_independent_scipy_chain(m1, mn, ma, kf, e, speed):
-    """Within 0.1 % (the independent model keeps the first approach speed for re-contacts, and so do we here)."""
+    """Within 0.1 %, where no re-contact is faster than the first contact.
+
+    The independent model keeps the first approach speed for re-contacts, and so do we with ``slowest_approach``; the
+    frame may throw a light nose back faster than that, and then the two laws differ.
+    """
     cf = 0.05 * 2 * math.sqrt(kf * mn)
     stiffness, exponent, chi = 4.7e9, 10 / 9, float(exact(e))
     duration = 1.2 * math.pi * math.sqrt(ma / kf)
-    expected = scipy_chain((m1, mn, ma), kf, cf, (stiffness, exponent, chi), speed, duration).max()
     chain = Chain(
         {"striker": m1, "nose": mn, "assembly": ma},
         links=[
@@ -124,6 +127,8 @@ def test_rigid_peak_against_an_independent_scipy_chain(m1, mn, ma, kf, e, speed)
         ],
     )
     motion = simulate(chain, {}, {"striker": speed}, duration)
+    assume((motion.contacts(0)[:, 2] <= speed).all())
+    expected = scipy_chain((m1, mn, ma), kf, cf, (stiffness, exponent, chi), speed, duration).max()
     peak = motion.forces(np.linspace(0, duration, 40001))[:, 1].max() / ma
     assert peak == pytest.approx(expected, rel=1e-3)
 

@@ -229,7 +229,7 @@ class Collisions:
     def positions(self, times: ArrayLike) -> Array:
         """Return positions above the lowest body's start, m, shape (N, bodies), or (bodies,) for one time."""
         t, rows = self._rows(times)
-        return np.asarray(rows[0] + rows[1] * t + 0.5 * rows[2] * t**2)
+        return np.asarray(rows[0] + (rows[1] + 0.5 * rows[2] * t) * t)  # t squared may be beyond every float
 
     def speeds(self, times: ArrayLike) -> Array:
         """Return speeds, m/s, shape (N, bodies), or (bodies,) for one time; after the collision at its very time."""

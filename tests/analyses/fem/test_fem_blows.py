@@ -51,7 +51,7 @@ def test_each_blow_has_its_files_and_its_row(strikewave, rod):
     assert "at rest before blow 3" in err
     page = Path("b/report.html").read_text()
     assert "Blow after blow" in page
-    assert "Yield and rest of each blow" in page
+    assert "Yield in each blow, and relaxation before it" in page
     assert load_case("b/case.toml").fem.blows.si == 3.0
 
 

@@ -196,7 +196,7 @@ def test_calibration_and_command_are_told(files, page):
     assert found["Where it was stated"][1:] == [["--unit", "g"]]
     assert "strikewave read a.csv --unit g" in page
     assert found["Warnings; value and limit in SI units"][-1] == ["few", "too few", "2", "–", "info"]
-    assert "runs/impact_00.csv" in page
+    assert "impact_00.csv" in page
     stated = read(record(unit="V"), calibrations={"all": {"sensitivity": "2 mV/g", "polarity": -1}})
     told = page_of(stated, [summed(stated)])
     assert tables(told)["What each channel was taken as"][1][1:3] == ["sensitivity 2 mV/g, polarity -1", "m/s²"]
