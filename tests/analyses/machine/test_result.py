@@ -85,6 +85,17 @@ def test_flipped_bytes_are_refused_or_read_but_never_crash(solution, tmp_path, r
             assert "strikewave run" in str(error) or "schema" in str(error)
 
 
+@pytest.mark.parametrize(("schema", "words"), [(3, "run the case.toml beside it again"), (99, "update strikewave")])
+def test_a_file_of_another_schema_is_refused_with_what_to_do(solution, tmp_path, schema, words):
+    import xarray
+
+    solution.save(tmp_path / "whole.nc")
+    with xarray.open_dataset(tmp_path / "whole.nc", engine="h5netcdf") as whole:
+        whole.load().assign_attrs(strikewave_schema=schema).to_netcdf(tmp_path / "solution.nc", engine="h5netcdf")
+    with pytest.raises(InputError, match=words):
+        load_solution(tmp_path)
+
+
 def test_foreign_netcdf_is_refused(tmp_path):
     import xarray
 
