@@ -114,9 +114,10 @@ def run_and_write(
 
 def write_files(result: Result, folder: Path) -> list[str]:
     """Write what a result keeps of itself into a folder, and return the names of the files."""
-    for name, content in result.files().items():
+    files = result.files()
+    for name, content in files.items():
         if isinstance(content, str):
             (folder / name).write_text(content, "utf-8", newline="\n")
         else:
             content.to_netcdf(folder / name, engine="h5netcdf")
-    return list(result.files())
+    return list(files)
