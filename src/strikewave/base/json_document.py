@@ -9,7 +9,7 @@ from typing import Any
 from strikewave._version import __version__
 
 SCHEMA = 1
-"""Version of every JSON document: it rises when a key changes its meaning or goes."""
+"""Version of every JSON document: from release 0.1.0 on it rises when a key changes its meaning or goes."""
 
 
 def head(units: dict[str, str], warnings: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:

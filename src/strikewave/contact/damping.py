@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.contact import _kernels
-from strikewave.contact.law import AnyContact, Asked, PressureCap, not_negative, refuse
+from strikewave.contact.law import AnyContact, PressureCap, RequestedDamping, not_negative, refuse
 from strikewave.contact.registry import CHECKED, FROM_MEMORY, DampingLaw, law_named, with_added
 from strikewave.contact.stiffness import LogarithmicStiffness, Stiffness
 
@@ -366,4 +366,4 @@ def named_contact(
     ('the damping law flores gives e = 0.4704, not the 0.5 asked for; exact gives it',)
     """
     contact = stiffness.contact(factor(law, restitution_asked), cap)
-    return replace(contact, asked=Asked(law, restitution_asked))
+    return replace(contact, asked=RequestedDamping(law, restitution_asked))

@@ -16,8 +16,8 @@ from strikewave.contact._law_kernels import DAMPER, DAMPING, EXPONENT, STIFFNESS
 from strikewave.contact._pair_kernels import MEMORIES, STATES, PairSystem
 from strikewave.contact.law import (
     AnyContact,
-    Asked,
     LogarithmicContact,
+    RequestedDamping,
     flat,
     not_negative,
     positive,
@@ -106,7 +106,7 @@ class Impact:
     flattening: Array
     method: str
     problem: ImpactProblem = field(repr=False, compare=False)
-    asked: Asked | None = field(default=None, repr=False, compare=False)
+    asked: RequestedDamping | None = field(default=None, repr=False, compare=False)
     _times: Array | None = field(default=None, repr=False, compare=False)
 
     @cached_property

@@ -80,7 +80,7 @@ class PressureCap:
 
 
 @dataclass(frozen=True)
-class Asked:
+class RequestedDamping:
     """A damping law by name, and the restitution asked of it."""
 
     law: str
@@ -103,7 +103,7 @@ class Contact:
         A damper instead of the hysteresis.
     cap : PressureCap, optional
         A cap on the pressure.
-    asked : Asked, optional
+    asked : RequestedDamping, optional
         Where the hysteresis comes from: a law and the restitution asked of it. `named_contact` fills it.
     """
 
@@ -112,7 +112,7 @@ class Contact:
     hysteresis_factor: ArrayLike = 0.0
     damper: Damper | None = None
     cap: PressureCap | None = None
-    asked: Asked | None = None
+    asked: RequestedDamping | None = None
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class LogarithmicContact:
     load: ArrayLike
     hysteresis_factor: ArrayLike = 0.0
     cap: PressureCap | None = None
-    asked: Asked | None = None
+    asked: RequestedDamping | None = None
 
     @property
     def end_depth(self) -> Array:

@@ -34,7 +34,7 @@ from strikewave.studies.settings.estimate import (
     turntable_speed,
     width_stiffness,
 )
-from strikewave.studies.settings.search import Design, Rig
+from strikewave.studies.settings.search import Design, Trial
 from strikewave.studies.settings.study import (
     SettingsChoices,
     check_goal,
@@ -391,7 +391,7 @@ def test_chosen_values_keep_their_tolerances():
         "machine.speed.tolerance=1 %",
     ]
     case = load_case("li-ma-2019", changes)
-    design = Design(Rig(case, 4, None, None, "frame", "here"), goal())
+    design = Design(Trial(case, 4, None, None, "frame", "here"), goal())
     made = design.case_at(design.start)
     assert made.machine.engagement.half_width == pytest.approx(50e-6, rel=1e-12)
     assert made.object.frame_stiffness.half_width == pytest.approx(0.05 * made.object.frame_stiffness.si, rel=1e-12)
@@ -405,7 +405,7 @@ def test_no_run_is_shorter_than_the_least_width(published, mass):
     """Frame fifty times as stiff as a pulse of 60 us asks: the bound lies below the run, and no more than a third."""
     wanted = goal(width=60e-6)
     design = Design(
-        Rig(published.with_values({"feed.blows": Value(si=2, typed=2)}), 4, None, mass, "frame", ""), wanted
+        Trial(published.with_values({"feed.blows": Value(si=2, typed=2)}), 4, None, mass, "frame", ""), wanted
     )
     depth, stiffness, speed = design.start
     _, observation = design.run(np.array([0.3 * depth, 50.0 * stiffness, speed]), 1e-7)
@@ -466,7 +466,7 @@ def test_estimates_begin_within_a_third(studies):
 
 def test_supports_return_after_the_nose_has_passed(published):
     """An object that is back before would be hit by the same nose again."""
-    passing = Design(Rig(published, 4, None, None, "frame", ""), goal()).estimates()["passage_time"]
+    passing = Design(Trial(published, 4, None, None, "frame", ""), goal()).estimates()["passage_time"]
     change = pulse_velocity_change(4000 * G, 200e-6)
     offered = supports(published, goal(), 4)
     assert offered[0] is None

@@ -143,7 +143,7 @@ class FemCommand(Command[FemSolution]):
             return SNAPSHOTS
         from strikewave.analyses.fem.figures import animation
 
-        return animation.STILLS
+        return animation.SNAPSHOTS
 
     def show(self, result: FemSolution) -> None:
         """Print the tables of a run."""

@@ -85,7 +85,7 @@ STIFF = 1e6
 """Stiffnesses above this, N/m, are written in MN/m: those of frames and mounts; those of springs are in kN/m."""
 
 
-class Rig(NamedTuple):
+class Trial(NamedTuple):
     """What is tried: a case, a number of strikers, their mass (kg), what brings the object back, what is varied.
 
     ``support`` and ``mass`` are None where the case's own are kept; ``note`` says why a value was chosen.
@@ -103,7 +103,7 @@ class Rig(NamedTuple):
 class Design:
     """A rig with a goal: its first estimates, its bounds, and the case at given settings."""
 
-    rig: Rig
+    rig: Trial
     goal: BlowGoal
 
     @cached_property

@@ -39,7 +39,7 @@ from strikewave.studies.settings.estimate import (
     support_for,
     turntable_speed,
 )
-from strikewave.studies.settings.search import VARIED, Design, Rig, candidate
+from strikewave.studies.settings.search import VARIED, Design, Trial, candidate
 
 STRIKERS = (1, 2, 3, 4, 6, 8, 12)
 """Numbers of strikers that are tried by default, besides that of the case: each about a third to twice more than the
@@ -407,7 +407,7 @@ def supports(case: Case, goal: BlowGoal, strikers: int) -> list[Support | None]:
     mass, change = rig.object.mass.si, pulse_velocity_change(goal.peak, goal.width)
     weight, restitution = mass * rig.object.gravity.si, rig.object.stop_restitution.si
     radius, speed = rig.machine.radius.si, turntable_speed(strikers, goal.interval)
-    passing = passage_time(float(Design(Rig(case, strikers, None, None, "frame", ""), goal).start[0]), speed, radius)
+    passing = passage_time(float(Design(Trial(case, strikers, None, None, "frame", ""), goal).start[0]), speed, radius)
     longest = RETURN_SHARE[1] * goal.interval
     shortest = min(max(PASSED * passing, RETURN_SHARE[0] * goal.interval, WIDTHS * goal.width), longest)
     order: dict[Support, tuple[bool, float]] = {}
@@ -450,7 +450,7 @@ def design_settings(
     note = f"chosen by strikewave settings for {goal_words(goal)}"
     masses: tuple[float | None, ...] = choice.masses or (None,)
     first = [
-        Design(Rig(case, number, support, mass, choice.vary, note), goal)
+        Design(Trial(case, number, support, mass, choice.vary, note), goal)
         for number in numbers
         for mass in masses
         for support in supports(case, goal, number)

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-STILLS = 60
+SNAPSHOTS = 60
 """Instants over the run, and as many again while anything touches, that are kept for an animation (chosen: a few more
 than are shown, `TOUCHING` and `APART`)."""
 TOUCHING, APART = 52, 20
