@@ -105,9 +105,8 @@ def _check(folder: Path, identity: str, force: bool, own: Sequence[str]) -> None
     if not folder.exists() or not any(folder.iterdir()):
         return
     mark = next((folder / name for name in MARKS if (folder / name).is_file()), None)
-    foreign = sorted(
-        entry.name for entry in folder.iterdir() if _NUMBER.sub(".", entry.name) not in (*RESULT_FILES, *own)
-    )
+    known, names = {*RESULT_FILES, *own}, (entry.name for entry in folder.iterdir())
+    foreign = sorted(name for name in names if not {name, _NUMBER.sub(".", name)} & known)
     if foreign or mark is None:
         hint = (
             f"it holds files that are not of a result ({show(', '.join(foreign))}); move them, or choose another folder"
