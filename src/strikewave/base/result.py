@@ -197,7 +197,8 @@ class Result(ABC):
 
     def files(self) -> dict[str, str | xarray.Dataset]:
         """Return everything that is kept of it, but for page and pictures, by the names of the files."""
-        return {**self.datasets(), **self.tables(), **self.texts(), self.source.file: self.source.text}
+        source = self.source
+        return {**self.datasets(), **self.tables(), **self.texts(), source.file: source.text}
 
     def document_text(self, indent: int | None = None) -> str:
         """Return the JSON document as the text of a file."""

@@ -82,6 +82,11 @@ class ChannelReading:
         return worst(self.findings)
 
     @property
+    def baseline(self) -> float:
+        """Where the record stands at rest: before the first blow, or the median of a record without one."""
+        return self.pulses[0].offset if self.pulses else float(np.median(self.channel.values))
+
+    @property
     def intervals(self) -> list[float]:
         """Times from each peak to the next, s."""
         times = [pulse.time for pulse in self.pulses]

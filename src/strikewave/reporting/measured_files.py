@@ -21,7 +21,7 @@ from strikewave.reporting.options import quantity
 from strikewave.reporting.terminal import say
 
 if TYPE_CHECKING:
-    from strikewave.records import ChannelReading, Options, Record
+    from strikewave.records import ChannelReading, FileReading, Options, Record
 
 Files = Annotated[
     list[str], typer.Argument(metavar="FILE", help="Measured files of any known format.", show_default=False)
@@ -172,6 +172,21 @@ def read_all(files: Sequence[str], options: Options) -> list[Record | Exception]
     return results
 
 
+def read_channels(file: str, stated: dict[str, dict[str, Any]], options: Options) -> tuple[Record, FileReading]:
+    """Read a file and examine the channels that are wanted of it: the first unless one is named.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or has no such channel.
+    """
+    from strikewave.records import Request, calibrations_beside, read_file, read_record
+
+    record = read_record(file, options)
+    check_channels(stated, [record])
+    return record, read_file(record, calibrations_beside(Path(file)), Request(options.channels or ("1",), stated))
+
+
 def examined_channel(
     file: str, stated: dict[str, dict[str, Any]], options: Options, figure: str, what: str
 ) -> ChannelReading:
@@ -195,11 +210,7 @@ def examined_channel(
     InputError
         If the file cannot be read, or has no such channel.
     """
-    from strikewave.records import Request, calibrations_beside, read_file, read_record
-
-    record = read_record(file, options)
-    check_channels(stated, [record])
-    reading = read_file(record, calibrations_beside(Path(file)), Request(options.channels or ("1",), stated))
+    record, reading = read_channels(file, stated, options)
     for notice in reading.all_findings:
         if notice.severity != "good" and figure in notice.harms:
             say(f"{notice.severity} [{notice.code}]: {notice.message}")
@@ -241,7 +252,10 @@ class AskedResult(Result):
 
 
 def source_of(kind: str, name: str, paths: Sequence[Path] = ()) -> Source:
-    """Return the source of a result of measured files, or of a command alone: what runs now, and their SHA-256."""
+    """Return the source of a result of measured files, or of a command alone: what runs now, and their SHA-256.
+
+    Files are hashed whole, which takes as long as to read them: name them only where the source is written.
+    """
     digests, command = digests_of(paths), asked()
     return Source(kind, name, identity(command, digests), "record.toml", digests, command)
 

@@ -331,6 +331,10 @@ class Output:
         if animate and self.json and self.out is None:
             raise InputError("--animate", "--json without --out", "a folder for the animation", "add --out DIR")
 
+    def writes(self, usual: str | None) -> bool:
+        """Tell whether files are written at all; ``usual`` as of `place`."""
+        return self.place(usual).folder is not None
+
     def place(self, usual: str | None) -> Place:
         """Return the folder: the one asked for, or ``out/USUAL``, which always holds the last result of that name."""
         if self.out is None and usual is not None and not self.json:

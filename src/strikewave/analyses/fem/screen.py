@@ -77,28 +77,28 @@ def run_element_case(case: Case, changes: Sequence[str], output: Output, choice:
     output.check_animation(choice.animate)
     if choice.restart and output.json and output.out is None:
         raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
-    model, text = _told_model(case, choice.threads), dump_case(case)
+    model, _ = _reported_model(case, choice.threads)
+    text = dump_case(case)
     command = FemCommand(case, model, choice, output.force)
     return run_and_write(command, output, case_folder(case.name, text, changes), text)
 
 
 def check_element_case(case: Case, json: bool, threads: int = 1) -> int:
     """Build the model of an element case and print what it would take; run nothing."""
-    model = _told_model(case, threads)
+    model, quality = _reported_model(case, threads)
     check_model(model)
     show_notices(tuple(model_notices(case, model)))
-    quality = quality_report(model.mesh)
     print_json(_check_document(case, model, quality)) if json else _show_quality(model, quality)
     return 0
 
 
-def _told_model(case: Case, threads: int) -> Model:
-    """Build the model of a case, and say what will be run."""
+def _reported_model(case: Case, threads: int) -> tuple[Model, Sequence[PartQuality]]:
+    """Build the model of a case, print what will be run, and return the model with the quality of its mesh."""
     model = build_model(case, min(threads, os.cpu_count() or 1))
     quality = quality_report(model.mesh)
     say_model(case, model, quality)
     say_faceted(case, quality)
-    return model
+    return model, quality
 
 
 @dataclass

@@ -54,8 +54,10 @@ def examine_records(files: Sequence[str], wanted: Request, options: Options, out
         If not one file can be read.
     """
     paths = [Path(measured.shown(file)) for file in files]
-    origin = measured.source_of("records", name_of(paths), paths)
-    return run_and_write(RecordCommand(files, wanted, options, origin), output, f"record-{origin.name}", origin.text)
+    name = name_of(paths)
+    usual = f"record-{name}"
+    origin = measured.source_of("records", name, paths if output.writes(usual) else [])
+    return run_and_write(RecordCommand(files, wanted, options, origin), output, usual, origin.text)
 
 
 @dataclass(frozen=True)

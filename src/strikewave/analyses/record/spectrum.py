@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-import numpy as np
+from numpy.typing import ArrayLike
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice, Source
@@ -57,8 +58,6 @@ class SpectrumResult(measured.AskedResult):
         The channel, examined.
     spectra : list of Spectrum
         One a kind.
-    velocity : Spectrum
-        That of the pseudo-velocity, which the four-coordinate picture shows.
     side : str
         maximax, positive or negative.
     scope : Scope
@@ -70,7 +69,6 @@ class SpectrumResult(measured.AskedResult):
     file: str
     reading: ChannelReading
     spectra: list[Spectrum]
-    velocity: Spectrum
     side: str
     scope: Scope
 
@@ -79,6 +77,14 @@ class SpectrumResult(measured.AskedResult):
         """File, channel, and the part of the shock where that is not the whole."""
         part = "" if self.scope.part == "total" else f", {self.scope.part} part"
         return f"{Path(self.file).name}, {self.reading.channel.name}{part}"
+
+    @functools.cached_property
+    def velocity(self) -> Spectrum:
+        """The spectrum of the pseudo-velocity, which the four-coordinate picture shows; computed where it is drawn."""
+        first = next((s for s in self.spectra if s.kind == "pseudo-velocity"), None)
+        return first or spectrum_of(
+            self.reading, "pseudo-velocity", self.spectra[0].frequency, self.spectra[0].q, self.scope
+        )
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -95,7 +101,7 @@ class SpectrumResult(measured.AskedResult):
             "channel": reading.channel.name,
             "status": reading.status,
             "calibration": reading.calibration.stated(),
-            "zero_line": _baseline(reading),
+            "zero_line": reading.baseline,
             "q": first.q if math.isfinite(first.q) else "inf",
             "side": self.side,
             "part": first.part,
@@ -113,6 +119,11 @@ class SpectrumResult(measured.AskedResult):
         return {"spectrum.csv": "\n".join(lines) + "\n"}
 
 
+def spectrum_of(reading: ChannelReading, kind: str, frequencies: ArrayLike, q: float, scope: Scope) -> Spectrum:
+    """Return a spectrum of a channel, its baseline taken off."""
+    return srs(reading.channel.values - reading.baseline, reading.channel.step, frequencies, q, kind, scope)
+
+
 def compute_spectra(
     file: str, wanted: SpectrumRequest, stated: dict[str, dict[str, Any]], options: Options, output: Output
 ) -> int:
@@ -123,8 +134,10 @@ def compute_spectra(
     InputError
         If the file, a frequency or the end of the shock cannot be used.
     """
-    origin = measured.source_of("records", Path(file).stem, [Path(file)])
-    return run_and_write(SrsCommand(file, wanted, stated, options, origin), output, f"srs-{origin.name}", origin.text)
+    name = Path(file).stem
+    usual = f"srs-{name}"
+    origin = measured.source_of("records", name, [Path(file)] if output.writes(usual) else [])
+    return run_and_write(SrsCommand(file, wanted, stated, options, origin), output, usual, origin.text)
 
 
 @dataclass(frozen=True)
@@ -145,18 +158,11 @@ class SrsCommand(Command[SpectrumResult]):
         reading = measured.examined_channel(self.file, self.stated, self.options, "spectrum", "the spectrum")
         frequencies = _frequencies(wanted.frequencies, wanted.grid, reading.channel.sampling_rate)
         scope = _scope(wanted.part, wanted.end, reading)
-        values = reading.channel.values - _baseline(reading)
-
-        def of(kind: str) -> Spectrum:
-            return srs(values, reading.channel.step, frequencies, wanted.q, kind, scope)
-
-        spectra = [of(kind) for kind in wanted.kinds]
-        velocity = next((s for s in spectra if s.kind == "pseudo-velocity"), None) or of("pseudo-velocity")
+        spectra = [spectrum_of(reading, kind, frequencies, wanted.q, scope) for kind in wanted.kinds]
         return SpectrumResult(
             self.file,
             reading,
             spectra,
-            velocity,
             wanted.side,
             scope,
             origin=self.origin,
@@ -225,11 +231,6 @@ def _scope(part: str, end: Typed | None, reading: ChannelReading) -> Scope:
 def _units(kind: str, in_g: bool) -> tuple[str, str]:
     """Return SI unit and shown unit of a spectrum; the same one where the record is no acceleration."""
     return KIND_UNITS[kind], SHOWN_UNITS[kind] if in_g else KIND_UNITS[kind]
-
-
-def _baseline(reading: ChannelReading) -> float:
-    """Return the baseline: before the first blow, or the median of the record without one."""
-    return reading.pulses[0].offset if reading.pulses else float(np.median(reading.channel.values))
 
 
 def _print(result: SpectrumResult) -> None:

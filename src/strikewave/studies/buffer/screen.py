@@ -21,10 +21,6 @@ from strikewave.records import (
     ChannelReading,
     HealthNotice,
     Options,
-    Request,
-    calibrations_beside,
-    read_file,
-    read_record,
 )
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output
@@ -169,9 +165,7 @@ def _blows(source: BlowSource, blow: str, report: Callable[[float], None]) -> Bl
 
 def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> tuple[ChannelReading, list[HealthNotice]]:
     """Return one channel of a file, and what its examination suspects; one that it calls bad is refused."""
-    record = read_record(file, options)
-    measured.check_channels(stated, [record])
-    reading = read_file(record, calibrations_beside(Path(file)), Request(options.channels or ("1",), stated))
+    _, reading = measured.read_channels(file, stated, options)
     channel = reading.channels[0].channel
     if channel.unit != "m/s^2":
         has = channel.unit or "the file's own numbers"
@@ -187,8 +181,7 @@ def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> tupl
 def _recorded(path: Path | None, reading: ChannelReading, findings: Sequence[HealthNotice]) -> Blows:
     """Return the motion about the largest value of a record, its baseline taken off."""
     channel = reading.channel
-    zero = reading.pulses[0].offset if reading.pulses else float(np.median(channel.values))
-    values = channel.values - zero
+    values = channel.values - reading.baseline
     first = max(int(np.argmax(np.abs(values))) - LONGEST // 4, 0)
     values = values[first : first + LONGEST]
     message = (
