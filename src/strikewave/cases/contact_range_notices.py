@@ -16,9 +16,9 @@ from strikewave.contact import contact_modulus, stiffness_law
 SLENDER = 10.0
 """Length over thickness of a struck nose from which on it bends like a beam under a blow, and the line of contact is
 not loaded evenly. Chosen: the usual lower limit of beam theory; the built-in machine has 3."""
-DEEPEST_SHARE = 0.1
-"""Indentation over the radius of the nose up to which a sphere is the paraboloid of Hertz: at a tenth the radius of the
-spot is 0.32 of that of the nose, and the sphere lies 2.6 % deeper than the paraboloid there."""
+LARGEST_INDENTATION = 0.05
+"""Indentation over the radius of a nose beyond which it is warned of: at a twentieth the spot of Hertz has 0.22 of the
+radius, and the sphere lies 1.3 % deeper there than the paraboloid that stands for it."""
 
 
 class _Face(NamedTuple):
@@ -30,8 +30,8 @@ class _Face(NamedTuple):
     own: bool
 
 
-def size_notices(case: Case, peak: float) -> Iterator[Notice]:
-    """Warn where the contact of a striker is longer or wider than the face, the nose heavier than its striker.
+def size_notices(case: Case, peak: float, indentation: float | None = None) -> Iterator[Notice]:
+    """Warn where the contact of a striker is longer or wider than the face, or the nose heavier than its striker.
 
     Parameters
     ----------
@@ -39,13 +39,15 @@ def size_notices(case: Case, peak: float) -> Iterator[Notice]:
         With [striker] and [contact], and an [object] or a stack that is struck.
     peak : float
         Largest contact force, N.
+    indentation : float, optional
+        The largest, m; that of the elastic law where it is not known.
     """
     striker, contact = case.striker, case.contact
     if striker is None or contact is None or contact.law == POWER:
         return
     face = _struck_face(case)
     if not _of_line(contact.law):
-        yield from _spot_notices(case, contact, face, peak)
+        yield from _spot_notices(case, face, peak, indentation)
         return
     if striker.contact_length is None:
         return
@@ -71,6 +73,17 @@ def joint_size_notices(case: Case) -> Iterator[Notice]:
         face = min((_layer_face(layer) for layer in case.stack.layer[first : first + 2]), key=lambda face: face.width)
         path = f"stack.joint.{joint.after}.length"
         yield from _longer_than_face(path, joint.length, face.width, face.field, face.typed)
+
+
+def indentation_notices(indentation: float, radius: float) -> Iterator[Notice]:
+    """Warn where a sphere goes deep beside its radius, both m."""
+    share = indentation / radius
+    if share > LARGEST_INDENTATION:
+        message = (
+            f"the indentation is {100.0 * share:.2g} % of the radius of the nose: Hertz's law holds for small "
+            "indentations; look at radius and materials"
+        )
+        yield Notice("indentation-large", message, share, LARGEST_INDENTATION)
 
 
 def speed_notices(names: Iterable[str], speed: float) -> Iterator[Notice]:
@@ -171,11 +184,11 @@ def _heavy_nose(case: Case, path: str, length: Value) -> Iterator[Notice]:
         yield Notice("nose-heavy", message, nose, striker.mass.si)
 
 
-def _spot_notices(case: Case, contact: ContactTable, face: _Face | None, peak: float) -> Iterator[Notice]:
+def _spot_notices(case: Case, face: _Face | None, peak: float, indentation: float | None) -> Iterator[Notice]:
     """Warn where the spot of a sphere is wider than the face, or deep beside the radius of the nose."""
-    striker = case.striker
+    striker, contact = case.striker, case.contact
     name = case.stack.layer[0].material if case.stack.layer else case.object.material if case.object else ""
-    if striker is None or striker.nose_radius is None or not name:
+    if striker is None or contact is None or striker.nose_radius is None or not name:
         return
     radius = striker.nose_radius.si
     spot = (0.75 * peak * radius / contact_modulus(material(striker.material), material(name))) ** (1.0 / 3.0)
@@ -189,11 +202,5 @@ def _spot_notices(case: Case, contact: ContactTable, face: _Face | None, peak: f
             "smaller striker.nose_radius, or a larger face"
         )
         yield Notice("spot-wider-than-face", message, 2.0 * spot, face.width)
-    deep = spot**2 / radius
-    if deep > DEEPEST_SHARE * radius:
-        message = (
-            f"the nose would go {deep * 1e3:.3g} mm deep, {deep / radius:.2g} of its radius: the law holds up to about "
-            f"{DEEPEST_SHARE:g}, for a sphere that is next to its paraboloid; look at striker.nose_radius, the "
-            "materials, and what yields"
-        )
-        yield Notice("indentation-deep", message, deep, DEEPEST_SHARE * radius)
+    deep = spot**2 / radius if indentation is None else indentation
+    yield from indentation_notices(deep, radius)

@@ -116,7 +116,7 @@ def _contact(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     peak = max(blow.peak_force for blow in struck)
     yield from yield_notices(parts.striker, parts.contact, parts.object.material, peak, advice)
     approaches = [blow.approach_speed for blow in struck]
-    yield from size_notices(case, peak)
+    yield from size_notices(case, peak, max(blow.indentation for blow in struck))
     yield from speed_notices((parts.striker.material, parts.object.material), max(approaches))
     launched = case.launched()
     if launched is None or launched.until in (None, "time"):  # rebounds die out below any limit
