@@ -197,17 +197,6 @@ def test_histories_are_the_same_in_every_file(bars, tmp_path):
     assert read == pytest.approx(bars.run.parts["bar"].acceleration[:, 2], rel=1e-8)  # nine digits are written
 
 
-def test_mean_accelerations_add_up_to_the_change_of_velocity(bars):
-    """Of parts, points and sections, over any intervals; those of the instants need not."""
-    data, time = bars.data, bars.run.time
-    names = [name for name in data.variables if str(name).endswith(".mean_acceleration")]
-    assert {name.split(".")[0] for name in names} >= {"part", "section"}
-    for name in names:
-        velocity = data[name.replace("mean_acceleration", "velocity")].values
-        added = np.cumsum(data[name].values * np.diff(time)[:, None], axis=0)
-        assert added == pytest.approx(velocity[1:] - velocity[0], abs=1e-12 * np.abs(velocity).max())
-
-
 def test_fem_writes_a_whole_result_that_runs_again(strikewave, small):
     code, out, err = strikewave("fem", small, "--out", "f")
     assert code == 0

@@ -26,13 +26,13 @@ from strikewave.fem.measures import (
     PartMeasure,
     balance_measure,
     contact_measure,
-    interval_means,
+    mean_acceleration,
     mean_force,
     middles,
     part_measure,
 )
 from strikewave.fem.model import Model
-from strikewave.fem.run import ENERGIES, FemRun, FieldFrame, PartHistory, PointHistory, SectionHistory
+from strikewave.fem.run import ENERGIES, FemRun, FieldFrame
 from strikewave.fem.snapshots import SnapshotRecorder
 
 if TYPE_CHECKING:
@@ -195,7 +195,7 @@ class FemSolution(Result):
             yield from _components(f"{name} displacement", "m", part.displacement)
             yield from _components(f"{name} velocity", "m/s", part.velocity)
             yield from _components(f"{name} rigid acceleration", "m/s^2", part.acceleration)
-            yield from _components(f"{name} mean rigid acceleration", "m/s^2", _after(_mean_rate(run, part)))
+            yield from _components(f"{name} mean rigid acceleration", "m/s^2", _after(mean_acceleration(run, name)))
         for name, values in run.von_mises.items():
             yield f"{name} largest von Mises stress", "Pa", values
             yield f"{name} largest plastic strain", "1", run.plastic_strain[name]
@@ -203,12 +203,10 @@ class FemSolution(Result):
             yield from _components(f"{name} displacement", "m", point.displacement)
             yield from _components(f"{name} velocity", "m/s", point.velocity)
             yield from _components(f"{name} acceleration", "m/s^2", point.acceleration)
-            yield from _components(f"{name} mean acceleration", "m/s^2", _after(_mean_rate(run, point)))
         for name, section in run.sections.items():
             yield from _components(f"{name} stress", "Pa", section.stress, STRESS)
             yield from _components(f"{name} velocity", "m/s", section.velocity)
             yield from _components(f"{name} acceleration", "m/s^2", section.acceleration)
-            yield from _components(f"{name} mean acceleration", "m/s^2", _after(_mean_rate(run, section)))
         for name in ENERGIES:
             yield f"{name} energy", "J", run.energy[name]
         yield "energy error", "1", run.energy_error
@@ -247,13 +245,15 @@ class FemSolution(Result):
             add("contact", name, "force", force, "N")
             add("contact", name, "impulse", run.impulse[name], "N s")
             add("contact", name, "mean_force", mean_force(run, name), "N", means)
+        for kind, named in (("part", run.parts), ("group", run.groups)):
+            for name in named:
+                add(kind, name, "mean_acceleration", mean_acceleration(run, name), "m/s^2", means)
         for what, unit, most in (("von_mises", "Pa", run.von_mises), ("plastic_strain", "1", run.plastic_strain)):
             for name, values in most.items():
                 add("part", name, what, values, unit, ("time",))
         bodies = (("part", run.parts), ("group", run.groups))
         for kind, histories in (*bodies, ("point", run.points), ("section", run.sections)):
             for name, history in histories.items():
-                add(kind, name, "mean_acceleration", _mean_rate(run, history), "m/s^2", means)
                 for what, unit in MOTION.items():
                     if hasattr(history, what):
                         add(kind, name, what, getattr(history, what), unit)
@@ -362,11 +362,6 @@ def _components(name: str, unit: str, values: Array, axes: tuple[str, ...] = ("x
     """Yield a column for each component of a history."""
     for axis, column in zip(axes, values.T, strict=True):
         yield f"{name} {axis}", unit, column
-
-
-def _mean_rate(run: FemRun, history: PartHistory | PointHistory | SectionHistory) -> Array:
-    """Return the mean acceleration over each interval, which adds up to the change of velocity, m/s^2."""
-    return interval_means(history.velocity, run.time)
 
 
 def _after(means: Array) -> Array:
