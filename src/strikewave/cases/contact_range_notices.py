@@ -104,6 +104,31 @@ def speed_notices(names: Iterable[str], speed: float) -> Iterator[Notice]:
         yield Notice("approach-fast", message, speed, limit)
 
 
+def duration_notices(bodies: Iterable[tuple[str, float]], duration: float) -> Iterator[Notice]:
+    """Warn where a contact is over before a wave has come back through a body: it does not move as one then.
+
+    Parameters
+    ----------
+    bodies : iterable of (str, float)
+        Material and mass, kg, of each; its size is taken as the edge of a cube.
+    duration : float
+        Of the contact, s.
+    """
+    returns = [
+        (2.0 * (mass / row.density) ** (1.0 / 3.0) / row.bar_speed, mass, row.name)
+        for row, mass in ((material(name), mass) for name, mass in bodies)
+        if math.isfinite(mass)
+    ]
+    slowest = max(returns, default=None)
+    if slowest is not None and duration < slowest[0]:
+        back, mass, name = slowest
+        message = (
+            f"the contact lasts {duration * 1e6:.3g} us, and a wave takes {back * 1e6:.3g} us through a cube of "
+            f"{mass:.3g} kg of {name} and back: the body does not move as one; follow it as layers (strikewave wave)"
+        )
+        yield Notice("contact-short", message, duration, back)
+
+
 def damping_speed_notices(contact: ContactTable, approaches: Iterable[float]) -> Iterator[Notice]:
     """Warn where blows come slower than the lowest speed that the damping of the contact uses; approaches in m/s."""
     every = list(approaches)

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from strikewave.analyses.impact.setup import ContactLoss, Setup
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice, Source
-from strikewave.cases.contact_range_notices import indentation_notices, speed_notices
+from strikewave.cases.contact_range_notices import duration_notices, indentation_notices, speed_notices
 from strikewave.contact import Impact, Stiffness, first_yield, impact_history, reduced_mass, solve_impact
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
@@ -204,12 +204,14 @@ def _law_keys(setup: Setup) -> dict[str, Any]:
 
 
 def _beyond(setup: Setup, blow: Impact) -> list[Notice]:
-    """Return notices on an indentation that is large beside the radius, and on an approach that is too fast."""
+    """Return notices on an indentation large beside the radius, too fast an approach, too short a contact."""
     radius, bodies, notices = setup.base.sizes.radius1, setup.base.bodies, list[Notice]()
     if setup.base.shape == "point" and radius is not None:
         notices += indentation_notices(float(blow.max_indentation), radius)
     if bodies is not None:
-        notices += speed_notices([body.name for body in bodies], setup.speed)
+        names = [body.name for body in bodies]
+        notices += speed_notices(names, setup.speed)
+        notices += duration_notices(zip(names, setup.masses, strict=True), float(blow.duration))
     return notices
 
 
