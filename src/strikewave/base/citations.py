@@ -286,7 +286,10 @@ SOURCES: dict[str, str] = {
         "G. R. Johnson, W. H. Cook, A constitutive model and data for metals subjected to large strains, high strain "
         "rates and high temperatures, 7th International Symposium on Ballistics, The Hague 1983, 541-547"
     ),
-    "jesd22-b104": "JEDEC JESD22-B104C:2004, Mechanical Shock (its table of conditions from memory)",
+    "jesd22-b104": (
+        "JEDEC JESD22-B104C:2004, Mechanical Shock (scope read, lab.atengineer.com/kikaku/jesd22b104c.htm; condition "
+        "B, 1500 g and 0.5 ms, as quoted in open notes; equivalent drop heights: v^2/(2 g) of the half sine)"
+    ),
 }
 """References by key: what is marked "from memory" was found in no text that could be opened, and its pages may be
 wrong; "as quoted" says that others print it so, "read" what was opened of the source itself."""
