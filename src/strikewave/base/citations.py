@@ -265,6 +265,15 @@ SOURCES: dict[str, str] = {
         "rates and high temperatures, 7th International Symposium on Ballistics, The Hague 1983, 541-547 (pages from "
         "memory)"
     ),
+    "maw-barber-fawcett": (
+        "N. Maw, J. R. Barber, J. N. Fawcett, The Role of Elastic Tangential Compliance in Oblique Impact, Journal of "
+        "Lubrication Technology 103 (1981) 74-80 (abstract opened: steel and rubber; the coefficient 0.12 stands in a "
+        "copy of part of their text on pucks, its material not seen)"
+    ),
+    "molinari-1999": (
+        "A. Molinari, Y. Estrin, S. Mercier, Dependence of the Coefficient of Friction on the Sliding Conditions in "
+        "the High Velocity Range, Journal of Tribology 121 (1999) 35-41, doi:10.1115/1.2833808 (abstract opened)"
+    ),
     "jesd22-b104": "JEDEC JESD22-B104C:2004, Mechanical Shock (its table of conditions from memory)",
 }
 """References by key: what is marked "from memory" was not opened, and its pages may be wrong."""
