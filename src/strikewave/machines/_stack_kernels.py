@@ -34,6 +34,7 @@ from strikewave.waves._kernels import (
     advance,
     arriving_at_face,
     force_and_velocity,
+    gather,
     record,
 )
 from strikewave.waves._press_kernels import (
@@ -52,7 +53,6 @@ from strikewave.waves._press_kernels import POWER as POWER_LOST
 
 (
     CONTACT_FORCE,
-    RIGID_ACCELERATION,
     FACE_PLACE,
     NOSE_PLACE,
     NOSE_SPEED,
@@ -68,9 +68,9 @@ from strikewave.waves._press_kernels import POWER as POWER_LOST
     SIDE_FORCE,
     SIDE_IMPULSE,
     FRICTION_HEAT,
-) = range(17)
+) = range(16)
 """Columns of the history of a blow; nose and assembly by the mean of what they consist of."""
-COLUMNS = 17
+COLUMNS = 16
 
 DRAGGING, BRAKING, HEATING, ACROSS_IMPULSE = 0, 1, 2, 3
 """Places of what a sliding nose does: force, N, slowing of the turntable, rad/s^2, power, W, impulse, N s."""
@@ -242,7 +242,7 @@ def another_touches(system, y, striker, face):
 
 
 @kernel
-def follow(tables, state, law, machine, supports, blow, recordings, history, touches, switches):
+def follow(tables, state, law, machine, supports, blow, recordings, averages, history, touches, switches):
     """Follow one blow from first touch until it has settled.
 
     ``machine`` is (system, y, mode, memory) with strikers only, moved on in place. Fills ``history`` every so
@@ -321,10 +321,10 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
         net += dt * (force - f_end)
         for recording in recordings:
             record(tables, state, recording, n)
+        gather(tables, state, averages, n)
         if n % blow.every == 0:
             row = history[n // blow.every]
             row[CONTACT_FORCE] = force
-            row[RIGID_ACCELERATION] = (f_in - f_end) / blow.assembly_mass + blow.gravity
             row[FACE_PLACE], row[FACE_SPEED] = blow.face + fallen + u_face, frame + v_face
             row[NOSE_PLACE], row[NOSE_SPEED] = blow.face + fallen + u_nose, frame + v_nose
             row[ASSEMBLY_PLACE], row[ASSEMBLY_SPEED] = blow.end + fallen + u_assembly, frame + v_assembly
