@@ -37,7 +37,8 @@ def case_with(*changes):
     case = load_case("li-ma-2019", changes)
     kept = {change.partition(".tolerance=")[0] for change in changes}
     others = {path: value for path, value in case.values().items() if value.tolerance is not None and path not in kept}
-    return case.with_values({path: one.model_copy(update={"tolerance": None}) for path, one in others.items()})
+    bare = {path: one.model_copy(update={"tolerance": None}) for path, one in others.items()}
+    return case.with_values(bare, keep_tolerances=False)
 
 
 def made(peak):

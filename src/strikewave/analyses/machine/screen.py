@@ -76,9 +76,7 @@ def show(solution: Solution) -> None:
     table(solution.title, ["#", "kind", *headings("blows"), "contacts"], rows, left=2)
     _print_struck(solution, "contact", "Contact, blow by blow")
     if solution.slides:
-        _print_struck(
-            solution, "sliding", "Nose across the face; the object's guide bears the side force"
-        )
+        _print_struck(solution, "sliding", "Nose across the face; the object's guide bears the side force")
     _print_waves(solution)
     print_published(solution.comparisons)
     _print_collisions(solution)
