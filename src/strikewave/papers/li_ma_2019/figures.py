@@ -114,6 +114,7 @@ def ratio_figure(rows: Sequence[Ratio]) -> Figure:
             ha="left" if right else "right",
             va="center",
             fontsize=8,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.4},
         )
     axes.axvline(1.0, color=GREY, linewidth=0.9)
     axes.set_xscale("log")

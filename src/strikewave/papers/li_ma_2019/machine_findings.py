@@ -139,8 +139,8 @@ def stress_evenness() -> Finding:
         f"After a step it is: to {UNIFORM:.0%} after {steps[0]:.0f} of 45 steel between 65Mn of equal area, after "
         f"{steps[1]:.0f} of 2A12. Under a straight rise that lasts half of the published {width * 1e6:.0f} µs it takes "
         f"{slow:.0f}. A sensor of {sensor.length.si * 1e3:g} mm (assumed) has t₀ = {transit * 1e6:.2f} µs: the pulse "
-        f"lasts {width / transit:.0f} t₀, and its stress is even for most of it. What lasts so long does not show how a "
-        "wave passes.",
+        f"lasts {width / transit:.0f} t₀, and its stress is even for most of it. What lasts so long does not show how "
+        "a wave passes.",
         "not" if max(steps) > most else "partly" if slow > most else "right",
         "section 3.2; Figure 13",
     )

@@ -19,7 +19,7 @@ from strikewave.papers.li_ma_2019.gaskets import AFTER, GasketStudy, extremes
 from strikewave.papers.li_ma_2019.joints import JointStudy
 from strikewave.papers.li_ma_2019.map_figures import gasket_figure, joint_figure
 from strikewave.papers.li_ma_2019.published import half_sine_change, published_number
-from strikewave.papers.li_ma_2019.report.tables import ORIGINS, computed_text, share
+from strikewave.papers.li_ma_2019.report.tables import ORIGINS, computed_text, share, span_text
 from strikewave.papers.li_ma_2019.result import Computed, NumberRow, Reproduction, si_unit
 from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, QUIET_WAVE_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS
 from strikewave.reporting.curves import Trace
@@ -157,8 +157,7 @@ def _over_gaskets(study: GasketStudy) -> str:
 
 def _span(values: list[float]) -> str:
     """Write the range of the sizes of accelerations, g."""
-    low, high = (with_unit(value, "m/s^2", "g", 3) for value in extremes(values))
-    return f"{low} to {high}"
+    return span_text(*extremes(values), "g")
 
 
 def ringing(solution: Solution, sensor: str) -> float:

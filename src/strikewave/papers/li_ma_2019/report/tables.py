@@ -292,7 +292,21 @@ def computed_text(one: Computed, unit: str) -> str:
     """
     if one.low is None or one.high is None:
         return "" if one.value is None else _with_unit(one.value, unit)
-    return f"{_with_unit(one.low, unit, 3).partition(' ')[0]} to {_with_unit(one.high, unit, 3)}"
+    return span_text(one.low, one.high, unit)
+
+
+def span_text(low: float, high: float, unit: str) -> str:
+    """Write a range of SI values in a unit that the paper uses, each end to three digits.
+
+    Examples
+    --------
+    >>> span_text(45187.9, 806219.9, "g")
+    '4610 to 82200 g'
+    """
+    conversion = convertible(unit, DIMENSIONS)
+    factor = conversion[1] if conversion else 1.0
+    ends = [float(f"{end / factor:.3g}") for end in (low, high)]
+    return f"{ends[0]:.12g} to {ends[1]:.12g} {'' if unit == '1' else spelled(unit)}".strip()
 
 
 def _difference(one: Computed, published: float) -> str:
