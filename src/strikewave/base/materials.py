@@ -31,6 +31,8 @@ class Material:
         Where the numbers come from; ``checked`` or ``from memory``; what to know about them.
     yield_strength : float or None
         Pa.
+    hardness : float or None
+        Mean pressure of a ball indentation (Brinell, in Pa), in the state of the yield strength.
     loss_factor : float or None
         Tangent of the loss angle.
     """
@@ -44,6 +46,7 @@ class Material:
     status: str
     note: str
     yield_strength: float | None = None
+    hardness: float | None = None
     loss_factor: float | None = None
 
     @property
