@@ -260,8 +260,8 @@ def automatic_pressure(body1: PlasticBody, body2: PlasticBody) -> AutomaticPress
     The cap cuts the pressure of an *elastic* spot, whose area at a depth d is pi R d, so that the force tends to
     pi R p d. A fully plastic spot bears the hardness H on the area that the ball cuts from the plane, 2 pi R d
     (`PLASTIC_AREA`), so its force 2 pi R H d asks for p = 2 H. With H = 2.84 sigma_y this p holds the peak force of
-    the finite elements of Jackson & Green (2005) to 16 % from first yield to a spot of 0.4 R, and to 5 % beyond 100 times
-    the depth of first yield; p = H is up to 31 % low, and p at first yield, 1.6 sigma_y, up to 48 %.
+    the finite elements of Jackson & Green (2005) to 16 % from first yield to a spot of 0.4 R, and to 5 % beyond 100
+    times the depth of first yield; p = H is up to 31 % low, and p at first yield, 1.6 sigma_y, up to 48 %.
 
     The range: from H, no wider spot than the elastic one, up to (8/3) H where the hardness is known and the metal piles
     up without hardening (`PILED_UP_AREA`), or to 2 H of a metal that hardens strongly where only the yield strength is
