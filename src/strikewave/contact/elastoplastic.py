@@ -45,7 +45,7 @@ class PlasticBody(ElasticBody, Protocol):
 
 HARDNESS_OVER_YIELD = 2.84
 """Hardness over yield strength of a metal that does not harden. Source: the finite elements of Jackson & Green 2005;
-slip lines and Tabor give 2.8 to 3."""
+Tabor and slip lines give 2.8 to 3 (from memory)."""
 HARDENED_OVER_YIELD = 5.2
 """Hardness over yield strength of a metal that hardens strongly, the highest that is reckoned with where only the yield
 strength is known: hot-rolled AISI 1045, 163 HB and 310 MPa, in a maker's table. Annealed copper hardens more: give its

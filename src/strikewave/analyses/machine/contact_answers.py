@@ -10,6 +10,7 @@ from strikewave.cases.yield_pressure import ELASTIC, HIGH, LOW, WORTH_SHOWING
 ANSWER_UNITS = {
     "asked_restitution": "1",
     "first_yield": "N",
+    "times_first_yield": "1",
     "yield_pressure": "Pa",
     "rigid_peak": "m/s^2",
     "peak_force": "N",
