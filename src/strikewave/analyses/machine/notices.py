@@ -128,8 +128,8 @@ def _yield(case: Case, answers: ContactAnswers | None) -> Iterator[Notice]:
             yield Notice("contact-yields", message, elastic.peak_force, limit)
         if asked < 1.0 and yielding.restitution < asked - YIELD_TAKES:
             message = (
-                f"the contact yields besides: e = {yielding.restitution:.3g} comes out of the first blow, not the "
-                f"{asked:g} asked of its damping; where that stands for what yields, ask for 1"
+                f"damping and yield together give e = {yielding.restitution:.3g} in the first blow, not the {asked:g} "
+                "asked of the damping; where that already stood for what yields, ask for 1"
             )
             yield Notice("restitution-differs", message, yielding.restitution, asked)
         return
