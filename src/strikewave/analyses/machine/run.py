@@ -11,6 +11,7 @@ import numpy as np
 
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.dataset import build_dataset
+from strikewave.analyses.machine.feed_notices import feed_notices
 from strikewave.analyses.machine.kind import Release, kind_of
 from strikewave.analyses.machine.launched import line_collisions, release
 from strikewave.analyses.machine.notices import launch_notices, notices, wave_notices
@@ -78,7 +79,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
     answers = None if first is None else contact_answers(case, first)
     listed = [
         *notices(case, seen.blows, answers),
-        *(launch_notices(case, seen, start) if start else ()),
+        *(launch_notices(case, seen, start) if start else feed_notices(run, seen.blows)),
         *wave_notices(run, seen.histories, seen.readings, seen.view.bandwidth),
         *channel_notices(
             seen.view.channels,
