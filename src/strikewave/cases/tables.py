@@ -27,6 +27,7 @@ from strikewave.base.quantities import (
     MaybeArea,
     MaybeBits,
     MaybeBlowCount,
+    MaybeCoefficient,
     MaybeContactPressure,
     MaybeDamping,
     MaybeDensity,
@@ -272,7 +273,8 @@ class ContactTable(CaseTable):
 
     What has yielded stays: on the face, where all strikers hit the same spot, or on each nose (``yields``).
     The law "power", that of a pulse shaper or of a measured contact, is F = K d^n with K from ``reference_force`` at
-    ``reference_depth`` and n = ``exponent`` (1).
+    ``reference_depth`` and n = ``exponent`` (1). The nose of a rotary machine slides across the face: against
+    ``friction`` (Coulomb's coefficient) and a viscous ``sliding_damping``; none where they are left out.
     """
 
     law: str = "palmgren"
@@ -285,6 +287,8 @@ class ContactTable(CaseTable):
     datum_depth: MaybeLength = None
     yield_pressure: MaybeContactPressure = None
     yields: Literal["face", "nose"] = "face"
+    friction: MaybeCoefficient = None
+    sliding_damping: MaybeDamping = None
 
 
 class RecorderTable(CaseTable):

@@ -240,6 +240,7 @@ def _citations(case: Case, seen: Observed) -> tuple[str, ...]:
     keys = [origin, contact_stiffness(case).source, "hunt-crossley-1975", damping_law(contact.damping).source]
     keys += ["thornton-1997"] if contact.yield_pressure is not None else []
     keys += ["jackson-green-2005"] if contact.yield_pressure == AUTO else []
+    keys += ["maw-barber-fawcett", "molinari-1999"] if contact.friction is not None else []
     keys += ["schwager-poschel-2007", "hairer-1993", *kind_of(case).sources]
     if seen.machine.layered:
         keys += ["kolsky-1963", *(["li-ma-2019"] if case.solver.route != EXACT else [])]
