@@ -67,6 +67,7 @@ class BarRun:
     bound : ErrorBound
         Largest error: from rounding the transits, and what half the step changes where springs or masses take
         part; infinite where joints open or a striker comes. By the spectral solver what half the step changes.
+        Where all is bonded, that of an acceleration is the error of the average, not what an average takes off a peak.
     places, duration : tuple and float
         Layer and fraction of each tap; s.
     field_time, field_position, field_force, field_velocity : ndarray

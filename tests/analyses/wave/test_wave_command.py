@@ -282,6 +282,33 @@ def test_a_sensor_on_a_bar_reads_its_tap(strikewave, bar, tmp_path):
     assert document["sensors"]["s"]["peak"] == pytest.approx(peak, rel=1e-4)  # between samples by a parabola
 
 
+def test_an_ideal_sensor_reads_every_sample_of_its_tap_from_the_jump_of_the_load_on():
+    """To the last digit: a rectangle accelerates the struck face in the first sample, whose half is lost without it."""
+    from strikewave.analyses.wave.run import run_wave
+    from strikewave.cases.case import parse_case
+
+    face = '[[tap]]\nname = "face"\nlayer = "upper"\nposition = 0.0\n[[sensor]]\nname = "s"\ntap = "face"\n'
+    solution = run_wave(parse_case(BAR.replace("sine-squared", "rectangle") + face))
+    reading = solution.readings[0]
+    assert solution.run.acceleration[0, 2] > 0.0
+    assert reading.time == pytest.approx(solution.run.time, abs=1e-18)
+    assert np.array_equal(reading.values, solution.run.acceleration[:, 2])
+
+
+def test_a_sensor_that_rings_faster_than_what_is_kept_is_noticed():
+    """500 kHz at 200 ns are 10 samples a period; left to itself the run keeps 50."""
+    from strikewave.analyses.wave.run import run_wave
+    from strikewave.cases.case import parse_case
+
+    sensor = '[[sensor]]\nname = "s"\ntap = "mid"\nresonance = "500 kHz"\n'
+    coarse = run_wave(parse_case(BAR.replace("[solver]", '[solver]\nstep = "200 ns"') + sensor))
+    notice = next(notice for notice in coarse.notices if notice.code == "sensor-unresolved")
+    assert notice.limit == pytest.approx(2e-6 / 12.0)
+    chosen = run_wave(parse_case(BAR + sensor))
+    assert "sensor-unresolved" not in {notice.code for notice in chosen.notices}
+    assert chosen.run.time[1] <= 2e-6 / 50.0 * (1.0 + 1e-12)
+
+
 def test_run_with_a_stack_states_total_wave_bandwidth_and_sensors(fig5):
     document = fig5.document()
     for blow in document["blows"]:

@@ -21,7 +21,7 @@ from strikewave.cases.contact_range_notices import (
     speed_notices,
 )
 from strikewave.reporting.numbers import percent
-from strikewave.sensors.channel import channel_notices
+from strikewave.sensors.channel import SensorChannel, channel_notices, shortest_period
 from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Tap
 from strikewave.waves.limits import (
     end_notices,
@@ -40,6 +40,9 @@ per cent changes peaks by less than the calibration of a sensor does)."""
 LONGER = 10.0
 """A measured load that lasts so many times as long as the run is noticed (chosen: nine tenths of it are then
 ignored)."""
+FEWEST_SAMPLES = 12.0
+"""Samples a period of what a sensor feels below which its reading is noticed: averages about n of them, and straight
+lines between them, take 2 (pi/n)^2/3 off what rings, 4.6 % at 12."""
 
 
 class Front(NamedTuple):
@@ -69,6 +72,7 @@ def layered_bar_notices(
     yield from loss_notices(solution.losses)
     yield from end_notices(stack, lasting)
     yield from channel_notices(solution.channels, [solution.sensors], stack.mass)
+    yield from _unresolved(solution.channels, float(run.time[1]))
     yield from _missed_accuracy(case, run, accuracy)
     yield from _contact_notices(case, run)
     yield from joint_size_notices(case)
@@ -118,6 +122,19 @@ def _longer_load(run: BarRun) -> Iterator[Notice]:
             "are not those of the whole blow; raise solver.duration"
         )
         yield Notice("contact-not-over", message, float(run.touches[-1, 1]), run.duration)
+
+
+def _unresolved(channels: Sequence[SensorChannel], step: float) -> Iterator[Notice]:
+    """Report sensors that ring too fast for what is kept of a run, every ``step`` s."""
+    for channel in channels:
+        period = shortest_period([channel])
+        if period < FEWEST_SAMPLES * step:
+            message = (
+                f"sensor {channel.sensor.name} answers up to {1e-3 / period:.4g} kHz, but what it feels is kept every "
+                f"{step * 1e9:.4g} ns: its reading of steep fronts is low; leave solver.step out, or take one below "
+                f"{period / FEWEST_SAMPLES * 1e9:.3g} ns and a shorter solver.duration"
+            )
+            yield Notice("sensor-unresolved", message, step, period / FEWEST_SAMPLES)
 
 
 def _momentum_balance(run: BarRun) -> list[Notice]:

@@ -109,7 +109,8 @@ def _reading(sensor: Sensor, recorder: Recorder, felt: Array, step: float) -> Re
     whole = recorder.sampling_rate * step
     phase = 0.0 if math.isinf(whole) else whole % 1.0
     reading = read(sensor, recorder, np.append(0.0, felt), step, -step, phase)
-    kept = reading.time > -0.5 * min(step, 1.0 / recorder.sampling_rate)
+    interval = step if math.isinf(recorder.sampling_rate) else 1.0 / recorder.sampling_rate
+    kept = reading.time > -0.5 * interval
     return reading._replace(time=np.maximum(reading.time[kept], 0.0), values=reading.values[kept])
 
 
