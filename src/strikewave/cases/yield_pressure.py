@@ -19,7 +19,7 @@ def capped_pressure(given: ContactPressure, one: Material, other: Material, fiel
     Raises
     ------
     InputError
-        If it is to follow from the materials, and one of them has neither hardness nor yield strength.
+        If it is to follow from the materials, and one of them is no metal, or has neither hardness nor yield strength.
 
     Examples
     --------
@@ -37,13 +37,20 @@ def pressure_of_materials(one: Material, other: Material, field: str) -> Automat
     Raises
     ------
     InputError
-        If one of them has neither hardness nor yield strength.
+        If one of them is no metal, or has neither hardness nor yield strength.
     """
     for body in (one, other):
-        if hardness_of(body) is None:
-            allowed = f"a pressure: {body.name} has neither hardness nor yield strength in the table of materials"
-            raise InputError(field, AUTO, allowed, 'give it, such as "1 GPa"')
+        missing = _missing(body)
+        if missing:
+            raise InputError(field, AUTO, f"a pressure: {body.name} {missing}", 'give it, such as "1 GPa"')
     return automatic_pressure(one, other)
+
+
+def _missing(body: Material) -> str:
+    """Return in words why a material gives no pressure; nothing where it gives one."""
+    if hardness_of(body) is None:
+        return "has neither hardness nor yield strength in the table of materials"
+    return "" if body.kind == "metal" else "is no metal, so that its hardness does not follow from its yield strength"
 
 
 def pressures_of_answers(given: ContactPressure, one: Material, other: Material) -> dict[str, float | None]:
@@ -60,7 +67,7 @@ def pressures_of_answers(given: ContactPressure, one: Material, other: Material)
     """
     if isinstance(given, Value):
         return {ELASTIC: None, YIELDING: given.si}
-    if hardness_of(one) is None or hardness_of(other) is None:
+    if _missing(one) or _missing(other):
         return {ELASTIC: None}
     best, low, high = automatic_pressure(one, other)
     return {ELASTIC: None, LOW: low, YIELDING: best, HIGH: high}

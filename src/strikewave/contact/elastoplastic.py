@@ -48,8 +48,8 @@ HARDNESS_OVER_YIELD = 2.84
 Tabor and slip lines give 2.8 to 3 (from memory)."""
 HARDENED_OVER_YIELD = 5.2
 """Hardness over yield strength of a metal that hardens strongly, the highest that is reckoned with where only the yield
-strength is known: hot-rolled AISI 1045, 163 HB and 310 MPa, in a maker's table. Annealed copper hardens more: give its
-hardness."""
+strength is known: hot-rolled AISI 1045, 163 HB and 45 000 psi (310 MPa), in a maker's table of estimated least values
+(Mechanical Properties of Steel, scribd.com/document/360049537). Annealed copper hardens more: give its hardness."""
 PLASTIC_AREA = 2.0
 """Area of a fully plastic spot over that of the elastic one at the same depth: a ball pressed in by d cuts the plane at
 a^2 = 2 R d, while Hertz has a^2 = R d. Of a line, ln(4 R/a) - 1/2 in place of 2 for the square of the width: 2.2 to 1.8

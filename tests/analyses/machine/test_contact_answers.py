@@ -140,6 +140,17 @@ def test_a_material_without_hardness_and_strength_is_refused_with_what_to_do():
     assert given.contact.row("yielding").yield_pressure == 1e6
 
 
+def test_a_material_that_is_no_metal_gives_no_pressure():
+    """The hardness of a polymer is a smaller multiple of its yield strength than the 2.84 of metals."""
+    case = load_case("iso-16063-22-dropball", ["object.material=PMMA"])
+    with pytest.raises(InputError, match=r"PMMA is no metal.*give it, such as"):
+        run_case(case)
+    solution = run_case(elastic("iso-16063-22-dropball", "object.material=PMMA"))
+    assert [row.name for row in solution.contact.rows] == ["elastic"]
+    message = next(notice for notice in solution.notices if notice.code == "contact-yield").message
+    assert "these materials do not tell" in message
+
+
 def test_auto_is_read_written_and_compared_as_a_choice():
     case = load_case("li-ma-2019", ["contact.yield_pressure=auto"])
     assert case.contact.yield_pressure == "auto"

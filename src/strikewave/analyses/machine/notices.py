@@ -143,7 +143,7 @@ def _yield(case: Case, answers: ContactAnswers | None) -> Iterator[Notice]:
     head = f"the contact passes first yield ({force_words(limit)}) and is taken as elastic: the first blow gives"
     advice = f'contact.yield_pressure = "{AUTO}"'
     if yielding is None:
-        message = f"{head} {_peaks(elastic)}; give contact.yield_pressure, the materials have no hardness"
+        message = f"{head} {_peaks(elastic)}; give contact.yield_pressure, which these materials do not tell"
     elif answers.differ:
         message = f"{head} {_peaks(elastic)}; {advice} gives {_peaks(yielding)}{known}"
     else:
