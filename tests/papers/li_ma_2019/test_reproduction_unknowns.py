@@ -50,7 +50,7 @@ def test_a_cell_of_the_gaskets_is_the_fit_that_any_case_can_be_given(elastomer):
 
 
 def test_the_elastomer_reads_what_an_independent_model_reads(elastomer):
-    """An independent audit's model of this gasket: 9948 g direct, and calmer than the direct sensor."""
+    """A second model of this gasket, written apart from this program: 9948 g direct, calmer than the direct sensor."""
     cell = gaskets.gasket_cell(elastomer, 50e6, 0.8, 3e-3)
     assert abs(cell.direct) / STANDARD_GRAVITY == pytest.approx(9948.0, rel=0.01)  # 0.7 % by the feed alone
     assert cell.calm

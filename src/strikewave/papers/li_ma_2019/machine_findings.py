@@ -93,16 +93,14 @@ def direction(machine: Solution) -> Finding:
     return Finding(
         "main motion of the impact component",
         "also along the impact loading direction",
-        f"It cannot hold together with 730 r/min and the measured pulse on a massive turntable. On a path of "
-        f"{machine.case.values()['machine.radius'].si * 1e3:.0f} mm (assumed) the nose has {rim:.1f} m/s; the measured "
-        f"pulse needs {along:.1f} m/s along the blow, so that {across:.1f} m/s go across it, as of a cam. Were the "
-        "blow "
-        f"tangential, along the path, it would come with {fast.approach:.1f} m/s and give {_g(fast.peak)}; it "
-        "gives the "
-        f"measured {_g(slow.peak)} at {slow.speed * 30.0 / math.pi:.0f} r/min, where {STRIKERS} components strike "
-        "every "
-        f"{interval * 1e3:.0f} ms. All hold together only for noses on a circle of {small * 1e3:.0f} mm. The radius is "
-        "not published: it, or a picture of a mark on the struck face, would decide.",
+        "A contradiction: on a massive turntable it cannot hold together with 730 r/min and the measured pulse. On a "
+        f"path of {machine.case.values()['machine.radius'].si * 1e3:.0f} mm (assumed) the nose has {rim:.1f} m/s; the "
+        f"measured pulse needs {along:.1f} m/s along the blow, so that {across:.1f} m/s go across it, as of a cam. "
+        f"Were the blow tangential, along the path, it would come with {fast.approach:.1f} m/s and give "
+        f"{_g(fast.peak)}; it gives the measured {_g(slow.peak)} at {slow.speed * 30.0 / math.pi:.0f} r/min, where "
+        f"{STRIKERS} components strike every {interval * 1e3:.0f} ms. All hold together only for noses on a circle of "
+        f"{small * 1e3:.0f} mm. The radius is not published: it, or a picture of a mark on the struck face, would "
+        "decide.",
         "open",
         "section 4.1; li-ma-2019",
     )

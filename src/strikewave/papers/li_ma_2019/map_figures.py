@@ -34,14 +34,14 @@ HATCH = "///"
 def gasket_figure(study: GasketStudy) -> Figure:
     """Draw the direct peak over modulus and loss, a panel for each thickness; hatched where the pulse is not calmed."""
     moduli, losses, thicknesses = study.grid
-    kilograms = np.abs(study.field("direct")) / STANDARD_GRAVITY / 1e3
+    peaks = np.abs(study.field("direct")) / STANDARD_GRAVITY / 1e3
     calm, published = study.field("calm") > 0.0, published_number("direct peak").value / STANDARD_GRAVITY / 1e3
     width = (COLUMN * len(moduli) + BESIDE) * len(thicknesses) + MARGIN
     size = (width, max(LEAST_HEIGHT, 1.7 + ROW * len(losses)))
     figure = new_figure(size)
     every = figure.subplots(1, len(thicknesses), squeeze=False, sharey=True)[0]
-    for axes, panel, quiet_cells, thickness in zip(every, kilograms, calm, thicknesses, strict=True):
-        drawn = _cells(axes, panel, _norm(kilograms), published, ~quiet_cells)
+    for axes, panel, quiet_cells, thickness in zip(every, peaks, calm, thicknesses, strict=True):
+        drawn = _cells(axes, panel, _norm(peaks), published, ~quiet_cells)
         axes.set_title(f"{thickness * 1e3:g} mm thick", loc="left", fontsize=10)
         axes.set_xticks(range(len(moduli)), [f"{modulus / 1e6:g}" for modulus in moduli], fontsize=8)
         axes.set_xlabel("modulus of the gasket (MPa)")
@@ -54,12 +54,12 @@ def gasket_figure(study: GasketStudy) -> Figure:
 
 def joint_figure(study: JointStudy) -> Figure:
     """Draw the sensor's peak over stiffness of the faces and preload; hatched where the rigid pulse is not kept."""
-    kilograms = study.field("peak") / STANDARD_GRAVITY / 1e3
-    kept = np.array([cell.blow.keeps(study.assumed) for cell in study.cells]).reshape(kilograms.shape)
+    peaks = study.field("peak") / STANDARD_GRAVITY / 1e3
+    kept = np.array([cell.blow.keeps(study.assumed) for cell in study.cells]).reshape(peaks.shape)
     published = published_number("wave peak").value / STANDARD_GRAVITY / 1e3
     figure = new_figure((9.8, max(LEAST_HEIGHT, 1.8 + 0.8 * ROW * len(study.grid.preloads))))
     axes = figure.add_subplot()
-    drawn = _cells(axes, kilograms, _norm(kilograms), published, ~kept)
+    drawn = _cells(axes, peaks, _norm(peaks), published, ~kept)
     stiffnesses = [f"{one / 1e9:.3g}" if math.isfinite(one) else "rigid" for one in study.grid.stiffnesses]
     axes.set_xticks(range(len(stiffnesses)), stiffnesses, fontsize=8)
     axes.set_yticks(range(len(study.grid.preloads)), [f"{one:g}" for one in study.grid.preloads], fontsize=8)

@@ -333,7 +333,7 @@ at that of the preload while a joint is open.
 
 The second picture shows how steep a front in a bar would have to be: a rise of 5 µs, chosen so that the wave in an \
 endless bar accelerates by just the published peak. It is no prediction, it is beyond what one-dimensional theory may \
-quote for a bar of this diameter, and so short a pulse has a twentieth of the blow's impulse. A width of 252 µs is \
+quote for a bar of this diameter, and so short a pulse has 4 % of the blow's impulse. A width of 252 µs is \
 that of the whole blow, not of such a front."""
     caption = (
         "What the sensor between the cylinders reads, as computed with joints that hold: all blows, and the first."
