@@ -49,7 +49,7 @@ def gasket_figure(study: GasketStudy) -> Figure:
     for axes, panel, quiet_cells, thickness in zip(every, kilograms, calm, thicknesses, strict=True):
         drawn = _cells(axes, panel, _norm(kilograms), published, ~quiet_cells, numbered)
         axes.set_title(f"{thickness * 1e3:g} mm thick", loc="left", fontsize=10)
-        axes.set_xticks(shown, [f"{moduli[k] / 1e6:.3g}" for k in shown], fontsize=8)
+        axes.set_xticks(shown, [np.format_float_positional(moduli[k] / 1e6, 3, fractional=False, trim="-") for k in shown], fontsize=8)
         axes.set_xlabel("modulus of the gasket (MPa)")
     every[0].set_yticks(range(len(losses)), [f"{loss:g}" for loss in losses], fontsize=8)
     every[0].set_ylabel("loss factor (1)")
