@@ -49,7 +49,7 @@ def gasket_figure(study: GasketStudy) -> Figure:
     for axes, panel, quiet_cells, thickness in zip(every, kilograms, calm, thicknesses, strict=True):
         drawn = _cells(axes, panel, _norm(kilograms), published, ~quiet_cells, numbered)
         axes.set_title(f"{thickness * 1e3:g} mm thick", loc="left", fontsize=10)
-        axes.set_xticks(shown, [np.format_float_positional(moduli[k] / 1e6, 3, fractional=False, trim="-") for k in shown], fontsize=8)
+        axes.set_xticks(shown, [_plain(moduli[k] / 1e6) for k in shown], fontsize=8)
         axes.set_xlabel("modulus of the gasket (MPa)")
     every[0].set_yticks(range(len(losses)), [f"{loss:g}" for loss in losses], fontsize=8)
     every[0].set_ylabel("loss factor (1)")
@@ -74,6 +74,10 @@ def joint_figure(study: JointStudy) -> Figure:
     _bar(figure, drawn, [axes], "peak of the sensor (1000 g)")
     _key(figure, published, "rigid pulse not kept within 5 %", "")
     return figure
+
+
+def _plain(number: float) -> str:
+    return str(np.format_float_positional(number, 3, fractional=False, trim="-"))
 
 
 def _norm(values: Array) -> Any:
