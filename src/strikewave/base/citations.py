@@ -189,7 +189,8 @@ SOURCES: dict[str, str] = {
     ),
     "gent-lindley-1959": (
         "A. N. Gent, P. B. Lindley, The Compression of Bonded Rubber Blocks, Proceedings of the Institution of "
-        "Mechanical Engineers 173 (1959) 111-122 (relation and reference from memory)"
+        "Mechanical Engineers 173 (1959) 111-122 (relation seen in U. Koblar, F. Skofic, M. Boltezar, Strojniski "
+        "vestnik 60 (2014) 506-511; pages from memory)"
     ),
     "timoshenko-goodier-1970": (
         "S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, 3rd ed., McGraw-Hill, New York 1970, art. 32 "
@@ -264,6 +265,23 @@ SOURCES: dict[str, str] = {
         "G. R. Johnson, W. H. Cook, A constitutive model and data for metals subjected to large strains, high strain "
         "rates and high temperatures, 7th International Symposium on Ballistics, The Hague 1983, 541-547 (pages from "
         "memory)"
+    ),
+    "iec-60068-2-27": (
+        "IEC 60068-2-27:2008, Environmental testing - Part 2-27: Tests - Test Ea and guidance: Shock (its "
+        "severities from memory)"
+    ),
+    "mindlin-1945": (
+        "R. D. Mindlin, Dynamics of Package Cushioning, Bell System Technical Journal 24 (1945) 353-461 (abstract "
+        "seen; formulas from memory)"
+    ),
+    "stulov-2004": (
+        "A. Stulov, Mechanical Features of Piano Hammer Felt, 21st International Congress of Theoretical and Applied "
+        "Mechanics, Warsaw 2004 (summary seen; the three-parameter law in J. O. Smith, Physical Audio Signal "
+        "Processing)"
+    ),
+    "gibson-ashby-1997": (
+        "L. J. Gibson, M. F. Ashby, Cellular Solids: Structure and Properties, 2nd ed., Cambridge University Press "
+        "1997 (formulas of the densification from memory)"
     ),
     "jesd22-b104": "JEDEC JESD22-B104C:2004, Mechanical Shock (its table of conditions from memory)",
 }

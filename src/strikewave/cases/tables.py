@@ -56,6 +56,7 @@ from strikewave.base.quantities import (
     MaybeRipple,
     MaybeRotationDrag,
     MaybeRotationRate,
+    MaybeShare,
     MaybeShift,
     MaybeSpeed,
     MaybeSpringRate,
@@ -81,6 +82,8 @@ from strikewave.base.quantities import (
 
 POWER = "power"
 """The contact law that is given by a force at a depth."""
+CUSHION = "cushion"
+"""The contact law, and the kind of joint, that is a cushion with a table of its own."""
 PUBLISHED_QUANTITIES = {
     "first.rigid_peak": "m/s^2",
     "first.total_peak": "m/s^2",
@@ -264,12 +267,42 @@ class Object(AnyObject):
     gravity: Acceleration
 
 
+class CushionTable(CaseTable):
+    """[contact.cushion], [stack.joint.cushion]: a pad with its area (or diameter) and thickness.
+
+    ``material`` is a row of the cushion materials, ``law`` a cushion law where none is named; the law says which
+    properties it takes, and what is given overrules the row. What it loses beside the restitution of a contact is a
+    ``retardation``, or the ``loss_factor`` that it has at a ``loss_frequency``. After ``blows_before`` it has lost
+    ``settling`` of its thickness in each blow, and grown stiffer by ``stiffening``.
+    """
+
+    law: str = ""
+    material: str = ""
+    area: MaybeArea = None
+    diameter: MaybeLength = None
+    thickness: Length
+    modulus: MaybeModulus = None
+    stress: MaybePressure = None
+    exponent: MaybeExponent = None
+    limit_strain: MaybeShare = None
+    compression_factor: MaybeLoss = None
+    shape_factor: MaybeLoss = None
+    plateau: MaybePressure = None
+    densification: MaybeShare = None
+    retardation: MaybeTime = None
+    loss_factor: MaybeLoss = None
+    loss_frequency: MaybeFrequency = None
+    blows_before: MaybeBlowCount = None
+    settling: MaybeShare = None
+    stiffening: MaybeShare = None
+
+
 class ContactTable(CaseTable):
     """[contact]: law of the contact between nose and face; with a yield pressure it is elastic-plastic.
 
     What has yielded stays: on the face, where all strikers hit the same spot, or on each nose (``yields``).
     The law "power", that of a pulse shaper or of a measured contact, is F = K d^n with K from ``reference_force`` at
-    ``reference_depth`` and n = ``exponent`` (1).
+    ``reference_depth`` and n = ``exponent`` (1). The law "cushion" is that of the pad of [contact.cushion].
     """
 
     law: str = "palmgren"
@@ -282,6 +315,7 @@ class ContactTable(CaseTable):
     datum_depth: MaybeLength = None
     yield_pressure: MaybePressure = None
     yields: Literal["face", "nose"] = "face"
+    cushion: CushionTable | None = None
 
 
 class RecorderTable(CaseTable):
@@ -337,11 +371,12 @@ class JointTable(CaseTable):
     modulus and a loss factor that holds from ``band_low`` to ``band_high`` (1 and 100 kHz where left out).
     An oscillator is a sensor's mass on a spring that sits on bonded faces: mass, stiffness or resonance, damping or
     quality. A contact is a nonlinear one by the elastic law ``law`` between the materials of its neighbours: radius
-    of the first face on the second, which is plane, length of a line; gap or preload, yield_pressure.
+    of the first face on the second, which is plane, length of a line; gap or preload, yield_pressure. A cushion is the
+    pad of [stack.joint.cushion], without mass of its own, that pushes only; gap or preload.
     """
 
     after: Name
-    kind: Literal["bonded", "compliant", "gasket", "unilateral", "mass", "oscillator", "contact"]
+    kind: Literal["bonded", "compliant", "gasket", "unilateral", "mass", "oscillator", "contact", "cushion"]
     stiffness: MaybeSpringRate = None
     damping: MaybeDamping = None
     gap: MaybeGap = None
@@ -362,6 +397,7 @@ class JointTable(CaseTable):
     length: MaybeLength = None
     datum_depth: MaybeLength = None
     yield_pressure: MaybePressure = None
+    cushion: CushionTable | None = None
 
 
 class EndTable(CaseTable):

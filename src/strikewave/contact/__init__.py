@@ -33,8 +33,8 @@ from strikewave.contact.elastoplastic import (
 )
 from strikewave.contact.identification import Identified, identify
 from strikewave.contact.impact import Impact, ImpactHistory, impact_history, reduced_mass, solve_impact
-from strikewave.contact.law import AnyContact, Contact, Damper, LogarithmicContact, PressureCap
-from strikewave.contact.registry import CapLaw, DamperLaw, DampingLaw, Law, StiffnessLaw
+from strikewave.contact.law import AnyContact, Contact, Damper, HardeningContact, LogarithmicContact, PressureCap
+from strikewave.contact.registry import CapLaw, CushionLaw, DamperLaw, DampingLaw, Law, StiffnessLaw
 from strikewave.contact.stiffness import (
     Geometry,
     LogarithmicStiffness,
@@ -56,11 +56,13 @@ __all__ = [
     "ChainContact",
     "ChainMotion",
     "Contact",
+    "CushionLaw",
     "Damper",
     "DamperLaw",
     "DampingLaw",
     "Friction",
     "Geometry",
+    "HardeningContact",
     "Identified",
     "Impact",
     "ImpactHistory",

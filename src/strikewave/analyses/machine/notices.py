@@ -14,7 +14,7 @@ from strikewave.analyses.machine.sensor_readings import (
 )
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
-from strikewave.cases.contact_notices import force_words, law_notices, yield_notices
+from strikewave.cases.contact_notices import cushion_notices, force_words, law_notices, yield_notices
 from strikewave.machines import Blow
 from strikewave.machines.rebounds import REST_SHARE
 from strikewave.machines.run import MachineRun
@@ -53,7 +53,8 @@ def notices(case: Case, blows: Sequence[Blow]) -> tuple[Notice, ...]:
             )
         )
         return tuple(listed)
-    listed += [*_odd_blows(case, blows), *_rail(case), *_yield(case, struck), *_recorder(case, struck)]
+    listed += [*_odd_blows(case, blows), *_rail(case), *_yield(case, struck), *cushion_notices(case, struck)]
+    listed += _recorder(case, struck)
     return tuple(listed)
 
 
