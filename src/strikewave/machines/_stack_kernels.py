@@ -31,6 +31,7 @@ from strikewave.waves._kernels import (
     advance,
     arriving_at_face,
     force_and_velocity,
+    gather,
     record,
 )
 from strikewave.waves._press_kernels import (
@@ -49,7 +50,6 @@ from strikewave.waves._press_kernels import POWER as POWER_LOST
 
 (
     CONTACT_FORCE,
-    RIGID_ACCELERATION,
     FACE_PLACE,
     NOSE_PLACE,
     NOSE_SPEED,
@@ -62,9 +62,9 @@ from strikewave.waves._press_kernels import POWER as POWER_LOST
     CONTACT_IMPULSE,
     END_IMPULSE,
     INDENTATION,
-) = range(14)
+) = range(13)
 """Columns of the history of a blow; nose and assembly by the mean of what they consist of."""
-COLUMNS = 14
+COLUMNS = 13
 
 SETTLED, CROWDED, ENDLESS = 0, 1, 2
 """Why a blow ended: all quiet; two strikers in touch at once; the history is full."""
@@ -213,7 +213,7 @@ def another_touches(system, y, striker, face):
 
 
 @kernel
-def follow(tables, state, law, machine, supports, blow, recordings, history, touches, switches):
+def follow(tables, state, law, machine, supports, blow, recordings, averages, history, touches, switches):
     """Follow one blow from first touch until it has settled.
 
     ``machine`` is (system, y, mode, memory) with strikers only, moved on in place. Fills ``history`` every so
@@ -290,10 +290,10 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
         net += dt * (force - f_end)
         for recording in recordings:
             record(tables, state, recording, n)
+        gather(tables, state, averages, n)
         if n % blow.every == 0:
             row = history[n // blow.every]
             row[CONTACT_FORCE] = force
-            row[RIGID_ACCELERATION] = (f_in - f_end) / blow.assembly_mass + blow.gravity
             row[FACE_PLACE], row[FACE_SPEED] = blow.face + fallen + u_face, frame + v_face
             row[NOSE_PLACE], row[NOSE_SPEED] = blow.face + fallen + u_nose, frame + v_nose
             row[ASSEMBLY_PLACE], row[ASSEMBLY_SPEED] = blow.end + fallen + u_assembly, frame + v_assembly

@@ -18,7 +18,6 @@ from strikewave.contact.motion import Motion
 from strikewave.machines import _stack_kernels as column
 from strikewave.machines._layout import StateLayout
 from strikewave.machines.struck_object import StruckObject
-from strikewave.waves._kernels import Recording
 
 Array = NDArray[np.float64]
 
@@ -129,6 +128,14 @@ class ChainSpan:
         return float(speeds[self.layout.nose] - speeds[striker])
 
 
+class TapHistories(NamedTuple):
+    """Force (N), velocity (m/s), average acceleration about each sample (m/s^2) at the taps, (samples, taps)."""
+
+    force: Array
+    velocity: Array
+    acceleration: Array
+
+
 @dataclass(frozen=True)
 class StackSpan:
     """One blow on a stack, from first touch until it has settled.
@@ -143,16 +150,16 @@ class StackSpan:
         Who struck.
     history : ndarray
         Columns as `_stack_kernels` names them.
-    taps : Recording
-        Force and velocity at the taps; velocities in the frame below.
+    taps : TapHistories
+        What the taps did; velocities and accelerations in the frame below.
+    rigid_acceleration : ndarray
+        Of the assembly, average about each sample, m/s^2.
     field_position : ndarray
         Places of the x-t field from the first face, m; empty where none was kept.
     field_step, field_force : float and ndarray
         Spacing of its times, s, and force, N, shape (times, places).
     frame : (float, float)
         Speed of the stack's frame at the beginning, and its acceleration.
-    grid_step : float
-        Time step of the waves, s.
     touches, switched : ndarray
         Begin, end, approach speed of each contact; which of the machine's switches, and when.
     momentum_error : float
@@ -166,12 +173,12 @@ class StackSpan:
     step: float
     striker: int
     history: Array
-    taps: Recording
+    taps: TapHistories
+    rigid_acceleration: Array
     field_position: Array
     field_step: float
     field_force: Array
     frame: tuple[float, float]
-    grid_step: float
     touches: Array
     switched: Array
     momentum_error: float
@@ -183,8 +190,10 @@ class StackSpan:
         return self.begin + self.step * (len(self.history) - 1)
 
     def _at(self, times: Array, which: int) -> Array:
-        grid = self.begin + self.step * np.arange(len(self.history))
-        return np.interp(times, grid, self.history[:, which])
+        return self._between(times, self.history[:, which])
+
+    def _between(self, times: Array, values: Array) -> Array:
+        return np.interp(times, self.begin + self.step * np.arange(len(values)), values)
 
     def sample(self, times: Array) -> Moments:
         """Return what the machine does at times within the span."""
@@ -192,7 +201,7 @@ class StackSpan:
         struck = self.struck
         return Moments(
             self._at(times, column.CONTACT_FORCE),
-            self._at(times, column.RIGID_ACCELERATION),
+            self._between(times, self.rigid_acceleration),
             self._at(times, column.FACE_PLACE),
             self._at(times, column.ASSEMBLY_PLACE),
             assembly,
@@ -230,9 +239,8 @@ class StackSpan:
         """Return force (N), speed (m/s) and acceleration (m/s^2) at tap k, at the times of the history."""
         since = self.step * np.arange(len(self.history))
         speed, gravity = self.frame
-        velocity = self.taps.velocity[:, k]
-        acceleration = (velocity[:, 2] - velocity[:, 0]) / (2.0 * self.grid_step) + gravity
-        return self.taps.force[:, k], velocity[:, 1] + speed + gravity * since, acceleration
+        moving = self.taps.velocity[:, k] + speed + gravity * since
+        return self.taps.force[:, k], moving, self.taps.acceleration[:, k] + gravity
 
     def field(self) -> tuple[Array, Array]:
         """Return times after first touch, s, and force, N, at the places of the x-t field, shape (times, places)."""
