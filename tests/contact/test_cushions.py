@@ -18,6 +18,7 @@ from strikewave.contact.cushions import (
     Pad,
     Wear,
     balance_of,
+    carried,
     crush,
     cushion_law,
     cushion_laws,
@@ -336,6 +337,43 @@ def test_a_harder_blow_presses_deeper_with_no_less_force_and_a_thicker_cushion_i
     softer = solve_impact(thick, MASS, math.inf, share * SPEED)
     assert float(softer.peak_force) <= float(slow.peak_force) * (1 + 1e-9)
     assert float(softer.duration) >= float(slow.duration) * (1 - 1e-9)
+
+
+@pytest.mark.parametrize("law", ["linear", "tangent", "elastomer"])
+def test_a_mass_on_a_cushion_of_a_surface_that_is_struck_is_an_impact_at_its_speed(law):
+    """A short kick of the surface to the speed v: peak and compression of the impact at v, to the kick's 0.1 % of it."""
+    contact, speed, step = made(law), 1.0, 1e-5
+    lasts = float(solve_impact(contact, MASS, math.inf, speed).duration)
+    kick = np.zeros(round(0.6 * lasts / step))
+    kick[1] = speed / step
+    motion = carried(contact, MASS, kick, step)
+    blow = solve_impact(contact, MASS, math.inf, speed)
+    assert motion.acceleration.max() == pytest.approx(float(blow.peak_force) / MASS, rel=1e-3)
+    assert motion.compression.max() == pytest.approx(float(blow.max_indentation), rel=1e-3)
+
+
+def test_a_carried_mass_on_a_retarded_cushion_is_a_damped_oscillator():
+    """A swing of the surface about a push that never lets go: the transmissibility of a spring with dashpot k T."""
+    k, retardation, step = 5e6 * AREA / THICKNESS, 1.5e-3, 1e-4
+    w = 0.7 * math.sqrt(k / MASS)
+    times = step * np.arange(round(10 * math.pi / w / step))
+    push, swing = 100.0, 20.0
+    motion = carried(retarded(linear(PAD, 5e6), retardation), MASS, push + swing * np.sin(w * times), step)
+    lost = 1j * w * retardation
+    ratio = abs((1 + lost) / (1 + lost - (w**2) * MASS / k))
+    last = motion.acceleration[times > 8 * math.pi / w]
+    # sampled 90 times a period, and straight between: 1e-3 of the swing
+    assert 0.5 * np.ptp(last) == pytest.approx(ratio * swing, rel=3e-3)
+    assert motion.acceleration.min() >= 0.0
+
+
+def test_a_carried_mass_takes_no_set_and_no_hysteresis():
+    for contact in (made("crush"), Cushion("linear", PAD, {"modulus": 5e6}).contact(restitution=0.5)):
+        with pytest.raises(ValueError, match="a cushion that comes back, without hysteresis"):
+            carried(contact, MASS, [0.0, 1.0], 1e-5)
+    with pytest.raises(IntegrationError, match="it bottoms out"):
+        carried(made("tangent"), 500.0, np.full(2000, 1e4), 1e-5)
+    assert np.all(carried(made("tangent"), MASS, np.zeros(5), 1e-5).compression == 0.0)
 
 
 def test_what_no_cushion_can_be_is_refused():

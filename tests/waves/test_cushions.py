@@ -13,15 +13,16 @@ from strikewave.cases.stack_of_case import build_stack
 from strikewave.contact import HardeningContact
 from strikewave.contact.cushions import Pad, crush, elastomer, foam, retarded, tangent
 from strikewave.waves import End, Impactor, Joint, Layer, LoadPulse, Stack, Tap, WantedError, _kernels, run_bar
-from strikewave.waves.transit import grid_of, state_at_rest, tables_of
+from strikewave.waves.averages import empty_averages
+from strikewave.waves.transit import grid_of, nearest_nodes, state_at_rest, tables_of
 
 STEP, Z1, Z2 = 1e-7, 8e3, 5e3
 PULSE = LoadPulse("sine-squared", 2e4, 60e-6, kind="incident")
-PAD = Pad(area=5e-4, thickness=1e-3)
+PAD = Pad(area=5e-4, thickness=2e-4)
 LAWS = {
-    "tangent": tangent(PAD, 3e7, 0.6),
-    "elastomer": elastomer(PAD, 2e7, shape_factor=0.0),
-    "foam": foam(PAD, 2e8, 1.2e7, 0.9),
+    "tangent": tangent(PAD, 4e7, 0.6),
+    "elastomer": elastomer(PAD, 4e7, shape_factor=0.0),
+    "foam": foam(PAD, 4e8, 1.2e7, 0.9),
 }
 
 
@@ -48,8 +49,10 @@ def force_and_slope(contact, d):
     return force, np.where(d < plateau / k, k, np.where(d < end * (1 - 1 / 2.3), 0.0, dense / (end - d)))
 
 
-@pytest.mark.parametrize("retardation", [0.0, 2e-6])
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize(
+    ("law", "retardation"),
+    [("tangent", 0.0), ("tangent", 2e-6), ("elastomer", 0.0), ("elastomer", 2e-6), ("foam", 0.0)],
+)
 def test_a_cushion_between_endless_bars(law, retardation):
     """d' = 2 P/Z1 - (1/Z1 + 1/Z2) f with f = F + T F' d' never below zero: second order in the step, first at corners."""
     bare, y = LAWS[law], 1 / Z1 + 1 / Z2
@@ -84,12 +87,13 @@ def test_a_cushion_between_endless_bars(law, retardation):
     assert misses[0] / misses[1] > (3.0 if smooth and not retardation else 1.5)
 
 
-@pytest.mark.parametrize("contact", [*LAWS.values(), crush(PAD, 2e8, 1.2e7)], ids=[*LAWS, "crush"])
-@pytest.mark.parametrize("retardation", [0.0, 2e-6])
+@pytest.mark.parametrize(
+    ("contact", "retardation"),
+    [*((law, time) for law in LAWS.values() for time in (0.0, 2e-6)), (crush(PAD, 4e8, 1.2e7), 0.0)],
+    ids=[*(f"{law}-{time}" for law in LAWS for time in (0.0, 2e-6)), "crush"],
+)
 def test_what_a_cushion_loses_is_missing_in_the_waves(contact, retardation):
-    """Energy of the incident wave = of the waves that leave + lost in the joint: second order in the step."""
-    if retardation and contact.cap is not None:
-        return
+    """Energy of the incident wave = of the waves that leave + lost in the joint, better with half the step."""
     joint = Joint(contact=retarded(contact, retardation) if retardation else contact)
     errors = []
     for step in (STEP, STEP / 2):
@@ -97,12 +101,13 @@ def test_what_a_cushion_loses_is_missing_in_the_waves(contact, retardation):
         grid = grid_of(bars, step)
         tables, state = tables_of(bars, grid), state_at_rest(bars, grid)
         load = PULSE.at(step * np.arange(round(3e-4 / step)))
-        nodes = np.array([[0, 0], [1, grid.steps[1]]])
+        nodes = nearest_nodes(grid, ((0, 0.0), (1, 1.0)))
         rows = load.size
-        taken = _kernels.Recording(nodes, 1, np.zeros((rows, 2)), np.zeros((rows, 2, 3)))
-        none = _kernels.Recording(np.zeros((0, 2), np.int64), 1, np.zeros((1, 0)), np.zeros((1, 0, 3)))
+        taken = _kernels.Recording(nodes, 1, np.zeros((rows, 2)), np.zeros((rows, 2)))
+        none = _kernels.Recording(np.zeros((0, 2), np.int64), 1, np.zeros((1, 0)), np.zeros((1, 0)))
         extremes = _kernels.Extremes(np.zeros((0, 2), np.int64), 1, np.zeros(0), np.zeros(0))
-        _kernels.drive(tables, state, load, _kernels.INCIDENT, (taken, none), extremes, np.zeros(6))
+        averages = empty_averages(none.nodes, none.nodes, 1, 1)
+        _kernels.drive(tables, state, load, _kernels.INCIDENT, (taken, none), averages, extremes, np.zeros(6))
         into = float(np.sum(load**2)) * step / Z1
         back = float(np.sum((taken.force[:, 0] - load) ** 2)) * step / Z1
         on = float(np.sum(taken.force[:, 1] ** 2)) * step / Z2

@@ -16,6 +16,7 @@ from strikewave.contact.cushions.blows import (
     balance_of,
     repeated_blows,
 )
+from strikewave.contact.cushions.carried import Carried, carried
 from strikewave.contact.cushions.laws import (
     Pad,
     crush,
@@ -34,12 +35,14 @@ from strikewave.contact.cushions.laws import (
 from strikewave.contact.cushions.table import CushionMaterial, cushion_material, cushion_materials
 
 __all__ = [
+    "Carried",
     "Cushion",
     "CushionBalance",
     "CushionMaterial",
     "Pad",
     "Wear",
     "balance_of",
+    "carried",
     "crush",
     "cushion_law",
     "cushion_laws",
