@@ -137,7 +137,7 @@ class RigidPendulum:
 def inertia_of_period(mass: float, centre: float, period: float, gravity: float = STANDARD_GRAVITY) -> float:
     """Return the moment of inertia about the pivot from the period of small swings, m g r (t/2 pi)^2, kg m^2.
 
-    Source: ISO 148-2, whose reduced length is g t^2/(4 pi^2) (from memory).
+    Source: t = 2 pi sqrt(J/(m g r)) of a rigid body that swings little; the way of ISO 148-2.
 
     Examples
     --------
@@ -276,7 +276,8 @@ def machete_energy(hammer: MacheteHammer, teeth: ArrayLike, gravity: float = STA
 
     Notes
     -----
-    Source: work of the weights; the build of the hammer (ratchet, arm, weight, tooth number) from memory.
+    Source: work of the weights. The build of the hammer (ratchet, arm, weight, tooth number) is from memory; Phan &
+    Duong 2024 tell of a hammer for parts of weapons that is set by the angle to which it is lifted.
 
     Examples
     --------
@@ -412,8 +413,9 @@ def wave_muzzle_speed(gun: GunBarrel, sound_speed: float) -> float:
 
     Notes
     -----
-    Source: Siegel 1965 (from memory), who gives the pressure; integrated here. Holds until the first wave comes back
-    from the end of the chamber. The speed never reaches 2 a/(g - 1).
+    Source: u + 2 c/(g - 1) stays the same across the waves that run into the gas at rest, c the speed of sound, and
+    P/c^n along an isentrope; integrated here. See Siegel 1965. Holds until the first wave comes back from the end of
+    the chamber. The speed never reaches 2 a/(g - 1).
 
     Examples
     --------
@@ -470,7 +472,7 @@ def half_sine_pulse(speed: float, mass: float, stiffness: float, gravity: float 
 
     Notes
     -----
-    Source: m x'' = m g - k x with x = 0 and x' = v at first touch; Harris, Shock and Vibration Handbook (from memory).
+    Source: the solution of m x'' = m g - k x with x = 0 and x' = v at first touch.
 
     Examples
     --------

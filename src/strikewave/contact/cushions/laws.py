@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from strikewave.contact.law import AnyContact, Contact, Damper, HardeningContact, LogarithmicContact, PressureCap
-from strikewave.contact.registry import CHECKED, FROM_MEMORY, CushionLaw, law_named, with_added
+from strikewave.contact.registry import CHECKED, FROM_MEMORY, QUOTED, CushionLaw, law_named, with_added
 
 _OWN: dict[str, CushionLaw] = {}
 """The laws of this module by name; `_law` fills it."""
@@ -60,7 +60,7 @@ Make = TypeVar("Make", bound=Callable[..., AnyContact])
 
 def _law(name: str, equation: str, source: str, **details: Any) -> Callable[[Make], Make]:
     """Put a function into the table of cushion laws."""
-    details.setdefault("status", CHECKED)
+    details.setdefault("status", QUOTED if details.get("seen") else CHECKED)
 
     def register(function: Make) -> Make:
         _OWN[name] = CushionLaw(name, function, equation, source=source, **details)
@@ -88,8 +88,8 @@ def _strain(**strains: float) -> None:
     "F = A E x",
     "mindlin-1945",
     limits="small strains; x below 1",
-    seen="Newton's and Hooke's laws: half a sine",
     needs=("modulus",),
+    note="ours: Hooke's law, one of Mindlin's cases",
 )
 def linear(pad: Pad, modulus: float) -> Contact:
     """Return a linear pad: k = E A/h.
@@ -110,7 +110,7 @@ def linear(pad: Pad, modulus: float) -> Contact:
     "F = A s x^n",
     "mindlin-1945",
     limits="n from 1; x below 1",
-    seen="the motion in closed form (docs/cushions.md)",
+    seen="abstract of Boutillon 1988: felt as F = a d^n",
     needs=("stress", "exponent"),
     note="s is the stress that the curve, carried on, reaches at x = 1",
 )

@@ -22,7 +22,7 @@ class CushionMaterial:
     properties : mapping
         What is known of it by the names of the law's properties, SI; what is missing must be given.
     source, status, note : str
-        Where the numbers come from; ``checked`` or ``from memory``; what to know about them.
+        Where the numbers come from; ``checked``, ``quoted`` or ``from memory``; what to know about them.
     """
 
     name: str
