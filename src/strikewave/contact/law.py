@@ -44,8 +44,10 @@ Array = NDArray[np.float64]
 STYLES = {"never-pulls": NEVER_PULLS, "on-approach": ON_APPROACH, "pulls": PULLS, "retarded": RETARDED}
 """How a damper acts: the force ends where it would pull; it acts while the bodies approach; it may pull; it goes as the
 slope of the elastic force, c F'(d) d', and ends where it would pull."""
-SHAPES = {"line": LINE, "point": POINT, "crush": CRUSH}
-"""Shapes of a contact whose pressure is capped, and a cushion that crushes."""
+SHAPES = {"line": LINE, "point": POINT}
+"""Shapes of a contact whose pressure is capped."""
+CAPS = {**SHAPES, "crush": CRUSH}
+"""What caps a force: the pressure of a contact of a shape, or the plateau of a cushion that crushes."""
 FORMS = {"tangent": TANGENT, "elastomer": ELASTOMER, "plateau": PLATEAU}
 """How a cushion hardens; see `strikewave.contact._law_kernels.hardening`."""
 EXPONENT_RANGE = 0.1, 10.0
@@ -83,7 +85,7 @@ class PressureCap:
     yield_load : array_like
         F_y, N.
     shape : str
-        One of `SHAPES`.
+        One of `CAPS`.
     limit : array_like, optional
         Depth towards which what crushes densifies, m; infinite where it does not.
     """
@@ -258,7 +260,7 @@ def check(contact: AnyContact) -> dict[int, Any]:
     if contact.cap is not None:
         row |= {
             YIELD_LOAD: positive("the yield load", contact.cap.yield_load),
-            SHAPE: _one_of(SHAPES, contact.cap.shape),
+            SHAPE: _one_of(CAPS, contact.cap.shape),
         }
         if contact.cap.shape == "crush":
             row[LIMIT] = _crush_limit(contact)
