@@ -12,7 +12,8 @@ import pytest
 BLOW_KEYS = {
     "index", "kind", "time", "contacts", "approach_speed", "rebound_speed", "impulse", "peak_force", "rigid_peak", "width",
     "velocity_change", "largest_displacement", "wave_peak", "total_peak", "bandwidth", "turntable_speed", "sensors", "restitution", "indentation",
-    "residual_indentation", "contact_stiffness", "flattening",
+    "residual_indentation", "contact_stiffness", "flattening", "side_force",
+    "side_impulse", "friction_heat",
 }  # fmt: skip
 
 

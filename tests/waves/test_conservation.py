@@ -278,8 +278,8 @@ def test_energy_of_a_striker_goes_into_stack_and_contact(stack, exponent, chi):
         assert entered == pytest.approx(mass * (speed - v), rel=1e-12)
         errors.append(abs(after - before) / before)
     assert errors[-1] < 1e-6, errors
-    # two halvings: a sixteenth, or half of that where the release lies badly in its step; below 5e-9 chance decides
-    assert errors[-1] <= errors[0] / 8 + 5e-9, errors
+    # two halvings: a sixteenth, or twice that where the release lies badly in its step; below 5e-8 chance decides
+    assert errors[-1] <= errors[0] / 8 + 5e-8, errors
 
 
 # joints that open

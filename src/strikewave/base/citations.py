@@ -307,6 +307,15 @@ SOURCES: dict[str, str] = {
         "L. J. Gibson, M. F. Ashby, Cellular Solids: Structure and Properties, 2nd ed., Cambridge University Press "
         "1997 (formulas of the densification from memory)"
     ),
+    "maw-barber-fawcett": (
+        "N. Maw, J. R. Barber, J. N. Fawcett, The Role of Elastic Tangential Compliance in Oblique Impact, Journal of "
+        "Lubrication Technology 103 (1981) 74-80 (abstract read: steel and rubber; the coefficient 0.12 read in part "
+        "of a text on their pucks, the material of the puck not seen)"
+    ),
+    "molinari-1999": (
+        "A. Molinari, Y. Estrin, S. Mercier, Dependence of the Coefficient of Friction on the Sliding Conditions in "
+        "the High Velocity Range, Journal of Tribology 121 (1999) 35-41, doi:10.1115/1.2833808 (abstract read)"
+    ),
 }
 """References by key: what is marked "from memory" was found in no text that could be opened, and its pages may be
 wrong; "as quoted" says that others print it so, "read" what was opened of the source itself."""

@@ -174,6 +174,21 @@ def _refuse_stray_cushion(contact: ContactTable) -> None:
         raise InputError("contact.law", contact.law, allowed, f"or remove [{CUSHION_PATH}]")
 
 
+def refuse_sliding(contact: ContactTable) -> None:
+    """Refuse friction across the face where no nose slides: in all but the rotary machine.
+
+    Raises
+    ------
+    InputError
+        With the first field that is given.
+    """
+    for key in ("friction", "sliding_damping"):
+        value = getattr(contact, key)
+        if value is not None:
+            allowed = 'none but with machine.kind = "rotary": other strikers meet the face without sliding across it'
+            raise InputError(f"contact.{key}", value.typed, allowed, "remove it")
+
+
 def or_else(value: Value | None, default: float) -> float:
     """Return a quantity in SI, or what holds where it is left out."""
     return default if value is None else value.si

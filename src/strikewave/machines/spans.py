@@ -34,6 +34,16 @@ class Moments(NamedTuple):
     turntable_angle: Array
     turntable_speed: Array
     indentation: Array
+    side_force: Array
+    friction_heat: Array
+
+
+class Impulses(NamedTuple):
+    """Impulses on the object between two times, N s: of the contacts; of supports with gravity; across the blow."""
+
+    contact: float = 0.0
+    support: float = 0.0
+    side: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -71,7 +81,14 @@ class ChainSpan:
             states[:, at.angle],
             states[:, at.turntable_speed],
             self._indentation(x, forces[:, at.contacts]),
+            forces[:, self._side].sum(axis=1),
+            states[:, at.rubbed],
         )
+
+    @property
+    def _side(self) -> slice:
+        """Where the side forces stand: behind those of the links."""
+        return slice(self.motion.links - self.layout.contacts.stop, self.motion.links)
 
     def _indentation(self, x: Array, contact_forces: Array) -> Array:
         """Return the deepest indentation of a striker that pushes, m; one off the face may stand beyond it."""
@@ -104,16 +121,17 @@ class ChainSpan:
     def _per_step(self) -> Array:
         return self.motion.impulses()
 
-    def impulses(self, begin: float, end: float) -> tuple[float, float]:
-        """Return the impulses of contacts and supports between two switches or the span's ends, N s."""
+    def impulses(self, begin: float, end: float) -> Impulses:
+        """Return the impulses on the object between two switches or the span's ends."""
         record = self.motion.record
         low, high = max(begin, self.begin), min(end, self.end)
         if high <= low:
-            return 0.0, 0.0
+            return Impulses()
         within = (record.time >= low - 1e-15) & (record.time + record.step <= high + 1e-15)
         links = self._per_step[within].sum(axis=0, keepdims=True)
         weight = self.struck.mass * self.struck.gravity * (high - low)
-        return float(links[:, self.layout.contacts].sum()), float(self._held(links)[0]) + weight
+        contact, side = (float(links[:, some].sum()) for some in (self.layout.contacts, self._side))
+        return Impulses(contact, float(self._held(links)[0]) + weight, side)
 
     def deepest(self, time: float, striker: int) -> float:
         """Return the depth to which the spot of a striker has yielded by a time, m."""
@@ -166,6 +184,8 @@ class StackSpan:
         Impulses less momentum gained by the waves, over the contact impulse.
     yielded : float
         Depth to which the spot has yielded by the end, m.
+    rubbed : float
+        Heat of sliding of the blows before, J.
     """
 
     struck: StruckObject
@@ -183,6 +203,7 @@ class StackSpan:
     switched: Array
     momentum_error: float
     yielded: float
+    rubbed: float
 
     @property
     def end(self) -> float:
@@ -209,6 +230,8 @@ class StackSpan:
             self._at(times, column.TURNTABLE_ANGLE),
             self._at(times, column.TURNTABLE_SPEED),
             self._at(times, column.INDENTATION),
+            self._at(times, column.SIDE_FORCE),
+            self.rubbed + self._at(times, column.FRICTION_HEAT),
         )
 
     def contacts(self) -> Array:
@@ -219,12 +242,13 @@ class StackSpan:
         """Return which of the machine's own switches changed, and when, shape (N, 2)."""
         return self.switched
 
-    def impulses(self, begin: float, end: float) -> tuple[float, float]:
-        """Return the impulses of contacts and supports between two times, N s."""
+    def impulses(self, begin: float, end: float) -> Impulses:
+        """Return the impulses on the object between two times."""
         edges = np.clip([begin, end], self.begin, self.end)
-        entered, through = (np.diff(self._at(edges, k))[0] for k in (column.CONTACT_IMPULSE, column.END_IMPULSE))
-        weight = self.struck.mass * self.struck.gravity * (edges[1] - edges[0])
-        return float(entered), float(weight - through)
+        kept = (column.CONTACT_IMPULSE, column.END_IMPULSE, column.SIDE_IMPULSE)
+        entered, through, side = (float(np.diff(self._at(edges, k))[0]) for k in kept)
+        weight = self.struck.mass * self.struck.gravity * float(edges[1] - edges[0])
+        return Impulses(entered, weight - through, side)
 
     def deepest(self, time: float, striker: int) -> float:
         """Return the depth to which the spot has yielded after the blow, m."""

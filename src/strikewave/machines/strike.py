@@ -126,6 +126,7 @@ def strike(
         switched=switches[: min(changed, _MOST_SWITCHES)],
         momentum_error=float(abs(net - gained) / last[column.CONTACT_IMPULSE]),
         yielded=float(deepest) if math.isfinite(law[YIELD_LOAD]) else 0.0,
+        rubbed=float(start.y[layout_of(system).rubbed]),
     )
     end = going.state_after(start.time + (steps - 1) * step, last, machine)
     if math.isfinite(law[YIELD_LOAD]):

@@ -334,3 +334,12 @@ def test_bad_input_is_one_line_and_exit_2(strikewave, tmp_path, line):
     assert (code, out) == (2, "")
     assert len(err.strip().splitlines()) == 1, err
     assert BAD[line] in err
+
+
+def test_a_contact_shorter_than_its_bodies_are_long_is_named(impact):
+    """A steel cube of 0.459 kg has an edge of 38.9 mm, so a wave comes back after 15 us; a line of 40 m lasts 1.7 us."""
+    bodies = ("--material1", "65Mn", "--material2", "65Mn")
+    long, usual = (impact("--law", "palmgren", "--length", size, *bodies) for size in ("40 m", "40 mm"))
+    assert "contact-short" in codes(long)
+    assert "contact-short" not in codes(usual)
+    assert "approach-fast" in codes(impact("--law", "hertz", "--radius1", "10 mm", *bodies, "--speed", "900"))

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.materials import material
 from strikewave.cases.case import Case
-from strikewave.cases.contact_of_case import face_contact
+from strikewave.cases.contact_of_case import face_contact, refuse_sliding
 from strikewave.cases.stack_of_case import checked, need, typed
 from strikewave.cases.tables import LoadTable
 from strikewave.sensors.channel import SensorChannel, shortest_period
@@ -71,6 +71,7 @@ def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
     if case.striker is None or case.contact is None:
         missing = "striker" if case.striker is None else "contact"
         raise InputError(missing, MISSING, f"a [{missing}] table", "a load by contact needs [striker] and [contact]")
+    refuse_sliding(case.contact)
     face = case.stack.layer[0].material
     if not face:
         raise InputError("stack.layer." + stack.layers[0].name + ".material", MISSING, "a material for the contact law")

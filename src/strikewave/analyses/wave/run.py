@@ -166,10 +166,19 @@ def _citations(case: Case, stack: Stack, channels: Sequence[SensorChannel]) -> t
     return (*origin, "kolsky-1963", *theory, *loss, *sensor_sources(channels))
 
 
+def _meeting_rise(stack: Stack) -> float:
+    """Return 0 where layers of different speeds meet face to face, which jumps; infinite where springs lie between."""
+    for joint, before, beyond in zip(stack.joints, stack.layers, stack.layers[1:], strict=False):
+        hard = joint.contact is None and (math.isinf(joint.stiffness) or joint.attached > 0.0)
+        if hard and before.speed != beyond.speed:
+            return 0.0
+    return math.inf
+
+
 def load_rise(run: BarRun) -> float:
     """Return the rise of the load from 10 to 90 % of its peak, s; 0 for a jump."""
     if not isinstance(run.load, Impactor):
-        return run.load.rise_time
+        return run.load.rise_time if run.load.largest > 0.0 else _meeting_rise(run.stack)
     if run.load.contact is None:
         return 0.0
     force = np.concatenate([[0.0], run.face_force])
