@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-PANEL, MARGIN, ROW = 3.1, 1.2, 0.42
-"""Width of a panel of the gaskets, what stands beside all of them, and height of a row of cells, inches."""
+COLUMN, ROW, BESIDE, MARGIN = 0.36, 0.42, 0.2, 1.2
+"""Width of a column and height of a row of cells, what stands beside each panel and beside all of them, inches."""
 LEAST_HEIGHT = 3.1
 """Height of a map with few rows, inches."""
 NEAR = 0.1
@@ -36,7 +36,8 @@ def gasket_figure(study: GasketStudy) -> Figure:
     moduli, losses, thicknesses = study.grid
     kilograms = np.abs(study.field("direct")) / STANDARD_GRAVITY / 1e3
     calm, published = study.field("calm") > 0.0, published_number("direct peak").value / STANDARD_GRAVITY / 1e3
-    size = (PANEL * len(thicknesses) + MARGIN, max(LEAST_HEIGHT, 1.7 + ROW * len(losses)))
+    width = (COLUMN * len(moduli) + BESIDE) * len(thicknesses) + MARGIN
+    size = (width, max(LEAST_HEIGHT, 1.7 + ROW * len(losses)))
     figure = new_figure(size)
     every = figure.subplots(1, len(thicknesses), squeeze=False, sharey=True)[0]
     for axes, panel, quiet_cells, thickness in zip(every, kilograms, calm, thicknesses, strict=True):
