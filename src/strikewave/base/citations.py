@@ -265,6 +265,11 @@ SOURCES: dict[str, str] = {
         "rates and high temperatures, 7th International Symposium on Ballistics, The Hague 1983, 541-547 (pages from "
         "memory)"
     ),
+    "zerilli-armstrong-1987": (
+        "F. J. Zerilli, R. W. Armstrong, Dislocation-mechanics-based constitutive relations for material dynamics "
+        "calculations, Journal of Applied Physics 61 (1987) 1816-1825 (abstract opened; its constants of copper as "
+        "Sandia's lgrtk has them)"
+    ),
     "jesd22-b104": "JEDEC JESD22-B104C:2004, Mechanical Shock (its table of conditions from memory)",
 }
 """References by key: what is marked "from memory" was not opened, and its pages may be wrong."""
