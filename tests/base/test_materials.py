@@ -1,9 +1,13 @@
 """Materials: the paper's tables, and what every row must have."""
 
+import re
+
 import pytest
 
+from strikewave.base.citations import CHECKED, FROM_MEMORY, QUOTED
 from strikewave.base.errors import InputError
 from strikewave.base.materials import material, materials
+from strikewave.sensors.catalogue import accelerometers
 
 
 @pytest.mark.parametrize(
@@ -36,8 +40,36 @@ def test_every_row_is_possible_and_names_its_source(m):
     assert m.loss_factor is None or 0 < m.loss_factor < 1
     assert m.kind in ("metal", "polymer", "elastomer")
     assert m.kind == "metal" or m.loss_factor is not None
-    assert m.status in ("checked", "from memory")
-    assert len(m.source) > 20
+
+
+@pytest.mark.parametrize("row", [*materials().values(), *accelerometers().values()], ids=lambda row: row.name)
+def test_a_row_says_where_its_numbers_were_seen(row):
+    """What was opened can be found: an address or a year; what was quoted says by whom; what was not says what."""
+    assert len(row.source) > 20
+    assert row.status in (CHECKED, QUOTED, FROM_MEMORY)
+    if row.status == FROM_MEMORY:
+        assert "from memory" in row.note
+    else:
+        assert "from memory" not in row.note + row.source
+        assert re.search(r"\w\.(com|org|net|gov|ru)\b|\b(19|20)\d\d\b", row.source)
+    if row.status == QUOTED:
+        assert "as quoted" in row.source
+
+
+def test_rows_from_memory_are_known_one_by_one():
+    """A row may leave this list when a source is opened; none may join it unseen."""
+    tables = {**materials(), **accelerometers()}
+    assert {name for name, row in tables.items() if row.status == FROM_MEMORY} <= {
+        "PMMA",
+        "polycarbonate",
+        "PTFE",
+        "Endevco 7270A-20K",
+        "Endevco 7270A-60K",
+        "Endevco 2225",
+        "PCB 350C02",
+        "PCB 3991A1020KG",
+        "PCB 3991A1060KG",
+    }
 
 
 def test_thirteen_materials():

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from strikewave.base.citations import SOURCES
+from strikewave.base.citations import CHECKED, FROM_MEMORY, QUOTED, SOURCES
 from strikewave.base.errors import InputError
 from strikewave.contact import damper_laws, damping_laws, exact, factor, restitution, stiffness_laws
 
@@ -111,7 +111,8 @@ def test_every_law_states_equation_range_status_and_source():
     for law in [*damping_laws().values(), *damper_laws().values(), *stiffness_laws().values()]:
         assert law.equation, law.name
         assert law.limits, law.name
-        assert law.status in ("checked", "from memory"), law.name
+        assert law.status in (CHECKED, QUOTED, FROM_MEMORY), law.name
+        assert (law.status == QUOTED) == bool(law.seen), law.name
         assert law.source in SOURCES, law.name
         assert law.function.__doc__.strip(), law.name
     memory = {name for name, law in damping_laws().items() if law.status == "from memory"}

@@ -62,6 +62,11 @@ OTHERS = {
     "cushioned feed": ("feed.acceleration=0.2", "feed.cushion=0.4"),
     "fed into the strikers": ("machine.speed=960 rpm",),
     "soft spring": ("object.spring=8 kN/m", "object.preload=150 N"),
+    "sliding": ("contact.friction=0.5", "contact.sliding_damping=20 N s/m"),
+    "sliding along the path": (
+        *("machine.blow_angle=90 deg", "machine.face_width=10 mm", "feed.stroke=60 mm", "machine.engagement=0.1 mm"),
+        *("machine.speed=200 rpm", "contact.friction=0.5", "contact.sliding_damping=20 N s/m"),
+    ),
 }
 
 

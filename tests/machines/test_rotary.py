@@ -126,8 +126,8 @@ def test_rigid_peak_against_an_independent_scipy_machine(mass, nose, total, fram
 def test_eleven_blows_at_the_striking_period(solution):
     assert [b.kind for b in solution.blows] == ["full"] * 11
     intervals = np.diff([b.time for b in solution.blows])
-    # a quarter turn, and a little more as the turntable slows
-    assert intervals[1:] == pytest.approx(TURN / 4, rel=3e-3)
+    # a quarter turn, and a little more as the turntable slows: by 0.35 % at the last blow
+    assert intervals[1:] == pytest.approx(TURN / 4, rel=4e-3)
     assert all(b.turntable_speed < 730 * 2 * math.pi / 60 for b in solution.blows)
     assert np.all(np.diff([b.turntable_speed for b in solution.blows]) < 0)
 

@@ -312,13 +312,29 @@ def test_blow_is_force_impulse_and_momentum_at_once(base, name):
         )
         weight = mass * span.struck.gravity * step * np.arange(len(history))
         assert gained == pytest.approx(entered - history[:, column.END_IMPULSE] + weight, abs=1e-11 * entered[-1])
-        # rigid acceleration is the rate of the assembly's speed
-        rate = history[:, column.RIGID_ACCELERATION]
+        # rigid acceleration is the rate of the assembly's speed: over all to rounding, between samples by their average
+        rate = span.rigid_acceleration
         speed = history[0, column.ASSEMBLY_SPEED] + step * np.concatenate(
             [[0], np.cumsum(0.5 * (rate[1:] + rate[:-1]))]
         )
         change = np.ptp(history[:, column.ASSEMBLY_SPEED])
         assert np.abs(speed - history[:, column.ASSEMBLY_SPEED]).max() < 5e-3 * change
+        assert speed[-1] == pytest.approx(history[-1, column.ASSEMBLY_SPEED], abs=1e-9 * change)
+
+
+@pytest.mark.parametrize("gap", [0.0, 2e-6, 20e-6])
+def test_the_integral_of_the_acceleration_at_a_tap_is_its_change_of_speed(base, gap):
+    """Where a gap closes the speed jumps; from one sample before first touch on, to what rest is not quite still."""
+    stack = Stack(
+        (part("n", 0.06, 2e-6), part("a", 0.2, 8e-6), part("b", 0.2, 6e-6)),
+        (Joint(9e7, 200.0), Joint(unilateral=True, gap=gap)),
+    )
+    run = run_machine(with_stack(base, stack, 1, 12.5e-9, ((1, 1.0), (2, 0.0), (2, 1.0))))
+    (span,) = stack_spans(run)
+    for k in range(3):
+        _, speed, acceleration = span.tap(k)
+        gained = span.step * (acceleration.sum() - 0.5 * acceleration[-1])
+        assert gained == pytest.approx(speed[-1] - speed[0], abs=1e-3 * np.ptp(speed))
 
 
 def test_taps_see_the_mean_of_the_layer_they_are_in(base):

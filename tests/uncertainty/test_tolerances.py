@@ -103,6 +103,14 @@ def test_a_set_value_keeps_its_tolerance_and_a_set_tolerance_its_value():
     assert case.feed.arrival.half_width == 0.05
 
 
+def test_a_value_set_to_nothing_goes_without_a_share_of_it():
+    case = load_case("li-ma-2019", ["object.damper=0 N s/m", "striker.mount_damping=0"])
+    assert case.object.damper.tolerance is case.striker.mount_damping.tolerance is None
+    assert case.object.spring.half_width == 4e3
+    with pytest.raises(InputErrors, match="the value is 0"):
+        load_case("li-ma-2019", ["object.damper=0 N s/m", "object.damper.tolerance=10 %"])
+
+
 def test_a_plain_value_becomes_a_table_where_a_tolerance_is_set(tmp_path):
     file = tmp_path / "plain.toml"
     file.write_text(edited("striker", "mass", "1 kg"))

@@ -27,6 +27,7 @@ from strikewave.waves import (
     _kernels,
     run_bar,
 )
+from strikewave.waves.averages import empty_averages
 from strikewave.waves.transit import grid_of, state_at_rest, tables_of
 
 STEP = 1e-7
@@ -165,9 +166,18 @@ def test_a_yielding_contact_keeps_what_has_yielded():
         tables, state = tables_of(stack, grid), state_at_rest(stack, grid)
         load = Sampled(time, values, "incident")
         history = load.at(STEP * np.arange(3000.0))
-        nothing = _kernels.Recording(np.zeros((0, 2), np.int64), 1, np.zeros((1, 0)), np.zeros((1, 0, 3)))
+        nothing = _kernels.Recording(np.zeros((0, 2), np.int64), 1, np.zeros((1, 0)), np.zeros((1, 0)))
         extremes = _kernels.Extremes(np.zeros((0, 2), np.int64), 1, np.zeros(0), np.zeros(0))
-        _kernels.drive(tables, state, history, 2, (nothing, nothing), extremes, np.zeros(6))
+        _kernels.drive(
+            tables,
+            state,
+            history,
+            2,
+            (nothing, nothing),
+            empty_averages(nothing.nodes, nothing.nodes, 1, 1),
+            extremes,
+            np.zeros(6),
+        )
         lost.append(float(state.joint[0, _kernels.LOST]))
         deepest, growth = state.joint[0, _kernels.DEEPEST], state.joint[0, _kernels.GROWTH]
         assert growth > 1.0

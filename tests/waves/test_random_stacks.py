@@ -150,3 +150,53 @@ def test_a_later_load_has_the_same_spectrum_later(stack, steps):
         SpectralStack(stack, bell(wait=wait), STEP, 2500).look([(1, 0.5)]).velocity[0] for wait in (0.0, steps * STEP)
     )
     assert later[steps:] == pytest.approx(now[:-steps], abs=1e-7 * np.abs(now).max())
+
+
+SCALED = ("bonded", "compliant", "damped", "mass", "hung mass", "bolted", "gap")
+
+
+def on_scale(stack, size, area):
+    """Return a stack whose lengths go by a size and whose areas by another factor; its materials stay."""
+    layers = tuple(dataclasses.replace(x, length=size * x.length, area=area * x.area) for x in stack.layers)
+    joints = tuple(
+        dataclasses.replace(
+            x,
+            stiffness=x.stiffness * area / size,
+            damping=x.damping * area,
+            gap=x.gap * size,
+            preload=x.preload * area,
+            mass=x.mass * area * size,
+            attached=x.attached * area * size,
+        )
+        for x in stack.joints
+    )
+    return Stack(layers, joints, stack.end)
+
+
+@settings(max_examples=5)
+@given(stacks(SCALED), st.floats(0.1, 10.0), st.floats(0.1, 10.0))
+def test_a_stack_of_the_same_materials_moves_as_fast_and_as_much_longer(stack, size, area):
+    """Times go with the lengths, forces with the areas, velocities stay; joints that open do so alike."""
+    taps, load = [Tap(0, 0.3), Tap(1, 0.5)], bell()
+    run = run_bar(stack, load, taps, 3e-4, WantedError(step=STEP, method="delay lines"))
+    grown = Sampled(load.time * size, load.values * area, "incident")
+    other = run_bar(
+        on_scale(stack, size, area), grown, taps, 3e-4 * size, WantedError(step=STEP * size, method="delay lines")
+    )
+    rows = min(len(run.time), len(other.time))
+    largest = np.abs(run.velocity).max()
+    assert other.velocity[:rows] == pytest.approx(run.velocity[:rows], abs=1e-9 * largest)
+    assert other.force[:rows] == pytest.approx(area * run.force[:rows], abs=1e-9 * area * np.abs(run.force).max())
+
+
+@settings(max_examples=5)
+@given(stacks(LINEAR))
+def test_a_pull_does_the_opposite_of_a_push(stack):
+    """Through joints that hold both ways, to the last digit."""
+    load = bell()
+    pull = Sampled(load.time, -load.values, "incident")
+    push, pulled = (
+        run_bar(stack, each, [Tap(1, 0.5)], 3e-4, WantedError(step=STEP, method="delay lines")) for each in (load, pull)
+    )
+    assert np.array_equal(push.velocity, -pulled.velocity)
+    assert np.array_equal(push.force, -pulled.force)

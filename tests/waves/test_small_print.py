@@ -26,6 +26,7 @@ from strikewave.waves import (
     run_bar,
     spectral_bar,
 )
+from strikewave.waves.averages import empty_averages
 from strikewave.waves.limits import bar_extremes
 from strikewave.waves.spectral import SpectralStack
 from strikewave.waves.times import shortest_time
@@ -42,9 +43,18 @@ def timed(name, z, steps=200, **more):
 def driven(stack, load, steps):
     grid = grid_of(stack, STEP)
     tables, state = tables_of(stack, grid), state_at_rest(stack, grid)
-    none = _kernels.Recording(np.zeros((0, 2), np.int64), 1, np.zeros((1, 0)), np.zeros((1, 0, 3)))
+    none = _kernels.Recording(np.zeros((0, 2), np.int64), 1, np.zeros((1, 0)), np.zeros((1, 0)))
     ext = _kernels.Extremes(np.zeros((0, 2), np.int64), 1, np.zeros(0), np.zeros(0))
-    _kernels.drive(tables, state, load.at(STEP * np.arange(float(steps))), 2, (none, none), ext, np.zeros(6))
+    _kernels.drive(
+        tables,
+        state,
+        load.at(STEP * np.arange(float(steps))),
+        2,
+        (none, none),
+        empty_averages(none.nodes, none.nodes, 1, 1),
+        ext,
+        np.zeros(6),
+    )
     return tables, state
 
 

@@ -8,6 +8,10 @@ from __future__ import annotations
 
 from strikewave.base.errors import InputError, nearest
 
+CHECKED, QUOTED, FROM_MEMORY = "checked", "quoted", "from memory"
+"""Status of a law or a row of a table: the source itself was opened and has it; another text that was opened quotes
+it, and is named; or neither could be opened for at least one number, which the note names."""
+
 SOURCES: dict[str, str] = {
     "li-ma-2019": (
         "F. Li, S. Ma, Analysis and Experimental Study of Acceleration Model for Short Interval and "
@@ -160,8 +164,8 @@ SOURCES: dict[str, str] = {
     ),
     "sae-j211": ("SAE J211-1, Instrumentation for impact test, part 1: electronic instrumentation, appendix C"),
     "gray-2000": (
-        "G. T. Gray III, Classic Split-Hopkinson Pressure Bar Testing, ASM Handbook 8, ASM International 2000, 462-476 "
-        "(reference from memory)"
+        "G. T. Gray III, Classic Split-Hopkinson Pressure Bar Testing, ASM Handbook 8, Mechanical Testing and "
+        "Evaluation, ASM International 2000 (reference as quoted in open codes that cite it)"
     ),
     "follansbee-frantz-1983": (
         "P. S. Follansbee, C. Frantz, Wave Propagation in the Split Hopkinson Pressure Bar, Journal of Engineering "
@@ -177,19 +181,25 @@ SOURCES: dict[str, str] = {
     ),
     "bacon-1998": (
         "C. Bacon, An experimental method for considering dispersion and attenuation in a viscoelastic Hopkinson bar, "
-        "Experimental Mechanics 38 (1998) 242-249 (reference from memory)"
+        "Experimental Mechanics 38 (1998) 242-249 (reference as quoted in an open list of literature)"
     ),
     "togami-1996": (
         "W. A. Togami, W. E. Baker, M. J. Forrestal, A Split Hopkinson Bar Technique to Evaluate the Performance of "
         "Accelerometers, Journal of Applied Mechanics 63 (1996) 353-356 (reference from memory)"
     ),
+    "sandia-2009": (
+        "Sandia National Laboratories, A modified Hopkinson pressure bar experiment to evaluate a damped "
+        "piezoresistive MEMS accelerometer, SAND2009-1435C, SEM Annual Conference, Albuquerque 2009 (abstract read, "
+        "osti.gov/biblio/950651)"
+    ),
     "maeda-1985": (
         "N. Maeda, A method for reading and checking phase times in auto-processing system of seismic wave data, Zisin "
-        "38 (1985) 365-379 (reference from memory)"
+        "38 (1985) 365-379, doi:10.4294/zisin1948.38.3_365 (reference as quoted in open codes that cite it)"
     ),
     "gent-lindley-1959": (
         "A. N. Gent, P. B. Lindley, The Compression of Bonded Rubber Blocks, Proceedings of the Institution of "
-        "Mechanical Engineers 173 (1959) 111-122 (relation and reference from memory)"
+        "Mechanical Engineers 173 (1959) 111-122, doi:10.1243/pime_proc_1959_173_022_02 (its appendix I as quoted in "
+        "R. Holland, Seismic Isolation Bearing Design, github.com/rivt-info/rivt-example-04)"
     ),
     "timoshenko-goodier-1970": (
         "S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, 3rd ed., McGraw-Hill, New York 1970, art. 32 "
@@ -201,19 +211,29 @@ SOURCES: dict[str, str] = {
     ),
     "rodgers-2009": (
         "B. Rodgers, S. Goyal, G. Kelly, M. Sheehy, The Dynamics of Multiple Pair-Wise Collisions in a Chain for "
-        "Designing Optimal Shock Amplifiers, Shock and Vibration 16 (2009) 99-116 (abstract seen; pages from memory)"
+        "Designing Optimal Shock Amplifiers, Shock and Vibration 16 (2009) (abstract and introduction read, "
+        "1library.net/document/yr3edvjy-online-full-text.html)"
+    ),
+    "duan-2023": (
+        "Z. Duan, Q. Zeng, D. Tang, Y. Peng, Theoretical and experimental study of the superelastic collision effects "
+        "used to excite high-g shock environment, Scientific Reports 13 (2023) 2291, doi:10.1038/s41598-023-29538-4"
     ),
     "galperin-2003": (
         "G. Galperin, Playing Pool with pi (the Number pi from a Billiard Point of View), Regular and Chaotic Dynamics "
-        "8 (2003) 375-394 (result seen in a note; pages from memory)"
+        "8 (2003) 375-394, doi:10.1070/RD2003v008n04ABEH000252 (reference and result as quoted in open notes)"
     ),
     "mcnamara-young-1992": (
         "S. McNamara, W. R. Young, Inelastic collapse and clumping in a one-dimensional granular medium, Physics of "
-        "Fluids A 4 (1992) 496-504 (from memory)"
+        "Fluids A 4 (1992) 496 (reference as quoted in an open list of literature)"
     ),
     "rohrbach-2012": (
         "Z. J. Rohrbach, T. R. Buresh, M. J. Madsen, Modeling the exit velocity of a compressed air cannon, American "
         "Journal of Physics 80 (2012) 24-26, doi:10.1119/1.3644253"
+    ),
+    "phan-duong-2024": (
+        "B. B. Phan, V. Y. Duong, Determining impact velocity in an impact tester using a mathematical model, Journal "
+        "of Science and Technique 19 (2024), no. 3, 32 (abstract and introduction read, "
+        "tailieu.vn/doc/impact-velocity-mathematical-model-impact-tester-2878230.html)"
     ),
     "siegel-1965": "A. E. Siegel, The Theory of High Speed Guns, AGARDograph 91, NATO 1965 (reference from memory)",
     "walker-1988": (
@@ -222,7 +242,7 @@ SOURCES: dict[str, str] = {
     ),
     "iso-148-2": (
         "ISO 148-2:2016, Metallic materials - Charpy pendulum impact test - Part 2: Verification of testing machines "
-        "(formulas from memory)"
+        "(title and contents read, scribd.com/document/469032508; formulas: the swing of a rigid body)"
     ),
     "iso-16063-22": (
         "ISO 16063-22:2005, Methods for the calibration of vibration and shock transducers - Part 22: Shock "
@@ -236,16 +256,18 @@ SOURCES: dict[str, str] = {
     "en-166": "EN 166:2001, Personal eye-protection - Specifications (ball and speed seen in a maker's sheet)",
     "jesd22-b111": (
         "JEDEC JESD22-B111A:2016, Board Level Drop Test Method of Components for Handheld Electronic Products "
-        "(condition B from memory)"
+        "(scope read, filesbase.org/home/93564-EIA-JESD-22-B111A-2016.html; condition B, 1500 g and 0.5 ms, as quoted "
+        "in open notes on the reliability of packages)"
     ),
     "flanagan-belytschko-1981": (
         "D. P. Flanagan, T. Belytschko, A uniform strain hexahedron and quadrilateral with orthogonal hourglass "
-        "control, International Journal for Numerical Methods in Engineering 17 (1981) 679-706 (pages from memory)"
+        "control, International Journal for Numerical Methods in Engineering 17 (1981) 679-706, "
+        "doi:10.1002/nme.1620170504"
     ),
     "hughes-winget-1980": (
         "T. J. R. Hughes, J. Winget, Finite rotation effects in numerical integration of rate constitutive equations "
         "arising in large-deformation analysis, International Journal for Numerical Methods in Engineering 15 (1980) "
-        "1862-1867 (pages from memory)"
+        "1862-1867 (reference and update as quoted in open codes that cite it)"
     ),
     "cundall-1976": (
         "P. A. Cundall, Explicit finite-difference methods in geomechanics, Numerical Methods in Engineering, "
@@ -262,17 +284,29 @@ SOURCES: dict[str, str] = {
     ),
     "johnson-cook-1983": (
         "G. R. Johnson, W. H. Cook, A constitutive model and data for metals subjected to large strains, high strain "
-        "rates and high temperatures, 7th International Symposium on Ballistics, The Hague 1983, 541-547 (pages from "
-        "memory)"
+        "rates and high temperatures, 7th International Symposium on Ballistics, The Hague 1983, 541-547"
+    ),
+    "jesd22-b104": (
+        "JEDEC JESD22-B104C:2004, Mechanical Shock (scope read, lab.atengineer.com/kikaku/jesd22b104c.htm; condition "
+        "B, 1500 g and 0.5 ms, as quoted in open notes; equivalent drop heights: v^2/(2 g) of the half sine)"
+    ),
+    "maw-barber-fawcett": (
+        "N. Maw, J. R. Barber, J. N. Fawcett, The Role of Elastic Tangential Compliance in Oblique Impact, Journal of "
+        "Lubrication Technology 103 (1981) 74-80 (abstract read: steel and rubber; the coefficient 0.12 read in part "
+        "of a text on their pucks, the material of the puck not seen)"
+    ),
+    "molinari-1999": (
+        "A. Molinari, Y. Estrin, S. Mercier, Dependence of the Coefficient of Friction on the Sliding Conditions in "
+        "the High Velocity Range, Journal of Tribology 121 (1999) 35-41, doi:10.1115/1.2833808 (abstract read)"
     ),
     "zerilli-armstrong-1987": (
         "F. J. Zerilli, R. W. Armstrong, Dislocation-mechanics-based constitutive relations for material dynamics "
-        "calculations, Journal of Applied Physics 61 (1987) 1816-1825 (abstract opened; its constants of copper as "
-        "Sandia's lgrtk has them)"
+        "calculations, Journal of Applied Physics 61 (1987) 1816 (abstract read; constants of copper as quoted in the "
+        "tests of Sandia's lgrtk)"
     ),
-    "jesd22-b104": "JEDEC JESD22-B104C:2004, Mechanical Shock (its table of conditions from memory)",
 }
-"""References by key: what is marked "from memory" was not opened, and its pages may be wrong."""
+"""References by key: what is marked "from memory" was found in no text that could be opened, and its pages may be
+wrong; "as quoted" says that others print it so, "read" what was opened of the source itself."""
 
 
 def citation(key: str) -> str:

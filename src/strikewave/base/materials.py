@@ -28,7 +28,8 @@ class Material:
     kind : str
         metal, polymer or elastomer.
     source, status, note : str
-        Where the numbers come from; ``checked`` or ``from memory``; what to know about them.
+        Where the numbers come from; ``checked``, ``quoted`` or ``from memory`` (`strikewave.base.citations`); what to
+        know about them.
     yield_strength : float or None
         Pa.
     loss_factor : float or None

@@ -16,8 +16,9 @@ from strikewave.base.json_document import head, plain, without
 if TYPE_CHECKING:
     import xarray
 
-SCHEMA = 4
-"""Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance)."""
+SCHEMA = 5
+"""Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance); 5 adds
+the side force of each blow."""
 BALANCE_LIMIT = 1e-6
 """Energy or momentum missing beyond this share fails the check of its balance."""
 

@@ -73,6 +73,8 @@ VECTOR = frozenset("xyz")
 """The keys of a vector."""
 STRICT: dict[str, type[CaseTable]] = {"striker": StrikerTable, "object": Object}
 """Tables of which a rotary machine needs all that one without a drive may leave out."""
+LOOSE: dict[str, type[CaseTable]] = {"striker": AnyStriker, "object": AnyObject}
+"""The same tables of a machine without a drive."""
 
 
 class StrikeTables(NamedTuple):
@@ -122,11 +124,17 @@ class Case(CaseTable):
     @field_validator("striker", "object", mode="before")
     @classmethod
     def _strict(cls, raw: Any, info: ValidationInfo) -> Any:
-        """Ask for every quantity, but in a machine without a drive."""
-        free = not isinstance(info.data.get("machine", raw), RotaryTable | None)
-        if free or not isinstance(raw, Mapping) or info.field_name is None:
+        """Ask for every quantity, but in a machine without a drive.
+
+        Of a machine that is itself refused the kind is not known: there a key that only a rotary machine has tells.
+        """
+        if not isinstance(raw, Mapping) or info.field_name is None:
             return raw
-        return STRICT[info.field_name].model_validate(raw)
+        strict, loose = STRICT[info.field_name], LOOSE[info.field_name]
+        rotary = isinstance(info.data.get("machine"), RotaryTable | None)
+        if "machine" not in info.data:
+            rotary = any(key in strict.model_fields and key not in loose.model_fields for key in raw)
+        return strict.model_validate(raw) if rotary else raw
 
     @model_validator(mode="after")
     def _whole(self) -> Case:

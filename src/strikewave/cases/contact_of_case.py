@@ -106,6 +106,21 @@ def face_contact(striker: AnyStriker, contact: ContactTable, face: Material) -> 
     return named_contact(stiffness, contact.damping, contact.restitution.si, cap)
 
 
+def refuse_sliding(contact: ContactTable) -> None:
+    """Refuse friction across the face where no nose slides: in all but the rotary machine.
+
+    Raises
+    ------
+    InputError
+        With the first field that is given.
+    """
+    for key in ("friction", "sliding_damping"):
+        value = getattr(contact, key)
+        if value is not None:
+            allowed = 'none but with machine.kind = "rotary": other strikers meet the face without sliding across it'
+            raise InputError(f"contact.{key}", value.typed, allowed, "remove it")
+
+
 def or_else(value: Value | None, default: float) -> float:
     """Return a quantity in SI, or what holds where it is left out."""
     return default if value is None else value.si

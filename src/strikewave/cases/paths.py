@@ -50,7 +50,7 @@ class Form:
     def change(self, document: dict[str, Any], change: str) -> None:
         """Set ``path=value`` in a document; a bare number is SI; a changed quantity is marked as assumed.
 
-        It keeps its tolerance, which ``path.tolerance=value`` changes.
+        It keeps its tolerance, which ``path.tolerance=value`` changes; a share of nothing is nothing: 0 goes without.
 
         Raises
         ------
@@ -84,6 +84,8 @@ class Form:
             typed = f"{text} {allowed.unit}"
         before = place.get(key)
         tolerance = {name: before[name] for name in _OF_TOLERANCE if name in before} if isinstance(before, dict) else {}
+        if "%" in str(tolerance.get("tolerance")) and _is_zero(allowed, typed):
+            tolerance = {}
         place[key] = {"value": typed, "provenance": "assumed", **tolerance, "note": "set by the user"}
 
     def _table_in(self, document: dict[str, Any], tables: list[str], change: str) -> Any:
@@ -212,6 +214,14 @@ def _row_hint(place: Any, inner: Any, path: str, change: str) -> str:
     if rows is inner:
         return f"name its row: {path}.{names[0]}{change.strip().removeprefix(path)}"
     return nearest(path.rpartition(".")[2], names)
+
+
+def _is_zero(allowed: Range, typed: Any) -> bool:
+    """Tell whether what was typed is a valid value of 0."""
+    try:
+        return allowed.read(typed).si == 0.0
+    except InputError:
+        return False
 
 
 def _number(text: str) -> int | float | str:

@@ -27,6 +27,7 @@ from strikewave.base.quantities import (
     MaybeArea,
     MaybeBits,
     MaybeBlowCount,
+    MaybeCoefficient,
     MaybeDamping,
     MaybeDensity,
     MaybeError,
@@ -269,7 +270,8 @@ class ContactTable(CaseTable):
 
     What has yielded stays: on the face, where all strikers hit the same spot, or on each nose (``yields``).
     The law "power", that of a pulse shaper or of a measured contact, is F = K d^n with K from ``reference_force`` at
-    ``reference_depth`` and n = ``exponent`` (1).
+    ``reference_depth`` and n = ``exponent`` (1). The nose of a rotary machine slides across the face: against
+    ``friction`` (Coulomb's coefficient) and a viscous ``sliding_damping``; none where they are left out.
     """
 
     law: str = "palmgren"
@@ -282,6 +284,8 @@ class ContactTable(CaseTable):
     datum_depth: MaybeLength = None
     yield_pressure: MaybePressure = None
     yields: Literal["face", "nose"] = "face"
+    friction: MaybeCoefficient = None
+    sliding_damping: MaybeDamping = None
 
 
 class RecorderTable(CaseTable):

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.contact.damping import asked
 from strikewave.contact.law import Damper, not_negative, positive
-from strikewave.contact.registry import CHECKED, DamperLaw, law_named, with_added
+from strikewave.contact.registry import CHECKED, QUOTED, DamperLaw, law_named, with_added
 from strikewave.contact.stiffness import Stiffness
 
 Array = NDArray[np.float64]
@@ -141,7 +141,8 @@ def _law(name: str, equation: str, source: str, **details: Any) -> Callable[[Mak
     """Put a function into the table of dampers."""
 
     def register(function: Make) -> Make:
-        _OWN[name] = DamperLaw(name, function, equation, details.pop("limits"), CHECKED, source, **details)
+        status = QUOTED if details.get("seen") else CHECKED
+        _OWN[name] = DamperLaw(name, function, equation, details.pop("limits"), status, source, **details)
         return function
 
     return register

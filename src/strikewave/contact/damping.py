@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.contact import _kernels
 from strikewave.contact.law import AnyContact, PressureCap, RequestedDamping, not_negative, refuse
-from strikewave.contact.registry import CHECKED, FROM_MEMORY, DampingLaw, law_named, with_added
+from strikewave.contact.registry import CHECKED, FROM_MEMORY, QUOTED, DampingLaw, law_named, with_added
 from strikewave.contact.stiffness import LogarithmicStiffness, Stiffness
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ _PEER_DOCS = "documentation of Exudyn"
 
 def _law(name: str, equation: str, source: str, seen: str = "", **details: str) -> Callable[[Factor], Factor]:
     """Put a function into the table of damping laws."""
-    details.setdefault("status", CHECKED)
+    details.setdefault("status", QUOTED if seen else CHECKED)
 
     def register(function: Factor) -> Factor:
         _OWN[name] = DampingLaw(name, function, equation, _RANGE, source=source, seen=seen, **details)

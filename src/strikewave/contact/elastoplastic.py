@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.contact import _pair_kernels
 from strikewave.contact.law import AnyContact, PressureCap, flat, not_negative, positive, refuse, rows_beside, single
-from strikewave.contact.registry import CHECKED, CapLaw
+from strikewave.contact.registry import CHECKED, QUOTED, CapLaw
 from strikewave.contact.stiffness import ElasticBody, Geometry, contact_modulus, reduced_radius
 
 Array = NDArray[np.float64]
@@ -112,9 +112,9 @@ CAP_LAWS = {
             point_cap,
             "F = F_y + pi p R (d - d_y), F_y = pi^3 p^3 R^2/(6 E*^2), s = F_e/F, d_r = D (1 - 1/s)",
             "spheres, elastic and perfectly plastic, no hardening and no rate",
-            CHECKED,
+            QUOTED,
             "thornton-1997",
-            "codes that cite it (loading, yield load and speed); its e(v) from memory, which the tests integrate",
+            "codes that cite it (loading, yield load and speed); its e(v) by our own integration, in the tests",
             "unloading on the radius s R by similarity, which is Thornton's",
         ),
         CapLaw(
@@ -171,8 +171,8 @@ def line_yield_pressure(body: ElasticBody, yield_strength: float) -> float:
 def point_yield_pressure(body: ElasticBody, yield_strength: float) -> float:
     """Return the Hertz pressure at which a sphere first yields inside, p0 = C sigma_y, Pa.
 
-    C = 1.30075 + 0.87825 nu + 0.54373 nu^2 (von Mises). Source: Green 2005, from memory; the tests find it in the
-    stress field to 0.1 %.
+    C = 1.30075 + 0.87825 nu + 0.54373 nu^2 (von Mises). Source: the stress below the middle of a Hertz contact, in
+    which the tests find it to 0.1 %; the polynomial is that of Green 2005, from memory.
 
     Examples
     --------
@@ -234,8 +234,8 @@ def yield_speed(contact: AnyContact, mass: ArrayLike) -> Array:
 def thornton_restitution(speed_ratio: ArrayLike) -> Array:
     """Return the restitution of an elastic-plastic sphere over its approach speed v/v_y; 1 up to v_y.
 
-    e = (6 sqrt(3)/5)^(1/2) [1 - s^2/6]^(1/2) {s/[s + 2 sqrt(6/5 - s^2/5)]}^(1/4), s = v_y/v. Source: Thornton 1997
-    (from memory; the tests find it by integration).
+    e = (6 sqrt(3)/5)^(1/2) [1 - s^2/6]^(1/2) {s/[s + 2 sqrt(6/5 - s^2/5)]}^(1/4), s = v_y/v. Source: the integral of
+    the law `thornton`, in closed form, which the tests compare with the integrator's; Thornton 1997 was not opened.
 
     Examples
     --------

@@ -20,11 +20,11 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.citations import CHECKED as CHECKED
+from strikewave.base.citations import FROM_MEMORY as FROM_MEMORY
+from strikewave.base.citations import QUOTED as QUOTED
 from strikewave.base.citations import SOURCES
 from strikewave.base.errors import InputError, StrikewaveWarning, nearest
-
-CHECKED, FROM_MEMORY = "checked", "from memory"
-"""Status of a law: its formula was seen in an opened text, or not."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class Law:
     limits : str
         Where it holds.
     status : str
-        `CHECKED` or `FROM_MEMORY`.
+        `CHECKED`, `QUOTED` or `FROM_MEMORY`.
     source : str
         Key of `strikewave.base.citations`, or a reference in full.
     seen : str, optional
-        Where its formula was seen, if not in the source itself.
+        Where its formula was seen, if not in the source itself: a law of ours with it is `QUOTED`.
     note : str, optional
         What a user should know.
     """

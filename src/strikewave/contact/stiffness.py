@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from strikewave.base.errors import MISSING, InputError
 from strikewave.contact.law import Contact, Damper, LogarithmicContact, PressureCap
-from strikewave.contact.registry import CHECKED, FROM_MEMORY, StiffnessLaw, law_named, with_added
+from strikewave.contact.registry import CHECKED, FROM_MEMORY, QUOTED, StiffnessLaw, law_named, with_added
 
 SMALLEST = 1e-15
 """Sizes below this are refused, m: the size of a proton, so that only a wrong unit gets there; curvatures stay far from
@@ -55,7 +55,7 @@ class Stiffness(NamedTuple):
     law : str
         Name of the law it came from.
     status : str
-        ``checked`` (the formula was seen in an opened text) or ``from memory``.
+        ``checked``, ``quoted`` or ``from memory`` (`strikewave.base.citations`).
     source : str
         Key of the source in `strikewave.base.citations`.
     """
@@ -160,7 +160,7 @@ def reduced_radius(radius1: float, radius2: float) -> float:
 
 def _law(name: str, equation: str, source: str, **details: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Put a function into the table of stiffness laws."""
-    details.setdefault("status", CHECKED)
+    details.setdefault("status", QUOTED if details.get("seen") else CHECKED)
 
     def register(function: Callable[..., Any]) -> Callable[..., Any]:
         _OWN[name] = StiffnessLaw(name, function, equation, source=source, **details)
@@ -235,7 +235,7 @@ def palmgren(body1: ElasticBody, body2: ElasticBody, length: float) -> Stiffness
     """
     modulus = 2.0 * contact_modulus(body1, body2)
     compliance = 3.81 * (2.0 / (math.pi * modulus)) ** 0.9 / _positive("the contact length", length) ** 0.8
-    return Stiffness(compliance ** (-10.0 / 9.0), 10.0 / 9.0, "palmgren", CHECKED, "palmgren")
+    return Stiffness(compliance ** (-10.0 / 9.0), 10.0 / 9.0, "palmgren", QUOTED, "palmgren")
 
 
 @_law(
@@ -293,7 +293,7 @@ def johnson(
         else:
             deep, less = 4.0 * abs(radius), 1.0
         total += share * (math.log(deep * deep * width) - less)
-    return LogarithmicStiffness(slope, math.exp(total), "johnson", CHECKED, "johnson-1985")
+    return LogarithmicStiffness(slope, math.exp(total), "johnson", QUOTED, "johnson-1985")
 
 
 def _two_cylinders(name: str, radius1: float, radius2: float) -> tuple[float, float]:
@@ -335,7 +335,7 @@ def radzimovsky(
     _, total = _two_cylinders("radzimovsky", radius1, radius2)
     slope = math.pi * contact_modulus(body1, body2) * _positive("the contact length", length)
     load = math.exp(2.0 / 3.0) * total * slope
-    return LogarithmicStiffness(slope, load, "radzimovsky", CHECKED, "radzimovsky-1953")
+    return LogarithmicStiffness(slope, load, "radzimovsky", QUOTED, "radzimovsky-1953")
 
 
 @_law(
@@ -369,7 +369,7 @@ def dubowsky_freudenstein(
     h = _positive("the contact length", length)
     slope = math.pi * contact_modulus(body1, body2) * h
     load = math.e * h * h / reduced * slope
-    return LogarithmicStiffness(slope, load, "dubowsky-freudenstein", CHECKED, "dubowsky-freudenstein-1971")
+    return LogarithmicStiffness(slope, load, "dubowsky-freudenstein", QUOTED, "dubowsky-freudenstein-1971")
 
 
 @_law(
@@ -392,7 +392,7 @@ def lankarani_nikravesh_cylinder(body1: ElasticBody, body2: ElasticBody, radius1
     1.5
     """
     k = hertz(body1, body2, radius1, radius2).stiffness
-    return Stiffness(k, 1.5, "lankarani-nikravesh", CHECKED, "lankarani-nikravesh-1994")
+    return Stiffness(k, 1.5, "lankarani-nikravesh", QUOTED, "lankarani-nikravesh-1994")
 
 
 @_law(
@@ -426,7 +426,7 @@ def pereira(body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: flo
     reduced_radius(radius1, radius2)
     total = abs(radius1 + radius2) * 1e3
     modulus, h = contact_modulus(body1, body2) * 1e-6, _positive("the contact length", length) * 1e3
-    status, a, b, n = CHECKED, 0.39, 0.85, 1.094
+    status, a, b, n = QUOTED, 0.39, 0.85, 1.094
     if radius2 < 0.0:
         if not 0.005 <= total <= 10.0:
             raise ValueError(f"dR must lie within 0.005 to 10 mm in a hole for the law pereira, got {total:g} mm")

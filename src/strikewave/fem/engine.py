@@ -258,10 +258,10 @@ class Engine:
         return fitting(span, self.model.controls.safety * self.critical)
 
     def motion(self) -> NodeMotion:
-        """Return displacement, velocity and acceleration of the nodes at t_n, once `assemble_forces` was called."""
+        """Return displacement and velocity of the nodes at t_n, once `assemble_forces` was called."""
         rate = self.f * self.inverse_mass[:, None]
         move_tied(self.ties, rate)
-        return NodeMotion(self.x - self.model.mesh.points, self.v + 0.5 * self.dt_previous * rate, rate)
+        return NodeMotion(self.x - self.model.mesh.points, self.v + 0.5 * self.dt_previous * rate)
 
     @np.errstate(invalid="ignore", over="ignore")
     def record(self) -> str:

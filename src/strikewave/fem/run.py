@@ -32,7 +32,8 @@ class PartHistory:
     velocity : array
         Momentum over mass, m/s.
     acceleration : array
-        Rate of momentum over mass (the rigid-body acceleration), m/s^2.
+        Rate of momentum over mass (the rigid-body acceleration), m/s^2, average about each instant: its integral by
+        the trapezoidal rule is the change of velocity.
     displacement : array
         Mean displacement by mass, m.
     """
@@ -45,7 +46,7 @@ class PartHistory:
 
 @dataclass(frozen=True)
 class PointHistory:
-    """Motion of a node, each (instants, 3)."""
+    """Motion of a node, each (instants, 3); acceleration is the average about each instant."""
 
     node: int
     displacement: Array

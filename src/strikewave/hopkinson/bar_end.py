@@ -10,7 +10,7 @@ elastic disk    waves in disk and bar, by the delay lines of `strikewave.waves`
 Symbols: c bar speed (m/s), Z impedance of the bar (N s/m), m mass of disk and sensor (kg).
 
 Source: W. A. Togami, W. E. Baker, M. J. Forrestal, A Split Hopkinson Bar Technique to Evaluate the Performance of
-Accelerometers, Journal of Applied Mechanics 63 (1996) 353-356 (reference from memory); the equations follow from
+Accelerometers, Journal of Applied Mechanics 63 (1996) 353-356, not opened; the equations follow from
 the one-dimensional wave relations.
 """
 

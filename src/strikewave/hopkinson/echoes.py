@@ -12,7 +12,7 @@ least squares, each pass with the weight of its energy since all have the same n
 nothing in common, so that what is left gives the standard errors.
 
 Source: the spectral ratio of successive echoes as in C. Bacon, An experimental method for considering dispersion and
-attenuation in a viscoelastic Hopkinson bar, Experimental Mechanics 38 (1998) 242-249 (reference from memory).
+attenuation in a viscoelastic Hopkinson bar, Experimental Mechanics 38 (1998) 242-249.
 """
 
 from __future__ import annotations

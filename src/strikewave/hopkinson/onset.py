@@ -1,7 +1,7 @@
 """Where a pulse begins and ends in a noisy trace, without a threshold set by hand.
 
 Source: N. Maeda, A method for reading and checking phase times in auto-processing system of seismic wave data,
-Zisin 38 (1985) 365-379 (reference from memory): the place that splits a trace into two stretches of white noise of
+Zisin 38 (1985) 365-379: the place that splits a trace into two stretches of white noise of
 different variance with the least information criterion.
 """
 

@@ -6,7 +6,7 @@ L and A_s length and area of the specimen.
 
     F1 = E1 A1 (e_i + e_r),   F2 = E2 A2 e_t,   v1 = c1 (e_i - e_r),   v2 = c2 e_t
 
-Source: G. T. Gray III, Classic Split-Hopkinson Pressure Bar Testing, ASM Handbook 8 (2000) 462-476 (from memory).
+Source: G. T. Gray III, Classic Split-Hopkinson Pressure Bar Testing, ASM Handbook 8 (2000).
 """
 
 from __future__ import annotations

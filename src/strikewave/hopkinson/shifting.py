@@ -8,7 +8,7 @@ Only the strain on the gauge's own place in the section is carried: the first mo
 frequencies (its strain at the surface is not the mean one), and no correction for that is made here.
 
 Source: P. S. Follansbee, C. Frantz, Wave Propagation in the Split Hopkinson Pressure Bar, Journal of Engineering
-Materials and Technology 105 (1983) 61-66 (reference from memory).
+Materials and Technology 105 (1983) 61-66.
 """
 
 from __future__ import annotations

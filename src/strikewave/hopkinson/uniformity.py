@@ -7,8 +7,9 @@ Symbols: beta = Z_specimen/Z_bar, t0 transit time of the specimen (s), k number 
 alpha = 2 (F1 - F2)/(F1 + F2).
 
 Source: L. M. Yang, V. P. W. Shim, An analysis of stress uniformity in split Hopkinson bar test specimens,
-International Journal of Impact Engineering 31 (2005) 129-150 (the closed form from memory, checked against the sum
-of echoes and against the delay lines of `strikewave.waves`); the 5 % that is usual: Ravichandran & Subhash 1994.
+International Journal of Impact Engineering 31 (2005) 129-150 (not opened: the closed form is the sum of echoes,
+with which the tests compare it, and with the delay lines of `strikewave.waves`); the 5 % that is usual: Ravichandran &
+Subhash 1994.
 """
 
 from __future__ import annotations

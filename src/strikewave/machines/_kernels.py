@@ -11,6 +11,12 @@ turntable keeps the inertia J(theta) = I - sum m f'^2 and obeys
 
 where F_mount is the force of the mount on the turntable along the blow. This is Lagrange's equation,
 so energy is kept. On a rigid belt the motor turns with the turntable and I holds its inertia.
+
+A nose that pushes with the force F slides across the face with s' = R cos u theta', which the turntable alone decides,
+as a guide holds the object across. It drags the face along with the force T = (mu F + c |s'|) sign(s'), and the
+turntable loses the torque R cos u T: what the virtual work of T gives. Where a blow goes with the path, cos u and with
+it T change their sign as the nose passes the strike position; the torque is 0 there and has a bend, no step. So nothing
+sticks while the turntable turns, and the law needs no smoothing at s' = 0.
 """
 
 import math
@@ -37,6 +43,7 @@ from strikewave.contact._chain_kernels import (
     link_switch,
     link_switches,
     never_touches,
+    press,
     spot_of,
 )
 from strikewave.contact._integrator import CONTINUE, RESTART, STOP
@@ -60,13 +67,13 @@ SETTINGS = (
     *("inertia", "drag", "set_speed", "gain", "torque", "ripple", "ripple_order", "ripple_phase"),
     *("motor_inertia", "belt_stiffness", "belt_damping", "weight_moment"),
     *("valve_delay", "stroke", "stroke_time", "acceleration", "cushion", "hold", "release_delay", "retract_time"),
-    *("blows", "stop_at_touch", "along", "across", "half_face", "pitch"),
+    *("blows", "stop_at_touch", "along", "across", "half_face", "pitch", "contact_friction", "sliding_damping"),
 )
 """Names of `MachineSystem.settings`, SI; see `strikewave.machines.run.machine_system`."""
 (INERTIA, DRAG, SET_SPEED, GAIN, TORQUE, RIPPLE, RIPPLE_ORDER, RIPPLE_PHASE) = range(8)
 (MOTOR_INERTIA, BELT_STIFFNESS, BELT_DAMPING, WEIGHT_MOMENT) = range(8, 12)
 (VALVE_DELAY, STROKE, STROKE_TIME, ACCELERATE, CUSHION, HOLD, RELEASE_DELAY, RETRACT_TIME) = range(12, 20)
-(BLOWS, STOP_AT_TOUCH, ALONG, ASIDE, HALF_FACE, PITCH) = range(20, 26)
+(BLOWS, STOP_AT_TOUCH, ALONG, ASIDE, HALF_FACE, PITCH, CONTACT_FRICTION, SLIDING_DAMPING) = range(20, 28)
 FEED_TIMES = (VALVE_DELAY, STROKE_TIME, HOLD, RELEASE_DELAY, RETRACT_TIME)
 """How long each phase of the feed lasts: places in the settings."""
 
@@ -162,6 +169,49 @@ def place_bases(system, t, y, mode, memory):
 
 
 @leaf_kernel
+def has_sliding(settings):
+    """Tell whether a nose that slides across the face is held back at all."""
+    return settings[CONTACT_FRICTION] > 0.0 or settings[SLIDING_DAMPING] > 0.0
+
+
+@leaf_kernel
+def sliding_arm(system, i):
+    """Return how far nose i goes across the face a turn of the turntable, R cos u, m/rad; the bases as placed last."""
+    return -system.chain.bases[SECOND, i]
+
+
+@leaf_kernel
+def side_force(settings, normal, sliding):
+    """Return the force with which a nose drags the face along, N: Coulomb's and a viscous one, (mu F + c |v|) sign(v).
+
+    ``normal`` is the contact force, N, ``sliding`` the speed of the nose across the face, m/s.
+    """
+    if normal <= 0.0 or sliding == 0.0:
+        return 0.0
+    return math.copysign(settings[CONTACT_FRICTION] * normal, sliding) + settings[SLIDING_DAMPING] * sliding
+
+
+@leaf_kernel
+def side_force_of(system, i, y, mode, memory):
+    """Return the force with which nose i drags the face along, N; the bases as placed last."""
+    if mode[i] == OPEN or not has_sliding(system.settings):
+        return 0.0
+    at = layout_of(system)
+    normal, _, _ = press(system.chain, i, y, mode, memory)
+    return side_force(system.settings, normal, sliding_arm(system, i) * y[at.turntable_speed])
+
+
+@leaf_kernel
+def turning_inertia(system):
+    """Return J(theta) = I - sum m f'^2 of the turntable, kg m^2; the bases as placed last."""
+    bodies, bases = system.chain.bodies, system.chain.bases
+    inertia = system.settings[INERTIA]
+    for i in range(layout_of(system).carriage):
+        inertia -= bodies[i, CARRIED] * bases[FIRST, i] * bases[FIRST, i]
+    return inertia
+
+
+@leaf_kernel
 def machine_rates(system, t, y, mode, memory, dy):
     """Fill the time derivative of the whole state."""
     at, bodies, bases, settings = layout_of(system), system.chain.bodies, system.chain.bases, system.settings
@@ -176,18 +226,31 @@ def machine_rates(system, t, y, mode, memory, dy):
     if not rigid:
         slip = motor - speed
         pull = stiffness * y[at.belt_twist] + settings[BELT_DAMPING] * slip
-    inertia = settings[INERTIA]
+    rubbed = 0.0
     moment = pull - drag - settings[WEIGHT_MOMENT] * math.sin(theta)
     for i in range(at.carriage):
-        first = bases[FIRST, i]
-        inertia -= bodies[i, CARRIED] * first * first
-        moment += first * (bases[FORCE, i] + speed * speed * bodies[i, CARRIED] * bases[SECOND, i])
-    dy[at.angle], dy[at.turntable_speed] = speed, moment / inertia
+        moment += bases[FIRST, i] * (bases[FORCE, i] + speed * speed * bodies[i, CARRIED] * bases[SECOND, i])
+    for i in range(at.contacts.stop):
+        braking = side_force_of(system, i, y, mode, memory) * sliding_arm(system, i)
+        moment -= braking
+        rubbed += braking * speed
+    dy[at.angle], dy[at.turntable_speed] = speed, moment / turning_inertia(system)
     dy[at.belt_twist] = slip
     dy[at.motor_speed] = 0.0 if rigid else (torque - pull) / settings[MOTOR_INERTIA]
     dy[at.driven] = torque * (speed if rigid else motor)
     dy[at.dragged] = drag * speed + settings[BELT_DAMPING] * slip * slip
     dy[at.fed] = -bases[FORCE, at.carriage] * bases[SPEED, at.carriage]
+    dy[at.rubbed] = rubbed
+
+
+@leaf_kernel
+def machine_forces(system, t, y, mode, memory, out):
+    """Fill the force of each link, then the side force of each striker on the face, N."""
+    at, links = layout_of(system), system.chain.joins.shape[0]
+    place_bases(system, t, y, mode, memory)
+    chain_forces(system.chain, y, mode, memory, out)
+    for i in range(at.contacts.stop):
+        out[links + i] = side_force_of(system, i, y, mode, memory)
 
 
 @leaf_kernel
@@ -316,8 +379,7 @@ def _derivatives(system, t, y, mode, memory, dy):
 @overload(_integrator.forces, jit_options=LEAF)
 def _forces(system, t, y, mode, memory, out):
     def fill(system, t, y, mode, memory, out):
-        place_bases(system, t, y, mode, memory)
-        chain_forces(system.chain, y, mode, memory, out)
+        machine_forces(system, t, y, mode, memory, out)
 
     return fill if is_a(system, MachineSystem) else None
 

@@ -8,7 +8,7 @@ stack of layers. What a system has none of is an empty part.
 - bases: a seat for each striker that is a body, then the carriage;
 - links: contacts, mounts, frame, then what holds the object: support, stop, and a rail where one rubs;
 - state: positions and speeds of the bodies, turntable angle and speed, belt twist and motor speed, then energies:
-  dissipated in each link, given by the drive, lost in drag and belt, given by the feed;
+  dissipated in each link, given by the drive, lost in drag and belt, given by the feed, lost by noses that slide;
 - modes: of the links, of drive and feed, passes counted, whether this pass has touched, the striker (from 1) that met
   the edge of the face, whether each striker is before the face, and in free flight which striker touches (-1: none);
 - memory: approach speed of each link, begin of the feed's phase, angle of the next apex, then how deep each link has
@@ -61,8 +61,8 @@ class StateLayout(NamedTuple):
     positions, speeds, turntable : slice
         Of the state: bodies; turntable, belt and motor.
     dissipated, of_drive, energies, held_energies : slice
-        Of the state: links; drive, drag and feed; both; both from the support on.
-    angle, turntable_speed, belt_twist, motor_speed, driven, dragged, fed : int
+        Of the state: links; drive, drag, feed and sliding; both; both from the support on.
+    angle, turntable_speed, belt_twist, motor_speed, driven, dragged, fed, rubbed : int
         Of the state.
     link_modes, own_modes, held_modes, on_face : slice
         Of the modes: links; machine; from the support on to the edge; strikers before the face.
@@ -104,6 +104,7 @@ class StateLayout(NamedTuple):
     driven: int
     dragged: int
     fed: int
+    rubbed: int
     energies: slice
     held_energies: slice
     states: int
@@ -142,7 +143,7 @@ def layout(bodies: int, links: int, seats: int, strikers: int) -> StateLayout:
     angle = 2 * bodies
     dissipated = angle + 4
     of_drive = dissipated + links
-    states = of_drive + 3
+    states = of_drive + 4
     on_face = links + 5
     touching = on_face + strikers
     modes = touching + min(mounted, 1)
@@ -177,6 +178,7 @@ def layout(bodies: int, links: int, seats: int, strikers: int) -> StateLayout:
         driven=of_drive,
         dragged=of_drive + 1,
         fed=of_drive + 2,
+        rubbed=of_drive + 3,
         energies=slice(dissipated, states),
         held_energies=slice(dissipated + support, states),
         states=states,

@@ -20,6 +20,9 @@ from strikewave.machines._kernels import (
     machine_rates,
     own_switch,
     own_switches,
+    side_force,
+    sliding_arm,
+    turning_inertia,
 )
 from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, layout_of
 from strikewave.waves._kernels import (
@@ -31,6 +34,7 @@ from strikewave.waves._kernels import (
     advance,
     arriving_at_face,
     force_and_velocity,
+    gather,
     record,
 )
 from strikewave.waves._press_kernels import (
@@ -49,7 +53,6 @@ from strikewave.waves._press_kernels import POWER as POWER_LOST
 
 (
     CONTACT_FORCE,
-    RIGID_ACCELERATION,
     FACE_PLACE,
     NOSE_PLACE,
     NOSE_SPEED,
@@ -62,9 +65,15 @@ from strikewave.waves._press_kernels import POWER as POWER_LOST
     CONTACT_IMPULSE,
     END_IMPULSE,
     INDENTATION,
-) = range(14)
+    SIDE_FORCE,
+    SIDE_IMPULSE,
+    FRICTION_HEAT,
+) = range(16)
 """Columns of the history of a blow; nose and assembly by the mean of what they consist of."""
-COLUMNS = 14
+COLUMNS = 16
+
+DRAGGING, BRAKING, HEATING, ACROSS_IMPULSE = 0, 1, 2, 3
+"""Places of what a sliding nose does: force, N, slowing of the turntable, rad/s^2, power, W, impulse, N s."""
 
 SETTLED, CROWDED, ENDLESS = 0, 1, 2
 """Why a blow ended: all quiet; two strikers in touch at once; the history is full."""
@@ -147,13 +156,15 @@ def hold(supports, tables, state, place, frame, wave, carriage, carriage_speed):
 
 
 @leaf_kernel
-def move_machine(system, t, dt, y, mode, memory, push, rates):
+def move_machine(system, t, dt, y, mode, memory, push, braked, rates):
     """Move strikers and turntable to time t by the trapezoidal rule; ``push`` (N) acts back on each striker.
 
-    ``rates`` holds the rates a step ago and takes the new ones.
+    ``braked`` is the rate at which a nose that slides slows the turntable, rad/s^2; ``rates`` holds the rates a step
+    ago and takes the new ones.
     """
     at, bodies = layout_of(system), system.chain.bodies
     old, new = rates[0], rates[1]
+    old[at.turntable_speed] -= braked
     x, v, old_v, new_v = y[at.positions], y[at.speeds], old[at.speeds], new[at.speeds]
     for i in range(x.size):
         old_v[i] -= push[i] / bodies[i, MASS]
@@ -164,6 +175,7 @@ def move_machine(system, t, dt, y, mode, memory, push, rates):
     y[at.belt_twist] += dt * old[at.belt_twist]
     y[at.motor_speed] += dt * old[at.motor_speed]
     machine_rates(system, t, y, mode, memory, new)
+    y[at.turntable_speed] -= 0.5 * dt * braked
     for i in range(x.size):
         v[i] += 0.5 * dt * (new_v[i] - push[i] / bodies[i, MASS] - old_v[i])
     for i in (at.turntable_speed, at.belt_twist, at.motor_speed):
@@ -173,6 +185,23 @@ def move_machine(system, t, dt, y, mode, memory, push, rates):
         energies[i] += 0.5 * dt * (old_power[i] + new_power[i])
     for i in range(y.size):
         old[i] = new[i]
+
+
+@leaf_kernel
+def rub_face(system, striker, normal, half, y, side):
+    """Let a nose that pushes (N) slide across the face to the end of half a step, s; book impulse (N s) and heat (J).
+
+    ``side`` holds the side force, the rate at which it slows the turntable, its power and its impulse, all a step ago
+    and then now; as the push of the contact, each acts half a step before and half a step after.
+    """
+    at, arm = layout_of(system), sliding_arm(system, striker)
+    force = side_force(system.settings, normal, arm * y[at.turntable_speed])
+    braking = force * arm / turning_inertia(system)
+    y[at.turntable_speed] += half * (side[BRAKING] - braking)
+    power = force * arm * y[at.turntable_speed]
+    y[at.rubbed] += half * (side[HEATING] + power)
+    side[ACROSS_IMPULSE] += half * (side[DRAGGING] + force)
+    side[DRAGGING], side[BRAKING], side[HEATING] = force, braking, power
 
 
 @leaf_kernel
@@ -213,7 +242,7 @@ def another_touches(system, y, striker, face):
 
 
 @kernel
-def follow(tables, state, law, machine, supports, blow, recordings, history, touches, switches):
+def follow(tables, state, law, machine, supports, blow, recordings, averages, history, touches, switches):
     """Follow one blow from first touch until it has settled.
 
     ``machine`` is (system, y, mode, memory) with strikers only, moved on in place. Fills ``history`` every so
@@ -227,6 +256,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
     speeds, g = y[at.speeds], np.empty(at.switches)
     dt, z, last = tables.step, tables.impedance[0], tables.nodes.size - 1
     rates, push, contact = np.empty((2, y.size)), np.zeros(speeds.size), np.empty(CONTACT_SIZE)
+    side = np.zeros(4)
     mass = system.chain.bodies[s, MASS]
     machine_rates(system, blow.time, y, mode, memory, rates[0])
     begin_contact(law, contact, blow.approach, blow.deepest)
@@ -245,7 +275,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
         if n > 0:
             inertia, half = 0.5 * dt / mass, 0.5 * dt
             push[s] = contact[FORCE]
-            move_machine(system, t, dt, y, mode, memory, push, rates)
+            move_machine(system, t, dt, y, mode, memory, push, side[BRAKING], rates)
         free = speeds[s] + inertia * contact[FORCE]
         force = 0.0
         if abs(bases[ACROSS, s]) <= system.settings[HALF_FACE]:
@@ -253,6 +283,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
         else:
             slip_off(law, contact, touches, t, dt)
         speeds[s] = free - inertia * force
+        rub_face(system, s, force, half, y, side)
 
         carriage, carriage_speed = bases[PLACE, at.carriage], bases[SPEED, at.carriage]
         place = blow.end + fallen + u_end + dt * v_end
@@ -290,10 +321,10 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
         net += dt * (force - f_end)
         for recording in recordings:
             record(tables, state, recording, n)
+        gather(tables, state, averages, n)
         if n % blow.every == 0:
             row = history[n // blow.every]
             row[CONTACT_FORCE] = force
-            row[RIGID_ACCELERATION] = (f_in - f_end) / blow.assembly_mass + blow.gravity
             row[FACE_PLACE], row[FACE_SPEED] = blow.face + fallen + u_face, frame + v_face
             row[NOSE_PLACE], row[NOSE_SPEED] = blow.face + fallen + u_nose, frame + v_nose
             row[ASSEMBLY_PLACE], row[ASSEMBLY_SPEED] = blow.end + fallen + u_assembly, frame + v_assembly
@@ -301,6 +332,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, history, tou
             row[STRIKER_SPEED] = speeds[s]
             row[CONTACT_IMPULSE], row[END_IMPULSE] = entered, through
             row[INDENTATION] = max(contact[DEPTH], 0.0)
+            row[SIDE_FORCE], row[SIDE_IMPULSE], row[FRICTION_HEAT] = side[DRAGGING], side[ACROSS_IMPULSE], y[at.rubbed]
         changed = switch_machine(system, t, y, mode, memory, g, switches, changed)
         n += 1
         if (n - 1) % blow.every == 0:

@@ -95,6 +95,17 @@ def gain_limit(restitution: float, collisions: int, falling: bool = False) -> fl
     return (1.0 + restitution) ** collisions - (1.0 if falling else 0.0)
 
 
+def gain_limit_of(restitutions: Sequence[float]) -> float:
+    """Return the gain of the last body of a falling line for mass ratios that go to zero, each pair with its own e.
+
+    Examples
+    --------
+    >>> gain_limit_of([1.0, 1.0, 1.0]), gain_limit_of([0.5, 1.0])
+    (7.0, 2.0)
+    """
+    return math.prod(1.0 + e for e in restitutions) - 1.0
+
+
 def fastest_masses(first: float, last: float, count: int) -> Array:
     """Return the masses that make the last body of a line fastest: a geometric row, kg.
 

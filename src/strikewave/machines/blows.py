@@ -67,6 +67,11 @@ class Blow:
         Impulse less change of momentum, over the larger of contact and support impulse.
     peak_force : float
         Largest contact force.
+    side_force, side_impulse : float
+        Largest force across the blow with which the sliding nose drags the face along, N, and its impulse, N s, over
+        all contacts of the pass: above 0 the way the nose passes. The guide of the object bears both.
+    friction_heat : float
+        Heat of this sliding over all contacts of the pass, J.
     rigid_peak, width, rise : float
         Of the assembly's rigid-body acceleration; width at 10 % of the peak.
     velocity_change : float
@@ -95,6 +100,9 @@ class Blow:
     support_impulse: float
     momentum_error: float
     peak_force: float
+    side_force: float
+    side_impulse: float
+    friction_heat: float
     rigid_peak: float
     width: float
     rise: float
@@ -167,7 +175,13 @@ def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
         math.nan,
     )
     passing = run.sample(np.array([time]))
-    zeros = dict.fromkeys(("impulse", "contact_impulse", "support_impulse", "peak_force", "velocity_change"), 0.0)
+    zeros = dict.fromkeys(
+        (
+            *("impulse", "contact_impulse", "support_impulse", "peak_force", "velocity_change"),
+            *("side_force", "side_impulse", "friction_heat"),
+        ),
+        0.0,
+    )
     return Blow(
         index=index,
         kind="missed",
@@ -189,7 +203,8 @@ def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
     width = pulse.width if pulse else math.nan
     kind, end = _kind(run, rows, width)
     edges = run.sample(np.array([begin, end]))
-    contact, support = run.impulses(begin, end)
+    contact, support, _ = run.impulses(begin, end)
+    side_force, side_impulse, heat = _sliding(run, rows, begin + since)
     velocity_change = float(np.diff(edges.object_speed)[0])
     free = min(until, max(run.released, last))
     path = run.sample(np.linspace(begin, free, 2001)).assembly_place
@@ -220,6 +235,9 @@ def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
         momentum_error=abs(contact + support - struck.mass * velocity_change)
         / max(contact, abs(support), struck.mass * SMALLEST_SPEED),
         peak_force=float(force.max()),
+        side_force=side_force,
+        side_impulse=side_impulse,
+        friction_heat=heat,
         rigid_peak=pulse.peak if pulse else math.nan,
         width=width,
         rise=pulse.rise if pulse else math.nan,
@@ -243,6 +261,14 @@ def _work(run: MachineRun, rows: Array) -> tuple[float, float]:
     return deepest, math.sqrt(back / taken) if taken > 0.0 else math.nan
 
 
+def _sliding(run: MachineRun, rows: Array, times: Array) -> tuple[float, float, float]:
+    """Return the largest side force of contacts at some times, N, their side impulse, N s, and heat of sliding, J."""
+    force = run.sample(times).side_force
+    begin, last = float(rows[0, 0]), float(rows[:, 1].max())
+    heat = float(np.diff(run.sample(np.array([begin, last])).friction_heat)[0])
+    return float(force[np.argmax(np.abs(force))]), run.impulses(begin, last).side, heat
+
+
 def _kind(run: MachineRun, rows: Array, width: float) -> tuple[str, float]:
     """Return the kind of a blow and when it ends, s: later light touches, a pulse width off, are no part of it."""
     last = float(rows[:, 1].max())
@@ -251,8 +277,7 @@ def _kind(run: MachineRun, rows: Array, width: float) -> tuple[str, float]:
     if run.machine.launch is None and rows[0, 2] < GLANCING_SHARE * run.machine.nominal_approach:
         return "glancing", end
     if gaps.size:
-        later, _ = run.impulses(float(rows[gaps[0] + 1, 0]), last)
-        whole, _ = run.impulses(float(rows[0, 0]), last)
-        if later > DOUBLE_SHARE * whole:
+        later = run.impulses(float(rows[gaps[0] + 1, 0]), last).contact
+        if later > DOUBLE_SHARE * run.impulses(float(rows[0, 0]), last).contact:
             return "double", last
     return "full", end

@@ -244,9 +244,9 @@ def fast_train(
     dissipated = np.concatenate(
         [going.y[circling.dissipated], of_blow[at.contacts], of_blow[at.mounts], of_blow[at.frame : at.support]]
     )
-    driven, dragged, fed = going.y[circling.of_drive]
-    flowed = abs(driven) + dragged + np.abs(dissipated).sum() + abs(lost)
-    missing = gained - (driven - dragged - dissipated.sum() - lost + fed)
+    driven, dragged, fed, rubbed = going.y[circling.of_drive]
+    flowed = abs(driven) + dragged + rubbed + np.abs(dissipated).sum() + abs(lost)
+    missing = gained - (driven - dragged - rubbed - dissipated.sum() - lost + fed)
     table = _finished(machine, passes.table[: passes.counts[column.ROWS_USED]])
     steps = int(passes.counts[column.FLIGHT_STEPS]), int(passes.counts[column.BLOW_STEPS])
     return FastTrain(asked, table, float(end), lost, float(abs(missing) / flowed), steps)

@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 
 STANDARD_ATMOSPHERE = 101325.0
 """Pa."""
+NEAR_ISOTHERMAL = 1e-6
+"""Heat ratio above 1 below which a gas is taken as isothermal: the sums of powers then cancel to as many digits as this
+limit leaves out."""
 _NEAR_BRANCH = 0.02
 """Below this distance from its branch point Lambert's W comes from its series, which keeps all digits there."""
 
@@ -137,7 +140,7 @@ class RigidPendulum:
 def inertia_of_period(mass: float, centre: float, period: float, gravity: float = STANDARD_GRAVITY) -> float:
     """Return the moment of inertia about the pivot from the period of small swings, m g r (t/2 pi)^2, kg m^2.
 
-    Source: ISO 148-2, whose reduced length is g t^2/(4 pi^2) (from memory).
+    Source: t = 2 pi sqrt(J/(m g r)) of a rigid body that swings little; the way of ISO 148-2.
 
     Examples
     --------
@@ -276,7 +279,8 @@ def machete_energy(hammer: MacheteHammer, teeth: ArrayLike, gravity: float = STA
 
     Notes
     -----
-    Source: work of the weights; the build of the hammer (ratchet, arm, weight, tooth number) from memory.
+    Source: work of the weights. The build of the hammer (ratchet, arm, weight, tooth number) is from memory; Phan &
+    Duong 2024 tell of a hammer for parts of weapons that is set by the angle to which it is lifted.
 
     Examples
     --------
@@ -306,6 +310,25 @@ def machete_speed(hammer: MacheteHammer, teeth: ArrayLike, gravity: float = STAN
     [3.004 6.008]
     """
     return np.asarray(hammer.radius * np.sqrt(2.0 * machete_energy(hammer, teeth, gravity) / hammer.turning_inertia))
+
+
+def rope_tension(hammer: MacheteHammer, teeth: int, gravity: float = STANDARD_GRAVITY) -> float:
+    """Return the least force in the rope of a Machete hammer on its way, M (g - r w'), N; 0 without a weight.
+
+    The turning is w' = (M g r + u g sin(c) - T)/(J + M r^2) at the angle c from hanging; see `machete_energy`. A
+    negative force no rope can bear: it is slack there.
+
+    Examples
+    --------
+    >>> hammer = MacheteHammer(teeth=30, inertia=2.0, radius=0.6, weight=36.0, drum=0.1)
+    >>> round(rope_tension(hammer, 13), 2)  # M g J/(J + M r^2)
+    299.19
+    """
+    begin, end = hammer.strike_angle + teeth * hammer.pitch, hammer.strike_angle
+    crests = [c for c in (0.5 * math.pi, 2.5 * math.pi) if end <= c <= begin]
+    steepest = 1.0 if crests else max(math.sin(begin), math.sin(end))
+    torque = hammer.weight * gravity * hammer.drum + hammer.unbalance * gravity * steepest - hammer.friction
+    return hammer.weight * (gravity - hammer.drum * torque / hammer.turning_inertia)
 
 
 @dataclass(frozen=True)
@@ -391,12 +414,15 @@ def muzzle_speed(gun: GunBarrel) -> float:
 
 
 def wave_muzzle_speed(gun: GunBarrel, sound_speed: float) -> float:
-    """Return the muzzle speed where the gas must follow by its own inertia, m/s.
+    """Return the muzzle speed where gas must follow by its own inertia, from a chamber no wider than the barrel, m/s.
 
     In a long chamber of the bore of the barrel the gas behind a projectile at the speed u has the pressure
     P s^n with s = 1 - (g - 1) u/(2 a) and n = 2 g/(g - 1), and Newton's law, without friction and ambient pressure,
 
-        L = (m/(P A)) (2 a/(g - 1))^2 [(s^(1 - n) - 1)/(n - 1) - (s^(2 - n) - 1)/(n - 2)].
+        L = (m/(P A)) (2 a/(g - 1))^2 [(s^(1 - n) - 1)/(n - 1) - (s^(2 - n) - 1)/(n - 2)];
+
+    an isothermal gas has the pressure P exp(-u/a), its limit for g = 1. A wider chamber gives more: see
+    `reservoir_muzzle_speed`.
 
     Parameters
     ----------
@@ -408,12 +434,13 @@ def wave_muzzle_speed(gun: GunBarrel, sound_speed: float) -> float:
     Raises
     ------
     ValueError
-        If the heat ratio is 1 or the sound speed is not positive.
+        If the sound speed is not positive.
 
     Notes
     -----
-    Source: Siegel 1965 (from memory), who gives the pressure; integrated here. Holds until the first wave comes back
-    from the end of the chamber. The speed never reaches 2 a/(g - 1).
+    Source: u + 2 c/(g - 1) stays the same across the waves that run into the gas at rest, c the speed of sound, and
+    P/c^n along an isentrope; integrated here. See Siegel 1965. Holds until the first wave comes back from the end of
+    the chamber. The speed never reaches 2 a/(g - 1).
 
     Examples
     --------
@@ -422,19 +449,84 @@ def wave_muzzle_speed(gun: GunBarrel, sound_speed: float) -> float:
     70.21
     """
     a = float(positive("the speed of sound", sound_speed))
-    g = gun.heat_ratio
-    if g == 1.0:
-        raise ValueError("the heat ratio must be above 1 for waves in the gas, got 1")
-    n, escape = 2.0 * g / (g - 1.0), 2.0 * a / (g - 1.0)
-    way = gun.length * gun.pressure * gun.bore / (gun.mass * escape**2)
+    return _behind_a_wave(gun.length * gun.pressure * gun.bore / gun.mass, a, 0.0, gun.heat_ratio)
+
+
+def reservoir_muzzle_speed(gun: GunBarrel, sound_speed: float) -> float:
+    """Return the muzzle speed where the gas must follow by its own inertia, from an endless wide reservoir, m/s.
+
+    Gas that stands in a wide reservoir enters the barrel in steady flow, at the speed of sound at most. What follows
+    the projectile has come in no faster than it flies, so the pressure behind it is at most that of the steady flow,
+    P [1 - (g - 1) u^2/(2 a^2)]^(g/(g - 1)), up to the speed of sound there, u = a sqrt(2/(g + 1)), and from there on
+    that of a wave that starts with this speed. Newton's law then gives up to there
+
+        u^2 = (2 a^2/(g - 1)) [1 - (1 + P A L/(m a^2))^(1 - g)],
+
+    and an upper bound for every reservoir; `wave_muzzle_speed` is the other end.
+
+    Parameters
+    ----------
+    gun : GunBarrel
+        The gun; its volume, friction and ambient pressure are not asked.
+    sound_speed : float
+        a of the gas at rest, m/s.
+
+    Raises
+    ------
+    ValueError
+        If the sound speed is not positive.
+
+    Notes
+    -----
+    Source: steady flow from rest, and the forward characteristics u + 2 c/(g - 1) of gas in a barrel, along which that
+    sum is the one at the entrance; it grows with the speed there up to the speed of sound. Integrated here.
+
+    Examples
+    --------
+    >>> gun = GunBarrel(pressure=5e5, volume=4e-3, bore=1.2e-3, length=1.0, mass=0.2)
+    >>> round(reservoir_muzzle_speed(gun, sound_speed=343.0), 2)
+    76.78
+    """
+    a, g = float(positive("the speed of sound", sound_speed)), gun.heat_ratio
+    way = gun.length * gun.pressure * gun.bore / (gun.mass * a**2)
+    sonic = math.sqrt(2.0 / (g + 1.0))
+    ratio = math.exp(-0.5) if _isothermal(g) else sonic ** (2.0 * g / (g - 1.0))
+    to_sonic = sonic**2 / ratio - 1.0  # density at rest over that at the speed of sound, less 1
+    if way <= to_sonic:
+        taken = math.log1p(way) if _isothermal(g) else -math.expm1((1.0 - g) * math.log1p(way)) / (g - 1.0)
+        return a * math.sqrt(2.0 * taken)
+    return _behind_a_wave((way - to_sonic) * ratio * a**2, sonic * a, sonic * a, g)
+
+
+def _isothermal(heat_ratio: float) -> bool:
+    """Tell whether a gas is so near an isothermal one that the limit is exact to that difference."""
+    return heat_ratio - 1.0 < NEAR_ISOTHERMAL
+
+
+def _behind_a_wave(drive: float, sound_speed: float, start: float, heat_ratio: float) -> float:
+    """Return the speed of a projectile that a simple wave follows, m/s.
+
+    It begins with the speed ``start`` u0, gas of the same speed and the sound speed c behind it. With b = 2 c/(g - 1),
+    U = u0 + b, s = (U - u)/b and n = 2 g/(g - 1), ``drive`` = p A L/m = b [U (s^(1 - n) - 1)/(n - 1) -
+    b (s^(2 - n) - 1)/(n - 2)]; at g = 1 it is c^2 [(u/c - 1) exp((u - u0)/c) - u0/c + 1].
+    """
+    c, g = sound_speed, heat_ratio
+    if _isothermal(g):
+        x = start / c
+        # W of the smallest argument, -1/e, is where rounding could leave its real branch
+        inside = max((drive / c**2 + x - 1.0) * math.exp(x - 1.0), -math.exp(-1.0))
+        return c * (1.0 + float(lambertw(inside).real))
+    n, b = 2.0 * g / (g - 1.0), 2.0 * c / (g - 1.0)
+    escape = start + b
 
     def missing(log_s: float) -> float:
-        return math.expm1((1.0 - n) * log_s) / (n - 1.0) - math.expm1((2.0 - n) * log_s) / (n - 2.0) - way
+        fast = escape * math.expm1((1.0 - n) * log_s) / (n - 1.0)
+        return fast - b * math.expm1((2.0 - n) * log_s) / (n - 2.0) - drive / b
 
-    lowest = -1.0
+    lowest = -1.0 / n
     while missing(lowest) < 0.0:
         lowest *= 2.0
-    return escape * -math.expm1(brentq(missing, lowest, 0.0, xtol=1e-300, rtol=1e-14))
+    return start + b * -math.expm1(brentq(missing, lowest, 0.0, xtol=1e-300, rtol=1e-14))
 
 
 class TablePulse(NamedTuple):
@@ -470,7 +562,7 @@ def half_sine_pulse(speed: float, mass: float, stiffness: float, gravity: float 
 
     Notes
     -----
-    Source: m x'' = m g - k x with x = 0 and x' = v at first touch; Harris, Shock and Vibration Handbook (from memory).
+    Source: the solution of m x'' = m g - k x with x = 0 and x' = v at first touch.
 
     Examples
     --------

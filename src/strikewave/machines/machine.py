@@ -149,11 +149,17 @@ class Strikers:
         Lowest approach speed that the hysteresis factor uses, m/s.
     same_spot : bool
         Whether the strikers share what yields: it is the face, which all hit on the same spot, not the noses.
+    friction : float, optional
+        Coefficient of Coulomb friction of a nose that slides across the face.
+    sliding_damping : float, optional
+        Viscous part of that friction, N s/m.
     """
 
     each: tuple[Striker, ...]
     slowest_approach: float
     same_spot: bool = True
+    friction: float = 0.0
+    sliding_damping: float = 0.0
 
     @property
     def count(self) -> int:
@@ -339,6 +345,8 @@ def machine_system(machine: Machine) -> MachineSystem:
         "along": machine.radius * math.cos(angle),
         "across": machine.radius * math.sin(angle),
         "pitch": machine.pitch,
+        "contact_friction": machine.strikers.friction,
+        "sliding_damping": machine.strikers.sliding_damping,
     }
     values = np.array([settings[name] for name in SETTINGS], dtype=float)
     return MachineSystem(chain, seats, values)

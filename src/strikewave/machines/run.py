@@ -28,7 +28,7 @@ from strikewave.machines.machine import (
     start_state,
 )
 from strikewave.machines.rebounds import end_at_touch, top_of_flight
-from strikewave.machines.spans import ChainSpan, Moments, Span, StackSpan
+from strikewave.machines.spans import ChainSpan, Impulses, Moments, Span, StackSpan
 from strikewave.machines.strike import strike
 from strikewave.machines.turntable import braking_time, spin_up_time
 
@@ -118,10 +118,10 @@ class MachineRun:
         rows = np.concatenate([span.switches() for span in self.spans])
         return rows[rows[:, 0] == which, 1]
 
-    def impulses(self, begin: float, end: float) -> tuple[float, float]:
-        """Return the impulses on the object of contacts and of supports with gravity between two times, N s."""
+    def impulses(self, begin: float, end: float) -> Impulses:
+        """Return the impulses on the object between two times."""
         parts = [span.impulses(begin, end) for span in self.spans if span.begin < end and span.end > begin]
-        return sum(part[0] for part in parts), sum(part[1] for part in parts)
+        return Impulses(*(sum(column) for column in zip(*parts, strict=True)))
 
 
 def run_machine(
@@ -165,7 +165,8 @@ def run_machine(
     control = Control(tolerance, scale, 2e-3 * depth / approach, longest, 3.0 * expected)
     report = None if progress is None else (lambda t: progress(min(t / expected, 1.0)))
     spans: list[Span] = []
-    sizes, rebounds, ended, braked = (len(system.chain.joins), at.switches), machine.rebounds, "", 0.0
+    sizes = len(system.chain.joins) + at.contacts.stop, at.switches  # behind the links stand the side forces
+    rebounds, ended, braked = machine.rebounds, "", 0.0
     while True:
         motion = integrate(system, state, control, sizes, report)
         if motion.record.time.size:  # none where the next striker touches at once
@@ -200,12 +201,12 @@ def run_machine(
             f"after {state.time:.3g} s only {done} of {machine.drive.feed.blows} passes were made and the turntable "
             f"turns at {state.y[at.turntable_speed]:.3g} rad/s: give it more inertia or torque, or less engagement"
         )
-    dissipated, (driven, dragged, fed) = state.y[at.dissipated], state.y[at.of_drive]
+    dissipated, (driven, dragged, fed, rubbed) = state.y[at.dissipated], state.y[at.of_drive]
     gained = energy(system, state) - energy(system, start)
-    flowed = abs(driven) + dragged + np.abs(dissipated).sum() + braked
+    flowed = abs(driven) + dragged + rubbed + np.abs(dissipated).sum() + braked
     if machine.launch is not None:
         flowed += 0.5 * float(system.chain.bodies[:, MASS] @ start.y[at.speeds] ** 2)
-    missing = gained - (driven - dragged - dissipated.sum() - braked + fed)
+    missing = gained - (driven - dragged - rubbed - dissipated.sum() - braked + fed)
     run = MachineRun(machine, tuple(spans), (), float(abs(missing) / flowed), ended, braked)
     last_speed = float(state.y[at.turntable_speed])
     return replace(run, phases=_phases(run, last_speed))

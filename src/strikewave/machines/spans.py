@@ -18,7 +18,6 @@ from strikewave.contact.motion import Motion
 from strikewave.machines import _stack_kernels as column
 from strikewave.machines._layout import StateLayout
 from strikewave.machines.struck_object import StruckObject
-from strikewave.waves._kernels import Recording
 
 Array = NDArray[np.float64]
 
@@ -35,6 +34,16 @@ class Moments(NamedTuple):
     turntable_angle: Array
     turntable_speed: Array
     indentation: Array
+    side_force: Array
+    friction_heat: Array
+
+
+class Impulses(NamedTuple):
+    """Impulses on the object between two times, N s: of the contacts; of supports with gravity; across the blow."""
+
+    contact: float = 0.0
+    support: float = 0.0
+    side: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -72,7 +81,14 @@ class ChainSpan:
             states[:, at.angle],
             states[:, at.turntable_speed],
             self._indentation(x, forces[:, at.contacts]),
+            forces[:, self._side].sum(axis=1),
+            states[:, at.rubbed],
         )
+
+    @property
+    def _side(self) -> slice:
+        """Where the side forces stand: behind those of the links."""
+        return slice(self.motion.links - self.layout.contacts.stop, self.motion.links)
 
     def _indentation(self, x: Array, contact_forces: Array) -> Array:
         """Return the deepest indentation of a striker that pushes, m; one off the face may stand beyond it."""
@@ -105,16 +121,17 @@ class ChainSpan:
     def _per_step(self) -> Array:
         return self.motion.impulses()
 
-    def impulses(self, begin: float, end: float) -> tuple[float, float]:
-        """Return the impulses of contacts and supports between two switches or the span's ends, N s."""
+    def impulses(self, begin: float, end: float) -> Impulses:
+        """Return the impulses on the object between two switches or the span's ends."""
         record = self.motion.record
         low, high = max(begin, self.begin), min(end, self.end)
         if high <= low:
-            return 0.0, 0.0
+            return Impulses()
         within = (record.time >= low - 1e-15) & (record.time + record.step <= high + 1e-15)
         links = self._per_step[within].sum(axis=0, keepdims=True)
         weight = self.struck.mass * self.struck.gravity * (high - low)
-        return float(links[:, self.layout.contacts].sum()), float(self._held(links)[0]) + weight
+        contact, side = (float(links[:, some].sum()) for some in (self.layout.contacts, self._side))
+        return Impulses(contact, float(self._held(links)[0]) + weight, side)
 
     def deepest(self, time: float, striker: int) -> float:
         """Return the depth to which the spot of a striker has yielded by a time, m."""
@@ -127,6 +144,14 @@ class ChainSpan:
         """Return how much faster the nose is than a striker, m/s."""
         speeds = self.motion.sample(np.array([time]))[0][0][self.layout.speeds]
         return float(speeds[self.layout.nose] - speeds[striker])
+
+
+class TapHistories(NamedTuple):
+    """Force (N), velocity (m/s), average acceleration about each sample (m/s^2) at the taps, (samples, taps)."""
+
+    force: Array
+    velocity: Array
+    acceleration: Array
 
 
 @dataclass(frozen=True)
@@ -143,22 +168,24 @@ class StackSpan:
         Who struck.
     history : ndarray
         Columns as `_stack_kernels` names them.
-    taps : Recording
-        Force and velocity at the taps; velocities in the frame below.
+    taps : TapHistories
+        What the taps did; velocities and accelerations in the frame below.
+    rigid_acceleration : ndarray
+        Of the assembly, average about each sample, m/s^2.
     field_position : ndarray
         Places of the x-t field from the first face, m; empty where none was kept.
     field_step, field_force : float and ndarray
         Spacing of its times, s, and force, N, shape (times, places).
     frame : (float, float)
         Speed of the stack's frame at the beginning, and its acceleration.
-    grid_step : float
-        Time step of the waves, s.
     touches, switched : ndarray
         Begin, end, approach speed of each contact; which of the machine's switches, and when.
     momentum_error : float
         Impulses less momentum gained by the waves, over the contact impulse.
     yielded : float
         Depth to which the spot has yielded by the end, m.
+    rubbed : float
+        Heat of sliding of the blows before, J.
     """
 
     struck: StruckObject
@@ -166,16 +193,17 @@ class StackSpan:
     step: float
     striker: int
     history: Array
-    taps: Recording
+    taps: TapHistories
+    rigid_acceleration: Array
     field_position: Array
     field_step: float
     field_force: Array
     frame: tuple[float, float]
-    grid_step: float
     touches: Array
     switched: Array
     momentum_error: float
     yielded: float
+    rubbed: float
 
     @property
     def end(self) -> float:
@@ -183,8 +211,10 @@ class StackSpan:
         return self.begin + self.step * (len(self.history) - 1)
 
     def _at(self, times: Array, which: int) -> Array:
-        grid = self.begin + self.step * np.arange(len(self.history))
-        return np.interp(times, grid, self.history[:, which])
+        return self._between(times, self.history[:, which])
+
+    def _between(self, times: Array, values: Array) -> Array:
+        return np.interp(times, self.begin + self.step * np.arange(len(values)), values)
 
     def sample(self, times: Array) -> Moments:
         """Return what the machine does at times within the span."""
@@ -192,7 +222,7 @@ class StackSpan:
         struck = self.struck
         return Moments(
             self._at(times, column.CONTACT_FORCE),
-            self._at(times, column.RIGID_ACCELERATION),
+            self._between(times, self.rigid_acceleration),
             self._at(times, column.FACE_PLACE),
             self._at(times, column.ASSEMBLY_PLACE),
             assembly,
@@ -200,6 +230,8 @@ class StackSpan:
             self._at(times, column.TURNTABLE_ANGLE),
             self._at(times, column.TURNTABLE_SPEED),
             self._at(times, column.INDENTATION),
+            self._at(times, column.SIDE_FORCE),
+            self.rubbed + self._at(times, column.FRICTION_HEAT),
         )
 
     def contacts(self) -> Array:
@@ -210,12 +242,13 @@ class StackSpan:
         """Return which of the machine's own switches changed, and when, shape (N, 2)."""
         return self.switched
 
-    def impulses(self, begin: float, end: float) -> tuple[float, float]:
-        """Return the impulses of contacts and supports between two times, N s."""
+    def impulses(self, begin: float, end: float) -> Impulses:
+        """Return the impulses on the object between two times."""
         edges = np.clip([begin, end], self.begin, self.end)
-        entered, through = (np.diff(self._at(edges, k))[0] for k in (column.CONTACT_IMPULSE, column.END_IMPULSE))
-        weight = self.struck.mass * self.struck.gravity * (edges[1] - edges[0])
-        return float(entered), float(weight - through)
+        kept = (column.CONTACT_IMPULSE, column.END_IMPULSE, column.SIDE_IMPULSE)
+        entered, through, side = (float(np.diff(self._at(edges, k))[0]) for k in kept)
+        weight = self.struck.mass * self.struck.gravity * float(edges[1] - edges[0])
+        return Impulses(entered, weight - through, side)
 
     def deepest(self, time: float, striker: int) -> float:
         """Return the depth to which the spot has yielded after the blow, m."""
@@ -230,9 +263,8 @@ class StackSpan:
         """Return force (N), speed (m/s) and acceleration (m/s^2) at tap k, at the times of the history."""
         since = self.step * np.arange(len(self.history))
         speed, gravity = self.frame
-        velocity = self.taps.velocity[:, k]
-        acceleration = (velocity[:, 2] - velocity[:, 0]) / (2.0 * self.grid_step) + gravity
-        return self.taps.force[:, k], velocity[:, 1] + speed + gravity * since, acceleration
+        moving = self.taps.velocity[:, k] + speed + gravity * since
+        return self.taps.force[:, k], moving, self.taps.acceleration[:, k] + gravity
 
     def field(self) -> tuple[Array, Array]:
         """Return times after first touch, s, and force, N, at the places of the x-t field, shape (times, places)."""

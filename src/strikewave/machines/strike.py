@@ -36,12 +36,13 @@ from strikewave.machines._layout import layout_of
 from strikewave.machines._stack_kernels import COLUMNS, CROWDED, ENDLESS, StackBlow, Supports, follow
 from strikewave.machines.layered import LayeredObject
 from strikewave.machines.machine import modes_at, nodes_at
-from strikewave.machines.spans import StackSpan
+from strikewave.machines.spans import StackSpan, TapHistories
 from strikewave.machines.struck_object import StruckObject
 from strikewave.waves import _kernels as waves
-from strikewave.waves._kernels import ELASTIC, LOST, RESISTANCE, Recording, Tables
+from strikewave.waves._kernels import ELASTIC, LOST, RESISTANCE, Averages, Recording, Tables
 from strikewave.waves._kernels import MASS as POINT_MASS
 from strikewave.waves._kernels import WaveState as Waves
+from strikewave.waves.averages import empty_averages, from_within, mean_acceleration
 from strikewave.waves.transit import TimeGrid, field_nodes, nearest_nodes, state_at_rest, tables_of
 
 Array = NDArray[np.float64]
@@ -92,11 +93,13 @@ def strike(
     every = round(kept_step(layered.grid) / step)
     rows = int(LONGEST_BLOW / step / every) + 1
     taps, whole, places = going.recordings(rows, every, field)
+    averages = empty_averages(taps.nodes[:-2], taps.nodes[-2:], every, rows)
+    still = np.array([waves.force_and_velocity(going.tables, going.waves, *node)[1] for node in taps.nodes[:-2]])
     history, touches, switches = np.zeros((rows, COLUMNS)), np.zeros((_MOST_TOUCHES, 3)), np.zeros((_MOST_SWITCHES, 2))
     machine, blow = going.strikers_alone(), going.blow(every)
     law, supports = system.chain.values[going.striker], going.supports
     why, steps, contacts, changed, u_end, net, energies, deepest = follow(
-        going.tables, going.waves, law, machine, supports, blow, (taps, whole), history, touches, switches
+        going.tables, going.waves, law, machine, supports, blow, (taps, whole), averages, history, touches, switches
     )
     if why == CROWDED:
         raise IntegrationError("two strikers touch the object at once: take fewer strikers, or less engagement")
@@ -105,8 +108,6 @@ def strike(
             f"a blow on the stack lasts longer than {LONGEST_BLOW * 1e3:g} ms: the contact or its mount is too soft"
         )
     samples = (steps - 1) // every + 1
-    # the last acceleration has no velocity after it: straight on
-    taps.velocity[samples - 1, :, 2] = 2.0 * taps.velocity[samples - 1, :, 1] - taps.velocity[samples - 1, :, 0]
     last = history[samples - 1]
     gained = waves.momentum(going.tables, going.waves) - going.momentum
     span = StackSpan(
@@ -115,16 +116,17 @@ def strike(
         step=every * step,
         striker=going.striker,
         history=history[:samples].copy(),
-        taps=Recording(taps.nodes, every, taps.force[:samples].copy(), taps.velocity[:samples].copy()),
+        taps=_tap_histories(taps, averages, still, samples, every * step),
+        rigid_acceleration=_mean_push(taps, averages, samples) / layered.assembly_mass + struck.gravity,
         field_position=places,
         field_step=whole.every * step,
         field_force=whole.force[: (steps - 1) // whole.every + 1].copy(),
         frame=(going.speed, struck.gravity),
-        grid_step=step,
         touches=touches[: min(contacts, _MOST_TOUCHES)],
         switched=switches[: min(changed, _MOST_SWITCHES)],
         momentum_error=float(abs(net - gained) / last[column.CONTACT_IMPULSE]),
         yielded=float(deepest) if math.isfinite(law[YIELD_LOAD]) else 0.0,
+        rubbed=float(start.y[layout_of(system).rubbed]),
     )
     end = going.state_after(start.time + (steps - 1) * step, last, machine)
     if math.isfinite(law[YIELD_LOAD]):
@@ -158,16 +160,15 @@ class _Strike:
         self.ringing = self._beyond_bodies(start, self.speed, float(self.x[at.assembly]), self.relative)
 
     def recordings(self, rows: int, every: int, field: bool) -> tuple[Recording, Recording, Array]:
-        """Return empty recordings of the taps and of the x-t field, and the places of the field, m."""
+        """Return empty recordings of taps and both faces of the assembly, and of the x-t field; its places, m."""
         grid = self.layered.grid
-        nodes = nearest_nodes(grid, self.layered.taps)
+        assembly = ((self.layered.first_of_assembly, 0.0), (len(self.layered.stack.layers) - 1, 1.0))
+        nodes = nearest_nodes(grid, (*self.layered.taps, *assembly))
         watched, places = field_nodes(self.layered.stack, grid) if field else (nodes[:0], np.empty(0))
         coarse = every * max(1, round(FIELD_STEP / (every * grid.step)))
-        taps = Recording(nodes, every, np.zeros((rows, len(nodes))), np.zeros((rows, len(nodes), 3)))
-        for k, (layer, node) in enumerate(nodes):
-            taps.velocity[0, k, 0] = waves.force_and_velocity(self.tables, self.waves, layer, node)[1]
+        taps = Recording(nodes, every, np.zeros((rows, len(nodes))), np.zeros((rows, len(nodes))))
         size = rows * every // coarse + 1
-        whole = Recording(watched, coarse, np.zeros((size, len(watched))), np.zeros((size, len(watched), 3)))
+        whole = Recording(watched, coarse, np.zeros((size, len(watched))), np.zeros((size, len(watched))))
         return taps, whole, places
 
     def strikers_alone(self) -> Alone:
@@ -262,6 +263,22 @@ class _Strike:
         nodes[at.assembly] = stands
         moving = 0.5 * float(masses.sum()) * speed**2 + speed * float(masses @ relative)
         return waves.energy(self.tables, self.waves) + moving + stored_energy(supports, nodes) - as_bodies
+
+
+def _tap_histories(taps: Recording, averages: Averages, still: Array, samples: int, step: float) -> TapHistories:
+    """Return what the taps did; the stack stood ``still`` (velocities, m/s) before first touch."""
+    force, velocity = taps.force[:samples, : still.size].copy(), taps.velocity[:samples, : still.size].copy()
+    means = averages.velocity[: samples - 1]
+    last = 2.0 * (velocity[-1] - means[-1]) / step
+    return TapHistories(force, velocity, np.vstack([mean_acceleration(means, still, step), last]))
+
+
+def _mean_push(taps: Recording, averages: Averages, samples: int) -> Array:
+    """Return the average force on the assembly about each kept step, N: the last two nodes are its faces."""
+    force, means = taps.force[:samples, -2:], averages.force[:samples]
+    for end in (0, -1):
+        means[end] = from_within(means[end], force[end], averages.every)
+    return np.asarray(means[:, 0] - means[:, 1])
 
 
 def _ease(system: MachineSystem, bodies: MotionState, energy: float) -> None:

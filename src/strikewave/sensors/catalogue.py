@@ -27,7 +27,8 @@ class Accelerometer:
     kind : str
         piezoresistive or piezoelectric.
     source, status, note : str
-        Where the numbers come from; ``checked`` or ``from memory``; what to know about them.
+        Where the numbers come from; ``checked``, ``quoted`` or ``from memory`` (`strikewave.base.citations`); what to
+        know about them.
     quality : float
         Magnification at resonance; assumed unless the note says otherwise.
     """

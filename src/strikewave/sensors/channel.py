@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from strikewave.base.result import Notice
 from strikewave.sensors import Reading, Recorder, Sensor
+from strikewave.sensors.mounting import RESOLVED
 from strikewave.signal.pulse import largest, measure_pulse
 
 HEAVY_SENSOR = 0.02
@@ -31,6 +32,13 @@ class SensorPulse:
     peak: float
     width: float
     clipped: bool
+
+
+def shortest_period(channels: Sequence[SensorChannel]) -> float:
+    """Return the period of the highest resonance, or of what buffers let through, s; infinite without either."""
+    highest = [channel.sensor.resonance for channel in channels if math.isfinite(channel.sensor.resonance)]
+    highest += [RESOLVED for channel in channels if not channel.sensor.mounting.direct]
+    return 1.0 / max(highest) if highest else math.inf
 
 
 def sensor_sources(channels: Sequence[SensorChannel]) -> list[str]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from strikewave.base.compiled import kernel
 from strikewave.contact._law_kernels import depth_at_yield
-from strikewave.waves._kernels import advance, arriving_at_face, force_and_velocity, record, watch, widen
+from strikewave.waves._kernels import advance, arriving_at_face, force_and_velocity, gather, record, watch, widen
 from strikewave.waves._press_kernels import (
     CLOSED,
     CONTACT_SIZE,
@@ -22,7 +22,7 @@ from strikewave.waves._press_kernels import (
 
 
 @kernel
-def strike(tables, state, law, mass, speed, steps, recordings, extremes, integrals, touches):
+def strike(tables, state, law, mass, speed, steps, recordings, averages, extremes, integrals, touches):
     """Let a rigid striker hit the stack at step 0, and follow both for so many steps.
 
     Fills ``touches`` (begin, end, approach speed of each contact) and returns how many there were, the speed
@@ -45,6 +45,7 @@ def strike(tables, state, law, mass, speed, steps, recordings, extremes, integra
         through += f * dt
         for recording in recordings:
             record(tables, state, recording, n)
+        gather(tables, state, averages, n)
         widen(tables, state, extremes, n)
         f_end, v_end = force_and_velocity(tables, state, last, tables.nodes[last] - 1)
         ze = tables.impedance[last]

@@ -72,15 +72,26 @@ class WaveState(NamedTuple):
 
 
 class Recording(NamedTuple):
-    """Force and velocity at nodes (layer, node), every so many steps, from step 0 on.
-
-    ``velocity`` holds the step before, the step itself, and the step after.
-    """
+    """Force and velocity at nodes (layer, node), every so many steps, from step 0 on."""
 
     nodes: np.ndarray
     every: int
     force: np.ndarray
     velocity: np.ndarray
+
+
+class Averages(NamedTuple):
+    """Averages at nodes (layer, node) over all steps about each kept one, so that none between two of them is lost.
+
+    ``velocity`` of the taps is the mean from a kept step to the next one; ``force`` on the faces is weighted by the hat
+    function of a kept step, which falls in a straight line to zero at both its neighbours.
+    """
+
+    taps: np.ndarray
+    faces: np.ndarray
+    every: int
+    velocity: np.ndarray
+    force: np.ndarray
 
 
 @leaf_kernel
@@ -324,21 +335,34 @@ def widen(tables, state, extremes, n):
 @leaf_kernel
 def record(tables, state, recording, n):
     """Write what the nodes of a recording hold after step n."""
-    every, rows = recording.every, recording.force.shape[0]
-    phase = n % every
-    if 1 < phase < every - 1:
+    row = n // recording.every
+    if n != row * recording.every or row >= recording.force.shape[0]:
         return
-    for shift in range(-1, 2):
-        if (n - shift) % every != 0:
-            continue
-        row = (n - shift) // every
-        if row < 0 or row >= rows:
-            continue
-        for k in range(recording.nodes.shape[0]):
-            f, v = force_and_velocity(tables, state, recording.nodes[k, 0], recording.nodes[k, 1])
-            recording.velocity[row, k, shift + 1] = v
-            if shift == 0:
-                recording.force[row, k] = f
+    for k in range(recording.nodes.shape[0]):
+        f, v = force_and_velocity(tables, state, recording.nodes[k, 0], recording.nodes[k, 1])
+        recording.force[row, k], recording.velocity[row, k] = f, v
+
+
+@leaf_kernel
+def gather(tables, state, averages, n):
+    """Take what the nodes of averages hold after step n into the rows about it."""
+    every, rows = averages.every, averages.force.shape[0]
+    row = n // every
+    phase = n - row * every
+    part = 1.0 / every
+    later = part * phase / every
+    for k in range(averages.faces.shape[0]):
+        f, _ = force_and_velocity(tables, state, averages.faces[k, 0], averages.faces[k, 1])
+        if row < rows:
+            averages.force[row, k] += (part - later) * f
+        if row + 1 < rows:
+            averages.force[row + 1, k] += later * f
+    for k in range(averages.taps.shape[0]):
+        _, v = force_and_velocity(tables, state, averages.taps[k, 0], averages.taps[k, 1])
+        if row < rows:
+            averages.velocity[row, k] += part * v if phase > 0 else 0.5 * part * v
+        if phase == 0 and 0 < row <= rows:
+            averages.velocity[row - 1, k] += 0.5 * part * v
 
 
 @leaf_kernel
@@ -436,7 +460,7 @@ def watch(tables, sent, returning, through, left, histories, norms, integrals):
 
 
 @kernel
-def drive(tables, state, load, by, recordings, extremes, integrals):
+def drive(tables, state, load, by, recordings, averages, extremes, integrals):
     """Run a stack under a prescribed load at every step, ``by`` `FORCE`, `SPEED` of the face or `INCIDENT` wave.
 
     Fills ``integrals`` with the time integrals of the energy norms of the first three time derivatives
@@ -457,6 +481,7 @@ def drive(tables, state, load, by, recordings, extremes, integrals):
         through += f * tables.step
         for recording in recordings:
             record(tables, state, recording, n)
+        gather(tables, state, averages, n)
         widen(tables, state, extremes, n)
         f_end, v_end = force_and_velocity(tables, state, last, tables.nodes[last] - 1)
         z = tables.impedance[last]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
 from strikewave.contact.law import Contact, check_end, striking_law
 from strikewave.waves import _impact_kernels, _kernels
 from strikewave.waves._kernels import Extremes, Recording
+from strikewave.waves.averages import empty_averages, from_within, mean_acceleration
 from strikewave.waves.bar_run import BarRun, Tap, WantedError, faces_of_hung, hung_acceleration
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import PRESCRIBED, Impactor, Load
@@ -65,6 +67,9 @@ HOPELESS = 0.5
 unless the acceleration jumps."""
 EXTREME_STEPS = 20.0
 """Looks at the extremes of the force in the shortest time: a half-sine between two of them is 0.3 % higher at most."""
+HAT_MOMENT = 1.0 / 6.0
+"""Half the second moment of what an acceleration is averaged with, in kept steps: of a box of two where every step is
+kept, down to that of a hat, 1/12, where few are."""
 _TRIES = 4
 """Tries of a step: each is aimed from the one before, so that what the third does not reach no step in reach does."""
 _MOST_TOUCHES = 1000
@@ -127,9 +132,17 @@ def run_bar(
         return spectral_bar(stack, load, places, duration, wanted)
     refuse_spectral_layers(stack)
     shortest = min(stack.transit, shortest_time(stack, load), duration)
+    kept = min(shortest, max(wanted.period, LINEAR_STEPS * duration * len(taps) / MOST_SAMPLES))
     if wanted.step is not None:
         return _at_step(stack, load, places, duration, wanted.step, shortest)
-    return _refined(stack, load, places, duration, wanted, shortest)
+    return _refined(stack, load, places, duration, wanted, _Shortest(shortest, kept))
+
+
+class _Shortest(NamedTuple):
+    """The shortest time in which the stack or its load changes, and that which the kept samples resolve, s."""
+
+    change: float
+    kept: float
 
 
 def _at_step(
@@ -157,19 +170,25 @@ def _at_step(
 
 
 def _refined(
-    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, wanted: WantedError, shortest: float
+    stack: Stack,
+    load: Load,
+    places: Sequence[tuple[int, float]],
+    duration: float,
+    wanted: WantedError,
+    shortest: _Shortest,
 ) -> BarRun:
     """Follow a stack with a step that is refined until the error bound keeps what is wanted."""
     smallest = duration * len(stack.layers) / max(MOST_LAYER_STEPS, STEPS_OF_MANY_LAYERS * len(stack.layers))
     linear = is_linear(stack, load)
-    largest = max(shortest / (LINEAR_STEPS if linear else STEPS_WITHOUT_BOUND), smallest)
+    changing = shortest.change / (LINEAR_STEPS if linear else STEPS_WITHOUT_BOUND)
+    largest = max(min(changing, shortest.kept / LINEAR_STEPS), smallest)
     mismatch, before = FIRST_MISMATCH, math.inf
     for _ in range(_TRIES):
         grid = choose_grid(stack, mismatch, largest, smallest)
         if grid.mismatch > TOO_THIN and wanted.method == "auto" and linear:
             return spectral_bar(stack, load, places, duration, wanted)
         _refuse_thin(stack, grid, duration)
-        sampling = _Sampling(_every(duration, grid.step, shortest, len(places)), shortest)
+        sampling = _Sampling(_every(duration, grid.step, shortest.kept, len(places)), shortest.change)
         run = _run(stack, load, places, duration, grid, sampling)
         over, over_rate = (
             bound / most for bound, most in zip(run.relative_bound, (wanted.velocity, wanted.acceleration), strict=True)
@@ -232,7 +251,8 @@ def _every(duration: float, step: float, shortest: float, taps: int) -> int:
 def _with_lumped_error(run: BarRun, sampling: _Sampling) -> BarRun:
     """Run again at half the step where springs or masses take part, and add twice what that changes to the bound.
 
-    The trapezoidal rule is of second order, so that the run is off by 4/3 of the change.
+    The trapezoidal rule is of second order, so that the run is off by 4/3 of the change. An average about a sample
+    differs from the acceleration there by `HAT_MOMENT` of its second difference, which counts twice too.
     """
     stack, grid = run.stack, run.grid
     lumped = any(joint.kind != "bonded" for joint in stack.joints) or stack.end.kind in ("mass", "spring", "oscillator")
@@ -245,8 +265,9 @@ def _with_lumped_error(run: BarRun, sampling: _Sampling) -> BarRun:
     def change(name: str) -> float:
         return float(np.abs(getattr(again, name)[:rows] - getattr(run, name)[:rows]).max(initial=0.0))
 
-    velocity, acceleration = run.bound.velocity + 2.0 * change("velocity"), run.bound.acceleration
-    return replace(run, bound=ErrorBound(velocity, acceleration + 2.0 * change("acceleration")))
+    bend = float(np.abs(np.diff(run.acceleration, 2, axis=0)).max(initial=0.0))
+    acceleration = run.bound.acceleration + 2.0 * change("acceleration") + 2.0 * HAT_MOMENT * bend
+    return replace(run, bound=ErrorBound(run.bound.velocity + 2.0 * change("velocity"), acceleration))
 
 
 def _run(
@@ -260,9 +281,10 @@ def _run(
     ends, hung = [[0, 0], [len(stack.layers) - 1, grid.counts[-1]]], faces_of_hung(stack)
     watched = np.concatenate([ends, nearest_nodes(grid, [*places, *hung])])
     taps = slice(2, 2 + len(places))
+    at_taps, faces = watched[taps], np.delete(watched, taps, axis=0)
     rows = (steps - 1) // every + 1
     recording = _recording(watched, every, rows)
-    recording.velocity[0, :, 0] = [stack.layers[i].speed for i in watched[:, 0]]
+    averages = empty_averages(at_taps, faces, every, rows)
     nodes, position = field_nodes(stack, grid)
     coarse = max(1, steps // FIELD_ROWS)
     field = _recording(nodes, coarse, (steps - 1) // coarse + 1)
@@ -273,19 +295,32 @@ def _run(
     norms = np.zeros(6)
     lost, speed, deepest = 0.0, math.nan, math.nan
     touches, struck = np.empty((0, 3)), isinstance(load, Impactor)
-    # one step more than is kept, so that the last acceleration has both its neighbours
+    # to one kept step behind the last, so that its acceleration has both its neighbours
+    run_steps = rows * every + 1
     if isinstance(load, Impactor):
         table = np.zeros((_MOST_TOUCHES, 3))
         count, speed, entered, through, lost, deepest = _impact_kernels.strike(
-            tables, state, _law(load), load.mass, load.speed, steps + 1, (recording, field), extremes, norms, table
+            tables,
+            state,
+            _law(load),
+            load.mass,
+            load.speed,
+            run_steps,
+            (recording, field),
+            averages,
+            extremes,
+            norms,
+            table,
         )
         touches = table[: min(count, _MOST_TOUCHES)]
         if load.contact is not None:
             check_end(load.contact, deepest)
     else:
-        history = load.at(grid.step * np.arange(steps + 1.0))
+        history = load.at(grid.step * np.arange(float(run_steps)))
         by = PRESCRIBED.index(load.kind)
-        entered, through = _kernels.drive(tables, state, history, by, (recording, field), extremes, norms)
+        entered, through = _kernels.drive(tables, state, history, by, (recording, field), averages, extremes, norms)
+    mean_force, still = averages.force, np.array([stack.layers[i].speed for i in at_taps[:, 0]])
+    mean_force[0] = from_within(mean_force[0], np.delete(recording.force[0], taps), every)
     return BarRun(
         stack=stack,
         load=load,
@@ -294,16 +329,17 @@ def _run(
         face_force=recording.force[:, 0],
         end_force=recording.force[:, 1],
         force=recording.force[:, taps],
-        velocity=recording.velocity[:, taps, 1],
-        acceleration=(recording.velocity[:, taps, 2] - recording.velocity[:, taps, 0]) / (2.0 * grid.step),
-        hung_acceleration=hung_acceleration(stack, recording.force[:, taps.stop :], recording.force[:, 1]),
+        velocity=recording.velocity[:, taps],
+        acceleration=mean_acceleration(averages.velocity, still, grid.step * every),
+        mean_push=mean_force[:, 0] - mean_force[:, 1],
+        hung_acceleration=hung_acceleration(stack, mean_force[:, 2:], mean_force[:, 1]),
         bound=ErrorBound(math.inf, math.inf) if struck else error_bound(stack, grid, norms, places),
         places=tuple(places),
         duration=duration,
         field_time=grid.step * coarse * np.arange(field.force.shape[0], dtype=np.float64),
         field_position=position,
         field_force=field.force,
-        field_velocity=field.velocity[:, :, 1],
+        field_velocity=field.velocity,
         field_layer=nodes[:, 0],
         field_least=extremes.least[len(faces) :],
         field_greatest=extremes.greatest[len(faces) :],
@@ -331,4 +367,4 @@ def _law(load: Impactor) -> NDArray[np.float64]:
 
 def _recording(nodes: NDArray[np.int64], every: int, rows: int) -> Recording:
     """Return an empty recording."""
-    return Recording(nodes, every, np.zeros((rows, len(nodes))), np.zeros((rows, len(nodes), 3)))
+    return Recording(nodes, every, np.zeros((rows, len(nodes))), np.zeros((rows, len(nodes))))

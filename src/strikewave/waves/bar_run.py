@@ -33,13 +33,15 @@ class Tap:
 class WantedError:
     """How exact a run shall be: largest error over the largest value at the taps; or a step, s, that is kept.
 
-    The method is "auto": delay lines, but the spectral solver where a layer loses energy or disperses.
+    The method is "auto": delay lines, but the spectral solver where a layer loses energy or disperses. ``period`` is
+    the shortest period of what listens, as of a sensor, s: what is kept resolves it.
     """
 
     velocity: float = 1e-3
     acceleration: float = 1e-2
     step: float | None = None
     method: Method = "auto"
+    period: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -55,10 +57,13 @@ class BarRun:
     face_force, end_force : ndarray
         Force on the first face and of the stack on its end, N, shape (N,).
     force, velocity, acceleration : ndarray
-        At the taps, shape (N, taps). By delay lines the acceleration is the central difference of the velocity
-        over two steps of the grid.
+        At the taps, shape (N, taps). By delay lines the acceleration is the average about each sample, as
+        `strikewave.waves.averages` says: its integral, from one sample before the first, is the change of velocity.
+    mean_push : ndarray
+        Force on the first face less that on the end, average about each sample, N, shape (N,).
     hung_acceleration : ndarray
-        Of the masses on springs in the order of `Stack.hung`, m/s^2, shape (N, masses): the force on each over it.
+        Of the masses on springs in the order of `Stack.hung`, m/s^2, shape (N, masses): the average force on each
+        over it.
     bound : ErrorBound
         Largest error: from rounding the transits, and what half the step changes where springs or masses take
         part; infinite where joints open or a striker comes. By the spectral solver what half the step changes.
@@ -93,6 +98,7 @@ class BarRun:
     force: Array = field(repr=False)
     velocity: Array = field(repr=False)
     acceleration: Array = field(repr=False)
+    mean_push: Array = field(repr=False)
     hung_acceleration: Array = field(repr=False)
     bound: ErrorBound
     places: tuple[tuple[int, float], ...]

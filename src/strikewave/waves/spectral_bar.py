@@ -80,7 +80,8 @@ def spectral_bar(
     """
     refuse_nonlinear(stack, load)
     assert not isinstance(load, Impactor)
-    step = wanted.step or min(load_time(load), duration) / STEPS_OF_CHANGE
+    resolved = max(wanted.period, STEPS_OF_CHANGE * duration * len(places) / MOST_SAMPLES)
+    step = wanted.step or min(load_time(load), duration, resolved) / STEPS_OF_CHANGE
     refuse_few_steps(step, duration)
     refuse_coarse(load, step)
     refuse_samples(duration, 0.5 * step, len(places), "take a longer step, follow a shorter time, or take fewer taps")
@@ -174,6 +175,7 @@ def _bar_run(
         force=histories.force.T,
         velocity=histories.velocity.T,
         acceleration=histories.acceleration.T,
+        mean_push=face - end,
         hung_acceleration=hung_acceleration(stack, spectrum.look(faces).force.T, end),
         bound=bound,
         places=tuple(places),

@@ -135,7 +135,7 @@ def test_dampers(impact, name, differs):
     damper = damper_law(name).function(stiffness, float(reduced_mass(0.2, 0.459)), 0.5)
     assert_same(document, solve_impact(stiffness.contact(damper=damper), 0.2, 0.459, 5.0))
     assert document["restitution"] == pytest.approx(float(damper_law(name).given(0.5, 1.5)), abs=1e-6)
-    assert (document["damper"], document["damper_status"]) == (name, "checked")
+    assert (document["damper"], document["damper_status"]) == (name, "quoted")
     assert document["damper_coefficient"] == pytest.approx(float(damper.coefficient), rel=1e-14)
     assert document["damper_exponent"] == damper.exponent
     assert document["damping"] is document["damping_status"] is document["hysteresis_factor"] is None
@@ -167,7 +167,8 @@ def test_blows_on_a_spot_that_yields(impact, law):
     cap = point if law == "hertz" else line_cap(STEEL, STEEL, 0.010, 0.020, 0.040, 1.2e9)
     blows = yielding(cap, stiffness_of(law, STEEL, STEEL, SIZES), 4)
     assert document["shape"] == cap.shape
-    assert (document["cap"], document["cap_status"]) == ("thornton" if law == "hertz" else "line", "checked")
+    named = ("thornton", "quoted") if law == "hertz" else ("line", "checked")
+    assert (document["cap"], document["cap_status"]) == named
     assert document["yield_load"] == pytest.approx(float(cap.yield_load), rel=1e-14)
     assert_same(document, blows[0])
     for told, blow in zip(document["blows"], blows, strict=True):
@@ -333,3 +334,12 @@ def test_bad_input_is_one_line_and_exit_2(strikewave, tmp_path, line):
     assert (code, out) == (2, "")
     assert len(err.strip().splitlines()) == 1, err
     assert BAD[line] in err
+
+
+def test_a_contact_shorter_than_its_bodies_are_long_is_named(impact):
+    """A steel cube of 0.459 kg has an edge of 38.9 mm, so a wave comes back after 15 us; a line of 40 m lasts 1.7 us."""
+    bodies = ("--material1", "65Mn", "--material2", "65Mn")
+    long, usual = (impact("--law", "palmgren", "--length", size, *bodies) for size in ("40 m", "40 mm"))
+    assert "contact-short" in codes(long)
+    assert "contact-short" not in codes(usual)
+    assert "approach-fast" in codes(impact("--law", "hertz", "--radius1", "10 mm", *bodies, "--speed", "900"))

@@ -9,7 +9,7 @@ from strikewave.analyses.wave.build import build_load
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.errors import InputError, InputErrors, StrikewaveError
 from strikewave.base.materials import material
-from strikewave.cases.case import parse_case
+from strikewave.cases.case import load_case, parse_case
 from strikewave.cases.stack_of_case import build_stack
 
 BASE = """
@@ -135,8 +135,6 @@ def test_what_does_not_fit_is_said(parts, words):
     ],
 )
 def test_a_machine_says_what_only_a_bar_alone_can_have(changes, words):
-    from strikewave import load_case
-
     with pytest.raises(StrikewaveError) as caught:
         check(load_case("li-ma-2019-fig13", changes))
     assert words in str(caught.value)
@@ -188,3 +186,21 @@ def test_the_route_of_the_paper_takes_an_incident_wave_as_it_comes():
     solution = run_wave(parse_case(text))
     route, exact = solution.by_route(0, "corrected").force, solution.run.force[:, 0]
     assert abs(route - exact).max() < 2e-3 * abs(exact).max()
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "codes"),
+    [
+        ("li-ma-2019-fig13-bar", ["load.duration=400 us"], {"load-long"}),
+        ("togami-1996-bar", [], set()),
+        (
+            "togami-1996-bar",
+            ["stack.joint.striker.law=palmgren", "stack.joint.striker.length=1 m"],
+            {"contact-longer-than-face"},
+        ),
+    ],
+)
+def test_a_bar_names_loads_and_contacts_that_cannot_be(name, changes, codes):
+    """Layers that meet by a contact of finite stiffness jump nowhere: their peak acceleration is quoted."""
+    seen = {notice.code for notice in run_wave(load_case(name, changes)).notices}
+    assert seen & {"load-long", "contact-not-over", "contact-longer-than-face", "discontinuous-load"} == codes

@@ -9,8 +9,8 @@ import pytest
 from strikewave.papers.li_ma_2019.screen import FILES, own_files, progress
 
 ROW = {"name", "where", "quantity", "value_si", "si", "published_value", "published_unit", "origin", "note", "computed"}
-ANSWER = {"by", "value_si", "role", "note", "difference"}
-QUICK = ("reproduce", "li-ma-2019", "--without", "elements")
+ANSWER = {"by", "value_si", "low_si", "high_si", "role", "note", "difference"}
+QUICK = ("reproduce", "li-ma-2019", "--without", "elements", "--without", "studies")
 
 
 def document_cases(out):
@@ -23,7 +23,8 @@ def test_the_document_has_its_keys_and_numbers_that_agree_with_themselves(strike
     assert code == 0
     assert "done in" in err
     runs = [line.split()[1] for line in err.splitlines() if re.match(r" *\d+%  ", line)]
-    assert runs == ["equations", *document_cases(out)], "a line for each run where stderr is no terminal"
+    maps = ["li-ma-2019-fig5", "li-ma-2019-fig13"]
+    assert runs == ["equations", *document_cases(out), *maps], "a line for each run where stderr is no terminal"
     document = json.loads(out)
     assert {"schema", "version", "units", "warnings", "paper", "cases", "elements", "consistency"} <= set(document)
     assert document["paper"] == "li-ma-2019"
@@ -52,7 +53,7 @@ def test_the_folder_is_whole_and_its_table_holds_the_document(strikewave, tmp_pa
     assert "Published numbers and what was computed" in out
     place = tmp_path / "result"
     names = {path.name for path in place.iterdir()}
-    figures = {f"figure-{name}.svg" for name in ("5", "7", "7-b", "7-c", "9", "11", "13", "13-b", "15")}
+    figures = {f"figure-{name}.svg" for name in ("5", "5-b", "7", "7-b", "7-c", "9", "11", "13", "13-b", "13-c", "15")}
     assert names == {"record.toml", "report.html", "reproduction.json", "published.csv", *figures}
     document = json.loads((place / "reproduction.json").read_text())
     rows = list(csv.DictReader((place / "published.csv").open()))

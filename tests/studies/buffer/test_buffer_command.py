@@ -88,7 +88,10 @@ def test_json_ranks_every_stack_and_writes_nothing(strikewave, bar):
     assert abs(first["peak"]) <= found["limit"]
     assert next(row for row in found["candidates"] if row["name"] == "direct")["within_10"] is None
     assert "does not load it back" in found["back_effect"]
-    assert found["materials"]["rubber"]["status"] == "from memory"
+    assert {name: row["status"] for name, row in found["materials"].items()} == {
+        "rubber": "quoted",
+        "PTFE": "from memory",
+    }
     numbers = {key for row in found["candidates"] for key, value in row.items() if isinstance(value, float)}
     assert numbers <= set(found["units"])
     assert os.listdir() == ["bar.toml"]

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from strikewave.analyses.impact.setup import ContactLoss, Setup
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice, Source
+from strikewave.cases.contact_range_notices import duration_notices, indentation_notices, speed_notices
 from strikewave.contact import Impact, Stiffness, first_yield, impact_history, reduced_mass, solve_impact
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
@@ -18,8 +19,6 @@ from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, say, table
 
-LARGEST_INDENTATION = 0.05
-"""Share of the radius beyond which the indentation is warned of."""
 ERRORS = {"closed form": 1e-9, "integrator": 1e-6}
 """Difference of restitutions, by the method, from which on it is no rounding."""
 LEAST_ENERGY = 1e-100
@@ -150,8 +149,8 @@ class ImpactCommand(Command[ImpactResult]):
 
 def _notices(setup: Setup, blow: Impact) -> tuple[Notice, ...]:
     """Return what is odd about the first blow, and the laws that stand here from memory."""
-    notices = [_indentation_large(setup, blow), _restitution_differs(setup, blow), _contact_yields(setup, blow)]
-    return (*(notice for notice in notices if notice), *_from_memory(setup))
+    notices = [_restitution_differs(setup, blow), _contact_yields(setup, blow)]
+    return (*_beyond(setup, blow), *(notice for notice in notices if notice), *_from_memory(setup))
 
 
 def _blows(setup: Setup) -> list[Impact]:
@@ -204,15 +203,16 @@ def _law_keys(setup: Setup) -> dict[str, Any]:
     }
 
 
-def _indentation_large(setup: Setup, blow: Impact) -> Notice | None:
-    radius = setup.base.sizes.radius1
-    if setup.base.shape != "point" or radius is None:
-        return None
-    share = float(blow.max_indentation) / radius
-    if share <= LARGEST_INDENTATION:
-        return None
-    message = f"the indentation is {share:.0%} of the radius: Hertz's law holds for small indentations"
-    return Notice("indentation-large", message, share, LARGEST_INDENTATION)
+def _beyond(setup: Setup, blow: Impact) -> list[Notice]:
+    """Return notices on an indentation large beside the radius, too fast an approach, too short a contact."""
+    radius, bodies, notices = setup.base.sizes.radius1, setup.base.bodies, list[Notice]()
+    if setup.base.shape == "point" and radius is not None:
+        notices += indentation_notices(float(blow.max_indentation), radius)
+    if bodies is not None:
+        names = [body.name for body in bodies]
+        notices += speed_notices(names, setup.speed)
+        notices += duration_notices(zip(names, setup.masses, strict=True), float(blow.duration))
+    return notices
 
 
 def _restitution_differs(setup: Setup, blow: Impact) -> Notice | None:

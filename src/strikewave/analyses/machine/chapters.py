@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from strikewave.analyses.machine.result import Solution
     from strikewave.cases.case import Case
+    from strikewave.machines import Blow
 
 
 _DATA_FLOW = (
@@ -99,18 +100,30 @@ def blow_table(solution: Solution) -> Section:
 
 
 def _contacts(solution: Solution) -> list[Table]:
-    """List the contact of each blow, where its numbers are held."""
-    columns, struck = shown_in("contact"), [blow for blow in solution.blows if blow.kind != "missed"]
-    rows: list[list[Cell]] = [
-        [str(b.index), *(fixed(getattr(b, name), si, unit, d) for name, si, unit, d in columns)] for b in struck
-    ]
-    caption = (
+    """List the contact of each blow that struck, and what its nose does across the face where friction acts."""
+    contact = (
         "Contact, blow by blow. The coefficient of restitution is that of the contact: the square root of the work it "
         "gives back over the work it takes; the rebound speed depends on frame and mount too. The stiffness is the "
         "slope of the contact force at the largest indentation on the way back. What stays of the indentation, and the "
         "radius of the spot over that before, change only where the case gives a yield pressure."
     )
-    return [Table(caption, ["#", *headings("contact")], rows)] if rows else []
+    sliding = (
+        "The nose slides across the face, blow by blow: the largest side force and the side impulse on the object, "
+        "above 0 the way the nose passes, the heat of this friction, and the turntable's speed at first touch. The "
+        "guide of the object bears the side force; the friction that this adds in the guide is not in the model."
+    )
+    struck = [blow for blow in solution.blows if blow.kind != "missed"]
+    shown = {"contact": contact, "sliding": sliding} if solution.slides else {"contact": contact}
+    return [_of_struck(struck, which, caption) for which, caption in shown.items() if struck]
+
+
+def _of_struck(struck: Sequence[Blow], which: str, caption: str) -> Table:
+    """Return a table of the blows that struck."""
+    columns = shown_in(which)
+    rows: list[list[Cell]] = [
+        [str(b.index), *(fixed(getattr(b, name), si, unit, d) for name, si, unit, d in columns)] for b in struck
+    ]
+    return Table(caption, ["#", *headings(which)], rows)
 
 
 def pulse_pictures(solution: Solution) -> Section:

@@ -24,7 +24,7 @@ class BlowColumn(NamedTuple):
     decimals : int
         Decimals on screen and page.
     tables : str
-        Where it is shown: ``blows``, ``contact``, both or neither.
+        Where it is shown: ``blows``, ``contact``, ``sliding`` (where friction acts across the face), or nowhere.
     document : bool
         Whether the JSON document holds it; blows.csv and the histories hold all.
     """
@@ -47,6 +47,9 @@ COLUMNS = (
     BlowColumn("residual_indentation", "m", "um", 2, "contact"),
     BlowColumn("contact_stiffness", "N/m", "MN/m", 1, "contact"),
     BlowColumn("flattening", "1", "1", 4, "contact"),
+    BlowColumn("side_force", "N", "kN", 2, "sliding"),
+    BlowColumn("side_impulse", "N s", "N s", 3, "sliding"),
+    BlowColumn("friction_heat", "J", "J", 2, "sliding"),
     BlowColumn("impulse", "N s", "N s", 3, "blows"),
     BlowColumn("contact_impulse", "N s", document=False),
     BlowColumn("support_impulse", "N s", document=False),
@@ -57,7 +60,7 @@ COLUMNS = (
     BlowColumn("rise", "s", document=False),
     BlowColumn("velocity_change", "m/s", "m/s", 3, "blows"),
     BlowColumn("largest_displacement", "m", "mm", 2, "blows"),
-    BlowColumn("turntable_speed", "rad/s"),
+    BlowColumn("turntable_speed", "rad/s", "rad/s", 3, "sliding"),
 )
 
 BLOW_UNITS = {column.name: column.unit for column in COLUMNS if column.unit != "1"}
@@ -69,7 +72,7 @@ HIDDEN = frozenset(column.name for column in COLUMNS if not column.document)
 
 
 def shown_in(table: str) -> list[tuple[str, str, str, int]]:
-    """Return name, SI unit, unit shown and decimals of the columns of a table, ``blows`` or ``contact``.
+    """Return name, SI unit, unit shown and decimals of the columns of a table, ``blows``, ``contact`` or ``sliding``.
 
     Examples
     --------
@@ -80,7 +83,7 @@ def shown_in(table: str) -> list[tuple[str, str, str, int]]:
 
 
 def headings(table: str) -> list[str]:
-    """Return the heads of the columns of a table, ``blows`` or ``contact``, with their units.
+    """Return the heads of the columns of a table, ``blows``, ``contact`` or ``sliding``, with their units.
 
     Examples
     --------

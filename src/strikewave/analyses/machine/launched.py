@@ -13,7 +13,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import MISSING, InputError, InputErrors
 from strikewave.base.materials import material
 from strikewave.cases.case import Case
-from strikewave.cases.contact_of_case import face_contact, or_else
+from strikewave.cases.contact_of_case import face_contact, or_else, refuse_sliding
 from strikewave.cases.tables import AnyObject, LaunchedTable
 from strikewave.machines import Arm, Launch, Machine, Striker, Strikers, StruckObject
 from strikewave.machines.machine import BEFORE_TOUCH
@@ -27,6 +27,7 @@ speed rests after 4 s."""
 def build_launched(case: Case, kind: LaunchedKind) -> Machine:
     """Turn a case of a machine without a drive into the machine that runs; see `build_machine`."""
     striker, struck, contact, _ = case.impact()
+    refuse_sliding(contact)
     layered = layered_object(case)
     bodies = object_bodies(case, layered)
     mass = bodies.nose_mass + bodies.assembly_mass

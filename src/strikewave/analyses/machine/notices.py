@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -15,10 +16,12 @@ from strikewave.analyses.machine.sensor_readings import (
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import force_words, law_notices, yield_notices
+from strikewave.cases.contact_range_notices import damping_speed_notices, size_notices, speed_notices
 from strikewave.machines import Blow
 from strikewave.machines.rebounds import REST_SHARE
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import StackSpan
+from strikewave.reporting.numbers import percent
 from strikewave.signal.pulse import FEWEST_INTERVALS, measure_pulse
 from strikewave.waves.limits import (
     field_extremes,
@@ -27,6 +30,10 @@ from strikewave.waves.limits import (
     layer_notices,
     rise_notices,
 )
+
+HEAVY_ANVIL = 10.0
+"""Mass of a free anvil over that of what meets it from which on it counts as fixed: it then costs less than a tenth of
+the velocity change, M/(M + m). Chosen; the built-in cases have 100 and more."""
 
 
 def notices(case: Case, blows: Sequence[Blow]) -> tuple[Notice, ...]:
@@ -53,7 +60,7 @@ def notices(case: Case, blows: Sequence[Blow]) -> tuple[Notice, ...]:
             )
         )
         return tuple(listed)
-    listed += [*_odd_blows(case, blows), *_rail(case), *_yield(case, struck), *_recorder(case, struck)]
+    listed += [*_odd_blows(case, blows), *_rail(case), *_contact(case, struck), *_recorder(case, struck)]
     return tuple(listed)
 
 
@@ -102,11 +109,18 @@ def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
         yield Notice("pulse-width", message, float(len(cut)), 0.0)
 
 
-def _yield(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
+def _contact(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
+    """Report where the contact of the blows lies beyond what its law holds for."""
     parts = case.impact()
     advice = ", or trust the rigid pulse, which depends on frame and mount, more than the contact force"
     peak = max(blow.peak_force for blow in struck)
     yield from yield_notices(parts.striker, parts.contact, parts.object.material, peak, advice)
+    approaches = [blow.approach_speed for blow in struck]
+    yield from size_notices(case, peak, max(blow.indentation for blow in struck))
+    yield from speed_notices((parts.striker.material, parts.object.material), max(approaches))
+    launched = case.launched()
+    if launched is None or launched.until in (None, "time"):  # rebounds die out below any limit
+        yield from damping_speed_notices(parts.contact, approaches)
 
 
 def _rail(case: Case) -> Iterator[Notice]:
@@ -140,8 +154,21 @@ def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
         yield Notice("recorder-delay", message, begin, struck[0].time)
     intervals = struck[0].width * recorder.sampling_rate.si
     if intervals < FEWEST_INTERVALS:
-        message = f"{intervals:.1f} sampling intervals a pulse: the recorded peak may be more than 1 % low"
+        least = FEWEST_INTERVALS / struck[0].width
+        message = f"{intervals:.1f} sampling intervals a pulse: {_peak_lost(intervals)}"
+        message += f"; give recorder.sampling_rate at least {least / 1e3:.3g} kHz"
         yield Notice("recorder-rate", message, intervals, FEWEST_INTERVALS)
+
+
+def _peak_lost(intervals: float) -> str:
+    """Return in words what a recorder may lose of the peak of a half-sine of so many sampling intervals.
+
+    A sample is at most half an interval off the peak: 1 - cos(pi/(2 n)).
+    """
+    if intervals < 1.0:
+        missed = percent(1.0 - intervals, 0)
+        return f"{missed} of the pulses fall between two samples, and the others show any part of the peak"
+    return f"the recorded peak may be {percent(1.0 - math.cos(0.5 * math.pi / intervals), 1)} low"
 
 
 def wave_notices(
@@ -179,6 +206,7 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
     machine, touched = case.launched(), seen.run.contacts()
     if machine is None or not len(touched):
         return
+    yield from _light_anvil(seen, start)
     if seen.machine.rebounds is None:
         message = (
             f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): what "
@@ -192,6 +220,20 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
             "striker and object still touch at the end: width, impulse and rebound are not those of the whole blow"
         )
         yield Notice("contact-not-over", f"{message}; raise machine.follow", seen.run.end, machine.follow.si)
+
+
+def _light_anvil(seen: Observed, start: Release) -> Iterator[Notice]:
+    """Warn where an anvil that nothing holds is not heavy beside what falls on it."""
+    anvil, mass = seen.machine.strikers.first, seen.machine.struck.mass
+    if start.object == 0.0 or start.striker != 0.0 or anvil.mount_stiffness > 0.0:
+        return
+    if anvil.mass < HEAVY_ANVIL * mass:
+        message = (
+            f"the anvil ([striker], {anvil.mass:.4g} kg) is free and not heavy beside the {mass:.4g} kg that meet it: "
+            f"it is thrown away, and the velocity change is {percent(anvil.mass / (anvil.mass + mass), 0)} of that on "
+            "a fixed one; give its whole mass, or striker.mount_stiffness to the ground"
+        )
+        yield Notice("anvil-light", message, anvil.mass, HEAVY_ANVIL * mass)
 
 
 def _rebound_notice(seen: Observed) -> Notice:

@@ -136,6 +136,11 @@ class Solution(Result):
         return (self.case.title or self.case.name) + (f"; here {shown}{more}" if changed else "") + route
 
     @property
+    def slides(self) -> bool:
+        """Whether friction across the face acted in a blow."""
+        return any(blow.friction_heat > 0.0 for blow in self.blows)
+
+    @property
     def source(self) -> Source:
         """The case."""
         return Source("case", self.case.name, dump_case(self.case))

@@ -44,7 +44,14 @@ def _strikers(tables: RotaryTables) -> Strikers:
         own[number] = row
     common = face_contact(tables.striker, tables.contact, face)
     each = tuple(_striker(tables, own.get(number), common, face) for number in range(1, count + 1))
-    return Strikers(each, tables.contact.slowest_approach.si, tables.contact.yields == "face")
+    contact = tables.contact
+    return Strikers(
+        each,
+        contact.slowest_approach.si,
+        contact.yields == "face",
+        or_else(contact.friction, 0.0),
+        or_else(contact.sliding_damping, 0.0),
+    )
 
 
 def _striker(tables: RotaryTables, own: OwnStriker | None, common: AnyContact, face: Material) -> BuiltStriker:

@@ -11,6 +11,7 @@ import numpy as np
 
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.dataset import build_dataset
+from strikewave.analyses.machine.feed_notices import feed_notices
 from strikewave.analyses.machine.kind import Release, kind_of
 from strikewave.analyses.machine.launched import line_collisions, release
 from strikewave.analyses.machine.notices import launch_notices, notices, wave_notices
@@ -74,7 +75,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
     start = release(case, machine.struck.mass) if case.launched() else None
     listed = [
         *notices(case, seen.blows),
-        *(launch_notices(case, seen, start) if start else ()),
+        *(launch_notices(case, seen, start) if start else feed_notices(run, seen.blows)),
         *wave_notices(run, seen.histories, seen.readings, seen.view.bandwidth),
         *channel_notices(
             seen.view.channels,
@@ -233,6 +234,7 @@ def _citations(case: Case, seen: Observed) -> tuple[str, ...]:
     contact = case.impact().contact
     keys = [origin, contact_stiffness(case).source, "hunt-crossley-1975", damping_law(contact.damping).source]
     keys += ["thornton-1997"] if contact.yield_pressure is not None else []
+    keys += ["maw-barber-fawcett", "molinari-1999"] if contact.friction is not None else []
     keys += ["schwager-poschel-2007", "hairer-1993", *kind_of(case).sources]
     if seen.machine.layered:
         keys += ["kolsky-1963", *(["li-ma-2019"] if case.solver.route != EXACT else [])]

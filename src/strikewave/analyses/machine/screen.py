@@ -74,9 +74,9 @@ def show(solution: Solution) -> None:
     ]
     say(_header(solution))
     table(solution.title, ["#", "kind", *headings("blows"), "contacts"], rows, left=2)
-    columns, struck = shown_in("contact"), [blow for blow in solution.blows if blow.kind != "missed"]
-    rows = [[str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns)] for b in struck]
-    table("Contact, blow by blow", ["#", *headings("contact")], rows)
+    _print_struck(solution, "contact", "Contact, blow by blow")
+    if solution.slides:
+        _print_struck(solution, "sliding", "Nose across the face; the object's guide bears the side force")
     _print_waves(solution)
     print_published(solution.comparisons)
     _print_collisions(solution)
@@ -96,6 +96,13 @@ def show(solution: Solution) -> None:
         say("fitted: " + ", ".join(f"{path} = {values[path].typed}" for path in fitted))
     balance = solution.balance
     say(f"balance: energy {balance['energy_error']:.1e}, momentum {balance['momentum_error']:.1e} (limit 1e-6)")
+
+
+def _print_struck(solution: Solution, which: str, title: str) -> None:
+    """Print a table of the blows that struck."""
+    columns, struck = shown_in(which), [blow for blow in solution.blows if blow.kind != "missed"]
+    rows = [[str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns)] for b in struck]
+    table(title, ["#", *headings(which)], rows)
 
 
 def _print_waves(solution: Solution) -> None:

@@ -101,7 +101,8 @@ def blow_history(run: MachineRun, blow: Blow, view: ReadingSetup, routes: bool =
     span = run.span_at(blow.time + 1e-12)
     layered = run.machine.layered if isinstance(span, StackSpan) else None
     step = span.step if isinstance(span, StackSpan) else RIGID_STEP
-    last = span.end if isinstance(span, StackSpan) else min(blow.time + WINDOW_AFTER, run.end)
+    # the last sample of a stack is an average over what lies before it alone: a filter would count its jump twice
+    last = span.end - span.step if isinstance(span, StackSpan) else min(blow.time + WINDOW_AFTER, run.end)
     before = round(min(WINDOW_BEFORE, blow.time) / step)
     after = math.floor((last - blow.time) / step + 1e-9)
     since = step * np.arange(-before, after + 1, dtype=np.float64)

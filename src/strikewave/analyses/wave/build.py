@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Sequence
+
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.materials import material
 from strikewave.cases.case import Case
-from strikewave.cases.contact_of_case import face_contact
+from strikewave.cases.contact_of_case import face_contact, refuse_sliding
 from strikewave.cases.stack_of_case import checked, need, typed
 from strikewave.cases.tables import LoadTable
+from strikewave.sensors.channel import SensorChannel, shortest_period
 from strikewave.waves import Impactor, Load, LoadPulse, Sampled, Stack, WantedError
 from strikewave.waves.load import Prescribed
 
@@ -67,6 +71,7 @@ def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
     if case.striker is None or case.contact is None:
         missing = "striker" if case.striker is None else "contact"
         raise InputError(missing, MISSING, f"a [{missing}] table", "a load by contact needs [striker] and [contact]")
+    refuse_sliding(case.contact)
     face = case.stack.layer[0].material
     if not face:
         raise InputError("stack.layer." + stack.layers[0].name + ".material", MISSING, "a material for the contact law")
@@ -78,9 +83,11 @@ def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
     )
 
 
-def wanted(case: Case) -> WantedError:
-    """Return the errors that the waves of a case may have, the time step and the method."""
+def wanted(case: Case, channels: Sequence[SensorChannel] = ()) -> WantedError:
+    """Return the errors that the waves of a case may have, the time step, the method, and what the sensors resolve."""
     step = case.solver.step.si if case.solver.step else None
+    asked = WantedError(step=step, method=case.solver.method, period=shortest_period(channels))
     if case.solver.error is None:
-        return WantedError(step=step, method=case.solver.method)
-    return WantedError(case.solver.error.si, ACCELERATION_ERROR * case.solver.error.si, step, case.solver.method)
+        return asked
+    error = case.solver.error.si
+    return dataclasses.replace(asked, velocity=error, acceleration=ACCELERATION_ERROR * error)

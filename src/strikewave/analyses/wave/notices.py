@@ -14,9 +14,15 @@ from strikewave.analyses.wave.result import WaveSolution, load_peak
 from strikewave.base.result import BALANCE_LIMIT, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import law_notices, yield_notices
+from strikewave.cases.contact_range_notices import (
+    damping_speed_notices,
+    joint_size_notices,
+    size_notices,
+    speed_notices,
+)
 from strikewave.reporting.numbers import percent
 from strikewave.sensors.channel import channel_notices
-from strikewave.waves import BarRun, Impactor, Sampled, Tap
+from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Tap
 from strikewave.waves.limits import (
     end_notices,
     grid_notices,
@@ -53,6 +59,7 @@ def layered_bar_notices(
     yield from _momentum_balance(run)
     yield from grid_notices(run.grid)
     yield from _file_notices(run)
+    yield from _longer_load(run)
     yield from _jump(front.rise)
     if front.rise > 0.0:
         yield from rise_notices(stack, front.rise, front.bandwidth, front.peak)
@@ -64,6 +71,7 @@ def layered_bar_notices(
     yield from channel_notices(solution.channels, [solution.sensors], stack.mass)
     yield from _missed_accuracy(case, run, accuracy)
     yield from _contact_notices(case, run)
+    yield from joint_size_notices(case)
 
 
 def _jump(rise: float) -> list[Notice]:
@@ -95,6 +103,23 @@ def _file_notices(run: BarRun) -> list[Notice]:
     return notices
 
 
+def _longer_load(run: BarRun) -> Iterator[Notice]:
+    """Report a load that has not ended where the run does: its whole impulse has not come by then."""
+    load = run.load
+    if isinstance(load, LoadPulse) and load.duration > run.duration:
+        message = (
+            f"the load lasts {load.duration * 1e6:.4g} us and the run {run.duration * 1e6:.4g} us: what is shown is "
+            "the begin of the blow; raise solver.duration, or shorten load.duration"
+        )
+        yield Notice("load-long", message, load.duration, run.duration)
+    if isinstance(load, Impactor) and run.touches.size and run.touches[-1, 1] >= run.duration:
+        message = (
+            f"the striker still touches at the end of the run, {run.duration * 1e6:.4g} us: its impulse and rebound "
+            "are not those of the whole blow; raise solver.duration"
+        )
+        yield Notice("contact-not-over", message, float(run.touches[-1, 1]), run.duration)
+
+
 def _momentum_balance(run: BarRun) -> list[Notice]:
     if run.momentum_error <= BALANCE_LIMIT:
         return []
@@ -121,7 +146,14 @@ def _contact_notices(case: Case, run: BarRun) -> list[Notice]:
     if not isinstance(run.load, Impactor) or case.striker is None or case.contact is None:
         return []
     face = case.stack.layer[0].material
-    return [*law_notices(case), *yield_notices(case.striker, case.contact, face, load_peak(run))]
+    peak, speed = load_peak(run), run.load.speed
+    return [
+        *law_notices(case),
+        *yield_notices(case.striker, case.contact, face, peak),
+        *size_notices(case, peak),
+        *speed_notices((case.striker.material, face), speed),
+        *damping_speed_notices(case.contact, [speed]),
+    ]
 
 
 def _missed_accuracy(case: Case, run: BarRun, accuracy: tuple[float, float]) -> list[Notice]:

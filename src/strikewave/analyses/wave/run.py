@@ -17,7 +17,7 @@ from strikewave.base.errors import InputError
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import build_stack, build_taps, check_route, checked, need
-from strikewave.sensors import read
+from strikewave.sensors import Reading, Recorder, Sensor, read
 from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.signal.filters import stated
 from strikewave.signal.pulse import front, largest, measure_pulse
@@ -59,19 +59,19 @@ def run_wave(case: Case) -> WaveSolution:
     load = build_load(case, stack)
     check_route(case, taps, channels)
     duration = need(case.solver.duration, "solver.duration", "how long to follow", 'add duration = "300 us"')
-    run = checked("solver", lambda: run_bar(stack, load, [tap for _, tap in taps], duration, wanted(case)))
+    run = checked("solver", lambda: run_bar(stack, load, [tap for _, tap in taps], duration, wanted(case, channels)))
     bandwidth, step = case.solver.bandwidth.si if case.solver.bandwidth else math.inf, float(run.time[1])
     if not math.isinf(bandwidth) and not 1.0 / duration <= bandwidth < 0.5 / step:
         allowed = f"{1.0 / duration:.3g} to {0.5 / step:.3g} Hz: one over the duration, half the sampling rate"
         raise InputError("solver.bandwidth", f"{bandwidth:g} Hz", allowed)
     routes = _routes(stack, taps, run) if _of_the_paper(case) else {}
     carried = stack.end.value if stack.end.kind in ("mass", "oscillator") else 0.0
-    rigid = (run.face_force - run.end_force) / (stack.mass - carried)
+    rigid = run.mean_push / (stack.mass - carried)
     accuracy, felt = run.relative_bound, _felt(case.solver.route, taps, run, routes)
     readings = tuple(
         checked(
             f"sensor.{sensor.name}",
-            functools.partial(read, sensor, recorder, rigid if tap is None else felt[tap], step),
+            functools.partial(_reading, sensor, recorder, rigid if tap is None else felt[tap], step),
         )
         for sensor, tap, recorder in channels
     )
@@ -99,6 +99,18 @@ def run_wave(case: Case) -> WaveSolution:
     return dataclasses.replace(
         solution, notices=tuple(layered_bar_notices(solution, Front(rise, peak, bandwidth), extremes, lasting))
     )
+
+
+def _reading(sensor: Sensor, recorder: Recorder, felt: Array, step: float) -> Reading:
+    """Return what a sensor reads of a history that is at rest one step before its first sample.
+
+    Where the load begins with a jump of velocity the first sample holds it, and counts from that step on.
+    """
+    whole = recorder.sampling_rate * step
+    phase = 0.0 if math.isinf(whole) else whole % 1.0
+    reading = read(sensor, recorder, np.append(0.0, felt), step, -step, phase)
+    kept = reading.time > -0.5 * min(step, 1.0 / recorder.sampling_rate)
+    return reading._replace(time=np.maximum(reading.time[kept], 0.0), values=reading.values[kept])
 
 
 def _of_the_paper(case: Case) -> bool:
@@ -154,10 +166,19 @@ def _citations(case: Case, stack: Stack, channels: Sequence[SensorChannel]) -> t
     return (*origin, "kolsky-1963", *theory, *loss, *sensor_sources(channels))
 
 
+def _meeting_rise(stack: Stack) -> float:
+    """Return 0 where layers of different speeds meet face to face, which jumps; infinite where springs lie between."""
+    for joint, before, beyond in zip(stack.joints, stack.layers, stack.layers[1:], strict=False):
+        hard = joint.contact is None and (math.isinf(joint.stiffness) or joint.attached > 0.0)
+        if hard and before.speed != beyond.speed:
+            return 0.0
+    return math.inf
+
+
 def load_rise(run: BarRun) -> float:
     """Return the rise of the load from 10 to 90 % of its peak, s; 0 for a jump."""
     if not isinstance(run.load, Impactor):
-        return run.load.rise_time
+        return run.load.rise_time if run.load.largest > 0.0 else _meeting_rise(run.stack)
     if run.load.contact is None:
         return 0.0
     force = np.concatenate([[0.0], run.face_force])

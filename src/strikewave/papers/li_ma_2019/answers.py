@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.machine.result import Solution
@@ -13,6 +13,7 @@ from strikewave.papers.li_ma_2019.element_pulses import BodyPulse, body_pulse, s
 from strikewave.papers.li_ma_2019.result import Computed, NumberRow
 from strikewave.papers.li_ma_2019.runs import NON_REFLECTING, QUIET_WAVE_ELEMENTS, WAVE_ELEMENTS, Runs
 from strikewave.papers.li_ma_2019.types import PublishedNumber
+from strikewave.papers.li_ma_2019.unknowns import OpenRange
 
 DIRECT_PEAK, BUFFERED_PEAK = "direct peak", "buffered peak"
 RIGID_PEAK, RIGID_WIDTH = "rigid peak", "rigid width"
@@ -56,15 +57,18 @@ SAME_NUMBER = 1e-9
 """Relative difference up to which two published numbers are the same one: rounding of their units."""
 
 
-def number_rows(published: Sequence[PublishedNumber], runs: Runs) -> tuple[NumberRow, ...]:
+def number_rows(
+    published: Sequence[PublishedNumber], runs: Runs, ranges: Mapping[str, OpenRange]
+) -> tuple[NumberRow, ...]:
     """Compare the runs with every published number, like for like first.
 
-    Where LS-DYNA gave it, these are the elements with the paper's own faces, then those with faces that reflect.
+    Where LS-DYNA gave it, these are the elements with the paper's own faces, then those with faces that reflect. What a
+    machine case says of a number that has a range is that range.
     """
-    return tuple(NumberRow(number, tuple(_answers(number, runs))) for number in published)
+    return tuple(NumberRow(number, tuple(_answers(number, runs, ranges))) for number in published)
 
 
-def _answers(number: PublishedNumber, runs: Runs) -> Iterator[Computed]:
+def _answers(number: PublishedNumber, runs: Runs, ranges: Mapping[str, OpenRange]) -> Iterator[Computed]:
     bodies = list(_by_elements(number, runs))
     if number.origin == "simulated":
         yield from bodies
@@ -72,7 +76,12 @@ def _answers(number: PublishedNumber, runs: Runs) -> Iterator[Computed]:
     if place is not None:
         solution: Solution = getattr(runs, place.runs)
         row = _comparison(solution, place, number)
-        yield Computed(solution.case.name, row.computed, row.role, row.note)
+        answer = Computed(solution.case.name, row.computed, row.role, row.note)
+        span = ranges.get(number.name)
+        if span is not None:
+            note = f"left open by {span.left_by}, which are not published"
+            answer = replace(answer, role="range", note=note, low=span.low, high=span.high)
+        yield answer
     if number.origin != "simulated":
         yield from bodies
 

@@ -26,8 +26,8 @@ def command(
         one_of(
             "--without",
             choices=LEFT_OUT,
-            help="Leave out the finite-element models, or their studies (meshes, assumed dimensions, second blow); "
-            "nothing by default; may be repeated.",
+            help="Leave out the finite-element models, or studies (their meshes, assumed dimensions and second blow; "
+            "most of the maps over gaskets and joints); nothing by default; may be repeated.",
         ),
     ] = None,
     threads: Annotated[

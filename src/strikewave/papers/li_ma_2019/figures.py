@@ -30,7 +30,7 @@ INKS = {"measured": RED, "LS-DYNA": "#4d5760"}
 """Colour of a mark by where its number comes from."""
 STROKES = {"measured": (0, (5, 2)), "LS-DYNA": (0, (1, 1.5))}
 """Dashes of a mark by where its number comes from."""
-ROLES = {"fitted": (RED, "D"), "predicted": (BLUE, "o"), "shown": (GREY, "s")}
+ROLES = {"fitted": (RED, "D"), "predicted": (BLUE, "o"), "range": (ORANGE, "|"), "shown": (GREY, "s")}
 """Colour and shape of a number by its role."""
 CURVES = ((BLUE, "-"), (ORANGE, "-"), (GREEN, "--"), (GREEN, "-"))
 """Colour and dashes of the first curves of a panel."""
@@ -73,11 +73,12 @@ class PublishedMark(NamedTuple):
 
 
 class Ratio(NamedTuple):
-    """A computed number over the published one: its label, the ratio and its role."""
+    """A computed number over the published one: its label, the ratio and its role; ends of a range, less one."""
 
     label: str
     value: float
     role: str
+    ends: tuple[float, float] | None = None
 
 
 def ratio_figure(rows: Sequence[Ratio]) -> Figure:
@@ -90,30 +91,42 @@ def ratio_figure(rows: Sequence[Ratio]) -> Figure:
     ['first peak', 'direct sensor']
     """
     figure, axes = _sheet((9.8, 1.2 + 0.27 * len(rows)))
+    for k, row in enumerate(rows):
+        if row.ends is not None:
+            axes.hlines(k, 1.0 + row.ends[0], 1.0 + row.ends[1], color=ROLES["range"][0], linewidth=7.0, alpha=0.6)
     for role, (colour, shape) in ROLES.items():
         mine = [(row.value, k) for k, row in enumerate(rows) if row.role == role]
         if mine:
             x, y = zip(*mine, strict=True)
-            axes.hlines(y, 1.0, x, color=colour, linewidth=1.1)
-            axes.plot(x, y, shape, color=colour, markersize=6, label=role)
+            if role != "range":
+                axes.hlines(y, 1.0, x, color=colour, linewidth=1.1)
+            axes.plot(x, y, shape, color=colour, markersize=6 if role != "range" else 10, label=role)
     for k, row in enumerate(rows):
-        right = row.value >= 1.0
+        right = row.value >= 1.0 or row.ends is not None
+        words = "0 %" if abs(row.value - 1.0) < EQUAL else f"{100.0 * (row.value - 1.0):+.3g} %"
+        if row.ends is not None:
+            words = " to ".join(f"{100.0 * end:+.3g} %" for end in row.ends)
         axes.annotate(
-            "0 %" if abs(row.value - 1.0) < EQUAL else f"{100.0 * (row.value - 1.0):+.3g} %",
-            (row.value, k),
+            words,
+            (row.value if row.ends is None else 1.0 + row.ends[1], k),
             xytext=(8 if right else -8, 0),
             textcoords="offset points",
             ha="left" if right else "right",
             va="center",
             fontsize=8,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.4},
         )
     axes.axvline(1.0, color=GREY, linewidth=0.9)
     axes.set_xscale("log")
-    values = [row.value for row in rows] or [1.0]
+    values = [row.value for row in rows] + [1.0 + end for row in rows for end in row.ends or ()] or [1.0]
     axes.set_xlim(min(0.6, 0.75 * min(values)), max(1.7, 1.35 * max(values)))
-    ticks = [t for t in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0) if axes.get_xlim()[0] <= t <= axes.get_xlim()[1]]
+    ticks = [
+        t
+        for t in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
+        if axes.get_xlim()[0] <= t <= axes.get_xlim()[1]
+    ]
     quiet(axes, "Computed over published", "computed / published; 1 is equal", "")
-    axes.set_xlim(min(0.6, 0.75 * min(values)), max(1.7, 1.35 * max(values)))
+    axes.set_xlim(min(0.6, 0.75 * min(values)), max(1.7, 1.6 * max(values)))
     axes.set_xticks(ticks, [f"{t:g}" for t in ticks])
     axes.minorticks_off()
     axes.set_yticks(range(len(rows)), [row.label for row in rows], fontsize=8.5)

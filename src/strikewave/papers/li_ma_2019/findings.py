@@ -39,7 +39,7 @@ def findings(
     equations: Sequence[EquationRow],
     checks: Sequence[Consistency],
     elements: Runs | None = None,
-    sensors: float | None = None,
+    sensors: tuple[float, float] | None = None,
 ) -> tuple[Finding, ...]:
     """Return what the paper gets right, and what not.
 
@@ -51,8 +51,8 @@ def findings(
         As `consistency_checks` computes them.
     elements : mapping of str to ElementNumbers, optional
         By `QUIET`, `REFLECTING`, `ELASTIC` and `WAVE`; what is left out or None was not run.
-    sensors : float, optional
-        Peak of the direct sensor over that of the buffered one in the case li-ma-2019-fig5.
+    sensors : tuple of float, optional
+        Peak of the direct sensor over that of the buffered one: smallest and largest over gaskets.
 
     Examples
     --------
@@ -225,10 +225,16 @@ def _waves(rows: Rows, checks: Sequence[Consistency]) -> tuple[Finding, ...]:
     )
 
 
-def _sensors(checks: Sequence[Consistency], modelled: float | None) -> Finding:
+def _sensors(checks: Sequence[Consistency], modelled: tuple[float, float] | None) -> Finding:
     """Return the finding on two sensors on one body."""
     measured = _check(checks, "ratio of the peaks", "direct peak").value
-    model = "" if modelled is None else f" Our model of both mounts gives {modelled:.2f} : 1 and does not settle it."
+    model = ""
+    if modelled is not None:
+        low, high = modelled
+        model = " Over gaskets that calm the pulse as theirs does, our model of both mounts gives "
+        model += f"{low:.2f} to {high:.2f} : 1"
+        model += ", which holds the measured ratio" if low <= measured <= high else ""
+        model += ": what the gasket passes, measured on a shaker or a bar, would decide."
     return Finding(
         "a sensor reads more than the rigid body's acceleration",
         "rigid-body dynamics alone does not describe a sensor that is mounted directly",

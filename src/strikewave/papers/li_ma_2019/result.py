@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import functools
 import io
+import math
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, ClassVar
 
@@ -16,10 +17,25 @@ from strikewave.fem.measures import balance_measure
 from strikewave.papers.li_ma_2019.assumed import SHARE, DimensionStudy, MeshRow
 from strikewave.papers.li_ma_2019.body_rows import BodyRow, body_rows
 from strikewave.papers.li_ma_2019.further import Further
+from strikewave.papers.li_ma_2019.joints import JointCell, JointStudy
 from strikewave.papers.li_ma_2019.runs import Effort, Runs
 from strikewave.papers.li_ma_2019.types import Consistency, EquationRow, Finding, PublishedNumber
+from strikewave.papers.li_ma_2019.unknowns import Unknowns
 
 PAPER = "li-ma-2019"
+GASKET_UNITS = {
+    "modulus": "Pa",
+    "loss_factor": "1",
+    "thickness": "m",
+    "engagement": "m",
+    "direct": "m/s^2",
+    "rigid_peak": "m/s^2",
+    "direct_ringing": "m/s^2",
+    "buffered_ringing": "m/s^2",
+}
+"""Of a row of the map over gaskets."""
+JOINT_UNITS = {"preload": "N", "stiffness": "N/m", "peak": "m/s^2", "width": "s", "rigid_width": "s"}
+"""Of a row of the map over joints, beside those it shares with a gasket."""
 
 
 @dataclass(frozen=True)
@@ -33,14 +49,19 @@ class Computed:
     value : float or None
         SI; None where it gives none.
     role : str
-        fitted: the case was adjusted to the published number; predicted; shown: not comparable, `note` says why.
+        fitted: the case was adjusted to the published number; predicted; range: inputs that are not known leave it
+        between `low` and `high`, `note` says which; shown: not comparable, `note` says why.
     note : str
+    low, high : float or None
+        Ends of a range, SI; ``value`` is then what the case makes of it with what it assumes.
     """
 
     by: str
     value: float | None
     role: str
     note: str = ""
+    low: float | None = None
+    high: float | None = None
 
     def difference(self, published: float) -> float | None:
         """Return how far it is from the published number, relative to that.
@@ -51,6 +72,18 @@ class Computed:
         -0.25
         """
         return None if self.value is None or not published else self.value / published - 1.0
+
+    def differences(self, published: float) -> tuple[float, float] | None:
+        """Return how far the ends of its range are from the published number; None where it is no range.
+
+        Examples
+        --------
+        >>> Computed("case", 3.0, "range", low=2.0, high=8.0).differences(4.0)
+        (-0.5, 1.0)
+        """
+        if self.low is None or self.high is None or not published:
+            return None
+        return self.low / published - 1.0, self.high / published - 1.0
 
 
 @dataclass(frozen=True)
@@ -78,6 +111,8 @@ class Reproduction(Result):
     checks : tuple of Consistency
         Published numbers among each other.
     findings : tuple of Finding
+    unknowns : Unknowns
+        Maps over gaskets and joints, which are not published.
     further : Further
         Studies of the finite-element models.
     effort : Effort
@@ -91,6 +126,7 @@ class Reproduction(Result):
     numbers: tuple[NumberRow, ...]
     checks: tuple[Consistency, ...]
     findings: tuple[Finding, ...]
+    unknowns: Unknowns
     further: Further = field(default_factory=Further)
     effort: Effort = field(default_factory=Effort)
 
@@ -121,6 +157,7 @@ class Reproduction(Result):
             "corrected_value": "SI, see unit",
         }
         units |= {"value_si": "SI, see si", "published_value": "see published_unit"}
+        units |= {"low_si": "SI, see si", "high_si": "SI, see si"} | GASKET_UNITS | JOINT_UNITS
         units |= {
             "value": "SI, see unit",
             "stated": "SI, see unit",
@@ -147,6 +184,8 @@ class Reproduction(Result):
             "reasons": [{**asdict(row), "off": row.off} for row in self.further.reasons],
             "dimensions": [dimension_document(study) for study in self.further.dimensions],
             "findings": [asdict(row) for row in self.findings],
+            "gaskets": [{**asdict(cell), "calm": cell.calm} for cell in self.unknowns.gaskets.cells],
+            "joints": [joint_document(cell, self.unknowns.joints) for cell in self.unknowns.joints.cells],
         }
 
     def texts(self) -> dict[str, str]:
@@ -162,12 +201,20 @@ class Reproduction(Result):
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         heads = ["name", "where", "quantity", "origin", "SI unit", "published", "computed", "difference", "role", "by"]
-        writer.writerow([*heads, "note"])
+        writer.writerow([*heads, "note", "low", "high"])
         for row in self.numbers:
             number = row.number
             begin = [number.name, number.where, number.quantity, number.origin, si_unit(number.unit), number.value]
             for one in row.computed or (Computed("", None, "", number.note),):
-                cells = [one.value, one.difference(number.value), one.role, one.by, one.note or number.note]
+                cells = [
+                    one.value,
+                    one.difference(number.value),
+                    one.role,
+                    one.by,
+                    one.note or number.note,
+                    one.low,
+                    one.high,
+                ]
                 writer.writerow([*begin, *("" if cell is None else cell for cell in cells)])
         return text.getvalue()
 
@@ -226,10 +273,21 @@ def number_document(row: NumberRow) -> dict[str, Any]:
     shown = number.value if number.unit == si else float(f"{in_unit(number.value, si, number.unit):.12g}")
     values = {"value_si": number.value, "si": si, "published_value": shown, "published_unit": number.unit}
     answers = [
-        {"value_si": one.value, **without(asdict(one), "value"), "difference": one.difference(number.value)}
+        {
+            **{"value_si": one.value, "low_si": one.low, "high_si": one.high},
+            **without(asdict(one), "value", "low", "high"),
+            "difference": one.difference(number.value),
+        }
         for one in row.computed
     ]
     return {**without(asdict(number), "value", "unit"), **values, "computed": answers}
+
+
+def joint_document(cell: JointCell, study: JointStudy) -> dict[str, Any]:
+    """Return the first blow with a pair of joints; ``stiffness`` is None of rigid faces."""
+    stiffness = cell.stiffness if math.isfinite(cell.stiffness) else None
+    head = {"preload": cell.preload, "stiffness": stiffness}
+    return {**head, **asdict(cell.blow), "keeps_rigid_pulse": cell.blow.keeps(study.assumed)}
 
 
 def element_document(solution: FemSolution) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from strikewave.studies.buffer.mounting_site import GasketStack
 
 SPREAD = {"elastomer": (0.5, 5.0)}
 """Lowest and highest modulus over that of the table, by kind of material. Elastomers: the table gives the static one,
-and its note expects 2 to 5 times that from 1 to 100 kHz (from memory); half is a softer compound (assumed)."""
+and its note expects 2 to 5 times that from 1 to 100 kHz (assumed); half is a softer compound (assumed)."""
 OTHERS = (0.5, 2.0)
 """The same of all other kinds: grade, temperature, rate, and how flat the faces lie (assumed)."""
 SOFTEST, STIFFEST = -1.0, 1.0
@@ -52,7 +52,8 @@ def confinement(row: Material, area: float, thickness: float, stiffer: float = 1
 
     1/E_a = 1/(E (1 + 2 S^2)) + 1/K, E_a at least E, with S = sqrt(A/pi) / (2 h), the loaded area of a disc over its
     free one, and K = E / (3 (1 - 2 nu)). Filled rubbers stiffen less: 2 S^2 is then multiplied by 0.5 to 1.
-    Source: Gent & Lindley 1959 (relation from memory).
+    Source: Gent & Lindley 1959, appendix I, eq. 5 for a disc, E (1 + 2 S^2), as quoted by R. Holland; 1/K beside it,
+    the usual correction, leaves the bulk modulus where S is large.
 
     Parameters
     ----------

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from strikewave.base.citations import FROM_MEMORY
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.materials import material
 from strikewave.base.result import Notice
@@ -142,7 +143,7 @@ def _gasket_notices(study: BufferStudy, first: BufferCandidate) -> Iterator[Noti
         yield Notice("elastomer-confined", message, stiffer, usual)
     for name in dict.fromkeys(layer.material for layer in first.stack):
         row = material(name)
-        if row.status != "checked":
+        if row.status == FROM_MEMORY:
             yield Notice("material-from-memory", f"{name}: {row.note}", 1.0, 0.0)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, ShownSetting
@@ -14,6 +15,7 @@ from strikewave.cases.tables import CaseTable, Name
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
+    from strikewave.machines.amplifier import Collision, Collisions
 
 LONGEST_LINE = 1.0
 """How long a line is followed for its top body to be struck, s: as long as `machine.follow` may be."""
@@ -90,6 +92,8 @@ class Amplifier(LaunchedKind):
             raise InputError("machine.body", f"{len(bodies)} bodies", allowed, hint)
         followed = collide(line, struck.time + self.follow.si, MOST_COLLISIONS)
         notices = [Notice("line-of-bodies", word, float(len(followed.collisions)), 0.0) for word in followed.words]
+        named = (FLOOR, *(row.name for row in self.body), STRIKER, OBJECT)
+        notices += [*_gain_notices(followed, named, self.height.si), *_overlap_notices(case, followed, struck)]
         again = sum(c.pair == top for c in followed.collisions) - 1
         if again:
             message = (
@@ -104,7 +108,7 @@ class Amplifier(LaunchedKind):
             object=thing,
             gain=followed.gain,
             line=followed,
-            bodies=(FLOOR, *(row.name for row in self.body), STRIKER, OBJECT),
+            bodies=named,
             notices=tuple(notices),
         )
 
@@ -133,3 +137,57 @@ class Amplifier(LaunchedKind):
         sketch.arrow((2.2, 6.4), (2.2, 4.8), "all fall")
         sketch.blow((8.4, 5.2), (8.4, 6.8))
         return sketch.drawing("The velocity amplifier")
+
+
+def _gain_notices(followed: Collisions, names: tuple[str, ...], height: float) -> Iterator[Notice]:
+    """Warn where a line does not amplify, or where its gain is not that of its collisions alone."""
+    from strikewave.machines.amplifier import gain_limit_of
+
+    line, gain = followed.line, followed.gain
+    heavier = [
+        f"{names[k + 1]} ({line.masses[k + 1]:.3g} kg) than {names[k]} ({line.masses[k]:.3g} kg)"
+        for k in range(1, len(line.masses) - 1)
+        if line.masses[k + 1] >= line.masses[k]
+    ]
+    if heavier:
+        message = (
+            f"an amplifier grows lighter upwards, but no lighter is {', '.join(heavier)}: a body leaves slower the "
+            "heavier it is beside what strikes it; look at the masses"
+        )
+        yield Notice("bodies-heavier-above", message, float(len(heavier)), 0.0)
+    if gain < 1.0:
+        message = (
+            f"the object leaves with {gain:.3g} of the speed of the fall: the line does not amplify; take a lighter "
+            "object, fewer bodies, or higher restitutions"
+        )
+        yield Notice("no-gain", message, gain, 1.0)
+    limit = gain_limit_of(line.restitutions)
+    if gain > limit:
+        message = (
+            f"the gain of {gain:.3g} is more than the {limit:.3g} of these restitutions for vanishing mass ratios: the "
+            f"bodies fall another {sum(line.gaps) * 1e3:.3g} mm as their gaps close, beside a height of "
+            f"{height * 1e3:.3g} mm, and gain counts from the first collision; take smaller gaps"
+        )
+        yield Notice("gain-of-gaps", message, gain, limit)
+
+
+def _overlap_notices(case: Case, followed: Collisions, struck: Collision) -> Iterator[Notice]:
+    """Warn where the striker is in two contacts at once: pairs then no longer tell how fast it comes."""
+    from strikewave.base.materials import material
+    from strikewave.cases.contact_of_case import face_contact
+    from strikewave.contact import solve_impact
+
+    parts, masses = case.impact(), followed.line.masses
+    contact = face_contact(parts.striker, parts.contact, material(parts.object.material, "object.material"))
+    lasts = float(solve_impact(contact, masses[-2], masses[-1], struck.before[0] - struck.before[1]).duration)
+    below = [c.time for c in followed.collisions if c.pair == struck.pair - 1]
+    before = struck.time - max((t for t in below if t <= struck.time), default=-math.inf)
+    after = min((t for t in below if t > struck.time), default=math.inf) - struck.time
+    if min(before, after) < lasts:
+        when = f"{before * 1e6:.3g} us before" if before < lasts else f"{after * 1e6:.3g} us after"
+        message = (
+            f"the striker is hit from below {when} it meets the object, and that contact lasts {lasts * 1e6:.3g} us: "
+            "contacts overlap, and collisions in pairs do not hold; take a larger machine.gap, or follow the line by "
+            "strikewave.machines.amplifier.collide_softly"
+        )
+        yield Notice("contacts-overlap", message, min(before, after), lasts)

@@ -79,6 +79,12 @@ class DualMassAmplifier(LaunchedKind):
                 "and is let go then: take a larger gap, or a stiffer shaper"
             )
             notices.append(Notice("table-on-shaper", message, impact.shaper_force, 0.0))
+        if impact.gain < 1.0:
+            message = (
+                f"the second mass leaves with {impact.gain:.3g} of the speed of the fall: the machine does not "
+                "amplify; take a lighter second mass, a gap that lets the table come up first, or higher restitutions"
+            )
+            notices.append(Notice("no-gain", message, impact.gain, 1.0))
         return Release(
             energy,
             travel + impact.time,

@@ -69,6 +69,11 @@ class Machete(LaunchedKind):
         for key, other in (("weight", "drum"), ("drum", "weight"), ("mass", "centre"), ("centre", "mass")):
             if getattr(self, key) is not None:
                 need(getattr(self, other), f"machine.{other}", f"where there is machine.{key}")
+        if self.mass is not None and self.centre is not None:
+            least = self.mass.si * self.centre.si**2
+            if self.inertia.si < least:
+                allowed = f"at least machine.mass times machine.centre squared ({least:.4g} kg m^2)"
+                raise InputError("machine.inertia", self.inertia.typed, allowed, "it is about the shaft")
         hammer = launch.MacheteHammer(
             teeth=int(self.wheel_teeth.si),
             inertia=self.inertia.si,
@@ -89,6 +94,13 @@ class Machete(LaunchedKind):
                 "(inertia over radius squared): the arm would strike with the latter"
             )
             notices.append(Notice("effective-mass", message, mass, hammer.effective_mass))
+        slack = launch.rope_tension(hammer, teeth)
+        if slack < 0.0:
+            message = (
+                f"the arm turns faster than the weight falls (the rope would push with {-slack:.3g} N): the rope goes "
+                "slack, and the weight does not drive as the energy says; take a smaller machine.drum"
+            )
+            notices.append(Notice("rope-slack", message, slack, 0.0))
         return Release(energy, _turning_time(hammer, teeth), object=-speed, notices=tuple(notices))
 
     def drawing(self, case: Case) -> Drawing:

@@ -89,8 +89,8 @@ def provenance_section(cases: Sequence[Case]) -> Section:
     text = (
         "The paper publishes its materials, a speed, counts of blows and results; it publishes no dimension, mass or "
         "spring of the machine, its fixtures or its elements. Each case says of every input where it comes from. A "
-        "result that a case was fitted to is no evidence; the others are predictions from these inputs, most of which "
-        "are assumed."
+        "result that a case was fitted to is no evidence; the others follow from these inputs, most of which are "
+        "assumed: where they leave much open, ranges are given, with the maps behind them."
     )
     parts: list[Part] = [
         Table("Inputs by provenance", ["case", *PROVENANCES, "inputs"], counts),
@@ -226,7 +226,8 @@ def numbers_section(rows: Sequence[NumberRow], checks: Sequence[Consistency]) ->
         "Measured numbers are those of the authors' accelerometers, LS-DYNA those of their elements, given ones what "
         "they chose or state. The paper publishes no curve in numbers, so none is compared. Where several models "
         "answer, each has its line. Fitted: a case was adjusted to the number. Predicted: it follows from "
-        "other inputs. Shown: the two cannot be compared, the note says why. Names of cases are without li-ma-2019-."
+        "other inputs. Range: inputs that are not published leave it between these ends, the note says which. "
+        "Shown: the two cannot be compared, the note says why. Names of cases are without li-ma-2019-."
     )
     among = Table("Published numbers among each other", within, checked)
     stated = [row for row in rows if not row.computed]
@@ -268,7 +269,7 @@ def _number(row: NumberRow) -> list[list[Cell]]:
     lines: list[list[Cell]] = []
     for k, one in enumerate(row.computed):
         note = "; ".join(filter(None, ["" if k else number.note, one.note]))
-        value = NONE if one.value is None else _with_unit(one.value, number.unit)
+        value = NONE if one.value is None else computed_text(one, number.unit)
         cells: list[Cell] = [
             value,
             _difference(one, number.value),
@@ -280,7 +281,38 @@ def _number(row: NumberRow) -> list[list[Cell]]:
     return lines
 
 
+def computed_text(one: Computed, unit: str) -> str:
+    """Write what was computed: a number, or both ends of a range, to three digits.
+
+    Examples
+    --------
+    >>> from strikewave.papers.li_ma_2019.result import Computed
+    >>> computed_text(Computed("case", 1e-4, "range", low=5e-6, high=2e-4), "us")
+    '5 to 200 µs'
+    """
+    if one.low is None or one.high is None:
+        return "" if one.value is None else _with_unit(one.value, unit)
+    return span_text(one.low, one.high, unit)
+
+
+def span_text(low: float, high: float, unit: str) -> str:
+    """Write a range of SI values in a unit that the paper uses, each end to three digits.
+
+    Examples
+    --------
+    >>> span_text(45187.9, 806219.9, "g")
+    '4610 to 82200 g'
+    """
+    conversion = convertible(unit, DIMENSIONS)
+    factor = conversion[1] if conversion else 1.0
+    ends = [float(f"{end / factor:.3g}") for end in (low, high)]
+    return f"{ends[0]:.12g} to {ends[1]:.12g} {'' if unit == '1' else spelled(unit)}".strip()
+
+
 def _difference(one: Computed, published: float) -> str:
+    ends = one.differences(published)
+    if ends is not None:
+        return " to ".join(share(end) for end in ends)
     difference = one.difference(published)
     return NONE if difference is None or one.role == "shown" else share(difference)
 
@@ -324,8 +356,8 @@ def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = 
 def findings_section(rows: Sequence[Finding]) -> Section:
     """Close: what the paper gets right, and what not."""
     text = (
-        "Right: it holds. Partly: it holds within what the line says. Not: it does not hold. Open: the runs that "
-        "decide it were left out."
+        "Right: it holds. Partly: it holds within what the line says. Not: it does not hold. Open: what decides it is "
+        "not published, or was not run."
     )
     return Section("What the paper gets right, and what not", text, [findings_table(rows)])
 

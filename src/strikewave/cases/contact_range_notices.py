@@ -1,0 +1,231 @@
+"""Where sizes and speeds of a case lie beyond what a contact law holds for: face, nose, spot, approach."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from strikewave.base.materials import material
+from strikewave.base.quantities import Value
+from strikewave.base.result import Notice
+from strikewave.cases.case import Case
+from strikewave.cases.tables import POWER, ContactTable, LayerTable
+from strikewave.contact import contact_modulus, stiffness_law
+
+SLENDER = 10.0
+"""Length over thickness of a struck nose from which on it bends like a beam under a blow, and the line of contact is
+not loaded evenly. Chosen: the usual lower limit of beam theory; the built-in machine has 3."""
+LARGEST_INDENTATION = 0.05
+"""Indentation over the radius of a nose beyond which it is warned of: at a twentieth the spot of Hertz has 0.22 of the
+radius, and the sphere lies 1.3 % deeper there than the paraboloid that stands for it."""
+
+
+class _Face(NamedTuple):
+    """The struck face: its width, m; the field that gives it, what was typed, and whether it is the width itself."""
+
+    width: float
+    field: str
+    typed: object
+    own: bool
+
+
+def size_notices(case: Case, peak: float, indentation: float | None = None) -> Iterator[Notice]:
+    """Warn where the contact of a striker is longer or wider than the face, or the nose heavier than its striker.
+
+    Parameters
+    ----------
+    case : Case
+        With [striker] and [contact], and an [object] or a stack that is struck.
+    peak : float
+        Largest contact force, N.
+    indentation : float, optional
+        The largest, m; that of the elastic law where it is not known.
+    """
+    striker, contact = case.striker, case.contact
+    if striker is None or contact is None or contact.law == POWER:
+        return
+    face = _struck_face(case)
+    if not _of_line(contact.law):
+        yield from _spot_notices(case, face, peak, indentation)
+        return
+    if striker.contact_length is None:
+        return
+    lengths = [("striker.contact_length", striker.contact_length)]
+    for row in getattr(striker, "each", ()):
+        if row.contact_length is not None:
+            lengths.append((f"striker.each.{row.number.si:.0f}.contact_length", row.contact_length))
+    path, length = max(lengths, key=lambda pair: pair[1].si)
+    if face is not None and face.own:
+        yield from _longer_than_face(path, length, face.width, face.field, face.typed)
+    else:
+        yield from _slender_nose(case, path, length)
+    yield from _heavy_nose(case, path, length)
+
+
+def joint_size_notices(case: Case) -> Iterator[Notice]:
+    """Warn where the line of a contact between two layers is longer than the narrower of them is wide."""
+    layers = {layer.name: k for k, layer in enumerate(case.stack.layer)}
+    for joint in case.stack.joint:
+        if joint.kind != "contact" or joint.length is None or not _of_line(joint.law):
+            continue
+        first = layers[joint.after]
+        face = min((_layer_face(layer) for layer in case.stack.layer[first : first + 2]), key=lambda face: face.width)
+        path = f"stack.joint.{joint.after}.length"
+        yield from _longer_than_face(path, joint.length, face.width, face.field, face.typed)
+
+
+def indentation_notices(indentation: float, radius: float) -> Iterator[Notice]:
+    """Warn where a sphere goes deep beside its radius, both m."""
+    share = indentation / radius
+    if share > LARGEST_INDENTATION:
+        message = (
+            f"the indentation is {100.0 * share:.2g} % of the radius of the nose: Hertz's law holds for small "
+            "indentations; look at radius and materials"
+        )
+        yield Notice("indentation-large", message, share, LARGEST_INDENTATION)
+
+
+def speed_notices(names: Iterable[str], speed: float) -> Iterator[Notice]:
+    """Warn where an approach (m/s) is so fast that the inertia of what yields counts beside its strength.
+
+    From v = sqrt(2 Y/rho) on, the stagnation pressure rho v^2/2 of material that flows is above its yield strength Y:
+    contact laws are those of slow pressing, and no longer hold.
+    """
+    known = [(row, row.yield_strength) for row in map(material, names) if row.yield_strength is not None]
+    if not known:
+        return
+    limit, name = min((math.sqrt(2.0 * strength / row.density), row.name) for row, strength in known)
+    if speed > limit:
+        message = (
+            f"the approach at {speed:.4g} m/s is beyond {limit:.3g} m/s, where the inertia of yielding {name} exceeds "
+            "its strength (rho v^2/2 > Y): contact laws are those of slow pressing; do not trust force or pulse"
+        )
+        yield Notice("approach-fast", message, speed, limit)
+
+
+def duration_notices(bodies: Iterable[tuple[str, float]], duration: float) -> Iterator[Notice]:
+    """Warn where a contact is over before a wave has come back through a body: it does not move as one then.
+
+    Parameters
+    ----------
+    bodies : iterable of (str, float)
+        Material and mass, kg, of each; its size is taken as the edge of a cube.
+    duration : float
+        Of the contact, s.
+    """
+    returns = [
+        (2.0 * (mass / row.density) ** (1.0 / 3.0) / row.bar_speed, mass, row.name)
+        for row, mass in ((material(name), mass) for name, mass in bodies)
+        if math.isfinite(mass)
+    ]
+    slowest = max(returns, default=None)
+    if slowest is not None and duration < slowest[0]:
+        back, mass, name = slowest
+        message = (
+            f"the contact lasts {duration * 1e6:.3g} us, and a wave takes {back * 1e6:.3g} us through a cube of "
+            f"{mass:.3g} kg of {name} and back: the body does not move as one; follow it as layers (strikewave wave)"
+        )
+        yield Notice("contact-short", message, duration, back)
+
+
+def damping_speed_notices(contact: ContactTable, approaches: Iterable[float]) -> Iterator[Notice]:
+    """Warn where blows come slower than the lowest speed that the damping of the contact uses; approaches in m/s."""
+    every = list(approaches)
+    slow = [speed for speed in every if speed < contact.slowest_approach.si]
+    if not slow:
+        return
+    message = (
+        f"contact.slowest_approach, {contact.slowest_approach.typed}, is above the approach speed of {len(slow)} of "
+        f"{len(every)} blows (from {min(slow):.3g} m/s): their damping is that of a blow at this speed, and they give "
+        f"back more than the restitution asked for ({contact.restitution.si:g}); take a tenth of the approach speed"
+    )
+    yield Notice("slowest-approach", message, min(slow), contact.slowest_approach.si)
+
+
+def _of_line(law: str) -> bool:
+    return "length" in stiffness_law(law).needs
+
+
+def _layer_face(layer: LayerTable) -> _Face:
+    """Return the face of a layer: of one with an area, that of a round one."""
+    if layer.diameter is not None:
+        return _Face(layer.diameter.si, f"stack.layer.{layer.name}.diameter", layer.diameter.typed, True)
+    area = layer.area
+    width = math.inf if area is None else 2.0 * math.sqrt(area.si / math.pi)
+    return _Face(width, f"stack.layer.{layer.name}.area", "" if area is None else area.typed, True)
+
+
+def _struck_face(case: Case) -> _Face | None:
+    """Return the face that is struck: of a nose, that of a cube of its mass; None where nothing tells."""
+    if case.stack.layer:
+        return _layer_face(case.stack.layer[0])
+    if case.object is None or case.object.nose_mass is None:
+        return None
+    nose = case.object.nose_mass
+    volume = nose.si / material(case.object.material).density
+    return _Face(volume ** (1.0 / 3.0), "object.nose_mass", nose.typed, False)
+
+
+def _longer_than_face(path: str, length: Value, width: float, field: str, typed: object) -> Iterator[Notice]:
+    if length.si > width:
+        message = (
+            f"the line of contact, {length.typed} ({path}), is longer than the struck face is wide, "
+            f"{width * 1e3:.4g} mm ({field} = {typed}): the contact is too stiff; give the length that touches, "
+            "at most the width"
+        )
+        yield Notice("contact-longer-than-face", message, length.si, width)
+
+
+def _slender_nose(case: Case, path: str, length: Value) -> Iterator[Notice]:
+    """Warn where a struck nose of its mass, as long as the contact, would be a thin beam."""
+    if case.object is None or case.object.nose_mass is None:
+        return
+    nose, row = case.object.nose_mass, material(case.object.material)
+    volume = nose.si / row.density
+    thickness = math.sqrt(volume / length.si)
+    if length.si > SLENDER * thickness:
+        longest = (SLENDER * math.sqrt(volume)) ** (2.0 / 3.0)
+        message = (
+            f"a struck nose of {nose.typed} (object.nose_mass) of {row.name} that is {length.typed} long ({path}) "
+            f"would be {thickness * 1e3:.3g} mm thick: it bends, and the line is not loaded evenly; give the length of "
+            f"the face (up to {longest * 1e3:.3g} mm for this mass), or the mass of the nose"
+        )
+        yield Notice("contact-longer-than-face", message, length.si, longest)
+
+
+def _heavy_nose(case: Case, path: str, length: Value) -> Iterator[Notice]:
+    """Warn where a semi-cylinder of radius and length alone is heavier than the striker."""
+    striker = case.striker
+    if striker is None or striker.nose_radius is None:
+        return
+    row = material(striker.material)
+    nose = 0.5 * math.pi * striker.nose_radius.si**2 * length.si * row.density
+    if nose > striker.mass.si:
+        message = (
+            f"a semi-cylinder of {striker.nose_radius.typed} (striker.nose_radius) and {length.typed} ({path}) of "
+            f"{row.name} has {nose:.3g} kg, more than the striker ({striker.mass.typed}): one of the three is wrong"
+        )
+        yield Notice("nose-heavy", message, nose, striker.mass.si)
+
+
+def _spot_notices(case: Case, face: _Face | None, peak: float, indentation: float | None) -> Iterator[Notice]:
+    """Warn where the spot of a sphere is wider than the face, or deep beside the radius of the nose."""
+    striker, contact = case.striker, case.contact
+    name = case.stack.layer[0].material if case.stack.layer else case.object.material if case.object else ""
+    if striker is None or contact is None or striker.nose_radius is None or not name:
+        return
+    radius = striker.nose_radius.si
+    spot = (0.75 * peak * radius / contact_modulus(material(striker.material), material(name))) ** (1.0 / 3.0)
+    if contact.yield_pressure is not None:
+        spot = max(spot, math.sqrt(peak / (math.pi * contact.yield_pressure.si)))
+    if face is not None and 2.0 * spot > face.width:
+        whose = "the struck face" if face.own else "a cube of the nose's mass"
+        message = (
+            f"the spot of contact is {2e3 * spot:.3g} mm wide at the largest force, and {whose} "
+            f"{face.width * 1e3:.3g} mm ({face.field} = {face.typed}): the law takes the face as endless; give a "
+            "smaller striker.nose_radius, or a larger face"
+        )
+        yield Notice("spot-wider-than-face", message, 2.0 * spot, face.width)
+    deep = spot**2 / radius if indentation is None else indentation
+    yield from indentation_notices(deep, radius)
