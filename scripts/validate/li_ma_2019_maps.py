@@ -10,9 +10,10 @@ import sys
 from dataclasses import astuple, fields
 from pathlib import Path
 
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.papers.li_ma_2019 import gaskets, joints
 from strikewave.papers.li_ma_2019.map_figures import gasket_figure, joint_figure
+from strikewave.papers.li_ma_2019.published import published_number
+from strikewave.papers.li_ma_2019.report.tables import span_text
 from strikewave.papers.li_ma_2019.unknowns import Unknowns
 
 
@@ -29,8 +30,8 @@ def main() -> None:
     gasket_figure(unknowns.gaskets).savefig(folder / "gaskets.png", dpi=120)
     joint_figure(unknowns.joints).savefig(folder / "joints.png", dpi=120)
     for name, span in unknowns.ranges().items():
-        scale, unit = (1e-6, "us") if name == "wave width" else (STANDARD_GRAVITY, "g")
-        print(f"{name}: {span.low / scale:.4g} to {span.high / scale:.4g} {unit}, left open by {span.left_by}")
+        unit = published_number(name).unit
+        print(f"{name}: {span_text(span.low, span.high, unit)}, left open by {span.left_by}")
     scatter = [one.sensor for one in unknowns.joints.trains]
     print(f"scatter of peaks, {len(scatter)} trains with joints that chatter: {min(scatter):.1%} to {max(scatter):.1%}")
 

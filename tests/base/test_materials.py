@@ -37,6 +37,8 @@ def test_every_row_is_possible_and_names_its_source(m):
     assert -1 < m.poissons_ratio < 0.5
     assert 30 < m.bar_speed < 7000
     assert m.yield_strength is None or 0 < m.yield_strength < 0.05 * m.youngs_modulus
+    # 2.84 without hardening; no metal of the table hardens to more than twice that
+    assert m.hardness is None or 2.5 < m.hardness / m.yield_strength < 5.7
     assert m.loss_factor is None or 0 < m.loss_factor < 1
     assert m.kind in ("metal", "polymer", "elastomer")
     assert m.kind == "metal" or m.loss_factor is not None

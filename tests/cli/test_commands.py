@@ -22,7 +22,7 @@ def test_run_json_has_exactly_its_keys(strikewave, tmp_path):
     assert code == 0
     document = json.loads(out)
     assert set(document) == {
-        "schema", "version", "units", "warnings", "case", "route", "blows", "masses", "phases", "balance", "waves", "published", "fitted_fields",
+        "schema", "version", "units", "warnings", "case", "route", "blows", "masses", "phases", "balance", "contact", "waves", "published", "fitted_fields",
     }  # fmt: skip
     assert all(set(blow) == BLOW_KEYS for blow in document["blows"])
     assert set(document["masses"]) == {"striker", "object", "assembly"}

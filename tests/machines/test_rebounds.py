@@ -19,9 +19,10 @@ BALANCE = 1e-6
 
 
 def bouncing(until, *changes, height=1.0, e=0.7):
-    """Return a ball on a face that is next to rigid, and too heavy to move."""
+    """Return a ball on a face that is next to rigid, too heavy to move, and too hard to yield."""
     stiff = ["object.mass=2000 kg", "object.nose_mass=1000 kg", "object.frame_stiffness=1e12 N/m"]
     stiff += ["object.frame_damping=1e6 N s/m", "contact.slowest_approach=1 mm/s", f"contact.restitution={e}"]
+    stiff += ["contact.yield_pressure=900 GPa"]
     stiff += [f"machine.height={height} m", f"machine.until={until}", "solver.output_step=1 ms"]
     return load_case(BALL, [*stiff, *changes])
 

@@ -106,6 +106,12 @@ SOURCES: dict[str, str] = {
         "C. Thornton, Coefficient of Restitution for Collinear Collisions of Elastic-Perfectly Plastic Spheres, "
         "Journal of Applied Mechanics 64 (1997) 383-386, doi:10.1115/1.2787319"
     ),
+    "jackson-green-2005": (
+        "R. L. Jackson, I. Green, A Finite Element Study of Elasto-Plastic Hemispherical Contact Against a Rigid Flat, "
+        "Journal of Tribology 127 (2005) 343-354, doi:10.1115/1.1866166; its force as in an open code of H. Ghaednia, "
+        "M. R. W. Brake, M. Berryhill, R. L. Jackson, Strain Hardening From Elastic-Perfectly Plastic to Perfectly "
+        "Elastic Flattening Single Asperity Contact, Journal of Tribology 2019"
+    ),
     "green-2005": (
         "I. Green, Poisson ratio effects and critical values in spherical and cylindrical Hertzian contacts, "
         "International Journal of Applied Mechanics and Engineering 10 (2005) 451-462"

@@ -32,6 +32,8 @@ class Material:
         know about them.
     yield_strength : float or None
         Pa.
+    hardness : float or None
+        Mean pressure of a ball indentation (Brinell, in Pa), in the state of the yield strength.
     loss_factor : float or None
         Tangent of the loss angle.
     """
@@ -45,6 +47,7 @@ class Material:
     status: str
     note: str
     yield_strength: float | None = None
+    hardness: float | None = None
     loss_factor: float | None = None
 
     @property

@@ -200,6 +200,27 @@ class Range:
         return number
 
 
+AUTO: Literal["auto"] = "auto"
+"""Word in place of a quantity that is found from others."""
+
+
+@dataclass(frozen=True)
+class RangeOrAuto(Range):
+    """What a value may be, or the word `AUTO`, which alone has no provenance: what it is found from has."""
+
+    def read(self, raw: Any) -> Any:
+        """Turn what a case file holds into a `Value`, or the word; see `Range.read`."""
+        word = raw.get("value") if isinstance(raw, dict) else raw
+        return AUTO if word == AUTO else super().read(raw)
+
+    def _within(self, typed: Any) -> float:
+        """Return what was typed in SI; an error names the word too."""
+        try:
+            return super()._within(typed)
+        except InputError as error:
+            raise InputError(error.field, error.got, f'{error.allowed}, or "{AUTO}"', error.hint) from None
+
+
 def _check_keys(raw: dict[str, Any]) -> None:
     """Refuse the table of a quantity without a value, with unknown keys or with an unknown provenance."""
     unknown = [key for key in raw if key not in TABLE]
@@ -291,6 +312,9 @@ MaybeArea = Annotated[Value | None, positive("m^2", 1e4)]
 MaybeDensity = Annotated[Value | None, positive("kg/m^3", 1e6)]
 MaybeModulus = Annotated[Value | None, positive("Pa", 1e15)]
 MaybePressure = Annotated[Value | None, positive("Pa", 1e12)]
+ContactPressure = Value | Literal["auto"] | None
+"""Largest pressure that a contact bears: a value, the word `AUTO`, or none."""
+MaybeContactPressure = Annotated[ContactPressure, BeforeValidator(RangeOrAuto("Pa", 0.0, 1e12, open_low=True).read)]
 MaybeSpringRate = Annotated[Value | None, positive("N/m", 1e15)]
 MaybeDamping = Annotated[Value | None, not_negative("N s/m", 1e9)]
 MaybeGap = Annotated[Value | None, not_negative("m", 1.0)]

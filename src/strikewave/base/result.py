@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 SCHEMA = 5
 """Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance); 5 adds
-the side force of each blow."""
+the side force of each blow and the answers of its contact."""
 BALANCE_LIMIT = 1e-6
 """Energy or momentum missing beyond this share fails the check of its balance."""
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 from strikewave.base.materials import material
+from strikewave.base.quantities import AUTO, Value
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
+from strikewave.cases.contact_of_case import cap_geometry
 from strikewave.cases.tables import POWER, AnyStriker, ContactTable
 from strikewave.contact import (
-    Geometry,
+    FirstYield,
     damping_law,
     factor,
     first_yield,
@@ -19,9 +20,6 @@ from strikewave.contact import (
 )
 from strikewave.contact.registry import FROM_MEMORY
 
-FAR_BEYOND = 100.0
-"""Beyond this many times the load of first yield an elastic law does not predict the force. Chosen: the contact is then
-plastic over most of its area, which is another law."""
 SAME_RESTITUTION = 1e-9
 """Two restitutions that differ by less are the same: far more than rounding of the closed form, far less than any law
 errs."""
@@ -49,38 +47,37 @@ def law_notices(case: Case) -> Iterator[Notice]:
         yield Notice("restitution-differs", message, resulting, asked)
 
 
-def yield_notices(
-    striker: AnyStriker, contact: ContactTable, face: str, peak: float, otherwise: str = ""
-) -> Iterator[Notice]:
+def first_yield_of(striker: AnyStriker, contact: ContactTable, face: str) -> FirstYield | None:
+    """Return where a striker first yields on a face of a material, or the face below it; None where it is not known."""
+    geometry = cap_geometry(striker, contact)
+    return None if geometry is None else first_yield(material(striker.material), material(face), geometry)
+
+
+def low_pressure_notices(striker: AnyStriker, contact: ContactTable, face: str) -> Iterator[Notice]:
+    """Warn where the largest pressure that was given lies below first yield."""
+    first, cap = first_yield_of(striker, contact, face), contact.yield_pressure
+    if first is not None and isinstance(cap, Value) and cap.si < first.pressure:
+        message = (
+            f"contact.yield_pressure, {cap.typed}, is below the {first.pressure / 1e6:.4g} MPa at which the "
+            "weaker material first yields inside: the contact is taken as softer than it is"
+        )
+        yield Notice("yield-pressure-low", message, cap.si, first.pressure)
+
+
+def yield_notices(striker: AnyStriker, contact: ContactTable, face: str, peak: float) -> Iterator[Notice]:
     """Warn where an elastic contact goes beyond its first yield, or a cap lies below it.
 
-    ``face`` is the material that is hit, ``peak`` the largest force, N, ``otherwise`` what to do besides.
+    ``face`` is the material that is hit, ``peak`` the largest force, N.
     """
-    if contact.law == POWER or striker.nose_radius is None:
-        return
-    of_line = "length" in stiffness_law(contact.law).needs
-    length = striker.contact_length.si if of_line and striker.contact_length else None
-    first = first_yield(material(striker.material), material(face), Geometry(striker.nose_radius.si, math.inf, length))
-    if first is None:
-        return
-    cap = contact.yield_pressure
-    if cap is not None:
-        if cap.si < first.pressure:
-            message = (
-                f"contact.yield_pressure, {cap.typed}, is below the {first.pressure / 1e6:.4g} MPa at which the "
-                "weaker material first yields inside: the contact is taken as softer than it is"
-            )
-            yield Notice("yield-pressure-low", message, cap.si, first.pressure)
-        return
-    limit = first.load
-    if peak > limit:
+    yield from low_pressure_notices(striker, contact, face)
+    first = first_yield_of(striker, contact, face)
+    if first is not None and contact.yield_pressure is None and peak > first.load:
         message = (
-            f"the contact yields below its surface (von Mises) beyond {force_words(limit)} and is loaded with "
-            f"{force_words(peak)}, {peak / limit:.3g} times that: the elastic law "
-            f"{'does not predict this force' if peak > FAR_BEYOND * limit else 'is outside its range'}; give "
-            f"contact.yield_pressure{otherwise}"
+            f"the contact yields below its surface (von Mises) beyond {force_words(first.load)} and is loaded with "
+            f"{force_words(peak)}: the elastic law is outside its range; give contact.yield_pressure, such as "
+            f'"{AUTO}"'
         )
-        yield Notice("contact-yield", message, peak, limit)
+        yield Notice("contact-yield", message, peak, first.load)
 
 
 def force_words(newtons: float) -> str:

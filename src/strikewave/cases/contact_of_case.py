@@ -10,6 +10,7 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import need
 from strikewave.cases.tables import POWER, AnyStriker, ContactTable
+from strikewave.cases.yield_pressure import capped_pressure, pressure_words
 from strikewave.contact import (
     AnyContact,
     Geometry,
@@ -89,14 +90,21 @@ def pressure_cap(striker: AnyStriker, contact: ContactTable, face: Material) -> 
             allowed = "only with contact.yield_pressure: nothing yields without it"
             raise InputError("contact.yields", contact.yields, allowed, "add the pressure, or remove it")
         return None
-    if contact.law == POWER or striker.nose_radius is None:
+    geometry = cap_geometry(striker, contact)
+    if geometry is None:
         allowed = f"only with striker.nose_radius, and not for the law {POWER}"
-        raise InputError("contact.yield_pressure", contact.yield_pressure.typed, allowed, "remove it")
+        raise InputError("contact.yield_pressure", pressure_words(contact.yield_pressure), allowed, "remove it")
     nose = material(striker.material, "striker.material")
+    return cap_of(nose, face, geometry, capped_pressure(contact.yield_pressure, nose, face, "contact.yield_pressure"))
+
+
+def cap_geometry(striker: AnyStriker, contact: ContactTable) -> Geometry | None:
+    """Return the sizes on which a pressure acts, a line's where the law needs a length; None where none are known."""
+    if contact.law == POWER or striker.nose_radius is None:
+        return None
     of_line = "length" in stiffness_law(contact.law, "contact.law").needs
     length = striker.contact_length.si if of_line and striker.contact_length else None
-    geometry = Geometry(striker.nose_radius.si, length=length)
-    return cap_of(nose, face, geometry, contact.yield_pressure.si)
+    return Geometry(striker.nose_radius.si, length=length)
 
 
 def face_contact(striker: AnyStriker, contact: ContactTable, face: Material) -> AnyContact:

@@ -11,7 +11,7 @@ from strikewave.base.quantities import Value
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.tables import POWER, ContactTable, LayerTable
-from strikewave.contact import contact_modulus, stiffness_law
+from strikewave.contact import automatic_pressure, contact_modulus, stiffness_law
 
 SLENDER = 10.0
 """Length over thickness of a struck nose from which on it bends like a beam under a blow, and the line of contact is
@@ -216,9 +216,13 @@ def _spot_notices(case: Case, face: _Face | None, peak: float, indentation: floa
     if striker is None or contact is None or striker.nose_radius is None or not name:
         return
     radius = striker.nose_radius.si
-    spot = (0.75 * peak * radius / contact_modulus(material(striker.material), material(name))) ** (1.0 / 3.0)
-    if contact.yield_pressure is not None:
-        spot = max(spot, math.sqrt(peak / (math.pi * contact.yield_pressure.si)))
+    bodies = material(striker.material), material(name)
+    spot = (0.75 * peak * radius / contact_modulus(*bodies)) ** (1.0 / 3.0)
+    given = contact.yield_pressure
+    if given is not None:
+        # by the materials it bears their hardness, the low end, on its whole plastic area
+        borne = given.si if isinstance(given, Value) else automatic_pressure(*bodies).low
+        spot = max(spot, math.sqrt(peak / (math.pi * borne)))
     if face is not None and 2.0 * spot > face.width:
         whose = "the struck face" if face.own else "a cube of the nose's mass"
         message = (

@@ -13,6 +13,7 @@ from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.tables import EndTable, JointTable, LayerTable
+from strikewave.cases.yield_pressure import capped_pressure
 from strikewave.contact.damping import named_contact
 from strikewave.contact.elastoplastic import cap_of
 from strikewave.contact.stiffness import Geometry, stiffness_of
@@ -199,7 +200,7 @@ def _contact(table: JointTable, path: str, before: LayerTable, after: LayerTable
         raise InputError(f"{path}.radius", error.got, allowed, 'add radius = "10 mm"') from None
     cap = None
     if table.yield_pressure is not None:
-        pressure = table.yield_pressure.si
+        pressure = capped_pressure(table.yield_pressure, first, second, f"{path}.yield_pressure")
         cap = checked(f"{path}.yield_pressure", lambda: cap_of(first, second, geometry, pressure))
     law = named_contact(stiffness, "exact", 1.0, cap)
     gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))

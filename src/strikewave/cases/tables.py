@@ -28,6 +28,7 @@ from strikewave.base.quantities import (
     MaybeBits,
     MaybeBlowCount,
     MaybeCoefficient,
+    MaybeContactPressure,
     MaybeDamping,
     MaybeDensity,
     MaybeError,
@@ -50,7 +51,6 @@ from strikewave.base.quantities import (
     MaybePoisson,
     MaybePositiveForce,
     MaybePreload,
-    MaybePressure,
     MaybeQuality,
     MaybeRatio,
     MaybeRestitution,
@@ -268,6 +268,9 @@ class Object(AnyObject):
 class ContactTable(CaseTable):
     """[contact]: law of the contact between nose and face; with a yield pressure it is elastic-plastic.
 
+    ``yield_pressure`` is the largest pressure that the contact bears, or "auto": that of the softer material
+    (`strikewave.contact.automatic_pressure`).
+
     What has yielded stays: on the face, where all strikers hit the same spot, or on each nose (``yields``).
     The law "power", that of a pulse shaper or of a measured contact, is F = K d^n with K from ``reference_force`` at
     ``reference_depth`` and n = ``exponent`` (1). The nose of a rotary machine slides across the face: against
@@ -282,7 +285,7 @@ class ContactTable(CaseTable):
     reference_depth: MaybeLength = None
     exponent: MaybeExponent = None
     datum_depth: MaybeLength = None
-    yield_pressure: MaybePressure = None
+    yield_pressure: MaybeContactPressure = None
     yields: Literal["face", "nose"] = "face"
     friction: MaybeCoefficient = None
     sliding_damping: MaybeDamping = None
@@ -341,7 +344,7 @@ class JointTable(CaseTable):
     modulus and a loss factor that holds from ``band_low`` to ``band_high`` (1 and 100 kHz where left out).
     An oscillator is a sensor's mass on a spring that sits on bonded faces: mass, stiffness or resonance, damping or
     quality. A contact is a nonlinear one by the elastic law ``law`` between the materials of its neighbours: radius
-    of the first face on the second, which is plane, length of a line; gap or preload, yield_pressure.
+    of the first face on the second, which is plane, length of a line; gap or preload, yield_pressure (as of [contact]).
     """
 
     after: Name
@@ -365,7 +368,7 @@ class JointTable(CaseTable):
     radius: MaybeLength = None
     length: MaybeLength = None
     datum_depth: MaybeLength = None
-    yield_pressure: MaybePressure = None
+    yield_pressure: MaybeContactPressure = None
 
 
 class EndTable(CaseTable):

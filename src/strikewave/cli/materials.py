@@ -13,7 +13,7 @@ from strikewave.reporting.terminal import print_json, significant, table
 def command(json: Json = False) -> int:
     """List the materials with their sources.
 
-    Elastic constants, yield strength, loss factor, status and source.
+    Elastic constants, yield strength, hardness, loss factor, status and source.
     """
     entries = materials().values()
     if json:
@@ -22,6 +22,7 @@ def command(json: Json = False) -> int:
             "youngs_modulus": "Pa",
             "poissons_ratio": "1",
             "yield_strength": "Pa",
+            "hardness": "Pa",
             "loss_factor": "1",
         }
         units |= {"bar_speed": "m/s"}
@@ -36,11 +37,13 @@ def command(json: Json = False) -> int:
             significant(m.youngs_modulus / 1e9, 4),
             f"{m.poissons_ratio:g}",
             "-" if m.yield_strength is None else significant(m.yield_strength / 1e6, 4),
+            "-" if m.hardness is None else significant(m.hardness / 1e6, 4),
             "-" if m.loss_factor is None else f"{m.loss_factor:g}",
             significant(m.bar_speed, 4),
         ]
         for m in entries
     ]
-    columns = ["name", "status", "density (kg/m³)", "E (GPa)", "nu", "yield (MPa)", "loss factor", "bar speed (m/s)"]
+    columns = ["name", "status", "density (kg/m³)", "E (GPa)", "nu", "yield (MPa)", "hardness (MPa)", "loss factor"]
+    columns += ["bar speed (m/s)"]
     table("Materials (sources: strikewave materials --json)", columns, rows, left=2)
     return 0

@@ -46,6 +46,7 @@ KEYS = BLOW_KEYS | {
     "schema", "version", "units", "warnings", "asked_restitution", "peak_time", "turning_time", "method", "stiffness",
     "exponent", "slope", "load", "hysteresis_factor", "law", "law_status", "damping", "damping_status", "damper",
     "damper_status", "damper_coefficient", "damper_exponent", "yield_load", "shape", "cap", "cap_status", "blows",
+    "answers", "differ",
 }  # fmt: skip
 
 
@@ -315,6 +316,9 @@ BAD = {
     f"{HERTZ} --yield-pressure 1e300": "a pressure that a body bears",
     f"{HERTZ} --yield-pressure 1e9 --yield-load 1": "--yield-load",
     f"{HERTZ} --yield-pressure 1e9 --shape point": "--shape",
+    f"{HERTZ} --yield-pressure aut": "--yield-pressure",
+    f"{HERTZ} --yield-pressure auto --material1 rubber": "rubber has neither hardness nor yield strength",
+    "--stiffness 1e9 --exponent 1.5 --yield-pressure auto": "give --yield-load and --shape",
     f"{HERTZ} --yield-pressure 0": "--yield-pressure",
     f"{HERTZ} --shape point": "--yield-load: missing",
     "--law palmgren --length .04 --yield-pressure 1e9": "--radius1: missing",
@@ -334,6 +338,44 @@ def test_bad_input_is_one_line_and_exit_2(strikewave, tmp_path, line):
     assert (code, out) == (2, "")
     assert len(err.strip().splitlines()) == 1, err
     assert BAD[line] in err
+
+
+def test_auto_is_the_pressure_of_the_softer_material_given_by_hand(impact):
+    """7075-T6 of 1.471 GPa against 65Mn of 2.84 x 430 MPa: 2 x 1.2212 GPa."""
+    sphere = ("--law", "hertz", "--radius1", "10 mm", "--material2", "7075-T6")
+    auto = impact(*sphere, "--yield-pressure", "auto")
+    by_hand = impact(*sphere, "--yield-pressure", "2.4424 GPa")
+    for key in ("peak_force", "restitution", "yield_load", "residual_indentation"):
+        assert auto[key] == pytest.approx(by_hand[key], rel=1e-9), key
+    assert [row["name"] for row in by_hand["answers"]] == ["elastic", "yielding"]
+
+
+def test_elastic_and_yielding_answers_are_shown_where_they_differ(impact, strikewave):
+    sphere = ("--law", "hertz", "--radius1", "10 mm", "-e", "0.8")
+    elastic, yielding = impact(*sphere), impact(*sphere, "--yield-pressure", "auto")
+    assert elastic["differ"]
+    assert yielding["differ"]
+    for one, other in zip(elastic["answers"], yielding["answers"], strict=True):
+        assert one["name"] == other["name"]
+        assert one["peak_force"] == pytest.approx(other["peak_force"], rel=1e-6)
+    names = [row["name"] for row in yielding["answers"]]
+    assert names == ["elastic", "yielding, low", "yielding", "yielding, high"]
+    forces = [row["peak_force"] for row in yielding["answers"]]
+    assert forces[1] < forces[2] < forces[3] < forces[0]
+    assert yielding["asked_restitution"] == 0.8
+    assert yielding["restitution"] < 0.8
+    assert {"contact-yields", "restitution-differs"} <= set(codes(yielding))
+    _, out, err = strikewave("impact", *BODIES, *sphere, "--yield-pressure", "auto")
+    assert "First blow with its contact elastic and yielding" in out
+    assert f"elastic {elastic['peak_force'] / 1e3:.4g} kN" in err
+
+
+def test_a_contact_far_below_first_yield_has_one_answer(strikewave):
+    words = ("impact", "--m1", "1e-6", "--m2", "1e-6", "--speed", "1e-3", "--law", "hertz", "--radius1", "1 m")
+    code, out, err = strikewave(*words)
+    assert code == 0
+    assert "elastic and yielding" not in out
+    assert "yield" not in err
 
 
 def test_a_contact_shorter_than_its_bodies_are_long_is_named(impact):

@@ -12,6 +12,8 @@ CODES = {
     *("bodies-heavier-above", "no-gain", "gain-of-gaps", "contacts-overlap"),
 }
 ROTARY, BALL, TABLE, ARM = "li-ma-2019", "iso-16063-22-dropball", "jesd22-b111-b", "machete-13-teeth"
+ELASTIC = "contact.yield_pressure=900 GPa"
+"""More than anything bears: the contact of a case that yields stays elastic, also on rubber, which has no hardness."""
 GUN, LINE, DUAL = "en-166-ball", "rodgers-2009-amplifier", "dual-mass-amplifier"
 
 
@@ -32,8 +34,8 @@ def warned(name, *changes):
         (ROTARY, ["feed.arrival=0.02"], "struck-while-fed", "feed.arrival"),
         (ROTARY, ["feed.stroke_time=200 ms"], "struck-while-fed", "short of its place"),
         (ROTARY, ["feed.stroke_time=5 ms"], "first-blow-moving", "feed.stroke_time"),
-        (BALL, ["striker.material=rubber"], "spot-wider-than-face", "object.nose_mass"),
-        (BALL, ["striker.material=rubber"], "indentation-large", "of the radius"),
+        (BALL, ["striker.material=rubber", ELASTIC], "spot-wider-than-face", "object.nose_mass"),
+        (BALL, ["striker.material=rubber", ELASTIC], "indentation-large", "of the radius"),
         (GUN, ["machine.speed=9000 m/s"], "approach-fast", "rho v^2/2 > Y"),
         (TABLE, ["striker.mass=1 kg"], "anvil-light", "striker.mount_stiffness"),
         (ARM, ["machine.mass=3 kg", "machine.centre=0.4 m", "machine.drum=2 m"], "rope-slack", "machine.drum"),
@@ -54,8 +56,10 @@ KNOWN = {
     "li-ma-2019-fig5": {"contact-longer-than-face"},
     "li-ma-2019-fig13": {"contact-longer-than-face"},
     "endevco-tp-321": {"indentation-large"},
+    "en-166-ball": {"indentation-large"},
 }
-"""The built-in cases that reach beyond a law: a face of 30 mm under a nose of 40 mm, both assumed; an edge of 1 mm."""
+"""The built-in cases that reach beyond a law: a face of 30 mm under a nose of 40 mm, both assumed; an edge of 1 mm; a ball
+at 45 m/s that dents its target by a tenth of its radius."""
 
 
 def of_stacks(name):

@@ -153,10 +153,10 @@ def test_the_drawing_writes_its_numbers_and_marks(published):
     words = texts(machine_drawing(published))
     for expected in (
         "R 200 mm",
-        "q 5.501 mm",
+        "q 5.502 mm",
         "stroke s 20 mm",
         "730 r/min",
-        "90.83 MN/m",
+        "90.82 MN/m",
         "0.459 kg",
         "blow",
         "turns",

@@ -34,9 +34,10 @@ def command(
     """
     from strikewave.analyses.impact.screen import solve_setup
     from strikewave.analyses.impact.setup import Setup, read_base, read_cap, read_loss, read_masses
+    from strikewave.base.quantities import AUTO
 
     masses = read_masses(bodies)
     base = read_base(stiffness)
     lost = read_loss(loss, base.stiffness, masses)
     cap = read_cap(yielding, base, loss.damper)
-    return solve_setup(Setup(masses, bodies.speed, base, lost, cap, repeat), output)
+    return solve_setup(Setup(masses, bodies.speed, base, lost, cap, repeat, yielding.yield_pressure == AUTO), output)

@@ -9,7 +9,8 @@ from typing import Annotated, Any, ClassVar, Literal
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.base.units import parse_typed
+from strikewave.base.quantities import AUTO
+from strikewave.base.units import DIMENSIONS, parse_typed
 from strikewave.reporting.options import bare_number, parsed, quantity
 
 MOST_BLOWS = 1000
@@ -38,6 +39,31 @@ def second_radius(text: str, field: str = "--radius2") -> float:
     if value == 0.0 or value != value or value == -math.inf:
         raise InputError(field, text, "a length, inf for a plane, or negative for a hole")
     return value
+
+
+def contact_pressure(text: str, field: str = "--yield-pressure") -> float | str:
+    """Return the largest pressure of a contact, Pa, or the word for that of the softer body.
+
+    Raises
+    ------
+    InputError
+        If it is neither.
+
+    Examples
+    --------
+    >>> contact_pressure("1.2 GPa"), contact_pressure("auto")
+    (1200000000.0, 'auto')
+    """
+    if text.strip() == AUTO:
+        return AUTO
+    value = parse_typed(text, "Pa", field)
+    if not 0.0 < value < math.inf:
+        raise InputError(field, text, f"{DIMENSIONS['Pa'][0]} above zero, or {AUTO}")
+    return value
+
+
+def _pressure_words(pressure: float | str | None) -> str | None:
+    return pressure if pressure is None or isinstance(pressure, str) else f"{pressure:g} Pa"
 
 
 @dataclass(frozen=True)
@@ -139,11 +165,12 @@ class YieldOptions:
     panel: ClassVar[str] = "Yielding"
 
     yield_pressure: Annotated[
-        float | None,
-        quantity(
+        Any,
+        parsed(
             "--yield-pressure",
-            si="Pa",
-            help='Largest pressure that the contact bears, such as "1.2 GPa"; elastic by default.',
+            read=contact_pressure,
+            help='Largest pressure of the contact, such as "1.2 GPa", or auto, of the softer body; elastic by default.',
+            metavar="PRESSURE|auto",
         ),
     ] = None
     yield_load: Annotated[
@@ -159,7 +186,7 @@ class YieldOptions:
     def typed(self) -> list[tuple[str, str]]:
         """The options that were given, with what was."""
         given = {
-            "--yield-pressure": None if self.yield_pressure is None else f"{self.yield_pressure:g} Pa",
+            "--yield-pressure": _pressure_words(self.yield_pressure),
             "--yield-load": None if self.yield_load is None else f"{self.yield_load:g} N",
             "--shape": self.shape,
         }

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from strikewave.analyses.impact.answers import ImpactAnswers, impact_answers
 from strikewave.analyses.impact.setup import ContactLoss, Setup
 from strikewave.base.errors import InputError
+from strikewave.base.quantities import AUTO
 from strikewave.base.result import Notice, Source
 from strikewave.cases.contact_range_notices import duration_notices, indentation_notices, speed_notices
+from strikewave.cases.yield_pressure import ELASTIC, YIELDING
 from strikewave.contact import Impact, Stiffness, first_yield, impact_history, reduced_mass, solve_impact
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
@@ -61,12 +64,15 @@ class ImpactResult(measured.AskedResult):
         What was asked for.
     blows : list of Impact
         One blow after another on the same spot.
+    answers : ImpactAnswers
+        The first blow with its contact elastic and yielding.
     """
 
     command: ClassVar[str] = "impact"
 
     setup: Setup
     blows: list[Impact]
+    answers: ImpactAnswers
 
     @property
     def title(self) -> str:
@@ -93,6 +99,8 @@ class ImpactResult(measured.AskedResult):
             "method": first.method,
             **_law_keys(setup),
             "blows": [_numbers(blow) for blow in self.blows],
+            "differ": self.answers.differ,
+            "answers": [vars(row) for row in self.answers.rows],
         }
 
     @property
@@ -131,7 +139,10 @@ class ImpactCommand(Command[ImpactResult]):
     def solve(self) -> ImpactResult:
         """Return the blows."""
         blows = _blows(self.setup)
-        return ImpactResult(self.setup, blows, origin=self.origin, notices=_notices(self.setup, blows[0]))
+        answers = impact_answers(self.setup, blows[0])
+        return ImpactResult(
+            self.setup, blows, answers, origin=self.origin, notices=_notices(self.setup, blows[0], answers)
+        )
 
     def show(self, result: ImpactResult) -> None:
         """Print the first blow, and the others in a table."""
@@ -147,9 +158,13 @@ class ImpactCommand(Command[ImpactResult]):
         return ["impact.svg"]
 
 
-def _notices(setup: Setup, blow: Impact) -> tuple[Notice, ...]:
+def _notices(setup: Setup, blow: Impact, answers: ImpactAnswers) -> tuple[Notice, ...]:
     """Return what is odd about the first blow, and the laws that stand here from memory."""
-    notices = [_restitution_differs(setup, blow), _contact_yields(setup, blow)]
+    notices = [
+        _restitution_differs(setup, blow),
+        _contact_yields(setup, blow, answers),
+        _answers_differ(setup, answers),
+    ]
     return (*_beyond(setup, blow), *(notice for notice in notices if notice), *_from_memory(setup))
 
 
@@ -242,7 +257,29 @@ def _expected(setup: Setup) -> str:
     return f"{law.name} {relation}"
 
 
-def _contact_yields(setup: Setup, blow: Impact) -> Notice | None:
+def _answers_differ(setup: Setup, answers: ImpactAnswers) -> Notice | None:
+    """Say what a contact that yields would give as elastic, and over what is known of its pressure."""
+    elastic, yielding = answers.row(ELASTIC), answers.row(YIELDING)
+    if setup.cap is None or elastic is None or yielding is None or not answers.differ:
+        return None
+    message = f"the contact yields: the first blow gives {_kilonewtons(yielding.peak_force)}{_known(answers)}; elastic "
+    message += _kilonewtons(elastic.peak_force)
+    return Notice("contact-yields", message, elastic.peak_force, yielding.yield_load or math.nan)
+
+
+def _known(answers: ImpactAnswers) -> str:
+    """Return the range of the peak force in words; nothing where the pressure was given."""
+    if answers.band is None:
+        return ""
+    low, high = (_kilonewtons(force) for force in answers.band)
+    return f" ({low} to {high} over what is known of the hardness)"
+
+
+def _kilonewtons(force: float) -> str:
+    return f"{force / 1e3:.4g} kN"
+
+
+def _contact_yields(setup: Setup, blow: Impact, answers: ImpactAnswers) -> Notice | None:
     """Warn of a contact solved as elastic whose materials would yield, of a cap below that, or of no check at all."""
     sizes, bodies, peak = setup.base.sizes, setup.base.bodies, float(blow.peak_force)
     if bodies is None:
@@ -250,7 +287,7 @@ def _contact_yields(setup: Setup, blow: Impact) -> Notice | None:
     if sizes.radius1 is None:
         message = "whether the contact yields is not checked: --radius1 says where"
         return None if setup.cap else Notice("yield-unchecked", message)
-    first = first_yield(*bodies, sizes if setup.base.shape == "line" else replace(sizes, length=None))
+    first = first_yield(*bodies, setup.base.cap_sizes)
     if first is None:
         return None
     pressure, limit = first
@@ -264,8 +301,13 @@ def _contact_yields(setup: Setup, blow: Impact) -> Notice | None:
         return None
     message = (
         f"the peak force of {peak / 1e3:.4g} kN is above the {limit / 1e3:.4g} kN at which the materials first yield "
-        f"inside; elastic here (--yield-pressure takes yielding in; first yield is at {pressure / 1e9:.3g} GPa)"
+        f"inside; elastic here (first yield is at {pressure / 1e9:.3g} GPa)"
     )
+    yielding = answers.row(YIELDING)
+    if yielding is None:
+        message += "; --yield-pressure takes yielding in"
+    else:
+        message += f"; --yield-pressure {AUTO} gives {_kilonewtons(yielding.peak_force)}{_known(answers)}"
     return Notice("contact-yield", message, peak, limit)
 
 
@@ -303,6 +345,8 @@ def _drawn(count: int) -> list[int]:
 def _print(result: ImpactResult) -> None:
     setup, blows = result.setup, result.blows
     table("Impact of two free bodies" + (", first blow" if setup.repeat > 1 else ""), ["", ""], _rows(setup, blows[0]))
+    if result.answers.differ:
+        _print_answers(result.answers)
     if setup.repeat > 1:
         _print_blows(blows)
 
@@ -350,6 +394,22 @@ def _stiffness_words(setup: Setup) -> str:
     if isinstance(stiffness, Stiffness):
         return f"{stiffness.stiffness:.6g} N/m^{stiffness.exponent:.4g}"
     return f"slope {stiffness.slope:.6g} N/m, load {stiffness.load:.6g} N"
+
+
+def _print_answers(answers: ImpactAnswers) -> None:
+    columns = ["contact", "yield load (kN)", "peak force (kN)", "duration (us)", "residual (um)", "restitution"]
+    rows = [
+        [
+            row.name,
+            number(row.yield_load, "N", "kN", 5),
+            number(row.peak_force, "N", "kN", 5),
+            number(row.duration, "s", "us", 5),
+            number(row.residual_indentation, "m", "um", 5),
+            f"{row.restitution:.4f}",
+        ]
+        for row in answers.rows
+    ]
+    table("First blow with its contact elastic and yielding", columns, rows)
 
 
 def _print_blows(blows: list[Impact]) -> None:

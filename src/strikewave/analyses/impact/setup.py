@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from strikewave.analyses.impact.options import BodyOptions, LossOptions, StiffnessOptions, YieldOptions
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.materials import Material, material
+from strikewave.cases.yield_pressure import pressure_of_materials
 from strikewave.contact import (
     AnyContact,
     Damper,
@@ -38,6 +39,11 @@ class Base:
     bodies: tuple[Material, Material] | None = None
 
     @property
+    def cap_sizes(self) -> Geometry:
+        """Sizes on which a pressure acts: those of a line only where the law needs a length."""
+        return self.sizes if self.shape == "line" else replace(self.sizes, length=None)
+
+    @property
     def shape(self) -> str | None:
         """Shape of the contact, as its law needs a length or a radius alone."""
         return "line" if "length" in self.needs else "point" if "radius1" in self.needs else None
@@ -55,7 +61,7 @@ class ContactLoss:
 
 @dataclass(frozen=True)
 class Setup:
-    """An impact asked for, in SI."""
+    """An impact asked for, in SI; ``automatic`` tells that the materials gave the cap."""
 
     masses: tuple[float, float]
     speed: float
@@ -63,6 +69,7 @@ class Setup:
     loss: ContactLoss
     cap: PressureCap | None
     repeat: int
+    automatic: bool = False
     contact: AnyContact = field(init=False)
 
     def __post_init__(self) -> None:
@@ -219,15 +226,17 @@ def read_cap(typed: YieldOptions, base: Base, damper: str | None) -> PressureCap
     return PressureCap(typed.yield_load, shape)
 
 
-def _cap_of_pressure(pressure: float, base: Base) -> PressureCap:
-    text, sizes = f"{pressure:g} Pa", base.sizes
+def _cap_of_pressure(pressure: float | str, base: Base) -> PressureCap:
+    text, sizes = pressure if isinstance(pressure, str) else f"{pressure:g} Pa", base.sizes
     if base.shape is None or base.bodies is None:
         hint = "give --yield-load and --shape line|point"
         raise InputError("--yield-pressure", text, "a --law with a length or a radius", hint)
     if sizes.radius1 is None:
         raise _missing("radius1", "on which the yield pressure acts")
     one, other = base.bodies
+    if isinstance(pressure, str):
+        pressure = pressure_of_materials(one, other, "--yield-pressure").best
     try:
-        return cap_of(one, other, sizes, pressure)
+        return cap_of(one, other, base.cap_sizes, pressure)
     except ValueError as error:
         raise InputError("--yield-pressure", text, "a pressure that a body bears", str(error)) from None

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.columns import headings, shown_in
 from strikewave.analyses.machine.kind import kind_of
-from strikewave.analyses.machine.words import MACHINES, launch_tables, reference_law
+from strikewave.analyses.machine.words import (
+    ANSWER_HEADS,
+    ANSWERS_CALLED,
+    MACHINES,
+    answer_rows,
+    launch_tables,
+    reference_law,
+    restitution_words,
+)
 from strikewave.reporting.chapters import balance_table, layer_steps
 from strikewave.reporting.numbers import fixed, listed, with_unit
 from strikewave.reporting.parts import Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
@@ -96,7 +104,7 @@ def blow_table(solution: Solution) -> Section:
         f"{with_unit(reference.peak_acceleration, 'm/s^2', 'g', 3)}."
     )
     words = _WORDS.format(begun=solution.case.time_zero) if rows else ""
-    return Section("Blows", words + beside, [table, *_contacts(solution)])
+    return Section("Blows", words + beside, [table, *_contacts(solution), *_answers(solution)])
 
 
 def _contacts(solution: Solution) -> list[Table]:
@@ -124,6 +132,21 @@ def _of_struck(struck: Sequence[Blow], which: str, caption: str) -> Table:
         [str(b.index), *(fixed(getattr(b, name), si, unit, d) for name, si, unit, d in columns)] for b in struck
     ]
     return Table(caption, ["#", *headings(which)], rows)
+
+
+def _answers(solution: Solution) -> list[Table]:
+    """List what the contact says of the first blow as elastic and as yielding, where that differs."""
+    answers = solution.contact
+    if answers is None or not answers.differ:
+        return []
+    rows: list[list[Cell]] = [list(row) for row in answer_rows(answers)]
+    asked = restitution_words(answers)
+    passed = "" if answers.first_yield is None else with_unit(answers.first_yield, "N", "N", 3)
+    caption = (
+        f"{ANSWERS_CALLED}. The weaker material first yields inside at {passed}. Low and high are the ends of what is "
+        f"known of the pressure that the contact bears. {asked[0].upper()}{asked[1:]}."
+    )
+    return [Table(caption, ANSWER_HEADS, rows)]
 
 
 def pulse_pictures(solution: Solution) -> Section:

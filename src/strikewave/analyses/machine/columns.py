@@ -65,7 +65,11 @@ COLUMNS = (
 
 BLOW_UNITS = {column.name: column.unit for column in COLUMNS if column.unit != "1"}
 """SI unit of each column that has one."""
-CALLED = {"width": "pulse width at 10 %", "restitution": "coefficient of restitution"}
+CALLED = {
+    "width": "pulse width at 10 %",
+    "restitution": "coefficient of restitution",
+    "yield_pressure": "largest pressure",
+}
 """Head of each column whose name is short for the field's term."""
 HIDDEN = frozenset(column.name for column in COLUMNS if not column.document)
 """Columns that the JSON document leaves out."""

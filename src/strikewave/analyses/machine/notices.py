@@ -7,21 +7,24 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.kind import Release
 from strikewave.analyses.machine.sensor_readings import (
     BlowHistory,
     BlowReading,
     Observed,
 )
+from strikewave.base.quantities import AUTO
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
-from strikewave.cases.contact_notices import force_words, law_notices, yield_notices
+from strikewave.cases.contact_notices import force_words, law_notices, low_pressure_notices
 from strikewave.cases.contact_range_notices import damping_speed_notices, size_notices, speed_notices
+from strikewave.cases.yield_pressure import ELASTIC, YIELDING
 from strikewave.machines import Blow
 from strikewave.machines.rebounds import REST_SHARE
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import StackSpan
-from strikewave.reporting.numbers import percent
+from strikewave.reporting.numbers import percent, with_unit
 from strikewave.signal.pulse import FEWEST_INTERVALS, measure_pulse
 from strikewave.waves.limits import (
     field_extremes,
@@ -35,8 +38,11 @@ HEAVY_ANVIL = 10.0
 """Mass of a free anvil over that of what meets it from which on it counts as fixed: it then costs less than a tenth of
 the velocity change, M/(M + m). Chosen; the built-in cases have 100 and more."""
 
+YIELD_TAKES = 0.01
+"""Restitution that yield must take from what is asked of the damping to be reported: less is not measured."""
 
-def notices(case: Case, blows: Sequence[Blow]) -> tuple[Notice, ...]:
+
+def notices(case: Case, blows: Sequence[Blow], answers: ContactAnswers | None) -> tuple[Notice, ...]:
     """Return the notices of a run but for its balances and its waves.
 
     Parameters
@@ -45,6 +51,8 @@ def notices(case: Case, blows: Sequence[Blow]) -> tuple[Notice, ...]:
         What ran.
     blows : sequence of Blow
         Its blows.
+    answers : ContactAnswers or None
+        Of the contact of the first one that struck.
     """
     struck = [blow for blow in blows if blow.kind != "missed"]
     listed = [*_changed(case), *law_notices(case)]
@@ -60,7 +68,8 @@ def notices(case: Case, blows: Sequence[Blow]) -> tuple[Notice, ...]:
             )
         )
         return tuple(listed)
-    listed += [*_odd_blows(case, blows), *_rail(case), *_contact(case, struck), *_recorder(case, struck)]
+    listed += [*_odd_blows(case, blows), *_rail(case), *_yield(case, answers), *_contact(case, struck)]
+    listed += _recorder(case, struck)
     return tuple(listed)
 
 
@@ -109,12 +118,53 @@ def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
         yield Notice("pulse-width", message, float(len(cut)), 0.0)
 
 
+def _yield(case: Case, answers: ContactAnswers | None) -> Iterator[Notice]:
+    """Say in one line what a contact that passes first yield does to the first blow, and to its restitution."""
+    parts = case.impact()
+    yield from low_pressure_notices(parts.striker, parts.contact, parts.object.material)
+    if answers is None or answers.first_yield is None:
+        return
+    elastic, yielding = answers.row(ELASTIC), answers.row(YIELDING)
+    if elastic is None or elastic.peak_force <= answers.first_yield:
+        return
+    asked, limit = answers.asked_restitution, answers.first_yield
+    known = "" if answers.band is None else f" ({_range_words(answers.band)} over what is known of the hardness)"
+    if answers.taken == YIELDING and yielding is not None:
+        if answers.differ:
+            message = f"the contact yields: the first blow gives {_peaks(yielding)}{known}; elastic {_peaks(elastic)}"
+            yield Notice("contact-yields", message, elastic.peak_force, limit)
+        if asked < 1.0 and yielding.restitution < asked - YIELD_TAKES:
+            message = (
+                f"damping and yield together give e = {yielding.restitution:.3g} in the first blow, not the {asked:g} "
+                "asked of the damping; where that already stood for what yields, ask for 1"
+            )
+            yield Notice("restitution-differs", message, yielding.restitution, asked)
+        return
+    head = f"the contact passes first yield ({force_words(limit)}) and is taken as elastic: the first blow gives"
+    advice = f'contact.yield_pressure = "{AUTO}"'
+    if yielding is None:
+        message = f"{head} {_peaks(elastic)}; give contact.yield_pressure, the materials have no hardness"
+    elif answers.differ:
+        message = f"{head} {_peaks(elastic)}; {advice} gives {_peaks(yielding)}{known}"
+    else:
+        message = f"{head} {_peaks(elastic)}, and no more than {percent(answers.spread)} else with {advice}"
+    yield Notice("contact-yield", message, elastic.peak_force, limit)
+
+
+def _peaks(answer: ContactAnswer) -> str:
+    """Return the peaks of a first blow in words."""
+    return f"{with_unit(answer.rigid_peak, 'm/s^2', 'g')} and {force_words(answer.peak_force)}"
+
+
+def _range_words(band: tuple[float, float]) -> str:
+    low, high = (with_unit(peak, "m/s^2", "g") for peak in band)
+    return f"{low} to {high}"
+
+
 def _contact(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     """Report where the contact of the blows lies beyond what its law holds for."""
     parts = case.impact()
-    advice = ", or trust the rigid pulse, which depends on frame and mount, more than the contact force"
     peak = max(blow.peak_force for blow in struck)
-    yield from yield_notices(parts.striker, parts.contact, parts.object.material, peak, advice)
     approaches = [blow.approach_speed for blow in struck]
     yield from size_notices(case, peak, max(blow.indentation for blow in struck))
     yield from speed_notices((parts.striker.material, parts.object.material), max(approaches))

@@ -104,5 +104,8 @@ def _key_numbers(solution: Solution) -> list[tuple[str, str]]:
         ("velocity change, first blow", with_unit(first.velocity_change, "m/s", "m/s", 3)),
         ("contact force, first blow", with_unit(first.peak_force, "N", "kN", 3)),
     ]
+    if solution.contact is not None and solution.contact.differ and solution.contact.band is not None:
+        low, high = (with_unit(peak, "m/s^2", "g") for peak in solution.contact.band)
+        pairs.append(("first peak, range of a yielding contact", f"{low} to {high}"))
     interval = _interval(struck)
     return pairs if interval is None else [*pairs, ("interval, median", with_unit(interval, "s", "ms"))]

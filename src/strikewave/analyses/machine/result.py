@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave._version import __version__
 from strikewave.analyses.machine.columns import BLOW_UNITS, HIDDEN
+from strikewave.analyses.machine.contact_answers import ANSWER_UNITS, ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
 from strikewave.base.result import SCHEMA, Comparison, Notice, Result, Source, comparison_document
@@ -108,6 +109,8 @@ class Solution(Result):
         Of a machine without a drive, SI: see `LAUNCH_UNITS`.
     collisions : tuple of LineCollision
         Of the bodies of an amplifier, that of striker and object among them, by restitution alone.
+    contact : ContactAnswers or None
+        The first blow with its contact elastic and yielding; None where none struck.
     """
 
     command: ClassVar[str] = "run"
@@ -123,6 +126,7 @@ class Solution(Result):
     histories: xarray.Dataset = field(repr=False, compare=False)
     launch: dict[str, float] = field(default_factory=dict)
     collisions: tuple[LineCollision, ...] = ()
+    contact: ContactAnswers | None = None
 
     @property
     def title(self) -> str:
@@ -155,7 +159,7 @@ class Solution(Result):
         units = {k: u for k, u in BLOW_UNITS.items() if k not in HIDDEN}
         units |= {"wave_peak": "m/s^2", "total_peak": "m/s^2", "bandwidth": "Hz", "peak": "m/s^2", "masses": "kg"}
         units |= {"step": "s", "mismatch": "1", "length_asked": "m", "length_used": "m"}
-        units |= LAUNCH_UNITS | {"lower_before": "m/s", "upper_before": "m/s"}
+        units |= ANSWER_UNITS | LAUNCH_UNITS | {"lower_before": "m/s", "upper_before": "m/s"}
         units |= {"lower_after": "m/s", "upper_after": "m/s", "energy_lost": "J"}
         return units | {"balance": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
 
@@ -173,6 +177,7 @@ class Solution(Result):
             "masses": self.masses,
             "phases": [{"name": name, "time": time} for name, time in self.phases],
             "balance": self.balance,
+            "contact": None if self.contact is None else self.contact.document(),
             **self._launched(),
             "waves": dataclasses.asdict(self.waves) if self.waves else None,
             "published": [comparison_document(c, "note", "sensor") for c in self.comparisons],
@@ -227,6 +232,7 @@ class Solution(Result):
             "citations": self.citations,
             "launch": self.launch,
             "collisions": [dataclasses.asdict(collision) for collision in self.collisions],
+            "contact": dataclasses.asdict(self.contact) if self.contact else None,
         }
         attributes = {
             "strikewave_schema": SCHEMA,
@@ -287,6 +293,7 @@ def load_solution(path: Path | str) -> Solution:
             histories=data.drop_attrs(deep=False),
             launch=state["launch"],
             collisions=tuple(LineCollision(**row) for row in state["collisions"]),
+            contact=_contact(state["contact"]),
         )
     except InputError:
         raise
@@ -301,6 +308,12 @@ def _reading(row: dict[str, Any] | None) -> BlowReading | None:
         return None
     sensors = {name: SensorPulse(**pulse) for name, pulse in row["sensors"].items()}
     return BlowReading(row["total_peak"], row["wave_peak"], row["bandwidth"], sensors)
+
+
+def _contact(row: dict[str, Any] | None) -> ContactAnswers | None:
+    if row is None:
+        return None
+    return ContactAnswers(**{**row, "rows": tuple(ContactAnswer(**answer) for answer in row["rows"])})
 
 
 def _waves(row: dict[str, Any] | None) -> WaveSetup | None:

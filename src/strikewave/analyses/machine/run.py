@@ -24,8 +24,10 @@ from strikewave.analyses.machine.sensor_readings import (
     blow_reading,
     without_peaks,
 )
+from strikewave.analyses.machine.yielding import contact_answers
 from strikewave.base import citations
 from strikewave.base.errors import InputError
+from strikewave.base.quantities import AUTO
 from strikewave.base.result import Comparison, balance_notices
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import comparisons
@@ -73,8 +75,10 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
     seen = observe(case, progress)
     machine, run = seen.machine, seen.run
     start = release(case, machine.struck.mass) if case.launched() else None
+    first = next((blow for blow in seen.blows if blow.kind != "missed"), None)
+    answers = None if first is None else contact_answers(case, first)
     listed = [
-        *notices(case, seen.blows),
+        *notices(case, seen.blows, answers),
         *(launch_notices(case, seen, start) if start else feed_notices(run, seen.blows)),
         *wave_notices(run, seen.histories, seen.readings, seen.view.bandwidth),
         *channel_notices(
@@ -107,6 +111,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
         histories=build_dataset(case, seen),
         launch=launch_of(machine, start) if start else {},
         collisions=line_collisions(start) if start else (),
+        contact=answers,
     )
 
 
@@ -234,6 +239,7 @@ def _citations(case: Case, seen: Observed) -> tuple[str, ...]:
     contact = case.impact().contact
     keys = [origin, contact_stiffness(case).source, "hunt-crossley-1975", damping_law(contact.damping).source]
     keys += ["thornton-1997"] if contact.yield_pressure is not None else []
+    keys += ["jackson-green-2005"] if contact.yield_pressure == AUTO else []
     keys += ["maw-barber-fawcett", "molinari-1999"] if contact.friction is not None else []
     keys += ["schwager-poschel-2007", "hairer-1993", *kind_of(case).sources]
     if seen.machine.layered:

@@ -9,7 +9,16 @@ from pathlib import Path
 from strikewave.analyses.machine.columns import headings, shown_in
 from strikewave.analyses.machine.result import Solution
 from strikewave.analyses.machine.run import run_case
-from strikewave.analyses.machine.words import COLLISION_HEADS, collision_rows, reference_law, settings
+from strikewave.analyses.machine.words import (
+    ANSWER_HEADS,
+    ANSWERS_CALLED,
+    COLLISION_HEADS,
+    answer_rows,
+    collision_rows,
+    reference_law,
+    restitution_words,
+    settings,
+)
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
@@ -75,6 +84,7 @@ def show(solution: Solution) -> None:
     say(_header(solution))
     table(solution.title, ["#", "kind", *headings("blows"), "contacts"], rows, left=2)
     _print_struck(solution, "contact", "Contact, blow by blow")
+    _print_answers(solution)
     if solution.slides:
         _print_struck(solution, "sliding", "Nose across the face; the object's guide bears the side force")
     _print_waves(solution)
@@ -96,6 +106,16 @@ def show(solution: Solution) -> None:
         say("fitted: " + ", ".join(f"{path} = {values[path].typed}" for path in fitted))
     balance = solution.balance
     say(f"balance: energy {balance['energy_error']:.1e}, momentum {balance['momentum_error']:.1e} (limit 1e-6)")
+
+
+def _print_answers(solution: Solution) -> None:
+    """Print what was asked of the contact, and its other answers where they differ."""
+    answers = solution.contact
+    if answers is None:
+        return
+    if answers.differ:
+        table(ANSWERS_CALLED, ANSWER_HEADS, answer_rows(answers))
+    say(restitution_words(answers))
 
 
 def _print_struck(solution: Solution, which: str, title: str) -> None:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from strikewave.analyses.machine.columns import CALLED
+from strikewave.analyses.machine.contact_answers import ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.cases.machine_tables import KINDS
-from strikewave.reporting.numbers import fixed, with_unit
+from strikewave.cases.yield_pressure import YIELDING
+from strikewave.reporting.numbers import fixed, heads, with_unit
 from strikewave.reporting.parts import Cell, Table
 
 if TYPE_CHECKING:
@@ -21,6 +24,16 @@ _OF_LAUNCH = {
     "energy_at_touch": ("kinetic energy of what meets, at first touch", "J", "J"),
     "gain": ("gain of the line: fastest speed of the object over that at the floor", "", ""),
 }
+
+ANSWER_COLUMNS = (
+    ("yield_pressure", "Pa", "GPa", 3),
+    ("rigid_peak", "m/s^2", "g", 0),
+    ("peak_force", "N", "kN", 2),
+    ("width", "s", "us", 1),
+    ("restitution", "1", "1", 3),
+)
+ANSWER_HEADS = ["contact", *heads([(CALLED.get(column[0], column[0]), *column[1:]) for column in ANSWER_COLUMNS])]
+ANSWERS_CALLED = "First blow with its contact elastic and yielding"
 
 COLLISION_HEADS = (
     *("time (ms)", "lower", "upper", "lower before (m/s)", "upper before (m/s)"),
@@ -44,6 +57,25 @@ def settings(solution: Solution) -> list[str]:
 def reference_law(case: Case) -> str:
     """Return in words which law stands beside the blows for comparison."""
     return kind_of(case).reference_law
+
+
+def answer_rows(answers: ContactAnswers) -> list[list[str]]:
+    """Return the answers of a contact as the rows of a table; see `ANSWER_HEADS`."""
+    return [
+        [
+            row.name + (" (this run)" if row.name == answers.taken else ""),
+            *(fixed(getattr(row, name), si, unit, decimals) for name, si, unit, decimals in ANSWER_COLUMNS),
+        ]
+        for row in answers.rows
+    ]
+
+
+def restitution_words(answers: ContactAnswers) -> str:
+    """Say which restitution was asked of the damping, and which comes out of the contact."""
+    taken = answers.row(answers.taken)
+    came = "" if taken is None else f", {taken.restitution:.4g} comes out of the first blow"
+    yields = " (damping and yield together)" if answers.taken == YIELDING else ""
+    return f"coefficient of restitution: {answers.asked_restitution:g} asked of the damping{came}{yields}"
 
 
 def launch_tables(solution: Solution) -> list[Table]:

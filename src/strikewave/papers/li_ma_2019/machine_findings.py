@@ -217,4 +217,4 @@ def consistency(fixture: Solution, trains: tuple[TrainScatter, ...]) -> Finding:
 
 
 def _g(acceleration: float) -> str:
-    return f"{acceleration / STANDARD_GRAVITY:,.0f} g".replace(",", " ")
+    return f"{acceleration / STANDARD_GRAVITY:.0f} g"

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.machine.notices import notices, wave_notices
 from strikewave.analyses.machine.run import observe
+from strikewave.analyses.machine.yielding import contact_answers
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.materials import material, materials
@@ -360,8 +361,9 @@ def blows_of(
     )
     if not motions:
         raise InputError("--blow", blow, "a case in which a striker touches the object", "see `strikewave run`")
+    first = next(struck for struck, _ in pairs)
     warnings = (
-        *notices(case, observed.blows),
+        *notices(case, observed.blows, contact_answers(case, first)),
         *wave_notices(observed.run, observed.histories, observed.readings, observed.view.bandwidth),
     )
     return Blows(motions, _chosen(blow, motions), warnings, observed.machine.struck.assembly_mass)
