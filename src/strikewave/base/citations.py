@@ -322,6 +322,11 @@ SOURCES: dict[str, str] = {
         "A. Molinari, Y. Estrin, S. Mercier, Dependence of the Coefficient of Friction on the Sliding Conditions in "
         "the High Velocity Range, Journal of Tribology 121 (1999) 35-41, doi:10.1115/1.2833808 (abstract read)"
     ),
+    "zerilli-armstrong-1987": (
+        "F. J. Zerilli, R. W. Armstrong, Dislocation-mechanics-based constitutive relations for material dynamics "
+        "calculations, Journal of Applied Physics 61 (1987) 1816 (abstract read; constants of copper as quoted in the "
+        "tests of Sandia's lgrtk)"
+    ),
 }
 """References by key: what is marked "from memory" was found in no text that could be opened, and its pages may be
 wrong; "as quoted" says that others print it so, "read" what was opened of the source itself."""
