@@ -1,12 +1,15 @@
-"""The tables of docs/contact.md are those of the laws that the program knows."""
+"""The tables of docs/contact.md and docs/cushions.md are those of the laws that the program knows."""
 
 from pathlib import Path
 
 import pytest
 
 from strikewave.contact import CAP_LAWS, damper_laws, damping_laws, restitution, stiffness_laws
+from strikewave.contact.cushions import cushion_laws
 
-PAGE = (Path(__file__).parents[2] / "docs" / "contact.md").read_text("utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = "\n\n".join((DOCS / name).read_text("utf-8") for name in ("contact.md", "cushions.md"))
+LAWS = {"damper": damper_laws(), "stiffness": stiffness_laws(), "cap": CAP_LAWS, "cushion": cushion_laws()}
 ASKED = (0.1, 0.3, 0.5, 0.7, 0.9)
 
 
@@ -25,7 +28,7 @@ def test_the_damping_laws_stand_with_equation_status_and_what_comes_out():
         assert row[3:] == [f"{restitution(law.function(e)):.3f}" for e in ASKED]
 
 
-@pytest.mark.parametrize("laws", [damper_laws(), stiffness_laws(), CAP_LAWS], ids=["damper", "stiffness", "cap"])
+@pytest.mark.parametrize("laws", LAWS.values(), ids=LAWS)
 def test_the_other_laws_stand_with_equation_range_and_status(laws):
     wanted = [[f"`{name}`", f"`{law.equation}`", law.limits, law.status] for name, law in laws.items()]
     assert wanted in tables()

@@ -47,9 +47,10 @@ def solid_of(deck, number):
     if type(found).__name__ == "MatPlasticKinematic":
         return Bilinear(*base, found.sigy * per["stress"], found.etan * per["stress"], 1.0 - found.beta)
     if type(found).__name__ == "MatJohnsonCook":
-        heat = found.cp * unit_of(deck.system, 2, 0, -2) * 0.9
-        more = (found.n, found.c, found.m, found.epso * unit_of(deck.system, 0, 0, -1), found.tr, found.tm, heat, 0.9)
-        return JohnsonCook(*base, found.a * per["stress"], found.b * per["stress"], *more)
+        heat, rate = found.cp * unit_of(deck.system, 2, 0, -2) * 0.9, found.epso * unit_of(deck.system, 0, 0, -1)
+        warmth = {"reference_rate": rate, "room_temperature": found.tr, "specific_heat": heat, "heat_fraction": 0.9}
+        constants = (found.a * per["stress"], found.b * per["stress"], found.n, found.c, found.m, found.tm)
+        return JohnsonCook(*base, *constants, **warmth)
     return Elastic(*base)
 
 

@@ -53,7 +53,8 @@ def solid_of(deck, number):
         return Bilinear(*base, a * stress, base[1] * hardening / (base[1] + hardening), kinematic)
     heat = 0.9 * capacity * unit_of(deck.system, -1, 1, -2) / base[0]
     rate *= unit_of(deck.system, 0, 0, -1)
-    return JohnsonCook(*base, a * stress, b * stress, n, c, m, rate, room, melting, heat, 0.9)
+    warmth = {"reference_rate": rate, "room_temperature": room, "specific_heat": heat, "heat_fraction": 0.9}
+    return JohnsonCook(*base, a * stress, b * stress, n, c, m, melting, **warmth)
 
 
 def assert_same(first, second, rel):

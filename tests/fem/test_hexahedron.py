@@ -100,9 +100,10 @@ def test_gradient_is_that_of_flanagan_and_belytschko(rng):
 
 
 def strain_and_stress(slope, solid):
-    """Strain increment at the middle of the step of x -> (I + slope) x, and its stress, xx yy zz xy yz zx."""
+    """Strain increment of x -> (I + slope) x, its middle turned by half the rotation, as stress xx yy zz xy yz zx."""
     middle = slope @ np.linalg.inv(np.eye(3) + 0.5 * slope)
-    strain = 0.5 * (middle + middle.T)
+    strain, spin = 0.5 * (middle + middle.T), 0.5 * (middle - middle.T)
+    strain += 0.5 * (spin @ strain - strain @ spin)
     stress = 2.0 * solid.shear_modulus * strain
     stress += (solid.wave_modulus - 2.0 * solid.shear_modulus) * np.trace(strain) * np.eye(3)
     return stress[[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]]
@@ -221,13 +222,14 @@ def test_back_stress_turns_with_the_solid(rng, sort):
 
 @pytest.mark.parametrize("sort", SORTS)
 @pytest.mark.parametrize("viscous", [(0.0, 0.0), (0.06, 1.5)], ids=["", "viscous"])
-def test_works_are_what_the_forces_do_by_the_second_order(rng, sort, viscous):
-    """Distorted elements stretched by 0.2 along three axes, without spin: half the forces before and after each step.
+@pytest.mark.parametrize("shear", [0.0, 0.3], ids=["", "spinning"])
+def test_works_are_what_the_forces_do_by_the_second_order(rng, sort, viscous, shear):
+    """Distorted elements stretched by 0.2 along three axes, some sheared too: half the forces before and after each step.
 
     Elastic and plastic work and that of the bulk viscosity; the error falls by four as the step halves.
     """
     mesh, solid = random_hexahedra(rng, 20), Bilinear(1.0, 1.0, 0.3, 0.05, 0.1, 0.5)
-    reach, duration = 0.2 * mesh.points * [1.0, -0.7, 0.4], 2.0
+    reach, duration = mesh.points @ (np.diag([0.2, -0.14, 0.08]) + shear * np.eye(3, k=1)), 2.0
     errors = []
     for steps in (50, 100, 200):
         found, x, force, done = elements(mesh, solid, sort, viscous=viscous), mesh.points, 0.0, 0.0
@@ -241,7 +243,7 @@ def test_works_are_what_the_forces_do_by_the_second_order(rng, sort, viscous):
         assert plastic > 0.1 * internal
         errors.append(abs(internal + viscosity - done) / done)
     assert errors[-1] < 1e-5
-    np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2.0, atol=0.02)
+    np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2.0, atol=0.04)
 
 
 # Vibration

@@ -17,7 +17,7 @@ PACKAGE = ROOT / "src" / "strikewave"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 NOT_ROOMS = {"data", "project"}
 """Folders of tests that mirror no room: what was measured, and the project as a whole."""
-GROUPS = {"strikewave.damping_laws", "strikewave.damper_laws", "strikewave.stiffness_laws"}
+GROUPS = {"strikewave.damping_laws", "strikewave.damper_laws", "strikewave.stiffness_laws", "strikewave.cushion_laws"}
 """Entry points under which other packages add laws: names, no modules."""
 FAMILIES = ("analyses", "exchange", "papers", "studies")
 """Rooms that hold a folder for each of their members, which stands in the table by itself."""

@@ -296,6 +296,23 @@ SOURCES: dict[str, str] = {
         "JEDEC JESD22-B104C:2004, Mechanical Shock (scope read, lab.atengineer.com/kikaku/jesd22b104c.htm; condition "
         "B, 1500 g and 0.5 ms, as quoted in open notes; equivalent drop heights: v^2/(2 g) of the half sine)"
     ),
+    "iec-60068-2-27": (
+        "IEC 60068-2-27:2008, Environmental testing - Part 2-27: Tests - Test Ea and guidance: Shock (its "
+        "severities from memory)"
+    ),
+    "mindlin-1945": (
+        "R. D. Mindlin, Dynamics of Package Cushioning, Bell System Technical Journal 24 (1945) 353-461 (abstract "
+        "seen; formulas from memory)"
+    ),
+    "stulov-2004": (
+        "A. Stulov, Mechanical Features of Piano Hammer Felt, 21st International Congress of Theoretical and Applied "
+        "Mechanics, Warsaw 2004 (summary seen; the three-parameter law in J. O. Smith, Physical Audio Signal "
+        "Processing)"
+    ),
+    "gibson-ashby-1997": (
+        "L. J. Gibson, M. F. Ashby, Cellular Solids: Structure and Properties, 2nd ed., Cambridge University Press "
+        "1997 (formulas of the densification from memory)"
+    ),
     "maw-barber-fawcett": (
         "N. Maw, J. R. Barber, J. N. Fawcett, The Role of Elastic Tangential Compliance in Oblique Impact, Journal of "
         "Lubrication Technology 103 (1981) 74-80 (abstract read: steel and rubber; the coefficient 0.12 read in part "
@@ -304,6 +321,11 @@ SOURCES: dict[str, str] = {
     "molinari-1999": (
         "A. Molinari, Y. Estrin, S. Mercier, Dependence of the Coefficient of Friction on the Sliding Conditions in "
         "the High Velocity Range, Journal of Tribology 121 (1999) 35-41, doi:10.1115/1.2833808 (abstract read)"
+    ),
+    "zerilli-armstrong-1987": (
+        "F. J. Zerilli, R. W. Armstrong, Dislocation-mechanics-based constitutive relations for material dynamics "
+        "calculations, Journal of Applied Physics 61 (1987) 1816 (abstract read; constants of copper as quoted in the "
+        "tests of Sandia's lgrtk)"
     ),
 }
 """References by key: what is marked "from memory" was found in no text that could be opened, and its pages may be

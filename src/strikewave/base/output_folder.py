@@ -59,6 +59,8 @@ RESULT_FILES = (
     "asked-given.png",
     "stiffness-laws.svg",
     "stiffness-laws.png",
+    "cushion-laws.svg",
+    "cushion-laws.png",
     "histories.nc",
     "histories.csv",
     "field.vtkhdf",

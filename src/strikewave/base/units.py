@@ -43,6 +43,7 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
     "K": ("an absolute temperature", "293 K"),
     "J/kg/K": ("a specific heat", "470 J/kg/K"),
     "1/s": ("a strain rate", "1 1/s"),
+    "1/K": ("a share per kelvin", "0.0028 1/K"),
     "1": ("a strain or another ratio", "200 ustrain"),
 }
 """The SI unit of every kind of quantity used here, its name, and an example that can be typed."""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import Protocol
 
 from strikewave.base.materials import material
 from strikewave.base.quantities import AUTO, Value
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
-from strikewave.cases.contact_of_case import cap_geometry
-from strikewave.cases.tables import POWER, AnyStriker, ContactTable
+from strikewave.cases.contact_of_case import cap_geometry, cushion_contact, cushion_of_contact
+from strikewave.cases.tables import CUSHION, POWER, AnyStriker, ContactTable
 from strikewave.contact import (
     FirstYield,
     damping_law,
@@ -18,13 +19,36 @@ from strikewave.contact import (
     restitution,
     stiffness_law,
 )
-from strikewave.contact.registry import FROM_MEMORY
+from strikewave.contact.cushions import cushion_law
+from strikewave.contact.registry import FROM_MEMORY, Law
 
 SAME_RESTITUTION = 1e-9
 """Two restitutions that differ by less are the same: far more than rounding of the closed form, far less than any law
 errs."""
+LARGEST_STRAIN = 1.0
+"""Strain at which nothing is left of a cushion whose law does not end before."""
 KILO = 1e3
 """Newtons from which on a force is written in kN."""
+
+
+class PressedBlow(Protocol):
+    """What a blow tells of its contact, SI: such as `strikewave.machines.Blow`."""
+
+    @property
+    def indentation(self) -> float:
+        """Largest indentation, m."""
+
+    @property
+    def residual_indentation(self) -> float:
+        """What stays of it, m."""
+
+    @property
+    def restitution(self) -> float:
+        """Root of the work given back over the work taken."""
+
+    @property
+    def peak_force(self) -> float:
+        """Largest force, N."""
 
 
 def law_notices(case: Case) -> Iterator[Notice]:
@@ -32,7 +56,11 @@ def law_notices(case: Case) -> Iterator[Notice]:
     contact = case.contact
     if contact is None:
         return
-    laws = [damping_law(contact.damping), *([stiffness_law(contact.law)] if contact.law != POWER else [])]
+    laws: list[Law] = [damping_law(contact.damping)]
+    if contact.law == CUSHION:
+        laws.append(cushion_law(cushion_of_contact(contact).law))
+    elif contact.law != POWER:
+        laws.append(stiffness_law(contact.law))
     for law in laws:
         if law.status == FROM_MEMORY:
             message = f"the contact law {law.name} is from memory: no text that states it could be opened"
@@ -78,6 +106,34 @@ def yield_notices(striker: AnyStriker, contact: ContactTable, face: str, peak: f
             f'"{AUTO}"'
         )
         yield Notice("contact-yield", message, peak, first.load)
+
+
+def cushion_notices(case: Case, pressed: Sequence[PressedBlow]) -> Iterator[Notice]:
+    """Report how far blows press the cushion of a case's contact, what it gives back, and what stays."""
+    contact = case.contact
+    if contact is None or contact.law != CUSHION or not pressed:
+        return
+    cushion, law = cushion_of_contact(contact), cushion_contact(contact)
+    thickness, area = cushion.pad.thickness, cushion.pad.area
+    most = max(pressed, key=lambda blow: blow.indentation)
+    strain = most.indentation / thickness
+    message = (
+        f"the cushion ({cushion.law}) is pressed to {strain:.1%} of its {thickness * 1e3:.3g} mm, with up to "
+        f"{most.peak_force / area / 1e6:.3g} MPa; it gives back {most.restitution**2:.1%} of the work of that blow"
+    )
+    if law.cap is not None:
+        message += f", and {pressed[-1].residual_indentation * 1e3:.3g} mm stay after the last one"
+    yield Notice("cushion", message, strain, LARGEST_STRAIN)
+    if strain >= LARGEST_STRAIN:
+        message = f"the cushion would be pressed to {strain:.0%} of its thickness, which no pad bears: it is too thin"
+        yield Notice("cushion-solid", message, strain, LARGEST_STRAIN, broken=True)
+    blows = len(pressed)
+    if blows > 1 and (cushion.wear.settling or cushion.wear.stiffening):
+        message = (
+            f"the cushion does not wear within a run: all {blows} blows meet it as it is after contact.cushion."
+            "blows_before; its set is kept"
+        )
+        yield Notice("cushion-wear", message, float(blows), 1.0)
 
 
 def force_words(newtons: float) -> str:

@@ -8,8 +8,9 @@ from strikewave.base.errors import MISSING, InputError
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
-from strikewave.cases.stack_of_case import need
-from strikewave.cases.tables import POWER, AnyStriker, ContactTable
+from strikewave.cases.cushion_of_case import cushion_of, made_at
+from strikewave.cases.stack_of_case import area_of, need
+from strikewave.cases.tables import CUSHION, POWER, AnyStriker, ContactTable
 from strikewave.cases.yield_pressure import capped_pressure, pressure_words
 from strikewave.contact import (
     AnyContact,
@@ -23,9 +24,16 @@ from strikewave.contact import (
     stiffness_law,
     stiffness_of,
 )
+from strikewave.contact.cushions import Cushion, cushion_law
 
 _OF_POWER = ("reference_force", "reference_depth", "exponent")
 """Fields of [contact] that only the law `POWER` takes."""
+
+
+CUSHION_PATH = "contact.cushion"
+"""Path of the cushion of a contact."""
+_NOT_OF_A_CUSHION = ("reference_force", "reference_depth", "exponent", "datum_depth", "yield_pressure")
+"""Fields of [contact] that a cushion does not take."""
 
 
 def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
@@ -39,6 +47,14 @@ def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
     parts = case.impact()
     face = material(parts.object.material, "object.material")
     return face_stiffness(parts.striker, parts.contact, face)
+
+
+def contact_source(case: Case) -> str:
+    """Return the key of the source of a case's contact law; empty where it is that of the case itself."""
+    contact = case.impact().contact
+    if contact.law == CUSHION:
+        return cushion_law(cushion_of_contact(contact).law).source
+    return contact_stiffness(case).source
 
 
 def _power_stiffness(contact: ContactTable) -> Stiffness:
@@ -100,7 +116,7 @@ def pressure_cap(striker: AnyStriker, contact: ContactTable, face: Material) -> 
 
 def cap_geometry(striker: AnyStriker, contact: ContactTable) -> Geometry | None:
     """Return the sizes on which a pressure acts, a line's where the law needs a length; None where none are known."""
-    if contact.law == POWER or striker.nose_radius is None:
+    if contact.law in (POWER, CUSHION) or striker.nose_radius is None:
         return None
     of_line = "length" in stiffness_law(contact.law, "contact.law").needs
     length = striker.contact_length.si if of_line and striker.contact_length else None
@@ -110,8 +126,61 @@ def cap_geometry(striker: AnyStriker, contact: ContactTable) -> Geometry | None:
 def face_contact(striker: AnyStriker, contact: ContactTable, face: Material) -> AnyContact:
     """Return the contact of a striker on a face: stiffness, damping, and a cap on the pressure."""
     damping_law(contact.damping, "contact.damping")
+    if contact.law == CUSHION:
+        return cushion_contact(contact)
+    _refuse_stray_cushion(contact)
     stiffness, cap = face_stiffness(striker, contact, face), pressure_cap(striker, contact, face)
     return named_contact(stiffness, contact.damping, contact.restitution.si, cap)
+
+
+def cushion_of_contact(contact: ContactTable) -> Cushion:
+    """Return the cushion of [contact].
+
+    Raises
+    ------
+    InputError, InputErrors
+        If it has none, or fields that a cushion does not take.
+    """
+    if contact.cushion is None:
+        raise InputError(
+            CUSHION_PATH, MISSING, "a pad for the law cushion", f"add [{CUSHION_PATH}] with its thickness and area"
+        )
+    for key in _NOT_OF_A_CUSHION:
+        value = getattr(contact, key)
+        if value is not None:
+            typed = getattr(value, "typed", value)
+            raise InputError(f"contact.{key}", typed, "none for the law cushion", "remove it")
+    area = area_of(contact.cushion, CUSHION_PATH)
+    return cushion_of(contact.cushion, CUSHION_PATH, area)
+
+
+def cushion_contact(contact: ContactTable) -> AnyContact:
+    """Return the force law of the cushion of [contact], with the damping of the contact.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If parts of it do not fit together.
+    """
+    cushion = cushion_of_contact(contact)
+    retards = cushion.retardation or cushion.properties.get("retardation", 0.0)
+    if retards and contact.restitution.si != 1.0:
+        allowed = "1 where the cushion has a retardation or a loss factor: it loses energy in one way"
+        raise InputError("contact.restitution", contact.restitution.typed, allowed, "or take those out")
+    return made_at(CUSHION_PATH, lambda: cushion.contact(contact.damping, contact.restitution.si))
+
+
+def _refuse_stray_cushion(contact: ContactTable) -> None:
+    """Refuse a pad beside another contact law, which would do nothing.
+
+    Raises
+    ------
+    InputError
+        If there is one.
+    """
+    if contact.cushion is not None:
+        allowed = f'"{CUSHION}" where the case has [{CUSHION_PATH}]'
+        raise InputError("contact.law", contact.law, allowed, f"or remove [{CUSHION_PATH}]")
 
 
 def refuse_sliding(contact: ContactTable) -> None:

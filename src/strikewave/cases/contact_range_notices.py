@@ -10,7 +10,7 @@ from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
-from strikewave.cases.tables import POWER, ContactTable, LayerTable
+from strikewave.cases.tables import CUSHION, POWER, ContactTable, LayerTable
 from strikewave.contact import automatic_pressure, contact_modulus, stiffness_law
 
 SLENDER = 10.0
@@ -43,7 +43,7 @@ def size_notices(case: Case, peak: float, indentation: float | None = None) -> I
         The largest, m; that of the elastic law where it is not known.
     """
     striker, contact = case.striker, case.contact
-    if striker is None or contact is None or contact.law == POWER:
+    if striker is None or contact is None or contact.law in (POWER, CUSHION):
         return
     face = _struck_face(case)
     if not _of_line(contact.law):

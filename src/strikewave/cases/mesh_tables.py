@@ -14,6 +14,7 @@ from strikewave.base.quantities import (
     ElementSize,
     Hardening,
     Length,
+    MaybeCoefficient,
     MaybeDensity,
     MaybeElementSize,
     MaybeGrowth,
@@ -29,6 +30,7 @@ from strikewave.base.quantities import (
     MaybeStrength,
     MaybeTemperature,
     MaybeVelocity,
+    PerKelvin,
     Strength,
 )
 from strikewave.cases.tables import CaseTable, Name
@@ -163,12 +165,24 @@ class BilinearTable(SolidTable):
     kinematic: MaybeShare = None
 
 
-class JohnsonCookTable(SolidTable):
+class HeatedTable(SolidTable):
+    """solid of a part whose flow stress depends on rate and temperature.
+
+    ``reference_rate`` is 1/s, ``room_temperature`` 293 K, ``preheat`` (kelvin above room at the start) 0 where
+    left out; ``heat_fraction`` of the plastic work becomes heat (0.9) where ``specific_heat`` is given.
+    """
+
+    reference_rate: MaybeStrainRate = None
+    room_temperature: MaybeTemperature = None
+    preheat: MaybeTemperature = None
+    specific_heat: MaybeHeatCapacity = None
+    heat_fraction: MaybeShare = None
+
+
+class JohnsonCookTable(HeatedTable):
     """solid of a part: flow stress (A + B p^n)(1 + C ln(rate / reference_rate))(1 - T*^m).
 
-    All five constants are needed. ``reference_rate`` is 1/s, ``room_temperature`` 293 K where left out. Heat counts
-    where ``specific_heat`` and ``melting_temperature`` are given, both; ``heat_fraction`` of the plastic work becomes
-    heat (0.9).
+    All five constants are needed. Heat counts where ``specific_heat`` and ``melting_temperature`` are given, both.
     """
 
     law: Literal["johnson-cook"]
@@ -177,16 +191,29 @@ class JohnsonCookTable(SolidTable):
     n: Coefficient
     C: Coefficient
     m: Coefficient
-    reference_rate: MaybeStrainRate = None
-    room_temperature: MaybeTemperature = None
     melting_temperature: MaybeTemperature = None
-    specific_heat: MaybeHeatCapacity = None
-    heat_fraction: MaybeShare = None
 
 
-SOLIDS = by_kind("law", ElasticTable, BilinearTable, JohnsonCookTable)
+class ZerilliArmstrongTable(HeatedTable):
+    """solid of a part: flow stress C0 + (C1 + C2 sqrt(p)) exp(T (C4 ln(rate / reference_rate) - C3)) + C5 p^n.
+
+    Copper and other face-centred metals have C2 and neither C1 nor C5, iron and other body-centred ones C1 and C5 and
+    no C2: what is left out is 0, n 1. C3 and C4 are in 1/K.
+    """
+
+    law: Literal["zerilli-armstrong"]
+    C0: Hardening
+    C1: MaybeHardening = None
+    C2: MaybeHardening = None
+    C3: PerKelvin
+    C4: PerKelvin
+    C5: MaybeHardening = None
+    n: MaybeCoefficient = None
+
+
+SOLIDS = by_kind("law", ElasticTable, BilinearTable, JohnsonCookTable, ZerilliArmstrongTable)
 """Laws of solids by their name."""
-AnySolidTable: TypeAlias = ElasticTable | BilinearTable | JohnsonCookTable
+AnySolidTable: TypeAlias = ElasticTable | BilinearTable | JohnsonCookTable | ZerilliArmstrongTable
 
 
 class TurnTable(CaseTable):

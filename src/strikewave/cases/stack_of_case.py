@@ -12,7 +12,8 @@ from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveE
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
-from strikewave.cases.tables import EndTable, JointTable, LayerTable
+from strikewave.cases.cushion_of_case import cushion_of
+from strikewave.cases.tables import CUSHION, EndTable, JointTable, LayerTable
 from strikewave.cases.yield_pressure import capped_pressure
 from strikewave.contact.damping import named_contact
 from strikewave.contact.elastoplastic import cap_of
@@ -36,6 +37,7 @@ _JOINT_FIELDS = {
     "mass": ("mass",),
     "oscillator": ("mass", "stiffness", "resonance", "damping", "quality"),
     "contact": ("law", "radius", "length", "datum_depth", "gap", "preload", "yield_pressure"),
+    "cushion": ("cushion", "gap", "preload"),
 }
 """Fields that each kind of joint takes: any other would be read and do nothing."""
 
@@ -157,6 +159,8 @@ def _joint(table: JointTable, before: LayerTable, after: LayerTable) -> Joint:
         return checked(path, lambda: Joint(hung.stiffness, hung.damping, attached=hung.mass))
     if table.kind == "contact":
         return _contact(table, path, before, after)
+    if table.kind == CUSHION:
+        return _cushion(table, path, min(area_of(x, f"stack.layer.{x.name}") for x in (before, after)))
     return BONDED
 
 
@@ -205,6 +209,16 @@ def _contact(table: JointTable, path: str, before: LayerTable, after: LayerTable
     law = named_contact(stiffness, "exact", 1.0, cap)
     gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
     return checked(path, lambda: Joint(contact=law, gap=gap, preload=preload))
+
+
+def _cushion(table: JointTable, path: str, area: float) -> Joint:
+    """Return a pad between two layers, of the area of the smaller one where it has none."""
+    if table.cushion is None:
+        raise InputError(f"{path}.cushion", MISSING, "a pad", "add [stack.joint.cushion] with its thickness and law")
+    own = f"{path}.cushion"
+    cushion = cushion_of(table.cushion, own, area_of(table.cushion, own, area))
+    gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
+    return checked(path, lambda: Joint(contact=cushion.contact(), gap=gap, preload=preload))
 
 
 def _gasket(table: JointTable, path: str, area: float) -> Joint:

@@ -57,10 +57,12 @@ from strikewave.base.quantities import (
     MaybeRipple,
     MaybeRotationDrag,
     MaybeRotationRate,
+    MaybeShare,
     MaybeShift,
     MaybeSpeed,
     MaybeSpringRate,
     MaybeStep,
+    MaybeStrength,
     MaybeStrokeShare,
     MaybeTime,
     MaybeTurns,
@@ -82,6 +84,8 @@ from strikewave.base.quantities import (
 
 POWER = "power"
 """The contact law that is given by a force at a depth."""
+CUSHION = "cushion"
+"""The contact law, and the kind of joint, that is a cushion with a table of its own."""
 PUBLISHED_QUANTITIES = {
     "first.rigid_peak": "m/s^2",
     "first.total_peak": "m/s^2",
@@ -265,6 +269,36 @@ class Object(AnyObject):
     gravity: Acceleration
 
 
+class CushionTable(CaseTable):
+    """[contact.cushion], [stack.joint.cushion]: a pad with its area (or diameter) and thickness.
+
+    ``material`` is a row of the cushion materials, ``law`` a cushion law where none is named; the law says which
+    properties it takes, and what is given overrules the row. What it loses beside the restitution of a contact is a
+    ``retardation``, or the ``loss_factor`` that it has at a ``loss_frequency``. After ``blows_before`` it has lost
+    ``settling`` of its thickness in each blow, and grown stiffer by ``stiffening``.
+    """
+
+    law: str = ""
+    material: str = ""
+    area: MaybeArea = None
+    diameter: MaybeLength = None
+    thickness: Length
+    modulus: MaybeModulus = None
+    stress: MaybeStrength = None
+    exponent: MaybeExponent = None
+    limit_strain: MaybeShare = None
+    compression_factor: MaybeLoss = None
+    shape_factor: MaybeLoss = None
+    plateau: MaybeStrength = None
+    densification: MaybeShare = None
+    retardation: MaybeTime = None
+    loss_factor: MaybeLoss = None
+    loss_frequency: MaybeFrequency = None
+    blows_before: MaybeBlowCount = None
+    settling: MaybeShare = None
+    stiffening: MaybeShare = None
+
+
 class ContactTable(CaseTable):
     """[contact]: law of the contact between nose and face; with a yield pressure it is elastic-plastic.
 
@@ -273,8 +307,9 @@ class ContactTable(CaseTable):
 
     What has yielded stays: on the face, where all strikers hit the same spot, or on each nose (``yields``).
     The law "power", that of a pulse shaper or of a measured contact, is F = K d^n with K from ``reference_force`` at
-    ``reference_depth`` and n = ``exponent`` (1). The nose of a rotary machine slides across the face: against
-    ``friction`` (Coulomb's coefficient) and a viscous ``sliding_damping``; none where they are left out.
+    ``reference_depth`` and n = ``exponent`` (1). The law "cushion" is that of the pad of [contact.cushion].
+    The nose of a rotary machine slides across the face: against ``friction`` (Coulomb's coefficient) and a viscous
+    ``sliding_damping``; none where they are left out.
     """
 
     law: str = "palmgren"
@@ -287,6 +322,7 @@ class ContactTable(CaseTable):
     datum_depth: MaybeLength = None
     yield_pressure: MaybeContactPressure = None
     yields: Literal["face", "nose"] = "face"
+    cushion: CushionTable | None = None
     friction: MaybeCoefficient = None
     sliding_damping: MaybeDamping = None
 
@@ -345,10 +381,11 @@ class JointTable(CaseTable):
     An oscillator is a sensor's mass on a spring that sits on bonded faces: mass, stiffness or resonance, damping or
     quality. A contact is a nonlinear one by the elastic law ``law`` between the materials of its neighbours: radius
     of the first face on the second, which is plane, length of a line; gap or preload, yield_pressure (as of [contact]).
+    A cushion is the pad of [stack.joint.cushion], without mass of its own, that pushes only; gap or preload.
     """
 
     after: Name
-    kind: Literal["bonded", "compliant", "gasket", "unilateral", "mass", "oscillator", "contact"]
+    kind: Literal["bonded", "compliant", "gasket", "unilateral", "mass", "oscillator", "contact", "cushion"]
     stiffness: MaybeSpringRate = None
     damping: MaybeDamping = None
     gap: MaybeGap = None
@@ -369,6 +406,7 @@ class JointTable(CaseTable):
     length: MaybeLength = None
     datum_depth: MaybeLength = None
     yield_pressure: MaybeContactPressure = None
+    cushion: CushionTable | None = None
 
 
 class EndTable(CaseTable):

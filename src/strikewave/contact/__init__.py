@@ -37,8 +37,8 @@ from strikewave.contact.elastoplastic import (
 )
 from strikewave.contact.identification import Identified, identify
 from strikewave.contact.impact import Impact, ImpactHistory, impact_history, reduced_mass, solve_impact
-from strikewave.contact.law import AnyContact, Contact, Damper, LogarithmicContact, PressureCap
-from strikewave.contact.registry import CapLaw, DamperLaw, DampingLaw, Law, StiffnessLaw
+from strikewave.contact.law import AnyContact, Contact, Damper, HardeningContact, LogarithmicContact, PressureCap
+from strikewave.contact.registry import CapLaw, CushionLaw, DamperLaw, DampingLaw, Law, StiffnessLaw
 from strikewave.contact.stiffness import (
     Geometry,
     LogarithmicStiffness,
@@ -61,12 +61,14 @@ __all__ = [
     "ChainContact",
     "ChainMotion",
     "Contact",
+    "CushionLaw",
     "Damper",
     "DamperLaw",
     "DampingLaw",
     "FirstYield",
     "Friction",
     "Geometry",
+    "HardeningContact",
     "Identified",
     "Impact",
     "ImpactHistory",

@@ -25,7 +25,9 @@ from strikewave.contact._integrator import CONTINUE, STOP, STOPPED, Control, adv
 from strikewave.contact._law_kernels import (
     DAMPER,
     FORM,
+    STIFFNESS,
     YIELD_LOAD,
+    base_force,
     depth_at_yield,
     elastic_depth,
     flattening,
@@ -59,6 +61,8 @@ the error of a vertex falls with the third power of the width, so that five reac
 _TURN_STEPS, _TURN_BRACKET, _TURN_RATE = 60, 1e-14, 1e-13
 """Steps of the regula falsi for the turning point, and what ends them: the width of the bracket over the step, or the
 rate over that of approach. The indentation is flat there: its error is the square of either."""
+_HALVINGS = 60
+"""Halvings of the bracket of a depth: they leave the last bits."""
 
 (RESTITUTION, INDENTATION, FORCE, DURATION, PEAK_TIME, TURN_TIME, DEEPEST) = range(7)
 """Rows of what `impacts` fills."""
@@ -151,6 +155,22 @@ def elastic_depths(laws, energy, out):
     """Fill the indentation at which the elastic base of each law holds an energy, m."""
     for i in range(out.size):
         out[i] = elastic_depth(laws[i], energy[i])
+
+
+@kernel
+def cushion_depths_under(laws, force, out):
+    """Fill the depth at which the elastic base of each cushion bears a force, m, or goes straight on; by halving."""
+    for i in range(out.size):
+        low, high = 0.0, force[i] / laws[i, STIFFNESS]
+        while base_force(laws[i], high) < force[i]:
+            high *= 2.0
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            if base_force(laws[i], middle) < force[i]:
+                low = middle
+            else:
+                high = middle
+        out[i] = 0.5 * (low + high)
 
 
 @called_kernel

@@ -40,7 +40,7 @@ from strikewave.contact._chain_kernels import (
 from strikewave.contact._integrator import Control
 from strikewave.contact._law_kernels import COLUMNS, DAMPING, OFFSET, PRELOAD, SLOWEST, SPOT, STIFFNESS, YIELD_LOAD
 from strikewave.contact._pair_kernels import depths_at_yield, energies, spots
-from strikewave.contact.law import AnyContact, LogarithmicContact, check_end, elastic_indentation, single
+from strikewave.contact.law import AnyContact, Contact, check_end, elastic_indentation, single
 from strikewave.contact.motion import FIRST_STEP, Motion, MotionState, integrate
 
 Array = NDArray[np.float64]
@@ -400,9 +400,9 @@ def _longest_step(chain: Chain, otherwise: float) -> float:
 
 
 def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
-    """Refuse a motion that pressed a contact beyond the end of its logarithmic law."""
+    """Refuse a motion that pressed a contact beyond the end of its law."""
     touches = [(i, link.contact) for i, link in enumerate(chain.links) if isinstance(link, ChainContact)]
-    ending = [(i, contact) for i, contact in touches if isinstance(contact, LogarithmicContact)]
+    ending = [(i, contact) for i, contact in touches if not isinstance(contact, Contact)]
     if not ending:
         return
     states, _ = motion.sample(np.append(motion.record.time, motion.end.time))

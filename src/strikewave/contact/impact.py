@@ -16,7 +16,8 @@ from strikewave.contact._law_kernels import DAMPER, DAMPING, EXPONENT, STIFFNESS
 from strikewave.contact._pair_kernels import MEMORIES, STATES, PairSystem
 from strikewave.contact.law import (
     AnyContact,
-    LogarithmicContact,
+    Contact,
+    HardeningContact,
     RequestedDamping,
     flat,
     not_negative,
@@ -201,7 +202,7 @@ def solve_impact(
 
     Parameters
     ----------
-    contact : Contact or LogarithmicContact
+    contact : Contact, LogarithmicContact or HardeningContact
         The force law.
     mass1, mass2 : array_like
         Masses, kg; at most one of them infinite.
@@ -273,14 +274,17 @@ def _by_steps(contact: AnyContact, problem: ImpactProblem, tolerance: float) -> 
             f"followed in {_STEPS} steps, or its bodies never part (a damper that pulls, zeta >= 1): see its stiffness "
             f"{laws[at, STIFFNESS]:.3g}, damper {laws[at, DAMPER]:.3g} and yield load {laws[at, YIELD_LOAD]:.3g}, SI"
         )
-    if isinstance(contact, LogarithmicContact):
+    if not isinstance(contact, Contact):
         end = np.broadcast_to(contact.end_depth, problem.shape).reshape(-1)
         beyond = np.flatnonzero(out[_pair_kernels.INDENTATION] >= end)
         if beyond.size:
             where = np.unravel_index(beyond[0], problem.shape)
+            what, do = "logarithmic law", "take a power law"
+            if isinstance(contact, HardeningContact):
+                what, do = "law of the cushion", "it bottoms out: take a thicker or larger one"
             raise IntegrationError(
                 f"impact {_index(where)} presses {out[_pair_kernels.INDENTATION, beyond[0]] * 1e3:.3g} mm deep, beyond "
-                f"the end of the logarithmic law at {end[beyond[0]] * 1e3:.3g} mm: take a power law"
+                f"the end of the {what} at {end[beyond[0]] * 1e3:.3g} mm: {do}"
             )
     spots = np.empty((3, count))
     spots[0] = out[_pair_kernels.DEEPEST]

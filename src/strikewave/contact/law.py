@@ -13,30 +13,43 @@ from strikewave.base.errors import IntegrationError, nearest
 from strikewave.contact import _pair_kernels
 from strikewave.contact._law_kernels import (
     COLUMNS,
+    CRUSH,
     DAMPER,
     DAMPER_EXPONENT,
     DAMPING,
+    ELASTOMER,
     EXPONENT,
+    FOLLOWED,
     FORM,
+    LIMIT,
     LINE,
     LOGARITHMIC,
     NEVER_PULLS,
     ON_APPROACH,
+    PLATEAU,
     POINT,
     POWER,
     PULLS,
+    RETARDED,
     SHAPE,
+    STEEPNESS,
     STIFFNESS,
     STYLE,
+    TANGENT,
     YIELD_LOAD,
 )
 
 Array = NDArray[np.float64]
 
-STYLES = {"never-pulls": NEVER_PULLS, "on-approach": ON_APPROACH, "pulls": PULLS}
-"""How a damper acts: the force ends where it would pull; it acts while the bodies approach; it may pull."""
+STYLES = {"never-pulls": NEVER_PULLS, "on-approach": ON_APPROACH, "pulls": PULLS, "retarded": RETARDED}
+"""How a damper acts: the force ends where it would pull; it acts while the bodies approach; it may pull; it goes as the
+slope of the elastic force, c F'(d) d', and ends where it would pull."""
 SHAPES = {"line": LINE, "point": POINT}
 """Shapes of a contact whose pressure is capped."""
+CAPS = {**SHAPES, "crush": CRUSH}
+"""What caps a force: the pressure of a contact of a shape, or the plateau of a cushion that crushes."""
+FORMS = {"tangent": TANGENT, "elastomer": ELASTOMER, "plateau": PLATEAU}
+"""How a cushion hardens; see `strikewave.contact._law_kernels.hardening`."""
 EXPONENT_RANGE = 0.1, 10.0
 """Exponents of a power law that are taken. Chosen far beyond those of contacts, 1 to 3 or so (the tests cover 1
 to 2), so that only a slip is refused."""
@@ -44,12 +57,12 @@ to 2), so that only a slip is refused."""
 
 @dataclass(frozen=True)
 class Damper:
-    """A damper beside the elastic force of a contact: c d^p d'.
+    """A damper beside the elastic force of a contact: c d^p d', or c F'(d) d' where it is retarded.
 
     Parameters
     ----------
     coefficient : array_like
-        c, N s/m^(p + 1).
+        c, N s/m^(p + 1); s where it is retarded.
     exponent : array_like
         p, at least 0.
     style : str, optional
@@ -72,11 +85,14 @@ class PressureCap:
     yield_load : array_like
         F_y, N.
     shape : str
-        One of `SHAPES`.
+        One of `CAPS`.
+    limit : array_like, optional
+        Depth towards which what crushes densifies, m; infinite where it does not.
     """
 
     yield_load: ArrayLike
     shape: str
+    limit: ArrayLike = math.inf
 
 
 @dataclass(frozen=True)
@@ -143,7 +159,46 @@ class LogarithmicContact:
         return np.asarray(np.asarray(self.load, dtype=float) / np.asarray(self.slope, dtype=float) / math.e)
 
 
-AnyContact = Contact | LogarithmicContact
+@dataclass(frozen=True)
+class HardeningContact:
+    """The force law of a cushion that hardens towards a limit, F(d) (1 + chi d'/v0), never negative.
+
+    See `strikewave.contact.cushions`, which makes one from area, thickness and properties.
+
+    Parameters
+    ----------
+    form : str
+        One of `FORMS`.
+    stiffness : array_like
+        Slope at first touch k, N/m.
+    limit : array_like
+        Depth that it never reaches L, m; infinite for a plateau that does not densify.
+    plateau : array_like, optional
+        Force of the plateau P, N; the form ``plateau`` needs it.
+    hysteresis_factor, damper, asked
+        As of a `Contact`.
+    """
+
+    form: str
+    stiffness: ArrayLike
+    limit: ArrayLike
+    plateau: ArrayLike = 0.0
+    hysteresis_factor: ArrayLike = 0.0
+    damper: Damper | None = None
+    asked: RequestedDamping | None = None
+
+    @property
+    def end_depth(self) -> Array:
+        """Indentation at which the law ends, 0.99 L, m."""
+        return np.asarray(FOLLOWED * np.asarray(self.limit, dtype=float))
+
+    @property
+    def cap(self) -> PressureCap | None:
+        """None: it gives back what it stores."""
+        return None
+
+
+AnyContact = Contact | LogarithmicContact | HardeningContact
 
 
 def refuse(name: str, values: ArrayLike, good: NDArray[np.bool_], allowed: str) -> None:
@@ -193,6 +248,8 @@ def check(contact: AnyContact) -> dict[int, Any]:
         if contact.cap is not None:
             over = np.asarray(contact.cap.yield_load, dtype=float)
             refuse("the yield load", over, over * math.e < row[EXPONENT], "below the end of the logarithmic law, B/e")
+    elif isinstance(contact, HardeningContact):
+        row |= _hardening(contact) | _damper(contact)
     else:
         n = np.asarray(contact.exponent, dtype=float)
         low, high = EXPONENT_RANGE
@@ -203,12 +260,39 @@ def check(contact: AnyContact) -> dict[int, Any]:
     if contact.cap is not None:
         row |= {
             YIELD_LOAD: positive("the yield load", contact.cap.yield_load),
-            SHAPE: _one_of(SHAPES, contact.cap.shape),
+            SHAPE: _one_of(CAPS, contact.cap.shape),
         }
+        if contact.cap.shape == "crush":
+            row[LIMIT] = _crush_limit(contact)
     return row
 
 
-def _damper(contact: Contact) -> dict[int, Any]:
+def _hardening(contact: HardeningContact) -> dict[int, Any]:
+    """Return the numbers of a cushion by their place in a row."""
+    row: dict[int, Any] = {FORM: _one_of(FORMS, contact.form), STIFFNESS: positive("the stiffness", contact.stiffness)}
+    row[LIMIT] = limit = np.asarray(contact.limit, dtype=float)
+    plateau = contact.form == "plateau"
+    refuse("the limit", limit, (limit > 0.0) & (plateau | np.isfinite(limit)), "positive")
+    if plateau:
+        row[EXPONENT] = load = positive("the force of the plateau", contact.plateau)
+        begins = load / row[STIFFNESS]
+        allowed = "beyond the begin of the plateau: limit (1 - 1/D) > plateau/stiffness"
+        refuse("the limit", limit, limit * (1.0 - 1.0 / STEEPNESS) > begins, allowed)
+    return row
+
+
+def _crush_limit(contact: AnyContact) -> Array:
+    """Return the depth towards which a cushion crushes; its base must be linear."""
+    assert contact.cap is not None
+    if not isinstance(contact, Contact) or np.any(np.asarray(contact.exponent) != 1.0):
+        raise ValueError("what crushes is linear before: the exponent must be 1")
+    limit, first = np.asarray(contact.cap.limit, dtype=float), np.asarray(contact.cap.yield_load) / contact.stiffness
+    allowed = f"at least {STEEPNESS:g} times the depth at which it begins to crush, load/stiffness"
+    refuse("the limit of the crush", limit, limit >= STEEPNESS * first, allowed)
+    return limit
+
+
+def _damper(contact: Contact | HardeningContact) -> dict[int, Any]:
     damper = contact.damper
     if damper is None:
         return {}
@@ -292,22 +376,33 @@ def indentation_under(contact: AnyContact, force: float) -> float:
         slope, load = float(np.asarray(contact.slope)), float(np.asarray(contact.load))
         borne = min(force, load / math.e)
         return borne / slope * math.log(load / borne)
+    if isinstance(contact, HardeningContact):
+        out = np.empty(1)
+        _pair_kernels.cushion_depths_under(single(contact)[None], np.array([force]), out)
+        return float(out[0])
     return float((force / float(np.asarray(contact.stiffness))) ** (1.0 / float(np.asarray(contact.exponent))))
 
 
 def check_end(contact: AnyContact, deepest: float) -> None:
-    """Refuse an indentation beyond the end of a logarithmic law, m.
+    """Refuse an indentation beyond the end of a law that ends, m.
 
     Raises
     ------
     IntegrationError
         If it is beyond.
     """
-    if isinstance(contact, LogarithmicContact) and deepest >= float(contact.end_depth):
+    if isinstance(contact, Contact) or deepest < float(contact.end_depth):
+        return
+    end = f"{float(contact.end_depth) * 1e3:.3g} mm"
+    if isinstance(contact, HardeningContact):
         raise IntegrationError(
-            f"a contact is pressed {deepest * 1e3:.3g} mm deep, beyond the end of its logarithmic law at "
-            f"{float(contact.end_depth) * 1e3:.3g} mm: take a power law"
+            f"a cushion is pressed {deepest * 1e3:.3g} mm deep: it bottoms out, its law ends at {end}; take a thicker "
+            "or larger one, or one that bears more"
         )
+    raise IntegrationError(
+        f"a contact is pressed {deepest * 1e3:.3g} mm deep, beyond the end of its logarithmic law at {end}: "
+        "take a power law"
+    )
 
 
 def striking_law(contact: AnyContact) -> Array:

@@ -1,11 +1,12 @@
 """The tables of contact laws: our own, and those that installed packages add by entry point.
 
-A package adds a law by naming an object of `DampingLaw`, `DamperLaw` or `StiffnessLaw` in its ``pyproject.toml``::
+A package adds a law by naming an object of `DampingLaw`, `DamperLaw`, `StiffnessLaw` or `CushionLaw` in its
+``pyproject.toml``::
 
     [project.entry-points."strikewave.damping_laws"]
     my-law = "my_package.laws:my_law"
 
-and ``strikewave.damper_laws``, ``strikewave.stiffness_laws`` for the other two.
+and ``strikewave.damper_laws``, ``strikewave.stiffness_laws``, ``strikewave.cushion_laws`` for the others.
 """
 
 from __future__ import annotations
@@ -135,6 +136,25 @@ class CapLaw(Law):
         "d_y, D, d_r": "depth at yield, largest depth, depth that stays, m",
         "s": "radius of the spot after over before, -",
         "E*, R, h": "contact modulus, Pa; reduced radius, length of the line, m",
+    }
+
+
+@dataclass(frozen=True)
+class CushionLaw(Law):
+    """A law of a cushion: ``function(pad, **properties) -> AnyContact``.
+
+    ``needs`` names the properties that it takes, ``options`` those that it can do without.
+    """
+
+    needs: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
+    group: ClassVar[str] = "strikewave.cushion_laws"
+    symbols: ClassVar[Mapping[str, str]] = {
+        "F": "force, N",
+        "d, d'": "compression and its rate, m, m/s",
+        "A, h": "area and thickness of the cushion, m^2, m",
+        "x": "strain d/h, -",
+        "E": "modulus at first touch, Pa",
     }
 
 

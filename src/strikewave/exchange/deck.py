@@ -15,6 +15,7 @@ from strikewave.fem.boundary import held_nodes, nodes_named
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Driven, Fixed, Guided, Model, RigidWall, Symmetry, Tie, TimeCurve
+from strikewave.fem.solids import AnySolid, HeatedSolid, ZerilliArmstrong
 from strikewave.fem.solve import check_controls
 from strikewave.fem.surfaces import extents
 from strikewave.fem.tie import NEAR, TieState
@@ -126,6 +127,8 @@ def checked(model: Model) -> TieState:
         If the model could not be run, or its numbers do not go into eight columns.
     """
     check_controls(model)
+    for name, solid in model.solids.items():
+        check_solid(solid, name)
     check_ids(max(len(model.mesh.points), len(model.mesh.hexahedra)) + len(model.rigid))
     return Engine(model).ties
 
@@ -140,6 +143,21 @@ def check_ids(largest: int) -> None:
     """
     if largest > LARGEST_ID:
         raise InputError("mesh", f"{largest} nodes or elements", f"at most {LARGEST_ID}, eight columns of a deck")
+
+
+def check_solid(solid: AnySolid, name: str) -> None:
+    """Refuse a solid that decks do not hold.
+
+    Raises
+    ------
+    InputError
+        If it follows Zerilli & Armstrong, or begins hot.
+    """
+    hint = "run it here: strikewave fem"
+    if isinstance(solid, ZerilliArmstrong):
+        raise InputError(f"mesh.part.{name}.solid.law", "zerilli-armstrong", "elastic, bilinear or johnson-cook", hint)
+    if isinstance(solid, HeatedSolid) and solid.preheat > 0.0:
+        raise InputError(f"mesh.part.{name}.solid.preheat", solid.preheat, "0 in a deck", hint)
 
 
 def has_one_point(model: Model) -> bool:

@@ -29,6 +29,7 @@ _HOMES = {
     "Symmetry": "model",
     "Tie": "model",
     "Wall": "model",
+    "ZerilliArmstrong": "solids",
     "ball": "round_shapes",
     "block": "shapes",
     "check_mesh": "quality",

@@ -55,12 +55,15 @@ STATES = 15
 """Rows of state of a point: stress, equivalent plastic strain, temperature above room, pressure of the bulk viscosity
 (the element's, kept with its first point), back stress."""
 
-ELASTIC, BILINEAR, JOHNSON_COOK = 0, 1, 2
+ELASTIC, BILINEAR, JOHNSON_COOK, ZERILLI_ARMSTRONG = 0, 1, 2, 3
 LAME, SHEAR, SPEED, DENSITY, YIELD, ISOTROPIC, KINEMATIC = np.arange(7, dtype=np.uint64)
-JC_A, JC_B, JC_N, JC_C, JC_M, JC_RATE, JC_RANGE, JC_HEATING = np.arange(7, 15, dtype=np.uint64)
-SOLID = 16
+RATE, HEATING, ROOM = np.arange(7, 10, dtype=np.uint64)
+JC_A, JC_B, JC_N, JC_C, JC_M, JC_RANGE = np.arange(10, 16, dtype=np.uint64)
+ZA_C0, ZA_C1, ZA_C2, ZA_C3, ZA_C4, ZA_C5, ZA_N = np.arange(10, 17, dtype=np.uint64)
+SOLID = 17
 """Numbers that describe a solid: moduli lambda and G, wave speed, density; yield, isotropic and kinematic hardening;
-Johnson-Cook's A, B, n, C, m, reference rate, melting less room temperature, kelvin per joule of plastic work."""
+reference rate, kelvin per joule of plastic work, room temperature; Johnson-Cook's A, B, n, C, m, melting less room
+temperature, or Zerilli-Armstrong's C0 to C5 and n."""
 
 SUMS = 4
 """Sums over elements: internal work, plastic work, work of the bulk viscosity, hourglass energy; J."""

@@ -7,20 +7,21 @@ from strikewave.fem._layout import (
     BACK,
     BILINEAR,
     HEAT,
+    HEATING,
     HELD,
     ISOTROPIC,
     JC_A,
     JC_B,
     JC_C,
-    JC_HEATING,
     JC_M,
     JC_N,
     JC_RANGE,
-    JC_RATE,
     JOHNSON_COOK,
     KINEMATIC,
     LAME,
     PLASTIC,
+    RATE,
+    ROOM,
     SHEAR,
     SIGMA,
     SPIN,
@@ -29,6 +30,14 @@ from strikewave.fem._layout import (
     STRESS,
     WORK,
     YIELD,
+    ZA_C0,
+    ZA_C1,
+    ZA_C2,
+    ZA_C3,
+    ZA_C4,
+    ZA_C5,
+    ZA_N,
+    ZERILLI_ARMSTRONG,
     W,
 )
 
@@ -46,31 +55,6 @@ NEAR_LOW = 0.1
 The flow stress bends downward with the increment, so that the method converges from below, not from above."""
 TINY = 1e-300
 """Keeps a division by zero out where there is no stress; no stress in Pa is as small."""
-
-
-@fused_leaf_kernel
-def increments(s, gradient, j):
-    """Write the strain and rotation increment at the middle of the step.
-
-    The gradient G of the step's displacement is over the shape at its end; over the shape in its middle it is
-    G (I - G / 2)^-1, whose symmetric part vanishes for any rigid motion.
-    """
-    a, b, c, d, e, f, g, h, i = gradient
-    A, B, C = 1.0 - 0.5 * a, -0.5 * b, -0.5 * c
-    D, E, F = -0.5 * d, 1.0 - 0.5 * e, -0.5 * f
-    P, Q, R = -0.5 * g, -0.5 * h, 1.0 - 0.5 * i
-    m11, m12, m13 = E * R - F * Q, C * Q - B * R, B * F - C * E
-    m21, m22, m23 = F * P - D * R, A * R - C * P, C * D - A * F
-    m31, m32, m33 = D * Q - E * P, B * P - A * Q, A * E - B * D
-    n = 1.0 / (A * m11 + B * m21 + C * m31)
-    s[STRAIN[0] + j] = n * (a * m11 + b * m21 + c * m31)
-    s[STRAIN[1] + j] = n * (d * m12 + e * m22 + f * m32)
-    s[STRAIN[2] + j] = n * (g * m13 + h * m23 + i * m33)
-    xy, yx = n * (a * m12 + b * m22 + c * m32), n * (d * m11 + e * m21 + f * m31)
-    yz, zy = n * (d * m13 + e * m23 + f * m33), n * (g * m12 + h * m22 + i * m32)
-    zx, xz = n * (g * m11 + h * m21 + i * m31), n * (a * m13 + b * m23 + c * m33)
-    s[STRAIN[3] + j], s[STRAIN[4] + j], s[STRAIN[5] + j] = 0.5 * (xy + yx), 0.5 * (yz + zy), 0.5 * (zx + xz)
-    s[SPIN[0] + j], s[SPIN[1] + j], s[SPIN[2] + j] = 0.5 * (zy - yz), 0.5 * (xz - zx), 0.5 * (yx - xy)
 
 
 @fused_leaf_kernel
@@ -92,6 +76,40 @@ def turned(w0, w1, w2, xx, yy, zz, xy, yz, zx):
         r21 * g + r22 * p + r23 * q,
         r31 * a + r32 * b + r33 * c,
     )
+
+
+@fused_leaf_kernel
+def increments(s, gradient, j):
+    """Write the strain and rotation increment at the middle of the step, the strain as it lies at its end.
+
+    The gradient G of the step's displacement is over the shape at its end; over the shape in its middle it is
+    G (I - G / 2)^-1, whose symmetric part e vanishes for any rigid motion. By the end, where the stress is, that strain
+    has turned by half the rotation W: e + (W e - e W) / 2, but for terms of third order in the step. Without it the
+    stress would be of first order where the motion spins while it strains.
+    """
+    a, b, c, d, e, f, g, h, i = gradient
+    A, B, C = 1.0 - 0.5 * a, -0.5 * b, -0.5 * c
+    D, E, F = -0.5 * d, 1.0 - 0.5 * e, -0.5 * f
+    P, Q, R = -0.5 * g, -0.5 * h, 1.0 - 0.5 * i
+    m11, m12, m13 = E * R - F * Q, C * Q - B * R, B * F - C * E
+    m21, m22, m23 = F * P - D * R, A * R - C * P, C * D - A * F
+    m31, m32, m33 = D * Q - E * P, B * P - A * Q, A * E - B * D
+    n = 1.0 / (A * m11 + B * m21 + C * m31)
+    xx, yy = n * (a * m11 + b * m21 + c * m31), n * (d * m12 + e * m22 + f * m32)
+    zz = n * (g * m13 + h * m23 + i * m33)
+    xy, yx = n * (a * m12 + b * m22 + c * m32), n * (d * m11 + e * m21 + f * m31)
+    yz, zy = n * (d * m13 + e * m23 + f * m33), n * (g * m12 + h * m22 + i * m32)
+    zx, xz = n * (g * m11 + h * m21 + i * m31), n * (a * m13 + b * m23 + c * m33)
+    w0, w1, w2 = 0.5 * (zy - yz), 0.5 * (xz - zx), 0.5 * (yx - xy)
+    s[SPIN[0] + j], s[SPIN[1] + j], s[SPIN[2] + j] = w0, w1, w2
+    xy, yz, zx = 0.5 * (xy + yx), 0.5 * (yz + zy), 0.5 * (zx + xz)
+    about_x, about_y, about_z = w0 * yz, w1 * zx, w2 * xy
+    s[STRAIN[0] + j] = xx + about_y - about_z
+    s[STRAIN[1] + j] = yy + about_z - about_x
+    s[STRAIN[2] + j] = zz + about_x - about_y
+    s[STRAIN[3] + j] = xy + 0.5 * (w2 * (xx - yy) + w1 * yz - w0 * zx)
+    s[STRAIN[4] + j] = yz + 0.5 * (w0 * (yy - zz) + w2 * zx - w1 * xy)
+    s[STRAIN[5] + j] = zx + 0.5 * (w1 * (zz - xx) + w0 * xy - w2 * yz)
 
 
 @fused_leaf_kernel
@@ -176,53 +194,100 @@ def von_mises(s, back, solid, j):
     return shift * n[0], shift * n[1], shift * n[2], shift * n[3], shift * n[4], shift * n[5]
 
 
-@fused_called_kernel
-def johnson_cook_increment(q, p, softening, solid, dt, guess):
-    """Return dp where q - 3 G dp = (A + B (p + dp)^n) (1 + C ln(max(dp / dt, rate) / rate)) softening, q beyond yield.
+@fused_leaf_kernel
+def johnson_cook_still(solid, p, heat):
+    """Return the flow stress at the reference rate, and the softening 1 - T*^m."""
+    warm = heat / solid[JC_RANGE]
+    softening = 1.0 - min(warm, 1.0) ** solid[JC_M] if warm > 0.0 else 1.0
+    return softening * (solid[JC_A] + solid[JC_B] * p ** solid[JC_N]), softening
+
+
+@fused_leaf_kernel
+def johnson_cook_flow(solid, p, dp, softening, dt):
+    """Return softening (A + B (p + dp)^n) (1 + C ln(max(dp / dt, rate) / rate)), and its slope over dp."""
+    slowest = solid[RATE] * dt
+    hard = solid[JC_B] * (p + dp) ** solid[JC_N]
+    fast = 1.0 + solid[JC_C] * np.log(max(dp / slowest, 1.0))
+    cold, steeper = solid[JC_A] + hard, solid[JC_C] / dp if dp > slowest else 0.0
+    return softening * cold * fast, softening * (hard * solid[JC_N] / (p + dp) * fast + cold * steeper)
+
+
+@fused_leaf_kernel
+def zerilli_armstrong_still(solid, p, heat):
+    """Return the flow stress at the reference rate, and the temperature in kelvin."""
+    temperature = solid[ROOM] + heat
+    active = np.exp(-solid[ZA_C3] * temperature) * (solid[ZA_C1] + solid[ZA_C2] * np.sqrt(p))
+    return solid[ZA_C0] + active + solid[ZA_C5] * p ** solid[ZA_N], temperature
+
+
+@fused_leaf_kernel
+def zerilli_armstrong_flow(solid, p, dp, temperature, dt):
+    """Return C0 + (C1 + C2 sqrt(p)) exp(T (C4 ln(max(dp / dt, rate) / rate) - C3)) + C5 p^n at p + dp, and slope."""
+    slowest, strain = solid[RATE] * dt, p + dp
+    root = solid[ZA_C2] * np.sqrt(strain)
+    hard = solid[ZA_C5] * strain ** solid[ZA_N]
+    active = np.exp(temperature * (solid[ZA_C4] * np.log(max(dp / slowest, 1.0)) - solid[ZA_C3]))
+    steeper = temperature * solid[ZA_C4] / dp if dp > slowest else 0.0
+    slope = active * (0.5 * root / strain + (solid[ZA_C1] + root) * steeper) + hard * solid[ZA_N] / strain
+    return solid[ZA_C0] + active * (solid[ZA_C1] + root) + hard, slope
+
+
+@fused_leaf_kernel
+def plastic_increment(law, q, p, thermal, solid, dt, guess):
+    """Return dp where q - 3 G dp is the flow stress of a law at p + dp and the rate dp / dt, q beyond yield.
 
     The left falls and the right grows: Newton's method; where it leaves the bracket, a place near its lower end, from
     which it converges.
     """
-    A, B, n, C, slowest = solid[JC_A], solid[JC_B], solid[JC_N], solid[JC_C], solid[JC_RATE] * dt
     stiff = 3.0 * solid[SHEAR]
     low, high = 0.0, q / stiff
     dp = guess
     for _ in range(ITERATIONS):
-        hard = B * (p + dp) ** n
-        fast = 1.0 + C * np.log(max(dp / slowest, 1.0))
-        off = q - stiff * dp - softening * (A + hard) * fast
+        stress, slope = law(solid, p, dp, thermal, dt)
+        off = q - stiff * dp - stress
         if off > 0.0:
             low = dp
         else:
             high = dp
-        slope = stiff + softening * (hard * n / (p + dp) * fast + (A + hard) * (C / dp if dp > slowest else 0.0))
-        step = off / slope
+        step = off / (stiff + slope)
         if abs(step) <= CLOSE * dp:
             return dp + step
         dp = dp + step if low < dp + step < high else (1.0 - NEAR_LOW) * low + NEAR_LOW * high
     return dp
 
 
-@fused_called_kernel
-def johnson_cook(s, solid, dt, j):
-    """Return the trial stress to the yield surface of Johnson & Cook, and heat the solid by the plastic work."""
+@fused_leaf_kernel
+def heated_flow(still_law, law, s, solid, dt, j):
+    """Return the trial stress to the yield surface of a law of rate and temperature; heat the solid by plastic work."""
     q, n = direction(s, STILL, j)
     if q <= 0.0:
         return
-    p, warm, stiff = s[HELD + STRAIN_P + j], s[HELD + HEAT + j] / solid[JC_RANGE], 3.0 * solid[SHEAR]
-    softening = 1.0 - min(warm, 1.0) ** solid[JC_M] if warm > 0.0 else 1.0
-    excess = q - softening * (solid[JC_A] + solid[JC_B] * p ** solid[JC_N])
+    p, stiff = s[HELD + STRAIN_P + j], 3.0 * solid[SHEAR]
+    still, thermal = still_law(solid, p, s[HELD + HEAT + j])
+    excess = q - still
     if excess <= 0.0:
         return
     dp = q / stiff
-    if softening > 0.0:
+    if still > 0.0:
         along = n[0] * s[STRAIN[0] + j] + n[1] * s[STRAIN[1] + j] + n[2] * s[STRAIN[2] + j]
         along += 2.0 * (n[3] * s[STRAIN[3] + j] + n[4] * s[STRAIN[4] + j] + n[5] * s[STRAIN[5] + j])
         guess = min(excess / stiff, along / q) if along > 0.0 else excess / stiff
-        dp = johnson_cook_increment(q, p, softening, solid, dt, guess)
+        dp = plastic_increment(law, q, p, thermal, solid, dt, guess)
     flow(s, solid[SHEAR], n, dp / q, j)
     s[HELD + STRAIN_P + j] += dp
-    s[HELD + HEAT + j] += solid[JC_HEATING] * s[PLASTIC + j]
+    s[HELD + HEAT + j] += solid[HEATING] * s[PLASTIC + j]
+
+
+@fused_called_kernel
+def johnson_cook(s, solid, dt, j):
+    """Apply the law of Johnson & Cook to the trial stress."""
+    heated_flow(johnson_cook_still, johnson_cook_flow, s, solid, dt, j)
+
+
+@fused_called_kernel
+def zerilli_armstrong(s, solid, dt, j):
+    """Apply the law of Zerilli & Armstrong to the trial stress."""
+    heated_flow(zerilli_armstrong_still, zerilli_armstrong_flow, s, solid, dt, j)
 
 
 @fused_called_kernel
@@ -235,6 +300,9 @@ def update_stress(s, solid, kind, dt):
     if kind == JOHNSON_COOK:
         for j in range(W):
             johnson_cook(s, solid, dt, j)
+    elif kind == ZERILLI_ARMSTRONG:
+        for j in range(W):
+            zerilli_armstrong(s, solid, dt, j)
     elif kind == BILINEAR and solid[KINEMATIC] == 0.0:
         for j in range(W):
             von_mises(s, STILL, solid, j)

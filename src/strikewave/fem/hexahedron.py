@@ -10,7 +10,8 @@ The mean gradient of a field u over the element is then exactly sum over the mod
 a constant stress for any shape, so that the patch test is passed. Forces are f_m = -sigma g_m, transformed back.
 
 Stress. Strain and rotation increments are taken at the middle of the step, stress is turned by the rotation increment
-(Hughes & Winget 1980): a rigid motion leaves no stress, and the turned stress keeps its invariants.
+(Hughes & Winget 1980) and the strain by half of it: a rigid motion leaves no stress, the turned stress keeps its
+invariants, and an elastic solid that spins while it strains follows Jaumann's rate to second order in the step.
 
 Hourglass stiffness. What remains of an hourglass mode h when the motion that is linear over the first shape (index
 0) is taken off is q = h + sum over m of c_m x_m, c_m = -(h_0 . g_0m) / V_0. It is zero for any uniform deformation and
@@ -46,7 +47,7 @@ from strikewave.fem import _hexahedron_kernels as kernels
 from strikewave.fem import _layout as layout
 from strikewave.fem._layout import Blocks
 from strikewave.fem.mesh import Array, Index, Mesh, volumes
-from strikewave.fem.solids import AnySolid, Bilinear, JohnsonCook
+from strikewave.fem.solids import AnySolid, Bilinear, HeatedSolid, JohnsonCook, ZerilliArmstrong
 
 SLAB = 64
 """Chunks of a slab at least, 2048 elements: their forces take some tenths of a millisecond, longer than a thread's
@@ -120,11 +121,16 @@ def solid_row(solid: AnySolid) -> tuple[int, Array]:
         row[layout.ISOTROPIC] = (1.0 - solid.kinematic) * hardening
         row[layout.KINEMATIC] = solid.kinematic * hardening
         return layout.BILINEAR, row
+    if isinstance(solid, HeatedSolid):
+        row[layout.RATE], row[layout.ROOM] = solid.reference_rate, solid.room_temperature
+        row[layout.HEATING] = solid.heat_fraction / (solid.density * solid.specific_heat)
     if isinstance(solid, JohnsonCook):
-        row[layout.JC_A : layout.JC_RATE + 1] = solid.A, solid.B, solid.n, solid.C, solid.m, solid.reference_rate
+        row[layout.JC_A : layout.JC_M + 1] = solid.A, solid.B, solid.n, solid.C, solid.m
         row[layout.JC_RANGE] = solid.melting_temperature - solid.room_temperature
-        row[layout.JC_HEATING] = solid.heat_fraction / (solid.density * solid.specific_heat)
         return layout.JOHNSON_COOK, row
+    if isinstance(solid, ZerilliArmstrong):
+        row[layout.ZA_C0 : layout.ZA_N + 1] = solid.C0, solid.C1, solid.C2, solid.C3, solid.C4, solid.C5, solid.n
+        return layout.ZERILLI_ARMSTRONG, row
     return layout.ELASTIC, row
 
 
@@ -191,12 +197,16 @@ def build_blocks(
     number = np.concatenate(numbers)
     table = [solid_row(solids[name]) for name in mesh.names]
     nodes = mesh.hexahedra[number].transpose(0, 2, 1)
+    owner = np.concatenate(owners).astype(np.int32)
+    state = np.zeros((len(number), points, layout.STATES, lanes))
+    preheat = np.array([getattr(solids[name], "preheat", 0.0) for name in mesh.names])
+    state[:, :, int(layout.HEAT) // lanes] = preheat[owner, None, None]
     blocks = Blocks(
         nodes=np.ascontiguousarray(nodes, np.int32).ravel(),
         filled=np.concatenate(counts).astype(np.int32),
-        part=np.concatenate(owners).astype(np.int32),
+        part=owner,
         constants=np.concatenate(columns).ravel(),
-        state=np.zeros(number.shape[0] * points * layout.STATES * lanes),
+        state=state.ravel(),
         solids=np.array([row for _, row in table]),
         kinds=np.array([kind for kind, _ in table], np.int32),
     )

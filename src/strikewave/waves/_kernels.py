@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
-from strikewave.contact._law_kernels import YIELD_LOAD, flattening, residual
+from strikewave.contact._law_kernels import DAMPER, YIELD_LOAD, flattening, residual
 from strikewave.waves._press_kernels import contact_force, losses
 
 BONDED, ELASTIC, MASS, UNILATERAL, OSCILLATOR, CONTACT = 0, 1, 2, 3, 4, 5
@@ -165,7 +165,7 @@ def unilateral_joint(tables, state, i, b, y):
 def contact_joint(tables, state, i, b, y):
     """Return the force of a nonlinear contact that pushes only, counted from its preload, and press it on.
 
-    It is elastic, and beyond its yield load plastic; what has yielded stays.
+    It is elastic, with a damper that never pulls, or beyond its yield load plastic; what has yielded stays.
     """
     value, law, own = tables.joint_value[i], tables.law[i], state.joint[i]
     preload, half, was = value[PRELOAD], 0.5 * tables.step, value[DATUM] + own[COMPRESSION]
@@ -173,7 +173,10 @@ def contact_joint(tables, state, i, b, y):
     push = contact_force(law, ahead, half, 1.0, own[DEEPEST], own[GROWTH], b + preload * y, y, own[GUESS])
     rate = b - y * (push - preload)
     d = ahead + half * rate
-    own[LOST] += losses(law, d, rate, push, own[DEEPEST], own[GROWTH])[1]
+    power, yielded = losses(law, d, rate, push, own[DEEPEST], own[GROWTH])
+    own[LOST] += yielded
+    if law[DAMPER] > 0.0:
+        own[LOST] += tables.step * power
     own[WORK] += tables.step * (push - preload) * rate
     if d > own[DEEPEST] and law[YIELD_LOAD] < np.inf:
         own[DEEPEST], own[GROWTH] = d, flattening(law, d)

@@ -62,6 +62,7 @@ def damped_force(law, d, rate):
     if d < 0.0 or force <= 0.0:
         return 0.0, 0.0, 0.0
     by_rate = damper_force(law, d, 1.0) if rate > 0.0 or law[STYLE] != ON_APPROACH else 0.0
+    # a retarded law has no exponent here: without its curvature the steps are shorter, the root is the same
     by_depth = law[DAMPER_EXPONENT] * by_rate * rate / d if d > 0.0 else 0.0
     return force, base_slope(law, d) + by_depth, by_rate
 

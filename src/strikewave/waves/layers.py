@@ -168,7 +168,7 @@ class Joint:
     joint is bolted: forces count from the bolted state, and once it opens the bolt pulls with the preload.
     A joint with a mass is a rigid point mass between bonded faces. One with an attached mass bonds the faces and
     hangs the mass on them by its spring and dashpot: the seismic mass of a sensor. One with a contact pushes by an
-    elastic contact law, and beyond its yield load plastically.
+    elastic contact law, retarded or not, and beyond its yield load plastically.
 
     Parameters
     ----------
@@ -188,8 +188,9 @@ class Joint:
         kg.
     attached : float, optional
         Mass on the spring, kg.
-    contact : Contact, LogarithmicContact or None, optional
-        Law of a nonlinear contact, without hysteresis and damper: faces that touch have no approach speed.
+    contact : Contact, LogarithmicContact, HardeningContact or None, optional
+        Law of a nonlinear contact, without hysteresis: faces that touch have no approach speed. Its damper may be a
+        retarded one.
     yield_force : float, optional
         Force at which a gasket yields, N; the waves do not know it.
     """
@@ -244,8 +245,8 @@ def _check_contact(joint: Joint, law: NDArray[np.float64]) -> None:
     """Refuse what a nonlinear contact between layers cannot have."""
     if math.isfinite(joint.stiffness) or joint.damping or joint.branches or joint.mass or joint.attached:
         raise ValueError("a joint with a contact law has a gap or a preload beside it, and nothing else")
-    if law[_law_kernels.DAMPER]:
-        raise ValueError("the contact law of a joint is elastic: it takes no damper")
+    if law[_law_kernels.DAMPER] and law[_law_kernels.STYLE] != _law_kernels.RETARDED:
+        raise ValueError("the contact law of a joint is elastic, or retarded: it takes no other damper")
     if law[_law_kernels.DAMPING]:
         raise ValueError("the contact law of a joint is elastic: give it a restitution of 1")
     yielding = law[_law_kernels.YIELD_LOAD]

@@ -93,3 +93,16 @@ def test_a_cut_that_nothing_holds_is_warned_of(strikewave):
     assert warning["code"] == "cut-without-symmetry"
     assert "striker.x-" in warning["message"]
     assert "striker.x-" in strikewave("deck", "two-bars-fem", "--set", "fem.boundary.0.side=bar.x-")[2]
+
+
+@pytest.mark.parametrize("code", ["ls-dyna", "openradioss"])
+@pytest.mark.parametrize(
+    ("case", "field"),
+    [
+        (["taylor-copper-fem"], "mesh.part.bar.solid.law"),
+        (["taylor-steel-fem", "--set", "mesh.part.bar.solid.preheat=100 K"], "mesh.part.bar.solid.preheat"),
+    ],
+)
+def test_solids_that_no_deck_holds_are_refused(strikewave, code, case, field):
+    status, _, err = strikewave("deck", *case, "--code", code, "--set", "mesh.part.bar.size=2 mm", "--out", "deck")
+    assert (status, f"{field}: got" in err) == (2, True)

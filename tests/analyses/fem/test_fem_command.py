@@ -524,6 +524,28 @@ def test_the_bundled_taylor_bar_ends_as_published():
     assert solution.warnings == ()
 
 
+@pytest.mark.verify
+@pytest.mark.parametrize(
+    ("case", "table", "row", "length_off", "foot_off"),
+    [
+        ("taylor-steel-fem", "StJohnson", 0, 0.01, 0.08),
+        ("taylor-copper-fem", "CuZerilli", 2, 0.04, 0.06),
+    ],
+)
+def test_the_built_in_measured_bars_end_near_what_was_measured(measured, case, table, row, length_off, foot_off):
+    """Constants are those of the literature. The foot may be off by more: no friction, and its edge wants a fine mesh."""
+    from strikewave import load_case
+    from strikewave.analyses.fem.run import run_fem
+
+    shot = np.array((measured("taylor-bars") / f"{table}.dat").read_text().splitlines()[3 * row].split(), float)
+    solution = run_fem(load_case(case, ["mesh.part.bar.size=0.762 mm"]))
+    moved = {name: point.displacement[-1] for name, point in solution.run.points.items()}
+    assert shot[3] == -solution.model.velocity["bar"][2]
+    assert shot[4] + moved["top"][2] - moved["foot"][2] == pytest.approx(shot[5], rel=length_off)
+    assert shot[8] + 2.0 * moved["foot"][0] == pytest.approx(shot[9], rel=foot_off)
+    assert solution.warnings == ()
+
+
 def test_the_line_of_each_boundary_in_the_docs_is_read():
     import tomllib
 

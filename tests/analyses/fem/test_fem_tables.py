@@ -14,7 +14,7 @@ from strikewave.cases.case import bundled_cases, dump_case, load_case, parse_cas
 from strikewave.fem.mesh import volumes
 from strikewave.fem.model import Driven, Fixed, Guided, NonReflecting, Pressure, Symmetry
 from strikewave.fem.quality import quality_report
-from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
+from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook, ZerilliArmstrong
 
 from .ball_case import CASE, edited
 
@@ -157,6 +157,18 @@ def test_a_johnson_cook_solid_takes_what_it_is_given_in_units():
     assert isinstance(found, JohnsonCook)
     assert (found.A, found.B, found.n, found.C, found.m) == (792e6, 510e6, 0.26, 0.014, 1.03)
     assert (found.melting_temperature, found.specific_heat, found.room_temperature) == (1793.0, 477.0, 293.0)
+
+
+def test_a_zerilli_armstrong_solid_takes_what_it_is_given_in_units():
+    solid = (
+        'solid = { law = "zerilli-armstrong", C0 = "65 MPa", C2 = "890 MPa", C3 = "0.0028 1/K", C4 = "0.000115 1/K", '
+        'specific_heat = "383 J/kg/K", preheat = "400 K" }'
+    )
+    model = build_model(parse_case(edited(('solid = { law = "bilinear", tangent_modulus = "21 GPa" }', solid))))
+    found = model.solids["ball"]
+    assert isinstance(found, ZerilliArmstrong)
+    assert (found.C0, found.C1, found.C2, found.C3, found.C4, found.C5) == (65e6, 0.0, 890e6, 0.0028, 0.000115, 0.0)
+    assert (found.specific_heat, found.preheat, found.room_temperature) == (383.0, 400.0, 293.0)
 
 
 JOHNSON_COOK = 'solid = { law = "johnson-cook", A = "90 MPa", B = "292 MPa", n = 0.31, C = 0.025, m = 1.09 }'

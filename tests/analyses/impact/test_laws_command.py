@@ -9,6 +9,7 @@ import pytest
 
 from strikewave.base.citations import CHECKED, FROM_MEMORY, QUOTED, SOURCES
 from strikewave.contact import CAP_LAWS, damper_laws, damping_laws, registry, restitution, stiffness_laws
+from strikewave.contact.cushions import cushion_laws
 
 ASKED = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]
 ENTRY = {"name", "equation", "symbols", "limits", "status", "source", "reference", "seen", "note"}
@@ -38,10 +39,12 @@ def test_every_law_with_status_and_source(document):
         "dampers",
         "stiffness",
         "caps",
+        "cushions",
     }
     tables = {"damping": damping_laws(), "dampers": damper_laws(), "stiffness": stiffness_laws(), "caps": CAP_LAWS}
+    tables["cushions"] = cushion_laws()
     for kind, laws in tables.items():
-        more = {"stiffness": {"needs"}, "caps": set()}.get(kind, {"asked", "given"})
+        more = {"stiffness": {"needs"}, "caps": set(), "cushions": {"needs", "options"}}.get(kind, {"asked", "given"})
         assert [row["name"] for row in told[kind]] == list(laws)
         for row in told[kind]:
             law = laws[row["name"]]
@@ -70,7 +73,7 @@ def test_laws_from_memory_are_warned_of(document):
     told = document()
     assert [warning["code"] for warning in told["warnings"]] == ["law-from-memory"]
     message = told["warnings"][0]["message"]
-    for row in told["damping"] + told["dampers"] + told["stiffness"]:
+    for row in told["damping"] + told["dampers"] + told["stiffness"] + told["cushions"]:
         assert (f"{row['name']} (" in message) == (row["status"] == "from memory")
 
 
@@ -189,10 +192,12 @@ def test_a_law_that_fails_is_told_and_left_out(strikewave, install, function):
     assert err.count("the damping law 'own' is left out") == 1
 
 
-def test_out_holds_the_document_and_two_pictures(strikewave, tmp_path):
+def test_out_holds_the_document_and_three_pictures(strikewave, tmp_path):
     code, out, _ = strikewave("laws", "--out", "a", "--json")
     assert code == 0
-    pictures = [f"{name}.{kind}" for name in ("asked-given", "stiffness-laws") for kind in ("png", "svg")]
+    pictures = [
+        f"{name}.{kind}" for name in ("asked-given", "stiffness-laws", "cushion-laws") for kind in ("png", "svg")
+    ]
     assert sorted(os.listdir("a")) == sorted(["laws.json", "record.toml", *pictures])
     assert os.listdir(tmp_path) == ["a"]
     assert json.loads(open("a/laws.json", encoding="utf-8").read()) == json.loads(out)

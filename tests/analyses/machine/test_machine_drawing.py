@@ -156,7 +156,7 @@ def test_the_drawing_writes_its_numbers_and_marks(published):
         "q 5.502 mm",
         "stroke s 20 mm",
         "730 r/min",
-        "90.83 MN/m",
+        "90.82 MN/m",
         "0.459 kg",
         "blow",
         "turns",

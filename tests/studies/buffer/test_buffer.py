@@ -16,6 +16,7 @@ from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.cases.tables import SensorTable
+from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded
 from strikewave.sensors import Recorder, Sensor
 from strikewave.sensors.channel import SensorChannel
 from strikewave.signal.pulse import HALF_SINE_WIDTH
@@ -339,6 +340,20 @@ def test_a_heavy_sensor_makes_its_gasket_yield():
     (notice,) = [n for n in buffered.warnings if n.code == "gasket-yield"]
     assert notice.limit == material("PTFE").yield_strength
     assert notice.value > notice.limit
+
+
+def test_a_soft_gasket_that_is_pressed_far_is_set_beside_a_pad_that_hardens():
+    """Rubber of 2 mm under 20 g at 10 000 g: beyond 10 % of its thickness the notice says what a neo-Hookean pad makes."""
+    blows = Blows((half_sine(),))
+    study = design_buffer(site(20e-3), blows, StackChoices(("rubber",), (mm(2),), 1), BufferGoal(5e3 * G))
+    (notice,) = [n for n in study.warnings if n.code == "gasket-strain"]
+    assert notice.value > 0.1
+    row = material("rubber")
+    pad = elastomer(Pad(study.site.area, 2e-3), row.youngs_modulus, shape_factor=0.0)
+    pad = retarded(pad, retardation_of(row.loss_factor, study.candidates[0].band.resonance))
+    mass = 20e-3 + 0.5 * row.density * study.site.area * 2e-3
+    peak = carried(pad, mass, study.motion.acceleration, study.motion.step).acceleration.max()
+    assert f"the sensor's mass would reach {peak / G:.0f} g" in notice.message
 
 
 @pytest.mark.parametrize(

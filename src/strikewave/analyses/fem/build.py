@@ -23,7 +23,14 @@ from strikewave.cases.fem_tables import (
     PressedSide,
     SymmetrySide,
 )
-from strikewave.cases.mesh_tables import AnyPart, BilinearTable, ElasticTable, JohnsonCookTable, MeshTable
+from strikewave.cases.mesh_tables import (
+    AnyPart,
+    BilinearTable,
+    ElasticTable,
+    JohnsonCookTable,
+    MeshTable,
+    ZerilliArmstrongTable,
+)
 from strikewave.cases.stack_of_case import once
 from strikewave.fem.mesh import Mesh, joined
 from strikewave.fem.model import (
@@ -45,7 +52,7 @@ from strikewave.fem.model import (
     TimeCurve,
 )
 from strikewave.fem.quality import check_mesh
-from strikewave.fem.solids import AnySolid, Bilinear, Elastic, JohnsonCook
+from strikewave.fem.solids import AnySolid, Bilinear, Elastic, JohnsonCook, ZerilliArmstrong
 
 ROUGH = 2.0
 """Largest factor by which an estimate of elements is too high: what it refuses is too large without doubt."""
@@ -60,6 +67,7 @@ _KINDS: dict[type, tuple[type[Elastic], tuple[str, ...]]] = {
     ElasticTable: (Elastic, ()),
     BilinearTable: (Bilinear, ("yield_strength",)),
     JohnsonCookTable: (JohnsonCook, ()),
+    ZerilliArmstrongTable: (ZerilliArmstrong, ()),
 }
 """The solid of each table, and what it takes of the material besides."""
 
@@ -185,7 +193,7 @@ def solid_of(part: AnyPart) -> AnySolid:
     for key in (*ELASTIC, *keys):
         if key not in constants:
             constants[key] = _of_material(row, key, f"{path}.solid.{key}")
-    if ("specific_heat" in constants) != ("melting_temperature" in constants):
+    if kind is JohnsonCook and ("specific_heat" in constants) != ("melting_temperature" in constants):
         lacking = "melting_temperature" if "specific_heat" in constants else "specific_heat"
         raise InputError(f"{path}.solid.{lacking}", MISSING, "both specific_heat and melting_temperature, or neither")
     try:

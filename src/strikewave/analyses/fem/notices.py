@@ -17,7 +17,7 @@ from strikewave.fem.mesh import TINY
 from strikewave.fem.model import Model, stays
 from strikewave.fem.repeated_blows import ROUNDING
 from strikewave.fem.run import FemRun
-from strikewave.fem.solids import Bilinear, JohnsonCook
+from strikewave.fem.solids import Bilinear, HeatedSolid
 from strikewave.signal.pulse import FEWEST_INTERVALS
 
 FEWEST_FACES = 16.0
@@ -176,7 +176,7 @@ def _strength(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     for part in case.mesh.part if case.mesh else ():
         strength = material(part.material).yield_strength if part.material else None
         stress = float(run.von_mises[part.name].max()) if part.name in run.von_mises else 0.0
-        yields = isinstance(model.solids[part.name], Bilinear | JohnsonCook)
+        yields = isinstance(model.solids[part.name], Bilinear | HeatedSolid)
         if strength is not None and stress > strength and not yields:
             message = (
                 f"the elastic part {part.name} is loaded with {stress / 1e6:.4g} MPa (von Mises), beyond the "

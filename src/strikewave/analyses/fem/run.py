@@ -16,7 +16,7 @@ from strikewave.fem.invariants import von_mises
 from strikewave.fem.model import Model, NonReflecting
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.snapshots import SNAPSHOTS, snapshot_recorder
-from strikewave.fem.solids import JohnsonCook
+from strikewave.fem.solids import JohnsonCook, ZerilliArmstrong
 
 if TYPE_CHECKING:
     from strikewave.fem.solve import RunOptions, Writer
@@ -140,6 +140,8 @@ def sources(model: Model) -> tuple[str, ...]:
     listed = ["flanagan-belytschko-1981", "hughes-winget-1980"]
     if any(isinstance(solid, JohnsonCook) for solid in model.solids.values()):
         listed.append("johnson-cook-1983")
+    if any(isinstance(solid, ZerilliArmstrong) for solid in model.solids.values()):
+        listed.append("zerilli-armstrong-1987")
     if any(isinstance(boundary, NonReflecting) for boundary in model.boundaries):
         listed.append("lysmer-kuhlemeyer-1969")
     if model.controls.blows > 1:

@@ -15,6 +15,7 @@ from strikewave.base.result import Notice, Source
 from strikewave.contact import (
     CAP_LAWS,
     CapLaw,
+    CushionLaw,
     DamperLaw,
     DampingLaw,
     Geometry,
@@ -25,6 +26,7 @@ from strikewave.contact import (
     restitution,
     stiffness_laws,
 )
+from strikewave.contact.cushions import cushion_laws
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output
@@ -46,13 +48,15 @@ class Laws(NamedTuple):
     dampers: dict[str, DamperLaw]
     stiffness: dict[str, StiffnessLaw]
     caps: dict[str, CapLaw]
+    cushions: dict[str, CushionLaw]
     given: dict[str, list[float] | None]
 
     @property
     def kinds(self) -> tuple[tuple[str, Mapping[str, Law]], ...]:
         """Kind in words, and its laws."""
-        laws: tuple[Mapping[str, Law], ...] = (self.damping, self.dampers, self.stiffness, self.caps)
-        return tuple(zip(("damping law", "damper", "stiffness law", "pressure cap"), laws, strict=True))
+        laws: tuple[Mapping[str, Law], ...] = (self.damping, self.dampers, self.stiffness, self.caps, self.cushions)
+        kinds = ("damping law", "damper", "stiffness law", "pressure cap", "cushion law")
+        return tuple(zip(kinds, laws, strict=True))
 
 
 @dataclass(frozen=True)
@@ -90,6 +94,10 @@ class LawsResult(measured.AskedResult):
             "dampers": [{**_entry(law), **_given(laws, "damper", law)} for law in laws.dampers.values()],
             "stiffness": [{**_entry(law), "needs": list(law.needs)} for law in laws.stiffness.values()],
             "caps": [_entry(law) for law in laws.caps.values()],
+            "cushions": [
+                {**_entry(law), "needs": list(law.needs), "options": list(law.options)}
+                for law in laws.cushions.values()
+            ],
         }
 
     def texts(self) -> dict[str, str]:
@@ -134,14 +142,16 @@ class LawsCommand(Command[LawsResult]):
         )
 
     def draw(self, result: LawsResult, folder: Path) -> list[str]:
-        """Write what the laws give, and the stiffness laws over load."""
+        """Write what the laws give, the stiffness laws over load, and the cushion laws with their pulses."""
         from strikewave.analyses.impact.figures.contact import asked_given, stiffness_over_load
+        from strikewave.analyses.impact.figures.cushions import cushion_curves
         from strikewave.reporting.style import save
 
         steel, loads = material("65Mn"), np.geomspace(*LOADS, 61)
         figures = {
             "asked-given": asked_given(result.everything.damping),
             "stiffness-laws": stiffness_over_load(steel, steel, Geometry(*RADII, LENGTH), loads),
+            "cushion-laws": cushion_curves(),
         }
         names = [f"{name}{suffix}" for name in figures for suffix in (".svg", ".png")]
         for name in names:
@@ -163,7 +173,7 @@ def _all_laws() -> Laws:
     given: dict[str, list[float] | None] = {}
     damping = {name: law for name, law in damping_laws().items() if _try(given, "damping", law)}
     dampers = {name: law for name, law in damper_laws().items() if _try(given, "damper", law)}
-    return Laws(damping, dampers, stiffness_laws(), CAP_LAWS, given)
+    return Laws(damping, dampers, stiffness_laws(), CAP_LAWS, cushion_laws(), given)
 
 
 def _try(given: dict[str, list[float] | None], kind: str, law: Any) -> bool:
@@ -194,7 +204,8 @@ def _named(laws: Laws, name: str | None) -> Laws:
     def of(laws_of_kind: dict[str, Any]) -> dict[str, Any]:
         return {name: laws_of_kind[name]} if name in laws_of_kind else {}
 
-    return Laws(of(laws.damping), of(laws.dampers), of(laws.stiffness), of(laws.caps), laws.given)
+    contact = of(laws.damping), of(laws.dampers), of(laws.stiffness), of(laws.caps)
+    return Laws(*contact, of(laws.cushions), laws.given)
 
 
 def _entry(law: Law) -> dict[str, Any]:
@@ -241,6 +252,8 @@ def _print_all(laws: Laws) -> None:
     table("Stiffness laws", ["name", "status", "equation", "needs"], rows, left=4)
     rows = [[law.name, _mark(law), law.equation] for law in laws.caps.values()]
     table("Pressure caps: elastic-plastic contacts that remember", ["name", "status", "equation"], rows, left=3)
+    rows = [[law.name, _mark(law), law.equation, _needs(law)] for law in laws.cushions.values()]
+    table("Cushions: pads between plane faces", ["name", "status", "equation", "needs"], rows, left=4)
 
 
 def _relation(given: Sequence[float] | None) -> str:

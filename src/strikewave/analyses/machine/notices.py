@@ -17,7 +17,7 @@ from strikewave.analyses.machine.sensor_readings import (
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
-from strikewave.cases.contact_notices import force_words, law_notices, low_pressure_notices
+from strikewave.cases.contact_notices import cushion_notices, force_words, law_notices, low_pressure_notices
 from strikewave.cases.contact_range_notices import damping_speed_notices, size_notices, speed_notices
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING
 from strikewave.machines import Blow
@@ -69,6 +69,7 @@ def notices(case: Case, blows: Sequence[Blow], answers: ContactAnswers | None) -
         )
         return tuple(listed)
     listed += [*_odd_blows(case, blows), *_rail(case), *_yield(case, answers), *_contact(case, struck)]
+    listed += cushion_notices(case, struck)
     listed += _recorder(case, struck)
     return tuple(listed)
 

@@ -31,7 +31,7 @@ from strikewave.base.quantities import AUTO
 from strikewave.base.result import Comparison, balance_notices
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import comparisons
-from strikewave.cases.contact_of_case import contact_stiffness
+from strikewave.cases.contact_of_case import contact_source
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import build_taps, check_route
 from strikewave.contact import damping_law, solve_impact
@@ -237,7 +237,7 @@ def _citations(case: Case, seen: Observed) -> tuple[str, ...]:
     """Return the keys of the sources of the models that took part."""
     origin = next((key for key in citations.SOURCES if case.source.startswith(key)), "")
     contact = case.impact().contact
-    keys = [origin, contact_stiffness(case).source, "hunt-crossley-1975", damping_law(contact.damping).source]
+    keys = [origin, contact_source(case), "hunt-crossley-1975", damping_law(contact.damping).source]
     keys += ["thornton-1997"] if contact.yield_pressure is not None else []
     keys += ["jackson-green-2005"] if contact.yield_pressure == AUTO else []
     keys += ["maw-barber-fawcett", "molinari-1999"] if contact.friction is not None else []

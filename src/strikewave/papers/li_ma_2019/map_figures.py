@@ -27,6 +27,10 @@ NEAR = 0.1
 """A cell within a tenth of the published number is framed: what the paper calls good consistency."""
 LIGHT = 0.55
 """Place on the scale of colours from which on letters are dark: those of cividis are then light enough."""
+NUMBERED = 40
+"""Columns of all panels up to which cells carry their numbers: of more, a number is wider than its cell."""
+TICKED = 8
+"""Columns of a panel up to which each has its label; of more, every second one."""
 HATCH = "///"
 """Of cells that contradict the paper otherwise."""
 
@@ -36,14 +40,16 @@ def gasket_figure(study: GasketStudy) -> Figure:
     moduli, losses, thicknesses = study.grid
     peaks = np.abs(study.field("direct")) / STANDARD_GRAVITY / 1e3
     calm, published = study.field("calm") > 0.0, published_number("direct peak").value / STANDARD_GRAVITY / 1e3
+    numbered, every_so_many = len(moduli) * len(thicknesses) <= NUMBERED, 1 if len(moduli) <= TICKED else 2
+    shown = range(0, len(moduli), every_so_many)
     width = (COLUMN * len(moduli) + BESIDE) * len(thicknesses) + MARGIN
     size = (width, max(LEAST_HEIGHT, 1.7 + ROW * len(losses)))
     figure = new_figure(size)
     every = figure.subplots(1, len(thicknesses), squeeze=False, sharey=True)[0]
     for axes, panel, quiet_cells, thickness in zip(every, peaks, calm, thicknesses, strict=True):
-        drawn = _cells(axes, panel, _norm(peaks), published, ~quiet_cells)
+        drawn = _cells(axes, panel, _norm(peaks), published, ~quiet_cells, numbered)
         axes.set_title(f"{thickness * 1e3:g} mm thick", loc="left", fontsize=10)
-        axes.set_xticks(range(len(moduli)), [f"{modulus / 1e6:g}" for modulus in moduli], fontsize=8)
+        axes.set_xticks(shown, [_plain(moduli[k] / 1e6) for k in shown], fontsize=8)
         axes.set_xlabel("modulus of the gasket (MPa)")
     every[0].set_yticks(range(len(losses)), [f"{loss:g}" for loss in losses], fontsize=8)
     every[0].set_ylabel("loss factor (1)")
@@ -70,6 +76,10 @@ def joint_figure(study: JointStudy) -> Figure:
     return figure
 
 
+def _plain(number: float) -> str:
+    return str(np.format_float_positional(number, 3, fractional=False, trim="-"))
+
+
 def _norm(values: Array) -> Any:
     from matplotlib.colors import LogNorm
 
@@ -77,7 +87,7 @@ def _norm(values: Array) -> Any:
     return LogNorm(float(known.min()), 1.01 * float(known.max()))
 
 
-def _cells(axes: Any, values: Array, norm: Any, published: float, odd: NDArray[np.bool_]) -> Any:
+def _cells(axes: Any, values: Array, norm: Any, published: float, odd: NDArray[np.bool_], numbered: bool = True) -> Any:
     """Draw cells with their numbers; those near the published one framed, odd ones hatched, unknown ones grey."""
     from matplotlib.patches import Rectangle
 
@@ -94,6 +104,8 @@ def _cells(axes: Any, values: Array, norm: Any, published: float, odd: NDArray[n
             axes.add_patch(Rectangle(corner, 1, 1, fill=False, hatch=HATCH, edgecolor=GREY, linewidth=0.0))
         if abs(value / published - 1.0) <= NEAR:
             axes.add_patch(Rectangle(corner, 1, 1, fill=False, edgecolor=RED, linewidth=2.0, zorder=4))
+        if not numbered:
+            continue
         box = {"facecolor": drawn.cmap(norm(value)), "edgecolor": "none", "pad": 0.8}
         axes.text(column, row, f"{value:.3g}", ha="center", va="center", fontsize=7.5, color=ink, bbox=box)
     axes.spines[["top", "right"]].set_visible(False)

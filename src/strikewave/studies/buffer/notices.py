@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING
 
 from strikewave.base.citations import FROM_MEMORY
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.errors import IntegrationError
 from strikewave.base.materials import material
 from strikewave.base.result import Notice
+from strikewave.contact import AnyContact
+from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded
 from strikewave.sensors.channel import channel_notices, sensor_pulse
 from strikewave.studies.buffer.candidate import SHOWN_PERIODS, BufferCandidate, slowest_shown, true_peak
 from strikewave.studies.buffer.moduli import confined, spread
@@ -128,6 +131,7 @@ def _gasket_notices(study: BufferStudy, first: BufferCandidate) -> Iterator[Noti
             yield Notice("gasket-yield", message, stress, strength)
         if strain > LARGE_STRAIN:
             message = f"{layer} is compressed by {strain:.0%}: its modulus is that of small strain; it stiffens"
+            message += _hardened(study, first)
             yield Notice("gasket-strain", message, strain, LARGE_STRAIN)
     if first.loss_error > FITTED_LOSS:
         message = f"the loss factor of {first.name} deviates by up to {first.loss_error:.0%} over its band"
@@ -145,6 +149,22 @@ def _gasket_notices(study: BufferStudy, first: BufferCandidate) -> Iterator[Noti
         row = material(name)
         if row.status == FROM_MEMORY:
             yield Notice("material-from-memory", f"{name}: {row.note}", 1.0, 0.0)
+
+
+def _hardened(study: BufferStudy, first: BufferCandidate) -> str:
+    """Return in words what the mass of the sensor would reach on a neo-Hookean pad instead of a single elastomer."""
+    row = material(first.stack[0].material)
+    if len(first.stack) > 1 or row.kind != "elastomer":
+        return ""
+    site, (layer,) = study.site, study.site.mounting(first.stack).gaskets
+    free: AnyContact = elastomer(Pad(layer.area, layer.thickness), layer.modulus, shape_factor=0.0)
+    if layer.loss_factor > 0.0:
+        free = retarded(free, retardation_of(layer.loss_factor, first.band.resonance))
+    try:
+        mass = carried(free, site.mass + 0.5 * layer.mass, study.motion.acceleration, study.motion.step)
+    except IntegrationError:
+        return "; as a neo-Hookean pad it would bottom out"
+    return f"; on a neo-Hookean pad that lies loose, the sensor's mass would reach {_g(float(mass.acceleration.max()))}"
 
 
 def _other_blows(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:

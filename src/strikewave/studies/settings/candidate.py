@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from strikewave.base.materials import Material, material
 from strikewave.base.result import BALANCE_LIMIT
 from strikewave.cases.case import Case
+from strikewave.cases.tables import CUSHION, POWER
 from strikewave.contact import Geometry, first_yield, stiffness_law
 from strikewave.machines import Blow, MachineRun, Striker, Turntable
 from strikewave.machines.blows import contact_table
@@ -340,7 +341,7 @@ def yield_load(case: Case) -> float | None:
     None where yielding is modelled, or the load is not known.
     """
     rig = case.rotary_tables()
-    if rig.contact.yield_pressure is not None:
+    if rig.contact.yield_pressure is not None or rig.contact.law in (POWER, CUSHION):
         return None
     pair = material(rig.striker.material), material(rig.object.material)
     long = "length" in stiffness_law(rig.contact.law).needs

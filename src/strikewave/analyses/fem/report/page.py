@@ -30,7 +30,7 @@ from strikewave.fem.measures import (
 from strikewave.fem.quality import UNWARPED, quality_report
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.skin import blow_contact
-from strikewave.fem.solids import Bilinear, JohnsonCook
+from strikewave.fem.solids import Bilinear, JohnsonCook, ZerilliArmstrong
 from strikewave.reporting import chapters
 from strikewave.reporting.curves import shortened
 from strikewave.reporting.numbers import listed, percent, with_unit
@@ -42,7 +42,12 @@ if TYPE_CHECKING:
     from strikewave.fem.run import FemRun
     from strikewave.fem.solids import AnySolid
 
-_SOLIDS = {"Elastic": "elastic", "Bilinear": "bilinear plastic", "JohnsonCook": "Johnson-Cook"}
+_SOLIDS = {
+    "Elastic": "elastic",
+    "Bilinear": "bilinear plastic",
+    "JohnsonCook": "Johnson-Cook",
+    "ZerilliArmstrong": "Zerilli-Armstrong",
+}
 _BOUNDARIES = {"NonReflecting": "non-reflecting", "Symmetry": "plane of symmetry"}
 _SHARES = {2: "half", 4: "quarter"}
 TOUCHES_AT_END = 0.01
@@ -324,6 +329,9 @@ def _yield_words(solid: AnySolid) -> str:
         return text + (f", {percent(solid.kinematic, 0)} kinematic" if solid.kinematic else "")
     if isinstance(solid, JohnsonCook):
         return f", A {solid.A / 1e6:g} MPa, B {solid.B / 1e6:g} MPa, n {solid.n:g}, C {solid.C:g}, m {solid.m:g}"
+    if isinstance(solid, ZerilliArmstrong):
+        stresses = (f"{name} {getattr(solid, name) / 1e6:g} MPa" for name in ("C0", "C1", "C2", "C5"))
+        return f", {', '.join(stresses)}, n {solid.n:g}, C3 {solid.C3:g} /K, C4 {solid.C4:g} /K"
     return ""
 
 

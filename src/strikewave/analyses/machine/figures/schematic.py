@@ -162,7 +162,13 @@ def contact_part(case: Case, name: str) -> PartEntry:
     entries = [*quantity("restitution", contact.restitution)]
     entries += quantity("force at depth", contact.reference_force, "N", "kN")
     entries += [*quantity("depth", contact.reference_depth, "m", "mm"), *quantity("exponent", contact.exponent)]
-    return PartEntry("contact", f"{name}, {contact.law}", entries)
+    law, pad = contact.law, contact.cushion
+    if pad is not None:
+        law = f"{contact.law} ({pad.material or pad.law})"
+        entries += [*quantity("thickness", pad.thickness, "m", "mm"), *quantity("diameter", pad.diameter, "m", "mm")]
+        entries += [*quantity("area", pad.area, "m^2", "cm^2"), *quantity("plateau", pad.plateau, "Pa", "MPa")]
+        entries += [*quantity("modulus", pad.modulus, "Pa", "MPa"), *quantity("stress", pad.stress, "Pa", "MPa")]
+    return PartEntry("contact", f"{name}, {law}", entries)
 
 
 def bearing(sketch: Schematic, case: Case, foot: Point, top: Point) -> None:
