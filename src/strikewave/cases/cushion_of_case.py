@@ -54,7 +54,7 @@ def cushion_of(table: CushionTable, path: str, area: float) -> Cushion:
     if missing:
         hint = f"add {missing[0]} = {_EXAMPLES.get(missing[0], chr(34) + '2 MPa' + chr(34))}"
         raise InputError(f"{path}.{missing[0]}", MISSING, f"a number, for the law {law.name}", hint)
-    wear = Wear(_or_none(table.settling), _or_none(table.stiffening))
+    wear = Wear(_or_zero(table.settling), _or_zero(table.stiffening))
     blows = round(table.blows_before.si) if table.blows_before else 0
     pad = Pad(area, table.thickness.si)
     new = Cushion(law.name, pad, properties, wear, _retardation(table, law, path))
@@ -84,7 +84,7 @@ def _retardation(table: CushionTable, law: CushionLaw, path: str) -> float:
     return table.retardation.si
 
 
-def _or_none(value: Value | None) -> float:
+def _or_zero(value: Value | None) -> float:
     return 0.0 if value is None else value.si
 
 
