@@ -90,7 +90,8 @@ def test_pressure_on_a_bent_side_pushes_by_its_projected_area():
     load = Pressure("bar.round", TimeCurve((0.0,), (1e6,)))
     run = solve(one(bar, 1e-6, boundaries=(load,)))
     push = run.parts["bar"].acceleration[0] * run.parts["bar"].mass
-    assert push == pytest.approx([0.0, -1e6 * 0.01 * 0.01, 0.0], abs=1e-9 * 100.0)
+    # the average over the half interval in which the side begins to move: a share of 1e-6 by then
+    assert push == pytest.approx([0.0, -1e6 * 0.01 * 0.01, 0.0], abs=3e-6 * 100.0)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.5])

@@ -64,7 +64,7 @@ OTHERS = {
     "soft spring": ("object.spring=8 kN/m", "object.preload=150 N"),
     "sliding": ("contact.friction=0.5", "contact.sliding_damping=20 N s/m"),
     "sliding along the path": (
-        *("machine.blow_angle=90 deg", "machine.face_width=10 mm", "feed.stroke=60 mm", "machine.engagement=0.1 mm"),
+        *("machine.blow_angle=89 deg", "machine.face_width=10 mm", "feed.stroke=60 mm", "machine.engagement=0.1 mm"),
         *("machine.speed=200 rpm", "contact.friction=0.5", "contact.sliding_damping=20 N s/m"),
     ),
 }

@@ -259,7 +259,7 @@ def test_memory_that_ends_before_the_last_blow_says_so():
 
 def test_no_blow_at_all_breaks_a_limit(published, solution):
     missed = dataclasses.replace(solution.blows[0], kind="missed")
-    (notice,) = notices(published, [missed])
+    (notice,) = notices(published, [missed], None)
     assert notice.code == "no-blow"
     assert notice.broken
 
@@ -302,5 +302,5 @@ def test_each_contact_belongs_to_the_pass_of_its_striker():
 
 def test_pulse_without_end_has_no_width_and_says_so(published, solution):
     endless = dataclasses.replace(solution.blows[0], width=math.nan)
-    codes = {n.code for n in notices(published, [endless])}
+    codes = {n.code for n in notices(published, [endless], None)}
     assert "pulse-width" in codes

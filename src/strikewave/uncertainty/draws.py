@@ -167,7 +167,7 @@ def drawn_case(case: Case, tolerances: Sequence[Tolerance], numbers: Sequence[fl
     Examples
     --------
     >>> from strikewave import load_case
-    >>> case = load_case("li-ma-2019", ["striker.mass.tolerance=2 %"])
+    >>> case = load_case("li-ma-2019-fig13", ["striker.mass.tolerance=2 %"])
     >>> changed = drawn_case(case, tolerances_of(case), [1.01, 0.99, 1.0, 1.02])
     >>> [row.mass.si for row in changed.striker.each]
     [1.01, 0.99, 1.0, 1.02]

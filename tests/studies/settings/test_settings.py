@@ -348,9 +348,8 @@ def test_without_drive_the_turntable_slows_by_what_blows_take():
     speeds = run.sample(np.array([blow.time for blow in blows(run)])).turntable_speed
     energy = 0.5 * run.machine.drive.turntable.turning * (speeds[0] ** 2 - speeds[-1] ** 2) / 3.0
     assert observation.supply.energy_taken == pytest.approx(energy, rel=0.02)  # the fourth blow counts besides
-    assert (
-        abs(observation.supply.speed_regained) < 2e-4 * observation.supply.speed_lost
-    )  # E/(J w) to the first order, dw/2w
+    # E/(J w) to the first order, dw/2w = 2.5e-4
+    assert abs(observation.supply.speed_regained) < 3e-4 * observation.supply.speed_lost
 
 
 def test_blows_take_the_same_whatever_drives():
