@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import TypeVar
+
+T = TypeVar("T")
 
 MISSING = object()
 """Stands for what came where nothing came."""
@@ -75,6 +78,23 @@ class IntegrationError(StrikewaveError, RuntimeError):
 
 class StrikewaveWarning(UserWarning):
     """Something the user should know that does not stop the work."""
+
+
+def checked(path: str, make: Callable[[], T]) -> T:
+    """Make a part; what its own room refuses becomes an error that names the field.
+
+    Examples
+    --------
+    >>> checked("striker.mass", lambda: float("heavy"))
+    Traceback (most recent call last):
+    strikewave.base.errors.InputErrors: striker.mass: could not convert string to float: 'heavy'
+    """
+    try:
+        return make()
+    except StrikewaveError:
+        raise
+    except ValueError as error:
+        raise InputErrors([f"{path}: {error}"]) from None
 
 
 def show(value: object, longest: int = LONGEST_SHOWN) -> str:

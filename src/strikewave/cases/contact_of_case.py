@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from strikewave.base.errors import MISSING, InputError
+from strikewave.base.errors import MISSING, InputError, checked
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
-from strikewave.cases.cushion_of_case import cushion_of, made_at
+from strikewave.cases.cushion_of_case import cushion_of
 from strikewave.cases.stack_of_case import area_of, need
 from strikewave.cases.tables import CUSHION, POWER, AnyStriker, ContactTable
 from strikewave.cases.yield_pressure import capped_pressure, pressure_words
@@ -167,7 +167,7 @@ def cushion_contact(contact: ContactTable) -> AnyContact:
     if retards and contact.restitution.si != 1.0:
         allowed = "1 where the cushion has a retardation or a loss factor: it loses energy in one way"
         raise InputError("contact.restitution", contact.restitution.typed, allowed, "or take those out")
-    return made_at(CUSHION_PATH, lambda: cushion.contact(contact.damping, contact.restitution.si))
+    return checked(CUSHION_PATH, lambda: cushion.contact(contact.damping, contact.restitution.si))
 
 
 def _refuse_stray_cushion(contact: ContactTable) -> None:

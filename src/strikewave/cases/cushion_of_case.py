@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TypeVar
 
-from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveError
+from strikewave.base.errors import MISSING, InputError, checked
 from strikewave.base.quantities import Value
 from strikewave.cases.tables import CushionTable
 from strikewave.contact.cushions import (
@@ -58,7 +57,7 @@ def cushion_of(table: CushionTable, path: str, area: float) -> Cushion:
     blows = round(table.blows_before.si) if table.blows_before else 0
     pad = Pad(area, table.thickness.si)
     new = Cushion(law.name, pad, properties, wear, _retardation(table, law, path))
-    return made_at(path, lambda: new.after(blows))
+    return checked(path, lambda: new.after(blows))
 
 
 def _law_of(table: CushionTable, row: CushionMaterial | None, path: str) -> CushionLaw:
@@ -86,13 +85,3 @@ def _retardation(table: CushionTable, law: CushionLaw, path: str) -> float:
 
 def _or_zero(value: Value | None) -> float:
     return 0.0 if value is None else value.si
-
-
-def made_at(path: str, make: Callable[[], T]) -> T:
-    """Make a part; what the laws refuse becomes an error that names the table."""
-    try:
-        return make()
-    except StrikewaveError:
-        raise
-    except ValueError as error:
-        raise InputErrors([f"{path}: {error}"]) from None

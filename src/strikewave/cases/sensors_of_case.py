@@ -6,10 +6,10 @@ import dataclasses
 import math
 from typing import Any
 
-from strikewave.base.errors import MISSING, InputError, nearest
+from strikewave.base.errors import MISSING, InputError, checked, nearest
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
-from strikewave.cases.stack_of_case import area_of, build_taps, checked, matter_of, once
+from strikewave.cases.stack_of_case import area_of, build_taps, matter_of, once
 from strikewave.cases.tables import SensorTable
 from strikewave.sensors import Gasket, Mounting, Recorder, Sensor, accelerometer, oscilloscope, storage_recorder
 from strikewave.sensors.chain import RATE_OVER_CUTOFF

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveError, nearest
+from strikewave.base.errors import MISSING, InputError, checked, nearest
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
@@ -231,16 +231,6 @@ def _gasket(table: JointTable, path: str, area: float) -> Joint:
     fit = fitted(table, path, stiffness, matter.loss_factor or 0.0)
     strength = matter.row.yield_strength if matter.row else None
     return Joint(fit.stiffness, branches=fit.branches, yield_force=strength * area if strength else math.inf)
-
-
-def checked(path: str, make: Callable[[], T]) -> T:
-    """Make a part; what its own room refuses becomes an error that names the field."""
-    try:
-        return make()
-    except StrikewaveError:
-        raise
-    except ValueError as error:
-        raise InputErrors([f"{path}: {error}"]) from None
 
 
 def typed(value: Any) -> Any:

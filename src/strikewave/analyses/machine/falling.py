@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from strikewave.base.errors import checked
 from strikewave.base.quantities import Value
 from strikewave.cases.contact_of_case import or_else
-from strikewave.cases.stack_of_case import checked
 from strikewave.machines.launch import fall_speed
 
 

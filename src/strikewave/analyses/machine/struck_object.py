@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from strikewave.base.errors import MISSING, InputError, InputErrors, nearest
+from strikewave.base.errors import MISSING, InputError, InputErrors, checked, nearest
 from strikewave.cases.case import Case
-from strikewave.cases.stack_of_case import build_stack, build_taps, checked
+from strikewave.cases.stack_of_case import build_stack, build_taps
 from strikewave.machines.layered import LayeredObject, machine_grid
 from strikewave.waves import Stack
 

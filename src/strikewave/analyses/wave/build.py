@@ -5,11 +5,11 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 
-from strikewave.base.errors import MISSING, InputError
+from strikewave.base.errors import MISSING, InputError, checked
 from strikewave.base.materials import material
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import face_contact, refuse_sliding
-from strikewave.cases.stack_of_case import checked, need, typed
+from strikewave.cases.stack_of_case import need, typed
 from strikewave.cases.tables import LoadTable
 from strikewave.sensors.channel import SensorChannel, shortest_period
 from strikewave.waves import Impactor, Load, LoadPulse, Sampled, Stack, WantedError

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from strikewave.analyses.wave.build import build_load, wanted
 from strikewave.analyses.wave.notices import Front, layered_bar_notices
 from strikewave.analyses.wave.result import WaveSolution
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, checked
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
-from strikewave.cases.stack_of_case import build_stack, build_taps, check_route, checked, need
+from strikewave.cases.stack_of_case import build_stack, build_taps, check_route, need
 from strikewave.sensors import Reading, Recorder, Sensor, read
 from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.signal.filters import stated

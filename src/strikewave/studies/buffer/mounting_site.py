@@ -15,13 +15,13 @@ from strikewave.analyses.machine.notices import notices, wave_notices
 from strikewave.analyses.machine.run import observe
 from strikewave.analyses.machine.yielding import contact_answers
 from strikewave.analyses.wave.run import run_wave
-from strikewave.base.errors import MISSING, InputError, nearest
+from strikewave.base.errors import MISSING, InputError, checked, nearest
 from strikewave.base.materials import material, materials
 from strikewave.base.quantities import Value
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
-from strikewave.cases.stack_of_case import area_of, checked, need
+from strikewave.cases.stack_of_case import area_of, need
 from strikewave.cases.tables import GasketTable, SensorTable
 from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor, accelerometer, read
 from strikewave.sensors.channel import SensorChannel

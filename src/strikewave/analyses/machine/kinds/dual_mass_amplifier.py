@@ -49,9 +49,9 @@ class DualMassAmplifier(LaunchedKind):
     def release(self, case: Case, mass: float) -> Release:
         """Return table and second mass as shaper and cushions leave them when they meet."""
         from strikewave.analyses.machine.falling import fall
+        from strikewave.base.errors import checked
         from strikewave.base.materials import material
         from strikewave.cases.contact_of_case import face_contact, or_else
-        from strikewave.cases.stack_of_case import checked
         from strikewave.machines.dual_mass import DualMass, second_impact
 
         striker, struck, contact, _ = case.impact()

@@ -120,7 +120,7 @@ class GasGun(LaunchedKind):
 
 def _from_reservoir(gun: launch.GunBarrel, sound_speed: float) -> Release:
     """Return the release of a gun whose speed follows from its reservoir: the smaller of two upper bounds."""
-    from strikewave.cases.stack_of_case import checked
+    from strikewave.base.errors import checked
     from strikewave.machines import launch
 
     bounds = {"expands without inertia": checked("machine", lambda: launch.muzzle_speed(gun))}

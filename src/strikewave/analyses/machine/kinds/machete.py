@@ -59,8 +59,9 @@ class Machete(LaunchedKind):
 
     def release(self, case: Case, mass: float) -> Release:
         """Return an object at R sqrt(2 E/(J + M r^2)), in the head of the arm."""
+        from strikewave.base.errors import checked
         from strikewave.cases.contact_of_case import or_else
-        from strikewave.cases.stack_of_case import checked, need
+        from strikewave.cases.stack_of_case import need
         from strikewave.machines import launch
 
         if self.teeth.si > self.wheel_teeth.si:

@@ -50,8 +50,8 @@ class Pendulum(LaunchedKind):
         InputError, InputErrors
             If its inertia is not given once, or cannot be.
         """
+        from strikewave.base.errors import checked
         from strikewave.cases.contact_of_case import or_else
-        from strikewave.cases.stack_of_case import checked
         from strikewave.machines import launch
 
         mass, centre, given = self.mass.si, self.centre.si, (self.inertia, self.period)
