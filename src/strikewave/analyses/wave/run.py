@@ -40,8 +40,15 @@ MOST_REST = 4
 """Of such samples at most, over those of the run: a very low bandwidth would else fill the memory."""
 
 
-def run_wave(case: Case) -> WaveSolution:
+def run_wave(case: Case, period: float = math.inf) -> WaveSolution:
     """Run the stack of a case under its load.
+
+    Parameters
+    ----------
+    case : Case
+        With a stack and its load.
+    period : float, optional
+        Shortest period that samples resolve for those who look on, s, besides that of the sensors of the case.
 
     Raises
     ------
@@ -59,7 +66,9 @@ def run_wave(case: Case) -> WaveSolution:
     load = build_load(case, stack)
     check_route(case, taps, channels)
     duration = need(case.solver.duration, "solver.duration", "how long to follow", 'add duration = "300 us"')
-    run = checked("solver", lambda: run_bar(stack, load, [tap for _, tap in taps], duration, wanted(case, channels)))
+    asked = wanted(case, channels)
+    asked = dataclasses.replace(asked, period=min(asked.period, period))
+    run = checked("solver", lambda: run_bar(stack, load, [tap for _, tap in taps], duration, asked))
     bandwidth, step = case.solver.bandwidth.si if case.solver.bandwidth else math.inf, float(run.time[1])
     if not math.isinf(bandwidth) and not 1.0 / duration <= bandwidth < 0.5 / step:
         allowed = f"{1.0 / duration:.3g} to {0.5 / step:.3g} Hz: one over the duration, half the sampling rate"

@@ -24,7 +24,8 @@ from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import area_of, need
 from strikewave.cases.tables import GasketTable, SensorTable
 from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor, accelerometer, read
-from strikewave.sensors.channel import SensorChannel
+from strikewave.sensors.channel import SensorChannel, shortest_period
+from strikewave.sensors.mounting import RESOLVED
 from strikewave.signal.pulse import largest, measure_pulse
 
 Array = NDArray[np.float64]
@@ -343,7 +344,7 @@ def blows_of(
     bare = case.model_copy(update={"sensor": (SensorTable(name=table.name, tap=table.tap),)})
     _check_blow(blow, case)
     if case.machine is None:
-        solution = run_wave(bare)
+        solution = run_wave(bare, min(1.0 / RESOLVED, shortest_period(build_channels(case))))
         motion = _motion("the load of the bar", solution.readings[0])
         width = pulse_width(solution.rigid, motion.step)
         motion = dataclasses.replace(motion, rigid_peak=largest(solution.rigid), rigid_width=width)
