@@ -405,6 +405,7 @@ def test_the_struck_bar_of_two_bars_meets_the_closed_form():
 
 
 @pytest.mark.verify
+@pytest.mark.longest
 def test_the_whole_reproduction_runs_its_elements():
     whole = reproduce(Effort(threads=os.cpu_count() or 1))
     assert [solution.case.name for solution in whole.runs.elements] == list(ELEMENT_CASES)
