@@ -20,7 +20,14 @@ from strikewave.waves.layers import Stack
 from strikewave.waves.load import PRESCRIBED, Impactor, Load
 from strikewave.waves.spectral import is_linear
 from strikewave.waves.spectral_bar import needs_spectrum, refuse_spectral_layers, spectral_bar, spectrum_pays
-from strikewave.waves.times import MOST_SAMPLES, refuse_coarse, refuse_few_steps, refuse_samples, shortest_time
+from strikewave.waves.times import (
+    MOST_SAMPLES,
+    refuse_coarse,
+    refuse_few_steps,
+    refuse_samples,
+    resolved_period,
+    shortest_time,
+)
 from strikewave.waves.transit import (
     FIELD_ROWS,
     MOST_EVENTS,
@@ -132,7 +139,7 @@ def run_bar(
         return spectral_bar(stack, load, places, duration, wanted)
     refuse_spectral_layers(stack)
     shortest = min(stack.transit, shortest_time(stack, load), duration)
-    kept = min(shortest, max(wanted.period, LINEAR_STEPS * duration * len(taps) / MOST_SAMPLES))
+    kept = min(shortest, resolved_period(wanted.period, duration, len(taps), LINEAR_STEPS))
     if wanted.step is not None:
         return _at_step(stack, load, places, duration, wanted.step, shortest)
     return _refined(stack, load, places, duration, wanted, _Shortest(shortest, kept))
@@ -281,10 +288,10 @@ def _run(
     ends, hung = [[0, 0], [len(stack.layers) - 1, grid.counts[-1]]], faces_of_hung(stack)
     watched = np.concatenate([ends, nearest_nodes(grid, [*places, *hung])])
     taps = slice(2, 2 + len(places))
-    at_taps, faces = watched[taps], np.delete(watched, taps, axis=0)
+    at_taps, pressed = watched[taps], np.delete(watched, taps, axis=0)
     rows = (steps - 1) // every + 1
     recording = _recording(watched, every, rows)
-    averages = empty_averages(at_taps, faces, every, rows)
+    averages = empty_averages(at_taps, pressed, every, rows)
     nodes, position = field_nodes(stack, grid)
     coarse = max(1, steps // FIELD_ROWS)
     field = _recording(nodes, coarse, (steps - 1) // coarse + 1)

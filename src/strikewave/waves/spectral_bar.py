@@ -12,7 +12,14 @@ from strikewave.waves.bar_run import BarRun, WantedError, faces_of_hung, hung_ac
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import Impactor, Load, LoadPulse, Sampled
 from strikewave.waves.spectral import MOST_VALUES, Histories, SpectralStack, refuse_nonlinear
-from strikewave.waves.times import MOST_SAMPLES, load_time, refuse_coarse, refuse_few_steps, refuse_samples
+from strikewave.waves.times import (
+    MOST_SAMPLES,
+    load_time,
+    refuse_coarse,
+    refuse_few_steps,
+    refuse_samples,
+    resolved_period,
+)
 from strikewave.waves.transit import FIELD_ROWS, ErrorBound, TimeGrid, field_nodes
 
 Array = NDArray[np.float64]
@@ -80,7 +87,7 @@ def spectral_bar(
     """
     refuse_nonlinear(stack, load)
     assert not isinstance(load, Impactor)
-    resolved = max(wanted.period, STEPS_OF_CHANGE * duration * len(places) / MOST_SAMPLES)
+    resolved = resolved_period(wanted.period, duration, len(places), STEPS_OF_CHANGE)
     step = wanted.step or min(load_time(load), duration, resolved) / STEPS_OF_CHANGE
     refuse_few_steps(step, duration)
     refuse_coarse(load, step)

@@ -65,6 +65,11 @@ def refuse_samples(duration: float, step: float, taps: int, advice: str) -> None
         )
 
 
+def resolved_period(period: float, duration: float, taps: int, steps: float) -> float:
+    """Return the period of what listens, s, or the shortest one of which so many steps leave `MOST_SAMPLES` at most."""
+    return max(period, steps * duration * taps / MOST_SAMPLES)
+
+
 def shortest_time(stack: Stack, load: Load) -> float:
     """Return the shortest time, s, that 50 steps must resolve: rise of the load, relaxation of joints and end."""
     times: list[float] = []
