@@ -77,6 +77,44 @@ class Comparison:
 
 
 @dataclass(frozen=True)
+class InputShare:
+    """Share of one input in the variance of a result: ``field`` is its path in the case."""
+
+    field: str
+    share: float
+
+
+@dataclass(frozen=True)
+class Band:
+    """The range of a result when inputs move within what is known of them; no error bar of the model.
+
+    Attributes
+    ----------
+    low, high : float
+        Its ends, in the SI unit of the result.
+    level : float
+        Share of the draws that lie within.
+    inputs : tuple of InputShare
+        The inputs that matter most, largest share first.
+    """
+
+    low: float
+    high: float
+    level: float
+    inputs: tuple[InputShare, ...] = ()
+
+    def document(self) -> dict[str, Any]:
+        """Return the entry of the JSON document.
+
+        Examples
+        --------
+        >>> Band(1.0, 2.0, 0.95, (InputShare("machine.engagement", 0.5),)).document()["inputs"]
+        [{'field': 'machine.engagement', 'share': 0.5}]
+        """
+        return dataclasses.asdict(self) | {"inputs": [dataclasses.asdict(one) for one in self.inputs]}
+
+
+@dataclass(frozen=True)
 class Source:
     """Where the inputs of a result come from.
 
@@ -130,6 +168,8 @@ class Result(ABC):
         Comparisons of computed numbers with published ones.
     citations : tuple of str
         Keys of the sources of the models used.
+    band : mapping of str to Band
+        Band of each result that has one, by its name, such as ``first.rigid_peak``; empty where none was asked for.
     """
 
     command: ClassVar[str]
@@ -140,6 +180,7 @@ class Result(ABC):
     notices: tuple[Notice, ...] = ()
     comparisons: tuple[Comparison, ...] = ()
     citations: tuple[str, ...] = ()
+    band: Mapping[str, Band] = dataclasses.field(default_factory=dict)
 
     @property
     @abstractmethod

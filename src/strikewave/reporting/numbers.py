@@ -5,9 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from strikewave.base.result import Band
 from strikewave.base.units import in_unit
 from strikewave.reporting.parts import NONE, written
 
+TWO_DIGITS_BELOW = 3.0
+"""Half widths of a band that begin with 1 or 2 are stated with two digits, others with one: rounding then moves an end
+by a sixth of the half width at most."""
+MOST_DIGITS = 4
+"""Significant digits of a result with a narrow band: the balances hold to 1e-6, but nobody measures a shock so well."""
 LONGEST_IN_MICROSECONDS = 5e-3
 """Runs that last longer, s, are shown in milliseconds: µs would need five digits before the point."""
 SHOWN_UNITS = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
@@ -104,3 +110,48 @@ def with_unit(value: float | None, si: str, unit: str, digits: int = 4) -> str:
     if value is None or math.isnan(value) or (si == "s" and value <= 0.0):
         return NONE
     return f"{written(float(in_unit(value, si, unit)), digits)} {spelled(unit)}"
+
+
+def decimals_within(low: float, high: float) -> int:
+    """Return the decimals that a number keeps between the ends of its band; below 0 for tens, hundreds and so on.
+
+    Examples
+    --------
+    >>> decimals_within(800.0, 1570.0), decimals_within(0.98, 1.26), decimals_within(4151.2, 4151.4)
+    (-2, 2, 0)
+    """
+    half, largest = 0.5 * abs(high - low), max(abs(low), abs(high))
+    if not (math.isfinite(half) and largest > 0.0):
+        return MOST_DIGITS - 1
+    finest = MOST_DIGITS - 1 - math.floor(math.log10(largest))
+    if half == 0.0:
+        return finest
+    place = math.floor(math.log10(half))
+    return min(finest, -place + (1 if half / 10.0**place < TWO_DIGITS_BELOW else 0))
+
+
+def rounded(value: float, decimals: int) -> str:
+    """Write a number with so many decimals; below 0 it is rounded to tens, hundreds and so on.
+
+    Examples
+    --------
+    >>> rounded(1165.2, -2), rounded(1165.2, 1)
+    ('1200', '1165.2')
+    """
+    return f"{round(value, decimals):.{max(decimals, 0)}f}"
+
+
+def with_band(value: float | None, band: Band | None, si: str, unit: str) -> str:
+    """Write an SI value with its unit and its band; digits follow the band.
+
+    Examples
+    --------
+    >>> with_band(11424.0, Band(7850.0, 15400.0, 0.95), "m/s^2", "g")
+    '1200 g (800 to 1600 g)'
+    """
+    if value is None or math.isnan(value) or band is None or not math.isfinite(band.low + band.high):
+        return with_unit(value, si, unit)
+    shown, low, high = (float(in_unit(number, si, unit)) for number in (value, band.low, band.high))
+    decimals = decimals_within(low, high)
+    name = spelled(unit)
+    return f"{rounded(shown, decimals)} {name} ({rounded(low, decimals)} to {rounded(high, decimals)} {name})"
