@@ -17,6 +17,7 @@ import typer
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.units import DIMENSIONS, parse_quantity, parse_typed
+from strikewave.reporting.numbers import ShownUnits
 
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
@@ -289,6 +290,15 @@ Out = Annotated[
     typer.Option("--out", metavar="DIR", help="Folder of the result; out/NAME by default.", show_default=False),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Replace the result of another case in that folder.")]
+Show = Annotated[
+    ShownUnits | None,
+    parsed(
+        "--show",
+        read=ShownUnits.read,
+        help="Units to show, at most one for each kind of quantity, such as g,us,kN or m/s2,ms,N; JSON stays in SI.",
+        metavar="UNITS",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
 
 
@@ -312,6 +322,8 @@ class Output:
         Whether it may replace the result of something else.
     json : bool
         Whether one JSON document goes to stdout; files are then written only to ``out``.
+    show : ShownUnits or None
+        Units of numbers on screen, in the report and in CSV; None for the usual ones.
     """
 
     panel: ClassVar[str] = "Output"
@@ -319,6 +331,7 @@ class Output:
     out: Out = None
     force: Force = False
     json: Json = False
+    show: Show = None
 
     def check_animation(self, animate: bool) -> None:
         """Refuse an animation that has no folder to go to.

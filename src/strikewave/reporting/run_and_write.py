@@ -11,6 +11,7 @@ from typing import ClassVar, Generic, TypeVar
 
 from strikewave.base.output_folder import atomic_folder, check_place
 from strikewave.base.result import Notice, Result
+from strikewave.reporting.numbers import showing
 from strikewave.reporting.options import Output
 from strikewave.reporting.terminal import STARTED, case_hash, most_memory, print_json, say, show_notices
 
@@ -84,6 +85,14 @@ def run_and_write(
     InputError
         If the place is taken, or what `Command.solve` raises.
     """
+    with showing(output.show):
+        return _run_and_write(command, output, usual, identity, own)
+
+
+def _run_and_write(
+    command: Command[R], output: Output, usual: str | None, identity: str | None, own: Sequence[str]
+) -> int:
+    """Do what `run_and_write` says, in the units shown."""
     place, names = output.place(usual), list[str]()
     if place.folder is None:
         result = command.solve()
