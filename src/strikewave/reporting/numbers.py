@@ -102,8 +102,8 @@ def _plain_unit(word: str) -> str:
     >>> _plain_unit(" m/s2"), _plain_unit("µs"), _plain_unit("kg/m³")
     ('m/s^2', 'us', 'kg/m^3')
     """
-    text = word.strip().translate(str.maketrans({"µ": "u", "μ": "u", "²": "^2", "³": "^3"})).replace("**", "^")
-    return re.sub(r"(?<=[A-Za-z])([23])", r"^\1", re.sub(r"\s+", " ", text))
+    text = re.sub(r"\s+", " ", re.sub("[µμ]", "u", word.strip()))
+    return re.sub(r"(?<=[A-Za-z])([23])", r"^\1", text.replace("**", "^").replace("²", "2").replace("³", "3"))
 
 
 def _kind(si: str) -> str:
