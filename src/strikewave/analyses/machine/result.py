@@ -12,6 +12,7 @@ import dataclasses
 import io
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -91,7 +92,7 @@ class Solution(Result):
     ----------
     case : Case
         What ran.
-    blows : tuple of Blow
+    blows : sequence of Blow
         The table of blows.
     masses, balance : dict
         kg; errors as shares.
@@ -116,7 +117,7 @@ class Solution(Result):
     command: ClassVar[str] = "run"
 
     case: Case
-    blows: tuple[Blow, ...]
+    blows: Sequence[Blow]
     masses: dict[str, float]
     phases: tuple[tuple[str, float], ...]
     balance: dict[str, float]
