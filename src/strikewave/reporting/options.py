@@ -17,6 +17,7 @@ import typer
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.units import DIMENSIONS, parse_quantity, parse_typed
+from strikewave.reporting.numbers import ShownUnits
 
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
@@ -299,6 +300,15 @@ TestFile = Annotated[
         show_default=False,
     ),
 ]
+Show = Annotated[
+    ShownUnits | None,
+    parsed(
+        "--show",
+        read=ShownUnits.read,
+        help="Units to show, at most one for each kind of quantity, such as g,us,kN or m/s2,ms,N; JSON stays in SI.",
+        metavar="UNITS",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
 
 
@@ -324,6 +334,8 @@ class Output:
         Whether one JSON document goes to stdout; files are then written only to ``out``.
     test : Path or None
         The file that says what was tested.
+    show : ShownUnits or None
+        Units of numbers on screen, in the report and in CSV; None for the usual ones.
     """
 
     panel: ClassVar[str] = "Output"
@@ -332,6 +344,7 @@ class Output:
     force: Force = False
     json: Json = False
     test: TestFile = None
+    show: Show = None
 
     def stated_test(self) -> dict[str, str]:
         """Return what ``--test`` states; nothing without it.

@@ -12,6 +12,7 @@ from typing import ClassVar, Generic, TypeVar
 from strikewave.base.errors import InputError
 from strikewave.base.output_folder import atomic_folder, check_place
 from strikewave.base.result import Notice, Result
+from strikewave.reporting.numbers import showing
 from strikewave.reporting.options import Output
 from strikewave.reporting.terminal import STARTED, case_hash, most_memory, print_json, say, show_notices
 
@@ -89,6 +90,14 @@ def run_and_write(
     """
     if output.test is not None and not command.of_test:
         raise InputError("--test", str(output.test), "none here: this is not of a test that was made", "leave it out")
+    with showing(output.show):
+        return _run_and_write(command, output, usual, identity, own)
+
+
+def _run_and_write(
+    command: Command[R], output: Output, usual: str | None, identity: str | None, own: Sequence[str]
+) -> int:
+    """Do what `run_and_write` says, in the units shown."""
     place, names = output.place(usual), list[str]()
     if place.folder is None:
         result = command.solve()
