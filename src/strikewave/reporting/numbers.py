@@ -326,8 +326,8 @@ def rounded(value: float, decimals: int) -> str:
     return f"{round(value, decimals):.{max(decimals, 0)}f}"
 
 
-def with_band(value: float | None, band: Band | None, si: str, usual: str) -> str:
-    """Write an SI value with its unit and its band; digits follow the band.
+def with_band(value: float | None, band: Band | None, si: str, usual: str, digits: int = 4) -> str:
+    """Write an SI value with its unit and its band, which digits follow; without a band with so many digits.
 
     Examples
     --------
@@ -335,7 +335,7 @@ def with_band(value: float | None, band: Band | None, si: str, usual: str) -> st
     '1200 g (800 to 1600 g)'
     """
     if value is None or math.isnan(value) or band is None or not math.isfinite(band.low + band.high):
-        return with_unit(value, si, usual)
+        return with_unit(value, si, usual, digits)
     middle, low, high = (shown(number, si, usual) for number in (value, band.low, band.high))
     decimals = decimals_within(low, high)
     name = spelled(shown_unit(si, usual))

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar, Generic, TypeVar
 
+from strikewave.base.errors import InputError
 from strikewave.base.output_folder import atomic_folder, check_place
 from strikewave.base.result import Notice, Result
 from strikewave.reporting.numbers import showing
@@ -30,6 +31,8 @@ class Command(ABC, Generic[R]):
 
     indent: ClassVar[int | None] = 2
     """Of the JSON document; None where it holds long histories."""
+    of_test: ClassVar[bool] = True
+    """Whether it may be of a test that was made, so that ``--test`` can say of which."""
 
     @abstractmethod
     def solve(self) -> R:
@@ -85,6 +88,8 @@ def run_and_write(
     InputError
         If the place is taken, or what `Command.solve` raises.
     """
+    if output.test is not None and not command.of_test:
+        raise InputError("--test", str(output.test), "none here: this is not of a test that was made", "leave it out")
     with showing(output.show):
         return _run_and_write(command, output, usual, identity, own)
 

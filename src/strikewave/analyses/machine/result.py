@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -89,7 +90,7 @@ class Solution(Result):
     ----------
     case : Case
         What ran.
-    blows : tuple of Blow
+    blows : sequence of Blow
         The table of blows.
     masses, balance : dict
         kg; errors as shares.
@@ -114,7 +115,7 @@ class Solution(Result):
     command: ClassVar[str] = "run"
 
     case: Case
-    blows: tuple[Blow, ...]
+    blows: Sequence[Blow]
     masses: dict[str, float]
     phases: tuple[tuple[str, float], ...]
     balance: dict[str, float]
@@ -141,6 +142,11 @@ class Solution(Result):
     def slides(self) -> bool:
         """Whether friction across the face acted in a blow."""
         return any(blow.friction_heat > 0.0 for blow in self.blows)
+
+    @property
+    def test(self) -> Mapping[str, str]:
+        """What the case says of the test."""
+        return self.case.test.stated()
 
     @property
     def source(self) -> Source:
