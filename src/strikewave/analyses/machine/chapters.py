@@ -54,7 +54,7 @@ def setup(case: Case, moving: str = "") -> Section:
     """Say what machine it is and how the numbers come about; ``moving`` is the page that shows it in motion."""
     words, chain = MACHINES[case.machine.kind if case.machine else ""]
     layers = layer_steps(case)
-    parts = _drawing(case)
+    parts = _drawing(case.with_stale_fits_assumed())
     if moving:
         parts.append(Link(moving, "The machine in motion, with its histories: the whole run, or one blow slowed down"))
     if chain and not layers:
