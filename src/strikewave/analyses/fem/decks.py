@@ -12,7 +12,7 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.field_names import fields_of_case
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.sectors import sectors
-from strikewave.base.result import Result, Source
+from strikewave.base.result import Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.exchange.deck import Deck, Heading
 from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
@@ -21,6 +21,7 @@ from strikewave.exchange.units import UnitSystem
 from strikewave.fem.model import Model
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
+from strikewave.reporting.shown_result import Column, ShownResult
 from strikewave.reporting.terminal import say
 
 CODES = {"ls-dyna": (".k",), "openradioss": ("_0000.rad", "_0001.rad")}
@@ -28,7 +29,7 @@ CODES = {"ls-dyna": (".k",), "openradioss": ("_0000.rad", "_0001.rad")}
 
 
 @dataclass(frozen=True)
-class DeckResult(Result):
+class DeckResult(ShownResult):
     """A model written for another code; see `Result` for what it shares with others.
 
     Attributes
@@ -48,6 +49,7 @@ class DeckResult(Result):
     """
 
     command: ClassVar[str] = "deck"
+    drawing: ClassVar[str] = ""
 
     case: Case
     model: Model
@@ -70,6 +72,22 @@ class DeckResult(Result):
     def names(self) -> list[str]:
         """The names of its files."""
         return [f"{self.stem}{ending}" for ending in self.deck.files]
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return code, units, and the size of the mesh."""
+        mesh = self.model.mesh
+        sizes = [("elements", str(len(mesh.hexahedra))), ("nodes", str(len(mesh.points)))]
+        return [("code", self.code), ("units", self.system.name), *sizes]
+
+    def columns(self) -> list[Column]:
+        """Return what differs from the model, and what is left out."""
+        rows = [("differs", words) for words in self.deck.differs] + [
+            ("left out", words) for words in self.deck.left_out
+        ]
+        return [
+            Column("kind", [kind for kind, _ in rows], "", ""),
+            Column("what", [words for _, words in rows], "", ""),
+        ]
 
     def units(self) -> dict[str, str]:
         """Return nothing: counts have no unit."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -11,6 +12,8 @@ from strikewave.analyses.hopkinson.result import inputs
 from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.echoes import Echoes
+from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.shown_result import Column, Curve, history_curve
 
 if TYPE_CHECKING:
     import xarray
@@ -78,6 +81,28 @@ class EchoSolution(Outcome):
             "losses": echoes.losses,
             "losses_error": echoes.losses_error,
         }
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the bar speed with its standard error and its difference from the stated one, and the length."""
+        speed, error = self.echoes.speed.value, self.echoes.speed.error
+        return [
+            ("bar speed", f"{speed:.5g} m/s" + ("" if math.isnan(error) else f" ± {error:.2g} m/s")),
+            ("off the stated one", percent(self.difference, 2, "+")),
+            ("length", with_unit(self.echoes.length.value, "m", "mm", 5)),
+            ("attenuation", f"{self.echoes.attenuation.value:.3g} 1/m"),
+        ]
+
+    def columns(self) -> list[Column]:
+        """Return speed and attenuation over frequency."""
+        units = {"frequency": "Hz", "losses": "1/m", "losses_error": "1/m"}
+        names = ("frequency", "phase_speed", "phase_speed_error", "theory_speed", "losses", "losses_error")
+        shown = {"frequency": "kHz", "phase_speed": "m/s", "phase_speed_error": "m/s", "losses": "1/m"}
+        return [Column(name, getattr(self.echoes, name), units.get(name, "m/s"), shown.get(name)) for name in names]
+
+    def preview(self) -> Curve:
+        """Return the strain at the gauge."""
+        trace = self.echoes.quiet.trace
+        return history_curve(trace.time, trace.strain, "1", "1", "strain at the gauge")
 
     def tables(self) -> dict[str, str]:
         """Return speed and attenuation over frequency as CSV text."""

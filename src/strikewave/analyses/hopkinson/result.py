@@ -18,6 +18,8 @@ from strikewave.hopkinson.bars import BarMaterial, StrikerBar
 from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import ANALYSES, Reduction, StressStrainCurve
+from strikewave.reporting.numbers import axis_unit, percent, with_unit
+from strikewave.reporting.shown_result import Column, Curve
 
 if TYPE_CHECKING:
     import xarray
@@ -155,6 +157,37 @@ class HopkinsonSolution(Outcome):
             "analysis": ("analysis", np.array(ANALYSES, dtype=object)),
         }
         return xarray.Dataset(variables, coordinates, self.attributes())
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the largest true stress and strain, the rate, and by how much forces and impulses miss each other."""
+        largest = self.summary()
+        side = "missing" if self.momentum.closure >= 0.0 else "in excess"
+        return [
+            ("largest true stress", with_unit(largest["stress"], "Pa", "MPa")),
+            ("largest true strain", percent(largest["strain"], 2)),
+            ("median true rate", f"{largest['rate']:.0f} 1/s"),
+            ("force difference", percent(self.equilibrium.misfit, 1)),
+            (f"impulse {side}", percent(abs(self.momentum.closure), 2)),
+        ]
+
+    def columns(self) -> list[Column]:
+        """Return forces, velocities and the curves of the chosen analysis over time."""
+        r, engineering = self.reduction, self.curve
+        columns = [
+            Column("time", r.time, "s"),
+            *(Column(name, getattr(r, name), "N") for name in ("first_force", "second_force")),
+            *(Column(name, getattr(r, name), "m/s") for name in ("first_velocity", "second_velocity")),
+        ]
+        for kind, curve in (("engineering", engineering), ("true", engineering.true())):
+            for part, unit in (("strain", "1"), ("stress", "Pa"), ("rate", "1/s")):
+                columns.append(Column(f"{kind}_{part}", getattr(curve, part), unit))
+        return columns
+
+    def preview(self) -> Curve:
+        """Return true stress over true strain while the incident wave lasts."""
+        true, on = self.curve.true(), self.reduction.loading
+        size, name = axis_unit("Pa", "MPa")
+        return Curve(true.strain[on], true.stress[on] / size, "true strain", f"true stress ({name})")
 
     def tables(self) -> dict[str, str]:
         """Return the histories at the specimen and the pulses at the gauges as CSV text."""

@@ -16,6 +16,8 @@ from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
 from strikewave.analyses.hopkinson.result import inputs
 from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar, BarMaterial
+from strikewave.reporting.numbers import percent, spelled, with_unit
+from strikewave.reporting.shown_result import Column, Curve, history_curve
 
 if TYPE_CHECKING:
     import xarray
@@ -186,6 +188,35 @@ class SensorSolution(Outcome):
             "reference_velocity": comparison.motion.velocity[samples],
             "velocity_by_both_waves": comparison.both_waves[samples],
         }
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the sensitivity with its uncertainty, the largest acceleration, and the delay of the reading."""
+        delay = self.comparison.agreement.delay
+        unit = "" if self.sensitivity_unit == "1" else f" {spelled(self.sensitivity_unit)}"
+        known = [
+            ("sensitivity" if unit else "reading over reference", f"{self.sensitivity:.4g}{unit}"),
+            ("standard uncertainty", percent(self.uncertainty.combined, 2)),
+            ("largest acceleration", with_unit(self.peaks[0], "m/s^2", "g")),
+        ]
+        return [*(known if self.quoted else []), ("delay", f"{1e6 * delay:+.2f} µs")]
+
+    def columns(self) -> list[Column]:
+        """Return the histories of reference and reading, whose delay is taken out."""
+        comparison, samples = self.comparison, self.kept
+        columns = [
+            Column("time", comparison.time, "s"),
+            Column("reference_acceleration", comparison.motion.acceleration, "m/s^2"),
+            Column("reading", comparison.reading, self.unit),
+            Column("reading_acceleration", self.shown_acceleration, "m/s^2"),
+            Column("reference_velocity", comparison.motion.velocity, "m/s"),
+            Column("integrated_reading", self.shown_velocity, "m/s"),
+            Column("velocity_by_both_waves", comparison.both_waves, "m/s"),
+        ]
+        return [column._replace(values=np.asarray(column.values)[samples]) for column in columns]
+
+    def preview(self) -> Curve:
+        """Return the reading as an acceleration."""
+        return history_curve(self.comparison.time, self.shown_acceleration, "m/s^2", "g", "reading as acceleration")
 
     def tables(self) -> dict[str, str]:
         """Return the histories as CSV text; the delay of the reading is taken out."""

@@ -18,8 +18,10 @@ from strikewave.contact import Impact, Stiffness, first_yield, impact_history, r
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.shown_result import Column, Curve, columns_of, history_curve
 from strikewave.reporting.terminal import number, say, table
 
 ERRORS = {"closed form": 1e-9, "integrator": 1e-6}
@@ -102,6 +104,26 @@ class ImpactResult(measured.AskedResult):
             "differ": self.answers.differ,
             "answers": [vars(row) for row in self.answers.rows],
         }
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return coefficient of restitution, peak force, duration and largest indentation of the first blow."""
+        first = self.blows[0]
+        return [
+            ("coefficient of restitution", f"{float(first.restitution):.4g}"),
+            ("peak force", with_unit(float(first.peak_force), "N", "kN")),
+            ("duration", with_unit(float(first.duration), "s", "us")),
+            ("indentation", with_unit(float(first.max_indentation), "m", "um")),
+        ]
+
+    def columns(self) -> list[Column]:
+        """Return the blows, one after another on the same spot."""
+        usual = {"peak_force": "kN", "duration": "us", "max_indentation": "um", "restitution": "1", "energy_lost": "J"}
+        return columns_of([_numbers(blow) for blow in self.blows], _UNITS, usual)
+
+    def preview(self) -> Curve:
+        """Return the force of the first blow."""
+        blow = impact_history(self.blows[0])
+        return history_curve(blow.time, blow.force, "N", "kN", "contact force")
 
     @property
     def drawn(self) -> list[int]:

@@ -14,18 +14,22 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave._version import __version__
-from strikewave.analyses.machine.columns import BLOW_UNITS, HIDDEN
+from strikewave.analyses.machine.columns import BLOW_UNITS, HIDDEN, shown_in
 from strikewave.analyses.machine.contact_answers import ANSWER_UNITS, ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
-from strikewave.base.result import SCHEMA, Comparison, Notice, Result, Source, comparison_document
+from strikewave.base.result import SCHEMA, Comparison, Notice, Source, comparison_document
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
+from strikewave.reporting.numbers import axis_unit, with_band
+from strikewave.reporting.shown_result import Column, Curve, ShownResult
 from strikewave.sensors.channel import SensorPulse
 from strikewave.waves.setup import LayerUsed, WaveSetup
 
@@ -35,6 +39,8 @@ if TYPE_CHECKING:
 
 LARGEST_LOAD = 4_000_000_000
 """A solution file that would take more bytes than this is refused."""
+SHOWN_WIDTHS = 2.2
+"""Widths of the first blow that its curve lasts: the pulse, and as long again in which the object flies."""
 
 HISTORIES = (
     "contact_force",
@@ -85,7 +91,7 @@ LAUNCH_UNITS = {"approach_speed": "m/s", "energy_released": "J", "energy_at_touc
 
 
 @dataclass(frozen=True)
-class Solution(Result):
+class Solution(ShownResult):
     """What a run gave; see `Result` for what it shares with others.
 
     Attributes
@@ -194,6 +200,59 @@ class Solution(Result):
         """Return what the JSON document says of a machine without a drive; nothing of one with a drive."""
         rows = [dataclasses.asdict(collision) for collision in self.collisions]
         return {"launch": self.launch, "collisions": rows} if self.launch else {}
+
+    @property
+    def struck(self) -> list[Blow]:
+        """The blows that touched the object."""
+        return [blow for blow in self.blows if blow.kind != "missed"]
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the number of blows, peak, width and velocity change of the first one, and the interval."""
+        struck, band = self.struck, self.band
+        counted = [("blows", str(len(struck)))]
+        if not struck:
+            return counted
+        first, times = struck[0], [blow.time for blow in struck]
+        numbers = [
+            ("first peak", with_band(first.rigid_peak, band.get("first.rigid_peak"), "m/s^2", "g")),
+            ("width", with_band(first.width, band.get("first.width"), "s", "us")),
+            ("velocity change", with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s", 3)),
+        ]
+        if len(times) > 1:
+            interval = median(later - earlier for earlier, later in pairwise(times))
+            numbers.append(("interval", with_band(interval, band.get("interval"), "s", "ms")))
+        return [*counted, *numbers]
+
+    def columns(self) -> list[Column]:
+        """Return the table of blows, with what taps and sensors show of each."""
+        usual = {name: unit for name, _, unit, _ in shown_in("blows")} | {"index": "", "kind": ""}
+        names = [f.name for f in dataclasses.fields(Blow)]
+        columns = [
+            Column(name, [getattr(blow, name) for blow in self.blows], BLOW_UNITS.get(name, ""), usual.get(name))
+            for name in names
+        ]
+        for name, unit in (("total_peak", "m/s^2"), ("wave_peak", "m/s^2"), ("bandwidth", "Hz")) if self.waves else ():
+            columns.append(Column(name, [getattr(reading, name, None) for reading in self.readings], unit))
+        for sensor in dict.fromkeys(name for reading in self.readings if reading for name in reading.sensors):
+            pulses = [reading.sensors[sensor] if reading else None for reading in self.readings]
+            columns += [
+                Column(f"sensors.{sensor}.peak", [pulse and pulse.peak for pulse in pulses], "m/s^2", "g"),
+                Column(f"sensors.{sensor}.width", [pulse and pulse.width for pulse in pulses], "s"),
+                Column(f"sensors.{sensor}.clipped", [pulse and pulse.clipped for pulse in pulses]),
+            ]
+        return columns
+
+    def preview(self) -> Curve | None:
+        """Return the rigid-body acceleration of the first blow over twice its width."""
+        place = next((k for k, blow in enumerate(self.blows) if blow.kind != "missed"), None)
+        if place is None:
+            return None
+        blow, time = self.blows[place], self.data["pulse_time"].values
+        shown = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else math.inf)
+        (second, unit), (g, name) = axis_unit("s", "us"), axis_unit("m/s^2", "g")
+        acceleration = self.data["pulse_acceleration"].values[place][shown] / g
+        words = f"rigid-body acceleration, blow {blow.index} ({name})"
+        return Curve(time[shown] / second, acceleration, f"time ({unit})", words)
 
     def tables(self) -> dict[str, str]:
         """Return the table of blows as CSV text, every column with its unit."""

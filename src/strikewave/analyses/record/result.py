@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
+
 from strikewave.analyses.record.chosen import sources_of
 from strikewave.base.result import Notice
 from strikewave.records.campaign import Campaign
@@ -17,6 +19,8 @@ from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.measured_files import AskedResult
+from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.shown_result import Column, Curve, columns_of, history_curve
 from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
@@ -73,6 +77,45 @@ class RecordResult(AskedResult):
         if len(self.campaigns) > 1:
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
         return content
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the number of files and blows, and the means of their peaks, widths and velocity changes."""
+        blows = sum(len(reading.pulses) for file in self.readings for reading in file.channels)
+        numbers = [("files", str(len(self.readings))), ("blows", str(blows))]
+        units, shown = self.units(), {"m/s^2": "g", "s": "us", "N": "kN", "m/s": "m/s"}
+        for name, statistic in self.campaigns[0].statistics.items() if self.campaigns else ():
+            if units.get(name) in shown:
+                numbers.append(
+                    (f"mean {name.replace('_', ' ')}", with_unit(statistic.mean, units[name], shown[units[name]]))
+                )
+        return numbers
+
+    def columns(self) -> list[Column]:
+        """Return all blows, file by file."""
+        rows = [
+            {"file": file.path, "channel": reading.channel.name, "index": k, **pulse_row(pulse)}
+            for file in self.readings
+            for reading in file.channels
+            for k, pulse in enumerate(reading.pulses, start=1)
+        ]
+        units = {name: unit if unit in INTEGRALS else "" for name, unit in self.units().items()}
+        shown = {"m/s^2": "g", "s": "us", "N": "kN"}
+        names = ("peak", "width", "velocity_change")
+        usual = {"file": "", "channel": "", "time": "s"} | {n: shown.get(units[n], units[n]) for n in names}
+        return columns_of(rows, units | {"time": "s"}, usual)
+
+    def preview(self) -> Curve | None:
+        """Return the first channel over the first blow; over the whole record where there is none."""
+        reading = next((reading for file in self.readings for reading in file.channels), None)
+        if reading is None:
+            return None
+        channel, unit = reading.channel, reading.channel.unit
+        chosen = np.ones(channel.values.size, bool)
+        for pulse in reading.pulses[:1]:
+            span = pulse.end - pulse.begin
+            chosen = (channel.time >= pulse.begin - span) & (channel.time <= pulse.end + 2.0 * span)
+        shown = {"m/s^2": "g", "N": "kN"}.get(unit, unit)
+        return history_curve(channel.time[chosen], channel.values[chosen], unit, shown, channel.name)
 
     def tables(self) -> dict[str, str]:
         """Return all pulses as CSV text."""

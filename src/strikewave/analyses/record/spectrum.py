@@ -8,14 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice, Source
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.numbers import axis_unit, with_unit
 from strikewave.reporting.options import Output, Typed
 from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.shown_result import Column, Curve
 from strikewave.reporting.terminal import number, say, significant, table
 from strikewave.signal.srs import Scope, Spectrum, octaves, srs
 
@@ -110,6 +113,35 @@ class SpectrumResult(measured.AskedResult):
             "frequency": first.frequency,
             **{spectrum.kind: spectrum.side(self.side) for spectrum in self.spectra},
         }
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the quality factor, and the largest value of each spectrum with its frequency."""
+        first = self.spectra[0]
+        numbers = [("Q", "undamped" if math.isinf(first.q) else f"{first.q:g}")]
+        for spectrum in self.spectra:
+            values = spectrum.side(self.side)
+            at = int(np.argmax(values))
+            where = with_unit(float(spectrum.frequency[at]), "Hz", "Hz", 3)
+            numbers.append((spectrum.kind, f"{with_unit(float(values[at]), *self._shown(spectrum))} at {where}"))
+        return numbers
+
+    def columns(self) -> list[Column]:
+        """Return the spectra over natural frequency."""
+        spectra = [Column(s.kind, s.side(self.side), *self._shown(s)) for s in self.spectra]
+        return [Column("frequency", self.spectra[0].frequency, "Hz", "Hz"), *spectra]
+
+    def preview(self) -> Curve:
+        """Return the first spectrum over the logarithm of natural frequency."""
+        first = self.spectra[0]
+        size, unit = axis_unit(*self._shown(first))
+        words = f"{first.kind} ({unit})" if unit not in ("", "1") else first.kind
+        return Curve(np.log10(first.frequency), first.side(self.side) / size, "log10 of frequency in Hz", words)
+
+    def _shown(self, spectrum: Spectrum) -> tuple[str, str]:
+        """Return SI unit and shown unit of a spectrum; none where the record is no acceleration."""
+        if self.reading.channel.unit != "m/s^2":
+            return "", ""
+        return KIND_UNITS[spectrum.kind], SHOWN_UNITS[spectrum.kind]
 
     def tables(self) -> dict[str, str]:
         """Return the spectra as CSV text."""

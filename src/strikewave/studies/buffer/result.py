@@ -16,9 +16,11 @@ from strikewave.base.citations import citation
 from strikewave.base.json_document import without
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
-from strikewave.base.result import Result, Source
+from strikewave.base.result import Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.measured_files import UNKNOWN
+from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.shown_result import Column, Curve, ShownResult, columns_of, history_curve
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.studies.buffer.candidate import (
@@ -47,7 +49,7 @@ _OWN = (
 
 
 @dataclass(frozen=True, eq=False)
-class BufferStudy(Result):
+class BufferStudy(ShownResult):
     """Ranked stacks for one sensor and one blow, beside the buffer that the case has now; see `design_buffer`.
 
     See `Result` for what it shares with others.
@@ -132,6 +134,34 @@ class BufferStudy(Result):
     def reading(self, candidate: BufferCandidate) -> Reading:
         """Return what the recorder keeps with a stack."""
         return reading_of(self.site, candidate.stack, self.motion)
+
+    @property
+    def label(self) -> str:
+        """The title: sensor and blow."""
+        return self.title
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return how many stacks keep the limit, and the first one with its reading and bandwidth."""
+        first, kept = self.candidates[0], sum(candidate.keeps for candidate in self.candidates)
+        limit = with_unit(self.goal.limit, "m/s^2", "g")
+        return [
+            (f"stacks that keep {limit}", f"{kept} of {len(self.candidates)}"),
+            ("first", first.name),
+            ("its peak", with_unit(first.true_peak, "m/s^2", "g")),
+            ("bandwidth within 10 %", with_unit(first.band.within_10, "Hz", "kHz", 3)),
+        ]
+
+    def columns(self) -> list[Column]:
+        """Return the candidates, the best first; last, without a place, the present buffer."""
+        rows = [_row(place, candidate) for place, candidate in enumerate(self.candidates, 1)]
+        rows += [] if self.present is None else [_row(None, self.present)]
+        usual = {"place": "", "name": "", "true_peak": "g", "keeps": "", "within_10": "kHz", "resonance": "kHz"}
+        return columns_of(rows, UNITS, usual | {"robust": ""})
+
+    def preview(self) -> Curve:
+        """Return what the sensor reads on the first stack."""
+        reading = self.reading(self.candidates[0])
+        return history_curve(reading.time, reading.values, "m/s^2", "g", f"reading on {self.candidates[0].name}")
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""

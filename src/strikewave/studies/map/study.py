@@ -16,11 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
-from strikewave.base.result import Result, Source
+from strikewave.base.result import Source
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
+from strikewave.reporting.numbers import percent
+from strikewave.reporting.shown_result import Column, ShownResult
 from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, case_at
 from strikewave.studies.map.cells import (
@@ -106,7 +108,7 @@ class Refusal(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class MapStudy(Result):
+class MapStudy(ShownResult):
     """A map; see `Result` for what it shares with others.
 
     Attributes
@@ -193,6 +195,34 @@ class MapStudy(Result):
         value = self.case.values()[path]
         low, high = HALF_TO_TWICE
         return (low * value.si, high * value.si) if value.provenance == "assumed" else None
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the number of cells, the scatter of the case, and the nearest setting with equal blows."""
+        numbers = [("cells", str(math.prod(self.plan.shape))), ("CV of the case", percent(self.present["cv"], 2))]
+        if self.setting is None:
+            return [*numbers, ("setting with equal blows", "none")]
+        at = zip(self.plan.axes, self.setting.values, strict=True)
+        return [
+            *numbers,
+            *((axis.path, str(axis.typed(value))) for axis, value in at),
+            ("CV there", percent(self.setting.cv, 2)),
+        ]
+
+    def columns(self) -> list[Column]:
+        """Return all cells, settings by their paths; regimes and reasons by name."""
+        places = list(np.ndindex(*self.plan.shape))
+        settings = np.array([self._values(place) for place in places])
+        columns = [
+            Column(axis.path, values, axis.si_unit, axis.unit or "1")
+            for axis, values in zip(self.plan.axes, settings.T, strict=True)
+        ]
+        usual = {"cv": "1", "peak": "g", "missed": "1", "regime": "1"}
+        cells = self.values.reshape(-1, len(FIELDS))
+        for name, values in zip(FIELDS, cells.T, strict=True):
+            named = {"regime": NAMES, "reason": REASONS}.get(name)
+            words = values if named is None else ["" if math.isnan(v) else named[int(v)] for v in values]
+            columns.append(Column(name, words, "" if named else FIELDS[name][0], usual.get(name)))
+        return columns
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""

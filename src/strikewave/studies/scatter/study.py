@@ -20,9 +20,11 @@ from numpy.typing import NDArray
 
 from strikewave.base.citations import citation
 from strikewave.base.errors import InputError
-from strikewave.base.result import Notice, Result, Source
+from strikewave.base.result import Notice, Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.records.campaign import Statistic, statistic
+from strikewave.reporting.numbers import axis_unit, percent, with_unit
+from strikewave.reporting.shown_result import Column, Curve, ShownResult
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult
 from strikewave.uncertainty.draws import Tolerance, drawn, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
@@ -149,7 +151,7 @@ class Figure(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class ScatterStudy(Result):
+class ScatterStudy(ShownResult):
     """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others."""
 
     command: ClassVar[str] = "scatter"
@@ -277,6 +279,42 @@ class ScatterStudy(Result):
             }
             for name in FIGURES
         }
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the number of runs, the mean peak and width, the scatter within a run, and the largest share."""
+        peak = self.figure("peak")
+        numbers = [
+            ("runs", str(len(self.completed))),
+            ("mean peak", with_unit(peak.mean.mean, "m/s^2", "g")),
+            ("CV within a run", percent(peak.within.median, 2)),
+            ("mean width", with_unit(self.figure("width").mean.mean, "s", "us")),
+        ]
+        for shares in self.shares[:1]:
+            numbers += [(f"share of {row.path}", percent(row.share, 0)) for row in shares.rows[:1]]
+        return numbers
+
+    def columns(self) -> list[Column]:
+        """Return the runs: what was drawn, and what came of it."""
+        units = [one.allowed.unit for one in self.tolerances for _ in range(one.count)]
+        names = [name for one in self.tolerances for name in one.names]
+        columns = [Column("run", range(1, len(self.runs) + 1), "", "")]
+        columns += [Column(name, values, unit) for name, values, unit in zip(names, self.numbers.T, units, strict=True)]
+        columns.append(Column("blows", [len(run.kinds) for run in self.runs], "", ""))
+        columns += [Column(kind, [run.kinds.count(kind) for run in self.runs]) for kind in KINDS]
+        shown = {"mean peak": "g", "cv of peak": "1", "mean width": "us", "mean interval": "ms"}
+        for name, unit in FIGURE_UNITS.items():
+            for how, read in COLUMNS:
+                head = f"{how} {name}"
+                si = "1" if read is RunResult.variation else unit
+                columns.append(Column(head.replace(" ", "_"), [read(r, name) for r in self.runs], si, shown.get(head)))
+        columns.append(Column("largest_displacement", [run.largest_displacement for run in self.runs], "m"))
+        return [*columns, Column("failure", [run.failure for run in self.runs])]
+
+    def preview(self) -> Curve:
+        """Return the median peak of each blow over the runs."""
+        size, name = axis_unit("m/s^2", "g")
+        median = self.peaks()[1]
+        return Curve(np.arange(1.0, median.size + 1.0), median / size, "blow", f"median peak ({name})")
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
