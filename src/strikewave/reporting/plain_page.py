@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.reporting.chapters import Summary, result_page, warnings
-from strikewave.reporting.numbers import headed
 from strikewave.reporting.parts import Picture, Section, Table
-from strikewave.reporting.shown_result import ShownResult, shown_cells
+from strikewave.reporting.shown_result import ShownResult, shown_table
 
 
 def plain_page(result: ShownResult) -> str:
@@ -22,9 +21,8 @@ def plain_page(result: ShownResult) -> str:
         parts: list[Picture | Table] = [Picture(result.plot(), result.title)]
     except StrikewaveError:
         parts = []
-    columns = [column for column in result.columns() if column.usual is not None]
-    if columns:
-        heads = [headed(column.name.replace("_", " "), column.unit, column.usual or "") for column in columns]
-        parts.append(Table("The main table", heads, shown_cells(columns)))
+    heads, rows = shown_table(result)
+    if heads:
+        parts.append(Table("The main table", heads, rows))
     summary = Summary(f"Report of {result.command}", "", result.highlights())
     return result_page(result, summary, [Section("Result", "", parts), warnings(result.notices)])

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import Result
+from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import axis_unit, headed, shown, time_unit
 from strikewave.reporting.parts import written
 
@@ -39,30 +40,7 @@ COLUMNS = 210
 """Columns into which the samples of the curve are gathered, two pixels each."""
 
 
-class Column(NamedTuple):
-    """A column of the main table of a result.
-
-    Attributes
-    ----------
-    name : str
-        By the key of the JSON document.
-    values : sequence
-        In SI; None or NaN where there is none.
-    unit : str
-        SI unit; empty for words and counts.
-    usual : str or None
-        Unit in which a notebook shows it as a rule; None where it does not show it.
-    """
-
-    name: str
-    values: Sequence[Any] | NDArray[Any]
-    unit: str = ""
-    usual: str | None = None
-
-
-def columns_of(
-    rows: Sequence[Mapping[str, Any]], units: Mapping[str, str], usual: Mapping[str, str] | None = None
-) -> list[Column]:
+def columns_of(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> list[Column]:
     """Return rows, such as those of a JSON document, as columns; a table within a row is spread, lists are left out.
 
     Parameters
@@ -71,8 +49,6 @@ def columns_of(
         In SI.
     units : mapping of str to str
         SI unit of each key, or of the last part of a spread one.
-    usual : mapping of str to str, optional
-        Columns that a notebook shows, with the units in which it does.
 
     Examples
     --------
@@ -82,12 +58,7 @@ def columns_of(
     flat = [dict(_flat(row)) for row in rows]
     names = dict.fromkeys(name for row in flat for name in row)
     return [
-        Column(
-            name,
-            [row.get(name) for row in flat],
-            units.get(name, units.get(name.rpartition(".")[2], "")),
-            (usual or {}).get(name),
-        )
+        Column(name, [row.get(name) for row in flat], units.get(name, units.get(name.rpartition(".")[2], "")))
         for name in names
     ]
 
@@ -151,7 +122,7 @@ class ShownResult(Result):
         return ()
 
     def columns(self) -> Sequence[Column]:
-        """Return its main table, column by column.
+        """Return its main table.
 
         Examples
         --------
@@ -160,6 +131,17 @@ class ShownResult(Result):
         ['index', 'kind', 'striker']
         """
         return ()
+
+    def brief(self) -> Mapping[str, str]:
+        """Return the columns that a notebook shows, each with the unit in which it does as a rule.
+
+        Examples
+        --------
+        >>> from strikewave import load_case, run_case
+        >>> run_case(load_case("li-ma-2019", ["feed.blows=1"])).brief()["rigid_peak"]
+        'g'
+        """
+        return {}
 
     def preview(self) -> Curve | None:
         """Return the pulse, or what says most of it; None where no single curve does.
@@ -250,7 +232,7 @@ class ShownResult(Result):
         if not columns:
             raise StrikewaveError(f"a {type(self).__name__} has no table: document() has all that it holds")
         table = pandas.DataFrame({column.name: list(column.values) for column in columns})
-        table.attrs["units"] = {column.name: column.unit for column in columns if column.unit}
+        table.attrs["units"] = {column.name: column.si for column in columns if column.si}
         return table
 
     def _drawn(self, what: str) -> Callable[[Any], Any] | None:
@@ -278,7 +260,7 @@ class ShownResult(Result):
         cells = "".join(f'<td style="vertical-align:top;border:0">{part}</td>' for part in beside)
         return (
             f"<div><p><b>{escape(self.title)}</b><br>{escape(type(self).__name__)}; {escape(state)}</p>"
-            f'<table style="border:0"><tr>{cells}</tr></table>{_html_table(self.columns())}</div>'
+            f'<table style="border:0"><tr>{cells}</tr></table>{_html_table(self)}</div>'
         )
 
 
@@ -288,16 +270,14 @@ def _plain_page() -> Callable[[Any], str]:
     return plain_page
 
 
-def _html_table(columns: Sequence[Column]) -> str:
-    """Return the first rows of a table, as notebooks show them; nothing where no column is shown."""
-    kept = [column for column in columns if column.usual is not None]
-    if not kept:
+def _html_table(result: ShownResult) -> str:
+    """Return the first rows of the main table, as notebooks show them; nothing where no column is shown."""
+    heads, rows = shown_table(result, MOST_ROWS)
+    if not heads:
         return ""
-    cells = shown_cells([column._replace(values=column.values[:MOST_ROWS]) for column in kept])
-    count = len(kept[0].values)
-    heads = [headed(column.name.replace("_", " "), column.unit, column.usual or "") for column in kept]
+    count = len(result.columns()[0].values)
     more = f"<p>{count - MOST_ROWS} more rows: see to_dataframe()</p>" if count > MOST_ROWS else ""
-    body = "".join(_row("td", "td", row) for row in cells)
+    body = "".join(_row("td", "td", row) for row in rows)
     return f"<table><thead>{_row('th', 'th', heads)}</thead><tbody>{body}</tbody></table>{more}"
 
 
@@ -310,25 +290,36 @@ def _row(first: str, rest: str, cells: Sequence[str]) -> str:
     return f"<tr>{''.join(parts)}</tr>"
 
 
-def shown_cells(columns: Sequence[Column]) -> list[list[str]]:
-    """Return the rows of columns as they are shown.
+def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of the columns that a notebook shows, with their units; the first ``most`` rows.
 
     Examples
     --------
-    >>> shown_cells([Column("peak", [9806.65, None], "m/s^2", "g"), Column("clipped", [True, False], "", "")])
-    [['1000', 'yes'], ['–', 'no']]
+    >>> from strikewave import load_case, run_case
+    >>> heads, rows = shown_table(run_case(load_case("li-ma-2019", ["feed.blows=1"])))
+    >>> heads[:3], rows[0][:3]
+    (['index', 'kind', 'time (ms)'], ['1', 'full', '220.5'])
     """
-    rows = zip(*(column.values for column in columns), strict=True)
-    return [[_cell(column, value) for column, value in zip(columns, row, strict=True)] for row in rows]
+    usual = result.brief()
+    kept = [column for column in result.columns() if column.name in usual]
+    heads = [headed(column.name.replace("_", " "), column.si, usual[column.name]) for column in kept]
+    cells = ([_cell(value, column.si, usual[column.name]) for value in column.values[:most]] for column in kept)
+    return heads, [list(row) for row in zip(*cells, strict=True)]
 
 
-def _cell(column: Column, value: Any) -> str:
-    """Return a cell as it is shown."""
+def _cell(value: Any, si: str, usual: str) -> str:
+    """Return a cell as it is shown.
+
+    Examples
+    --------
+    >>> _cell(9806.65, "m/s^2", "g"), _cell(None, "m/s^2", "g"), _cell(True, "", ""), _cell("full", "", "")
+    ('1000', '–', 'yes', 'full')
+    """
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
-    if column.unit not in ("", "1") and column.usual and value is not None and value == value:
-        return written(shown(float(value), column.unit, column.usual))
-    return written(value.item() if isinstance(value, np.generic) else value)
+    if si in ("", "1") or value is None or value != value:
+        return written(value.item() if isinstance(value, np.generic) else value)
+    return written(shown(float(value), si, usual))
 
 
 def _svg(curve: Curve) -> str:

@@ -19,9 +19,10 @@ from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
 from strikewave.exchange.radioss.deck import radioss_deck
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.model import Model
+from strikewave.reporting.columns import Column
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.shown_result import Column, ShownResult
+from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import say
 
 CODES = {"ls-dyna": (".k",), "openradioss": ("_0000.rad", "_0001.rad")}
@@ -81,13 +82,13 @@ class DeckResult(ShownResult):
 
     def columns(self) -> list[Column]:
         """Return what differs from the model, and what is left out."""
-        rows = [("differs", words) for words in self.deck.differs] + [
-            ("left out", words) for words in self.deck.left_out
-        ]
-        return [
-            Column("kind", [kind for kind, _ in rows], "", ""),
-            Column("what", [words for _, words in rows], "", ""),
-        ]
+        differs, left_out = self.deck.differs, self.deck.left_out
+        kinds = ["differs"] * len(differs) + ["left out"] * len(left_out)
+        return [Column("kind", kinds), Column("what", [*differs, *left_out])]
+
+    def brief(self) -> dict[str, str]:
+        """Return both columns."""
+        return {"kind": "", "what": ""}
 
     def units(self) -> dict[str, str]:
         """Return nothing: counts have no unit."""

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import functools
-import io
 import itertools
 import math
 from collections.abc import Iterator, Mapping
@@ -35,8 +33,9 @@ from strikewave.fem.measures import (
 from strikewave.fem.model import Model
 from strikewave.fem.run import ENERGIES, FemRun, FieldFrame
 from strikewave.fem.snapshots import SnapshotRecorder
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.shown_result import Column, Curve, ShownResult, columns_of, history_curve
+from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
 
 if TYPE_CHECKING:
     import xarray
@@ -211,8 +210,12 @@ class FemSolution(ShownResult):
         """Return the parts and groups with the blow that each took."""
         content = self.content()
         rows = [{"name": name, **row} for kind in ("parts", "groups") for name, row in content[kind].items()]
-        usual = {"name": "", "mass": "kg", "rigid_peak": "g", "width": "us", "velocity_change": "m/s"}
-        return columns_of(rows, UNITS, usual | {"von_mises": "MPa", "plastic_strain": "1"})
+        return columns_of(rows, UNITS)
+
+    def brief(self) -> dict[str, str]:
+        """Return name, mass and blow of each part, and its largest stress and strain."""
+        blow = {"rigid_peak": "g", "width": "us", "velocity_change": "m/s"}
+        return {"name": "", "mass": "kg", **blow, "von_mises": "MPa", "plastic_strain": "1"}
 
     def preview(self) -> Curve | None:
         """Return the mean force of the strongest contact; None where nothing touched."""
@@ -255,13 +258,8 @@ class FemSolution(ShownResult):
 
     def history_table(self) -> str:
         """Return all histories of the first blow as CSV text, every column with its unit."""
-        columns = list(self._columns())
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["time [s]", *(f"{name} [{unit}]" for name, unit, _ in columns)])
-        for row in zip(self.run.time, *(values for _, _, values in columns), strict=True):
-            writer.writerow(["" if math.isnan(value) else f"{value:.9g}" for value in row])
-        return text.getvalue()
+        columns = [Column(name, values, si) for name, si, values in self._columns()]
+        return csv_table([Column("time", self.run.time, "s"), *columns], HISTORY_DIGITS)
 
     def datasets(self) -> dict[str, xarray.Dataset]:
         """Return the histories of each blow, by the names of the files."""

@@ -7,13 +7,14 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
+from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.analyses.hopkinson.result import inputs
 from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.echoes import Echoes
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import percent, with_unit
-from strikewave.reporting.shown_result import Column, Curve, history_curve
+from strikewave.reporting.shown_result import Curve, history_curve
 
 if TYPE_CHECKING:
     import xarray
@@ -92,13 +93,6 @@ class EchoSolution(Outcome):
             ("attenuation", f"{self.echoes.attenuation.value:.3g} 1/m"),
         ]
 
-    def columns(self) -> list[Column]:
-        """Return speed and attenuation over frequency."""
-        units = {"frequency": "Hz", "losses": "1/m", "losses_error": "1/m"}
-        names = ("frequency", "phase_speed", "phase_speed_error", "theory_speed", "losses", "losses_error")
-        shown = {"frequency": "kHz", "phase_speed": "m/s", "phase_speed_error": "m/s", "losses": "1/m"}
-        return [Column(name, getattr(self.echoes, name), units.get(name, "m/s"), shown.get(name)) for name in names]
-
     def preview(self) -> Curve:
         """Return the strain at the gauge."""
         trace = self.echoes.quiet.trace
@@ -106,18 +100,24 @@ class EchoSolution(Outcome):
 
     def tables(self) -> dict[str, str]:
         """Return speed and attenuation over frequency as CSV text."""
+        return {"echoes.csv": csv_table(self.columns(), HISTORY_DIGITS)}
+
+    def columns(self) -> list[Column]:
+        """Return speed and attenuation over frequency."""
         echoes = self.echoes
-        table = csv_text(
-            {
-                "frequency [Hz]": echoes.frequency,
-                "phase speed [m/s]": echoes.phase_speed,
-                "standard error [m/s]": echoes.phase_speed_error,
-                f"{echoes.theory} [m/s]": echoes.theory_speed,
-                "attenuation [1/m]": echoes.losses,
-                "standard error [1/m]": echoes.losses_error,
-            }
-        )
-        return {"echoes.csv": table}
+        return [
+            Column("frequency", echoes.frequency, "Hz"),
+            Column("phase speed", echoes.phase_speed, "m/s"),
+            Column("standard error of phase speed", echoes.phase_speed_error, "m/s"),
+            Column(echoes.theory, echoes.theory_speed, "m/s"),
+            Column("attenuation", echoes.losses, "1/m"),
+            Column("standard error of attenuation", echoes.losses_error, "1/m"),
+        ]
+
+    def brief(self) -> dict[str, str]:
+        """Return frequency, speed with its error, and attenuation."""
+        speeds = dict.fromkeys(("phase speed", "standard error of phase speed"), "m/s")
+        return {"frequency": "kHz", **speeds, "attenuation": "1/m"}
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:

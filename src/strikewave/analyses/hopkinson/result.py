@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
+from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase, values_of
 from strikewave.base.json_document import without
 from strikewave.base.variables import quantity
@@ -18,8 +18,9 @@ from strikewave.hopkinson.bars import BarMaterial, StrikerBar
 from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import ANALYSES, Reduction, StressStrainCurve
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import axis_unit, percent, with_unit
-from strikewave.reporting.shown_result import Column, Curve
+from strikewave.reporting.shown_result import Curve
 
 if TYPE_CHECKING:
     import xarray
@@ -170,19 +171,6 @@ class HopkinsonSolution(Outcome):
             (f"impulse {side}", percent(abs(self.momentum.closure), 2)),
         ]
 
-    def columns(self) -> list[Column]:
-        """Return forces, velocities and the curves of the chosen analysis over time."""
-        r, engineering = self.reduction, self.curve
-        columns = [
-            Column("time", r.time, "s"),
-            *(Column(name, getattr(r, name), "N") for name in ("first_force", "second_force")),
-            *(Column(name, getattr(r, name), "m/s") for name in ("first_velocity", "second_velocity")),
-        ]
-        for kind, curve in (("engineering", engineering), ("true", engineering.true())):
-            for part, unit in (("strain", "1"), ("stress", "Pa"), ("rate", "1/s")):
-                columns.append(Column(f"{kind}_{part}", getattr(curve, part), unit))
-        return columns
-
     def preview(self) -> Curve:
         """Return true stress over true strain while the incident wave lasts."""
         true, on = self.curve.true(), self.reduction.loading
@@ -191,39 +179,38 @@ class HopkinsonSolution(Outcome):
 
     def tables(self) -> dict[str, str]:
         """Return the histories at the specimen and the pulses at the gauges as CSV text."""
-        return {"reduction.csv": self.reduction_table(), "pulses.csv": self.pulses_table()}
+        return {"reduction.csv": csv_table(self.columns(), HISTORY_DIGITS), "pulses.csv": self.pulses_table()}
 
-    def reduction_table(self) -> str:
-        """Return the histories at the specimen, with the curve of the chosen analysis, as CSV text."""
+    def columns(self) -> list[Column]:
+        """Return the histories at the specimen, with the curve of the chosen analysis."""
         r, w, engineering = self.reduction, self.reduction.waves, self.curve
         true = engineering.true()
-        columns = {
-            "time [s]": r.time,
-            "incident strain [1]": w.incident,
-            "reflected strain [1]": w.reflected,
-            "transmitted strain [1]": w.transmitted,
-            "force 1 [N]": r.first_force,
-            "force 2 [N]": r.second_force,
-            "velocity 1 [m/s]": r.first_velocity,
-            "velocity 2 [m/s]": r.second_velocity,
-            "engineering strain [1]": engineering.strain,
-            "engineering stress [Pa]": engineering.stress,
-            "engineering rate [1/s]": engineering.rate,
-            "true strain [1]": true.strain,
-            "true stress [Pa]": true.stress,
-            "true rate [1/s]": true.rate,
-        }
-        return csv_text(columns)
+        return [
+            Column("time", r.time, "s"),
+            Column("incident strain", w.incident, "1"),
+            Column("reflected strain", w.reflected, "1"),
+            Column("transmitted strain", w.transmitted, "1"),
+            Column("force 1", r.first_force, "N"),
+            Column("force 2", r.second_force, "N"),
+            Column("velocity 1", r.first_velocity, "m/s"),
+            Column("velocity 2", r.second_velocity, "m/s"),
+            Column("engineering strain", engineering.strain, "1"),
+            Column("engineering stress", engineering.stress, "Pa"),
+            Column("engineering rate", engineering.rate, "1/s"),
+            Column("true strain", true.strain, "1"),
+            Column("true stress", true.stress, "Pa"),
+            Column("true rate", true.rate, "1/s"),
+        ]
 
     def pulses_table(self) -> str:
         """Return the three pulses as the gauges saw them, each with its own time, as CSV text."""
         pulses = self.pulses
-        columns: dict[str, Array] = {}
+        columns: list[Column] = []
         parts = (pulses.incident, pulses.reflected, pulses.transmitted)
         for name, start, values in zip(("incident", "reflected", "transmitted"), pulses.starts, parts, strict=True):
-            columns[f"{name} time [s]"] = np.asarray(start + pulses.step * np.arange(values.size))
-            columns[f"{name} strain [1]"] = values
-        return csv_text(columns)
+            columns.append(Column(f"{name} time", start + pulses.step * np.arange(values.size), "s"))
+            columns.append(Column(f"{name} strain", values, "1"))
+        return csv_table(columns, HISTORY_DIGITS)
 
 
 def inputs(case: HopkinsonCase) -> dict[str, dict[str, Any]]:

@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.hopkinson.bar_end import SensorComparison, Standing
-from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
+from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.analyses.hopkinson.result import inputs
 from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar, BarMaterial
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import percent, spelled, with_unit
-from strikewave.reporting.shown_result import Column, Curve, history_curve
+from strikewave.reporting.shown_result import Curve, history_curve
 
 if TYPE_CHECKING:
     import xarray
@@ -200,38 +201,28 @@ class SensorSolution(Outcome):
         ]
         return [*(known if self.quoted else []), ("delay", f"{1e6 * delay:+.2f} µs")]
 
-    def columns(self) -> list[Column]:
-        """Return the histories of reference and reading, whose delay is taken out."""
-        comparison, samples = self.comparison, self.kept
-        columns = [
-            Column("time", comparison.time, "s"),
-            Column("reference_acceleration", comparison.motion.acceleration, "m/s^2"),
-            Column("reading", comparison.reading, self.unit),
-            Column("reading_acceleration", self.shown_acceleration, "m/s^2"),
-            Column("reference_velocity", comparison.motion.velocity, "m/s"),
-            Column("integrated_reading", self.shown_velocity, "m/s"),
-            Column("velocity_by_both_waves", comparison.both_waves, "m/s"),
-        ]
-        return [column._replace(values=np.asarray(column.values)[samples]) for column in columns]
-
     def preview(self) -> Curve:
         """Return the reading as an acceleration."""
         return history_curve(self.comparison.time, self.shown_acceleration, "m/s^2", "g", "reading as acceleration")
 
     def tables(self) -> dict[str, str]:
-        """Return the histories as CSV text; the delay of the reading is taken out."""
+        """Return the histories as CSV text."""
+        return {"reduction.csv": csv_table(self.columns(), HISTORY_DIGITS)}
+
+    def columns(self) -> list[Column]:
+        """Return the histories; the delay of the reading is taken out."""
         comparison, samples = self.comparison, self.kept
-        columns = {
-            "time [s]": comparison.time,
-            "reference acceleration [m/s^2]": comparison.motion.acceleration,
-            f"reading [{self.unit}]": comparison.reading,
-            "reading as acceleration [m/s^2]": self.shown_acceleration,
-            "difference [m/s^2]": self.shown_acceleration - comparison.motion.acceleration,
-            "reference velocity [m/s]": comparison.motion.velocity,
-            "reading integrated [m/s]": self.shown_velocity,
-            "end velocity by both waves [m/s]": comparison.both_waves,
-        }
-        return {"reduction.csv": csv_text({name: values[samples] for name, values in columns.items()})}
+        columns = [
+            Column("time", comparison.time, "s"),
+            Column("reference acceleration", comparison.motion.acceleration, "m/s^2"),
+            Column("reading", comparison.reading, self.unit),
+            Column("reading as acceleration", self.shown_acceleration, "m/s^2"),
+            Column("difference", self.shown_acceleration - comparison.motion.acceleration, "m/s^2"),
+            Column("reference velocity", comparison.motion.velocity, "m/s"),
+            Column("reading integrated", self.shown_velocity, "m/s"),
+            Column("end velocity by both waves", comparison.both_waves, "m/s"),
+        ]
+        return [column._replace(values=column.values[samples]) for column in columns]
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:

@@ -29,9 +29,10 @@ from strikewave.contact import (
 from strikewave.contact.cushions import cushion_laws
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.columns import Column
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.shown_result import Column, columns_of
+from strikewave.reporting.shown_result import columns_of
 from strikewave.reporting.terminal import say, table
 
 ASKED = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
@@ -109,7 +110,11 @@ class LawsResult(measured.AskedResult):
         """Return the laws with equation, status and source."""
         kinds = {kind: rows for kind, rows in self.content().items() if isinstance(rows, list)}
         rows = [{"kind": kind, **row} for kind, rows in kinds.items() for row in rows]
-        return columns_of(rows, self.units(), dict.fromkeys(("kind", "name", "equation", "status"), ""))
+        return columns_of(rows, self.units())
+
+    def brief(self) -> dict[str, str]:
+        """Return kind, name, equation and status."""
+        return dict.fromkeys(("kind", "name", "equation", "status"), "")
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""

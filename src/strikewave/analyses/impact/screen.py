@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
+
 from strikewave.analyses.impact.answers import ImpactAnswers, impact_answers
 from strikewave.analyses.impact.setup import ContactLoss, Setup
 from strikewave.base.errors import InputError
@@ -18,10 +20,11 @@ from strikewave.contact import Impact, Stiffness, first_yield, impact_history, r
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.shown_result import Column, Curve, columns_of, history_curve
+from strikewave.reporting.shown_result import Curve, columns_of, history_curve
 from strikewave.reporting.terminal import number, say, table
 
 ERRORS = {"closed form": 1e-9, "integrator": 1e-6}
@@ -117,8 +120,11 @@ class ImpactResult(measured.AskedResult):
 
     def columns(self) -> list[Column]:
         """Return the blows, one after another on the same spot."""
-        usual = {"peak_force": "kN", "duration": "us", "max_indentation": "um", "restitution": "1", "energy_lost": "J"}
-        return columns_of([_numbers(blow) for blow in self.blows], _UNITS, usual)
+        return columns_of([_numbers(blow) for blow in self.blows], _UNITS)
+
+    def brief(self) -> dict[str, str]:
+        """Return restitution, indentation, force, duration and loss."""
+        return {"restitution": "1", "max_indentation": "um", "peak_force": "kN", "duration": "us", "energy_lost": "J"}
 
     def preview(self) -> Curve:
         """Return the force of the first blow."""
@@ -342,13 +348,12 @@ def _from_memory(setup: Setup) -> list[Notice]:
 
 
 def _histories(result: ImpactResult, drawn: list[int]) -> str:
-    """Return the drawn blows in time as CSV, SI."""
-    lines = ["blow,time [s],indentation [m],rate [m/s],force [N]"]
-    for k in drawn:
-        history = impact_history(result.blows[k])
-        columns = zip(history.time, history.indentation, history.rate, history.force, strict=True)
-        lines += [f"{k + 1},{t:.9g},{d:.9g},{rate:.9g},{force:.9g}" for t, d, rate, force in columns]
-    return "\n".join(lines) + "\n"
+    """Return the drawn blows in time as CSV."""
+    histories = {k + 1: impact_history(result.blows[k]) for k in drawn}
+    columns = [Column("blow", [blow for blow, history in histories.items() for _ in history.time])]
+    for name, si in (("time", "s"), ("indentation", "m"), ("rate", "m/s"), ("force", "N")):
+        columns.append(Column(name, np.concatenate([getattr(one, name) for one in histories.values()]), si))
+    return csv_table(columns, HISTORY_DIGITS)
 
 
 def _drawn(count: int) -> list[int]:

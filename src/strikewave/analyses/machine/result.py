@@ -7,11 +7,8 @@ The dataset holds the whole train (dimension ``time``, from the valve signal or 
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
 import json
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -20,7 +17,7 @@ from statistics import median
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave._version import __version__
-from strikewave.analyses.machine.columns import BLOW_UNITS, HIDDEN, shown_in
+from strikewave.analyses.machine.columns import BLOW_SI, BLOW_UNITS, HIDDEN, shown_in
 from strikewave.analyses.machine.contact_answers import ANSWER_UNITS, ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
@@ -28,8 +25,9 @@ from strikewave.base.result import SCHEMA, Comparison, Notice, Source, compariso
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
-from strikewave.reporting.numbers import axis_unit, with_band
-from strikewave.reporting.shown_result import Column, Curve, ShownResult
+from strikewave.reporting.columns import Column, csv_table
+from strikewave.reporting.numbers import with_band
+from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
 from strikewave.sensors.channel import SensorPulse
 from strikewave.waves.setup import LayerUsed, WaveSetup
 
@@ -223,58 +221,40 @@ class Solution(ShownResult):
             numbers.append(("interval", with_band(interval, band.get("interval"), "s", "ms")))
         return [*counted, *numbers]
 
-    def columns(self) -> list[Column]:
-        """Return the table of blows, with what taps and sensors show of each."""
-        usual = {name: unit for name, _, unit, _ in shown_in("blows")} | {"index": "", "kind": ""}
-        names = [f.name for f in dataclasses.fields(Blow)]
-        columns = [
-            Column(name, [getattr(blow, name) for blow in self.blows], BLOW_UNITS.get(name, ""), usual.get(name))
-            for name in names
-        ]
-        for name, unit in (("total_peak", "m/s^2"), ("wave_peak", "m/s^2"), ("bandwidth", "Hz")) if self.waves else ():
-            columns.append(Column(name, [getattr(reading, name, None) for reading in self.readings], unit))
-        for sensor in dict.fromkeys(name for reading in self.readings if reading for name in reading.sensors):
-            pulses = [reading.sensors[sensor] if reading else None for reading in self.readings]
-            columns += [
-                Column(f"sensors.{sensor}.peak", [pulse and pulse.peak for pulse in pulses], "m/s^2", "g"),
-                Column(f"sensors.{sensor}.width", [pulse and pulse.width for pulse in pulses], "s"),
-                Column(f"sensors.{sensor}.clipped", [pulse and pulse.clipped for pulse in pulses]),
-            ]
-        return columns
-
     def preview(self) -> Curve | None:
         """Return the rigid-body acceleration of the first blow over twice its width."""
         place = next((k for k, blow in enumerate(self.blows) if blow.kind != "missed"), None)
         if place is None:
             return None
         blow, time = self.blows[place], self.data["pulse_time"].values
-        shown = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else math.inf)
-        (second, unit), (g, name) = axis_unit("s", "us"), axis_unit("m/s^2", "g")
-        acceleration = self.data["pulse_acceleration"].values[place][shown] / g
-        words = f"rigid-body acceleration, blow {blow.index} ({name})"
-        return Curve(time[shown] / second, acceleration, f"time ({unit})", words)
+        kept = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
+        acceleration = self.data["pulse_acceleration"].values[place][kept]
+        return history_curve(time[kept], acceleration, "m/s^2", "g", f"rigid-body acceleration, blow {blow.index}")
 
     def tables(self) -> dict[str, str]:
         """Return the table of blows as CSV text, every column with its unit."""
-        return {"blows.csv": self._blow_table()}
+        return {"blows.csv": csv_table(self.columns())}
 
-    def _blow_table(self) -> str:
-        text = io.StringIO()
-        names = [f.name for f in dataclasses.fields(Blow)]
-        writer = csv.writer(text, lineterminator="\n")
-        waves = ("total_peak", "wave_peak", "bandwidth") if self.waves else ()
-        route = [self.case.solver.route] if self.waves else []
-        sensors = list(dict.fromkeys(name for r in self.readings if r is not None for name in r.sensors))
-        head = [f"{n} [{BLOW_UNITS[n]}]" if n in BLOW_UNITS else n for n in names]
-        head += [f"{n} [{'Hz' if n == 'bandwidth' else 'm/s^2'}]" for n in waves] + ["route"] * len(route)
-        head += [column for n in sensors for column in (f"{n} peak [m/s^2]", f"{n} width [s]", f"{n} clipped")]
-        writer.writerow(head)
-        for blow, reading in zip(self.blows, self.readings, strict=True):
-            row: list[Any] = [*dataclasses.astuple(blow), *(getattr(reading, n, None) for n in waves), *route]
-            for name in sensors:
-                row += dataclasses.astuple(reading.sensors[name]) if reading is not None else [None] * 3
-            writer.writerow(["" if v is None or (isinstance(v, float) and math.isnan(v)) else v for v in row])
-        return text.getvalue()
+    def columns(self) -> list[Column]:
+        """Return the table of blows, with what taps and sensors show of each."""
+        columns = [
+            Column(name, [getattr(blow, name) for blow in self.blows], BLOW_SI.get(name, ""))
+            for name in (one.name for one in dataclasses.fields(Blow))
+        ]
+        if self.waves:
+            for name, si in (("total_peak", "m/s^2"), ("wave_peak", "m/s^2"), ("bandwidth", "Hz")):
+                columns.append(Column(name, [getattr(reading, name, None) for reading in self.readings], si))
+            columns.append(Column("route", [self.case.solver.route] * len(self.blows)))
+        for name in dict.fromkeys(name for r in self.readings if r is not None for name in r.sensors):
+            pulses = [None if reading is None else reading.sensors[name] for reading in self.readings]
+            for key, si in (("peak", "m/s^2"), ("width", "s"), ("clipped", "")):
+                columns.append(Column(f"{name} {key}", [getattr(pulse, key, None) for pulse in pulses], si))
+        return columns
+
+    def brief(self) -> dict[str, str]:
+        """Return the columns of the table of blows on the screen, and the peaks of the sensors."""
+        usual = {"index": "", "kind": "", **{name: unit for name, _, unit, _ in shown_in("blows")}}
+        return usual | {f"{name} peak": "g" for reading in self.readings if reading for name in reading.sensors}
 
     def save(self, path: Path) -> None:
         """Write the whole solution as NetCDF; `load_solution` reads it back."""

@@ -15,10 +15,11 @@ from strikewave.base.errors import InputError
 from strikewave.base.result import Notice, Source
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.numbers import axis_unit, with_unit
 from strikewave.reporting.options import Output, Typed
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.shown_result import Column, Curve
+from strikewave.reporting.shown_result import Curve
 from strikewave.reporting.terminal import number, say, significant, table
 from strikewave.signal.srs import Scope, Spectrum, octaves, srs
 
@@ -125,11 +126,6 @@ class SpectrumResult(measured.AskedResult):
             numbers.append((spectrum.kind, f"{with_unit(float(values[at]), *self._shown(spectrum))} at {where}"))
         return numbers
 
-    def columns(self) -> list[Column]:
-        """Return the spectra over natural frequency."""
-        spectra = [Column(s.kind, s.side(self.side), *self._shown(s)) for s in self.spectra]
-        return [Column("frequency", self.spectra[0].frequency, "Hz", "Hz"), *spectra]
-
     def preview(self) -> Curve:
         """Return the first spectrum over the logarithm of natural frequency."""
         first = self.spectra[0]
@@ -145,11 +141,21 @@ class SpectrumResult(measured.AskedResult):
 
     def tables(self) -> dict[str, str]:
         """Return the spectra as CSV text."""
+        return {"spectrum.csv": csv_table(self.columns())}
+
+    def columns(self) -> list[Column]:
+        """Return the spectra over natural frequency."""
         of = "" if self.reading.channel.unit == "m/s^2" else " for a record in m/s^2"
-        names = ["frequency (Hz)"] + [f"{s.kind} ({KIND_UNITS[s.kind]}{of})" for s in self.spectra]
-        rows = zip(self.spectra[0].frequency, *(s.side(self.side) for s in self.spectra), strict=True)
-        lines = [",".join(names), *(",".join(repr(float(v)) for v in row) for row in rows)]
-        return {"spectrum.csv": "\n".join(lines) + "\n"}
+        columns = [Column("frequency", self.spectra[0].frequency, "Hz")]
+        return columns + [Column(f"{s.kind}{of}", s.side(self.side), KIND_UNITS[s.kind]) for s in self.spectra]
+
+    def brief(self) -> dict[str, str]:
+        """Return all columns."""
+        return {"frequency": "Hz"} | {column.name: self._unit(column.name) for column in self.columns()[1:]}
+
+    def _unit(self, name: str) -> str:
+        kind = name.partition(" ")[0]
+        return SHOWN_UNITS[kind] if self.reading.channel.unit == "m/s^2" else KIND_UNITS[kind]
 
 
 def spectrum_of(reading: ChannelReading, kind: str, frequencies: ArrayLike, q: float, scope: Scope) -> Spectrum:
@@ -209,15 +215,14 @@ class SrsCommand(Command[SpectrumResult]):
     def draw(self, result: SpectrumResult, folder: Path) -> list[str]:
         """Write the spectra, and the four-coordinate picture."""
         from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
-        from strikewave.reporting.style import plain, save
+        from strikewave.reporting.style import save, titled
 
         pictures = {
             "summary.svg": srs_figure(result.spectra[0], unit=result.reading.channel.unit),
             "tripartite.svg": tripartite(result.velocity),
         }
         for name, figure in pictures.items():
-            figure.suptitle(plain(result.title, 90), x=0.01, ha="left", fontsize=11)
-            save(figure, folder / name)
+            save(titled(figure, result.title), folder / name)
         return list(pictures)
 
 

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import functools
-import io
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -19,8 +16,9 @@ from strikewave.base.result import SCHEMA, Source
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import FittedLoss, fitted_losses
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import with_band, with_unit
-from strikewave.reporting.shown_result import Column, Curve, ShownResult, columns_of, history_curve
+from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.pulse import largest
@@ -307,8 +305,11 @@ class WaveSolution(ShownResult):
 
     def columns(self) -> list[Column]:
         """Return the taps with their peaks."""
-        usual = {"name": "", "layer": "", "peaks.force": "kN", "peaks.velocity": "m/s", "peaks.acceleration": "g"}
-        return columns_of(self.content()["taps"], self.units(), usual)
+        return columns_of(self.content()["taps"], self.units())
+
+    def brief(self) -> dict[str, str]:
+        """Return name, layer and peaks of each tap."""
+        return {"name": "", "layer": "", "peaks.force": "kN", "peaks.velocity": "m/s", "peaks.acceleration": "g"}
 
     def preview(self) -> Curve | None:
         """Return the acceleration at the first tap, the velocity where theory allows none to be quoted."""
@@ -325,15 +326,10 @@ class WaveSolution(ShownResult):
         return {"taps.csv": self._tap_table()}
 
     def _tap_table(self) -> str:
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
         units = (("force", "N"), ("stress", "Pa"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
-        by = "" if self.route == EXACT else f", {self.route}"
-        heads = [f"{name} {what} [{unit}]{by}" for name, _ in self.taps for what, unit in units]
-        writer.writerow(["time [s]", *heads])
-        columns = [self.run.time]
-        for force, stress, velocity, acceleration in self._histories():
-            columns += [force, stress, velocity, acceleration]
-        for row in zip(*columns, strict=True):
-            writer.writerow(["" if math.isnan(value) else f"{value:.9g}" for value in row])
-        return text.getvalue()
+        by = "" if self.route == EXACT else f" ({self.route})"
+        columns = [Column("time", self.run.time, "s")]
+        for (name, _), histories in zip(self.taps, self._histories(), strict=True):
+            for (what, si), values in zip(units, histories, strict=True):
+                columns.append(Column(f"{name} {what}{by}", values, si))
+        return csv_table(columns, HISTORY_DIGITS)

@@ -21,7 +21,8 @@ from strikewave.papers.li_ma_2019.joints import JointCell, JointStudy
 from strikewave.papers.li_ma_2019.runs import Effort, Runs
 from strikewave.papers.li_ma_2019.types import Consistency, EquationRow, Finding, PublishedNumber
 from strikewave.papers.li_ma_2019.unknowns import Unknowns
-from strikewave.reporting.shown_result import Column, ShownResult, columns_of
+from strikewave.reporting.columns import Column
+from strikewave.reporting.shown_result import ShownResult, columns_of
 
 PAPER = "li-ma-2019"
 GASKET_UNITS = {
@@ -212,7 +213,11 @@ class Reproduction(ShownResult):
             difference = None if best is None else best.difference(number.value)
             answer = {"computed": best and best.value, "difference": difference, "role": best and best.role}
             rows.append({**own, "published": number.value, **answer, "by": best and best.by})
-        return columns_of(rows, {"difference": "1"}, dict.fromkeys(rows[0], "") if rows else None)
+        return columns_of(rows, {"difference": "1"})
+
+    def brief(self) -> dict[str, str]:
+        """Return what is published, what was computed, and how far they differ."""
+        return dict.fromkeys(("name", "where", "unit", "published", "computed", "difference", "role"), "")
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""

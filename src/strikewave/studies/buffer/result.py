@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -18,9 +15,10 @@ from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.base.result import Source
 from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import UNKNOWN
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.shown_result import Column, Curve, ShownResult, columns_of, history_curve
+from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.studies.buffer.candidate import (
@@ -151,13 +149,6 @@ class BufferStudy(ShownResult):
             ("bandwidth within 10 %", with_unit(first.band.within_10, "Hz", "kHz", 3)),
         ]
 
-    def columns(self) -> list[Column]:
-        """Return the candidates, the best first; last, without a place, the present buffer."""
-        rows = [_row(place, candidate) for place, candidate in enumerate(self.candidates, 1)]
-        rows += [] if self.present is None else [_row(None, self.present)]
-        usual = {"place": "", "name": "", "true_peak": "g", "keeps": "", "within_10": "kHz", "resonance": "kHz"}
-        return columns_of(rows, UNITS, usual | {"robust": ""})
-
     def preview(self) -> Curve:
         """Return what the sensor reads on the first stack."""
         reading = self.reading(self.candidates[0])
@@ -221,20 +212,25 @@ class BufferStudy(ShownResult):
         return tomlkit.dumps({"sensor": [row]})
 
     def tables(self) -> dict[str, str]:
-        """Return all candidates as CSV text."""
-        return {"buffers.csv": self._candidate_table()}
+        """Return all candidates as CSV text; yes or no of what is true or not."""
+        words = {True: "yes", False: "no"}
+        columns = [
+            column._replace(values=[words[v] if isinstance(v, bool) else v for v in column.values])
+            for column in self.columns()
+        ]
+        return {"buffers.csv": csv_table(columns, HISTORY_DIGITS)}
 
-    def _candidate_table(self) -> str:
-        """Return all candidates as CSV text, every column with its unit; last, without a place, the present buffer."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
+    def columns(self) -> list[Column]:
+        """Return all candidates, the best first; last, without a place, the present buffer."""
         rows = [_row(place, candidate) for place, candidate in enumerate(self.candidates, 1)]
         rows += [] if self.present is None else [_row(None, self.present)]
-        columns = [key for key in rows[0] if key not in ("gaskets", "stress", "strain")]
-        writer.writerow([f"{key} [{UNITS[key]}]" if key in UNITS else key for key in columns])
-        for row in rows:
-            writer.writerow(["" if row[key] in (None, math.inf) else _cell(row[key]) for key in columns])
-        return text.getvalue()
+        keys = [key for key in rows[0] if key not in ("gaskets", "stress", "strain")]
+        return [Column(key, [row[key] for row in rows], UNITS.get(key, "")) for key in keys]
+
+    def brief(self) -> dict[str, str]:
+        """Return place, gaskets, reading, whether it keeps the limit, bandwidth and resonance."""
+        bands = dict.fromkeys(("within_10", "resonance"), "kHz")
+        return {"place": "", "name": "", "true_peak": "g", "keeps": "", **bands, "robust": ""}
 
 
 def _row(place: int | None, candidate: BufferCandidate) -> dict[str, Any]:
@@ -250,11 +246,3 @@ def _row(place: int | None, candidate: BufferCandidate) -> dict[str, Any]:
         **candidate.band._asdict(),
         **leading,
     }
-
-
-def _cell(value: Any) -> Any:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.9g}"
-    return value

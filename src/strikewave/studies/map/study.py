@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import hashlib
-import io
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -21,8 +19,9 @@ from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import percent
-from strikewave.reporting.shown_result import Column, ShownResult
+from strikewave.reporting.shown_result import ShownResult
 from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, case_at
 from strikewave.studies.map.cells import (
@@ -208,22 +207,6 @@ class MapStudy(ShownResult):
             ("CV there", percent(self.setting.cv, 2)),
         ]
 
-    def columns(self) -> list[Column]:
-        """Return all cells, settings by their paths; regimes and reasons by name."""
-        places = list(np.ndindex(*self.plan.shape))
-        settings = np.array([self._values(place) for place in places])
-        columns = [
-            Column(axis.path, values, axis.si_unit, axis.unit or "1")
-            for axis, values in zip(self.plan.axes, settings.T, strict=True)
-        ]
-        usual = {"cv": "1", "peak": "g", "missed": "1", "regime": "1"}
-        cells = self.values.reshape(-1, len(FIELDS))
-        for name, values in zip(FIELDS, cells.T, strict=True):
-            named = {"regime": NAMES, "reason": REASONS}.get(name)
-            words = values if named is None else ["" if math.isnan(v) else named[int(v)] for v in values]
-            columns.append(Column(name, words, "" if named else FIELDS[name][0], usual.get(name)))
-        return columns
-
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
         units = {name: unit for name, (unit, _) in FIELDS.items()} | {
@@ -291,21 +274,25 @@ class MapStudy(ShownResult):
 
     def tables(self) -> dict[str, str]:
         """Return the table of cells."""
-        return {"map.csv": self._cell_table()}
+        return {"map.csv": csv_table(self.columns(), HISTORY_DIGITS)}
 
-    def _cell_table(self) -> str:
-        """Return all cells as CSV text, settings in the units asked for, results in SI; regimes by name."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        axes = self.plan.axes
-        units = [f"{name} [{unit}]" if unit != "1" else name for name, (unit, _) in FIELDS.items()]
-        writer.writerow([f"{axis.path} [{axis.unit or '1'}]" for axis in axes] + units)
-        for place in np.ndindex(*self.plan.shape):
-            cell = self.values[place]
-            at = [f"{axis.shown(v):.9g}" for axis, v in zip(axes, self._values(place), strict=True)]
-            row = [_cell(name, value) for name, value in zip(FIELDS, cell, strict=True)]
-            writer.writerow(at + row)
-        return text.getvalue()
+    def columns(self) -> list[Column]:
+        """Return all cells, a file has settings in the units asked for; regimes by name."""
+        places = list(np.ndindex(*self.plan.shape))
+        settings = zip(*(self._values(place) for place in places), strict=True)
+        columns = [
+            Column(axis.path, values, axis.si_unit or "1", axis.unit)
+            for axis, values in zip(self.plan.axes, settings, strict=True)
+        ]
+        for name, (si, _) in FIELDS.items():
+            values = [_named(name, self.values[place][PLACE[name]]) for place in places]
+            columns.append(Column(name, values, "" if name in COUNTED else si))
+        return columns
+
+    def brief(self) -> dict[str, str]:
+        """Return settings, scatter, mean peak, missed blows and regime."""
+        settings = {axis.path: axis.unit or "1" for axis in self.plan.axes}
+        return {**settings, "cv": "1", "peak": "g", "missed": "", "regime": ""}
 
     def _values(self, place: tuple[int, ...]) -> tuple[float, ...]:
         """Return the settings of a cell (panel, row, column)."""
@@ -349,11 +336,15 @@ class MapStudy(ShownResult):
         return self.case if self.setting is None else self.case_of(self.setting.values)
 
 
-def _cell(name: str, value: float) -> str:
-    """Write a value of the table."""
+COUNTED = ("missed", "regime", "period", "reason")
+"""Fields of a cell that are counts or codes: their heads have no unit."""
+
+
+def _named(name: str, value: float) -> str | float:
+    """Return a value of the table; a code by its name."""
     if name in ("regime", "reason") and not math.isnan(value):
         return (NAMES if name == "regime" else REASONS)[int(value)]
-    return "" if math.isnan(value) else f"{value:.9g}"
+    return float(value)
 
 
 def check_plan(plan: MapPlan, workers: int) -> float:

@@ -24,8 +24,9 @@ from strikewave.base.result import Notice, Source
 from strikewave.cases.case import FORM, Case, dump_case
 from strikewave.cases.contact_of_case import face_contact
 from strikewave.contact.law import indentation_under
+from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.shown_result import Column, ShownResult, columns_of
+from strikewave.reporting.shown_result import ShownResult, columns_of
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.studies.settings.candidate import WITHIN, BlowGoal, BlowSpread, SettingsCandidate, rank_key
 from strikewave.studies.settings.estimate import (
@@ -188,9 +189,13 @@ class SettingsStudy(ShownResult):
         paths = {path: FORM.range_at(path.split(".")) for one in self.candidates for path in one.chosen}
         units = UNITS | {path: "" if of is None or of.unit == "count" else of.unit for path, of in paths.items()}
         spread = {f"{name}.{part}": UNITS[name] for name in ("peak", "width", "interval") for part in _SPREAD}
-        usual = {"place": "", "meets": "", "strikers": "", "machine.speed": "rpm", "machine.engagement": "mm"}
-        usual |= {"peak.typical": "g", "width.typical": "us", "interval.typical": "ms", "peak.variation": "1"}
-        return columns_of(rows, units | spread, usual)
+        return columns_of(rows, units | spread)
+
+    def brief(self) -> dict[str, str]:
+        """Return the main settings of each candidate, and its typical blow."""
+        settings = {"strikers": "", "machine.speed": "rpm", "machine.engagement": "mm"}
+        blow = {"peak.typical": "g", "width.typical": "us", "interval.typical": "ms", "peak.variation": "1"}
+        return {"place": "", "meets": "", **settings, **blow}
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""

@@ -10,8 +10,9 @@ from typing import Any, ClassVar
 from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
 from strikewave.exchange.ls_dyna.folder import ContactPulse, EnergyHistory, Extreme, LsDynaContact, pulse_of
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import percent, with_unit
-from strikewave.reporting.shown_result import Column, Curve, columns_of, history_curve
+from strikewave.reporting.shown_result import Curve, columns_of, history_curve
 
 UNITS = {
     "peak": "N", "at": "s", "impulse": "N s", "begin": "s", "end": "s", "width": "s", "span": "s", "shift": "s",
@@ -86,14 +87,16 @@ class LsDynaResult(measured.AskedResult):
         """Return the contacts of both runs where they are compared, else those of LS-DYNA."""
         if self.found.strikewave is not None:
             rows = [{"name": pair.name, **_pair(pair)} for pair in self.found.forces]
-            usual = {"name": "", "strikewave.peak": "kN", "ls_dyna.peak": "kN", "peak_difference": "1"}
         else:
-            rows = [
-                {"name": contact.name, **(_pulse(pulse_of(contact.first)) or {})}
-                for contact in self.found.ls_dyna.contacts
-            ]
-            usual = {"name": "", "peak": "kN", "width": "us", "impulse": "N s"}
-        return columns_of(rows, UNITS, usual)
+            contacts = self.found.ls_dyna.contacts
+            rows = [{"name": contact.name, **(_pulse(pulse_of(contact.first)) or {})} for contact in contacts]
+        return columns_of(rows, UNITS)
+
+    def brief(self) -> dict[str, str]:
+        """Return the peaks of both runs and their difference, or the pulses of LS-DYNA."""
+        if self.found.strikewave is not None:
+            return {"name": "", "strikewave.peak": "kN", "ls_dyna.peak": "kN", "peak_difference": "1"}
+        return {"name": "", "peak": "kN", "width": "us", "impulse": "N s"}
 
     def preview(self) -> Curve | None:
         """Return the force of the first contact in LS-DYNA."""
