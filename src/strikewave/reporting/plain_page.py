@@ -2,27 +2,42 @@
 
 from __future__ import annotations
 
-from strikewave.base.errors import StrikewaveError
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 from strikewave.reporting.chapters import Summary, result_page, warnings
 from strikewave.reporting.parts import Picture, Section, Table
-from strikewave.reporting.shown_result import ShownResult, shown_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from strikewave.base.result import Result
 
 
-def plain_page(result: ShownResult) -> str:
+def plain_page(
+    result: Result, numbers: Sequence[tuple[str, str]], figure: Figure | None, heads: list[str], rows: list[list[str]]
+) -> str:
     """Return the report of a result as one HTML page.
+
+    Parameters
+    ----------
+    result : Result
+        What came of a command.
+    numbers : sequence of (str, str)
+        Label and value of its key numbers.
+    figure : Figure or None
+        Its picture.
+    heads, rows : list
+        Its main table; none where there are no heads.
 
     Examples
     --------
     >>> from strikewave import load_case, run_case
-    >>> plain_page(run_case(load_case("li-ma-2019", ["feed.blows=1"]))).splitlines()[0]
+    >>> solution = run_case(load_case("li-ma-2019", ["feed.blows=1"]))
+    >>> plain_page(solution, solution.highlights(), None, ["blow"], [["1"]]).splitlines()[0]
     '<!doctype html>'
     """
-    try:
-        parts: list[Picture | Table] = [Picture(result.plot(), result.title)]
-    except StrikewaveError:
-        parts = []
-    heads, rows = shown_table(result)
-    if heads:
-        parts.append(Table("The main table", heads, rows))
-    summary = Summary(f"Report of {result.command}", "", result.highlights())
+    parts: list[Picture | Table] = [] if figure is None else [Picture(figure, result.title)]
+    parts += [Table("The main table", heads, rows)] if heads else []
+    summary = Summary(f"Report of {result.command}", "", numbers)
     return result_page(result, summary, [Section("Result", "", parts), warnings(result.notices)])

@@ -208,7 +208,8 @@ class ShownResult(Result):
         place = place / "report.html" if place.is_dir() else place
         if place.suffix.lower() not in (".html", ".htm") or not place.parent.is_dir():
             raise InputError("path", str(path), "a file that ends in .html, in a folder that exists, or that folder")
-        write_atomically(place, (self._drawn("page") or _plain_page())(self))
+        page = self._drawn("page")
+        write_atomically(place, self._plain_page() if page is None else page(self))
         return place
 
     def to_dataframe(self) -> pandas.DataFrame:
@@ -234,6 +235,13 @@ class ShownResult(Result):
         table = pandas.DataFrame({column.name: list(column.values) for column in columns})
         table.attrs["units"] = {column.name: column.si for column in columns if column.si}
         return table
+
+    def _plain_page(self) -> str:
+        """Return the page of a result that has none of its own."""
+        from strikewave.reporting.plain_page import plain_page
+
+        picture = self._drawn("picture")
+        return plain_page(self, self.highlights(), picture and picture(self), *shown_table(self))
 
     def _drawn(self, what: str) -> Callable[[Any], Any] | None:
         """Return the function that makes the picture or the page of this result; None where there is none."""
@@ -262,12 +270,6 @@ class ShownResult(Result):
             f"<div><p><b>{escape(self.title)}</b><br>{escape(type(self).__name__)}; {escape(state)}</p>"
             f'<table style="border:0"><tr>{cells}</tr></table>{_html_table(self)}</div>'
         )
-
-
-def _plain_page() -> Callable[[Any], str]:
-    from strikewave.reporting.plain_page import plain_page
-
-    return plain_page
 
 
 def _html_table(result: ShownResult) -> str:

@@ -135,7 +135,7 @@ def test_a_file_without_a_calibration_says_so(strikewave, volts):
     _, out, _ = strikewave("record", volts, "--json")
     found = document(out)
     [warning] = found["warnings"]
-    assert set(warning) == {"code", "message", "value", "limit"}
+    assert set(warning) == {"code", "severity", "message", "value", "limit"}
     assert warning["code"] == "not-calibrated"
     assert found["units"]["peak"] == "V"
 

@@ -13,7 +13,7 @@ from strikewave.analyses.impact.answers import ImpactAnswers, impact_answers
 from strikewave.analyses.impact.setup import ContactLoss, Setup
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import AUTO
-from strikewave.base.result import Notice, Source
+from strikewave.base.result import INFO, Notice, Source
 from strikewave.cases.contact_range_notices import duration_notices, indentation_notices, speed_notices
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING
 from strikewave.contact import Impact, Stiffness, first_yield, impact_history, reduced_mass, solve_impact
@@ -292,7 +292,7 @@ def _answers_differ(setup: Setup, answers: ImpactAnswers) -> Notice | None:
         return None
     message = f"the contact yields: the first blow gives {_kilonewtons(yielding.peak_force)}{_known(answers)}; elastic "
     message += _kilonewtons(elastic.peak_force)
-    return Notice("contact-yields", message, elastic.peak_force, yielding.yield_load or math.nan)
+    return Notice("contact-yields", message, elastic.peak_force, yielding.yield_load or math.nan, severity=INFO)
 
 
 def _known(answers: ImpactAnswers) -> str:
@@ -344,7 +344,9 @@ def _from_memory(setup: Setup) -> list[Notice]:
     kind = "damping law" if setup.loss.damper is None else "damper"
     used = (("stiffness law", stiffness.law, stiffness.status), (kind, law.name, law.status))
     origin = "stands here from memory: its formula was not seen in an opened text"
-    return [Notice("law-from-memory", f"the {k} {name} {origin}") for k, name, s in used if s == FROM_MEMORY]
+    return [
+        Notice("law-from-memory", f"the {k} {name} {origin}", severity=INFO) for k, name, s in used if s == FROM_MEMORY
+    ]
 
 
 def _histories(result: ImpactResult, drawn: list[int]) -> str:

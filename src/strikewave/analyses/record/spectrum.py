@@ -229,7 +229,7 @@ class SrsCommand(Command[SpectrumResult]):
 def _notices(reading: ChannelReading) -> tuple[Notice, ...]:
     """Return what harms the spectrum, or leaves its unit open."""
     unit = ("unit-unknown", "not-calibrated")
-    return tuple(notice for notice in reading.findings if "spectrum" in notice.harms or notice.code in unit)
+    return tuple(found.notice for found in reading.findings if "spectrum" in found.harms or found.code in unit)
 
 
 def _frequencies(given: list[Typed] | None, grid: tuple[float, Typed | None, float], rate: float) -> Any:

@@ -296,8 +296,10 @@ class WaveSolution(ShownResult):
             peaks = self.peaks(k, self.route)
             numbers += [
                 (f"force at {name}", with_unit(peaks["force"], "N", "kN")),
-                (f"acceleration at {name}", with_unit(peaks["acceleration"], "m/s^2", "g")),
+                (f"velocity at {name}", with_unit(peaks["velocity"], "m/s", "m/s")),
             ]
+            if peaks["acceleration"] is not None:
+                numbers.append((f"acceleration at {name}", with_unit(peaks["acceleration"], "m/s^2", "g")))
         for name, pulse in self.sensors.items():
             band = self.band.get(f"sensor.{name}.peak")
             numbers.append((f"sensor {name}", with_band(pulse.peak, band, "m/s^2", "g")))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.citations import citation
 from strikewave.base.errors import InputError
-from strikewave.base.result import Notice, Source
+from strikewave.base.result import INFO, Notice, Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.records.campaign import Statistic, statistic
 from strikewave.reporting.columns import Column, csv_table
@@ -230,7 +230,7 @@ class ScatterStudy(ShownResult):
         outside = unfelt(self.case, self.tolerances)
         if outside:
             message = f"no blow depends on {', '.join(outside)}: this tolerance does not enter"
-            notices.append(Notice("tolerance-not-felt", message, float(len(outside)), 0.0))
+            notices.append(Notice("tolerance-not-felt", message, float(len(outside)), 0.0, severity=INFO))
         for shares in self.shares:
             if self.plan.shares == "alone" and math.isfinite(shares.sum_low) and not shares.additive:
                 message = (
