@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.output_folder import write_atomically
-from strikewave.base.result import Result
+from strikewave.base.result import WARNING, Result
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import axis_unit, headed, shown, time_unit
 from strikewave.reporting.parts import written
@@ -259,7 +259,7 @@ class ShownResult(Result):
 
     def _repr_html_(self) -> str:
         failed = list(dict.fromkeys(notice.code for notice in self.notices if notice.broken))
-        count = len(self.notices)
+        count = sum(notice.severity == WARNING for notice in self.notices)
         state = f"check failed: {', '.join(failed)}" if failed else "all checks passed"
         state += f"; {count} warning{'s' if count > 1 else ''}: see notices" if count and not failed else ""
         numbers = "".join(_row("th", "td", [label, value]) for label, value in self.highlights())

@@ -35,6 +35,7 @@ from strikewave.studies.map.cells import (
     row_of,
     start_worker,
 )
+from strikewave.studies.map.defaults import TRAIN
 from strikewave.studies.map.regimes import NAMES
 from strikewave.studies.map.store import Store
 from strikewave.studies.workers import Workers
@@ -45,8 +46,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-TRAIN = 60
-"""Blows of the longer train by default: its second half then shows a period of `LONGEST_PERIOD` `CYCLES` times."""
 LEAST_TRAIN = 12
 """Fewest blows of a longer train: its second half then shows a period of two `CYCLES` times."""
 MOST_TRAIN = 1000
