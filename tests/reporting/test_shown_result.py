@@ -173,7 +173,7 @@ def test_the_report_is_that_of_the_command_whole_and_nothing_beside_it(run, tmp_
 
 @pytest.mark.parametrize("name", ["run.pdf", "run", "nowhere/run.html"])
 def test_a_report_elsewhere_is_refused_in_one_line(run, tmp_path, name):
-    with pytest.raises(InputError, match="ends in .html") as error:
+    with pytest.raises(InputError, match=r"ends in \.html") as error:
         run.report(tmp_path / name)
     assert "\n" not in str(error.value)
     assert not list(tmp_path.iterdir())
