@@ -377,7 +377,19 @@ def with_band(value: float | None, band: Band | None, si: str, usual: str, digit
     """
     if value is None or math.isnan(value) or band is None or not math.isfinite(band.low + band.high):
         return with_unit(value, si, usual, digits)
-    middle, low, high = (shown(number, si, usual) for number in (value, band.low, band.high))
-    decimals = decimals_within(low, high)
+    decimals = decimals_within(*(shown(end, si, usual) for end in (band.low, band.high)))
     name = spelled(shown_unit(si, usual))
-    return f"{rounded(middle, decimals)} {name} ({rounded(low, decimals)} to {rounded(high, decimals)} {name})"
+    return f"{rounded(shown(value, si, usual), decimals)} {name} ({band_text(band, si, usual)})"
+
+
+def band_text(band: Band, si: str, usual: str) -> str:
+    """Write the ends of a band with their unit, in the digits that its width leaves.
+
+    Examples
+    --------
+    >>> band_text(Band(7850.0, 15400.0, 0.95), "m/s^2", "g")
+    '800 to 1600 g'
+    """
+    low, high = (shown(end, si, usual) for end in (band.low, band.high))
+    decimals = decimals_within(low, high)
+    return f"{rounded(low, decimals)} to {rounded(high, decimals)} {spelled(shown_unit(si, usual))}".rstrip()
