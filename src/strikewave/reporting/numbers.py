@@ -230,6 +230,26 @@ def shown(value: float, si: str, usual: str) -> float:
     return float(in_unit(value, si, shown_unit(si, usual)))
 
 
+def _decimals(si: str, usual: str, decimals: int) -> int:
+    """Return the decimals in the unit shown that are worth those in the usual one; below 0 for tens and hundreds."""
+    unit = shown_unit(si, usual)
+    return decimals if unit == usual else decimals - round(math.log10(in_unit(1.0, si, unit) / in_unit(1.0, si, usual)))
+
+
+def decimals_in(si: str, usual: str, decimals: int) -> int:
+    """Return the decimals in the unit shown that are worth so many in the usual one; at least 0.
+
+    Examples
+    --------
+    >>> decimals_in("s", "ms", 3)
+    3
+    >>> with showing(ShownUnits.read("us")):
+    ...     decimals_in("s", "ms", 3)
+    0
+    """
+    return max(_decimals(si, usual, decimals), 0)
+
+
 def fixed(value: float | None, si: str, usual: str, decimals: int) -> str:
     """Write an SI value in a unit with so many decimals; a dash where there is none.
 
@@ -245,10 +265,7 @@ def fixed(value: float | None, si: str, usual: str, decimals: int) -> str:
     """
     if value is None or value != value:
         return NONE
-    unit = shown_unit(si, usual)
-    if unit != usual:
-        decimals -= round(math.log10(in_unit(1.0, si, unit) / in_unit(1.0, si, usual)))
-    return rounded(float(in_unit(value, si, unit)), decimals)
+    return rounded(shown(value, si, usual), _decimals(si, usual, decimals))
 
 
 def time_unit(last: float) -> tuple[float, str]:
