@@ -372,7 +372,7 @@ def claims_section(rows: Sequence[Finding], picture: Picture) -> Section:
         if topics:
             lines.append([Tag(words, ANSWERS[answer]), len(topics), "; ".join(topics)])
     table = Table("What the paper says, and what holds of it", ["verdict", "points", "on"], lines)
-    return Section("What holds, and what does not", "", [table, picture], alone=True)
+    return Section("What holds, and what does not", "", [picture, table], alone=True)
 
 
 def findings_table(rows: Sequence[Finding]) -> Table:
