@@ -250,7 +250,7 @@ class Case(CaseTable):
         return stale
 
     def with_stale_fits_assumed(self) -> Case:
-        """Return the case as what is known of it today: a value whose fit no longer applies is assumed, and says so."""
+        """Return the case as what is known of it today: a value whose fit no longer applies is assumed."""
         values = self.values()
         assumed: dict[str, Value] = {
             one.field: values[one.field].model_copy(update={"provenance": "assumed", "note": one.since})

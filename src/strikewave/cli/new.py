@@ -20,8 +20,8 @@ HOPKINSON = "hopkinson"
 HEADER = """\
 # A case of your own, begun from {origin}. Replace what you know of your machine: a value that you type alone, such as
 # mass = "1.2 kg", is yours (provenance user); {{ value = "1.2 kg", provenance = "measured", tolerance = "5 gram",
-# note = "weighed" }} also says how, and how well it is known. compare = true sets the results beside the published
-# numbers of {origin}, where it has any.
+# note = "weighed" }} also says how, and how well it is known. compare = true adds the comparison with published
+# values of {origin}, where it has any.
 
 """
 """Begin of a new case file."""
