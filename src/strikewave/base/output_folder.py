@@ -63,6 +63,15 @@ RESULT_FILES = (
     "cushion-laws.png",
     "histories.nc",
     "histories.csv",
+    "histories-pulse.csv",
+    "histories-record.csv",
+    "histories-reading.csv",
+    "histories-interval.csv",
+    "histories.parquet",
+    "histories-pulse.parquet",
+    "histories-record.parquet",
+    "histories-reading.parquet",
+    "histories-interval.parquet",
     "field.vtkhdf",
     "comparison.json",
     "comparison.svg",
@@ -74,8 +83,9 @@ _LONGEST_NAME, _RANDOM_BYTES = 60, 6
 and random bytes behind them, of which no two runs ever share."""
 
 
-_NUMBER = re.compile(r"-\d+\.")
-"""Of the files of a later blow: histories-2.csv is one of the files that a result consists of, as histories.csv is."""
+_NUMBER = re.compile(r"[-_]\d+\.")
+"""Of the files of a later blow: histories-2.csv is one of the files that a result consists of, as histories.csv is; and
+of the readings of a sensor."""
 
 
 def check_place(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> None:

@@ -90,6 +90,7 @@ def run_and_write(
     """
     if output.test is not None and not command.of_test:
         raise InputError("--test", str(output.test), "none here: this is not of a test that was made", "leave it out")
+    output.check_files()
     with showing(output.show):
         return _run_and_write(command, output, usual, identity, own)
 
@@ -106,7 +107,12 @@ def _run_and_write(
         with command.under_way(place.folder):
             result = command.solve()
             with atomic_folder(place.folder, result.source.text, place.replace, own) as folder:
-                names = [*command.draw(result, folder), *write_files(result, folder), *command.hand_over(folder)]
+                names = [
+                    *command.draw(result, folder),
+                    *write_files(result, folder),
+                    *output.write_more(result, folder),
+                ]
+                names += command.hand_over(folder)
     if output.json:
         print_json(result.document(), indent=command.indent)
     else:
