@@ -17,7 +17,7 @@ from strikewave.reporting.options import Output, Typed
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, say, significant, table
 
-_UNITS = {
+UNITS = {
     "stiffness": "N/m^n",
     "exponent": "1",
     "restitution": "1",
@@ -36,8 +36,10 @@ _UNITS = {
     "measured": "N",
     "fitted": "N",
 }
-_SHOWN = {"begin": "us", "duration": "us"}
-_CALLED = {
+"""SI unit of each key of the JSON document."""
+USUAL = {"begin": "us", "duration": "us"}
+"""Units in which values are shown as a rule, where it is not the SI unit."""
+CALLED = {
     "mass": "reduced mass",
     "speed": "approach speed",
     "momentum": "mass x speed",
@@ -45,6 +47,7 @@ _CALLED = {
     "stiffness_speed": "stiffness x speed^n",
     "begin": "first touch",
 }
+"""What values are called, where it is not their key."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,7 @@ class IdentifyResult(measured.AskedResult):
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
-        return _UNITS
+        return UNITS
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
@@ -172,14 +175,16 @@ class IdentifyCommand(Command[IdentifyResult]):
         _print(result)
 
     def draw(self, result: IdentifyResult, folder: Path) -> list[str]:
-        """Write the pulse beside the law."""
+        """Write the page, and the pulse beside the law."""
         from strikewave.analyses.impact.figures.identified import identified_figure
+        from strikewave.analyses.impact.identified_report import identified_report
         from strikewave.reporting.style import plain, save
 
         figure = identified_figure(result.found)
         figure.suptitle(plain(result.title, 90), x=0.01, ha="left", fontsize=11)
         save(figure, folder / "summary.svg")
-        return ["summary.svg"]
+        (folder / "report.html").write_text(identified_report(result), "utf-8", newline="\n")
+        return ["report.html", "summary.svg"]
 
 
 def _notices(reading: ChannelReading, found: Identified) -> tuple[Notice, ...]:
@@ -272,9 +277,9 @@ def _print(result: IdentifyResult) -> None:
 
 
 def _line(name: str, estimate: IdentifiedValue) -> tuple[str, str, str, str]:
-    unit = _UNITS[name]
-    shown = _SHOWN.get(name, unit)
-    called = _CALLED.get(name, name)
+    unit = UNITS[name]
+    shown = USUAL.get(name, unit)
+    called = CALLED.get(name, name)
     if estimate.value is None:
         return called, "not determined", "-", unit
     value = number(estimate.value, unit, shown, 5) if shown != unit else significant(estimate.value, 5)

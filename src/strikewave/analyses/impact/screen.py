@@ -149,13 +149,15 @@ class ImpactCommand(Command[ImpactResult]):
         _print(result)
 
     def draw(self, result: ImpactResult, folder: Path) -> list[str]:
-        """Write force and indentation in time."""
+        """Write the page, and force and indentation in time."""
         from strikewave.analyses.impact.figures.contact import impact_sheet
+        from strikewave.analyses.impact.report import impact_report
         from strikewave.reporting.style import save
 
         labels = [f"blow {k + 1}" for k in result.drawn]
         save(impact_sheet([result.blows[k] for k in result.drawn], labels, result.title), folder / "impact.svg")
-        return ["impact.svg"]
+        (folder / "report.html").write_text(impact_report(result), "utf-8", newline="\n")
+        return ["report.html", "impact.svg"]
 
 
 def _notices(setup: Setup, blow: Impact, answers: ImpactAnswers) -> tuple[Notice, ...]:
@@ -344,14 +346,20 @@ def _drawn(count: int) -> list[int]:
 
 def _print(result: ImpactResult) -> None:
     setup, blows = result.setup, result.blows
-    table("Impact of two free bodies" + (", first blow" if setup.repeat > 1 else ""), ["", ""], _rows(setup, blows[0]))
+    table(
+        "Impact of two free bodies" + (", first blow" if setup.repeat > 1 else ""),
+        ["", ""],
+        first_rows(setup, blows[0]),
+    )
     if result.answers.differ:
-        _print_answers(result.answers)
+        table("First blow with its contact elastic and yielding", *answer_table(result.answers))
     if setup.repeat > 1:
         _print_blows(blows)
 
 
-def _rows(setup: Setup, blow: Impact) -> list[tuple[str, str]]:
+def first_rows(setup: Setup, blow: Impact) -> list[tuple[str, str]]:
+    """Return what is known of a blow, in words."""
+
     def shown(value: Any, si: str, unit: str) -> str:
         return f"{number(float(value), si, unit, 6)} {unit}"
 
@@ -396,7 +404,8 @@ def _stiffness_words(setup: Setup) -> str:
     return f"slope {stiffness.slope:.6g} N/m, load {stiffness.load:.6g} N"
 
 
-def _print_answers(answers: ImpactAnswers) -> None:
+def answer_table(answers: ImpactAnswers) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of the first blow with its contact elastic and yielding."""
     columns = ["contact", "yield load (kN)", "peak force (kN)", "duration (us)", "residual (um)", "restitution"]
     rows = [
         [
@@ -409,10 +418,11 @@ def _print_answers(answers: ImpactAnswers) -> None:
         ]
         for row in answers.rows
     ]
-    table("First blow with its contact elastic and yielding", columns, rows)
+    return columns, rows
 
 
-def _print_blows(blows: list[Impact]) -> None:
+def blow_table(blows: list[Impact]) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of blows on the same spot: of many, the first and the last."""
     columns = ["blow", "restitution", "largest indentation (um)", "residual (um)", "peak force (kN)", "duration (us)"]
     columns += ["energy lost (J)", "flattening"]
     half = MOST_ROWS // 2
@@ -420,9 +430,13 @@ def _print_blows(blows: list[Impact]) -> None:
     rows = [_blow_row(k, blow) for k, blow in enumerate(blows) if k not in hidden]
     if hidden:
         rows.insert(half, ["..."] * len(columns))
-    table("Blows on the same spot", columns, rows, left=0)
-    if hidden:
-        say(f"the first and last {half} of {len(blows)} blows; --json and --out have them all")
+    return columns, rows
+
+
+def _print_blows(blows: list[Impact]) -> None:
+    table("Blows on the same spot", *blow_table(blows), left=0)
+    if len(blows) > MOST_ROWS:
+        say(f"the first and last {MOST_ROWS // 2} of {len(blows)} blows; --json and --out have them all")
 
 
 def _blow_row(k: int, blow: Impact) -> list[str]:

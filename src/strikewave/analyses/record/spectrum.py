@@ -175,8 +175,9 @@ class SrsCommand(Command[SpectrumResult]):
         _print(result)
 
     def draw(self, result: SpectrumResult, folder: Path) -> list[str]:
-        """Write the spectra, and the four-coordinate picture."""
+        """Write the page, the spectra, and the four-coordinate picture."""
         from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
+        from strikewave.analyses.record.spectrum_report import spectrum_report
         from strikewave.reporting.style import plain, save
 
         pictures = {
@@ -186,7 +187,8 @@ class SrsCommand(Command[SpectrumResult]):
         for name, figure in pictures.items():
             figure.suptitle(plain(result.title, 90), x=0.01, ha="left", fontsize=11)
             save(figure, folder / name)
-        return list(pictures)
+        (folder / "report.html").write_text(spectrum_report(result), "utf-8", newline="\n")
+        return ["report.html", *pictures]
 
 
 def _notices(reading: ChannelReading) -> tuple[Notice, ...]:

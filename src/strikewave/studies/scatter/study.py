@@ -150,7 +150,10 @@ class Figure(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ScatterStudy(Result):
-    """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others."""
+    """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others.
+
+    ``asked`` is the command line that gives it again, where one does.
+    """
 
     command: ClassVar[str] = "scatter"
 
@@ -161,6 +164,7 @@ class ScatterStudy(Result):
     runs: tuple[RunResult, ...]
     nominal_run: RunResult
     shares: tuple[Shares, ...]
+    asked: str = ""
 
     @property
     def title(self) -> str:
@@ -175,7 +179,7 @@ class ScatterStudy(Result):
     @property
     def source(self) -> Source:
         """The case, and above it what was asked."""
-        return Source("case", self.case.name, marked_text(self.case, self.plan))
+        return Source("case", self.case.name, marked_text(self.case, self.plan), asked=self.asked)
 
     @property
     def completed(self) -> list[RunResult]:
