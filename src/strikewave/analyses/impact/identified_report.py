@@ -54,7 +54,11 @@ def _key_numbers(result: IdentifyResult) -> list[tuple[str, str]]:
 def _how(one: IdentifiedValue) -> str:
     if one.given:
         return ", given"
-    return "" if one.value is None or not one.standard_error else f", ± {percent(one.standard_error / abs(one.value))}"
+    return (
+        ""
+        if one.value is None or not one.standard_error
+        else f", ± {written(100.0 * one.standard_error / abs(one.value), 2)} %"
+    )
 
 
 def _unit(name: str) -> str:

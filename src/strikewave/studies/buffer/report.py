@@ -89,37 +89,56 @@ def _ranking_section(study: BufferStudy) -> Section:
     listing = distinct(study.candidates, MOST_ROWS)
     listing += [one for one in (study.robust, study.direct) if one is not None and one not in listing]
     places = {candidate: place for place, candidate in enumerate(study.candidates, 1)}
-    rows = [_cells(str(places[one]), one) for one in sorted(listing, key=places.__getitem__)]
-    rows += [] if study.present is None else [_cells("now", study.present)]
+    shown_ones = [(str(places[one]), one) for one in sorted(listing, key=places.__getitem__)]
+    shown_ones += [] if study.present is None else [("now", study.present)]
     heads = ["#", "stack, from the surface up", headed("reading", "m/s^2", "g"), "of the limit (%)"]
-    heads += [headed(name, "Hz", "kHz") for name in ("within 5 %", "within 10 %", "-3 dB", "resonance")]
-    heads += [headed(name, "m/s^2", "g") for name in ("softer", "stiffer", "no slip")]
-    heads += ["velocity change off by (%)", "Pareto-optimal", "robust"]
+    heads += [headed("within 10 % up to", "Hz", "kHz"), headed("resonance", "Hz", "kHz"), "velocity change off by (%)"]
+    heads += ["Pareto-optimal", "robust"]
+    others = [
+        "#",
+        "stack, from the surface up",
+        *(headed(name, "m/s^2", "g") for name in ("softer", "stiffer", "no slip")),
+    ]
     text = (
         f"Stacks with reading and bandwidth of one above within {percent(ALIKE, 0)} are left out; buffers.csv has all. "
-        "Softer, stiffer: the reading with all moduli at the ends of what is known of them; no slip: with the faces of "
-        "elastomers held. Robust stacks keep the limit whatever the moduli. An asterisk marks a reading that is cut "
-        "off; the value is that of the element."
+        "An asterisk marks a reading that is cut off; the value is that of the element. Robust stacks keep the limit "
+        "whatever the moduli of their gaskets."
     )
-    return Section("Stacks", text, [Table("Stacks, first by rank", heads, rows)])
+    moduli = (
+        "Readings with other moduli: all softer or all stiffer by what is known of them, and the faces of elastomers "
+        "held so that they cannot slip"
+    )
+    tables = [
+        Table("Stacks by rank", heads, [_cells(place, one) for place, one in shown_ones]),
+        Table(moduli, others, [_other_cells(place, one) for place, one in shown_ones if one.stack and one.leading]),
+    ]
+    return Section("Stacks", text, tables)
 
 
 def _cells(place: str, one: BufferCandidate) -> list[Cell]:
-    band, leading = one.band, one.leading if one.stack else None
-    spreads = (leading.softer, leading.stiffer, leading.confined) if leading else (None,) * 3
-    keeps: Cell = NONE if leading is None or not one.keeps else Tag("yes", "good") if leading.robust else Tag("no")
-    bands = (band.within_5, band.within_10, band.half_power, band.resonance)
+    leading = one.leading if one.stack else None
+    robust: Cell = NONE if leading is None or not one.keeps else Tag("yes", "good") if leading.robust else Tag("no")
     return [
         place,
         one.name,
         written(shown(one.true_peak, "m/s^2", "g")) + ("*" if one.clipped else ""),
         NONE if math.isnan(one.margin) else written(100.0 * (1.0 - one.margin), 3),
-        *(written(shown(f, "Hz", "kHz"), 3) if math.isfinite(f) else NONE for f in bands),
-        *(NONE if peak is None else written(shown(peak, "m/s^2", "g")) for peak in spreads),
+        *(_bare_hertz(frequency) for frequency in (one.band.within_10, one.band.resonance)),
         written(100.0 * one.velocity_error, 2),
         Tag("yes", "good") if one.pareto else NONE,
-        keeps,
+        robust,
     ]
+
+
+def _bare_hertz(value: float) -> str:
+    return written(shown(value, "Hz", "kHz"), 3) if math.isfinite(value) else NONE
+
+
+def _other_cells(place: str, one: BufferCandidate) -> list[Cell]:
+    leading = one.leading
+    assert leading is not None
+    peaks = (leading.softer, leading.stiffer, leading.confined)
+    return [place, one.name, *(NONE if peak is None else written(shown(peak, "m/s^2", "g")) for peak in peaks)]
 
 
 def _gasket_section(study: BufferStudy, first: BufferCandidate) -> Section:

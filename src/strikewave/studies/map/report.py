@@ -24,15 +24,15 @@ SHOWN = (
 
 def map_report(study: MapStudy, colour: str) -> str:
     """Return the report of a map as one HTML page: no script, nothing fetched, the same bytes each time."""
+    regimes = f" Hatches name the regime of a train of {study.plan.train} blows." if study.plan.train else ""
     caption = (
-        f"{COLOURS[colour].label[0].upper()}{COLOURS[colour].label[1:]}, over {' and '.join(study.paths[:2])}. Hatches "
-        f"name the regime of a train of {study.plan.train} blows; the star is the case, the diamond the nearest "
-        "setting with equal blows."
+        f"{COLOURS[colour].label[0].upper()}{COLOURS[colour].label[1:]}, over {' and '.join(study.paths[:2])}."
+        f"{regimes} The star is the case, the diamond the nearest setting with equal blows."
     )
     sections = [
         Section("Map", "", [Picture(map_figure(study, colour), caption, caption)]),
         _nearest_section(study),
-        _regime_section(study),
+        *([_regime_section(study)] if study.plan.train else []),
         chapters.warnings(study.notices),
         _axis_section(study),
         chapters.inputs(study.case),
@@ -47,8 +47,9 @@ def _words(study: MapStudy) -> str:
     panels, rows, columns = study.plan.shape
     cells, even = panels * rows * columns, len(study.even_settings())
     words = [f"{cells} machines of {study.plan.blows} blows each, over {' and '.join(study.paths)}."]
-    first = max(study.shares, key=study.shares.__getitem__)
-    words.append(f"Most of them ({percent(study.shares[first], 0)}) are in the regime {first}.")
+    if study.plan.train:
+        first = max(study.shares, key=study.shares.__getitem__)
+        words.append(f"Most of them ({percent(study.shares[first], 0)}) are in the regime {first}.")
     wanted = f"a CV of the peaks within {percent(study.wanted)}"
     if study.setting is None:
         words.append(
@@ -59,10 +60,7 @@ def _words(study: MapStudy) -> str:
     elif study.setting.distance == 0.0:
         words.append(f"The case itself has {wanted}: {percent(study.setting.cv, 2)} in a full run.")
     else:
-        at = ", ".join(
-            f"{axis.path} = {axis.typed(value)}"
-            for axis, value in zip(study.plan.axes, study.setting.values, strict=True)
-        )
+        at = ", ".join(f"{path} = {text}" for path, text in _nearest(study, study.setting.values))
         words.append(
             f"The nearest setting with {wanted} is {at}: a full run has {percent(study.setting.cv, 2)} and a mean peak "
             f"of {with_unit(study.setting.peak, 'm/s^2', 'g')}."
@@ -89,7 +87,7 @@ def _key_numbers(study: MapStudy) -> list[tuple[str, str]]:
 
 def _nearest(study: MapStudy, values: tuple[float, ...]) -> list[tuple[str, str]]:
     pairs = zip(study.plan.axes, values, strict=True)
-    return [(axis.path, f"{axis.shown(value):.4g} {axis.unit}".strip()) for axis, value in pairs]
+    return [(axis.path, f"{axis.shown(value):.5g} {axis.unit}".strip()) for axis, value in pairs]
 
 
 def _value(value: float, si: str, usual: str) -> str:
@@ -138,8 +136,7 @@ def _regime_section(study: MapStudy) -> Section:
     tables = [Table("Regimes", ["regime", "cells (%)"], rows)]
     if failures:
         tables.append(Table("Cells without a result, or without a regime", ["why", "cells"], failures))
-    train = f"What a train of {study.plan.train} blows settles to." if study.plan.train else "No longer train was run."
-    return Section("Regimes", train, tables)
+    return Section("Regimes", f"What a train of {study.plan.train} blows settles to.", tables)
 
 
 def _axis_section(study: MapStudy) -> Section:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import fixed, headed, percent, shown, with_unit
+from strikewave.reporting.numbers import fixed, headed, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
 from strikewave.studies.settings.candidate import WITHIN, BlowSpread, Limit, SettingsCandidate
 from strikewave.studies.settings.estimate import engagement_sensitivity
@@ -44,7 +44,8 @@ def _words(study: SettingsStudy) -> str:
     settings = ", ".join(f"{path} = {values[path].typed}" for path in first.chosen)
     words = [
         f"{which} of {len(study.candidates)} settings that were run in full {'gives' if met == 1 else 'give'} "
-        f"{goal_words(study.goal)}, each within {percent(WITHIN, 0)}, with all blows full and all limits kept.",
+        f"{spelled(goal_words(study.goal))}, each within {percent(WITHIN, 0)}, with all blows full and all limits "
+        "kept.",
         f"{'The first' if met else 'The nearest'}: {settings}.",
     ]
     if not met:
@@ -146,7 +147,7 @@ def _ranking_section(study: SettingsStudy) -> Section:
         "Peak, width and interval are those of the typical blow; per 0.1 mm is the change of the peak with that much "
         f"of engagement.{f' settings.json has {more} more.' if more else ''}"
     )
-    tables = [Table(f"Candidates, best first, for {goal_words(study.goal)}", heads, rows)]
+    tables = [Table(f"Candidates, best first, for {spelled(goal_words(study.goal))}", heads, rows)]
     if len(study.masses) > 1:
         tables.append(_mass_table(study, stiffness))
     return Section("Candidates", text, tables)
