@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from strikewave.analyses.impact.figures.contact import impact_sheet
-from strikewave.analyses.impact.screen import MOST_ROWS, ImpactResult, answer_table, blow_table, first_rows
+from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, answer_table, blow_table, first_rows
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import percent, with_unit
 from strikewave.reporting.parts import Cell, Picture, Section, Table

@@ -22,7 +22,7 @@ SHOWN = (
 """What is shown of a setting: words, name of the field, SI unit and usual unit."""
 
 
-def map_report(study: MapStudy, colour: str) -> str:
+def map_report(study: MapStudy, colour: str = "cv") -> str:
     """Return the report of a map as one HTML page: no script, nothing fetched, the same bytes each time."""
     regimes = f" Hatches name the regime of a train of {study.plan.train} blows." if study.plan.train else ""
     caption = (
