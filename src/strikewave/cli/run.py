@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Output
+from strikewave.reporting.options import CaseName, Changes, RunOutput
 
 
 def command(
@@ -16,7 +16,7 @@ def command(
     animate: Annotated[
         bool, typer.Option("--animate", help="Also write an animation: of the machine, the waves or the elements.")
     ] = False,
-    output: Output,
+    output: RunOutput,
 ) -> int:
     """Run a case or a set-up file.
 

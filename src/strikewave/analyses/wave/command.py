@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Output
+from strikewave.reporting.options import CaseName, Changes, RunOutput
 
 
 def command(
@@ -18,7 +18,7 @@ def command(
         typer.Option("--field", help="Quantity that the pictures along the bar show."),
     ] = "stress",
     animate: Annotated[bool, typer.Option("--animate", help="Write animation.html and animation.gif too.")] = False,
-    output: Output,
+    output: RunOutput,
 ) -> int:
     """Run a layered bar under its load.
 
