@@ -24,7 +24,7 @@ from strikewave.base.result import Notice, Result, Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.records.campaign import Statistic, statistic
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult
-from strikewave.uncertainty.draws import Tolerance, drawn, nominal, quantiles, tolerances_of, unfelt
+from strikewave.uncertainty.draws import UncertainInput, drawn, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
     Shares,
     mixtures,
@@ -156,7 +156,7 @@ class ScatterStudy(Result):
 
     case: Case
     plan: ScatterPlan
-    tolerances: tuple[Tolerance, ...]
+    tolerances: tuple[UncertainInput, ...]
     numbers: Array
     runs: tuple[RunResult, ...]
     nominal_run: RunResult
@@ -404,7 +404,7 @@ def _known(values: list[float]) -> list[float]:
     return [value for value in values if math.isfinite(value)]
 
 
-def _tolerance(one: Tolerance) -> dict[str, Any]:
+def _tolerance(one: UncertainInput) -> dict[str, Any]:
     assert one.value.tolerance is not None
     return {
         "path": one.path,
