@@ -46,6 +46,7 @@ def run_machine_case(case: Case, changes: Sequence[str], output: Output, animate
         If there is no folder for an animation, or what the run raises.
     """
     output.check_animation(animate)
+    case = output.tested(case)
     text = dump_case(case)
     return run_and_write(MachineCommand(case, animate), output, case_folder(case.name, text, changes), text)
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
+from statistics import median
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.columns import CALLED
@@ -9,12 +12,13 @@ from strikewave.analyses.machine.contact_answers import ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.cases.machine_tables import KINDS
 from strikewave.cases.yield_pressure import YIELDING
-from strikewave.reporting.numbers import fixed, heads, with_unit
-from strikewave.reporting.parts import Cell, Table
+from strikewave.reporting.numbers import fixed, heads, listed, with_band, with_unit
+from strikewave.reporting.parts import NONE, Cell, Table
 
 if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution
     from strikewave.cases.case import Case
+    from strikewave.machines import Blow
 
 MACHINES = {kind: (table.description, table.chain) for kind, table in KINDS.items() if issubclass(table, MachineKind)}
 """Kind of machine: its description, and its bodies and links in the order in which a blow runs through them."""
@@ -107,3 +111,101 @@ def collision_rows(solution: Solution) -> list[list[str]]:
         ]
         for c in solution.collisions
     ]
+
+
+def summary_words(solution: Solution) -> str:
+    """Say in words what happened: blows, the first and the later ones, each number with its band where it has one.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_case
+    >>> summary_words(run_case(load_case("li-ma-2019", ["feed.blows=1"]))).partition(".")[0]
+    'One blow, full'
+    """
+    struck = _struck(solution)
+    if not struck:
+        missed = len(solution.blows)
+        passes = f" {missed} {'striker' if missed == 1 else 'strikers'} passed without touching it." if missed else ""
+        return f"No blow: no striker touched the object.{passes} There is no pulse to measure."
+    first, band = struck[0], solution.band
+    kinds = [blow.kind for blow in solution.blows]
+    odd = [f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds) if kind != "full"]
+    whole = "all full" if not odd else f"among {len(kinds)} passes {listed(odd)}"
+    many = "One blow, full" if len(struck) == 1 and not odd else f"{len(struck)} blows, {whole}"
+    interval = _interval(struck)
+    apart = "" if interval is None else f", {with_band(interval, band.get('interval'), 's', 'ms')} apart (median)"
+    width = with_band(first.width, band.get("first.width"), "s", "us")
+    wide = f"is {width} wide at 10 % of its peak" if width != NONE else "has no width"
+    change = with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s", 3)
+    words = [
+        f"{many}{apart}.",
+        f"The first reaches a rigid-body acceleration of {_first_peak(solution, first)}, {wide} and changes the "
+        f"object's velocity by {change}; the contact force peaks at {with_unit(first.peak_force, 'N', 'kN', 3)}.",
+    ]
+    later = _later(struck)
+    if later:
+        peak, span = (median(getattr(blow, name) for blow in later) for name in ("rigid_peak", "width"))
+        words.append(
+            f"Later blows: {with_band(peak, band.get('typical.rigid_peak'), 'm/s^2', 'g')} and "
+            f"{with_band(span, band.get('typical.width'), 's', 'us')} (medians)."
+        )
+    return " ".join([*words, *_felt_words(solution)])
+
+
+def key_numbers(solution: Solution) -> list[tuple[str, str]]:
+    """Return the numbers of a run that matter most, each with its unit, and its band where it has one."""
+    struck, band = _struck(solution), solution.band
+    wanted = solution.case.feed.blows if solution.case.feed else None
+    pairs = [("blows" if wanted is None else f"blows of {wanted.si:.0f} wanted", str(len(struck)))]
+    if not struck:
+        return pairs
+    first = struck[0]
+    pairs += [
+        ("first peak, rigid body", _first_peak(solution, first)),
+        ("first width, at 10 % of the peak", with_band(first.width, band.get("first.width"), "s", "us")),
+        (
+            "velocity change, first blow",
+            with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s", 3),
+        ),
+        ("contact force, first blow", with_unit(first.peak_force, "N", "kN", 3)),
+    ]
+    if solution.contact is not None and solution.contact.differ and solution.contact.band is not None:
+        low, high = (with_unit(peak, "m/s^2", "g") for peak in solution.contact.band)
+        pairs.append(("first peak, range of a yielding contact", f"{low} to {high}"))
+    interval = _interval(struck)
+    if interval is not None:
+        pairs.append(("interval, median", with_band(interval, band.get("interval"), "s", "ms")))
+    return pairs
+
+
+def _struck(solution: Solution) -> list[Blow]:
+    return [blow for blow in solution.blows if blow.kind != "missed"]
+
+
+def _later(struck: Sequence[Blow]) -> list[Blow]:
+    """Return the blows after the first that count as typical."""
+    return [blow for blow in struck[1:] if blow.kind in ("full", "double")]
+
+
+def _interval(struck: Sequence[Blow]) -> float | None:
+    """Return the median time between blows, s; None for fewer than two."""
+    return median(b.time - a.time for a, b in pairwise(struck)) if len(struck) > 1 else None
+
+
+def _first_peak(solution: Solution, first: Blow) -> str:
+    return with_band(first.rigid_peak, solution.band.get("first.rigid_peak"), "m/s^2", "g")
+
+
+def _felt_words(solution: Solution) -> list[str]:
+    """Say in words what taps and sensors felt of the first blow; nothing without a stack or sensors."""
+    reading = next((r for r in solution.readings if r is not None), None)
+    if reading is None:
+        return []
+    words = []
+    if reading.total_peak is not None and reading.bandwidth is not None and "tap" in solution.data:
+        band, tap = with_unit(reading.bandwidth, "Hz", "kHz", 3), solution.data["tap"].values[0]
+        words.append(f"At the tap {tap} it reaches {with_unit(reading.total_peak, 'm/s^2', 'g')} in all, at {band}.")
+    read = [f"{name} {with_unit(pulse.peak, 'm/s^2', 'g')}" for name, pulse in reading.sensors.items()]
+    if read:
+        words.append(f"Sensors read, with resonance and all they pass beyond that bandwidth: {listed(read)}.")
+    return words

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,7 +50,7 @@ def find_settings(command: SettingsCommand, output: Output, usual_question: bool
     asked = asked_line(command.case, command.goal, command.choice)
     usual = name_of(command.goal) + ("" if usual_question else f"-{asked[-10:-2]}")
     if output.out is not None and _holds(output.out, asked):
-        output = Output(output.out, True, output.json)
+        output = dataclasses.replace(output, force=True)
     return run_and_write(command, output, usual, asked)
 
 
