@@ -255,4 +255,4 @@ def _exactly(one: UncertainInput, number: float) -> Value:
     """Return a drawn number as a value without tolerance that reads back bit for bit."""
     number = float(number)
     typed = f"{number!r} {one.allowed.unit}" if one.allowed.unit in DIMENSIONS else number
-    return one.value.model_copy(update={"si": number, "typed": typed, "tolerance": None})
+    return Value(si=number, typed=typed, provenance=one.value.provenance, note=one.value.note)

@@ -143,8 +143,8 @@ def half_a_digit(typed: str | float) -> float:
 
     Examples
     --------
-    >>> half_a_digit("1.2 kg"), half_a_digit("730 rpm"), half_a_digit(0.5), half_a_digit("2e3 N")
-    (0.041666666666666664, 0.0006849315068493151, 0.1, 0.25)
+    >>> half_a_digit("1.25 kg"), half_a_digit("8 mm"), half_a_digit(0.5), half_a_digit("2e3 N")
+    (0.004, 0.0625, 0.1, 0.25)
     """
     match = _NUMBER.match(str(typed))
     if match is None or not (match[1] or match[2]):
