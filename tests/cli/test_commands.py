@@ -216,7 +216,7 @@ def test_broken_limit_exits_with_3(strikewave, monkeypatch):
 
 
 def test_our_own_fault_exits_with_1_in_one_line(strikewave, monkeypatch):
-    monkeypatch.setattr("strikewave.analyses.machine.run.blows", lambda run: 1 / 0)
+    monkeypatch.setattr("strikewave.analyses.machine.observe.blows", lambda run: 1 / 0)
     code, out, err = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--json")
     assert (code, out) == (1, "")
     assert "please report it" in err

@@ -41,8 +41,8 @@ INPUTS = 3
 """Inputs that a band names."""
 LEAST_SHARE = 0.005
 """An input of less than half a per cent of the variance is not named."""
-RUNS_STREAM, FIT_STREAM, LEFT_STREAM = 1, 2, 3
-"""Keys of the random numbers of runs, draws of the fit, and what is added to these."""
+FIT_STREAM, LEFT_STREAM = 1, 2
+"""Keys of the random numbers of the draws of a fit, and of what is added to them."""
 
 
 class MovedInput(NamedTuple):
@@ -65,8 +65,8 @@ class BandMethod:
     ----------
     engine : str
         What ran, in words.
-    runs, first_runs : int
-        Runs, and further ones of the first blow alone.
+    runs, first_runs, sensor_runs : int
+        Runs, further ones of the first blow alone, and full ones of the first blow for sensors.
     missed, failed : int
         Runs in which a striker missed; that could not be made.
     rest : dict
@@ -84,6 +84,7 @@ class BandMethod:
     first_runs: int = 0
     missed: int = 0
     failed: int = 0
+    sensor_runs: int = 0
     rest: Mapping[str, float] = field(default_factory=dict)
     fitted: tuple[str, ...] = ()
     ranked: tuple[str, ...] = ()
@@ -92,10 +93,11 @@ class BandMethod:
     def words(self) -> str:
         """Return the method in one line, with what it leaves out."""
         more = f" and {self.first_runs} of the first blow" if self.first_runs else ""
+        full = f", of sensors {self.sensor_runs} full runs of the first blow" if self.sensor_runs else ""
         lost = [f"{count} {what}" for count, what in ((self.missed, "with a miss"), (self.failed, "failed")) if count]
         among = f" ({', '.join(lost)})" if lost else ""
         return (
-            f"{100.0 * LEVEL:.0f} % of {self.runs} runs{more}{among} by {self.engine}, {len(self.inputs)} inputs moved "
+            f"{100.0 * LEVEL:.0f} % of {self.runs} runs{more}{among} by {self.engine}{full}, {len(self.inputs)} inputs moved "
             "within what is known of them; materials, laws and other choices stay, and the error of the model is not in it"
         )
 
@@ -106,6 +108,7 @@ class BandMethod:
             "engine": self.engine,
             "runs": self.runs,
             "first_runs": self.first_runs,
+            "sensor_runs": self.sensor_runs,
             "missed": self.missed,
             "failed": self.failed,
             "rest": dict(self.rest),
@@ -128,7 +131,7 @@ def moved(one: UncertainInput) -> MovedInput:
     return MovedInput(one.path, one.value.typed, one.low, one.high, one.allowed.unit, one.basis, one.reason)
 
 
-def latin_hypercube(numbers: int, runs: int, seed: int, stream: int = RUNS_STREAM) -> Array:
+def latin_hypercube(numbers: int, runs: int, seed: int = SEED, stream: int = 0) -> Array:
     """Return quantiles for some runs, shape (runs, numbers drawn): each number once in every n-th of its range.
 
     Source: ``mckay-1979``.
