@@ -15,7 +15,7 @@ from pydantic import BaseModel
 from strikewave._version import __version__
 from strikewave.base.citations import SOURCES
 from strikewave.base.quantities import PROVENANCES, Value
-from strikewave.base.result import BALANCE_LIMIT
+from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, WARNING
 from strikewave.base.units import in_unit
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, bundled_cases, dump_case, load_case, row_name
 from strikewave.reporting.numbers import SHOWN_UNITS, listed, spelled
@@ -34,6 +34,9 @@ _PROVENANCE_WORDS = {
     "assumed": "chosen without a source; the note may say why",
     "fitted": "adjusted until a result met a published number, as the note says",
 }
+
+_SEVERITY_LOOKS = {INFO: "", WARNING: "warned", FAILED: "bad"}
+"""Look of a notice by its severity."""
 
 _PUBLISHED_WORDS = {
     "first": "first blow",
@@ -164,10 +167,10 @@ def warnings(notices: Sequence[Notice]) -> Section:
     rows: list[list[Cell]] = [
         [
             *([notice.case] if of_cases else []),
-            Tag(notice.code, "bad" if notice.broken else "warned"),
+            Tag(notice.code, _SEVERITY_LOOKS[notice.severity]),
             notice.message,
             *(NONE if math.isnan(number) else f"{number:.6g}" for number in (notice.value, notice.limit)),
-            Tag("check failed", "bad") if notice.broken else Tag("info"),
+            Tag("check failed", "bad") if notice.broken else Tag(notice.severity, _SEVERITY_LOOKS[notice.severity]),
         ]
         for notice in notices
     ]
@@ -252,7 +255,7 @@ def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -
 def status(notices: Sequence[Notice]) -> Tag:
     """Return which checks failed, or that all passed, and how many warnings there are."""
     failed = [notice.code for notice in notices if notice.broken]
-    return failed_checks(failed) if failed else passed_checks(len(notices))
+    return failed_checks(failed) if failed else passed_checks(sum(notice.severity == WARNING for notice in notices))
 
 
 def failed_checks(codes: Sequence[str]) -> Tag:

@@ -172,6 +172,30 @@ def axis_unit(si: str, usual: str) -> tuple[float, str]:
     return parse_quantity(f"1 {unit}", si, unit) if si in DIMENSIONS else 1.0, spelled(unit)
 
 
+@dataclass(frozen=True)
+class ShownQuantity:
+    """A kind of quantity that pictures show: its SI unit, and the unit in which it is shown as a rule.
+
+    Examples
+    --------
+    >>> ShownQuantity("m/s^2", "g").unit, ShownQuantity("s", "us").scale
+    ('g', 1e-06)
+    """
+
+    si: str
+    usual: str
+
+    @property
+    def unit(self) -> str:
+        """Name of the unit in which it is shown."""
+        return axis_unit(self.si, self.usual)[1]
+
+    @property
+    def scale(self) -> float:
+        """Size of the unit in which it is shown, in SI."""
+        return axis_unit(self.si, self.usual)[0]
+
+
 def headed(name: str, si: str, usual: str) -> str:
     """Return a name with the unit in which it is shown: the head of a column, the label of an axis.
 

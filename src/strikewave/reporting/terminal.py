@@ -43,7 +43,7 @@ def show_notices(notices: Sequence[Notice]) -> None:
     for notice in notices:
         about = f" {notice.case}" if notice.case else ""
         limit = f" (limit {significant(notice.limit, 3)})" if notice.broken and notice.limit == notice.limit else ""
-        kind = "check failed" if notice.broken else "warning"
+        kind = "check failed" if notice.broken else notice.severity
         say(f"{kind} [{notice.code}]{about}: {notice.message}{limit}")
 
 

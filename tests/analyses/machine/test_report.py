@@ -19,7 +19,7 @@ from strikewave.analyses.machine.result import load_solution
 from strikewave.analyses.wave.report import wave_report
 from strikewave.base import citations
 from strikewave.base.quantities import PROVENANCES
-from strikewave.base.result import Notice
+from strikewave.base.result import FAILED, Notice
 from strikewave.base.units import in_unit
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.reporting.curves import MOST_PULSES, thin
@@ -317,7 +317,7 @@ def test_solution_without_any_blow_says_so(solution):
         solution,
         blows=(),
         comparisons=(),
-        notices=(Notice("no-blow", "no striker touched the object", 0.0, 1.0, broken=True),),
+        notices=(Notice("no-blow", "no striker touched the object", 0.0, 1.0, severity=FAILED),),
         citations=(),
         masses={},
         phases=(),

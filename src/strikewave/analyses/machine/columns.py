@@ -63,7 +63,9 @@ COLUMNS = (
     BlowColumn("turntable_speed", "rad/s", "rad/s", 3, "sliding"),
 )
 
-BLOW_UNITS = {column.name: column.unit for column in COLUMNS if column.unit != "1"}
+BLOW_SI = {column.name: column.unit for column in COLUMNS if column.name != "striker"}
+"""SI unit of each column that holds a quantity; "1" of a ratio."""
+BLOW_UNITS = {name: unit for name, unit in BLOW_SI.items() if unit != "1"}
 """SI unit of each column that has one."""
 CALLED = {
     "width": "pulse width at 10 %",

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution
 
 
-_SINCE_TOUCH = "time after first touch (µs)"
+_SINCE_TOUCH = "time after first touch"
 
 
 def struck_field(solution: Solution) -> WaveField | None:
@@ -46,7 +46,7 @@ def struck_field(solution: Solution) -> WaveField | None:
         data["field_force"].values,
         None,
         build_taps(solution.case),
-        "time after first touch (µs)",
+        "time after first touch",
     )
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from strikewave.cases.case import Case
 
 
-_SINCE_LOAD = "time after the start of the load (µs)"
+_SINCE_LOAD = "time after the start of the load"
 _DATA_FLOW = ("case file", "checks of units and fits", "stack", "stress waves", "taps and sensors")
 CONTACT_HEADS = ["contact of the striker", "value"]
 OSCILLATOR_HEADS = ["mass on a spring", "mass (gram)", "largest acceleration (g)"]

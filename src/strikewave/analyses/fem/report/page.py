@@ -113,7 +113,7 @@ def _status(solution: FemSolution) -> Tag:
     failed = _failed(solution)
     if solution.run.stopped:
         return Tag("stopped early" + (f"; {chapters.failed_checks(failed).text}" if failed else ""), "bad")
-    return chapters.failed_checks(failed) if failed else chapters.passed_checks(len(solution.notices))
+    return chapters.failed_checks(failed) if failed else chapters.status(solution.notices)
 
 
 def _failed(solution: FemSolution) -> list[str]:
