@@ -11,13 +11,13 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.result import Band, InputShare
+from strikewave.base.result import Band, BandMethod, InputShare, MovedInput
 from strikewave.uncertainty.draws import UncertainInput
 from strikewave.uncertainty.expansion import Expansion, fit_expansion, polynomials_at
 
@@ -43,87 +43,6 @@ LEAST_SHARE = 0.005
 """An input of less than half a per cent of the variance is not named."""
 FIT_STREAM, LEFT_STREAM = 1, 2
 """Keys of the random numbers of the draws of a fit, and of what is added to them."""
-
-
-class MovedInput(NamedTuple):
-    """An input that moved: its field, what was typed, the ends of its range (SI), its unit, and why so far."""
-
-    field: str
-    typed: str | int | float
-    low: float
-    high: float
-    unit: str
-    basis: str
-    reason: str
-
-
-@dataclass(frozen=True)
-class BandMethod:
-    """How the bands of a result were found.
-
-    Attributes
-    ----------
-    engine : str
-        What ran, in words.
-    runs, first_runs, sensor_runs : int
-        Runs, further ones of the first blow alone, and full ones of the first blow for sensors.
-    missed, failed : int
-        Runs in which a striker missed; that could not be made.
-    rest : dict
-        Of each result, the share of the variance that no input makes by itself.
-    fitted : tuple of str
-        Results with the ends of a fit; the others have quantiles of the runs.
-    ranked : tuple of str
-        Results of which the shares are those in the variance of their ranks.
-    inputs : tuple of MovedInput
-        What moved.
-    """
-
-    engine: str
-    runs: int
-    first_runs: int = 0
-    missed: int = 0
-    failed: int = 0
-    sensor_runs: int = 0
-    rest: Mapping[str, float] = field(default_factory=dict)
-    fitted: tuple[str, ...] = ()
-    ranked: tuple[str, ...] = ()
-    inputs: tuple[MovedInput, ...] = ()
-
-    def words(self) -> str:
-        """Return the method in one line, with what it leaves out."""
-        more = f" and {self.first_runs} of the first blow" if self.first_runs else ""
-        full = f", of sensors {self.sensor_runs} full runs of the first blow" if self.sensor_runs else ""
-        lost = [f"{count} {what}" for count, what in ((self.missed, "with a miss"), (self.failed, "failed")) if count]
-        among = f" ({', '.join(lost)})" if lost else ""
-        return (
-            f"{100.0 * LEVEL:.0f} % of {self.runs} runs{more}{among} by {self.engine}{full}, {len(self.inputs)} inputs moved "
-            "within what is known of them; materials, laws and other choices stay, and the error of the model is not in it"
-        )
-
-    def document(self) -> dict[str, Any]:
-        """Return the entry of the JSON document."""
-        return {
-            "words": self.words(),
-            "engine": self.engine,
-            "runs": self.runs,
-            "first_runs": self.first_runs,
-            "sensor_runs": self.sensor_runs,
-            "missed": self.missed,
-            "failed": self.failed,
-            "rest": dict(self.rest),
-            "fitted": list(self.fitted),
-            "ranked": list(self.ranked),
-            "inputs": [one._asdict() for one in self.inputs],
-        }
-
-
-def band_method(row: Mapping[str, Any]) -> BandMethod:
-    """Return the method of an entry of a JSON document."""
-    rest = {key: value for key, value in row.items() if key != "words"}
-    for key in ("fitted", "ranked"):
-        rest[key] = tuple(rest[key])
-    return BandMethod(**{**rest, "inputs": tuple(MovedInput(**one) for one in row["inputs"])})
 
 
 def moved(one: UncertainInput) -> MovedInput:
@@ -241,9 +160,7 @@ def _normal_scores(results: Array) -> Array:
     return np.asarray(ndtri((ranks + 0.5) / len(results)))
 
 
-def find_bands(
-    sample: Sample, results: Mapping[str, Array], method: BandMethod
-) -> tuple[dict[str, Band], BandMethod]:
+def find_bands(sample: Sample, results: Mapping[str, Array], method: BandMethod) -> tuple[dict[str, Band], BandMethod]:
     """Return the band of each result that has one, and the method with what came of it."""
     found = {name: find_band(sample, values) for name, values in results.items()}
     bands = {name: one for name, one in found.items() if one is not None}

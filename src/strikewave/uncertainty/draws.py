@@ -193,9 +193,7 @@ def quantiles(inputs: Sequence[UncertainInput], runs: int, seed: int) -> Array:
 
     Each depends on seed, run and path alone: another tolerance in the case, or more runs, change none of them.
     """
-    return np.array(
-        [np.concatenate([_random(one, run, seed) for one in inputs]) for run in range(runs)]
-    )
+    return np.array([np.concatenate([_random(one, run, seed) for one in inputs]) for run in range(runs)])
 
 
 def _random(one: UncertainInput, run: int, seed: int) -> Array:

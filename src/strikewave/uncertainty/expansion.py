@@ -42,7 +42,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 
 
 class _Selection(NamedTuple):
-    """Places of the chosen columns, the error that cross-validation expects (a variance), residuals left out one by one."""
+    """Places of the chosen columns, the error that cross-validation expects (a variance), residuals left out singly."""
 
     chosen: list[int]
     error: float
@@ -98,9 +98,7 @@ class Expansion:
         return shares
 
 
-def polynomials_at(
-    inputs: Sequence[UncertainInput], points: Array, needed: Collection[int] | None = None
-) -> Array:
+def polynomials_at(inputs: Sequence[UncertainInput], points: Array, needed: Collection[int] | None = None) -> Array:
     """Return polynomials of degree 1 to `DEGREE` at quantiles of the inputs, shape (numbers drawn, points, degrees).
 
     They are orthonormal under the distribution of their input: Legendre's where it is even. Of numbers that are not
@@ -153,7 +151,8 @@ def fit_expansion(polynomials: Array, results: Array) -> Expansion:
     >>> value = Value(si=0.0, typed=0.0)
     >>> inputs = [UncertainInput(name, value, Range(""), -1.0, 1.0) for name in "ab"]
     >>> points = np.random.default_rng(1).random((40, 2))
-    >>> fit = fit_expansion(polynomials_at(inputs, points), inputs[0].at(points[:, 0]) + 2.0 * inputs[1].at(points[:, 1]))
+    >>> results = inputs[0].at(points[:, 0]) + 2.0 * inputs[1].at(points[:, 1])
+    >>> fit = fit_expansion(polynomials_at(inputs, points), results)
     >>> {name: round(share, 9) for name, share in fit.shares("ab").items()}
     {'a': 0.2, 'b': 0.8}
     """
@@ -169,7 +168,8 @@ def fit_expansion(polynomials: Array, results: Array) -> Expansion:
         terms, found = alone, first
     kept = tuple(terms[k] for k in found.chosen)
     matrix = np.column_stack([np.ones(runs), *(_column(polynomials, term) for term in kept)])
-    return Expansion(kept, np.linalg.lstsq(matrix, results, rcond=None)[0], found.error, found.left_out)
+    coefficients = np.asarray(np.linalg.lstsq(matrix, results, rcond=None)[0], dtype=np.float64)
+    return Expansion(kept, coefficients, found.error, found.left_out)
 
 
 def _column(polynomials: Array, term: Term) -> Array:

@@ -19,6 +19,7 @@ from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE, PlausibleRange
 from strikewave.uncertainty.draws import (
     FELT,
     OF_EACH_STRIKER,
+    Shape,
     UncertainInput,
     drawn_strikers,
     range_of,
@@ -158,7 +159,7 @@ def _plausible(
 ) -> UncertainInput:
     """Return a quantity within the plausible range of its field; what is unknown of all strikers is drawn once."""
     low, high = within(allowed, *plausible.ends(value.si))
-    shape = "log-uniform" if plausible.form == "factor" and low > 0.0 else "uniform"
+    shape: Shape = "log-uniform" if plausible.form == "factor" and low > 0.0 else "uniform"
     of = strikers if plausible.each else ()
     return UncertainInput(
         path, value, allowed, low, high, shape, basis=PLAUSIBLE_BASIS, reason=plausible.reason, strikers=of

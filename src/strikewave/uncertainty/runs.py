@@ -1,4 +1,4 @@
-"""Many runs of a case at drawn inputs, on the threads of this process: each alone, so that their number changes no bit."""
+"""Many runs on the threads of this process: each is computed alone, so that the number of threads changes no bit."""
 
 from __future__ import annotations
 

@@ -11,28 +11,25 @@ import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from statistics import median
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.build import build_machine
+from strikewave.analyses.machine.figures_of import TimedBlow, figures_of, sensor_figures
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.quantities import Value
-from strikewave.base.result import Band
+from strikewave.base.result import Band, BandMethod
 from strikewave.cases.case import Case
 from strikewave.machines import Blow, Machine, blows, run_machine
-from strikewave.machines.fast_train import TrainBlow, fast_train, why_not
-from strikewave.uncertainty.bands import BandMethod, Sample, find_bands, latin_hypercube
+from strikewave.machines.fast_train import fast_train, why_not
+from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube
 from strikewave.uncertainty.draws import FELT, UncertainInput, drawn, drawn_case
 from strikewave.uncertainty.known import known_inputs
 from strikewave.uncertainty.runs import on_threads
 
 Array = NDArray[np.float64]
-AnyBlow = TypeVar("AnyBlow", Blow, TrainBlow)
 Figures = Mapping[str, float]
 
 RUNS = 128
@@ -55,10 +52,6 @@ TOLERANCE = 1e-4
 6e-4, a tenth of what the number of runs does to the ends."""
 FULL_TOLERANCE = 1e-7
 """Local error of a step of a run as it is; see `strikewave.studies.accuracy`."""
-OF_A_BLOW = ("rigid_peak", "width", "velocity_change")
-"""What has a band of each blow."""
-SENSOR = "sensor.{}.peak"
-"""Name of the band of a sensor."""
 
 
 def machine_bands(
@@ -91,7 +84,7 @@ def machine_bands(
     machine = build_machine(case)
     bodies = dataclasses.replace(machine, layered=None)
     say = progress or (lambda share: None)
-    sensors = _sensor_figures(readings)
+    sensors = sensor_figures(readings)
     if machine.launch is not None:
         return _as_it_is(case, {**figures, **sensors}, bool(sensors), say, threads)
     if why_not(bodies):
@@ -104,34 +97,6 @@ def machine_bands(
     return bands, method
 
 
-def figures_of(found: Sequence[AnyBlow]) -> dict[str, float]:
-    """Return the results of a run that have a band, by name: those that there are.
-
-    Examples
-    --------
-    >>> from strikewave import load_case, run_case
-    >>> list(figures_of(run_case(load_case("jesd22-b111-b")).blows))
-    ['first.rigid_peak', 'first.width', 'first.velocity_change']
-    """
-    struck = [blow for blow in found if blow.kind != "missed"]
-    if not struck:
-        return {}
-    later = [blow for blow in struck[1:] if blow.kind in ("full", "double")]
-    figures = {f"first.{name}": float(getattr(struck[0], name)) for name in OF_A_BLOW}
-    if later:
-        figures |= {f"typical.{name}": median(float(getattr(blow, name)) for blow in later) for name in OF_A_BLOW}
-    if len(struck) > 1:
-        figures["interval"] = median(b.time - a.time for a, b in pairwise(struck))
-    return {name: value for name, value in figures.items() if math.isfinite(value)}
-
-
-def _sensor_figures(readings: Sequence[BlowReading | None]) -> dict[str, float]:
-    """Return the peak of each sensor in the first blow."""
-    first = next((reading for reading in readings if reading is not None), None)
-    peaks = {} if first is None else {SENSOR.format(name): pulse.peak for name, pulse in first.sensors.items()}
-    return {name: peak for name, peak in peaks.items() if math.isfinite(peak)}
-
-
 @dataclass(frozen=True)
 class _Outcome:
     """What a run at drawn inputs came to."""
@@ -140,7 +105,7 @@ class _Outcome:
     missed: bool
 
 
-def _outcome(found: Sequence[AnyBlow]) -> _Outcome:
+def _outcome(found: Sequence[TimedBlow]) -> _Outcome:
     return _Outcome(figures_of(found), any(blow.kind == "missed" for blow in found) or not found)
 
 
@@ -169,7 +134,7 @@ def _fast_bands(
         values += figures[name] - nominal[name]
         if short < passes and not name.startswith("first."):
             values[RUNS:] = np.nan
-    method = BandMethod("the fast engine", RUNS, FIRST_RUNS, _missed(found[:RUNS]), _failed(found))
+    method = BandMethod("the fast engine", LEVEL, SEED, RUNS, FIRST_RUNS, _missed(found[:RUNS]), _failed(found))
     return find_bands(Sample(inputs, points), results, method)
 
 
@@ -185,11 +150,11 @@ def _as_it_is(
             return _outcome(blows(run_machine(build_machine(moved), FULL_TOLERANCE)))
         seen = observe(moved)
         outcome = _outcome(seen.blows)
-        return _Outcome({**outcome.figures, **_sensor_figures(seen.readings)}, outcome.missed)
+        return _Outcome({**outcome.figures, **sensor_figures(seen.readings)}, outcome.missed)
 
     points = _points(inputs, LAUNCHED_RUNS, WHOLE_STREAM)
     found = on_threads(run, list(drawn(inputs, points)), threads, say)
-    method = BandMethod("full runs", LAUNCHED_RUNS, 0, _missed(found), _failed(found))
+    method = BandMethod("full runs", LEVEL, SEED, LAUNCHED_RUNS, 0, _missed(found), _failed(found))
     return find_bands(Sample(inputs, points), _columns(found, list(figures)), method)
 
 
@@ -202,7 +167,7 @@ def _sensor_bands(
 
     def run(numbers: Array) -> _Outcome:
         seen = observe(drawn_case(once, inputs, numbers.tolist()))
-        return _Outcome(_sensor_figures(seen.readings), False)
+        return _Outcome(sensor_figures(seen.readings), False)
 
     points = _points(inputs, SENSOR_RUNS, SENSOR_STREAM)
     found = on_threads(run, list(drawn(inputs, points)), threads, say)

@@ -79,5 +79,3 @@ def stated_bandwidth(case: Case, stack: Stack | None) -> float:
     if case.solver.bandwidth is not None:
         return case.solver.bandwidth.si
     return np.inf if stack is None else honest_bandwidth(stack)
-
-

@@ -9,6 +9,7 @@ from strikewave.analyses.machine import chapters
 from strikewave.analyses.machine.stack_chapters import sensor_section, stack_section
 from strikewave.analyses.machine.words import key_numbers, summary_words
 from strikewave.reporting import chapters as shared
+from strikewave.reporting.bands import band_section
 from strikewave.reporting.parts import Section
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ def report(solution: Solution, sections: Sequence[Section] = (), moving: str = "
         chapters.setup(solution.case, moving),
         shared.inputs(solution.case),
         chapters.blow_table(solution),
+        *band_section(solution, solution.figures),
         chapters.pulse_pictures(solution),
         *stack_section(solution),
         *sensor_section(solution),

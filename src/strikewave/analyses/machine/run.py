@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from statistics import median
 
@@ -32,15 +33,19 @@ from strikewave.waves.routes import EXACT
 from strikewave.waves.setup import wave_setup
 
 
-def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Solution:
+def run_case(case: Case, progress: Callable[[float], None] | None = None, *, band: bool = False) -> Solution:
     """Run a case and return its solution.
+
+    The bands of its results take several hundred further runs, some 0.4 s, and are only found where they are asked for.
 
     Parameters
     ----------
     case : Case
         What to run.
     progress : callable, optional
-        Called with the share done, 0 to 1.
+        Called with the share done, 0 to 1; of the bands it begins again.
+    band : bool, optional
+        Whether the band of each result is found; see `strikewave.analyses.machine.band`.
 
     Raises
     ------
@@ -80,7 +85,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
     )
     balance = {"energy_error": run.energy_error, "momentum_error": momentum}
     struck = machine.struck
-    return Solution(
+    solution = Solution(
         case=case,
         blows=seen.blows,
         masses={"striker": machine.strikers.mass, "object": struck.mass, "assembly": struck.assembly_mass},
@@ -97,6 +102,15 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
         collisions=line_collisions(start) if start else (),
         contact=answers,
     )
+    return with_bands(solution, progress) if band else solution
+
+
+def with_bands(solution: Solution, progress: Callable[[float], None] | None = None) -> Solution:
+    """Return a solution with the band of each result; see `strikewave.analyses.machine.band`."""
+    from strikewave.analyses.machine.band import machine_bands  # the fast engine, which a run alone does not need
+
+    bands, method = machine_bands(solution.case, solution.blows, solution.readings, progress)
+    return dataclasses.replace(solution, band=bands, band_method=method)
 
 
 def launch_of(machine: Machine, start: Release) -> dict[str, float]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from strikewave.analyses.wave.field import field_of_solution
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting import chapters
+from strikewave.reporting.bands import band_section
 from strikewave.reporting.curves import Trace, traces
 from strikewave.reporting.numbers import fixed
 from strikewave.reporting.parts import NONE, Cell, Flow, Part, Picture, Section, Table, Tag
@@ -229,6 +230,7 @@ def wave_report(solution: WaveSolution, quantity: str = "stress") -> str:
         _setup(case),
         chapters.inputs(case),
         *wave_sections(solution, quantity),
+        *band_section(solution, solution.figures),
         chapters.warnings(solution.notices),
         Section(
             "Momentum balance",
