@@ -46,7 +46,7 @@ FIT_STREAM, LEFT_STREAM = 1, 2
 
 
 def moved(one: UncertainInput) -> MovedInput:
-    """Return an input as it is told."""
+    """Return the row of an input that moved."""
     return MovedInput(one.path, one.value.typed, one.low, one.high, one.allowed.unit, one.basis, one.reason)
 
 
@@ -145,7 +145,7 @@ def find_band(sample: Sample, results: Array, level: float = LEVEL) -> FoundBand
 
 
 def _quantiles(values: Array, level: float) -> tuple[float, float]:
-    """Return the ends that hold a share of what is drawn: quantile p is the value of rank p (n + 1)."""
+    """Return the ends that hold a share of the values: quantile p is the value of rank p (n + 1)."""
     place = np.array([0.5 * (1.0 - level), 0.5 * (1.0 + level)]) * (len(values) + 1) - 1.0
     low, high = np.interp(place, np.arange(len(values)), np.sort(values))
     return float(low), float(high)
