@@ -16,9 +16,9 @@ from strikewave._version import __version__
 from strikewave.base.citations import SOURCES
 from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, WARNING
-from strikewave.base.units import in_unit
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, bundled_cases, dump_case, load_case, row_name
-from strikewave.reporting.numbers import SHOWN_UNITS, listed, spelled
+from strikewave.reporting.bands import band_words
+from strikewave.reporting.numbers import SHOWN_UNITS, headed, listed, shown
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Section, Table, Tag, written
 
@@ -43,6 +43,7 @@ _PUBLISHED_WORDS = {
     "typical": "later full blows, median",
     "count": "number of blows",
     "window": "first to last blow",
+    "interval": "interval of the blows, median",
 }
 
 
@@ -59,7 +60,10 @@ def layer_steps(case: Case) -> list[str]:
 
 
 def inputs(case: BaseModel, unused: str = "") -> Section:
-    """List every value of a case or a set-up, as typed, with provenance and note; without those of an unused table."""
+    """List every value of a case or a set-up, as typed, with provenance and note; without those of an unused table.
+
+    The tables begin folded away.
+    """
     groups = [group for group in _groups(case) if group[0] != unused]
     quantities = [
         (f"{path}.{key}", entry) for path, _, rows in groups for key, entry in rows if isinstance(entry, Value)
@@ -88,7 +92,7 @@ def inputs(case: BaseModel, unused: str = "") -> Section:
                 empty="No input.",
             )
         )
-    return Section("Inputs", text, tables)
+    return Section("Inputs", text, tables, folded=f"Show {len(quantities)} values with their provenance")
 
 
 def _groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, list[tuple[str, Any]]]]:
@@ -134,31 +138,31 @@ def _quantities(part: Any) -> bool:
     return any(isinstance(entry, Value) for _, entry in _flat(part, ""))
 
 
-def published(comparisons: Sequence[Comparison]) -> Section:
-    """Compare computed values with published ones."""
+def published(comparisons: Sequence[Comparison]) -> list[Section]:
+    """Compare computed values with published ones; nothing where there are none."""
+    if not comparisons:
+        return []
     rows: list[list[Cell]] = []
     for entry in comparisons:
         si = PUBLISHED_QUANTITIES.get(entry.quantity, "")
-        unit = SHOWN_UNITS.get(si, si)
+        usual = SHOWN_UNITS.get(si, si)
         which, _, quantity = entry.quantity.partition(".")
         label = _PUBLISHED_WORDS.get(which, which) + (f": {quantity.replace('_', ' ')}" if quantity else "")
         label += f" of {entry.sensor}" if entry.sensor else ""
         values = [
-            NONE if v is None or math.isnan(v) else written(float(in_unit(v, si, unit)) if si else v, 6)
+            NONE if v is None or math.isnan(v) else written(shown(v, si, usual) if si else v, 6)
             for v in (entry.published, entry.computed)
         ]
         difference = NONE if entry.difference is None else f"{100.0 * entry.difference:+.1f} %"
-        unit = f" ({spelled(unit)})" if unit else ""
-        rows.append(
-            [label + unit, *values, difference, entry.measured_or_simulated, Tag(entry.role, entry.role), entry.note]
-        )
+        origin = entry.measured_or_simulated
+        rows.append([headed(label, si, usual), *values, difference, origin, Tag(entry.role, entry.role), entry.note])
     heads = ["quantity", "published", "computed", "difference", "origin", "role", "note"]
-    table = Table("Comparison with published values", heads, rows, empty="The case names no published value.")
+    table = Table("Comparison with published values", heads, rows)
     text = (
         "A fitted value is no evidence, because the case was adjusted to it. A predicted value is evidence. A value "
         "that is only shown cannot be compared; its note says why."
     )
-    return Section("Comparison with published values", text if rows else "", [table])
+    return [Section("Comparison with published values", text, [table])]
 
 
 def warnings(notices: Sequence[Notice]) -> Section:
@@ -221,7 +225,7 @@ class Summary(NamedTuple):
     words : str
         What happened.
     numbers : sequence of (str, str)
-        Key numbers: label and value with its unit.
+        Key numbers: label and value with its unit, and in brackets behind it its band.
     status : Tag or None
         How it went, where that is more than what `status` says of the notices.
     """
@@ -243,7 +247,7 @@ def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -
         name=source.name,
         digest=source.digest,
         status=summary.status or status(result.notices),
-        summary=summary.words,
+        summary=[summary.words, *band_words(result.band)],
         numbers=summary.numbers,
         foot=f"{source.kind} {source.name or 'without name'}"
         + (f" · SHA-256 of the {sealed} {source.digest}" if source.digest else ""),

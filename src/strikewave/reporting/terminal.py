@@ -182,8 +182,7 @@ def print_bands(result: Result, values: Mapping[str, float]) -> None:
         The results themselves, SI, by the names of the bands.
     """
     if result.band and result.band_method is not None:
-        rows = [[str(cell) for cell in row] for row in band_rows(result, values)]
-        table("How far the results may be off", list(BAND_HEADS), rows, left=3)
+        table("What the results depend on", list(BAND_HEADS), band_rows(result, values), left=3)
         say(result.band_method.words())
 
 

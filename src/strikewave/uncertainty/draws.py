@@ -48,7 +48,7 @@ class UncertainInput:
     allowed : Range
         What it may be.
     low, high : float
-        Ends of what is drawn, SI.
+        Ends of its range, SI.
     shape : {"normal", "uniform", "log-uniform"}
         How it is drawn between them: the normal distribution about the value, cut off at the ends; evenly; evenly in
         its logarithm.

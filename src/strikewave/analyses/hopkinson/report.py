@@ -383,8 +383,8 @@ def shot_report(solution: HopkinsonSolution) -> str:
         ("force difference", percent(solution.equilibrium.misfit, 1)),
         (f"impulse {_closing(solution)}", percent(abs(solution.momentum.closure), 2)),
     ]
-    body = Section("Result", f"{_SHOT}\n\n{_SLOPE}", [*shot_tables(solution), *pictures])
-    return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", text, numbers), body)
+    sections = [Section("Pulses", "", pictures), Section("Result", f"{_SHOT}\n\n{_SLOPE}", shot_tables(solution))]
+    return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", text, numbers), sections)
 
 
 def _closing(solution: HopkinsonSolution) -> str:
@@ -431,8 +431,9 @@ def sensor_report(solution: SensorSolution) -> str:
         ("velocity change", f"{comparison.velocities[0]:.4g} m/s"),
         ("delay", f"{comparison.agreement.delay * 1e6:+.2f} µs"),
     ]
-    body = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", [*sensor_tables(solution), *pictures])
-    return _page(solution, chapters.Summary("Report of an accelerometer on the end of a bar", text, numbers), body)
+    tables = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", sensor_tables(solution))
+    summary = chapters.Summary("Report of an accelerometer on the end of a bar", text, numbers)
+    return _page(solution, summary, [Section("Pulses", "", pictures), tables])
 
 
 def echo_report(solution: EchoSolution) -> str:
@@ -455,10 +456,10 @@ def echo_report(solution: EchoSolution) -> str:
         ("length", f"{echoes.length.value * 1e3:.5g} mm"),
         ("attenuation", f"{echoes.attenuation.value:.3g} 1/m"),
     ]
-    body = Section("Result", _ECHOES, [*echo_tables(solution), *pictures])
-    return _page(solution, chapters.Summary("Report of a bar calibrated by its echoes", text, numbers), body)
+    sections = [Section("Pulses", "", pictures), Section("Result", _ECHOES, echo_tables(solution))]
+    return _page(solution, chapters.Summary("Report of a bar calibrated by its echoes", text, numbers), sections)
 
 
-def _page(solution: Outcome, summary: chapters.Summary, body: Section) -> str:
-    sections = [body, chapters.inputs(solution.case.setup), chapters.warnings(solution.notices)]
-    return chapters.result_page(solution, summary, sections)
+def _page(solution: Outcome, summary: chapters.Summary, sections: Sequence[Section]) -> str:
+    last = [chapters.warnings(solution.notices), chapters.inputs(solution.case.setup)]
+    return chapters.result_page(solution, summary, [*sections, *last])
