@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Output, WithBand
+from strikewave.reporting.options import CaseName, Changes, RunOutput, WithBand
 
 
 def command(
@@ -17,7 +17,7 @@ def command(
         bool, typer.Option("--animate", help="Also write an animation: of the machine, the waves or the elements.")
     ] = False,
     band: WithBand = True,
-    output: Output,
+    output: RunOutput,
 ) -> int:
     """Run a case or a set-up file.
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Output, WithBand
+from strikewave.reporting.options import CaseName, Changes, RunOutput, WithBand
 
 
 def command(
@@ -19,7 +19,7 @@ def command(
     ] = "stress",
     animate: Annotated[bool, typer.Option("--animate", help="Write animation.html and animation.gif too.")] = False,
     band: WithBand = True,
-    output: Output,
+    output: RunOutput,
 ) -> int:
     """Run a layered bar under its load.
 
