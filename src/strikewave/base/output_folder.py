@@ -78,6 +78,8 @@ RESULT_FILES = (
     "report.html",
 )
 """What a result consists of; a folder that holds anything else is never replaced, for it may be the user's own."""
+ANIMATIONS = ("machine.html", "machine.gif", "animation.html", "animation.gif")
+"""Files that take long to make and depend on the inputs alone: a rerun that does not make them keeps them."""
 _LONGEST_NAME, _RANDOM_BYTES = 60, 6
 """Characters of a name that its hidden neighbour takes over, well within the 255 bytes of file systems in any script;
 and random bytes behind them, of which no two runs ever share."""
@@ -165,6 +167,24 @@ def atomic_folder(folder: Path, identity: str, force: bool = False, own: Sequenc
     finally:
         if place is not None:
             shutil.rmtree(place, ignore_errors=True)
+
+
+def keep_true_files(old: Path, new: Path, identity: str) -> tuple[list[str], list[str]]:
+    """Copy the animations of an older run that are still true into the new folder; return the kept and removed names.
+
+    They are true where the older folder is of the same inputs, and every table that both hold is equal to the byte.
+    All else that the new run did not write goes with the older folder.
+    """
+    if not old.is_dir():
+        return [], []
+    rest = sorted(entry.name for entry in old.iterdir() if not (new / entry.name).exists())
+    tables = [path for path in new.glob("*.csv") if (old / path.name).is_file()]
+    same = any((old / mark).is_file() and (old / mark).read_text("utf-8", "replace") == identity for mark in MARKS)
+    same = same and bool(tables) and all(path.read_bytes() == (old / path.name).read_bytes() for path in tables)
+    kept = [name for name in rest if same and name in ANIMATIONS]
+    for name in kept:
+        shutil.copy2(old / name, new / name)
+    return kept, [name for name in rest if name not in kept]
 
 
 def _swap(place: Path, folder: Path) -> None:
