@@ -258,6 +258,10 @@ def reproduction(result: Result) -> Section:
         text = f"This command gives the same numbers again with strikewave {__version__}, from the same files."
         command = [Code(source.asked)] if source.asked else []
         return Section("How to run this again", text if command else "The command is not known.", [*read, *command])
+    inputs_text = Code(source.text, f"The whole {source.kind}, {source.file}")
+    if source.asked:
+        text = f"This command gives the same numbers again with strikewave {__version__}."
+        return Section("How to run this again", text, [*read, Code(source.asked), inputs_text])
     names = ([source.name] if _is_published(source) else []) + [source.file]
     either = "Either of these commands" if len(names) > 1 else "This command"
     text = (
@@ -265,7 +269,6 @@ def reproduction(result: Result) -> Section:
         f"is also in the folder of this report. The text has the SHA-256 {source.digest}."
     )
     commands = "\n".join(f"strikewave {result.command} {name}" for name in names)
-    inputs_text = Code(source.text, f"The whole {source.kind}, {source.file}")
     return Section("How to run this again", text, [*read, Code(commands), inputs_text])
 
 

@@ -131,21 +131,23 @@ class BufferCommand(Command[BufferStudy]):
         origin = None
         if source.record is not None:
             origin = measured.source_of("records", source.record.stem, [source.record], self.test)
-        return dataclasses.replace(study, case=source.case, origin=origin)
+        return dataclasses.replace(study, case=source.case, origin=origin, asked=measured.asked())
 
     def show(self, result: BufferStudy) -> None:
         """Print the ranking."""
         _print(result)
 
     def draw(self, result: BufferStudy, folder: Path) -> list[str]:
-        """Write peak over bandwidth, histories and transmissibility."""
+        """Write the page, peak over bandwidth, histories and transmissibility."""
         from strikewave.reporting.style import save
         from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
+        from strikewave.studies.buffer.report import buffer_report
 
         save(peak_bandwidth(result), folder / "peak-bandwidth.svg")
         save(buffer_histories(result), folder / "histories.svg")
         save(buffer_transmissibility(result), folder / "transmissibility.svg")
-        return ["peak-bandwidth.svg", "histories.svg", "transmissibility.svg"]
+        (folder / "report.html").write_text(buffer_report(result), "utf-8", newline="\n")
+        return ["report.html", "peak-bandwidth.svg", "histories.svg", "transmissibility.svg"]
 
 
 def source_of_case(

@@ -151,7 +151,10 @@ class Figure(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ScatterStudy(ShownResult):
-    """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others."""
+    """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others.
+
+    ``asked`` is the command line that gives it again, where one does.
+    """
 
     command: ClassVar[str] = "scatter"
 
@@ -162,6 +165,7 @@ class ScatterStudy(ShownResult):
     runs: tuple[RunResult, ...]
     nominal_run: RunResult
     shares: tuple[Shares, ...]
+    asked: str = ""
 
     @property
     def title(self) -> str:
@@ -176,7 +180,7 @@ class ScatterStudy(ShownResult):
     @property
     def source(self) -> Source:
         """The case, and above it what was asked."""
-        return Source("case", self.case.name, marked_text(self.case, self.plan))
+        return Source("case", self.case.name, marked_text(self.case, self.plan), asked=self.asked)
 
     @property
     def completed(self) -> list[RunResult]:
