@@ -288,7 +288,7 @@ def test_sections_of_the_caller_are_shown_in_order_and_counted(solution):
     numbers = [int(n) for n in re.findall(r"<b>Figure (\d+)\.</b>", page)]
     assert numbers == list(range(1, 8))  # four of the pulses, one of the caller, two drawings
     svgs = [found for tag, found in read.tags if tag == "svg"]
-    assert len(svgs) == 6
+    assert len(svgs) == 7
     assert all(found["role"] == "img" and found["aria-label"] for found in svgs)
     assert len(re.findall("<figcaption>", page)) >= 5
     assert len(read.ids) == len(set(read.ids))

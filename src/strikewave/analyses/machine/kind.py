@@ -16,7 +16,6 @@ from strikewave.base.result import Notice
 from strikewave.cases.tables import LaunchedTable, MachineTable
 
 if TYPE_CHECKING:
-    from strikewave.analyses.machine.figures.parts import PartEntry
     from strikewave.cases.case import Case
     from strikewave.contact.law import AnyContact
     from strikewave.machines import Machine
@@ -32,6 +31,22 @@ class ShownSetting(NamedTuple):
     unit: str
     shown: str
     name: str
+
+
+class PartNumber(NamedTuple):
+    """A number of a part: what it is, the number with its unit, where it comes from."""
+
+    name: str
+    shown: str
+    provenance: str
+
+
+class PartEntry(NamedTuple):
+    """A part: the name by which the drawing points at it, what it is called, its numbers."""
+
+    place: str
+    name: str
+    entries: Sequence[PartNumber]
 
 
 class Drawing(NamedTuple):

@@ -25,11 +25,11 @@ from strikewave.analyses.machine.figures.geometry import (
     stretched,
 )
 from strikewave.analyses.machine.figures.parts import (
-    PartEntry,
     length,
     machine_parts,
     significant,
 )
+from strikewave.analyses.machine.kind import PartEntry
 from strikewave.reporting.style import BLUE, GREY, RED
 
 if TYPE_CHECKING:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.figures.geometry import StrikeGeometry
+from strikewave.analyses.machine.kind import PartEntry, PartNumber
 from strikewave.base.quantities import PROVENANCES
 from strikewave.base.units import in_unit
 from strikewave.reporting.curves import shortened
@@ -16,22 +17,6 @@ if TYPE_CHECKING:
 
 MOST_LAYERS = 6
 """Layers of a stack that are listed one by one."""
-
-
-class PartNumber(NamedTuple):
-    """A number of a part: what it is, the number with its unit, where it comes from."""
-
-    name: str
-    shown: str
-    provenance: str
-
-
-class PartEntry(NamedTuple):
-    """A part: the name by which the drawing points at it, what it is called, its numbers."""
-
-    place: str
-    name: str
-    entries: Sequence[PartNumber]
 
 
 def significant(value: float, digits: int = 4) -> str:

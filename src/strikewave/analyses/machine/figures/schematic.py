@@ -16,14 +16,13 @@ from matplotlib.figure import Figure
 from strikewave.analyses.machine.figures.drawing import SIZE, balloon
 from strikewave.analyses.machine.figures.geometry import LOOKS
 from strikewave.analyses.machine.figures.parts import (
-    PartEntry,
     damping,
     mass,
     provenance_words,
     quantity,
     stiffness,
 )
-from strikewave.analyses.machine.kind import Drawing
+from strikewave.analyses.machine.kind import Drawing, PartEntry
 from strikewave.cases.case import Case
 from strikewave.reporting.parts import Picture
 from strikewave.reporting.style import BLUE, GREY, RED
