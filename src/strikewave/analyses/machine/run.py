@@ -26,6 +26,7 @@ from strikewave.analyses.machine.sensor_readings import (
 )
 from strikewave.analyses.machine.yielding import contact_answers
 from strikewave.base import citations
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import Comparison, balance_notices
@@ -48,6 +49,7 @@ LOWEST_BANDWIDTH = 1e3
 """Lowest bandwidth of the acceleration of a blow, which lasts a millisecond, Hz."""
 
 
+@compiling_shown()
 def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Solution:
     """Run a case and return its solution.
 

@@ -32,7 +32,6 @@ from strikewave.reporting.terminal import (
     print_published,
     progress_bar,
     say,
-    say_compiling,
     table,
 )
 
@@ -60,7 +59,6 @@ class MachineCommand(Command[Solution]):
 
     def solve(self) -> Solution:
         """Return the solution, with a bar on stderr."""
-        say_compiling()
         with progress_bar("blows") as report:
             return run_case(self.case, report)
 

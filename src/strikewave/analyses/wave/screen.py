@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import ClassVar
 
 from strikewave.analyses.wave.report import error_words, tap_rows, wave_tables
 from strikewave.analyses.wave.run import WaveSolution, run_wave
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.options import Output
@@ -50,8 +52,8 @@ class WaveCommand(Command[WaveSolution]):
 
     def solve(self) -> WaveSolution:
         """Return the solution."""
-        say_compiling()
-        return run_wave(self.case)
+        with compiling_shown(None if sys.stderr.isatty() else say_compiling):
+            return run_wave(self.case)
 
     def show(self, result: WaveSolution) -> None:
         """Print the tables of a run."""
