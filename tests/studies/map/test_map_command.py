@@ -24,12 +24,12 @@ from strikewave.studies.map.study import MapStudy, plan_of
 FEW = ("map", "li-ma-2019", "--points", "4x3", "--workers", "1", "--train", "0", "--set", "feed.blows=3")
 
 
-def test_files_agree_and_the_nearest_case_reads_back(strikewave):
+def test_files_agree_and_the_nearest_case_reads_back(strikewave, read_page):
     code, out, err = strikewave(*FEW, "--want-cv", "4.5 %")
     assert code == 0
     (folder,) = Path("out").iterdir()
     assert folder.name.startswith("map-li-ma-2019-")
-    names = {"case.toml", "map.json", "map.nc", "map.csv", "map.svg", "map.png", "equal-blows.toml"}
+    names = {"case.toml", "map.json", "map.nc", "map.csv", "map.svg", "map.png", "equal-blows.toml", "report.html"}
     assert {path.name for path in folder.iterdir()} == names
     assert "a full run has a CV of" in err
     document = json.loads((folder / "map.json").read_text())
@@ -37,6 +37,11 @@ def test_files_agree_and_the_nearest_case_reads_back(strikewave):
     changed = load_case(str(folder / "equal-blows.toml"))
     assert changed.machine.speed.si == pytest.approx(document["nearest"]["settings"]["machine.speed"], rel=1e-8)
     assert "nearest within 4.5 %" in out
+    page, speed = read_page(folder / "report.html"), document["nearest"]["settings"]["machine.speed"]
+    assert page.numbers["machine.speed, nearest with equal blows"] == f"{speed * 30.0 / np.pi:.5g} rpm"
+    assert page.numbers["mean peak there"] == f"{document['nearest']['full_run']['peak'] / 9.80665:.4g} g"
+    assert page.pictures == 1
+    assert "strikewave map li-ma-2019 --points 4x3" in page.text
 
 
 def test_changed_case_never_replaces_the_unchanged_one(strikewave):

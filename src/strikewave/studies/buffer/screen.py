@@ -25,7 +25,7 @@ from strikewave.records import (
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, progress_bar, say, say_compiling, significant, table
+from strikewave.reporting.terminal import number, progress_bar, say, significant, table
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferCandidate, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
 from strikewave.studies.buffer.mounting_site import (
@@ -123,7 +123,6 @@ class BufferCommand(Command[BufferStudy]):
         if source.reading is not None:
             blows = _recorded(source.record, source.reading, source.found)
         else:
-            say_compiling()
             with progress_bar("blows") as report:
                 blows = _blows(source, self.blow, report)
         with progress_bar("stacks") as report:
@@ -131,21 +130,23 @@ class BufferCommand(Command[BufferStudy]):
         origin = None
         if source.record is not None:
             origin = measured.source_of("records", source.record.stem, [source.record], self.test)
-        return dataclasses.replace(study, case=source.case, origin=origin)
+        return dataclasses.replace(study, case=source.case, origin=origin, asked=measured.asked())
 
     def show(self, result: BufferStudy) -> None:
         """Print the ranking."""
         _print(result)
 
     def draw(self, result: BufferStudy, folder: Path) -> list[str]:
-        """Write peak over bandwidth, histories and transmissibility."""
+        """Write the page, peak over bandwidth, histories and transmissibility."""
         from strikewave.reporting.style import save
         from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
+        from strikewave.studies.buffer.report import buffer_report
 
         save(peak_bandwidth(result), folder / "peak-bandwidth.svg")
         save(buffer_histories(result), folder / "histories.svg")
         save(buffer_transmissibility(result), folder / "transmissibility.svg")
-        return ["peak-bandwidth.svg", "histories.svg", "transmissibility.svg"]
+        (folder / "report.html").write_text(buffer_report(result), "utf-8", newline="\n")
+        return ["report.html", "peak-bandwidth.svg", "histories.svg", "transmissibility.svg"]
 
 
 def source_of_case(

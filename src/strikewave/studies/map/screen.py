@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
 from strikewave.base.compiled import is_cold
+from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import INTERRUPTED, number, progress_bar, say, table
@@ -86,27 +88,30 @@ class MapCommand(Command[MapStudy]):
         say(_words(self.plan, self.seconds, store))
         try:
             with progress_bar("map", float(store.done.mean()), ("left",)) as report:
-                return make_map(self.plan, self.wanted, self.workers, store, report)
+                study = make_map(self.plan, self.wanted, self.workers, store, report)
         except KeyboardInterrupt:
             resumption = (
                 f"{store.done.sum()} of {store.done.size} rows are kept in {store.path}: the same command goes on there"
             )
             say("stopped; " + (resumption if store.path is not None and store.done.any() else "nothing was written"))
             raise SystemExit(INTERRUPTED) from None
+        return dataclasses.replace(study, asked=asked())
 
     def show(self, result: MapStudy) -> None:
         """Print regimes, the case, and the nearest even setting."""
         _print(result)
 
     def draw(self, result: MapStudy, folder: Path) -> list[str]:
-        """Write the picture in two formats."""
+        """Write the page, and the picture in two formats."""
         from strikewave.reporting.style import save
         from strikewave.studies.map.figures import map_figure
+        from strikewave.studies.map.report import map_report
 
         figure = map_figure(result, self.colour)
         save(figure, folder / "map.svg")
         save(figure, folder / "map.png")
-        return ["map.svg", "map.png"]
+        (folder / "report.html").write_text(map_report(result, self.colour), "utf-8", newline="\n")
+        return ["report.html", "map.svg", "map.png"]
 
 
 def _words(plan: MapPlan, seconds: float, store: Store) -> str:

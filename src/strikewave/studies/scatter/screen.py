@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import shutil
 from collections.abc import Sequence
@@ -9,9 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import number, progress_bar, say, say_compiling, table
+from strikewave.reporting.terminal import number, progress_bar, say, table
 from strikewave.studies.scatter.study import ScatterPlan, ScatterStudy, marked_text, scatter
 from strikewave.uncertainty.shares import Shares
 
@@ -45,21 +47,22 @@ class ScatterCommand(Command[ScatterStudy]):
 
     def solve(self) -> ScatterStudy:
         """Return the study, with a bar on stderr."""
-        say_compiling()
         with progress_bar("runs", clocks=("elapsed", "left")) as report:
-            return scatter(self.case, self.plan, report)
+            return dataclasses.replace(scatter(self.case, self.plan, report), asked=asked())
 
     def show(self, result: ScatterStudy) -> None:
         """Print the scatter, and which tolerance it comes from."""
         _print(result)
 
     def draw(self, result: ScatterStudy, folder: Path) -> list[str]:
-        """Write the picture."""
+        """Write page and picture."""
         from strikewave.reporting.style import save
         from strikewave.studies.scatter.figures import scatter_picture
+        from strikewave.studies.scatter.report import scatter_report
 
         save(scatter_picture(result), folder / "scatter.svg")
-        return ["scatter.svg"]
+        (folder / "report.html").write_text(scatter_report(result), "utf-8", newline="\n")
+        return ["report.html", "scatter.svg"]
 
 
 def _print(study: ScatterStudy) -> None:

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.cases.case import Case
+from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import fixed, number, progress_bar, say, say_compiling, significant, table
+from strikewave.reporting.terminal import fixed, number, progress_bar, say, significant, table
 from strikewave.studies.settings.candidate import BlowGoal, Limit, SettingsCandidate
 from strikewave.studies.settings.estimate import engagement_sensitivity
 from strikewave.studies.settings.search import VARIED
@@ -66,21 +67,23 @@ class SettingsCommand(Command[SettingsStudy]):
 
     def solve(self) -> SettingsStudy:
         """Return the study, with a bar on stderr."""
-        say_compiling()
         with progress_bar("settings") as report:
-            return design_settings(self.case, self.goal, self.choice, report)
+            study = design_settings(self.case, self.goal, self.choice, report)
+        return dataclasses.replace(study, asked=measured.asked())
 
     def show(self, result: SettingsStudy) -> None:
         """Print the ranking, and the limits of the first."""
         _print(result)
 
     def draw(self, result: SettingsStudy, folder: Path) -> list[str]:
-        """Write the picture."""
+        """Write page and picture."""
         from strikewave.reporting.style import save
         from strikewave.studies.settings.figures import settings_figure
+        from strikewave.studies.settings.report import settings_report
 
         save(settings_figure(result), folder / "settings.svg")
-        return ["settings.svg"]
+        (folder / "report.html").write_text(settings_report(result), "utf-8", newline="\n")
+        return ["report.html", "settings.svg"]
 
 
 def _holds(folder: Path, asked: str) -> bool:
