@@ -11,6 +11,7 @@ from strikewave.base.errors import InputErrors
 from strikewave.base.quantities import Value
 from strikewave.cases.case import bundled_cases, dump_case, load_case, own_case, parse_case
 from strikewave.cases.comparisons import comparisons, origin_notices
+from strikewave.uncertainty.known import known_inputs
 
 FITTED = ["machine.engagement", "object.frame_stiffness"]
 NUDGES = {"rad": 1.75e-3, "m": 20e-6}
@@ -58,6 +59,14 @@ def test_a_value_whose_fit_no_longer_applies_is_assumed_and_says_what_changed():
     assert value.provenance == "assumed"
     assert value.note == "fit no longer applies: machine.speed (500 rpm, then 730 rpm) changed"
     assert [notice.code for notice in origin_notices(case)] == ["not-compared", "fit-stale"]
+
+
+def test_the_band_knows_no_more_of_a_value_whose_fit_no_longer_applies_than_of_an_assumed_one():
+    fitted, loose = (
+        {one.path: one for one in known_inputs(load_case("li-ma-2019", changes))}["machine.engagement"]
+        for changes in ([], ["striker.mass=1.2 kg"])
+    )
+    assert loose.width > 5.0 * fitted.width
 
 
 def test_a_file_keeps_its_fits_without_its_source():

@@ -51,7 +51,7 @@ _NUMBER = re.compile(r"\s*[-+]?(\d*)\.?(\d*)(?:[eE]([-+]?\d+))?")
 
 
 def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInput, ...]:
-    """Return every input of a case that moves within what is known of it, by path.
+    """Return every input of a case that moves within what is known of it, by path; of a stale fit nothing is known.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInp
     ('plausible range', 0.0025, 0.0075)
     """
     inputs = []
-    for path, value in sorted(case.values().items()):
+    for path, value in sorted(case.with_stale_fits_assumed().values().items()):
         if path.partition(".")[0] in tables:
             one = known_input(case, path, value)
             if one is not None and one.high > one.low:
