@@ -8,12 +8,12 @@ from pathlib import Path
 
 from strikewave.analyses.machine.columns import headings, shown_in
 from strikewave.analyses.machine.result import Solution
-from strikewave.analyses.machine.run import run_case
+from strikewave.analyses.machine.run import run_case, with_bands
 from strikewave.analyses.machine.words import (
-    ANSWER_HEADS,
     ANSWERS_CALLED,
-    COLLISION_HEADS,
+    answer_heads,
     answer_rows,
+    collision_heads,
     collision_rows,
     reference_law,
     restitution_words,
@@ -22,22 +22,25 @@ from strikewave.analyses.machine.words import (
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
+from strikewave.reporting.numbers import headed, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
     fixed,
     number,
+    print_bands,
     print_fits,
     print_losses,
     print_published,
     progress_bar,
     say,
-    say_compiling,
     table,
 )
 
 
-def run_machine_case(case: Case, changes: Sequence[str], output: Output, animate: bool = False) -> int:
+def run_machine_case(
+    case: Case, changes: Sequence[str], output: Output, animate: bool = False, band: bool = True
+) -> int:
     """Run a machine case, write and print its result, and return the exit code.
 
     Raises
@@ -48,7 +51,7 @@ def run_machine_case(case: Case, changes: Sequence[str], output: Output, animate
     output.check_animation(animate)
     case = output.tested(case)
     text = dump_case(case)
-    return run_and_write(MachineCommand(case, animate), output, case_folder(case.name, text, changes), text)
+    return run_and_write(MachineCommand(case, animate, band), output, case_folder(case.name, text, changes), text)
 
 
 @dataclass(frozen=True)
@@ -57,12 +60,16 @@ class MachineCommand(Command[Solution]):
 
     case: Case
     animate: bool = False
+    band: bool = True
 
     def solve(self) -> Solution:
         """Return the solution, with a bar on stderr."""
-        say_compiling()
         with progress_bar("blows") as report:
-            return run_case(self.case, report)
+            solution = run_case(self.case, report)
+        if not self.band:
+            return solution
+        with progress_bar("band") as report:
+            return with_bands(solution, report)
 
     def show(self, result: Solution) -> None:
         """Print the tables of a run."""
@@ -84,6 +91,7 @@ def show(solution: Solution) -> None:
     ]
     say(_header(solution))
     table(solution.title, ["#", "kind", *headings("blows"), "contacts"], rows, left=2)
+    print_bands(solution, solution.figures)
     _print_struck(solution, "contact", "Contact, blow by blow")
     _print_answers(solution)
     if solution.slides:
@@ -93,13 +101,13 @@ def show(solution: Solution) -> None:
     _print_collisions(solution)
     r = solution.reference
     pulse = (
-        number(r.duration, "s", "us", 3) + " us",
-        number(r.peak_force, "N", "kN", 3) + " kN",
-        number(r.peak_acceleration, "m/s^2", "g", 3) + " g",
+        with_unit(r.duration, "s", "us", 3),
+        with_unit(r.peak_force, "N", "kN", 3),
+        with_unit(r.peak_acceleration, "m/s^2", "g", 3),
     )
     say(
         f"if nothing but the contact gave way ({reference_law(solution.case)} on a rigid object, at the nominal "
-        f"{r.approach_speed:.3g} m/s), the pulse would be {', '.join(pulse)}"
+        f"{with_unit(r.approach_speed, 'm/s', 'm/s', 3)}), the pulse would be {', '.join(pulse)}"
     )
     fitted = solution.case.fitted_fields()
     if fitted:
@@ -115,7 +123,7 @@ def _print_answers(solution: Solution) -> None:
     if answers is None:
         return
     if answers.differ:
-        table(ANSWERS_CALLED, ANSWER_HEADS, answer_rows(answers))
+        table(ANSWERS_CALLED, answer_heads(), answer_rows(answers))
     say(restitution_words(answers))
 
 
@@ -133,7 +141,7 @@ def _print_waves(solution: Solution) -> None:
     if not read_blows or not (solution.waves or names):
         return
     band = read_blows[0][1].bandwidth
-    stated = "" if band is None else f", total and wave at {number(band, 'Hz', 'kHz', 3)} kHz"
+    stated = "" if band is None else f", total and wave at {with_unit(band, 'Hz', 'kHz', 3)}"
     rows = []
     for blow, reading in read_blows:
         peaks = [blow.rigid_peak, reading.total_peak, reading.wave_peak] if solution.waves else [blow.rigid_peak]
@@ -142,15 +150,16 @@ def _print_waves(solution: Solution) -> None:
             pulse = reading.sensors[name]
             cells.append(number(pulse.peak, "m/s^2", "g", 5) + (" clipped" if pulse.clipped else ""))
         rows.append([str(blow.index), *cells])
-    waves = ["rigid (g)", "total (g)", "wave (g)"] if solution.waves else ["rigid (g)"]
+    kinds = ("rigid", "total", "wave") if solution.waves else ("rigid",)
+    peaks_of = [headed(name, "m/s^2", "g") for name in (*kinds, *(f"sensor {name}" for name in names))]
     title = f"Peak accelerations, route {solution.case.solver.route}{stated}"
     setup = solution.waves
     if setup is not None:
         say(
-            f"waves: time step {setup.step * 1e9:.4g} ns, which changes a layer's length by {setup.mismatch:.1e} of it "
-            "at most (layer by layer in the report)"
+            f"waves: time step {with_unit(setup.step, 's', 'ns')}, which changes a layer's length by "
+            f"{setup.mismatch:.1e} of it at most (layer by layer in the report)"
         )
-    table(title, ["#", *waves, *(f"sensor {name} (g)" for name in names)], rows, left=0)
+    table(title, ["#", *peaks_of], rows, left=0)
     print_losses(build_channels(solution.case))
     print_fits(fitted_losses(solution.case))
 
@@ -163,4 +172,4 @@ def _header(solution: Solution) -> str:
 def _print_collisions(solution: Solution) -> None:
     """Print the collisions of the bodies of an amplifier."""
     if solution.collisions:
-        table("Collisions in the line, by restitution alone", COLLISION_HEADS, collision_rows(solution), left=3)
+        table("Collisions in the line, by restitution alone", collision_heads(), collision_rows(solution), left=3)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.citations import citation
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Source
 from strikewave.cases.case import Case, dump_case
@@ -25,7 +26,7 @@ from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.numbers import axis_unit, percent, with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult
-from strikewave.uncertainty.draws import Tolerance, drawn, nominal, quantiles, tolerances_of, unfelt
+from strikewave.uncertainty.draws import UncertainInput, drawn, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
     Shares,
     mixtures,
@@ -160,7 +161,7 @@ class ScatterStudy(ShownResult):
 
     case: Case
     plan: ScatterPlan
-    tolerances: tuple[Tolerance, ...]
+    tolerances: tuple[UncertainInput, ...]
     numbers: Array
     runs: tuple[RunResult, ...]
     nominal_run: RunResult
@@ -338,6 +339,7 @@ def marked_text(case: Case, plan: ScatterPlan) -> str:
     return asked + dump_case(case)
 
 
+@compiling_shown()
 def scatter(
     case: Case, plan: ScatterPlan | None = None, progress: Callable[[float], None] | None = None
 ) -> ScatterStudy:
@@ -438,7 +440,7 @@ def _known(values: list[float]) -> list[float]:
     return [value for value in values if math.isfinite(value)]
 
 
-def _tolerance(one: Tolerance) -> dict[str, Any]:
+def _tolerance(one: UncertainInput) -> dict[str, Any]:
     assert one.value.tolerance is not None
     return {
         "path": one.path,
