@@ -86,7 +86,9 @@ def test_out_name_holds_the_last_run_of_that_name(strikewave):
 
 
 def test_a_changed_case_says_so(strikewave):
-    code, out, err = strikewave("run", "--no-band", "li-ma-2019", "--set", "machine.speed=700 rpm", "--set", "feed.blows=2")
+    code, out, err = strikewave(
+        "run", "--no-band", "li-ma-2019", "--set", "machine.speed=700 rpm", "--set", "feed.blows=2"
+    )
     assert code == 0
     assert "here machine.speed = 700 rpm" in out
     assert "predicted" not in out
@@ -95,7 +97,9 @@ def test_a_changed_case_says_so(strikewave):
 
 
 def test_fewer_or_more_blows_than_wanted_break_a_limit(strikewave):
-    code, _, err = strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.retract_time=200 ms", "--set", "feed.blows=2")
+    code, _, err = strikewave(
+        "run", "--no-band", "li-ma-2019", "--set", "feed.retract_time=200 ms", "--set", "feed.blows=2"
+    )
     assert code == 3
     assert "instead of the 2 wanted" in err
 
