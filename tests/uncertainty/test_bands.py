@@ -7,16 +7,28 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from pydantic import BaseModel
 from scipy.special import spherical_jn
 from scipy.stats import truncnorm
 
 from strikewave import load_case, load_solution, run_case
 from strikewave.analyses.machine.band import machine_bands
-from strikewave.base.quantities import Provenance, Range, Value
+from strikewave.base.quantities import Provenance, Range, ToleranceBand, Value
 from strikewave.cases.case import bundled_cases
+from strikewave.cases.machine_tables import KINDS
 from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE
+from strikewave.cases.tables import (
+    ContactTable,
+    FeedTable,
+    LoadTable,
+    Object,
+    SensorTable,
+    StackTable,
+    StrikerTable,
+    TapTable,
+)
 from strikewave.uncertainty.bands import LEVEL, Sample, find_band, latin_hypercube
-from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_strikers, range_of
+from strikewave.uncertainty.draws import OF_EACH_STRIKER, UncertainInput, drawn, drawn_strikers, range_of
 from strikewave.uncertainty.known import DEFAULTS, field_of, known_inputs
 
 
@@ -118,6 +130,57 @@ def test_every_quantity_of_every_case_moves_or_is_left_for_a_reason():
                 continue
             aside = field_of(case, path) in NOT_MOVED or value.si == 0.0 or range_of(case, path).unit == "count"
             assert aside or drawn_strikers(case, path) == (), (name, path)
+
+
+TABLES = {
+    "striker": StrikerTable,
+    "feed": FeedTable,
+    "object": Object,
+    "contact": ContactTable,
+    "stack": StackTable,
+    "load": LoadTable,
+    "sensor": SensorTable,
+    "tap": TapTable,
+}
+READ_OFF = {
+    *("mass", "weight", "radius", "nose_radius", "diameter", "area", "length", "thickness", "gap", "bore", "drum"),
+    *("speed", "height", "volume", "pressure", "ambient", "period", "stroke", "contact_length", "face_width", "centre"),
+    *("angle", "blow_angle", "strike_angle", "belt_ratio", "shape_factor", "sound_speed", "heat_ratio", "density"),
+    *("modulus", "poissons_ratio", "peak", "duration", "rise"),
+}
+"""Last words of fields that are weighed, gauged, read off a scale, or of a data sheet: the share of their provenance."""
+
+
+def test_every_quantity_of_every_table_can_be_read_off_or_has_a_rule_of_its_own():
+    """A new field is put into `strikewave.cases.plausible`, or found to be one that can be read off."""
+    fields = {}
+    for key, table in [("machine", kind) for kind in KINDS.values()] + list(TABLES.items()):
+        quantities_of(table, key, fields)
+    ruled = set(PLAUSIBLE) | set(NOT_MOVED) | {f"striker.each.{key}" for key in OF_EACH_STRIKER.values()}
+    assert [path for path in (*PLAUSIBLE, *NOT_MOVED) if path not in fields] == []
+    assert [
+        path
+        for path, unit in fields.items()
+        if path not in ruled and unit != "count" and path.rpartition(".")[2] not in READ_OFF
+    ] == []
+
+
+def quantities_of(table, path, found):
+    """Add the unit of every quantity of a table and of those within it, by path."""
+    for key, field in table.model_fields.items():
+        ranges = [getattr(getattr(one, "func", None), "__self__", None) for one in field.metadata]
+        units = [one.unit for one in ranges if isinstance(one, Range)]
+        if units:
+            found[f"{path}.{key}"] = units[0]
+            continue
+        for inner in models_in(field.annotation):
+            quantities_of(inner, f"{path}.{key}", found)
+
+
+def models_in(kind):
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return [] if kind in (Value, ToleranceBand) else [kind]
+    return [model for part in get_args(kind) for model in models_in(part)]
 
 
 def test_every_provenance_has_a_default_and_no_field_two_rules():
