@@ -316,6 +316,9 @@ Histories = Annotated[
         "--histories", help="Write the histories as tables too, one file for each time base.", show_default=False
     ),
 ]
+Xlsx = Annotated[
+    bool, typer.Option("--xlsx", help="Write one workbook too: tables, comparison, warnings, inputs, histories.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
 
 
@@ -414,25 +417,38 @@ class RunOutput(Output):
     ----------
     histories : str or None
         Format of the tables of histories, csv or parquet; None for none.
+    xlsx: bool
+        Whether all of it is written as one workbook too.
     """
 
     histories: Histories = None
+    xlsx: Xlsx = False
 
     def check_files(self) -> None:
-        """Refuse histories that have no folder.
+        """Refuse histories and a workbook that have no folder, and a workbook that cannot be written.
 
         Raises
         ------
         InputError
-            If there is none.
+            If there is none, or the writer is not installed.
         """
-        if self.histories and self.json and self.out is None:
-            raise InputError("--histories", "--json without --out", "a folder for the files", "add --out DIR")
+        for option, asked in (("--histories", self.histories), ("--xlsx", self.xlsx)):
+            if asked and self.json and self.out is None:
+                raise InputError(option, "--json without --out", "a folder for the files", "add --out DIR")
+        if self.xlsx:
+            from strikewave.reporting.workbook import check_workbook
+
+            check_workbook()
 
     def write_more(self, result: Result, folder: Path) -> list[str]:
-        """Write the histories, and return the names of the files."""
-        if self.histories is None:
-            return []
-        from strikewave.reporting.histories import write_histories
+        """Write the histories and the workbook, and return the names of the files."""
+        names: list[str] = []
+        if self.histories is not None:
+            from strikewave.reporting.histories import write_histories
 
-        return write_histories(result, folder, self.histories)
+            names += write_histories(result, folder, self.histories)
+        if self.xlsx:
+            from strikewave.reporting.workbook import write_workbook
+
+            names.append(write_workbook(result, folder))
+        return names
