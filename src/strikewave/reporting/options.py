@@ -287,6 +287,12 @@ Changes = Annotated[
         show_default=False,
     ),
 ]
+WithBand = Annotated[
+    bool,
+    typer.Option(
+        "--band/--no-band", help="Find the range of each result when inputs move within what is known of them."
+    ),
+]
 Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Folder of the result; out/NAME by default.", show_default=False),

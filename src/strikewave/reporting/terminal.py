@@ -9,14 +9,15 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from strikewave.reporting import numbers
+from strikewave.reporting.bands import BAND_HEADS, band_rows
 from strikewave.reporting.numbers import headed, shown
 
 if TYPE_CHECKING:
-    from strikewave.base.result import Comparison, Notice
+    from strikewave.base.result import Comparison, Notice, Result
     from strikewave.cases.losses_of_case import FittedLoss
     from strikewave.sensors.channel import SensorChannel
 
@@ -168,6 +169,21 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], lef
     if not console.is_terminal:
         console.width = int(os.environ.get("COLUMNS", "160")) if os.environ.get("COLUMNS", "160").isdigit() else 160
     console.print(grid)
+
+
+def print_bands(result: Result, values: Mapping[str, float]) -> None:
+    """Print the range of each result with the inputs that matter most, and how they were found; nothing without any.
+
+    Parameters
+    ----------
+    result : Result
+        With bands.
+    values : mapping of str to float
+        The results themselves, SI, by the names of the bands.
+    """
+    if result.band and result.band_method is not None:
+        table("What the results depend on", list(BAND_HEADS), band_rows(result, values), left=3)
+        say(result.band_method.words())
 
 
 def print_fits(losses: Sequence[FittedLoss]) -> None:

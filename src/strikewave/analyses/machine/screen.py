@@ -8,7 +8,7 @@ from pathlib import Path
 
 from strikewave.analyses.machine.columns import headings, shown_in
 from strikewave.analyses.machine.result import Solution
-from strikewave.analyses.machine.run import run_case
+from strikewave.analyses.machine.run import run_case, with_bands
 from strikewave.analyses.machine.words import (
     ANSWERS_CALLED,
     answer_heads,
@@ -28,6 +28,7 @@ from strikewave.reporting.run_and_write import Command, case_folder, run_and_wri
 from strikewave.reporting.terminal import (
     fixed,
     number,
+    print_bands,
     print_fits,
     print_losses,
     print_published,
@@ -38,7 +39,9 @@ from strikewave.reporting.terminal import (
 )
 
 
-def run_machine_case(case: Case, changes: Sequence[str], output: Output, animate: bool = False) -> int:
+def run_machine_case(
+    case: Case, changes: Sequence[str], output: Output, animate: bool = False, band: bool = True
+) -> int:
     """Run a machine case, write and print its result, and return the exit code.
 
     Raises
@@ -49,7 +52,7 @@ def run_machine_case(case: Case, changes: Sequence[str], output: Output, animate
     output.check_animation(animate)
     case = output.tested(case)
     text = dump_case(case)
-    return run_and_write(MachineCommand(case, animate), output, case_folder(case.name, text, changes), text)
+    return run_and_write(MachineCommand(case, animate, band), output, case_folder(case.name, text, changes), text)
 
 
 @dataclass(frozen=True)
@@ -58,12 +61,17 @@ class MachineCommand(Command[Solution]):
 
     case: Case
     animate: bool = False
+    band: bool = True
 
     def solve(self) -> Solution:
         """Return the solution, with a bar on stderr."""
         say_compiling()
         with progress_bar("blows") as report:
-            return run_case(self.case, report)
+            solution = run_case(self.case, report)
+        if not self.band:
+            return solution
+        with progress_bar("band") as report:
+            return with_bands(solution, report)
 
     def show(self, result: Solution) -> None:
         """Print the tables of a run."""
@@ -85,6 +93,7 @@ def show(solution: Solution) -> None:
     ]
     say(_header(solution))
     table(solution.title, ["#", "kind", *headings("blows"), "contacts"], rows, left=2)
+    print_bands(solution, solution.figures)
     _print_struck(solution, "contact", "Contact, blow by blow")
     _print_answers(solution)
     if solution.slides:

@@ -25,7 +25,7 @@ from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.numbers import axis_unit, percent, with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult
-from strikewave.uncertainty.draws import Tolerance, drawn, nominal, quantiles, tolerances_of, unfelt
+from strikewave.uncertainty.draws import UncertainInput, drawn, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
     Shares,
     mixtures,
@@ -160,7 +160,7 @@ class ScatterStudy(ShownResult):
 
     case: Case
     plan: ScatterPlan
-    tolerances: tuple[Tolerance, ...]
+    tolerances: tuple[UncertainInput, ...]
     numbers: Array
     runs: tuple[RunResult, ...]
     nominal_run: RunResult
@@ -438,7 +438,7 @@ def _known(values: list[float]) -> list[float]:
     return [value for value in values if math.isfinite(value)]
 
 
-def _tolerance(one: Tolerance) -> dict[str, Any]:
+def _tolerance(one: UncertainInput) -> dict[str, Any]:
     assert one.value.tolerance is not None
     return {
         "path": one.path,
