@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import BaseModel
 
-from strikewave import __version__
+from strikewave._version import __version__
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
