@@ -77,6 +77,7 @@ RESULT_FILES = (
     "comparison.json",
     "comparison.svg",
     "report.html",
+    "report.pdf",
 )
 """What a result consists of; a folder that holds anything else is never replaced, for it may be the user's own."""
 ANIMATIONS = ("machine.html", "machine.gif", "animation.html", "animation.gif")

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from strikewave.base.compile_progress import WORDS, compiling_shown
 from strikewave.reporting import numbers
 from strikewave.reporting.bands import BAND_HEADS, band_rows
 from strikewave.reporting.numbers import headed, shown
@@ -59,12 +60,10 @@ def case_hash(text: str, changes: Sequence[str] | None) -> str:
     return "-" + hashlib.sha256(text.encode()).hexdigest()[:8] if changes else ""
 
 
-def say_compiling() -> None:
-    """Say that the first run takes longer, where it does."""
-    from strikewave.base.compiled import is_cold
-
-    if is_cold():
-        say("compiling the kernels: once after install, about 20 s")
+def say_compiling(count: int, done: bool) -> None:
+    """Say in one plain line, for logs, that kernels are compiled; see `compiling_shown`."""
+    if count == 0 and not done:
+        say(f"{WORDS}: about 20 s")
 
 
 def most_memory() -> str:
@@ -90,14 +89,16 @@ def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield _plain_progress(what, done)
+        with compiling_shown(say_compiling):
+            yield _plain_progress(what, done)
         return
     times = [TimeElapsedColumn() if clock == "elapsed" else TimeRemainingColumn() for clock in clocks]
     columns = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}"), *times)
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("", total=1.0)
         progress.update(task, completed=done)
-        yield lambda share, words="": progress.update(task, completed=share, description=words)
+        with compiling_shown(lambda count, _: progress.update(task, description=f"{WORDS}: {count} compiled")):
+            yield lambda share, words="": progress.update(task, completed=share, description=words)
 
 
 def _plain_progress(what: str, done: float) -> Callable[..., None]:

@@ -34,7 +34,6 @@ from strikewave.reporting.terminal import (
     print_published,
     progress_bar,
     say,
-    say_compiling,
     table,
 )
 
@@ -65,7 +64,6 @@ class MachineCommand(Command[Solution]):
 
     def solve(self) -> Solution:
         """Return the solution, with a bar on stderr."""
-        say_compiling()
         with progress_bar("blows") as report:
             solution = run_case(self.case, report)
         if not self.band:

@@ -25,7 +25,7 @@ from strikewave.records import (
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, progress_bar, say, say_compiling, significant, table
+from strikewave.reporting.terminal import number, progress_bar, say, significant, table
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferCandidate, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
 from strikewave.studies.buffer.mounting_site import (
@@ -123,7 +123,6 @@ class BufferCommand(Command[BufferStudy]):
         if source.reading is not None:
             blows = _recorded(source.record, source.reading, source.found)
         else:
-            say_compiling()
             with progress_bar("blows") as report:
                 blows = _blows(source, self.blow, report)
         with progress_bar("stacks") as report:

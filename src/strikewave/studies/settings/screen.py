@@ -12,7 +12,7 @@ from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import fixed, number, progress_bar, say, say_compiling, significant, table
+from strikewave.reporting.terminal import fixed, number, progress_bar, say, significant, table
 from strikewave.studies.settings.candidate import BlowGoal, Limit, SettingsCandidate
 from strikewave.studies.settings.estimate import engagement_sensitivity
 from strikewave.studies.settings.search import VARIED
@@ -67,7 +67,6 @@ class SettingsCommand(Command[SettingsStudy]):
 
     def solve(self) -> SettingsStudy:
         """Return the study, with a bar on stderr."""
-        say_compiling()
         with progress_bar("settings") as report:
             study = design_settings(self.case, self.goal, self.choice, report)
         return dataclasses.replace(study, asked=measured.asked())
