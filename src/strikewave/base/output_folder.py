@@ -73,6 +73,7 @@ RESULT_FILES = (
     "histories-reading.parquet",
     "histories-interval.parquet",
     "field.vtkhdf",
+    "result.xlsx",
     "comparison.json",
     "comparison.svg",
     "report.html",
