@@ -73,9 +73,11 @@ RESULT_FILES = (
     "histories-reading.parquet",
     "histories-interval.parquet",
     "field.vtkhdf",
+    "result.xlsx",
     "comparison.json",
     "comparison.svg",
     "report.html",
+    "report.pdf",
 )
 """What a result consists of; a folder that holds anything else is never replaced, for it may be the user's own."""
 ANIMATIONS = ("machine.html", "machine.gif", "animation.html", "animation.gif")

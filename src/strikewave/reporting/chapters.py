@@ -65,8 +65,7 @@ def inputs(case: BaseModel, unused: str = "") -> Section:
     The tables begin folded away.
     """
     fits = _fits(case) if isinstance(case, Case) else []
-    case = case.with_stale_fits_assumed() if isinstance(case, Case) else case
-    groups = [group for group in _groups(case) if group[0] != unused]
+    groups = [group for group in input_groups(case) if group[0] != unused]
     quantities = [
         (f"{path}.{key}", entry) for path, _, rows in groups for key, entry in rows if isinstance(entry, Value)
     ]
@@ -110,8 +109,12 @@ def _fits(case: Case) -> list[Table]:
     return [Table("What was fitted", ["value", "to", "the fit"], rows)] if rows else []
 
 
-def _groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, list[tuple[str, Any]]]]:
-    """Yield path, description and entries of each table of a case; an array of tables is one table."""
+def input_groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, list[tuple[str, Any]]]]:
+    """Yield path, description and entries of each table of a case; an array of tables is one table.
+
+    A value whose fit no longer applies is assumed, and its note says why.
+    """
+    model = model.with_stale_fits_assumed() if isinstance(model, Case) else model
     inner: list[tuple[str, str, list[tuple[str, Any]]]] = []
     rows: list[tuple[str, Any]] = []
     for key, entry in model:
@@ -119,7 +122,7 @@ def _groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, list[t
         if path and (isinstance(entry, Value) or not isinstance(entry, BaseModel | tuple)):
             rows.append((key, entry))
         elif isinstance(entry, BaseModel) and (path or _quantities(entry)):
-            inner += _groups(entry, below)
+            inner += input_groups(entry, below)
         elif isinstance(entry, tuple) and entry and key not in ("published", "fit"):
             inner.append((below, _about(entry[0]), list(_flat(entry, ""))))
     rows = [(key, entry) for key, entry in rows if entry is not None and entry != ""]
