@@ -174,8 +174,8 @@ def atomic_folder(folder: Path, identity: str, force: bool = False, own: Sequenc
 def keep_true_files(old: Path, new: Path, identity: str) -> tuple[list[str], list[str]]:
     """Copy the animations of an older run that are still true into the new folder; return the kept and removed names.
 
-    They are true where the older folder is of the same inputs, and every table and picture that both hold is equal to the
-    byte: tables tell other numbers, pictures other units.
+    They are true where the older folder is of the same inputs, and every table and picture that both hold is equal to
+    the byte: tables tell other numbers, pictures other units.
     All else that the new run did not write goes with the older folder.
     """
     if not old.is_dir():
