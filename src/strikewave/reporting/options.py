@@ -322,6 +322,9 @@ Histories = Annotated[
         "--histories", help="Write the histories as tables too, one file for each time base.", show_default=False
     ),
 ]
+Xlsx = Annotated[
+    bool, typer.Option("--xlsx", help="Write one workbook too: tables, comparison, warnings, inputs, histories.")
+]
 Pdf = Annotated[
     Literal["A4", "letter"] | None,
     typer.Option(
@@ -463,27 +466,39 @@ class RunOutput(Output):
     ----------
     histories : str or None
         Format of the tables of histories, csv or parquet; None for none.
+    xlsx: bool
+        Whether all of it is written as one workbook too.
     """
 
     histories: Histories = None
+    xlsx: Xlsx = False
 
     def check_files(self, usual: str | None) -> None:
-        """Refuse histories that have no folder.
+        """Refuse histories and a workbook that have no folder, and a workbook that cannot be written.
 
         Raises
         ------
         InputError
-            If there is none, or what `Output.check_files` raises.
+            If there is none, if the writer is not installed, or what `Output.check_files` raises.
         """
         super().check_files(usual)
         if self.histories:
             self._check_folder("--histories", usual)
+        if self.xlsx:
+            from strikewave.reporting.workbook import check_workbook
+
+            self._check_folder("--xlsx", usual)
+            check_workbook()
 
     def write_more(self, result: Result, folder: Path) -> list[str]:
-        """Write the histories, and return the names of the files."""
-        more = super().write_more(result, folder)
-        if self.histories is None:
-            return more
-        from strikewave.reporting.histories import write_histories
+        """Write the histories and the workbook, and return the names of the files."""
+        names = super().write_more(result, folder)
+        if self.histories is not None:
+            from strikewave.reporting.histories import write_histories
 
-        return more + write_histories(result, folder, self.histories)
+            names += write_histories(result, folder, self.histories)
+        if self.xlsx:
+            from strikewave.reporting.workbook import write_workbook
+
+            names.append(write_workbook(result, folder))
+        return names
