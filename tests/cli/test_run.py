@@ -11,7 +11,7 @@ BAR = "li-ma-2019-fig13-bar"
 
 def test_a_layered_bar_gives_what_wave_gives(strikewave):
     code, out, _ = strikewave("run", "--no-band", BAR, "--json")
-    other, same, _ = strikewave("wave", BAR, "--json")
+    other, same, _ = strikewave("wave", "--no-band", BAR, "--json")
     assert code == other
     assert json.loads(out) == json.loads(same)
 

@@ -130,7 +130,9 @@ h1 {{ string-set: title content(); }}
 .picture.wide {{ display: block; width: auto; }}
 .flow ol {{ display: block; }}
 .flow li {{ display: inline-block; margin-bottom: 1.5mm; }}
-.broken th, .broken td {{ white-space: normal; overflow-wrap: anywhere; min-width: 0; }}
+.words td:not(.number) {{ overflow-wrap: break-word; min-width: 0; }}
+.words td.long {{ overflow-wrap: anywhere; }}
+.broken th, .broken td, .broken td:not(.number) {{ white-space: normal; overflow-wrap: anywhere; min-width: 0; }}
 .equation {{ display: inline-block; }}
 .equation svg {{ display: block; }}
 """
@@ -231,7 +233,8 @@ def _lines(tex: str) -> list[str]:
     body = tex.strip()
     if body.startswith(r"\begin{array}{l}"):
         body = body.removeprefix(r"\begin{array}{l}").removesuffix(r"\end{array}")
-    return [line.replace(r"\le ", r"\leq ").strip() for line in body.split(r"\\") if line.strip()]
+    body = body.replace(r"\le ", r"\leq ").replace(r"\frac", r"\dfrac")  # numerators as large as what stands beside
+    return [line.strip() for line in body.split(r"\\") if line.strip()]
 
 
 def _line(tex: str) -> tuple[str, float, float, float]:
@@ -314,7 +317,10 @@ def _least_width(cell: ElementTree.Element, row: ElementTree.Element) -> float:
     if "number" in looks and not head:
         return _set_width(words)
     longest = max((_set_width(word, bold=head) for word in words.replace("-", "- ").split()), default=0.0)
-    return longest if head else min(longest, _LONGEST_WORD)
+    if longest > _LONGEST_WORD and not head:
+        cell.set("class", " ".join([*looks, "long"]))
+        return _LONGEST_WORD
+    return longest
 
 
 def _set_width(words: str, bold: bool = False) -> float:

@@ -29,6 +29,7 @@ from strikewave.fem.quality import UNWARPED, PartQuality, quality_report
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.snapshots import SNAPSHOTS
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions
+from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.numbers import headed, shown_heads
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
@@ -290,6 +291,7 @@ def _show_balance(solution: FemSolution) -> None:
         f"internal (limit {HOURGLASS_LIMIT:g}), momentum {balance.momentum:.1e}"
     )
     say(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
+    say(NO_BAND_OF_ELEMENTS[0].lower() + NO_BAND_OF_ELEMENTS[1:])
 
 
 def _show_blows(solution: FemSolution) -> None:

@@ -31,6 +31,7 @@ from strikewave.fem.run import ENERGIES
 from strikewave.fem.skin import blow_contact
 from strikewave.fem.solids import Bilinear, JohnsonCook, ZerilliArmstrong
 from strikewave.reporting import chapters
+from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.curves import shortened
 from strikewave.reporting.numbers import listed, percent, shown, shown_heads, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
@@ -103,7 +104,7 @@ def fem_report(solution: FemSolution) -> str:
     ]
     summary = chapters.Summary(
         kicker="Report of an explicit finite-element run",
-        words=_summary(solution.run, wholes, bodies) + _sector_words(sectors),
+        words=f"{_summary(solution.run, wholes, bodies)}{_sector_words(sectors)} {NO_BAND_OF_ELEMENTS}",
         numbers=_key_numbers(solution.run, wholes, bodies),
         status=_status(solution),
     )
