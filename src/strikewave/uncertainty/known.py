@@ -4,7 +4,8 @@ A stated tolerance counts as it stands. Without one, what was measured, publishe
 a unit of its last digit, and to 1 % at best; what was inferred, fitted or assumed to the share of `DEFAULTS`. A field
 that nobody can weigh or read off (`strikewave.cases.plausible`) keeps its plausible range while its value is assumed or
 the user's, whatever tolerance stands there: it says how a machine scatters about a value that nobody knows. To narrow
-it, mark the value as measured.
+it, mark the value as measured. A fitted value of a case that was changed since is an assumed one: it was fitted to
+another machine.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ _NUMBER = re.compile(r"\s*[-+]?(\d*)\.?(\d*)(?:[eE]([-+]?\d+))?")
 
 
 def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInput, ...]:
-    """Return every input of a case that moves within what is known of it, by path.
+    """Return every input of a case that moves within what is known of it, by path; of a stale fit nothing is known.
 
     Parameters
     ----------
@@ -69,7 +70,7 @@ def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInp
     ('plausible range', 0.0025, 0.0075)
     """
     inputs = []
-    for path, value in sorted(case.values().items()):
+    for path, value in sorted(case.with_stale_fits_assumed().values().items()):
         if path.partition(".")[0] in tables:
             one = known_input(case, path, value)
             if one is not None and one.high > one.low:

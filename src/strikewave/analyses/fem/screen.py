@@ -29,6 +29,8 @@ from strikewave.fem.quality import UNWARPED, PartQuality, quality_report
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.snapshots import SNAPSHOTS
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions
+from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
+from strikewave.reporting.numbers import headed, shown_heads
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
@@ -245,13 +247,13 @@ def show(solution: FemSolution) -> None:
         ]
         for name, part in {**solution.parts, **solution.groups}.items()
     ]
-    heads = ["part", "mass (kg)", "rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)", "along"]
-    table(f"{solution.title}: parts as rigid bodies", heads, rows)
+    heads = ("part", "mass (kg)", "rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)", "along")
+    table(f"{solution.title}: parts as rigid bodies", shown_heads(*heads), rows)
     rows = [
         [name, number(part.von_mises, "Pa", "MPa"), number(part.plastic_strain, "1", "1", 3)]
         for name, part in solution.parts.items()
     ]
-    table("Largest in the elements", ["part", "von Mises stress (MPa)", "plastic strain"], rows)
+    table("Largest in the elements", shown_heads("part", "von Mises stress (MPa)", "plastic strain"), rows)
     if solution.film is not None and (words := largest_words(solution.film, solution.model.mesh)):
         say(words)
     wholes = solution.wholes
@@ -260,10 +262,10 @@ def show(solution: FemSolution) -> None:
         for name, one in solution.contacts.items()
     ]
     if rows:
-        heads = ["contact", "peak (kN)", "at (us)", "impulse (N s)", "begins (us)", "lasts (us)"]
-        heads += ["peak, whole bodies (kN)", "impulse, whole bodies (N s)"]
-        many = len(heads) if any(wholes.values()) else len(heads) - 2
-        table("Contacts", heads[:many], [row[:many] for row in rows])
+        names = shown_heads("contact", "peak (kN)", "at (us)", "impulse (N s)", "begins (us)", "lasts (us)")
+        names += shown_heads("peak, whole bodies (kN)", "impulse, whole bodies (N s)")
+        many = len(names) if any(wholes.values()) else len(names) - 2
+        table("Contacts", names[:many], [row[:many] for row in rows])
     print_published(solution.comparisons)
     _show_balance(solution)
     if solution.later:
@@ -283,12 +285,13 @@ def _show_balance(solution: FemSolution) -> None:
     run, balance = solution.run, balance_measure(solution.run)
     kinds = [name for name in ENERGIES if run.energy[name].any()]
     cells = [number(run.initial_energy, "J", "J"), *(number(float(run.energy[name][-1]), "J", "J") for name in kinds)]
-    table("Energy at the end (J)", ["initial", *kinds], [cells], left=0)
+    table(headed("Energy at the end", "J", "J"), ["initial", *kinds], [cells], left=0)
     say(
         f"balance: energy {balance.energy:+.1e} (limit {ENERGY_LIMIT:g}), hourglass {balance.hourglass:.1e} of "
         f"internal (limit {HOURGLASS_LIMIT:g}), momentum {balance.momentum:.1e}"
     )
     say(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
+    say(NO_BAND_OF_ELEMENTS[0].lower() + NO_BAND_OF_ELEMENTS[1:])
 
 
 def _show_blows(solution: FemSolution) -> None:
@@ -310,8 +313,8 @@ def _show_blows(solution: FemSolution) -> None:
                 f"{balance_measure(each.run).energy:+.1e}",
             ]
         )
-    heads = ["blow", "peak (kN)", "impulse (N s)", "lasts (us)", "restitution", "rigid peak (g)"]
-    table("Blow after blow", [*heads, "plastic strain", "yields with (J)", "energy error"], rows, left=0)
+    heads = ("blow", "peak (kN)", "impulse (N s)", "lasts (us)", "restitution", "rigid peak (g)")
+    table("Blow after blow", shown_heads(*heads, "plastic strain", "yields with (J)", "energy error"), rows, left=0)
     for run in solution.later:
         if run.rest is not None:
             away = f"; begins {run.rest.added_distance * 1e6:.3g} um farther away" if run.rest.added_distance else ""
@@ -341,8 +344,8 @@ def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
         ]
         for row in quality
     ]
-    heads = ["part", "elements", "nodes", "mass (kg)", "shortest edge (mm)", "longest (mm)", "aspect ratio"]
-    table("Mesh", [*heads, "scaled Jacobian", "warpage (deg)"], rows)
+    heads = ("part", "elements", "nodes", "mass (kg)", "shortest edge (mm)", "longest (mm)", "aspect ratio")
+    table("Mesh", shown_heads(*heads, "scaled Jacobian", "warpage (deg)"), rows)
 
 
 def _check_document(case: Case, model: Model, quality: Sequence[PartQuality]) -> dict[str, Any]:

@@ -109,10 +109,10 @@ def show(solution: Solution) -> None:
         f"if nothing but the contact gave way ({reference_law(solution.case)} on a rigid object, at the nominal "
         f"{with_unit(r.approach_speed, 'm/s', 'm/s', 3)}), the pulse would be {', '.join(pulse)}"
     )
-    fitted = solution.case.fitted_fields()
+    values = solution.case.with_stale_fits_assumed().values()
+    fitted = [f"{path} = {value.typed}" for path, value in values.items() if value.provenance == "fitted"]
     if fitted:
-        values = solution.case.values()
-        say("fitted: " + ", ".join(f"{path} = {values[path].typed}" for path in fitted))
+        say("fitted: " + ", ".join(fitted))
     balance = solution.balance
     say(f"balance: energy {balance['energy_error']:.1e}, momentum {balance['momentum_error']:.1e} (limit 1e-6)")
 

@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.analyses.wave.band import with_bands
-from strikewave.analyses.wave.report import error_words, tap_rows, wave_tables
+from strikewave.analyses.wave.report import TAP_HEADS, error_words, tap_rows, wave_tables
 from strikewave.analyses.wave.run import WaveSolution, run_wave
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.numbers import shown_heads, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.stack_chapters import MOST_LAYERS
@@ -89,10 +90,10 @@ class WaveCommand(Command[WaveSolution]):
 def show(solution: WaveSolution) -> None:
     """Print the largest values at the taps, the layers, joints and sensors of a stack, and how exact they are."""
     stack = solution.run.stack
-    say(f"{solution.case.name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {stack.transit * 1e6:.4g} us")
-    columns = ["tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"]
+    transit = with_unit(stack.transit, "s", "us")
+    say(f"{solution.case.name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {transit}")
     rows = [[str(cell) for cell in row] for row in tap_rows(solution)]
-    table(f"{solution.title}: largest values at the taps", columns, rows, left=3)
+    table(f"{solution.title}: largest values at the taps", shown_heads(*TAP_HEADS), rows, left=3)
     used = [
         [
             layer.name,
@@ -105,7 +106,7 @@ def show(solution: WaveSolution) -> None:
     if solution.method != "spectral":
         more = len(stack.layers) - MOST_LAYERS
         title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
-        table(title, ["layer", "asked (mm)", "used (mm)", "steps"], used)
+        table(title, shown_heads("layer", "asked (mm)", "used (mm)", "steps"), used)
     print_fits(solution.losses)
     for caption, columns, rows in wave_tables(solution):
         table(caption, columns, rows)
@@ -119,7 +120,7 @@ def show(solution: WaveSolution) -> None:
             ]
             for name, pulse in solution.sensors.items()
         ]
-        table("What the sensors read", ["sensor", "peak (g)", "pulse width at 10 % (us)", "clipped"], read)
+        table("What the sensors read", shown_heads("sensor", "peak (g)", "pulse width at 10 % (us)", "clipped"), read)
         print_losses(solution.channels)
     print_bands(solution, solution.figures)
     say(error_words(solution))

@@ -23,6 +23,7 @@ from strikewave.records import (
     Options,
 )
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.numbers import shown_heads, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, progress_bar, say, significant, table
@@ -213,10 +214,10 @@ def _called(source: BlowSource) -> str:
 
 def _print(study: BufferStudy) -> None:
     motion, site = study.motion, study.site
-    rigid = "" if motion.rigid_peak is None else f", rigid-body peak {number(motion.rigid_peak, 'm/s^2', 'g', 5)} g"
+    rigid = "" if motion.rigid_peak is None else f", rigid-body peak {with_unit(motion.rigid_peak, 'm/s^2', 'g', 5)}"
     say(
         f"{site.table.name}, {site.mass * 1e3:.4g} g of mass, on {site.area * 1e6:.4g} mm^2 of gasket; {motion.name}: "
-        f"surface {number(motion.peak, 'm/s^2', 'g', 5)} g{rigid}"
+        f"surface {with_unit(motion.peak, 'm/s^2', 'g', 5)}{rigid}"
     )
     say("the motion of the surface is given: the sensor's back-effect on the structure is not modelled")
     shown = distinct(study.candidates, LEADING)
@@ -227,11 +228,11 @@ def _print(study: BufferStudy) -> None:
     within_limit = sum(candidate.keeps for candidate in study.candidates)
     first_by = {"robust": "the robust first, then by bandwidth"}.get(study.goal.rank, f"first by {study.goal.rank}")
     title = (
-        f"{within_limit} of {len(study.candidates)} stacks keep {number(study.goal.limit, 'm/s^2', 'g', 5)} g; "
+        f"{within_limit} of {len(study.candidates)} stacks keep {with_unit(study.goal.limit, 'm/s^2', 'g', 5)}; "
         f"{first_by if within_limit else 'first by peak'} (*: Pareto-optimal in peak and bandwidth)"
     )
     kinds = [k for k in range(len(COLUMNS)) if k not in LEFT_OUT or _wide()]
-    table(title, [COLUMNS[k] for k in kinds], [[row[k] for k in kinds] for row in rows], left=2)
+    table(title, shown_heads(*(COLUMNS[k] for k in kinds)), [[row[k] for k in kinds] for row in rows], left=2)
     if len(study.candidates) > len(shown):
         say(
             f"stacks with peak and bandwidth of one above within {ALIKE:.0%} are left out here; --json and the files "

@@ -11,6 +11,7 @@ from typing import ClassVar
 
 from strikewave.base.compiled import is_cold
 from strikewave.reporting.measured_files import asked
+from strikewave.reporting.numbers import shown_heads, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import INTERRUPTED, number, progress_bar, say, table
@@ -135,14 +136,14 @@ def _print(study: MapStudy) -> None:
     shown = [_column(study, study.here, study.present)]
     if nearest is not None:
         shown.append(_column(study, nearest.values, nearest.cell))
-    heads = [f"{a.path} ({a.unit or '1'})" for a in study.plan.axes] + [head for head, *_ in SHOWN]
+    heads = [f"{a.path} ({a.unit or '1'})" for a in study.plan.axes] + shown_heads(*(head for head, *_ in SHOWN))
     table(f"{study.case.name}: {study.plan.blows} blows", columns, list(zip(heads, *shown, strict=True)))
     for values, reason in study.refused:
         say(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")
     if nearest is None:
         say(_none_found(study))
         return
-    full = f"a full run has a CV of {100.0 * nearest.cv:.3g} % and a mean peak of {number(nearest.peak, *_PEAK, 5)} g"
+    full = f"a full run has a CV of {100.0 * nearest.cv:.3g} % and a mean peak of {with_unit(nearest.peak, *_PEAK, 5)}"
     if nearest.distance == 0.0:
         say(f"the case has equal blows already: {full}")
     else:

@@ -10,9 +10,10 @@ from typing import ClassVar
 
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.numbers import shown_heads, shown_unit, spelled
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import fixed, number, progress_bar, say, significant, table
+from strikewave.reporting.terminal import fixed, number, progress_bar, say, table
 from strikewave.studies.settings.candidate import BlowGoal, Limit, SettingsCandidate
 from strikewave.studies.settings.estimate import engagement_sensitivity
 from strikewave.studies.settings.search import VARIED
@@ -103,7 +104,7 @@ def _print(study: SettingsStudy) -> None:
     shown = [one for one in study.candidates if one in study.candidates[:SHOWN] or one in others.values()]
     wide = shutil.get_terminal_size((160, 24)).columns >= WIDE
     kinds = [k for k in range(len(COLUMNS)) if wide or k not in LEFT_OUT]
-    columns = [COLUMNS[k].format(study.choice.vary) for k in kinds]
+    columns = shown_heads(*(COLUMNS[k].format(study.choice.vary) for k in kinds))
     rows = [_cells(study, place, one) for place, one in enumerate(study.candidates, 1) if one in shown]
     title = f"{met} of {len(study.candidates)} settings give {goal_words(study.goal)}"
     table(title, columns, [[row[k] for k in kinds] for row in rows], left=0)
@@ -114,8 +115,8 @@ def _print(study: SettingsStudy) -> None:
     table("Limits of the first", ["limit", "value", "at most", "unit", "kept"], [_limit(x) for x in first.limits])
     if len(study.masses) > 1:
         rows = [_mass_cells(study, one) for one in study.masses]
-        names = ["striker (kg)", "engagement (mm)", f"{study.choice.vary} (MN/m)", "contact (kN)", "lost a blow (rpm)"]
-        table("What the mass of a striker costs", names, rows, left=0)
+        names = ("striker (kg)", "engagement (mm)", f"{study.choice.vary} (MN/m)", "contact (kN)", "lost a blow (rpm)")
+        table("What the mass of a striker costs", shown_heads(*names), rows, left=0)
     for count, why in study.left_out.items():
         say(f"left out, {count} strikers: {why}")
     for why in study.failed[:SHOWN]:
@@ -159,13 +160,13 @@ def _cells(study: SettingsStudy, place: int, one: SettingsCandidate) -> list[str
 
 def _limit(limit: Limit) -> list[str]:
     """Return a row of the table of limits."""
-    unit = LIMIT_UNITS.get(limit.unit, "1")
-    value, most = (number(x, limit.unit, unit, 3) for x in (limit.value, limit.limit))
+    usual = LIMIT_UNITS.get(limit.unit, "1")
+    value, most = (number(x, limit.unit, usual, 3) for x in (limit.value, limit.limit))
     return [
         limit.name.replace("_", " "),
         value,
         most,
-        unit,
+        spelled(shown_unit(limit.unit, usual)),
         "yes" if limit.kept else "no" if limit.decides else "warned",
     ]
 
@@ -177,6 +178,6 @@ def _mass_cells(study: SettingsStudy, one: SettingsCandidate) -> list[str]:
         number(values["striker.mass"].si, "kg", "kg"),
         number(values["machine.engagement"].si, "m", "mm"),
         number(values[VARIED[study.choice.vary][0]].si, "N/m", "MN/m"),
-        significant(one.observation.peak_force / 1e3, 3),
+        number(one.observation.peak_force, "N", "kN", 3),
         number(one.observation.supply.speed_lost, "rad/s", "rpm", 3),
     ]
