@@ -4,8 +4,7 @@ A stated tolerance counts as it stands. Without one, what was measured, publishe
 a unit of its last digit, and to 1 % at best; what was inferred, fitted or assumed to the share of `DEFAULTS`. A field
 that nobody can weigh or read off (`strikewave.cases.plausible`) keeps its plausible range while its value is assumed or
 the user's, whatever tolerance stands there: it says how a machine scatters about a value that nobody knows. To narrow
-it, mark the value as measured. A fitted value of a case that was changed since is an assumed one: it was fitted to
-another machine.
+it, mark the value as measured. A fitted value whose fit no longer applies is an assumed one.
 """
 
 from __future__ import annotations
