@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -17,6 +18,7 @@ import typer
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.units import DIMENSIONS, parse_quantity, parse_typed
+from strikewave.reporting.terminal import Screen, screen
 
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
@@ -290,6 +292,13 @@ Out = Annotated[
 ]
 Force = Annotated[bool, typer.Option("--force", help="Replace the result of another case in that folder.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
+Wide = Annotated[
+    bool, typer.Option("--wide", help="Show all columns of the tables, not only those that matter and those that fit.")
+]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Show warnings whole, not in one line each.")]
+Quiet = Annotated[
+    bool, typer.Option("-q", "--quiet", help="Show the result and failed checks only: no progress, no warnings.")
+]
 
 
 @dataclass(frozen=True)
@@ -301,24 +310,55 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Output:
-    """Where a result goes.
+class Shown:
+    """What is shown of a result.
 
     Attributes
     ----------
-    out : Path or None
-        The folder asked for.
-    force : bool
-        Whether it may replace the result of something else.
     json : bool
-        Whether one JSON document goes to stdout; files are then written only to ``out``.
+        Whether one JSON document goes to stdout, and nothing else.
+    wide : bool
+        Whether tables have all their columns.
+    verbose : bool
+        Whether warnings are shown whole.
+    quiet : bool
+        Whether nothing but the result is shown.
     """
 
     panel: ClassVar[str] = "Output"
 
+    json: Json = False
+    wide: Wide = False
+    verbose: Verbose = False
+    quiet: Quiet = False
+
+    def in_force(self) -> AbstractContextManager[None]:
+        """Return the context in which that much is shown.
+
+        Raises
+        ------
+        InputError
+            If all and nothing is wanted.
+        """
+        if self.verbose and self.quiet:
+            raise InputError("--quiet", "--verbose too", "one of them")
+        return screen(Screen(self.wide, self.verbose, self.quiet))
+
+
+@dataclass(frozen=True)
+class Output(Shown):
+    """Where a result goes, and what is shown of it.
+
+    Attributes
+    ----------
+    out : Path or None
+        The folder asked for; with ``json``, files are written only there.
+    force : bool
+        Whether it may replace the result of something else.
+    """
+
     out: Out = None
     force: Force = False
-    json: Json = False
 
     def check_animation(self, animate: bool) -> None:
         """Refuse an animation that has no folder to go to.

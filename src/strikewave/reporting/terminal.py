@@ -1,4 +1,8 @@
-"""What the commands share: printing JSON, tables and numbers."""
+"""What the commands share: words, tables and numbers on a terminal, in a pipe or a file; JSON.
+
+The result goes to stdout: a sentence, tables, what explains them. All else goes to stderr: progress, warnings, where
+files were written. A pipe or a file gets lines of `PIPE_WIDTH`, or of the environment variable COLUMNS, without styles.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +13,12 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextvars import ContextVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from strikewave.base.units import in_unit
+from strikewave.reporting.layout import Column, Line, clean, cut, key, numbers, plain, table_lines, words, wrapped
 
 if TYPE_CHECKING:
     from strikewave.base.result import Comparison, Notice
@@ -25,6 +31,85 @@ INTERRUPTED = 130
 """Exit code after Ctrl-C: 128 and the number of the signal, as shells have it."""
 SELDOM = 10.0
 """Seconds between two lines of progress, at least, where stderr is no terminal."""
+PIPE_WIDTH = 80
+"""Characters of a line where there is no terminal: a file is the same wherever it is written, and any pager shows it."""
+LEAST_WIDTH = 40
+"""Characters of a line at least: below, hardly a number stands beside its name."""
+
+
+class Screen(NamedTuple):
+    """How much is shown: all columns, whole warnings, nothing but the result."""
+
+    wide: bool = False
+    verbose: bool = False
+    quiet: bool = False
+
+
+_screen: ContextVar[Screen] = ContextVar("screen", default=Screen())
+
+
+@contextlib.contextmanager
+def screen(shown: Screen) -> Iterator[None]:
+    """Show as much as this as long as the context lasts, in this thread."""
+    token = _screen.set(shown)
+    try:
+        yield
+    finally:
+        _screen.reset(token)
+
+
+def is_wide() -> bool:
+    """Tell whether all columns are wanted."""
+    return _screen.get().wide
+
+
+def is_dumb() -> bool:
+    """Tell whether the terminal says that it shows letters and nothing else."""
+    return os.environ.get("TERM", "").lower() in ("dumb", "unknown")
+
+
+def screen_width(stream: TextIO) -> float:
+    """Return the characters of a line: of COLUMNS, of the terminal, or `PIPE_WIDTH`.
+
+    Where all columns are wanted and there is no terminal, a line is as long as it takes.
+    """
+    columns = os.environ.get("COLUMNS", "")
+    if columns.isdecimal() and int(columns) > 0:
+        return max(int(columns), LEAST_WIDTH)
+    if stream.isatty():
+        with contextlib.suppress(OSError, ValueError):
+            return max(os.get_terminal_size(stream.fileno()).columns, LEAST_WIDTH)
+    return math.inf if is_wide() and not stream.isatty() else PIPE_WIDTH
+
+
+def _shows_styles(stream: TextIO) -> bool:
+    return stream.isatty() and not is_dumb() and not os.environ.get("NO_COLOR")
+
+
+def _shows_only_ascii(stream: TextIO) -> bool:
+    """Tell whether a stream shows no other letters: a dumb terminal, or an encoding without them."""
+    if is_dumb():
+        return True
+    try:
+        "µ–²…─".encode(stream.encoding or "utf-8")
+    except (UnicodeEncodeError, LookupError):
+        return True
+    return False
+
+
+def _write(lines: Iterable[Line], stream: TextIO) -> None:
+    """Write lines with their styles where the stream shows them; stop where its reader has left."""
+    ascii_only = _shows_only_ascii(stream)
+    texts = [Line(plain(line.text) if ascii_only else line.text, line.style) for line in lines]
+    if not _shows_styles(stream):
+        stream.write("".join(f"{line.text}\n" for line in texts))
+        return
+    from rich.console import Console
+    from rich.text import Text
+
+    console = Console(file=stream, highlight=False)
+    for line in texts:
+        console.print(Text(line.text, style=line.style), no_wrap=True, overflow="ignore", crop=False)
 
 
 def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
@@ -32,18 +117,41 @@ def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
     sys.stdout.write(json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False) + "\n")
 
 
+def tell(text: str, indent: str = "") -> None:
+    """Print a sentence of the result on stdout, in lines that end at spaces; all but the first are indented."""
+    _write(map(Line, wrapped(clean(text), screen_width(sys.stdout), indent)), sys.stdout)
+
+
 def say(text: str) -> None:
-    """Print words on stderr, where they cannot spoil what stdout carries."""
-    sys.stderr.write(text + "\n")
+    """Print words on stderr, where they cannot spoil what stdout carries; nothing where only the result is wanted."""
+    if not _screen.get().quiet:
+        complain(text)
+
+
+def complain(text: str) -> None:
+    """Print words on stderr in any case: an error, or a check that failed. A file gets them in one line."""
+    width = screen_width(sys.stderr) if sys.stderr.isatty() else math.inf
+    _write(map(Line, wrapped(clean(text), width, "  ")), sys.stderr)
 
 
 def show_notices(notices: Sequence[Notice]) -> None:
-    """Print what the user should know."""
-    for notice in notices:
+    """Print what the user should know: failed checks whole, the rest in a line each unless all is wanted."""
+    shown, width, shortened = _screen.get(), screen_width(sys.stderr), False
+    for notice in sorted(notices, key=lambda notice: not notice.broken):
         about = f" {notice.case}" if notice.case else ""
         limit = f" (limit {significant(notice.limit, 3)})" if notice.broken and notice.limit == notice.limit else ""
         kind = "check failed" if notice.broken else "warning"
-        say(f"{kind} [{notice.code}]{about}: {notice.message}{limit}")
+        text = clean(f"{kind} [{notice.code}]{about}: {notice.message}{limit}")
+        if notice.broken:
+            complain(text)
+        elif shown.verbose:
+            say(text)
+        elif not shown.quiet:
+            line = cut(text, width)
+            shortened = shortened or line != text
+            _write([Line(line)], sys.stderr)
+    if shortened:
+        say("warnings are shortened here: -v shows them whole")
 
 
 def case_hash(text: str, changes: Sequence[str] | None) -> str:
@@ -80,19 +188,23 @@ def most_memory() -> str:
 def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed",)) -> Iterator[Callable[..., None]]:
     """Show a bar on stderr where that is a terminal, else a plain line at each tenth, at most every `SELDOM` seconds.
 
+    A dumb terminal gets the lines, and nothing is shown where only the result is wanted.
+
     Gives a function that takes the share done, and words beside it. It begins with ``done``; ``clocks`` are "elapsed",
     and "left" for the time that is left.
     """
+    if _screen.get().quiet:
+        yield lambda share, words="": None
+        return
+    if not sys.stderr.isatty() or is_dumb():
+        yield _plain_progress(what, done)
+        return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield _plain_progress(what, done)
-        return
     times = [TimeElapsedColumn() if clock == "elapsed" else TimeRemainingColumn() for clock in clocks]
     columns = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}"), *times)
-    with Progress(*columns, console=console, transient=True) as progress:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("", total=1.0)
         progress.update(task, completed=done)
         yield lambda share, words="": progress.update(task, completed=share, description=words)
@@ -151,22 +263,10 @@ def significant(value: float, digits: int) -> str:
     return f"{value:.0f}" if "e" in text else text
 
 
-def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> None:
-    """Print a table on stdout: the first ``left`` columns to the left, the rest to the right."""
-    from rich.box import SIMPLE_HEAD
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
-
-    grid = Table(title=escape(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
-    for place, column in enumerate(columns):
-        grid.add_column(escape(column), justify="left" if place < left else "right", overflow="fold")
-    for row in rows:
-        grid.add_row(*(escape(cell) for cell in row))
-    console = Console(soft_wrap=False)
-    if not console.is_terminal:
-        console.width = int(os.environ.get("COLUMNS", "160")) if os.environ.get("COLUMNS", "160").isdigit() else 160
-    console.print(grid)
+def table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table on stdout, with the columns that fit; see `strikewave.reporting.layout.table_lines`."""
+    lines = table_lines(title, columns, rows, screen_width(sys.stdout), is_wide())
+    _write([Line(""), *lines], sys.stdout)
 
 
 def print_fits(losses: Sequence[FittedLoss]) -> None:
