@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from strikewave.analyses.check import check
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.quantities import PROVENANCES
 from strikewave.cases.case import bundled_cases, document_of, dump_case, load_case, parse_case
 
 
@@ -32,15 +33,15 @@ def test_every_value_of_the_published_case_says_where_it_comes_from():
     for table in ("machine", "striker", "feed", "object", "contact", "recorder"):
         for key, raw in document[table].items():
             if not isinstance(raw, str):
-                assert raw["provenance"] in ("published", "measured", "inferred", "assumed", "fitted"), (table, key)
+                assert raw["provenance"] in PROVENANCES, (table, key)
     assert case.fitted_fields() == ["machine.engagement", "object.frame_stiffness"]
     assert case.values()["machine.speed"].provenance == "published"
 
 
-def test_a_changed_value_is_assumed_and_says_so():
+def test_a_changed_value_is_the_user_s():
     case = load_case("li-ma-2019", ["machine.engagement=4 mm"])
     value = case.values()["machine.engagement"]
-    assert (value.si, value.provenance, value.note) == (0.004, "assumed", "set by the user")
+    assert (value.si, value.provenance, value.note) == (0.004, "user", "")
     assert case.fitted_fields() == ["object.frame_stiffness"]
 
 

@@ -174,7 +174,8 @@ def test_a_quantity_that_is_no_number_of_the_file_is_shown_as_typed():
 def test_json_draws_nothing_and_imports_no_library_for_it(words, environment, tmp_path):
     program = (
         f"import sys; sys.argv = ['strikewave', *{words!r}, '--json']\nfrom strikewave.cli import app\n"
-        "try: app.main()\nfinally: print([m for m in ('matplotlib', 'jinja2') if m in sys.modules], file=sys.stderr)"
+        "heavy = ('matplotlib', 'jinja2', 'scipy.signal', 'scipy.stats', 'strikewave.hopkinson')\n"
+        "try: app.main()\nfinally: print([m for m in heavy if m in sys.modules], file=sys.stderr)"
     )
     run = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, env=environment, cwd=tmp_path, check=False

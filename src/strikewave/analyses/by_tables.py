@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Sequence
 
 from strikewave.base.errors import InputError
@@ -19,10 +20,9 @@ def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = F
     InputError, InputErrors
         If the file is neither, or what its analysis raises.
     """
-    from strikewave.analyses.hopkinson.setup_file import holds_setup, load_setup
-
     if holds_setup(read_case_text(name)[0]):
         from strikewave.analyses.hopkinson.screen import run_setup
+        from strikewave.analyses.hopkinson.setup_file import load_setup
 
         if animate:
             raise InputError(
@@ -41,3 +41,18 @@ def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = F
     from strikewave.analyses.machine.screen import run_machine_case
 
     return run_machine_case(case, changes, output, animate)
+
+
+def holds_setup(text: str) -> bool:
+    """Tell whether a TOML text is a set-up of split bars: it has [bar.incident].
+
+    Examples
+    --------
+    >>> holds_setup("[bar.incident]"), holds_setup("[machine]"), holds_setup("[")
+    (True, False, False)
+    """
+    try:
+        bar = tomllib.loads(text).get("bar")
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(bar, dict) and "incident" in bar

@@ -1,6 +1,6 @@
 """Values of a case: a number in SI with the text it was typed as, its provenance and a note.
 
-The provenance of a value is one of published, measured, inferred, assumed, fitted; a value typed
+The provenance of a value is one of published, measured, user, inferred, assumed, fitted; a value typed
 without one is assumed. A value may carry a tolerance, of which `strikewave.studies.scatter.study` makes use.
 """
 
@@ -15,7 +15,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.units import DIMENSIONS, parse_quantity
 
-Provenance = Literal["published", "measured", "inferred", "assumed", "fitted"]
+Provenance = Literal["published", "measured", "user", "inferred", "assumed", "fitted"]
 PROVENANCES: tuple[Provenance, ...] = get_args(Provenance)
 """Where a value may come from."""
 Distribution = Literal["normal", "uniform"]
@@ -63,7 +63,7 @@ class Value(BaseModel):
     typed : str or float
         What was typed, written back unchanged so that a saved case gives the same numbers.
     provenance : str
-        published, measured, inferred, assumed or fitted.
+        published, measured, user (typed or set by the user), inferred, assumed or fitted.
     note : str
         Why, or from where.
     tolerance : ToleranceBand, optional

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
+import scipy
 
 from strikewave.base.errors import InputError
 from strikewave.records import Channel, Options, read_record
@@ -37,7 +37,7 @@ def read_load(path: str) -> Sampled:
         raise InputError("load.file", channel.unit, allowed, 'name its unit, such as "force [kN]"')
     values = channel.values * factor
     if unit == ACCELERATION:
-        values, unit = cumulative_trapezoid(values, time, initial=0.0), SPEED
+        values, unit = scipy.integrate.cumulative_trapezoid(values, time, initial=0.0), SPEED
     try:
         return Sampled(time, values, "force" if unit == FORCE else "speed", bool(channel.unit))
     except ValueError as error:

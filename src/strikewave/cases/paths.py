@@ -48,7 +48,7 @@ class Form:
     example: str
 
     def change(self, document: dict[str, Any], change: str) -> None:
-        """Set ``path=value`` in a document; a bare number is SI; a changed quantity is marked as assumed.
+        """Set ``path=value`` in a document; a bare number is SI; a changed quantity is marked as the user's.
 
         It keeps its tolerance, which ``path.tolerance=value`` changes; a share of nothing is nothing: 0 goes without.
 
@@ -86,7 +86,7 @@ class Form:
         tolerance = {name: before[name] for name in _OF_TOLERANCE if name in before} if isinstance(before, dict) else {}
         if "%" in str(tolerance.get("tolerance")) and _is_zero(allowed, typed):
             tolerance = {}
-        place[key] = {"value": typed, "provenance": "assumed", **tolerance, "note": "set by the user"}
+        place[key] = {"value": typed, "provenance": "user", **tolerance}
 
     def _table_in(self, document: dict[str, Any], tables: list[str], change: str) -> Any:
         """Return the table of a document at a path, made where it is not there."""

@@ -17,10 +17,11 @@ def command(case: CaseName, *, changes: Changes = None, json: Json = False) -> i
 
     Lists every value and where it comes from.
     """
+    from strikewave.analyses.by_tables import holds_setup
     from strikewave.analyses.check import check
     from strikewave.analyses.fem.build import build_model
     from strikewave.analyses.hopkinson.build import check_setup
-    from strikewave.analyses.hopkinson.setup_file import holds_setup, load_setup, values_of
+    from strikewave.analyses.hopkinson.setup_file import load_setup, values_of
 
     if holds_setup(read_case_text(case)[0]):
         setup_case = load_setup(case, changes or ())

@@ -20,8 +20,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import lfilter
 
 from strikewave.hopkinson.bars import Bar
 from strikewave.waves import BONDED, End, Layer, Sampled, Stack, Tap, WantedError, run_bar
@@ -88,7 +88,7 @@ def rigid_disk(strain: ArrayLike, step: float, bar: Bar, mass: float) -> EndMoti
     slope = 1.0 - gone / rate if rate > SERIES else rate * (0.5 - rate * (1.0 / 6.0 - rate / 24.0))
     # v(n+1) = left v(n) + gone u(n) + slope (u(n+1) - u(n)), with u the velocity of a free end
     state = np.array([(gone - slope) * final[0]])
-    rest, _ = lfilter([slope, gone - slope], [1.0, -left], final[1:], zi=state)
+    rest, _ = scipy.signal.lfilter([slope, gone - slope], [1.0, -left], final[1:], zi=state)
     velocity = np.concatenate([[0.0], rest])
     acceleration = (final - velocity) * bar.impedance / mass
     return EndMotion(velocity, acceleration, mass * acceleration)

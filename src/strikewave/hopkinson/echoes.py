@@ -22,10 +22,8 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.fft import next_fast_len, rfft, rfftfreq
-from scipy.signal import correlate
-from scipy.special import stdtrit
 
 from strikewave.base.errors import InputError
 from strikewave.hopkinson.bars import Bar
@@ -89,7 +87,7 @@ class FittedValue(NamedTuple):
         >>> round(FittedValue(1.0, 0.1, 3).student, 3)
         3.182
         """
-        return float(stdtrit(self.freedom, 0.975)) if self.freedom > 0 else math.nan
+        return float(scipy.special.stdtrit(self.freedom, 0.975)) if self.freedom > 0 else math.nan
 
 
 class Odd(NamedTuple):
@@ -277,7 +275,7 @@ def _places(quiet: Quiet, bar: Bar, way: Way) -> _Places:
     begin, clear = max(round(foot), 0), int(PULSE_WIDTHS * width) if math.isfinite(width) else 0
     if not clear or begin + 2 * clear > x.size:
         raise InputError("echo trace", "one pulse alone", "a record of several round trips")
-    same = correlate(x[begin:], x[begin : begin + clear], "valid")
+    same = scipy.signal.correlate(x[begin:], x[begin : begin + clear], "valid")
     around = _first_large(same, clear)
     if around <= clear + 1:
         raise InputError("echo trace", "no echo of the sign of the first pulse", "a record of several round trips")
@@ -322,11 +320,11 @@ def _passes(quiet: Quiet, places_of_passes: _Places, skip: int) -> _Passes:
     if places.size < FEWEST_PASSES:
         hint = "record longer, or skip fewer passes"
         raise InputError("echo trace", f"{places.size} passes", f"at least {FEWEST_PASSES} whole passes", hint)
-    total = next_fast_len(4 * size, real=True)
+    total = scipy.fft.next_fast_len(4 * size, real=True)
     taper = _taper(size, lead)
     parts = [(-1.0) ** n * taper * x[p - lead : p - lead + size] for n, p in zip(numbers, places, strict=True)]
-    spectra = np.array([rfft(part, total) for part in parts])
-    return _Passes(places, size, rfftfreq(total, quiet.trace.step), spectra, skip)
+    spectra = np.array([scipy.fft.rfft(part, total) for part in parts])
+    return _Passes(places, size, scipy.fft.rfftfreq(total, quiet.trace.step), spectra, skip)
 
 
 def _taper(size: int, lead: int) -> Array:
@@ -501,4 +499,4 @@ def _foretold(design: Array, values: Array, weight: Array, k: int) -> tuple[floa
     after = _plane(design[k + 1 :], values[k + 1 :], weight[k + 1 :])
     apart = float(values[k] - design[k] @ after.value)
     spread = math.sqrt(float((1.0 / weight[k] + design[k] @ after.inverse @ design[k]) * after.variance))
-    return apart, abs(apart) > float(stdtrit(after.freedom, 1.0 - 0.5 * ONCE_IN)) * spread
+    return apart, abs(apart) > float(scipy.special.stdtrit(after.freedom, 1.0 - 0.5 * ONCE_IN)) * spread

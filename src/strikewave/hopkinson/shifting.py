@@ -17,9 +17,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
-from scipy.ndimage import maximum_filter1d
 
 from strikewave.waves.dispersion import Rod, Theory, wave_number
 
@@ -80,14 +79,14 @@ def carried(pulse: Array, step: float, distance: float, carrier: Carrier, advanc
     """
     size, rod = pulse.size, carrier.rod
     slack = int(abs(distance) / rod.bar_speed * (1.0 / SLOWEST - 1.0) / step)
-    total = next_fast_len(2 * size + 2 * slack, real=True)
+    total = scipy.fft.next_fast_len(2 * size + 2 * slack, real=True)
     padded = np.zeros(total)
     padded[:size] = pulse
     padded[size : 2 * size] = pulse[-1] * 0.5 * (1.0 + np.cos(np.pi * np.arange(1, size + 1) / size))
-    w = 2.0 * np.pi * rfftfreq(total, step)
+    w = 2.0 * np.pi * scipy.fft.rfftfreq(total, step)
     turned = np.minimum(w, 2.0 * np.pi * carrier.highest)
     turn = (_wave_numbers(turned, rod, carrier.theory) - turned / rod.bar_speed) * distance - w * advance
-    return np.asarray(irfft(rfft(padded) * np.exp(-1j * turn), total)[:size])
+    return np.asarray(scipy.fft.irfft(scipy.fft.rfft(padded) * np.exp(-1j * turn), total)[:size])
 
 
 def highest_frequency(pulse: Array, step: float, noise: float, width: float) -> float:
@@ -102,12 +101,12 @@ def highest_frequency(pulse: Array, step: float, noise: float, width: float) -> 
     step, noise, width : float
         Sampling step (s), standard deviation of the noise, duration of the pulse (s).
     """
-    amplitude = np.abs(rfft(pulse))
+    amplitude = np.abs(scipy.fft.rfft(pulse))
     wide = max(round(2.0 / width * pulse.size * step), 1)
-    envelope = maximum_filter1d(amplitude, 2 * wide + 1)
+    envelope = scipy.ndimage.maximum_filter1d(amplitude, 2 * wide + 1)
     sunk = np.flatnonzero(envelope <= ABOVE_NOISE * noise * math.sqrt(pulse.size))
     place = int(sunk[0]) if sunk.size else amplitude.size - 1
-    return float(rfftfreq(pulse.size, step)[place])
+    return float(scipy.fft.rfftfreq(pulse.size, step)[place])
 
 
 def _wave_numbers(w: Array, rod: Rod, theory: Theory) -> NDArray[np.complex128]:

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
-from scipy.special import lambertw
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.contact.dampers import cut_off_damping_ratio
@@ -92,7 +91,7 @@ def _viscous_share(x: Array) -> Array:
     """Return (1 + W(-exp(-1 - x)))/sqrt(2 x) for x >= 0: speed in a viscous guide over that of a free fall."""
     p = np.sqrt(2.0 * x * _saturation(x))
     series = 1.0 + p * (-1 / 3 + p * (11 / 72 + p * (-43 / 540 + p * (769 / 17280 - p * 221 / 8505))))
-    whole = (1.0 + lambertw(-np.exp(-1.0 - x)).real) / np.sqrt(2.0 * np.where(x > 0.0, x, 1.0))
+    whole = (1.0 + scipy.special.lambertw(-np.exp(-1.0 - x)).real) / np.sqrt(2.0 * np.where(x > 0.0, x, 1.0))
     return np.where(p < _NEAR_BRANCH, np.sqrt(_saturation(x)) * series, whole)
 
 
@@ -515,7 +514,7 @@ def _behind_a_wave(drive: float, sound_speed: float, start: float, heat_ratio: f
         x = start / c
         # W of the smallest argument, -1/e, is where rounding could leave its real branch
         inside = max((drive / c**2 + x - 1.0) * math.exp(x - 1.0), -math.exp(-1.0))
-        return c * (1.0 + float(lambertw(inside).real))
+        return c * (1.0 + float(scipy.special.lambertw(inside).real))
     n, b = 2.0 * g / (g - 1.0), 2.0 * c / (g - 1.0)
     escape = start + b
 
@@ -526,7 +525,7 @@ def _behind_a_wave(drive: float, sound_speed: float, start: float, heat_ratio: f
     lowest = -1.0 / n
     while missing(lowest) < 0.0:
         lowest *= 2.0
-    return start + b * -math.expm1(brentq(missing, lowest, 0.0, xtol=1e-300, rtol=1e-14))
+    return start + b * -math.expm1(scipy.optimize.brentq(missing, lowest, 0.0, xtol=1e-300, rtol=1e-14))
 
 
 class TablePulse(NamedTuple):

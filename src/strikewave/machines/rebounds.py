@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from strikewave.machines.spans import ChainSpan
 
@@ -98,4 +98,6 @@ def top_of_flight(span: ChainSpan, released: float) -> float:
     times = np.linspace(max(released, span.begin), span.end, FLIGHT_SAMPLES)
     rates = parting(times)
     last = int(np.flatnonzero(rates > 0.0)[-1])
-    return float(brentq(lambda t: float(parting(np.array([t]))[0]), times[last], times[last + 1], xtol=1e-12))
+    return float(
+        scipy.optimize.brentq(lambda t: float(parting(np.array([t]))[0]), times[last], times[last + 1], xtol=1e-12)
+    )

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 _PROVENANCE_WORDS = {
     "published": "printed in the source that the note names",
     "measured": "read from a measurement",
+    "user": "typed or set by the user",
     "inferred": "follows from published or measured numbers, as the note says",
     "assumed": "chosen without a source; the note may say why",
     "fitted": "adjusted until a result met a published number, as the note says",

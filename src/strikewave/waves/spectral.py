@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import fft
 
 from strikewave.waves._spectral_kernels import SpectralTables, StackPlaces, respond
 from strikewave.waves.dispersion import Rod, wave_number
@@ -141,7 +141,7 @@ class SpectralStack:
     @property
     def count(self) -> int:
         """Samples of a period: at least twice those that are kept."""
-        return int(fft.next_fast_len(2 * (self.steps + 2), real=True))
+        return int(scipy.fft.next_fast_len(2 * (self.steps + 2), real=True))
 
     @property
     def sigma(self) -> float:
@@ -151,7 +151,7 @@ class SpectralStack:
     @functools.cached_property
     def s(self) -> NDArray[np.complex128]:
         """Complex frequencies, 1/s."""
-        return np.asarray(self.sigma + 2j * math.pi * fft.rfftfreq(self.count, self.step))
+        return np.asarray(self.sigma + 2j * math.pi * scipy.fft.rfftfreq(self.count, self.step))
 
     @functools.cached_property
     def _tables(self) -> tuple[SpectralTables, list[Layer]]:
@@ -173,12 +173,12 @@ class SpectralStack:
     def _loaded(self) -> NDArray[np.complex128]:
         time = self.step * np.arange(self.count, dtype=float)
         rounding = 0.5 * (1.0 + np.cosh(self.step * self.s))
-        return np.asarray(fft.rfft(self.load.at(time) * np.exp(-self.sigma * time)) * rounding)
+        return np.asarray(scipy.fft.rfft(self.load.at(time) * np.exp(-self.sigma * time)) * rounding)
 
     def history(self, spectra: NDArray[np.complex128]) -> Array:
         """Return the histories of spectra along the last axis."""
         grow = np.exp(self.sigma * self.step * np.arange(self.steps))
-        return np.asarray(fft.irfft(spectra, self.count)[..., : self.steps] * grow)
+        return np.asarray(scipy.fft.irfft(spectra, self.count)[..., : self.steps] * grow)
 
     def look(self, places: Sequence[tuple[int, float]], accelerated: bool = True) -> Histories:
         """Return what happens at places: layer, and fraction of the layer from its loaded side.

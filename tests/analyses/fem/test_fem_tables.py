@@ -56,7 +56,7 @@ def test_a_value_can_be_changed_from_the_command_line(tmp_path, change, path, va
     (tmp_path / "case.toml").write_text(CASE)
     case = load_case(str(tmp_path / "case.toml"), [change])
     assert case.values()[path].si == value
-    assert case.values()[path].provenance == "assumed"
+    assert case.values()[path].provenance == "user"
 
 
 def test_what_a_case_says_is_what_the_model_has():

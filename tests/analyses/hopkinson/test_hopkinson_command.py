@@ -295,7 +295,7 @@ def test_changes_take_what_their_field_takes():
     setup = parse_setup(text, "a", changes).setup
     assert (setup.title, setup.bar.incident.gauge.channel, setup.echoes.skip.si) == ("5", "2", 3.0)
     assert setup.bar.incident.speed.si == 4900.0
-    assert setup.bar.incident.speed.note == "set by the user"
+    assert setup.bar.incident.speed.provenance == "user"
     with pytest.raises(InputErrors, match=r"bar\.incident\.density\.of: got 3; allowed: value, provenance"):
         parse_setup(text, "a", ["bar.incident.density.of=3"])
 

@@ -15,9 +15,8 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid
-from scipy.interpolate import CubicSpline
 
 from strikewave.base.errors import InputError
 from strikewave.hopkinson import Bar, Carrier, GaugeTrace, Pulses, carried, find_pulses
@@ -156,7 +155,7 @@ class SensorComparison:
     def integrated(self) -> Array:
         """The reading integrated from the begin of the window, in its unit times s."""
         step = float(self.time[1] - self.time[0])
-        return np.asarray(cumulative_trapezoid(self.reading, dx=step, initial=0.0))
+        return np.asarray(scipy.integrate.cumulative_trapezoid(self.reading, dx=step, initial=0.0))
 
     @property
     def velocities(self) -> tuple[float, float]:
@@ -359,4 +358,4 @@ def _speed_power(incident: Array, step: float, bench: Bench, motion: EndMotion) 
 
 def _spline(time: Array, values: Array, at: Array) -> Array:
     """Return a history between its samples by cubics, its ends kept beyond them."""
-    return np.asarray(CubicSpline(time, values)(np.clip(at, time[0], time[-1])))
+    return np.asarray(scipy.interpolate.CubicSpline(time, values)(np.clip(at, time[0], time[-1])))

@@ -42,21 +42,6 @@ def example_setup() -> str:
     return (resources.files("strikewave.cases") / "hopkinson_example.toml").read_text("utf-8")
 
 
-def holds_setup(text: str) -> bool:
-    """Tell whether a TOML text is a set-up of split bars: it has [bar.incident].
-
-    Examples
-    --------
-    >>> holds_setup(example_setup()), holds_setup("[machine]"), holds_setup("[")
-    (True, False, False)
-    """
-    try:
-        bar = tomllib.loads(text).get("bar")
-    except (ValueError, RecursionError):
-        return False
-    return isinstance(bar, dict) and "incident" in bar
-
-
 def load_setup(path: str, changes: Iterable[str] = ()) -> HopkinsonCase:
     """Read a set-up file, change some of its fields, and check it.
 

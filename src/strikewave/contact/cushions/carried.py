@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import solve_ivp
 
 from strikewave.base.errors import IntegrationError
 from strikewave.contact._law_kernels import DAMPING, YIELD_LOAD, base_force, damper_force
@@ -88,7 +88,7 @@ def carried(contact: AnyContact, mass: float, acceleration: ArrayLike, step: flo
     scales = _SCALE_SHARE * np.array([speed * times[-1], speed])
     longest = _LONGEST_SHARE * speed / float(np.abs(surface).max())
     start = (0.0, times[-1]), [0.0, 0.0]
-    motion = solve_ivp(rates, *start, "RK45", times, rtol=TOLERANCE, atol=scales, max_step=longest)
+    motion = scipy.integrate.solve_ivp(rates, *start, "RK45", times, rtol=TOLERANCE, atol=scales, max_step=longest)
     if not motion.success:
         raise IntegrationError(f"the mass on its cushion could not be followed: {motion.message}")
     d, rate = motion.y

@@ -359,7 +359,7 @@ def _draw_notes(figure: Figure, case: Case, made: Outlines) -> None:
     for k, line in enumerate(lines):
         axes.text(0.0, 2.5 - 0.165 * k, line, fontsize=8, va="center", color="#4d5760")
     for k, (word, (letter, colour)) in enumerate(MARKS.items()):
-        x, y = 0.1 + 1.4 * (k % 2), 0.62 - 0.25 * (k // 2)
+        x, y = 0.1 + 1.4 * (k % 2), 0.74 - 0.21 * (k // 2)
         mark(axes, (x, y), letter, colour)
         axes.text(x + 0.15, y, "follows from these" if word == "computed" else word, fontsize=8, va="center")
 
@@ -394,7 +394,7 @@ def list_parts(figure: Figure, parts: Sequence[PartEntry]) -> None:
 
 
 def drawing_words(case: Case) -> str:
-    """Say in words what the drawing shows, for its caption: what is published, measured, inferred, assumed, fitted."""
+    """Say in words what the drawing shows, for its caption: how many of its numbers have each provenance."""
     geometry = strike_geometry(case)
     parts = [] if geometry is None else machine_parts(case, geometry)
     return provenance_words(parts)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 MARKS = {
     "published": ("p", BLUE),
     "measured": ("m", GREEN),
+    "user": ("u", "#1a1f24"),
     "inferred": ("i", "#CC79A7"),
     "assumed": ("a", ORANGE),
     "fitted": ("f", RED),
@@ -95,7 +96,7 @@ def mass(name: str, value: Value | None) -> list[PartNumber]:
 
 
 def provenance_words(parts: Sequence[PartEntry]) -> str:
-    """Say how many of the numbers of some parts are published, measured, inferred, assumed, fitted."""
+    """Say how many of the numbers of some parts have each provenance."""
     marks = [entry.provenance for part in parts for entry in part.entries if entry.provenance != "computed"]
     counted = [f"{marks.count(word)} {word}" for word in MARKS if word in marks]
     return f"Of the {len(marks)} numbers shown {', '.join(counted)}."

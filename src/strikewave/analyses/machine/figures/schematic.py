@@ -131,9 +131,9 @@ class Schematic:
         axes.set_ylim(0.0, 0.35)
         axes.text(0.0, 0.25, "Schematic, not to scale.", fontsize=8, va="center", color="#4d5760")
         for k, (word, (letter, colour)) in enumerate(MARKS.items()):
-            mark(axes, (0.1 + 1.03 * k, 0.07), letter, colour)
+            mark(axes, (0.1 + 0.89 * k, 0.07), letter, colour)
             words = "follows" if word == "computed" else word
-            axes.text(0.22 + 1.03 * k, 0.07, words, fontsize=8, va="center")
+            axes.text(0.22 + 0.89 * k, 0.07, words, fontsize=8, va="center")
         words = provenance_words(self.parts)
         return Drawing(self.figure, f"{what}: schematic with its numbers, not to scale. {words}", f"{what}. {words}")
 

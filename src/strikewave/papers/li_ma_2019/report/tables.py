@@ -36,7 +36,7 @@ _PROPERTIES = {
     "yield strength": "yield_strength",
 }
 """What the paper prints of a material, by the words of its published number."""
-_SET, _COARSER = "set by the user", "set by --quick"
+_COARSER = "set by --quick"
 
 
 class Input(NamedTuple):
@@ -61,7 +61,7 @@ def inputs_by_cases(cases: Sequence[Case]) -> dict[Input, list[str]]:
     cases_by_input: dict[Input, list[str]] = defaultdict(list)
     for case in cases:
         for path, value in case.values().items():
-            note = _COARSER if value.note == _SET else value.note
+            note = _COARSER if value.provenance == "user" else value.note
             cases_by_input[Input(path, str(value.typed), value.provenance, note)].append(case.name)
     return dict(cases_by_input)
 
@@ -77,7 +77,7 @@ def provenance_section(cases: Sequence[Case]) -> Section:
     counts.append(["all, each once", *(str(shared.count(p)) for p in PROVENANCES), str(len(shared))])
     known: list[list[Cell]] = [
         [entry.path, entry.typed, Tag(entry.provenance, entry.provenance), entry.note or NONE, ", ".join(names)]
-        for provenance in ("fitted", "inferred", "measured", "published")
+        for provenance in ("fitted", "user", "inferred", "measured", "published")
         for entry, names in inputs.items()
         if entry.provenance == provenance
     ]
