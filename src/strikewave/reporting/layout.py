@@ -156,7 +156,7 @@ def cut(text: str, width: float) -> str:
 def table_lines(
     title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]], width: float, wide: bool = False
 ) -> list[Line]:
-    """Return a table as lines: with all columns that fit the width, or as a list where not even the main ones do.
+    r"""Return a table as lines: with all columns that fit the width, or as a list where not even the main ones do.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def table_lines(
     Examples
     --------
     >>> columns = [key("#", words=False), *numbers("rigid peak (g)"), *numbers("impulse (N s)", priority=MORE)]
-    >>> print("\\n".join(line.text for line in table_lines("Blows", columns, [["1", "4151.3", "4.32"]], 12)))
+    >>> print("\n".join(line.text for line in table_lines("Blows", columns, [["1", "4151.3", "4.32"]], 12)))
     Blows
         rigid
     #    peak
@@ -218,11 +218,6 @@ def _head_parts(head: str) -> tuple[str, str]:
     """
     found = _UNIT.fullmatch(head)
     return (found[1], found[2]) if found else (head, "")
-
-
-def _head_lines(head: str, width: float) -> list[str]:
-    """Return the words of a head in lines."""
-    return wrapped(_head_parts(head)[0], width)
 
 
 def _longest(texts: Iterable[str]) -> int:
@@ -283,7 +278,7 @@ class _Grid:
         return [sorted(piece) for piece in pieces] or [keys]
 
     def widths(self, places: Sequence[int], width: float) -> dict[int, int]:
-        """Share the width among columns: words first, then the highest heads."""
+        """Share the width among columns: words first, then what makes the heads lower."""
         widths = {place: self.least[place] for place in places}
         left = width - self.total(places, self.least)
         wanting = {
@@ -293,27 +288,26 @@ class _Grid:
         for place, want in wanting.items():
             widths[place] += int(share * want)
         left = width - sum(widths.values()) - len(GAP) * (len(places) - 1)
-        heads = [place for place in places if not self.columns[place].words]
-        while heads:
-            high = max(heads, key=lambda place: len(_head_lines(self.columns[place].head, widths[place])))
-            head, now = self.columns[high].head, widths[high]
-            lower = len(_head_lines(head, now)) - 1
-            named = length(_head_parts(head)[0])
-            better = next((w for w in range(now + 1, named + 1) if len(_head_lines(head, w)) <= lower), None)
-            if better is None or better - now > left:
-                heads.remove(high)
-                continue
-            left -= better - now
-            widths[high] = better
+        for high in range(1, MOST_HEAD_LINES):
+            wanted = {place: self._head_width(place, widths[place], high) for place in places}
+            if sum(wanted.values()) - sum(widths.values()) <= left:
+                return wanted
         return widths
+
+    def _head_width(self, place: int, least: int, high: int) -> int:
+        """Return the width at which a head takes no more than so many lines."""
+        named = _head_parts(self.columns[place].head)[0]
+        widths = range(least, max(length(named), least) + 1)
+        return next(width for width in widths if len(wrapped(named, width)) <= high)
 
     def lines(self, places: Sequence[int], width: float) -> list[Line]:
         """Return head, rule and rows of some columns."""
         if not places:
             return []
         widths = self.widths(places, width)
-        heads = [_head_lines(self.columns[place].head, widths[place]) for place in places]
-        units = [_head_parts(self.columns[place].head)[1] for place in places]
+        parts = [_head_parts(self.columns[place].head) for place in places]
+        heads = [wrapped(named, widths[place]) for (named, _), place in zip(parts, places, strict=True)]
+        units = [unit for _, unit in parts]
         high = max(map(len, heads))
         heads = [[""] * (high - len(head)) + head + [unit] for head, unit in zip(heads, units, strict=True)]
         lines = [self._line(heads, at, places, widths, "bold") for at in range(high + any(units))]

@@ -18,11 +18,26 @@ from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from strikewave.base.units import in_unit
-from strikewave.reporting.layout import Column, Line, clean, cut, key, numbers, plain, table_lines, words, wrapped
+from strikewave.reporting.layout import (
+    KEY,
+    MAIN,
+    MORE,
+    Column,
+    Line,
+    clean,
+    cut,
+    key,
+    numbers,
+    plain,
+    table_lines,
+    words,
+    wrapped,
+)
 
 if TYPE_CHECKING:
     from strikewave.base.result import Comparison, Notice
     from strikewave.cases.losses_of_case import FittedLoss
+    from strikewave.reporting.parts import Table
     from strikewave.sensors.channel import SensorChannel
 
 STARTED = time.perf_counter()
@@ -32,7 +47,7 @@ INTERRUPTED = 130
 SELDOM = 10.0
 """Seconds between two lines of progress, at least, where stderr is no terminal."""
 PIPE_WIDTH = 80
-"""Characters of a line where there is no terminal: a file is the same wherever it is written, and any pager shows it."""
+"""Characters of a line where there is no terminal: a file is the same wherever it is made, and any pager shows it."""
 LEAST_WIDTH = 40
 """Characters of a line at least: below, hardly a number stands beside its name."""
 
@@ -45,7 +60,7 @@ class Screen(NamedTuple):
     quiet: bool = False
 
 
-_screen: ContextVar[Screen] = ContextVar("screen", default=Screen())
+_screen: ContextVar[Screen] = ContextVar("screen", default=Screen())  # noqa: B039 (a named tuple does not change)
 
 
 @contextlib.contextmanager
@@ -263,10 +278,26 @@ def significant(value: float, digits: int) -> str:
     return f"{value:.0f}" if "e" in text else text
 
 
-def table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table on stdout, with the columns that fit; see `strikewave.reporting.layout.table_lines`."""
-    lines = table_lines(title, columns, rows, screen_width(sys.stdout), is_wide())
-    _write([Line(""), *lines], sys.stdout)
+def table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
+    """Print a table on stdout, with the columns that fit; see `strikewave.reporting.layout.table_lines`.
+
+    A detail is only named, unless all is wanted.
+    """
+    width = screen_width(sys.stdout)
+    if detail and not is_wide():
+        _write([Line(line, "dim") for line in wrapped(f"not shown: {clean(title)} (--wide)", width)], sys.stdout)
+        return
+    _write([Line(""), *table_lines(title, columns, rows, width, is_wide())], sys.stdout)
+
+
+def report_table(shown: Table, keys: int = 1, more: Sequence[str] = ()) -> None:
+    """Print a table of a report: its first columns name the rows, and those in ``more`` are left out first."""
+    rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in shown.cells()]
+    columns = [
+        Column(head, KEY if place < keys else MORE if head in more else MAIN, words=not numeric)
+        for place, (head, numeric) in enumerate(zip(shown.columns, shown.numeric(), strict=True))
+    ]
+    table(shown.caption, columns, rows)
 
 
 def print_fits(losses: Sequence[FittedLoss]) -> None:
@@ -274,8 +305,7 @@ def print_fits(losses: Sequence[FittedLoss]) -> None:
     from strikewave.reporting.stack_chapters import fit_table
 
     if losses:
-        fits = fit_table(losses)
-        table(fits.caption, fits.columns, [[str(cell) for cell in row] for row in fits.rows])
+        report_table(fit_table(losses))
 
 
 def print_losses(channels: Sequence[SensorChannel]) -> None:
@@ -284,13 +314,13 @@ def print_losses(channels: Sequence[SensorChannel]) -> None:
 
     losses = loss_table(channels)
     if losses.rows:
-        table(losses.caption, losses.columns, [[str(cell) for cell in row] for row in losses.rows])
+        report_table(losses)
 
 
 def print_published(published: Sequence[Comparison]) -> None:
     """Print the comparison with published values; nothing where there are none."""
     from strikewave.cases.case import PUBLISHED_QUANTITIES
-    from strikewave.reporting.numbers import SHOWN_UNITS
+    from strikewave.reporting.numbers import SHOWN_UNITS, percent
 
     if not published:
         return
@@ -302,7 +332,7 @@ def print_published(published: Sequence[Comparison]) -> None:
             number(v, unit, shown, 6) if unit else ("-" if v is None else f"{v:g}")
             for v in (entry.published, entry.computed)
         ]
-        difference = "-" if entry.difference is None else f"{entry.difference:+.1%}"
+        difference = "-" if entry.difference is None else percent(entry.difference, 1, "+")
         rows.append(
             [
                 entry.quantity + (f" of {entry.sensor}" if entry.sensor else "") + (f" ({shown})" if shown else ""),
@@ -312,9 +342,5 @@ def print_published(published: Sequence[Comparison]) -> None:
                 difference,
             ]
         )
-    table(
-        "Comparison with published values",
-        ["quantity", "origin", "role", "published", "computed", "difference"],
-        rows,
-        left=3,
-    )
+    columns = [key("quantity"), words("origin", MORE), words("role"), *numbers("published", "computed", "difference")]
+    table("Comparison with published values", columns, rows)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from strikewave.analyses.machine.columns import headings, shown_in
+from strikewave.analyses.machine.columns import screen_columns, shown_in
 from strikewave.analyses.machine.result import Solution
 from strikewave.analyses.machine.run import run_case
 from strikewave.analyses.machine.words import (
@@ -18,10 +18,14 @@ from strikewave.analyses.machine.words import (
     reference_law,
     restitution_words,
     settings,
+    struck_blows,
+    summary,
 )
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
+from strikewave.reporting.layout import key, numbers
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
@@ -31,9 +35,9 @@ from strikewave.reporting.terminal import (
     print_losses,
     print_published,
     progress_bar,
-    say,
     say_compiling,
     table,
+    tell,
 )
 
 
@@ -63,6 +67,10 @@ class MachineCommand(Command[Solution]):
         with progress_bar("blows") as report:
             return run_case(self.case, report)
 
+    def summary(self, result: Solution) -> str:
+        """Say what happened."""
+        return summary(result)
+
     def show(self, result: Solution) -> None:
         """Print the tables of a run."""
         show(result)
@@ -75,37 +83,43 @@ class MachineCommand(Command[Solution]):
 
 
 def show(solution: Solution) -> None:
-    """Print the blows, the contact, the waves, published numbers and the balance of a run."""
+    """Print the settings, the blows, the waves, the contact, published numbers and the balance of a run."""
+    tell(f"{solution.case.name}: {', '.join(settings(solution))}", "  ")
     columns = shown_in("blows")
     rows = [
         [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns), str(b.contacts)]
         for b in solution.blows
     ]
-    say(_header(solution))
-    table(solution.title, ["#", "kind", *headings("blows"), "contacts"], rows, left=2)
+    table(solution.title, screen_columns("blows"), rows)
+    _print_waves(solution)
     _print_struck(solution, "contact", "Contact, blow by blow")
     _print_answers(solution)
     if solution.slides:
         _print_struck(solution, "sliding", "Nose across the face; the object's guide bears the side force")
-    _print_waves(solution)
     print_published(solution.comparisons)
     _print_collisions(solution)
-    r = solution.reference
-    pulse = (
-        number(r.duration, "s", "us", 3) + " us",
-        number(r.peak_force, "N", "kN", 3) + " kN",
-        number(r.peak_acceleration, "m/s^2", "g", 3) + " g",
-    )
-    say(
-        f"if nothing but the contact gave way ({reference_law(solution.case)} on a rigid object, at the nominal "
-        f"{r.approach_speed:.3g} m/s), the pulse would be {', '.join(pulse)}"
-    )
+    tell("")
+    tell(_alone_words(solution))
     fitted = solution.case.fitted_fields()
     if fitted:
         values = solution.case.values()
-        say("fitted: " + ", ".join(f"{path} = {values[path].typed}" for path in fitted))
+        tell("fitted: " + ", ".join(f"{path} = {values[path].typed}" for path in fitted))
     balance = solution.balance
-    say(f"balance: energy {balance['energy_error']:.1e}, momentum {balance['momentum_error']:.1e} (limit 1e-6)")
+    tell(f"balance: energy {balance['energy_error']:.1e}, momentum {balance['momentum_error']:.1e} (limit 1e-6)")
+
+
+def _alone_words(solution: Solution) -> str:
+    """Say what the pulse would be if nothing but the contact gave way."""
+    r = solution.reference
+    pulse = (
+        with_unit(r.duration, "s", "us", 3),
+        with_unit(r.peak_force, "N", "kN", 3),
+        with_unit(r.peak_acceleration, "m/s^2", "g", 3),
+    )
+    return (
+        f"if nothing but the contact gave way ({reference_law(solution.case)} on a rigid object, at the nominal "
+        f"{with_unit(r.approach_speed, 'm/s', 'm/s', 3)}), the pulse would be {', '.join(pulse)}"
+    )
 
 
 def _print_answers(solution: Solution) -> None:
@@ -114,15 +128,18 @@ def _print_answers(solution: Solution) -> None:
     if answers is None:
         return
     if answers.differ:
-        table(ANSWERS_CALLED, ANSWER_HEADS, answer_rows(answers))
-    say(restitution_words(answers))
+        table(ANSWERS_CALLED, [key(ANSWER_HEADS[0]), *numbers(*ANSWER_HEADS[1:])], answer_rows(answers))
+    tell(restitution_words(answers))
 
 
 def _print_struck(solution: Solution, which: str, title: str) -> None:
     """Print a table of the blows that struck."""
-    columns, struck = shown_in(which), [blow for blow in solution.blows if blow.kind != "missed"]
-    rows = [[str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns)] for b in struck]
-    table(title, ["#", *headings(which)], rows)
+    columns = shown_in(which)
+    rows = [
+        [str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns)]
+        for b in struck_blows(solution)
+    ]
+    table(title, screen_columns(which), rows, detail=True)
 
 
 def _print_waves(solution: Solution) -> None:
@@ -132,7 +149,7 @@ def _print_waves(solution: Solution) -> None:
     if not read_blows or not (solution.waves or names):
         return
     band = read_blows[0][1].bandwidth
-    stated = "" if band is None else f", total and wave at {number(band, 'Hz', 'kHz', 3)} kHz"
+    stated = "" if band is None else f", total and wave at {with_unit(band, 'Hz', 'kHz', 3)}"
     rows = []
     for blow, reading in read_blows:
         peaks = [blow.rigid_peak, reading.total_peak, reading.wave_peak] if solution.waves else [blow.rigid_peak]
@@ -142,24 +159,22 @@ def _print_waves(solution: Solution) -> None:
             cells.append(number(pulse.peak, "m/s^2", "g", 5) + (" clipped" if pulse.clipped else ""))
         rows.append([str(blow.index), *cells])
     waves = ["rigid (g)", "total (g)", "wave (g)"] if solution.waves else ["rigid (g)"]
+    sensors = numbers(*(f"sensor {name} (g)" for name in names))
     title = f"Peak accelerations, route {solution.case.solver.route}{stated}"
+    table(title, [key("#", words=False), *numbers(*waves), *sensors], rows)
     setup = solution.waves
     if setup is not None:
-        say(
+        tell(
             f"waves: time step {setup.step * 1e9:.4g} ns, which changes a layer's length by {setup.mismatch:.1e} of it "
             "at most (layer by layer in the report)"
         )
-    table(title, ["#", *waves, *(f"sensor {name} (g)" for name in names)], rows, left=0)
     print_losses(build_channels(solution.case))
     print_fits(fitted_losses(solution.case))
-
-
-def _header(solution: Solution) -> str:
-    """Return the main settings in one line."""
-    return f"{solution.case.name}: " + ", ".join(settings(solution))
 
 
 def _print_collisions(solution: Solution) -> None:
     """Print the collisions of the bodies of an amplifier."""
     if solution.collisions:
-        table("Collisions in the line, by restitution alone", COLLISION_HEADS, collision_rows(solution), left=3)
+        time, lower, upper, *others = COLLISION_HEADS
+        columns = [key(time, words=False), key(lower), key(upper), *numbers(*others)]
+        table("Collisions in the line, by restitution alone", columns, collision_rows(solution))

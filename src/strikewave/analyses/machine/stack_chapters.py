@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed, listed, with_unit
+from strikewave.reporting.numbers import fixed, with_unit
 from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag
 from strikewave.reporting.stack_chapters import (
     PEAK_WORDS,
@@ -157,18 +157,3 @@ def sensor_section(solution: Solution) -> list[Section]:
     picture = traces(f"What the sensors read, blow {index}", curves, "g", _SINCE_TOUCH)
     table = Table("Sensor readings", ["blow", "sensor", "peak (g)", "pulse width at 10 % (µs)", "clipped"], rows)
     return [sensor_part(channels, picture, table)]
-
-
-def felt_words(solution: Solution) -> list[str]:
-    """Say in words what taps and sensors felt of the first blow; nothing without a stack or sensors."""
-    reading = next((r for r in solution.readings if r is not None), None)
-    if reading is None:
-        return []
-    words = []
-    if reading.total_peak is not None and reading.bandwidth is not None and "tap" in solution.data:
-        band, tap = with_unit(reading.bandwidth, "Hz", "kHz", 3), solution.data["tap"].values[0]
-        words.append(f"At the tap {tap} it reaches {with_unit(reading.total_peak, 'm/s^2', 'g')} in all, at {band}.")
-    read = [f"{name} {with_unit(pulse.peak, 'm/s^2', 'g')}" for name, pulse in reading.sensors.items()]
-    if read:
-        words.append(f"Sensors read, with resonance and all they pass beyond that bandwidth: {listed(read)}.")
-    return words

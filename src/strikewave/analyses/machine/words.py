@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
+from statistics import median
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.columns import CALLED
@@ -9,12 +12,13 @@ from strikewave.analyses.machine.contact_answers import ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.cases.machine_tables import KINDS
 from strikewave.cases.yield_pressure import YIELDING
-from strikewave.reporting.numbers import fixed, heads, with_unit
+from strikewave.reporting.numbers import fixed, heads, listed, percent, with_band, with_unit
 from strikewave.reporting.parts import Cell, Table
 
 if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution
     from strikewave.cases.case import Case
+    from strikewave.machines import Blow
 
 MACHINES = {kind: (table.description, table.chain) for kind, table in KINDS.items() if issubclass(table, MachineKind)}
 """Kind of machine: its description, and its bodies and links in the order in which a blow runs through them."""
@@ -107,3 +111,78 @@ def collision_rows(solution: Solution) -> list[list[str]]:
         ]
         for c in solution.collisions
     ]
+
+
+def summary(solution: Solution) -> str:
+    """Say in words what happened, with the band of each number that has one: on the screen and at the head of a report.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_case
+    >>> summary(run_case(load_case("li-ma-2019", ["feed.blows=1"])))[:68]
+    'One blow, full. The first reaches a rigid-body acceleration of 4151 g'
+    """
+    struck = struck_blows(solution)
+    if not struck:
+        missed = len(solution.blows)
+        passes = f" {missed} {'striker' if missed == 1 else 'strikers'} passed without touching it." if missed else ""
+        return f"No blow: no striker touched the object.{passes} There is no pulse to measure."
+    band = solution.band
+    first, later = struck[0], [blow for blow in struck[1:] if blow.kind in ("full", "double")]
+    kinds = [blow.kind for blow in solution.blows]
+    odd = [f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds) if kind != "full"]
+    whole = "all full" if not odd else f"among {len(kinds)} passes {listed(odd)}"
+    many = "One blow, full" if len(struck) == 1 and not odd else f"{len(struck)} blows, {whole}"
+    interval = median_interval(struck)
+    apart = "" if interval is None else f", {with_band(interval, band.get('interval'), 's', 'ms')} apart (median)"
+    width = with_band(first.width, band.get("first.width"), "s", "us")
+    wide = f"is {width} wide at 10 % of its peak" if first.width > 0.0 else "has no width"
+    peak = with_band(first.rigid_peak, band.get("first.rigid_peak"), "m/s^2", "g")
+    change = with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s")
+    words = [
+        f"{many}{apart}.",
+        f"The first reaches a rigid-body acceleration of {peak}, {wide} and changes the object's velocity by {change}; "
+        f"the contact force peaks at {with_unit(first.peak_force, 'N', 'kN', 3)}.",
+    ]
+    if later:
+        medians = [
+            with_band(median(getattr(blow, name) for blow in later), band.get(f"typical.{name}"), si, unit)
+            for name, si, unit in (("rigid_peak", "m/s^2", "g"), ("width", "s", "us"))
+        ]
+        words.append(f"Later blows: {' and '.join(medians)} (medians).")
+    return " ".join([*words, *felt_words(solution), *_band_words(solution)])
+
+
+def _band_words(solution: Solution) -> list[str]:
+    """Say what the bands are, and which inputs that of the first peak comes from; nothing without bands."""
+    band = solution.band.get("first.rigid_peak")
+    if band is None:
+        return []
+    shares = [f"{one.field} ({percent(one.share, 0)})" for one in band.inputs]
+    most = f"; that of the peak comes mostly from {listed(shares)}" if shares else ""
+    return [f"In brackets: {percent(band.level, 0)} of what comes out within what is known of the inputs{most}."]
+
+
+def struck_blows(solution: Solution) -> list[Blow]:
+    """Return the blows that touched the object."""
+    return [blow for blow in solution.blows if blow.kind != "missed"]
+
+
+def median_interval(struck: Sequence[Blow]) -> float | None:
+    """Return the median time between blows, s; None for fewer than two."""
+    return median(b.time - a.time for a, b in pairwise(struck)) if len(struck) > 1 else None
+
+
+def felt_words(solution: Solution) -> list[str]:
+    """Say in words what taps and sensors felt of the first blow; nothing without a stack or sensors."""
+    reading = next((r for r in solution.readings if r is not None), None)
+    if reading is None:
+        return []
+    words = []
+    if reading.total_peak is not None and reading.bandwidth is not None and "tap" in solution.data:
+        band, tap = with_unit(reading.bandwidth, "Hz", "kHz", 3), solution.data["tap"].values[0]
+        words.append(f"At the tap {tap} it reaches {with_unit(reading.total_peak, 'm/s^2', 'g')} in all, at {band}.")
+    read = [f"{name} {with_unit(pulse.peak, 'm/s^2', 'g')}" for name, pulse in reading.sensors.items()]
+    if read:
+        words.append(f"Sensors read, with resonance and all they pass beyond that bandwidth: {listed(read)}.")
+    return words
