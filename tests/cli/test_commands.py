@@ -44,7 +44,7 @@ def test_run_writes_a_whole_result_that_runs_again_to_the_same_numbers(strikewav
     assert sorted(os.listdir("a")) == ["blows.csv", "case.toml", "report.html", "solution.nc", "summary.svg"]
     assert sorted(os.listdir(tmp_path)) == ["a"]
     assert "Comparison with published values" in out
-    assert "printed contact law on a rigid object" in err
+    assert "printed contact law on a rigid object" in out
     assert "written: a/ (report.html, " in err
     assert open("a/report.html", encoding="utf-8").read().startswith("<!doctype html>")
     assert strikewave("run", "a/case.toml", "--out", "b")[0] == 0

@@ -21,8 +21,8 @@ LEAST_TEXT = 16
 """Characters that a column of words gets at least, if its words are not shorter altogether."""
 PLAIN = {
     **{"µ": "u", "μ": "u", "²": "^2", "³": "^3", "±": "+/-", "×": "x", "·": ".", "°": " deg", "Δ": "d", "χ": "chi"},
-    **{"–": "-", "—": "-", "−": "-", "…": "...", "─": "-", "≤": "<=", "≥": ">=", "ε": "e", "’": "'", "“": '"', "”": '"'},
-}  # fmt: skip
+    **{"–": "-", "—": "-", "−": "-", "…": "...", "─": "-", "≤": "<=", "≥": ">=", "ε": "e", "’": "'"},
+}
 """What stands for a character where only ASCII can be shown."""
 _NUMBER = r"[(\[<>~=+−-]*\d(?:[\d.,:]*\d)?(?:[eE][+-]?\d+)?"
 _GLUED = re.compile(rf"(?<!\S)({_NUMBER}) (?=[%°µA-Za-z])|(?<=\S) (?=± )|(?<=±) |(?:(?<=N)|(?<=lbf)) (?=mm?\b|s\b)")
@@ -56,17 +56,17 @@ class Line(NamedTuple):
     style: str = ""
 
 
-def key(head: str, words: bool = True) -> Column:
-    """Return a column that names its row."""
-    return Column(head, KEY, words)
+def keys(*heads: str) -> list[Column]:
+    """Return columns of words that name their row."""
+    return [Column(head, KEY, words=True) for head in heads]
 
 
-def words(head: str, priority: int = MAIN) -> Column:
-    """Return a column of words."""
-    return Column(head, priority, words=True)
+def texts(*heads: str, priority: int = MAIN) -> list[Column]:
+    """Return columns of words."""
+    return [Column(head, priority, words=True) for head in heads]
 
 
-def numbers(*heads: str, priority: int = MAIN) -> list[Column]:
+def numerals(*heads: str, priority: int = MAIN) -> list[Column]:
     """Return columns of numbers."""
     return [Column(head, priority) for head in heads]
 
@@ -141,8 +141,8 @@ def wrapped(text: str, width: float, indent: str = "") -> list[str]:
     return lines
 
 
-def cut(text: str, width: float) -> str:
-    """Return a text in one line, cut between words where it is longer.
+def cut(text: str, width: float, end: str = "…") -> str:
+    """Return a text in one line, cut between words where it is longer, with ``end`` after it.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def cut(text: str, width: float) -> str:
     'the peak force of …'
     """
     text = " ".join(text.split())
-    return text if length(text) <= width else f"{wrapped(text, width - 2)[0]} …"
+    return text if length(text) <= width else f"{wrapped(text, width - 1 - len(end))[0]} {end}"
 
 
 def table_lines(
@@ -174,7 +174,7 @@ def table_lines(
 
     Examples
     --------
-    >>> columns = [key("#", words=False), *numbers("rigid peak (g)"), *numbers("impulse (N s)", priority=MORE)]
+    >>> columns = [*numerals("#", priority=KEY), *numerals("rigid peak (g)"), *numerals("impulse (N s)", priority=MORE)]
     >>> print("\n".join(line.text for line in table_lines("Blows", columns, [["1", "4151.3", "4.32"]], 12)))
     Blows
         rigid
@@ -186,9 +186,8 @@ def table_lines(
     impulse
     (--wide)
     """
-    cells = [[clean(cell) for cell in row] for row in rows]
-    grid = _Grid(columns, cells)
-    heading = [Line(line, "bold") for line in wrapped(clean(title), width)] if title else []
+    grid = _Grid(columns, [list(row) for row in rows])
+    heading = [Line(line, "bold") for line in wrapped(title, width)] if title else []
     if wide:
         pieces = grid.pieces(width)
         if pieces is None:

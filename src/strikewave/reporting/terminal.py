@@ -7,6 +7,7 @@ files were written. A pipe or a file gets lines of `PIPE_WIDTH`, or of the envir
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import hashlib
 import json
 import math
@@ -26,11 +27,11 @@ from strikewave.reporting.layout import (
     Line,
     clean,
     cut,
-    key,
-    numbers,
+    keys,
+    numerals,
     plain,
     table_lines,
-    words,
+    texts,
     wrapped,
 )
 
@@ -112,10 +113,14 @@ def _shows_only_ascii(stream: TextIO) -> bool:
     return False
 
 
+def _showable(text: str, stream: TextIO) -> str:
+    """Return a text as the stream shows it: no command to the terminal, and ASCII where it knows nothing else."""
+    return plain(clean(text)) if _shows_only_ascii(stream) else clean(text)
+
+
 def _write(lines: Iterable[Line], stream: TextIO) -> None:
-    """Write lines with their styles where the stream shows them; stop where its reader has left."""
-    ascii_only = _shows_only_ascii(stream)
-    texts = [Line(plain(line.text) if ascii_only else line.text, line.style) for line in lines]
+    """Write lines with their styles where the stream shows them."""
+    texts = [Line(_showable(line.text, stream), line.style) for line in lines]
     if not _shows_styles(stream):
         stream.write("".join(f"{line.text}\n" for line in texts))
         return
@@ -134,7 +139,7 @@ def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
 
 def tell(text: str, indent: str = "") -> None:
     """Print a sentence of the result on stdout, in lines that end at spaces; all but the first are indented."""
-    _write(map(Line, wrapped(clean(text), screen_width(sys.stdout), indent)), sys.stdout)
+    _write(map(Line, wrapped(_showable(text, sys.stdout), screen_width(sys.stdout), indent)), sys.stdout)
 
 
 def say(text: str) -> None:
@@ -146,7 +151,7 @@ def say(text: str) -> None:
 def complain(text: str) -> None:
     """Print words on stderr in any case: an error, or a check that failed. A file gets them in one line."""
     width = screen_width(sys.stderr) if sys.stderr.isatty() else math.inf
-    _write(map(Line, wrapped(clean(text), width, "  ")), sys.stderr)
+    _write(map(Line, wrapped(_showable(text, sys.stderr), width, "  ")), sys.stderr)
 
 
 def show_notices(notices: Sequence[Notice]) -> None:
@@ -156,13 +161,13 @@ def show_notices(notices: Sequence[Notice]) -> None:
         about = f" {notice.case}" if notice.case else ""
         limit = f" (limit {significant(notice.limit, 3)})" if notice.broken and notice.limit == notice.limit else ""
         kind = "check failed" if notice.broken else "warning"
-        text = clean(f"{kind} [{notice.code}]{about}: {notice.message}{limit}")
+        text = _showable(f"{kind} [{notice.code}]{about}: {notice.message}{limit}", sys.stderr)
         if notice.broken:
             complain(text)
         elif shown.verbose:
             say(text)
         elif not shown.quiet:
-            line = cut(text, width)
+            line = cut(text, width, _showable("…", sys.stderr))
             shortened = shortened or line != text
             _write([Line(line)], sys.stderr)
     if shortened:
@@ -285,9 +290,13 @@ def table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]], 
     """
     width = screen_width(sys.stdout)
     if detail and not is_wide():
-        _write([Line(line, "dim") for line in wrapped(f"not shown: {clean(title)} (--wide)", width)], sys.stdout)
+        named = _showable(f"not shown: {title} (--wide)", sys.stdout)
+        _write([Line(line, "dim") for line in wrapped(named, width)], sys.stdout)
         return
-    _write([Line(""), *table_lines(title, columns, rows, width, is_wide())], sys.stdout)
+    title = _showable(title, sys.stdout)
+    columns = [dataclasses.replace(column, head=_showable(column.head, sys.stdout)) for column in columns]
+    cells = [[_showable(cell, sys.stdout) for cell in row] for row in rows]
+    _write([Line(""), *table_lines(title, columns, cells, width, is_wide())], sys.stdout)
 
 
 def report_table(shown: Table, keys: int = 1, more: Sequence[str] = ()) -> None:
@@ -342,5 +351,10 @@ def print_published(published: Sequence[Comparison]) -> None:
                 difference,
             ]
         )
-    columns = [key("quantity"), words("origin", MORE), words("role"), *numbers("published", "computed", "difference")]
+    columns = [
+        *keys("quantity"),
+        *texts("origin", priority=MORE),
+        *texts("role"),
+        *numerals("published", "computed", "difference"),
+    ]
     table("Comparison with published values", columns, rows)

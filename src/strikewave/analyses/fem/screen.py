@@ -29,6 +29,7 @@ from strikewave.fem.quality import UNWARPED, PartQuality, quality_report
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.snapshots import SNAPSHOTS
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions
+from strikewave.reporting.layout import KEY, MORE, keys, numerals
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
@@ -40,6 +41,7 @@ from strikewave.reporting.terminal import (
     say_compiling,
     show_notices,
     table,
+    tell,
 )
 
 NAMES = {2: "half", 4: "quarter"}
@@ -145,6 +147,12 @@ class FemCommand(Command[FemSolution]):
 
         return animation.SNAPSHOTS
 
+    def summary(self, result: FemSolution) -> str:
+        """Say what happened."""
+        from strikewave.analyses.fem.report.page import fem_words
+
+        return fem_words(result)
+
     def show(self, result: FemSolution) -> None:
         """Print the tables of a run."""
         show(result)
@@ -246,25 +254,39 @@ def show(solution: FemSolution) -> None:
         ]
         for name, part in {**solution.parts, **solution.groups}.items()
     ]
-    heads = ["part", "mass (kg)", "rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)", "along"]
-    table(f"{solution.title}: parts as rigid bodies", heads, rows)
+    columns = [
+        *[*keys("part"), *numerals("mass (kg)", priority=MORE)],
+        *numerals("rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)"),
+        *numerals("along", priority=MORE),
+    ]
+    table(f"{solution.title}: parts as rigid bodies", columns, rows)
     rows = [
         [name, number(part.von_mises, "Pa", "MPa"), number(part.plastic_strain, "1", "1", 3)]
         for name, part in solution.parts.items()
     ]
-    table("Largest in the elements", ["part", "von Mises stress (MPa)", "plastic strain"], rows)
+    table(
+        "Largest in the elements",
+        [*keys("part"), *numerals("von Mises stress (MPa)", "plastic strain")],
+        rows,
+    )
     if solution.film is not None and (words := largest_words(solution.film, solution.model.mesh)):
-        say(words)
+        tell(words)
     wholes = solution.wholes
     rows = [
         [name, *([*"-----"] if one is None else _contact_cells(one)), *_whole_cells(wholes[name] if one else None)]
         for name, one in solution.contacts.items()
     ]
     if rows:
-        heads = ["contact", "peak (kN)", "at (us)", "impulse (N s)", "begins (us)", "lasts (us)"]
-        heads += ["peak, whole bodies (kN)", "impulse, whole bodies (N s)"]
-        many = len(heads) if any(wholes.values()) else len(heads) - 2
-        table("Contacts", heads[:many], [row[:many] for row in rows])
+        columns = [
+            *keys("contact"),
+            *numerals("peak (kN)"),
+            *numerals("at (us)", priority=MORE),
+            *numerals("impulse (N s)"),
+        ]
+        columns += [*numerals("begins (us)", priority=MORE), *numerals("lasts (us)")]
+        columns += numerals("peak, whole bodies (kN)", "impulse, whole bodies (N s)")
+        many = len(columns) if any(wholes.values()) else len(columns) - 2
+        table("Contacts", columns[:many], [row[:many] for row in rows])
     print_published(solution.comparisons)
     _show_balance(solution)
     if solution.later:
@@ -284,12 +306,12 @@ def _show_balance(solution: FemSolution) -> None:
     run, balance = solution.run, balance_measure(solution.run)
     kinds = [name for name in ENERGIES if run.energy[name].any()]
     cells = [number(run.initial_energy, "J", "J"), *(number(float(run.energy[name][-1]), "J", "J") for name in kinds)]
-    table("Energy at the end (J)", ["initial", *kinds], [cells], left=0)
-    say(
+    table("Energy at the end", numerals(*(f"{name} (J)" for name in ("initial", *kinds))), [cells])
+    tell(
         f"balance: energy {balance.energy:+.1e} (limit {ENERGY_LIMIT:g}), hourglass {balance.hourglass:.1e} of "
         f"internal (limit {HOURGLASS_LIMIT:g}), momentum {balance.momentum:.1e}"
     )
-    say(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
+    tell(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
 
 
 def _show_blows(solution: FemSolution) -> None:
@@ -311,12 +333,14 @@ def _show_blows(solution: FemSolution) -> None:
                 f"{balance_measure(each.run).energy:+.1e}",
             ]
         )
-    heads = ["blow", "peak (kN)", "impulse (N s)", "lasts (us)", "restitution", "rigid peak (g)"]
-    table("Blow after blow", [*heads, "plastic strain", "yields with (J)", "energy error"], rows, left=0)
+    columns = [*numerals("blow", priority=KEY), *numerals("peak (kN)", "impulse (N s)", "lasts (us)")]
+    columns += [*numerals("restitution", priority=MORE), *numerals("rigid peak (g)")]
+    columns += numerals("plastic strain", "yields with (J)", "energy error", priority=MORE)
+    table("Blow after blow", columns, rows)
     for run in solution.later:
         if run.rest is not None:
             away = f"; begins {run.rest.added_distance * 1e6:.3g} um farther away" if run.rest.added_distance else ""
-            say(
+            tell(
                 f"at rest before blow {run.blow}: {run.rest.maxima} maxima, {run.rest.steps} steps, "
                 f"{run.rest.kinetic_share:.1e} of the energy left, {run.rest.plastic_energy:.3g} J of yield{away}"
             )
@@ -342,8 +366,10 @@ def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
         ]
         for row in quality
     ]
-    heads = ["part", "elements", "nodes", "mass (kg)", "shortest edge (mm)", "longest (mm)", "aspect ratio"]
-    table("Mesh", [*heads, "scaled Jacobian", "warpage (deg)"], rows)
+    columns = [*keys("part"), *numerals("elements"), *numerals("nodes", "mass (kg)", priority=MORE)]
+    columns += [*numerals("shortest edge (mm)"), *numerals("longest (mm)", priority=MORE)]
+    columns += numerals("aspect ratio", "scaled Jacobian", "warpage (deg)")
+    table("Mesh", columns, rows)
 
 
 def _check_document(case: Case, model: Model, quality: Sequence[PartQuality]) -> dict[str, Any]:

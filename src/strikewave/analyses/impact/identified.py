@@ -13,9 +13,11 @@ from strikewave.contact.identification import DESCRIBED, Identified, IdentifiedV
 from strikewave.contact.impact import reduced_mass
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.layout import keys, numerals, texts
+from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.options import Output, Typed
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, say, significant, table
+from strikewave.reporting.terminal import number, significant, table, tell
 
 _UNITS = {
     "stiffness": "N/m^n",
@@ -165,6 +167,10 @@ class IdentifyCommand(Command[IdentifyResult]):
         notices = _notices(reading, contact)
         return IdentifyResult(self.file, reading, contact, origin=self.origin, notices=notices)
 
+    def summary(self, result: IdentifyResult) -> str:
+        """Say what the pulse determines of the contact."""
+        return identify_words(result)
+
     def show(self, result: IdentifyResult) -> None:
         """Print what the pulse determines of the contact."""
         _print(result)
@@ -251,22 +257,36 @@ def _row(estimate: IdentifiedValue) -> dict[str, Any]:
     return {"value": estimate.value, "standard_error": estimate.standard_error, "given": estimate.given}
 
 
+def identify_words(result: IdentifyResult) -> str:
+    """Say in words which values the pulse determines, and how well the law follows it."""
+    contact = result.found
+    lines = [_line(name, estimate) for name, estimate in contact.values.items()]
+    found = [
+        f"{name} {value}{'' if error in ('given', '-') else f' ± {error}'}{'' if unit == '1' else f' {unit}'}"
+        for (name, value, error, unit), one in zip(lines, contact.values.values(), strict=True)
+        if one.value is not None and one.standard_error is not None
+    ]
+    verdict = "describes" if contact.described else "does not describe"
+    determined = f": {listed(found)} (± the standard error)" if found else ", which determines no value of it"
+    return f"The law {verdict} the pulse to {percent(contact.residual, 2)} of its peak{determined}."
+
+
 def _print(result: IdentifyResult) -> None:
     contact = result.found
     rows = [_line(name, estimate) for name, estimate in contact.values.items()]
     rows += [_line(name, estimate) for name, estimate in contact.combinations.items()]
     rows.append(_line("begin", contact.begin))
     title = f"Contact of {Path(result.file).name}, {result.reading.channel.name}: F = K d^n (1 + chi d'/v0)"
-    table(title, ["", "value", "standard error", "unit"], rows)
-    say(
+    table(title, [*keys(""), *numerals("value", "standard error"), *texts("unit")], rows)
+    tell(
         f"noise {significant(contact.noise, 3)} N, misfit {contact.residual:.2%} of the peak, "
         f"{contact.time.size} samples"
     )
     shared = contact.correlated("exponent", "restitution")
     if shared is not None:
-        say(f"correlation of exponent and restitution: {shared:.2f}")
-    for words in contact.words[: None if contact.described else -1]:
-        say(words)
+        tell(f"correlation of exponent and restitution: {shared:.2f}")
+    for sentence in contact.words[: None if contact.described else -1]:
+        tell(sentence)
 
 
 def _line(name: str, estimate: IdentifiedValue) -> tuple[str, str, str, str]:

@@ -18,9 +18,11 @@ from strikewave.contact import Impact, Stiffness, first_yield, impact_history, r
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, say, table
+from strikewave.reporting.terminal import number, table, tell
 
 ERRORS = {"closed form": 1e-9, "integrator": 1e-6}
 """Difference of restitutions, by the method, from which on it is no rounding."""
@@ -143,6 +145,10 @@ class ImpactCommand(Command[ImpactResult]):
         return ImpactResult(
             self.setup, blows, answers, origin=self.origin, notices=_notices(self.setup, blows[0], answers)
         )
+
+    def summary(self, result: ImpactResult) -> str:
+        """Say what the first blow came to."""
+        return impact_words(result)
 
     def show(self, result: ImpactResult) -> None:
         """Print the first blow, and the others in a table."""
@@ -342,9 +348,22 @@ def _drawn(count: int) -> list[int]:
     return [round(count ** (k / (MOST_DRAWN - 1))) - 1 for k in range(MOST_DRAWN)]
 
 
+def impact_words(result: ImpactResult) -> str:
+    """Say in words what the first blow came to, and what was asked for."""
+    first, loss = result.blows[0], result.setup.loss
+    asked = "" if loss.asked is None else f" ({loss.asked:g} asked of {loss.law.name})"
+    which = f"The first of {len(result.blows)} blows" if len(result.blows) > 1 else "The blow"
+    return (
+        f"{which} has a coefficient of restitution of {float(first.restitution):.4g}{asked}: the force peaks at "
+        f"{with_unit(float(first.peak_force), 'N', 'kN')} after {with_unit(float(first.peak_time), 's', 'us')}, lasts "
+        f"{with_unit(float(first.duration), 's', 'us')}, and {with_unit(float(first.energy_lost), 'J', 'J')} are lost."
+    )
+
+
 def _print(result: ImpactResult) -> None:
     setup, blows = result.setup, result.blows
-    table("Impact of two free bodies" + (", first blow" if setup.repeat > 1 else ""), ["", ""], _rows(setup, blows[0]))
+    title = "Impact of two free bodies" + (", first blow" if setup.repeat > 1 else "")
+    table(title, [*keys(""), *texts("")], _rows(setup, blows[0]))
     if result.answers.differ:
         _print_answers(result.answers)
     if setup.repeat > 1:
@@ -397,7 +416,8 @@ def _stiffness_words(setup: Setup) -> str:
 
 
 def _print_answers(answers: ImpactAnswers) -> None:
-    columns = ["contact", "yield load (kN)", "peak force (kN)", "duration (us)", "residual (um)", "restitution"]
+    columns = [*keys("contact"), *numerals("yield load (kN)", "peak force (kN)", "duration (us)")]
+    columns += [*numerals("residual (um)", priority=MORE), *numerals("restitution")]
     rows = [
         [
             row.name,
@@ -413,16 +433,18 @@ def _print_answers(answers: ImpactAnswers) -> None:
 
 
 def _print_blows(blows: list[Impact]) -> None:
-    columns = ["blow", "restitution", "largest indentation (um)", "residual (um)", "peak force (kN)", "duration (us)"]
-    columns += ["energy lost (J)", "flattening"]
+    columns = [*numerals("blow", priority=KEY), *numerals("restitution")]
+    columns += numerals("largest indentation (um)", "residual (um)", priority=MORE)
+    columns += numerals("peak force (kN)", "duration (us)")
+    columns += numerals("energy lost (J)", "flattening", priority=MORE + 1)
     half = MOST_ROWS // 2
     hidden = range(half, len(blows) - half) if len(blows) > MOST_ROWS else range(0)
     rows = [_blow_row(k, blow) for k, blow in enumerate(blows) if k not in hidden]
     if hidden:
         rows.insert(half, ["..."] * len(columns))
-    table("Blows on the same spot", columns, rows, left=0)
+    table("Blows on the same spot", columns, rows)
     if hidden:
-        say(f"the first and last {half} of {len(blows)} blows; --json and --out have them all")
+        tell(f"the first and last {half} of {len(blows)} blows; --json and --out have them all")
 
 
 def _blow_row(k: int, blow: Impact) -> list[str]:

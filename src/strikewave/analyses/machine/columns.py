@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from strikewave.reporting.layout import MAIN, MORE, Column, key, numbers, words
+from strikewave.reporting.layout import KEY, MAIN, MORE, Column, numerals, texts
 from strikewave.reporting.numbers import heads
 
 
@@ -112,5 +112,5 @@ def screen_columns(table: str) -> list[Column]:
     priorities = [column.priority for column in COLUMNS if table in column.tables]
     shown = [Column(head, priority) for head, priority in zip(headings(table), priorities, strict=True)]
     if table != "blows":
-        return [key("#", words=False), *shown]
-    return [key("#", words=False), words("kind"), *shown, *numbers("contacts", priority=MORE + 2)]
+        return [*numerals("#", priority=KEY), *shown]
+    return [*numerals("#", priority=KEY), *texts("kind"), *shown, *numerals("contacts", priority=MORE + 2)]

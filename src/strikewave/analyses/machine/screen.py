@@ -24,7 +24,7 @@ from strikewave.analyses.machine.words import (
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
-from strikewave.reporting.layout import key, numbers
+from strikewave.reporting.layout import KEY, MORE, keys, numerals
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
@@ -128,7 +128,14 @@ def _print_answers(solution: Solution) -> None:
     if answers is None:
         return
     if answers.differ:
-        table(ANSWERS_CALLED, [key(ANSWER_HEADS[0]), *numbers(*ANSWER_HEADS[1:])], answer_rows(answers))
+        named, pressure, *others, back = ANSWER_HEADS
+        columns = [
+            *keys(named),
+            *numerals(pressure, priority=MORE),
+            *numerals(*others),
+            *numerals(back, priority=MORE),
+        ]
+        table(ANSWERS_CALLED, columns, answer_rows(answers))
     tell(restitution_words(answers))
 
 
@@ -159,9 +166,9 @@ def _print_waves(solution: Solution) -> None:
             cells.append(number(pulse.peak, "m/s^2", "g", 5) + (" clipped" if pulse.clipped else ""))
         rows.append([str(blow.index), *cells])
     waves = ["rigid (g)", "total (g)", "wave (g)"] if solution.waves else ["rigid (g)"]
-    sensors = numbers(*(f"sensor {name} (g)" for name in names))
+    sensors = numerals(*(f"sensor {name} (g)" for name in names))
     title = f"Peak accelerations, route {solution.case.solver.route}{stated}"
-    table(title, [key("#", words=False), *numbers(*waves), *sensors], rows)
+    table(title, [*numerals("#", priority=KEY), *numerals(*waves), *sensors], rows)
     setup = solution.waves
     if setup is not None:
         tell(
@@ -176,5 +183,5 @@ def _print_collisions(solution: Solution) -> None:
     """Print the collisions of the bodies of an amplifier."""
     if solution.collisions:
         time, lower, upper, *others = COLLISION_HEADS
-        columns = [key(time, words=False), key(lower), key(upper), *numbers(*others)]
+        columns = [*numerals(time, priority=KEY), *keys(lower), *keys(upper), *numerals(*others)]
         table("Collisions in the line, by restitution alone", columns, collision_rows(solution))

@@ -119,7 +119,7 @@ def summary(solution: Solution) -> str:
     Examples
     --------
     >>> from strikewave import load_case, run_case
-    >>> summary(run_case(load_case("li-ma-2019", ["feed.blows=1"])))[:68]
+    >>> summary(run_case(load_case("li-ma-2019", ["feed.blows=1"])))[:69]
     'One blow, full. The first reaches a rigid-body acceleration of 4151 g'
     """
     struck = struck_blows(solution)

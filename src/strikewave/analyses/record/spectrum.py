@@ -8,15 +8,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice, Source
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.layout import KEY, numerals
+from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.options import Output, Typed
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, say, significant, table
+from strikewave.reporting.terminal import number, say, significant, table, tell
 from strikewave.signal.srs import Scope, Spectrum, octaves, srs
 
 KIND_UNITS = {"absolute": "m/s^2", "displacement": "m", "pseudo-velocity": "m/s"}
@@ -170,6 +173,10 @@ class SrsCommand(Command[SpectrumResult]):
             notices=_notices(reading),
         )
 
+    def summary(self, result: SpectrumResult) -> str:
+        """Say where each spectrum is largest."""
+        return spectrum_words(result)
+
     def show(self, result: SpectrumResult) -> None:
         """Print every so many of the frequencies."""
         _print(result)
@@ -234,13 +241,26 @@ def _units(kind: str, in_g: bool) -> tuple[str, str]:
     return KIND_UNITS[kind], SHOWN_UNITS[kind] if in_g else KIND_UNITS[kind]
 
 
+def spectrum_words(result: SpectrumResult) -> str:
+    """Say in words where each spectrum is largest."""
+    in_g, peaks = result.reading.channel.unit == "m/s^2", list[str]()
+    for spectrum in result.spectra:
+        values, (si, unit) = spectrum.side(result.side), _units(spectrum.kind, in_g)
+        place = int(np.argmax(np.abs(values)))
+        largest = with_unit(float(values[place]), si, unit) if in_g else significant(float(values[place]), 4)
+        where = with_unit(float(spectrum.frequency[place]), "Hz", "Hz")
+        peaks.append(f"{'' if peaks else 'largest '}{spectrum.kind} response {largest} at {where}")
+    return f"{result.title}: {listed(peaks)}, of {len(result.spectra[0].frequency)} frequencies."
+
+
 def _print(result: SpectrumResult) -> None:
     reading, spectra, side = result.reading, result.spectra, result.side
     first = spectra[0]
     step = max(len(first.frequency) // SHOWN_ROWS, 1)
     shown = range(0, len(first.frequency), step)
     in_g = reading.channel.unit == "m/s^2"
-    columns = ["frequency (Hz)"] + [f"{s.kind} ({SHOWN_UNITS[s.kind] if in_g else 'own'})" for s in spectra]
+    columns = [*numerals("frequency (Hz)", priority=KEY)]
+    columns += numerals(*(f"{s.kind} ({SHOWN_UNITS[s.kind] if in_g else 'own'})" for s in spectra))
     rows = [
         [significant(float(first.frequency[k]), 4)]
         + [number(float(s.side(side)[k]), *_units(s.kind, in_g)) for s in spectra]
@@ -248,6 +268,6 @@ def _print(result: SpectrumResult) -> None:
     ]
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g}"
     title = f"Shock response spectrum of {Path(result.file).name}, {reading.channel.name}: {q}, {side}, {first.part}"
-    table(title, columns, rows, left=0)
+    table(title, columns, rows)
     if step > 1:
-        say(f"every {step}th of {len(first.frequency)} frequencies; --json or spectrum.csv has them all")
+        tell(f"every {step}th of {len(first.frequency)} frequencies; --json or spectrum.csv has them all")

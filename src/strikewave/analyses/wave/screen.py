@@ -7,14 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.analyses.wave.report import error_words, tap_rows, wave_tables
+from strikewave.analyses.wave.report import error_words, tap_rows, wave_tables, wave_words
 from strikewave.analyses.wave.run import WaveSolution, run_wave
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
+from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.stack_chapters import MOST_LAYERS
-from strikewave.reporting.terminal import number, print_fits, print_losses, say, say_compiling, table
+from strikewave.reporting.terminal import number, print_fits, print_losses, report_table, say_compiling, table, tell
 
 
 def run_wave_case(
@@ -52,6 +55,10 @@ class WaveCommand(Command[WaveSolution]):
         say_compiling()
         return run_wave(self.case)
 
+    def summary(self, result: WaveSolution) -> str:
+        """Say what the taps show."""
+        return wave_words(result)
+
     def show(self, result: WaveSolution) -> None:
         """Print the tables of a run."""
         show(result)
@@ -66,10 +73,19 @@ class WaveCommand(Command[WaveSolution]):
 def show(solution: WaveSolution) -> None:
     """Print the largest values at the taps, the layers, joints and sensors of a stack, and how exact they are."""
     stack = solution.run.stack
-    say(f"{solution.case.name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {stack.transit * 1e6:.4g} us")
-    columns = ["tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"]
+    name, transit = solution.case.name, with_unit(stack.transit, "s", "us")
+    tell(f"{name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {transit}", "  ")
+    columns = [
+        *[
+            *keys("tap"),
+            *texts("route", priority=MORE + 1),
+            *texts("layer", priority=MORE),
+            *numerals("position", priority=MORE),
+        ],
+        *numerals("force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"),
+    ]
     rows = [[str(cell) for cell in row] for row in tap_rows(solution)]
-    table(f"{solution.title}: largest values at the taps", columns, rows, left=3)
+    table(f"{solution.title}: largest values at the taps", columns, rows)
     used = [
         [
             layer.name,
@@ -82,10 +98,10 @@ def show(solution: WaveSolution) -> None:
     if solution.method != "spectral":
         more = len(stack.layers) - MOST_LAYERS
         title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
-        table(title, ["layer", "asked (mm)", "used (mm)", "steps"], used)
+        table(title, [*keys("layer"), *numerals("asked (mm)", "used (mm)", "steps")], used, detail=True)
     print_fits(solution.losses)
-    for caption, columns, rows in wave_tables(solution):
-        table(caption, columns, rows)
+    for caption, heads, listing in wave_tables(solution):
+        report_table(Table(caption, heads, listing))
     if solution.channels:
         read = [
             [
@@ -96,7 +112,12 @@ def show(solution: WaveSolution) -> None:
             ]
             for name, pulse in solution.sensors.items()
         ]
-        table("What the sensors read", ["sensor", "peak (g)", "pulse width at 10 % (us)", "clipped"], read)
+        columns = [
+            *keys("sensor"),
+            *numerals("peak (g)", "pulse width at 10 % (us)"),
+            *texts("clipped"),
+        ]
+        table("What the sensors read", columns, read)
         print_losses(solution.channels)
-    say(error_words(solution))
-    say(f"balance: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")
+    tell(error_words(solution))
+    tell(f"balance: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")

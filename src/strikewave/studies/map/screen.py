@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.base.compiled import is_cold
+from strikewave.reporting.layout import keys, numerals
+from strikewave.reporting.numbers import listed, percent, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import INTERRUPTED, number, progress_bar, say, table
+from strikewave.reporting.terminal import INTERRUPTED, number, progress_bar, say, table, tell
 from strikewave.studies.map.cells import Axis, MapPlan
 from strikewave.studies.map.store import Store, rows_beside
 from strikewave.studies.map.study import MapStudy, make_map, marked_text
@@ -94,6 +96,10 @@ class MapCommand(Command[MapStudy]):
             say("stopped; " + (resumption if store.path is not None and store.done.any() else "nothing was written"))
             raise SystemExit(INTERRUPTED) from None
 
+    def summary(self, result: MapStudy) -> str:
+        """Say what the blows are like, and where the nearest equal ones are."""
+        return map_words(result)
+
     def show(self, result: MapStudy) -> None:
         """Print regimes, the case, and the nearest even setting."""
         _print(result)
@@ -119,29 +125,44 @@ def _words(plan: MapPlan, seconds: float, store: Store) -> str:
     return f"{size} machines, {plan.blows} blows{trains}: about {max(left * seconds, 1.0):.0f} s on free cores{stored}"
 
 
+def map_words(study: MapStudy) -> str:
+    """Say in words what the blows are like over the map, and where the nearest equal ones are."""
+    regimes = [f"{name} {percent(share)}" for name, share in study.shares.items() if share > 0.0]
+    nearest = study.setting
+    over = " and ".join(axis.path for axis in study.plan.axes)
+    words = f"{study.case.name} over {over}: {listed(regimes)} of the cells. "
+    if nearest is None:
+        return words + _none_found(study).capitalize() + "."
+    full = f"CV {percent(nearest.cv, 2)} and mean peak {with_unit(nearest.peak, *_PEAK)} in a full run"
+    if nearest.distance == 0.0:
+        return words + f"The case has equal blows already: {full}."
+    return words + f"Nearest equal blows: {_at(study.plan.axes, nearest.values)}, {full}."
+
+
 def _print(study: MapStudy) -> None:
     """Print what the map shows: shares of the regimes, why cells failed, the case, and the nearest even setting."""
     rows = [[name, f"{100.0 * share:.1f}"] for name, share in study.shares.items()]
-    table("Regimes", ["regime", "cells (%)"], rows)
+    table("Regimes", [*keys("regime"), *numerals("cells (%)")], rows)
     for text, count in study.failures.items():
-        say(f"no result, or no regime, in {count} cells: {text}")
+        tell(f"no result, or no regime, in {count} cells: {text}")
     nearest = study.setting
-    columns = ["", "case"] + ([] if nearest is None else [f"nearest within {100.0 * study.wanted:g} %"])
+    columns = [*keys(""), *numerals("case")]
+    columns += [] if nearest is None else numerals(f"nearest within {100.0 * study.wanted:g} %")
     shown = [_column(study, study.here, study.present)]
     if nearest is not None:
         shown.append(_column(study, nearest.values, nearest.cell))
     heads = [f"{a.path} ({a.unit or '1'})" for a in study.plan.axes] + [head for head, *_ in SHOWN]
     table(f"{study.case.name}: {study.plan.blows} blows", columns, list(zip(heads, *shown, strict=True)))
     for values, reason in study.refused:
-        say(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")
+        tell(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")
     if nearest is None:
-        say(_none_found(study))
+        tell(_none_found(study))
         return
     full = f"a full run has a CV of {100.0 * nearest.cv:.3g} % and a mean peak of {number(nearest.peak, *_PEAK, 5)} g"
     if nearest.distance == 0.0:
-        say(f"the case has equal blows already: {full}")
+        tell(f"the case has equal blows already: {full}")
     else:
-        say(f"the nearest is {nearest.distance:.3g} away in relative steps; {full}")
+        tell(f"the nearest is {nearest.distance:.3g} away in relative steps; {full}")
 
 
 def _none_found(study: MapStudy) -> str:

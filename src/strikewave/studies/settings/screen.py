@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import shutil
+import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
 from strikewave.cases.case import Case
+from strikewave.reporting.layout import KEY, MORE, Column, keys, numerals, texts
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import fixed, number, progress_bar, say, say_compiling, significant, table
+from strikewave.reporting.terminal import fixed, number, progress_bar, say_compiling, significant, table, tell
 from strikewave.studies.settings.candidate import BlowGoal, Limit, SettingsCandidate
 from strikewave.studies.settings.estimate import engagement_sensitivity
 from strikewave.studies.settings.search import VARIED
@@ -25,13 +27,6 @@ from strikewave.studies.settings.study import (
 
 SHOWN = 6
 """First of the ranking in the table; the first of each other number of strikers follows."""
-COLUMNS = (
-    "#", "strikers", "speed\n(rpm)", "engaged\n(mm)", "{}\n(MN/m)", "striker\n(kg)", "spring\n(kN/m)",
-    "preload\n(N)", "damper\n(N s/m)", "peak\n(g)", "CV\n(%)", "width at\n10 % (us)", "interval\n(ms)", "stop\n(kN)",
-    "largest\ndisplace-\nment (mm)", "0.1 mm\n(%)", "meets",
-)  # fmt: skip
-LEFT_OUT, WIDE = (5, 6, 7, 8, 12, 14, 15), 140
-"""Columns of the table that a screen with fewer characters does without."""
 LIMIT_UNITS = {"Pa": "MPa", "m": "mm", "N": "kN", "m/s": "m/s", "N m": "N m"}
 """Units in which limits are shown; shares are shown in %, errors as they are."""
 
@@ -49,7 +44,7 @@ def find_settings(command: SettingsCommand, output: Output, usual_question: bool
     asked = asked_line(command.case, command.goal, command.choice)
     usual = name_of(command.goal) + ("" if usual_question else f"-{asked[-10:-2]}")
     if output.out is not None and _holds(output.out, asked):
-        output = Output(output.out, True, output.json)
+        output = dataclasses.replace(output, force=True)
     return run_and_write(command, output, usual, asked)
 
 
@@ -68,6 +63,10 @@ class SettingsCommand(Command[SettingsStudy]):
         say_compiling()
         with progress_bar("settings") as report:
             return design_settings(self.case, self.goal, self.choice, report)
+
+    def summary(self, result: SettingsStudy) -> str:
+        """Say which settings are first, and what they give."""
+        return settings_words(result)
 
     def show(self, result: SettingsStudy) -> None:
         """Print the ranking, and the limits of the first."""
@@ -93,29 +92,61 @@ def _holds(folder: Path, asked: str) -> bool:
 
 def _print(study: SettingsStudy) -> None:
     first = study.candidates[0]
-    say(_header(study.case, study.goal, first))
     met = sum(one.meets for one in study.candidates)
     others = {one.case.rotary_tables().machine.strikers.si: one for one in reversed(study.candidates)}
     shown = [one for one in study.candidates if one in study.candidates[:SHOWN] or one in others.values()]
-    wide = shutil.get_terminal_size((160, 24)).columns >= WIDE
-    kinds = [k for k in range(len(COLUMNS)) if wide or k not in LEFT_OUT]
-    columns = [COLUMNS[k].format(study.choice.vary) for k in kinds]
     rows = [_cells(study, place, one) for place, one in enumerate(study.candidates, 1) if one in shown]
     title = f"{met} of {len(study.candidates)} settings give {goal_words(study.goal)}"
-    table(title, columns, [[row[k] for k in kinds] for row in rows], left=0)
-    say(
+    table(title, _columns(study.choice.vary), rows)
+    tell(
         "peak, width, interval: of the typical blow, the median of the later full ones; CV: scatter of all peaks; "
         "0.1 mm: change of the peak with that much of engagement"
     )
-    table("Limits of the first", ["limit", "value", "at most", "unit", "kept"], [_limit(x) for x in first.limits])
+    tell(_header(study.case, study.goal, first))
+    columns = [*keys("limit"), *numerals("value", "at most"), *texts("unit"), *texts("kept")]
+    table("Limits of the first", columns, [_limit(x) for x in first.limits])
     if len(study.masses) > 1:
         rows = [_mass_cells(study, one) for one in study.masses]
-        names = ["striker (kg)", "engagement (mm)", f"{study.choice.vary} (MN/m)", "contact (kN)", "lost a blow (rpm)"]
-        table("What the mass of a striker costs", names, rows, left=0)
+        columns = [
+            *numerals("striker (kg)", priority=KEY),
+            *numerals("engagement (mm)", f"{study.choice.vary} (MN/m)"),
+        ]
+        columns += numerals("contact (kN)", "lost a blow (rpm)")
+        table("What the mass of a striker costs", columns, rows)
     for count, why in study.left_out.items():
-        say(f"left out, {count} strikers: {why}")
+        tell(f"left out, {count} strikers: {why}")
     for why in study.failed[:SHOWN]:
-        say(f"no result, {why}")
+        tell(f"no result, {why}")
+
+
+def settings_words(study: SettingsStudy) -> str:
+    """Say in words which settings are first, what they give, and how many meet the goal."""
+    first = study.candidates[0]
+    values, observation = first.case.values(), first.observation
+    met = sum(one.meets for one in study.candidates)
+    counted = f"{met} of {len(study.candidates)} settings meet the goal" if met else "No setting meets the goal"
+    return (
+        f"{counted}: {goal_words(study.goal)}. First: {values['machine.strikers'].si:.0f} strikers at "
+        f"{with_unit(values['machine.speed'].si, 'rad/s', 'rpm')}, engagement "
+        f"{with_unit(values['machine.engagement'].si, 'm', 'mm', 3)}, {study.choice.vary} "
+        f"{with_unit(values[VARIED[study.choice.vary][0]].si, 'N/m', 'MN/m', 3)}; it gives "
+        f"{with_unit(observation.peak.typical, 'm/s^2', 'g')}, {with_unit(observation.width.typical, 's', 'us')} and "
+        f"{with_unit(observation.interval.typical, 's', 'ms')}."
+    )
+
+
+def _columns(varied: str) -> list[Column]:
+    """Return the columns of the table of candidates; see `_cells`."""
+    return [
+        *numerals("#", priority=KEY),
+        *numerals("strikers", "speed (rpm)", "engaged (mm)", f"{varied} (MN/m)"),
+        *numerals("striker (kg)", "spring (kN/m)", "preload (N)", "damper (N s/m)", priority=MORE + 1),
+        *numerals("peak (g)"),
+        *numerals("CV (%)", priority=MORE),
+        *numerals("width at 10 % (us)"),
+        *numerals("interval (ms)", "stop (kN)", "largest displacement (mm)", "0.1 mm (%)", priority=MORE),
+        *texts("meets"),
+    ]
 
 
 def _header(case: Case, goal: BlowGoal, first: SettingsCandidate) -> str:
