@@ -9,38 +9,72 @@ Examples
 """
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from strikewave._version import __version__
 
+if TYPE_CHECKING:  # for type checkers and editors; at run time a name is imported when it is first used
+    from strikewave.analyses.fem.result import FemSolution as FemSolution
+    from strikewave.analyses.fem.run import run_fem as run_fem
+    from strikewave.analyses.hopkinson.run import run_hopkinson as run_hopkinson
+    from strikewave.analyses.hopkinson.setup_file import load_setup as load_setup
+    from strikewave.analyses.machine.result import Solution as Solution
+    from strikewave.analyses.machine.result import load_solution as load_solution
+    from strikewave.analyses.machine.run import run_case as run_case
+    from strikewave.analyses.wave.result import WaveSolution as WaveSolution
+    from strikewave.analyses.wave.run import run_wave as run_wave
+    from strikewave.base.errors import InputError as InputError
+    from strikewave.base.errors import StrikewaveError as StrikewaveError
+    from strikewave.base.materials import material as material
+    from strikewave.base.materials import materials as materials
+    from strikewave.base.result import Result as Result
+    from strikewave.cases.case import Case as Case
+    from strikewave.cases.case import dump_case as dump_case
+    from strikewave.cases.case import load_case as load_case
+    from strikewave.contact.impact import solve_impact as solve_impact
+    from strikewave.contact.law import Contact as Contact
+    from strikewave.records.measuring import find_pulses as find_pulses
+    from strikewave.records.readers import read_record as read_record
+    from strikewave.signal.srs import srs as srs
+
 _HOMES = {
-    "Case": "strikewave.cases.case",
-    "load_case": "strikewave.cases.case",
-    "dump_case": "strikewave.cases.case",
-    "run_case": "strikewave.analyses.machine.run",
-    "run_wave": "strikewave.analyses.wave.run",
-    "run_fem": "strikewave.analyses.fem.run",
-    "Solution": "strikewave.analyses.machine.result",
-    "load_solution": "strikewave.analyses.machine.result",
-    "material": "strikewave.base.materials",
-    "materials": "strikewave.base.materials",
-    "read_record": "strikewave.records",
-    "find_pulses": "strikewave.records",
-    "srs": "strikewave.signal.srs",
-    "solve_impact": "strikewave.contact",
-    "Contact": "strikewave.contact",
+    "Case": "cases.case",
+    "Contact": "contact.law",
+    "FemSolution": "analyses.fem.result",
+    "InputError": "base.errors",
+    "Result": "base.result",
+    "Solution": "analyses.machine.result",
+    "StrikewaveError": "base.errors",
+    "WaveSolution": "analyses.wave.result",
+    "dump_case": "cases.case",
+    "find_pulses": "records.measuring",
+    "load_case": "cases.case",
+    "load_setup": "analyses.hopkinson.setup_file",
+    "load_solution": "analyses.machine.result",
+    "material": "base.materials",
+    "materials": "base.materials",
+    "read_record": "records.readers",
+    "run_case": "analyses.machine.run",
+    "run_fem": "analyses.fem.run",
+    "run_hopkinson": "analyses.hopkinson.run",
+    "run_wave": "analyses.wave.run",
+    "solve_impact": "contact.impact",
+    "srs": "signal.srs",
 }
+"""Modules of the public names. A test holds this table and the imports above equal."""
 
 __all__ = ["__version__", *_HOMES]  # noqa: PLE0604  (the names stand once, above)
-
-
-def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used (PEP 562)."""
-    if name in _HOMES:
-        return getattr(import_module(_HOMES[name]), name)
-    raise AttributeError(f"module 'strikewave' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
     """List the public names."""
     return sorted(__all__)
+
+
+if not TYPE_CHECKING:  # else a misspelled name would pass type checkers
+
+    def __getattr__(name: str) -> Any:
+        """Import a public name when it is first used (PEP 562)."""
+        if name in _HOMES:
+            return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+        raise AttributeError(f"module 'strikewave' has no attribute {name!r}")

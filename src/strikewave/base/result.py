@@ -133,6 +133,8 @@ class Source:
         SHA-256 of the files that were read, by their names.
     asked : str
         Command line that gives the result again, as it is to be typed, where the text alone does not.
+    test : mapping of str to str
+        What was stated of the test, where no case holds it.
     """
 
     kind: str
@@ -141,6 +143,7 @@ class Source:
     file: str = "case.toml"
     digests: Mapping[str, str] = dataclasses.field(default_factory=dict)
     asked: str = ""
+    test: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     @property
     def whole(self) -> bool:
@@ -193,6 +196,11 @@ class Result(ABC):
         """Where the inputs come from."""
 
     @property
+    def test(self) -> Mapping[str, str]:
+        """What was tested, by whom, where and when, as far as it is stated; see the table [test] of a case."""
+        return {}
+
+    @property
     def warnings(self) -> tuple[Notice, ...]:
         """The notices, by the key of the JSON document."""
         return self.notices
@@ -218,7 +226,8 @@ class Result(ABC):
     def document(self) -> dict[str, Any]:
         """Return the JSON document; values that do not exist are null."""
         warnings = [notice.document() for notice in self.notices]
-        return dict(plain({**head(dict(self.units()), warnings), **self.content()}))
+        test = {"test": dict(self.test)} if self.test else {}
+        return dict(plain({**head(dict(self.units()), warnings), **test, **self.content()}))
 
     def tables(self) -> dict[str, str]:
         """Return its tables as CSV text, by the names of their files."""

@@ -31,6 +31,7 @@ from strikewave.cases.fem_tables import FemTable
 from strikewave.cases.machine_tables import AnyMachine
 from strikewave.cases.mesh_tables import FilePart, MeshTable
 from strikewave.cases.paths import Form, row_name
+from strikewave.cases.performed_test import PerformedTest
 from strikewave.cases.tables import (
     PUBLISHED_QUANTITIES,
     AnyObject,
@@ -106,6 +107,7 @@ class Case(CaseTable):
     name: Annotated[str, BeforeValidator(case_name)] = ""
     title: str = ""
     source: str = ""
+    test: PerformedTest = PerformedTest()
     machine: AnyMachine | None = None
     striker: AnyStriker | None = None
     feed: FeedTable | None = None
@@ -448,6 +450,8 @@ def document_of(case: Case) -> dict[str, Any]:
     """Return a case as the plain tables of a case file."""
     head = {"schema": SCHEMA, "name": case.name, "title": case.title, "source": case.source}
     document: dict[str, Any] = {key: value for key, value in head.items() if value}
+    if case.test.stated():
+        document["test"] = case.test.stated()
     for table in case.tables():
         rows = _document(getattr(case, table))
         if rows:

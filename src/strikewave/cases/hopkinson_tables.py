@@ -20,6 +20,7 @@ from strikewave.base.quantities import (
     Value,
     positive,
 )
+from strikewave.cases.performed_test import PerformedTest
 from strikewave.cases.tables import CaseTable, case_name
 from strikewave.hopkinson.alignment import Method
 from strikewave.hopkinson.echoes import Way
@@ -201,6 +202,7 @@ class HopkinsonSetup(CaseTable):
     title: str = ""
     source: str = ""
     folder: str = ""
+    test: PerformedTest = PerformedTest()
     bar: BarsTable
     specimen: SpecimenTable | None = None
     striker: StrikerBarTable | None = None

@@ -10,6 +10,7 @@ import typer
 from strikewave.base.errors import InputError
 from strikewave.base.output_folder import write_atomically
 from strikewave.cases.case import dump_case, load_case, parse_case
+from strikewave.cases.performed_test import EXAMPLE as TEST_EXAMPLE
 from strikewave.reporting.options import complete_case
 from strikewave.reporting.terminal import say
 
@@ -52,12 +53,12 @@ def command(
     if origin == HOPKINSON:
         from strikewave.analyses.hopkinson.setup_file import example_setup
 
-        write_atomically(path, example_setup())
+        write_atomically(path, example_setup() + TEST_EXAMPLE)
         say(f"written: {path}; name your bars and files, then: strikewave {HOPKINSON} {path}")
         return 0
     case = load_case(origin)
     text = dump_case(case.model_copy(update={"name": path.stem, "title": f"{path.stem}, from {origin}"}))
     parse_case(text)  # refuses a name that no result folder may have
-    write_atomically(path, text)
+    write_atomically(path, text if case.test.stated() else text + TEST_EXAMPLE)
     say(f"written: {path}; change a value, then: strikewave {case.command} {path}")
     return 0

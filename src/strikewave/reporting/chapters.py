@@ -244,6 +244,7 @@ def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -
         numbers=summary.numbers,
         foot=f"{source.kind} {source.name or 'without name'}"
         + (f" · SHA-256 of the {sealed} {source.digest}" if source.digest else ""),
+        test=result.test,
     )
     return whole_page(head, [*sections, sources(result.citations), reproduction(result)])
 

@@ -243,18 +243,24 @@ class AskedResult(Result):
     origin: Source = UNKNOWN
 
     @property
+    def test(self) -> Mapping[str, str]:
+        """What the command line names of the test."""
+        return self.origin.test
+
+    @property
     def source(self) -> Source:
         """The command line, and the files by their SHA-256."""
         return self.origin
 
 
-def source_of(kind: str, name: str, paths: Sequence[Path] = ()) -> Source:
+def source_of(kind: str, name: str, paths: Sequence[Path] = (), test: Mapping[str, str] | None = None) -> Source:
     """Return the source of a result of measured files, or of a command alone: what runs now, and their SHA-256.
 
-    Files are hashed whole, which takes as long as to read them: name them only where the source is written.
+    Files are hashed whole, which takes as long as to read them: name them only where the source is written. ``test`` is
+    what is stated of the test, see `strikewave.reporting.options.Output.stated_test`.
     """
-    digests, command = digests_of(paths), asked()
-    return Source(kind, name, identity(command, digests), "record.toml", digests, command)
+    digests, command, stated = digests_of(paths), asked(), dict(test or {})
+    return Source(kind, name, identity(command, digests, stated), "record.toml", digests, command, stated)
 
 
 def asked() -> str:
@@ -262,8 +268,8 @@ def asked() -> str:
     return shown(shlex.join(["strikewave", *sys.argv[1:]]))
 
 
-def identity(asked: str, digests: Mapping[str, str]) -> str:
-    """Return what was asked of which files, by their SHA-256."""
+def identity(asked: str, digests: Mapping[str, str], test: Mapping[str, str] | None = None) -> str:
+    """Return what was asked of which files, by their SHA-256, and what is stated of the test."""
     document = tomlkit.document()
     document.add("schema", tomlkit.item(1))
     document.add("command", tomlkit.item(shown(asked)))
@@ -271,6 +277,8 @@ def identity(asked: str, digests: Mapping[str, str]) -> str:
     for path, digest in digests.items():
         files.append(tomlkit.item({"path": shown(path), "sha256": digest}))
     document.add("file", files)
+    if test:
+        document.add("test", tomlkit.item(dict(test)))
     return tomlkit.dumps(document)
 
 

@@ -1,12 +1,21 @@
-"""Numbers and units as they are shown, on the screen and in the report."""
+"""Numbers and units as they are shown: on the screen, in the report, and in tables of text.
+
+Each function takes the unit in which a quantity is shown as a rule; the unit that the user chose for that kind of
+quantity takes its place (`ShownUnits`, in force within `showing`). JSON and NetCDF stay in SI.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextvars import ContextVar
+from dataclasses import dataclass, field
 
+from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import Band
-from strikewave.base.units import in_unit
+from strikewave.base.units import DIMENSIONS, in_unit, parse_quantity
 from strikewave.reporting.parts import NONE, written
 
 TWO_DIGITS_BELOW = 3.0
@@ -17,29 +26,205 @@ MOST_DIGITS = 4
 LONGEST_IN_MICROSECONDS = 5e-3
 """Runs that last longer, s, are shown in milliseconds: µs would need five digits before the point."""
 SHOWN_UNITS = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
-"""SI unit of a published number and the unit in which it is shown."""
+"""SI unit of a published number and the unit in which it is shown as a rule."""
+OFFERED = {
+    "m/s^2": ("g", "m/s^2", "mm/s^2", "km/s^2", "ft/s^2"),
+    "s": ("s", "ms", "us", "ns"),
+    "N": ("N", "kN", "MN", "lbf"),
+    "m": ("m", "cm", "mm", "um", "nm", "in"),
+    "m/s": ("m/s", "mm/s", "km/h", "ft/s", "in/s"),
+    "Pa": ("Pa", "kPa", "MPa", "GPa", "bar", "psi"),
+    "J": ("J", "mJ", "kJ"),
+    "kg": ("kg", "gram", "mg", "t", "lb"),
+    "Hz": ("Hz", "kHz", "MHz"),
+    "rad": ("rad", "deg"),
+    "rad/s": ("rad/s", "rpm"),
+    "m^2": ("m^2", "cm^2", "mm^2"),
+    "N s": ("N s", "mN s", "kN s", "lbf s"),
+    "N m": ("N m", "N mm", "kN m"),
+    "N/m": ("N/m", "N/mm", "kN/m", "MN/m", "GN/m"),
+    "N s/m": ("N s/m", "kN s/m"),
+    "kg/m^3": ("kg/m^3", "gram/cm^3"),
+    "1/s": ("1/s", "1/ms"),
+    "V": ("V", "mV"),
+}
+"""Kinds of quantities whose unit may be chosen, by SI unit, and units that are offered; others that convert are taken
+too, by the first kind that they fit."""
+
+
+@dataclass(frozen=True)
+class ShownUnits:
+    """Units that the user chose: at most one for each kind of quantity.
+
+    Attributes
+    ----------
+    units : mapping of str to str
+        Unit by the SI unit of its kind; a kind without one is shown as usual.
+
+    Examples
+    --------
+    >>> chosen = ShownUnits.read("m/s2, ms")
+    >>> chosen.unit("m/s^2", "g"), chosen.unit("s", "us"), chosen.unit("N", "kN")
+    ('m/s^2', 'ms', 'kN')
+    """
+
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, words: str, option: str = "--show") -> ShownUnits:
+        """Return the units of a list such as ``g,us,kN``.
+
+        Raises
+        ------
+        InputError
+            If one is unknown, or two are of one kind.
+        """
+        units: dict[str, str] = {}
+        for word in words.split(","):
+            unit = _plain_unit(word)
+            si = _kind_of(unit, word, option)
+            if si in units:
+                allowed = f"at most one unit of {_kind(si)}"
+                raise InputError(option, words, allowed, f"leave out {units[si]} or {unit}")
+            units[si] = unit
+        return cls(units)
+
+    def unit(self, si: str, usual: str) -> str:
+        """Return the unit in which a quantity of an SI unit is shown: the one chosen, or the usual one."""
+        return self.units.get(si, usual)
+
+
+def _plain_unit(word: str) -> str:
+    """Return a unit as it is written in files: ``m/s²``, ``m/s2`` and ``m/s**2`` are m/s^2, µs is us.
+
+    Examples
+    --------
+    >>> _plain_unit(" m/s2"), _plain_unit("µs"), _plain_unit("kg/m³")
+    ('m/s^2', 'us', 'kg/m^3')
+    """
+    text = re.sub(r"\s+", " ", re.sub("[µμ]", "u", word.strip()))
+    return re.sub(r"(?<=[A-Za-z])([23])", r"^\1", text.replace("**", "^").replace("²", "2").replace("³", "3"))
+
+
+def _kind(si: str) -> str:
+    """Return the kind of quantity of an SI unit, without its article."""
+    return DIMENSIONS[si][0].partition(" ")[2]
+
+
+def _kind_of(unit: str, word: str, option: str) -> str:
+    """Return the SI unit of the kind of quantity that a unit is of."""
+    for si, offered in OFFERED.items():
+        if unit in offered:
+            return si
+    for si in OFFERED:
+        with contextlib.suppress(InputError):
+            parse_quantity(f"1 {unit}", si, option)
+            return si
+    near = nearest(unit, [name for offered in OFFERED.values() for name in offered])
+    for si, offered in OFFERED.items():
+        if any(f'"{name}"' in near for name in offered):
+            raise InputError(option, word, f"a unit of {_kind(si)}: {', '.join(offered)}", near)
+    first = ", ".join(offered[0] for offered in OFFERED.values())
+    raise InputError(option, word, f"at most one unit for each kind of quantity, such as {first}")
+
+
+_chosen: ContextVar[ShownUnits | None] = ContextVar("shown units", default=None)
+
+
+@contextlib.contextmanager
+def showing(units: ShownUnits | None) -> Iterator[None]:
+    """Show quantities in these units, or in the usual ones, as long as the context lasts, in this thread.
+
+    Examples
+    --------
+    >>> with showing(ShownUnits.read("m/s^2")):
+    ...     with_unit(40709.86, "m/s^2", "g")
+    '40710 m/s²'
+    """
+    token = _chosen.set(units)
+    try:
+        yield
+    finally:
+        _chosen.reset(token)
+
+
+def shown_unit(si: str, usual: str) -> str:
+    """Return the unit in which quantities of an SI unit are shown: the one chosen, or the usual one.
+
+    Examples
+    --------
+    >>> shown_unit("N", "kN")
+    'kN'
+    """
+    chosen = _chosen.get()
+    return usual if chosen is None else chosen.unit(si, usual)
+
+
+def axis_unit(si: str, usual: str) -> tuple[float, str]:
+    """Return the size, in SI, and the name of the unit in which an axis of a picture shows a quantity.
+
+    Examples
+    --------
+    >>> axis_unit("m/s^2", "g"), axis_unit("s", "us")
+    ((9.80665, 'g'), (1e-06, 'µs'))
+    """
+    unit = shown_unit(si, usual)
+    return parse_quantity(f"1 {unit}", si, unit) if si in DIMENSIONS else 1.0, spelled(unit)
+
+
+def headed(name: str, si: str, usual: str) -> str:
+    """Return a name with the unit in which it is shown: the head of a column, the label of an axis.
+
+    Examples
+    --------
+    >>> headed("peak", "m/s^2", "g"), headed("restitution", "1", "1")
+    ('peak (g)', 'restitution')
+    """
+    unit = shown_unit(si, usual)
+    return f"{name} ({spelled(unit)})" if unit not in ("", "1") else name
 
 
 def heads(columns: Sequence[tuple[str, str, str, int]]) -> list[str]:
-    """Return the heads of columns with their units.
+    """Return the heads of columns (name, SI unit, usual unit, decimals) with the units in which they are shown.
 
     Examples
     --------
     >>> heads([("restitution", "1", "1", 4), ("indentation", "m", "um", 2)])
     ['restitution', 'indentation (µm)']
     """
-    return [name.replace("_", " ") + (f" ({spelled(unit)})" if unit != "1" else "") for name, _, unit, _ in columns]
+    return [headed(name.replace("_", " "), si, usual) for name, si, usual, _ in columns]
 
 
-def fixed(value: float | None, si: str, unit: str, decimals: int) -> str:
+def shown(value: float, si: str, usual: str) -> float:
+    """Return an SI value in the unit in which it is shown.
+
+    Examples
+    --------
+    >>> shown(9806.65, "m/s^2", "g")
+    1000.0
+    """
+    return float(in_unit(value, si, shown_unit(si, usual)))
+
+
+def fixed(value: float | None, si: str, usual: str, decimals: int) -> str:
     """Write an SI value in a unit with so many decimals; a dash where there is none.
+
+    In a unit that was chosen instead it keeps about the digits that it has in the usual one.
 
     Examples
     --------
     >>> fixed(2e-4, "s", "us", 1)
     '200.0'
+    >>> with showing(ShownUnits.read("ms,mm/s2")):
+    ...     fixed(2e-4, "s", "us", 1), fixed(40709.86, "m/s^2", "g", 1)
+    ('0.2000', '40710000')
     """
-    return NONE if value is None or value != value else f"{in_unit(value, si, unit):.{decimals}f}"
+    if value is None or value != value:
+        return NONE
+    unit = shown_unit(si, usual)
+    if unit != usual:
+        decimals -= round(math.log10(in_unit(1.0, si, unit) / in_unit(1.0, si, usual)))
+    return rounded(float(in_unit(value, si, unit)), decimals)
 
 
 def time_unit(last: float) -> tuple[float, str]:
@@ -50,7 +235,7 @@ def time_unit(last: float) -> tuple[float, str]:
     >>> time_unit(1e-4), time_unit(1.0)
     ((1e-06, 'µs'), (0.001, 'ms'))
     """
-    return (1e-6, "µs") if last < LONGEST_IN_MICROSECONDS else (1e-3, "ms")
+    return axis_unit("s", "us" if last < LONGEST_IN_MICROSECONDS else "ms")
 
 
 def energy_unit(largest: float) -> tuple[float, str]:
@@ -63,7 +248,7 @@ def energy_unit(largest: float) -> tuple[float, str]:
     >>> energy_unit(0.02), energy_unit(30.0), energy_unit(2e5)
     ((0.001, 'mJ'), (1.0, 'J'), (1000.0, 'kJ'))
     """
-    return (1e-3, "mJ") if largest < 0.1 else (1.0, "J") if largest < 1e4 else (1e3, "kJ")
+    return axis_unit("J", "mJ" if largest < 0.1 else "J" if largest < 1e4 else "kJ")
 
 
 def percent(share: float, decimals: int = 1, sign: str = "") -> str:
@@ -85,7 +270,7 @@ def spelled(unit: str) -> str:
     >>> spelled("us"), spelled("m/s^2")
     ('µs', 'm/s²')
     """
-    return unit.replace("us", "µs").replace("um", "µm").replace("^2", "²")
+    return unit.replace("us", "µs").replace("um", "µm").replace("^2", "²").replace("^3", "³")
 
 
 def listed(words: list[str]) -> str:
@@ -99,7 +284,7 @@ def listed(words: list[str]) -> str:
     return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)
 
 
-def with_unit(value: float | None, si: str, unit: str, digits: int = 4) -> str:
+def with_unit(value: float | None, si: str, usual: str, digits: int = 4) -> str:
     """Write an SI value with the unit it is shown in; a dash where there is none, or where a time is not positive.
 
     Examples
@@ -109,7 +294,7 @@ def with_unit(value: float | None, si: str, unit: str, digits: int = 4) -> str:
     """
     if value is None or math.isnan(value) or (si == "s" and value <= 0.0):
         return NONE
-    return f"{written(float(in_unit(value, si, unit)), digits)} {spelled(unit)}"
+    return f"{written(shown(value, si, usual), digits)} {spelled(shown_unit(si, usual))}"
 
 
 def decimals_within(low: float, high: float) -> int:
@@ -141,8 +326,8 @@ def rounded(value: float, decimals: int) -> str:
     return f"{round(value, decimals):.{max(decimals, 0)}f}"
 
 
-def with_band(value: float | None, band: Band | None, si: str, unit: str) -> str:
-    """Write an SI value with its unit and its band; digits follow the band.
+def with_band(value: float | None, band: Band | None, si: str, usual: str, digits: int = 4) -> str:
+    """Write an SI value with its unit and its band, which digits follow; without a band with so many digits.
 
     Examples
     --------
@@ -150,8 +335,8 @@ def with_band(value: float | None, band: Band | None, si: str, unit: str) -> str
     '1200 g (800 to 1600 g)'
     """
     if value is None or math.isnan(value) or band is None or not math.isfinite(band.low + band.high):
-        return with_unit(value, si, unit)
-    shown, low, high = (float(in_unit(number, si, unit)) for number in (value, band.low, band.high))
+        return with_unit(value, si, usual, digits)
+    middle, low, high = (shown(number, si, usual) for number in (value, band.low, band.high))
     decimals = decimals_within(low, high)
-    name = spelled(unit)
-    return f"{rounded(shown, decimals)} {name} ({rounded(low, decimals)} to {rounded(high, decimals)} {name})"
+    name = spelled(shown_unit(si, usual))
+    return f"{rounded(middle, decimals)} {name} ({rounded(low, decimals)} to {rounded(high, decimals)} {name})"

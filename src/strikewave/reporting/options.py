@@ -18,10 +18,12 @@ import typer
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.units import DIMENSIONS, parse_quantity, parse_typed
+from strikewave.reporting.numbers import ShownUnits
 from strikewave.reporting.terminal import Screen, screen
 
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
+    from strikewave.cases.case import Case
 
 Read = Callable[[str, str], Any]
 """Takes a typed word and the name of its option; returns the value or raises `InputError`."""
@@ -291,6 +293,24 @@ Out = Annotated[
     typer.Option("--out", metavar="DIR", help="Folder of the result; out/NAME by default.", show_default=False),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Replace the result of another case in that folder.")]
+TestFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--test",
+        metavar="FILE",
+        help="TOML file that says what was tested, by whom and when, for the head of the report; none by default.",
+        show_default=False,
+    ),
+]
+Show = Annotated[
+    ShownUnits | None,
+    parsed(
+        "--show",
+        read=ShownUnits.read,
+        help="Units to show, at most one for each kind of quantity, such as g,us,kN or m/s2,ms,N; JSON stays in SI.",
+        metavar="UNITS",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
 Wide = Annotated[
     bool, typer.Option("--wide", help="Show all columns of the tables, not only those that matter and those that fit.")
@@ -355,10 +375,40 @@ class Output(Shown):
         The folder asked for; with ``json``, files are written only there.
     force : bool
         Whether it may replace the result of something else.
+    test : Path or None
+        The file that says what was tested.
+    show : ShownUnits or None
+        Units of numbers on screen, in the report and in CSV; None for the usual ones.
     """
 
     out: Out = None
     force: Force = False
+    test: TestFile = None
+    show: Show = None
+
+    def stated_test(self) -> dict[str, str]:
+        """Return what ``--test`` states; nothing without it.
+
+        Raises
+        ------
+        InputError, InputErrors
+            If its file cannot be used.
+        """
+        from strikewave.cases.performed_test import load_test
+
+        return {} if self.test is None else load_test(self.test).stated()
+
+    def tested(self, case: Case) -> Case:
+        """Return a case with the test that ``--test`` states in the place of its own; the case itself without it.
+
+        Raises
+        ------
+        InputError, InputErrors
+            If its file cannot be used.
+        """
+        from strikewave.cases.performed_test import load_test
+
+        return case if self.test is None else case.model_copy(update={"test": load_test(self.test)})
 
     def check_animation(self, animate: bool) -> None:
         """Refuse an animation that has no folder to go to.

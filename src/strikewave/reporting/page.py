@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
@@ -46,6 +46,8 @@ class Head:
         Key numbers: label and value with its unit.
     foot : str
         What the foot of the page says.
+    test : mapping of str to str
+        What is stated of the test, by the keys of the table [test].
     """
 
     title: str
@@ -57,6 +59,7 @@ class Head:
     summary: str
     numbers: Sequence[tuple[str, str]]
     foot: str
+    test: Mapping[str, str] = field(default_factory=dict)
 
 
 def whole_page(head: Head, sections: Sequence[Section]) -> str:

@@ -9,8 +9,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar, Generic, TypeVar
 
+from strikewave.base.errors import InputError
 from strikewave.base.output_folder import atomic_folder, check_place
 from strikewave.base.result import Notice, Result
+from strikewave.reporting.numbers import showing
 from strikewave.reporting.options import Output
 from strikewave.reporting.terminal import STARTED, case_hash, complain, most_memory, print_json, say, show_notices, tell
 
@@ -29,6 +31,8 @@ class Command(ABC, Generic[R]):
 
     indent: ClassVar[int | None] = 2
     """Of the JSON document; None where it holds long histories."""
+    of_test: ClassVar[bool] = True
+    """Whether it may be of a test that was made, so that ``--test`` can say of which."""
 
     @abstractmethod
     def solve(self) -> R:
@@ -88,6 +92,16 @@ def run_and_write(
     InputError
         If the place is taken, or what `Command.solve` raises.
     """
+    if output.test is not None and not command.of_test:
+        raise InputError("--test", str(output.test), "none here: this is not of a test that was made", "leave it out")
+    with showing(output.show):
+        return _run_and_write(command, output, usual, identity, own)
+
+
+def _run_and_write(
+    command: Command[R], output: Output, usual: str | None, identity: str | None, own: Sequence[str]
+) -> int:
+    """Do what `run_and_write` says, in the units shown."""
     place, names = output.place(usual), list[str]()
     if place.folder is None:
         result = command.solve()

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
-from strikewave.base.units import in_unit
+from strikewave.reporting import numbers
 from strikewave.reporting.layout import (
     KEY,
     MAIN,
@@ -34,6 +34,7 @@ from strikewave.reporting.layout import (
     texts,
     wrapped,
 )
+from strikewave.reporting.numbers import headed, percent, shown
 
 if TYPE_CHECKING:
     from strikewave.base.result import Comparison, Notice
@@ -245,8 +246,8 @@ def _plain_progress(what: str, done: float) -> Callable[..., None]:
     return show
 
 
-def number(value: float | None, si: str, unit: str, digits: int = 4) -> str:
-    """Write an SI value in a unit for a table; a dash where there is none.
+def number(value: float | None, si: str, usual: str, digits: int = 4) -> str:
+    """Write an SI value in the unit in which it is shown, for a table; a dash where there is none.
 
     Examples
     --------
@@ -255,10 +256,10 @@ def number(value: float | None, si: str, unit: str, digits: int = 4) -> str:
     """
     if value is None or value != value:
         return "-"
-    return significant(in_unit(value, si, unit), digits)
+    return significant(shown(value, si, usual), digits)
 
 
-def fixed(value: float, si: str, unit: str, decimals: int) -> str:
+def fixed(value: float, si: str, usual: str, decimals: int) -> str:
     """Write an SI value in a unit with so many decimals, so that a column lines up; a dash where there is none.
 
     Examples
@@ -266,7 +267,7 @@ def fixed(value: float, si: str, unit: str, decimals: int) -> str:
     >>> fixed(2e-4, "s", "us", 1)
     '200.0'
     """
-    return "-" if value != value else f"{in_unit(value, si, unit):.{decimals}f}"
+    return "-" if value != value else numbers.fixed(value, si, usual, decimals)
 
 
 def significant(value: float, digits: int) -> str:
@@ -329,22 +330,21 @@ def print_losses(channels: Sequence[SensorChannel]) -> None:
 def print_published(published: Sequence[Comparison]) -> None:
     """Print the comparison with published values; nothing where there are none."""
     from strikewave.cases.case import PUBLISHED_QUANTITIES
-    from strikewave.reporting.numbers import SHOWN_UNITS, percent
 
     if not published:
         return
     rows = []
     for entry in published:
         unit = PUBLISHED_QUANTITIES[entry.quantity]
-        shown = SHOWN_UNITS[unit]
+        usual = numbers.SHOWN_UNITS[unit]
         pair = [
-            number(v, unit, shown, 6) if unit else ("-" if v is None else f"{v:g}")
+            number(v, unit, usual, 6) if unit else ("-" if v is None else f"{v:g}")
             for v in (entry.published, entry.computed)
         ]
         difference = "-" if entry.difference is None else percent(entry.difference, 1, "+")
         rows.append(
             [
-                entry.quantity + (f" of {entry.sensor}" if entry.sensor else "") + (f" ({shown})" if shown else ""),
+                headed(entry.quantity + (f" of {entry.sensor}" if entry.sensor else ""), unit, usual),
                 entry.measured_or_simulated,
                 entry.role,
                 *pair,

@@ -116,6 +116,8 @@ def write_deck(case: Case, changes: list[str], code: str, system: UnitSystem, ou
 class DeckCommand(Command[DeckResult]):
     """The deck of an element case for another code."""
 
+    of_test: ClassVar[bool] = False
+
     case: Case
     model: Model
     code: str

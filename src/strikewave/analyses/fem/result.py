@@ -7,7 +7,7 @@ import dataclasses
 import functools
 import io
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -87,6 +87,11 @@ class FemSolution(Result):
     def title(self) -> str:
         """The title of the case."""
         return self.case.title or self.case.name
+
+    @property
+    def test(self) -> Mapping[str, str]:
+        """What the case says of the test."""
+        return self.case.test.stated()
 
     @property
     def source(self) -> Source:

@@ -80,6 +80,7 @@ def run_element_case(case: Case, changes: Sequence[str], output: Output, choice:
     if choice.restart and output.json and output.out is None:
         raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
     model, _ = _reported_model(case, choice.threads)
+    case = output.tested(case)
     text = dump_case(case)
     command = FemCommand(case, model, choice, output.force)
     return run_and_write(command, output, case_folder(case.name, text, changes), text)

@@ -45,6 +45,11 @@ class Outcome(Result):
         return self.case.setup.title or self.case.setup.name
 
     @property
+    def test(self) -> Mapping[str, str]:
+        """What the set-up says of the test."""
+        return self.case.setup.test.stated()
+
+    @property
     def source(self) -> Source:
         """The set-up, with the files that it names."""
         return Source("set-up", self.case.setup.name, marked_text(self.case, self.digests), digests=self.digests)

@@ -21,7 +21,7 @@ from strikewave.analyses.hopkinson.report import (
 from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.run import run_hopkinson
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
-from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
+from strikewave.analyses.hopkinson.setup_file import HopkinsonCase, with_test
 from strikewave.reporting.options import Output
 from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
@@ -41,6 +41,7 @@ def run_setup(case: HopkinsonCase, changes: Sequence[str], output: Output) -> in
     InputError
         If files, channels, units or pulses cannot be used.
     """
+    case = with_test(case, output.stated_test())
     text = marked_text(case, digests(case))
     return run_and_write(SetupCommand(case), output, case_folder(case.setup.name or "shot", text, changes), text)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,6 +15,7 @@ from strikewave.base.errors import MISSING, InputError, InputErrors, show
 from strikewave.base.quantities import Value
 from strikewave.cases.hopkinson_tables import HopkinsonSetup
 from strikewave.cases.paths import Form
+from strikewave.cases.performed_test import PerformedTest
 from strikewave.cases.tables import CaseTable
 
 LARGEST_FILE = 1_000_000
@@ -98,6 +99,18 @@ def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: 
     except ValidationError as error:
         raise InputErrors(FORM.lines(error)) from None
     return HopkinsonCase(setup, tomlkit.dumps(_toml(document)), place)
+
+
+def with_test(case: HopkinsonCase, test: Mapping[str, str]) -> HopkinsonCase:
+    """Return a set-up with what is stated of its test in the place of its own; the set-up itself where nothing is."""
+    import tomlkit
+
+    if not test:
+        return case
+    document = tomlkit.parse(case.text)
+    document["test"] = dict(test)
+    setup = case.setup.model_copy(update={"test": PerformedTest.model_validate(dict(test))})
+    return case._replace(setup=setup, text=tomlkit.dumps(document))
 
 
 def _check_tables(part: dict[str, Any], places: list[str]) -> None:

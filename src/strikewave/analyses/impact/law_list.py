@@ -123,6 +123,8 @@ def list_laws(name: str | None, output: Output) -> int:
 class LawsCommand(Command[LawsResult]):
     """The list of the laws."""
 
+    of_test: ClassVar[bool] = False
+
     name: str | None
     origin: Source
 

@@ -127,7 +127,7 @@ def solve_setup(setup: Setup, output: Output) -> int:
     InputError
         If the numbers are beyond what can be solved.
     """
-    origin = measured.source_of("command", "impact")
+    origin = measured.source_of("command", "impact", test=output.stated_test())
     return run_and_write(ImpactCommand(setup, origin), output, None, origin.text)
 
 

@@ -12,6 +12,7 @@ import dataclasses
 import io
 import json
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -91,7 +92,7 @@ class Solution(Result):
     ----------
     case : Case
         What ran.
-    blows : tuple of Blow
+    blows : sequence of Blow
         The table of blows.
     masses, balance : dict
         kg; errors as shares.
@@ -116,7 +117,7 @@ class Solution(Result):
     command: ClassVar[str] = "run"
 
     case: Case
-    blows: tuple[Blow, ...]
+    blows: Sequence[Blow]
     masses: dict[str, float]
     phases: tuple[tuple[str, float], ...]
     balance: dict[str, float]
@@ -143,6 +144,11 @@ class Solution(Result):
     def slides(self) -> bool:
         """Whether friction across the face acted in a blow."""
         return any(blow.friction_heat > 0.0 for blow in self.blows)
+
+    @property
+    def test(self) -> Mapping[str, str]:
+        """What the case says of the test."""
+        return self.case.test.stated()
 
     @property
     def source(self) -> Source:

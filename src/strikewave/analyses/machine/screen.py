@@ -19,7 +19,7 @@ from strikewave.analyses.machine.words import (
     restitution_words,
     settings,
     struck_blows,
-    summary,
+    summary_words,
 )
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import fitted_losses
@@ -50,6 +50,7 @@ def run_machine_case(case: Case, changes: Sequence[str], output: Output, animate
         If there is no folder for an animation, or what the run raises.
     """
     output.check_animation(animate)
+    case = output.tested(case)
     text = dump_case(case)
     return run_and_write(MachineCommand(case, animate), output, case_folder(case.name, text, changes), text)
 
@@ -69,7 +70,7 @@ class MachineCommand(Command[Solution]):
 
     def summary(self, result: Solution) -> str:
         """Say what happened."""
-        return summary(result)
+        return summary_words(result)
 
     def show(self, result: Solution) -> None:
         """Print the tables of a run."""

@@ -13,7 +13,7 @@ from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.cases.machine_tables import KINDS
 from strikewave.cases.yield_pressure import YIELDING
 from strikewave.reporting.numbers import fixed, heads, listed, percent, with_band, with_unit
-from strikewave.reporting.parts import Cell, Table
+from strikewave.reporting.parts import NONE, Cell, Table
 
 if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution
@@ -113,44 +113,43 @@ def collision_rows(solution: Solution) -> list[list[str]]:
     ]
 
 
-def summary(solution: Solution) -> str:
-    """Say in words what happened, with the band of each number that has one: on the screen and at the head of a report.
+def summary_words(solution: Solution) -> str:
+    """Say in words what happened: blows, the first and the later ones, each number with its band where it has one.
 
     Examples
     --------
     >>> from strikewave import load_case, run_case
-    >>> summary(run_case(load_case("li-ma-2019", ["feed.blows=1"])))[:69]
-    'One blow, full. The first reaches a rigid-body acceleration of 4151 g'
+    >>> summary_words(run_case(load_case("li-ma-2019", ["feed.blows=1"]))).partition(".")[0]
+    'One blow, full'
     """
     struck = struck_blows(solution)
     if not struck:
         missed = len(solution.blows)
         passes = f" {missed} {'striker' if missed == 1 else 'strikers'} passed without touching it." if missed else ""
         return f"No blow: no striker touched the object.{passes} There is no pulse to measure."
-    band = solution.band
-    first, later = struck[0], [blow for blow in struck[1:] if blow.kind in ("full", "double")]
+    first, band = struck[0], solution.band
     kinds = [blow.kind for blow in solution.blows]
     odd = [f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds) if kind != "full"]
     whole = "all full" if not odd else f"among {len(kinds)} passes {listed(odd)}"
     many = "One blow, full" if len(struck) == 1 and not odd else f"{len(struck)} blows, {whole}"
-    interval = median_interval(struck)
+    interval = _interval(struck)
     apart = "" if interval is None else f", {with_band(interval, band.get('interval'), 's', 'ms')} apart (median)"
     width = with_band(first.width, band.get("first.width"), "s", "us")
-    wide = f"is {width} wide at 10 % of its peak" if first.width > 0.0 else "has no width"
-    peak = with_band(first.rigid_peak, band.get("first.rigid_peak"), "m/s^2", "g")
-    change = with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s")
+    wide = f"is {width} wide at 10 % of its peak" if width != NONE else "has no width"
+    change = with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s", 3)
     words = [
         f"{many}{apart}.",
-        f"The first reaches a rigid-body acceleration of {peak}, {wide} and changes the object's velocity by {change}; "
-        f"the contact force peaks at {with_unit(first.peak_force, 'N', 'kN', 3)}.",
+        f"The first reaches a rigid-body acceleration of {_first_peak(solution, first)}, {wide} and changes the "
+        f"object's velocity by {change}; the contact force peaks at {with_unit(first.peak_force, 'N', 'kN', 3)}.",
     ]
+    later = _later(struck)
     if later:
-        medians = [
-            with_band(median(getattr(blow, name) for blow in later), band.get(f"typical.{name}"), si, unit)
-            for name, si, unit in (("rigid_peak", "m/s^2", "g"), ("width", "s", "us"))
-        ]
-        words.append(f"Later blows: {' and '.join(medians)} (medians).")
-    return " ".join([*words, *felt_words(solution), *_band_words(solution)])
+        peak, span = (median(getattr(blow, name) for blow in later) for name in ("rigid_peak", "width"))
+        words.append(
+            f"Later blows: {with_band(peak, band.get('typical.rigid_peak'), 'm/s^2', 'g')} and "
+            f"{with_band(span, band.get('typical.width'), 's', 'us')} (medians)."
+        )
+    return " ".join([*words, *_felt_words(solution), *_band_words(solution)])
 
 
 def _band_words(solution: Solution) -> list[str]:
@@ -159,8 +158,34 @@ def _band_words(solution: Solution) -> list[str]:
     if band is None:
         return []
     shares = [f"{one.field} ({percent(one.share, 0)})" for one in band.inputs]
-    most = f"; that of the peak comes mostly from {listed(shares)}" if shares else ""
-    return [f"In brackets: {percent(band.level, 0)} of what comes out within what is known of the inputs{most}."]
+    most = f"; most of that of the first peak is from {listed(shares)}" if shares else ""
+    return [f"In brackets: {percent(band.level, 0)} of the results within what is known of the inputs{most}."]
+
+
+def key_numbers(solution: Solution) -> list[tuple[str, str]]:
+    """Return the numbers of a run that matter most, each with its unit, and its band where it has one."""
+    struck, band = struck_blows(solution), solution.band
+    wanted = solution.case.feed.blows if solution.case.feed else None
+    pairs = [("blows" if wanted is None else f"blows of {wanted.si:.0f} wanted", str(len(struck)))]
+    if not struck:
+        return pairs
+    first = struck[0]
+    pairs += [
+        ("first peak, rigid body", _first_peak(solution, first)),
+        ("first width, at 10 % of the peak", with_band(first.width, band.get("first.width"), "s", "us")),
+        (
+            "velocity change, first blow",
+            with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s", 3),
+        ),
+        ("contact force, first blow", with_unit(first.peak_force, "N", "kN", 3)),
+    ]
+    if solution.contact is not None and solution.contact.differ and solution.contact.band is not None:
+        low, high = (with_unit(peak, "m/s^2", "g") for peak in solution.contact.band)
+        pairs.append(("first peak, range of a yielding contact", f"{low} to {high}"))
+    interval = _interval(struck)
+    if interval is not None:
+        pairs.append(("interval, median", with_band(interval, band.get("interval"), "s", "ms")))
+    return pairs
 
 
 def struck_blows(solution: Solution) -> list[Blow]:
@@ -168,12 +193,21 @@ def struck_blows(solution: Solution) -> list[Blow]:
     return [blow for blow in solution.blows if blow.kind != "missed"]
 
 
-def median_interval(struck: Sequence[Blow]) -> float | None:
+def _later(struck: Sequence[Blow]) -> list[Blow]:
+    """Return the blows after the first that count as typical."""
+    return [blow for blow in struck[1:] if blow.kind in ("full", "double")]
+
+
+def _interval(struck: Sequence[Blow]) -> float | None:
     """Return the median time between blows, s; None for fewer than two."""
     return median(b.time - a.time for a, b in pairwise(struck)) if len(struck) > 1 else None
 
 
-def felt_words(solution: Solution) -> list[str]:
+def _first_peak(solution: Solution, first: Blow) -> str:
+    return with_band(first.rigid_peak, solution.band.get("first.rigid_peak"), "m/s^2", "g")
+
+
+def _felt_words(solution: Solution) -> list[str]:
     """Say in words what taps and sensors felt of the first blow; nothing without a stack or sensors."""
     reading = next((r for r in solution.readings if r is not None), None)
     if reading is None:

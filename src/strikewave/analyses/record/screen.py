@@ -58,7 +58,7 @@ def examine_records(files: Sequence[str], wanted: Request, options: Options, out
     paths = [Path(measured.shown(file)) for file in files]
     name = name_of(paths)
     usual = f"record-{name}"
-    origin = measured.source_of("records", name, paths if output.writes(usual) else [])
+    origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
     return run_and_write(RecordCommand(files, wanted, options, origin), output, usual, origin.text)
 
 

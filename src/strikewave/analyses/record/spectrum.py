@@ -140,7 +140,7 @@ def compute_spectra(
     """
     name = Path(file).stem
     usual = f"srs-{name}"
-    origin = measured.source_of("records", name, [Path(file)] if output.writes(usual) else [])
+    origin = measured.source_of("records", name, [Path(file)] if output.writes(usual) else [], output.stated_test())
     return run_and_write(SrsCommand(file, wanted, stated, options, origin), output, usual, origin.text)
 
 

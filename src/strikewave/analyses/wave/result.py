@@ -7,7 +7,7 @@ import dataclasses
 import functools
 import io
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -93,6 +93,11 @@ class WaveSolution(Result):
         """Peak, width and clipping of each sensor's reading."""
         pairs = zip(self.channels, self.readings, strict=True)
         return {channel.sensor.name: sensor_pulse(reading) for channel, reading in pairs}
+
+    @property
+    def test(self) -> Mapping[str, str]:
+        """What the case says of the test."""
+        return self.case.test.stated()
 
     @property
     def source(self) -> Source:

@@ -36,6 +36,7 @@ def run_wave_case(
     if not case.stack.layer:
         hint = f"this case has none: `strikewave {case.command}` runs it"
         raise InputError("stack.layer", MISSING, "at least one [[stack.layer]]", hint)
+    case = output.tested(case)
     text = dump_case(case)
     return run_and_write(WaveCommand(case, field, animate), output, case_folder(case.name, text, changes), text)
 

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from strikewave.base.result import Notice
 from strikewave.papers.li_ma_2019.report.tables import findings_table, numbers_table, plain_rows
@@ -50,6 +51,8 @@ def own_files(folder: Path | None) -> tuple[str, ...]:
 @dataclass(frozen=True)
 class ReproduceCommand(Command[Reproduction]):
     """The reproduction of the paper."""
+
+    of_test: ClassVar[bool] = False
 
     effort: Effort
 

@@ -6,7 +6,7 @@ import csv
 import dataclasses
 import io
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -84,6 +84,11 @@ class BufferStudy(Result):
     def title(self) -> str:
         """Sensor and blow."""
         return f"{self.site.table.name}: {self.motion.name}"
+
+    @property
+    def test(self) -> Mapping[str, str]:
+        """What the case says of the test, or what was asked."""
+        return self.case.test.stated() if self.case else (self.origin or UNKNOWN).test
 
     @property
     def source(self) -> Source:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -75,7 +75,12 @@ def rank_buffers(command: BufferCommand, output: Output) -> int:
     InputError
         If the blow cannot be had, or no stack fits the sensor.
     """
-    return run_and_write(command, output, f"buffer-{_called(command.source)}", None)
+    source = command.source
+    if source.case is not None:
+        command = dataclasses.replace(command, source=source._replace(case=output.tested(source.case)))
+    else:
+        command = dataclasses.replace(command, test=output.stated_test())
+    return run_and_write(command, output, f"buffer-{_called(source)}", None)
 
 
 def source_of_record(
@@ -104,6 +109,8 @@ class BufferCommand(Command[BufferStudy]):
         Gaskets to choose from.
     goal : BufferGoal
         What the reading must keep.
+    test : mapping of str to str
+        What is stated of the test, where no case holds it.
     """
 
     indent: ClassVar[int | None] = None
@@ -112,6 +119,7 @@ class BufferCommand(Command[BufferStudy]):
     blow: str
     choice: StackChoices
     goal: BufferGoal
+    test: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def solve(self) -> BufferStudy:
         """Return the study, with bars on stderr."""
@@ -124,7 +132,9 @@ class BufferCommand(Command[BufferStudy]):
                 blows = _blows(source, self.blow, report)
         with progress_bar("stacks") as report:
             study = design_buffer(source.site, blows, self.choice, self.goal, report)
-        origin = measured.source_of("records", source.record.stem, [source.record]) if source.record else None
+        origin = None
+        if source.record is not None:
+            origin = measured.source_of("records", source.record.stem, [source.record], self.test)
         return dataclasses.replace(study, case=source.case, origin=origin)
 
     def summary(self, result: BufferStudy) -> str:

@@ -95,7 +95,7 @@ def command(
     from strikewave.studies.map.screen import MapCommand, run_map
     from strikewave.studies.map.study import check_plan, plan_of
 
-    loaded = load_case(case, changes or ())
+    loaded = output.tested(load_case(case, changes or ()))
     plan = plan_of(loaded, _axes(loaded, (x, y, panels), points, log or []), blows, train)
     count = min(workers, os.cpu_count() or 1)
     making = MapCommand(plan, want_cv, count, check_plan(plan, count), colour, fresh)

@@ -7,7 +7,7 @@ import dataclasses
 import hashlib
 import io
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
@@ -144,6 +144,11 @@ class MapStudy(Result):
     def title(self) -> str:
         """The title of the case."""
         return self.case.title or self.case.name
+
+    @property
+    def test(self) -> Mapping[str, str]:
+        """What the case says of the test."""
+        return self.case.test.stated()
 
     @property
     def source(self) -> Source:

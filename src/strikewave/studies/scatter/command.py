@@ -42,4 +42,4 @@ def command(
     plan = ScatterPlan(runs, seed, shares, workers)
     plan.check()
     plan = dataclasses.replace(plan, workers=min(workers, os.cpu_count() or 1))
-    return run_scatter(load_case(case, changes or ()), changes or (), plan, output)
+    return run_scatter(output.tested(load_case(case, changes or ())), changes or (), plan, output)

@@ -11,7 +11,7 @@ import dataclasses
 import io
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -166,6 +166,11 @@ class ScatterStudy(Result):
     def title(self) -> str:
         """The title of the case."""
         return self.case.title or self.case.name
+
+    @property
+    def test(self) -> Mapping[str, str]:
+        """What the case says of the test."""
+        return self.case.test.stated()
 
     @property
     def source(self) -> Source:

@@ -89,4 +89,4 @@ def command(
     choice = SettingsChoices(tuple(dict.fromkeys(strikers or ())), tuple(dict.fromkeys(striker_mass or ())), vary)
     case = load_case(source, [*(changes or ()), *([] if blows is None else [f"feed.blows={blows}"])])
     check_goal(case, goal, choice)
-    return find_settings(SettingsCommand(case, goal, choice), output, plain)
+    return find_settings(SettingsCommand(output.tested(case), goal, choice), output, plain)

@@ -67,7 +67,7 @@ def command(
         if compare is None and given:
             raise InputError(option, given[0], "only with a result of strikewave fem", "add --compare DIR")
     system = unit_system(units, "--units")
-    return read_run(LsDynaCommand(folder, system, compare, contacts, parts), output)
+    return read_run(LsDynaCommand(folder, system, compare, contacts, parts, output.stated_test()), output)
 
 
 def _numbers(option: str, given: Sequence[str] | None) -> dict[str, int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +26,7 @@ class LsDynaCommand(Command[LsDynaResult]):
     other: Path | None
     contacts: dict[str, int]
     parts: dict[str, int]
+    test: Mapping[str, str]
 
     def solve(self) -> LsDynaResult:
         """Return both runs, and what they differ in."""
@@ -32,7 +34,7 @@ class LsDynaCommand(Command[LsDynaResult]):
         theirs = read_folder(self.folder, self.system)
         comparison = compare_runs(theirs, ours, self.contacts, self.parts) if ours else RunComparison(theirs)
         read = [*theirs.files, *([ours.folder / "histories.nc", ours.folder / "field.vtkhdf"] if ours else [])]
-        origin = measured.source_of("records", folder_name(self.folder), read)
+        origin = measured.source_of("records", folder_name(self.folder), read, self.test)
         return LsDynaResult(comparison, origin=origin, notices=comparison.warnings)
 
     def summary(self, result: LsDynaResult) -> str:

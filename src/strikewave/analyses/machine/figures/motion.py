@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -82,7 +83,7 @@ class MachineMotion:
     carriage: Array
     force: TimeHistory
     acceleration: TimeHistory
-    blows: tuple[Blow, ...]
+    blows: Sequence[Blow]
     near: tuple[NearBlow, ...]
 
     def pose(self, time: float) -> Pose:
@@ -120,7 +121,7 @@ def machine_motion(solution: Solution) -> MachineMotion | None:
     )
 
 
-def detailed(blows: tuple[Blow, ...]) -> list[int]:
+def detailed(blows: Sequence[Blow]) -> list[int]:
     """Return the rows of the blows that can be looked at closely."""
     if len(blows) <= MOST_DETAILED:
         return list(range(len(blows)))
