@@ -84,7 +84,7 @@ def test_a_changed_case_says_so(strikewave):
     assert "here machine.speed = 700 rpm" in out
     assert "predicted" not in out
     assert "[changed-case]" in err
-    assert any(line.startswith("li-ma-2019: 700 rpm, 4 strikers") for line in err.splitlines())
+    assert any(line.startswith("li-ma-2019: 700 rpm, 4 strikers") for line in out.splitlines())
 
 
 def test_fewer_or_more_blows_than_wanted_break_a_limit(strikewave):

@@ -128,15 +128,16 @@ def _words(plan: MapPlan, seconds: float, store: Store) -> str:
 def map_words(study: MapStudy) -> str:
     """Say in words what the blows are like over the map, and where the nearest equal ones are."""
     regimes = [f"{name} {percent(share)}" for name, share in study.shares.items() if share > 0.0]
-    nearest = study.setting
     over = " and ".join(axis.path for axis in study.plan.axes)
-    words = f"{study.case.name} over {over}: {listed(regimes)} of the cells. "
+    words = f"{study.case.name} over {over}, share of the cells: {listed(regimes)}. "
+    nearest = study.setting
     if nearest is None:
-        return words + _none_found(study).capitalize() + "."
-    full = f"CV {percent(nearest.cv, 2)} and mean peak {with_unit(nearest.peak, *_PEAK)} in a full run"
+        return words + _none_found(study)
+    full = f"a full run has a CV of {percent(nearest.cv, 2)} and a mean peak of {with_unit(nearest.peak, *_PEAK, 5)}"
     if nearest.distance == 0.0:
         return words + f"The case has equal blows already: {full}."
-    return words + f"Nearest equal blows: {_at(study.plan.axes, nearest.values)}, {full}."
+    place = f"{_at(study.plan.axes, nearest.values)}, {nearest.distance:.3g} away in relative steps"
+    return words + f"Nearest equal blows: {place}; {full}."
 
 
 def _print(study: MapStudy) -> None:
@@ -155,23 +156,15 @@ def _print(study: MapStudy) -> None:
     table(f"{study.case.name}: {study.plan.blows} blows", columns, list(zip(heads, *shown, strict=True)))
     for values, reason in study.refused:
         tell(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")
-    if nearest is None:
-        tell(_none_found(study))
-        return
-    full = f"a full run has a CV of {100.0 * nearest.cv:.3g} % and a mean peak of {number(nearest.peak, *_PEAK, 5)} g"
-    if nearest.distance == 0.0:
-        tell(f"the case has equal blows already: {full}")
-    else:
-        tell(f"the nearest is {nearest.distance:.3g} away in relative steps; {full}")
 
 
 def _none_found(study: MapStudy) -> str:
     """Return why there is no even setting, in words."""
     limit, even = f"{100.0 * study.wanted:g} %", len(study.even_settings())
     if not even:
-        return f"no setting of this map has blows that all come with a CV within {limit}"
+        return f"No setting of this map has blows that all come with a CV within {limit}."
     tried = f"the {len(study.refused)} nearest of them" if even > len(study.refused) else "all of them"
-    return f"{even} settings have a CV within {limit} by the fast run; {tried} failed in full runs"
+    return f"{even} settings have a CV within {limit} by the fast run; {tried} failed in full runs."
 
 
 def _at(axes: tuple[Axis, ...], values: tuple[float, ...]) -> str:
