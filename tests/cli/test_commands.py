@@ -31,7 +31,7 @@ def test_run_json_has_exactly_its_keys(strikewave, tmp_path):
     keys = {"quantity", "published", "measured_or_simulated", "computed", "difference", "role"}
     assert all(set(row) == keys for row in document["published"])
     assert document["fitted_fields"] == ["machine.engagement", "object.frame_stiffness"]
-    assert all(set(w) == {"code", "message", "value", "limit"} for w in document["warnings"])
+    assert all(set(w) == {"code", "severity", "message", "value", "limit"} for w in document["warnings"])
     for blow in document["blows"]:
         assert blow["impulse"] == pytest.approx(document["masses"]["object"] * blow["velocity_change"], rel=1e-6)
     assert "done in" in err

@@ -69,7 +69,7 @@ def over_place():
     values = np.outer(np.arange(11.0), [1.0, 2.0, -3.0, -4.0])
     chart = Chart("chart", "Stress.", "place", "distance", 60.0, [Panel("stress", "MPa", [FieldCurve("#000000", "#0072b2", "#d55e00", values)], limits=(-50.0, 50.0))])  # fmt: skip
     bands = [LayerBand("a<b>", 0.0, 0.01, 240), LayerBand("b", 0.01, 0.02, 220, "dashed")]
-    places = PlaceAxis(position.tolist(), [0, 0, 1, 1], bands, [PlaceMark("end", 0.02)], 1)
+    places = PlaceAxis(position.tolist(), [0, 0, 1, 1], bands, [PlaceMark("end", 0.02)], 1, "mm", 1e-3)
     return Animation(
         "test", "", "test.gif", Clock.of(TIME), [PlayedSpan("whole", "whole", TIME)], [chart], places=places
     )

@@ -9,7 +9,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from strikewave.base.json_document import head, plain, without
 
@@ -19,6 +19,11 @@ if TYPE_CHECKING:
 SCHEMA = 5
 """Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance); 5 adds
 the side force of each blow and the answers of its contact."""
+Severity = Literal["info", "warning", "failed"]
+INFO: Severity = "info"
+WARNING: Severity = "warning"
+FAILED: Severity = "failed"
+"""How much a notice weighs; see `Notice`."""
 BALANCE_LIMIT = 1e-6
 """Energy or momentum missing beyond this share fails the check of its balance."""
 
@@ -37,8 +42,9 @@ class Notice:
         The number that raised it, SI; NaN where there is none.
     limit : float
         What the number is held against; NaN where there is no limit.
-    broken : bool
-        Whether it is a failed check (a balance, no blow at all) that makes the command exit with 3.
+    severity : str
+        "info", a fact that belongs to the result; "warning", the result may be wrong, or not what was meant;
+        "failed", a check (a balance, no blow at all) that makes the command exit with 3.
     case : str
         Name of the case, where a result is made of several.
     """
@@ -47,8 +53,13 @@ class Notice:
     message: str
     value: float = math.nan
     limit: float = math.nan
-    broken: bool = False
+    severity: Severity = WARNING
     case: str = ""
+
+    @property
+    def broken(self) -> bool:
+        """Whether it is a failed check."""
+        return self.severity == FAILED
 
     def document(self) -> dict[str, Any]:
         """Return the row of the JSON document.
@@ -56,9 +67,10 @@ class Notice:
         Examples
         --------
         >>> Notice("clipped", "the sensor clips", 3.0, 2.0).document()
-        {'code': 'clipped', 'message': 'the sensor clips', 'value': 3.0, 'limit': 2.0}
+        {'code': 'clipped', 'severity': 'warning', 'message': 'the sensor clips', 'value': 3.0, 'limit': 2.0}
         """
-        row = {"code": self.code, "message": self.message, "value": self.value, "limit": self.limit}
+        row: dict[str, Any] = {"code": self.code, "severity": self.severity, "message": self.message}
+        row |= {"value": self.value, "limit": self.limit}
         return {"case": self.case, **row} if self.case else row
 
 
@@ -270,4 +282,4 @@ def balance_notices(balance: Mapping[str, float]) -> Iterator[Notice]:
                 f"the {name} balance is off by {error:.1e}: lower solver.tolerance (solver.step for a stack), or take "
                 "less extreme values"
             )
-            yield Notice(f"{name}-balance", message, error, BALANCE_LIMIT, broken=True)
+            yield Notice(f"{name}-balance", message, error, BALANCE_LIMIT, severity=FAILED)

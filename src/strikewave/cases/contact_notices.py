@@ -7,7 +7,7 @@ from typing import Protocol
 
 from strikewave.base.materials import material
 from strikewave.base.quantities import AUTO, Value
-from strikewave.base.result import Notice
+from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import cap_geometry, cushion_contact, cushion_of_contact
 from strikewave.cases.tables import CUSHION, POWER, AnyStriker, ContactTable
@@ -64,7 +64,7 @@ def law_notices(case: Case) -> Iterator[Notice]:
     for law in laws:
         if law.status == FROM_MEMORY:
             message = f"the contact law {law.name} is from memory: no text that states it could be opened"
-            yield Notice("law-from-memory", message, 1.0, 0.0)
+            yield Notice("law-from-memory", message, 1.0, 0.0, severity=INFO)
     asked = contact.restitution.si
     resulting = float(restitution(factor(contact.damping, asked)))
     if abs(resulting - asked) > SAME_RESTITUTION:
@@ -123,17 +123,17 @@ def cushion_notices(case: Case, pressed: Sequence[PressedBlow]) -> Iterator[Noti
     )
     if law.cap is not None:
         message += f", and {pressed[-1].residual_indentation * 1e3:.3g} mm stay after the last one"
-    yield Notice("cushion", message, strain, LARGEST_STRAIN)
+    yield Notice("cushion", message, strain, LARGEST_STRAIN, severity=INFO)
     if strain >= LARGEST_STRAIN:
         message = f"the cushion would be pressed to {strain:.0%} of its thickness, which no pad bears: it is too thin"
-        yield Notice("cushion-solid", message, strain, LARGEST_STRAIN, broken=True)
+        yield Notice("cushion-solid", message, strain, LARGEST_STRAIN, severity=FAILED)
     blows = len(pressed)
     if blows > 1 and (cushion.wear.settling or cushion.wear.stiffening):
         message = (
             f"the cushion does not wear within a run: all {blows} blows meet it as it is after contact.cushion."
             "blows_before; its set is kept"
         )
-        yield Notice("cushion-wear", message, float(blows), 1.0)
+        yield Notice("cushion-wear", message, float(blows), 1.0, severity=INFO)
 
 
 def force_words(newtons: float) -> str:

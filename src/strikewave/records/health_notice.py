@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from strikewave.base.result import Notice
+from strikewave.base.result import INFO, WARNING, Notice
 
 STATUSES = ("good", "suspect", "bad")
 """From best to worst."""
@@ -15,11 +15,17 @@ FIGURES = ("peak", "rise", "width", "velocity_change", "interval", "ringing_freq
 
 
 @dataclass(frozen=True)
-class HealthNotice(Notice):
-    """A notice about a record: how bad it is, which figures it harms, and where.
+class HealthNotice:
+    """What was found on a record: how bad it is, which figures it harms, and where.
 
     Attributes
     ----------
+    code : str
+        Short name, such as ``clipped``.
+    message : str
+        What, where and how much.
+    value : float
+        The number that raised it, SI; NaN where there is none.
     severity : str
         ``good`` (worth knowing), ``suspect`` (some figures are harmed) or ``bad`` (nothing should be averaged).
     harms : tuple of str
@@ -28,10 +34,18 @@ class HealthNotice(Notice):
         Where in time, s; NaN where it is the whole record.
     """
 
+    code: str
+    message: str
+    value: float = float("nan")
     severity: str = "suspect"
     harms: tuple[str, ...] = ()
     start: float = float("nan")
     end: float = float("nan")
+
+    @property
+    def notice(self) -> Notice:
+        """The notice of a result that takes its numbers from the record."""
+        return Notice(self.code, self.message, self.value, severity=INFO if self.severity == "good" else WARNING)
 
     def health_document(self) -> dict[str, Any]:
         """Return the row of the JSON document under ``health``."""

@@ -15,15 +15,14 @@ from pydantic import BaseModel
 from strikewave._version import __version__
 from strikewave.base.citations import SOURCES
 from strikewave.base.quantities import PROVENANCES, Value
-from strikewave.base.result import BALANCE_LIMIT
-from strikewave.base.units import in_unit
+from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, WARNING
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, bundled_cases, dump_case, load_case, row_name
-from strikewave.reporting.numbers import SHOWN_UNITS, listed, spelled
+from strikewave.reporting.numbers import SHOWN_UNITS, band_text, headed, listed, percent, shown
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Section, Table, Tag, written
 
 if TYPE_CHECKING:
-    from strikewave.base.result import Comparison, Notice, Result, Source
+    from strikewave.base.result import Band, Comparison, Notice, Result, Source
 
 
 _PROVENANCE_WORDS = {
@@ -35,12 +34,28 @@ _PROVENANCE_WORDS = {
     "fitted": "adjusted until a result met a published number, as the note says",
 }
 
+_SEVERITY_LOOKS = {INFO: "", WARNING: "warned", FAILED: "bad"}
+"""Look of a notice by its severity."""
+
 _PUBLISHED_WORDS = {
     "first": "first blow",
     "typical": "later full blows, median",
     "count": "number of blows",
     "window": "first to last blow",
+    "interval": "interval of the blows, median",
 }
+_BAND_UNITS = {
+    "rigid_peak": ("m/s^2", "g"),
+    "peak": ("m/s^2", "g"),
+    "peak_acceleration": ("m/s^2", "g"),
+    "width": ("s", "us"),
+    "interval": ("s", "ms"),
+    "velocity_change": ("m/s", "m/s"),
+    "peak_velocity": ("m/s", "m/s"),
+    "peak_force": ("N", "kN"),
+    "peak_stress": ("Pa", "MPa"),
+}
+"""SI unit of a result with a band and the unit in which it is shown as a rule, by the last part of its name."""
 
 
 def layer_steps(case: Case) -> list[str]:
@@ -56,7 +71,10 @@ def layer_steps(case: Case) -> list[str]:
 
 
 def inputs(case: BaseModel, unused: str = "") -> Section:
-    """List every value of a case or a set-up, as typed, with provenance and note; without those of an unused table."""
+    """List every value of a case or a set-up, as typed, with provenance and note; without those of an unused table.
+
+    The tables begin folded away.
+    """
     groups = [group for group in _groups(case) if group[0] != unused]
     quantities = [
         (f"{path}.{key}", entry) for path, _, rows in groups for key, entry in rows if isinstance(entry, Value)
@@ -85,7 +103,7 @@ def inputs(case: BaseModel, unused: str = "") -> Section:
                 empty="No input.",
             )
         )
-    return Section("Inputs", text, tables)
+    return Section("Inputs", text, tables, folded=f"Show {len(quantities)} values with their provenance")
 
 
 def _groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, list[tuple[str, Any]]]]:
@@ -131,31 +149,79 @@ def _quantities(part: Any) -> bool:
     return any(isinstance(entry, Value) for _, entry in _flat(part, ""))
 
 
-def published(comparisons: Sequence[Comparison]) -> Section:
-    """Compare computed values with published ones."""
+def published(comparisons: Sequence[Comparison]) -> list[Section]:
+    """Compare computed values with published ones; nothing where there are none."""
+    if not comparisons:
+        return []
     rows: list[list[Cell]] = []
     for entry in comparisons:
         si = PUBLISHED_QUANTITIES.get(entry.quantity, "")
-        unit = SHOWN_UNITS.get(si, si)
+        usual = SHOWN_UNITS.get(si, si)
         which, _, quantity = entry.quantity.partition(".")
         label = _PUBLISHED_WORDS.get(which, which) + (f": {quantity.replace('_', ' ')}" if quantity else "")
         label += f" of {entry.sensor}" if entry.sensor else ""
         values = [
-            NONE if v is None or math.isnan(v) else written(float(in_unit(v, si, unit)) if si else v, 6)
+            NONE if v is None or math.isnan(v) else written(shown(v, si, usual) if si else v, 6)
             for v in (entry.published, entry.computed)
         ]
         difference = NONE if entry.difference is None else f"{100.0 * entry.difference:+.1f} %"
-        unit = f" ({spelled(unit)})" if unit else ""
-        rows.append(
-            [label + unit, *values, difference, entry.measured_or_simulated, Tag(entry.role, entry.role), entry.note]
-        )
+        origin = entry.measured_or_simulated
+        rows.append([headed(label, si, usual), *values, difference, origin, Tag(entry.role, entry.role), entry.note])
     heads = ["quantity", "published", "computed", "difference", "origin", "role", "note"]
-    table = Table("Comparison with published values", heads, rows, empty="The case names no published value.")
+    table = Table("Comparison with published values", heads, rows)
     text = (
         "A fitted value is no evidence, because the case was adjusted to it. A predicted value is evidence. A value "
         "that is only shown cannot be compared; its note says why."
     )
-    return Section("Comparison with published values", text if rows else "", [table])
+    return [Section("Comparison with published values", text, [table])]
+
+
+def band_words(bands: Mapping[str, Band]) -> list[str]:
+    """Say what the bands beside the key numbers are, and what the first one depends on; nothing without bands."""
+    if not bands:
+        return []
+    name, band = next(iter(bands.items()))
+    most = listed([f"{one.field} ({percent(one.share, 0)})" for one in band.inputs])
+    depends = f" What moves the {_band_label(name)} most, with its share of the variance: {most}." if most else ""
+    return [
+        f"In brackets: the range of {percent(band.level, 0)} of all results when inputs move within what is known of "
+        f"them; the model's own error is not in it.{depends}"
+    ]
+
+
+def band_sections(bands: Mapping[str, Band]) -> list[Section]:
+    """List the band of each result and the inputs that matter most; nothing without bands."""
+    if not bands:
+        return []
+    most = max(len(band.inputs) for band in bands.values())
+    rows: list[list[Cell]] = []
+    for name, band in bands.items():
+        inputs = [f"{one.field}, {percent(one.share, 0)}" for one in band.inputs]
+        si, usual = _BAND_UNITS.get(name.rpartition(".")[2], ("", ""))
+        ends = band_text(band, si, usual) if si else f"{written(band.low)} to {written(band.high)}"
+        rows.append([_band_label(name), ends, *inputs, *[NONE] * (most - len(inputs))])
+    heads = ["result", "range", *(f"{nth} input" for nth in ("largest", "second", "third", "fourth", "fifth")[:most])]
+    text = (
+        "Every input moves within its stated tolerance or, where none is stated, within what its provenance leaves "
+        "open. A share is that of the variance of the result that goes when the input is known exactly. The model's "
+        "own error is not in these ranges."
+    )
+    return [Section("What the results depend on", text, [Table("Ranges and the inputs that matter most", heads, rows)])]
+
+
+def _band_label(name: str) -> str:
+    """Say in words what a result with a band is called.
+
+    Examples
+    --------
+    >>> _band_label("first.rigid_peak"), _band_label("sensor.buffered.peak"), _band_label("interval")
+    ('rigid peak of the first blow', 'peak of sensor buffered', 'interval of the blows, median')
+    """
+    where, _, quantity = name.rpartition(".")
+    if not where:
+        return _PUBLISHED_WORDS.get(name, name.replace("_", " "))
+    words = {"first": "the first blow", "typical": "later blows, median"}.get(where, where.replace(".", " "))
+    return f"{quantity.replace('_', ' ')} of {words}"
 
 
 def warnings(notices: Sequence[Notice]) -> Section:
@@ -164,10 +230,10 @@ def warnings(notices: Sequence[Notice]) -> Section:
     rows: list[list[Cell]] = [
         [
             *([notice.case] if of_cases else []),
-            Tag(notice.code, "bad" if notice.broken else "warned"),
+            Tag(notice.code, _SEVERITY_LOOKS[notice.severity]),
             notice.message,
             *(NONE if math.isnan(number) else f"{number:.6g}" for number in (notice.value, notice.limit)),
-            Tag("check failed", "bad") if notice.broken else Tag("info"),
+            Tag("check failed", "bad") if notice.broken else Tag(notice.severity, _SEVERITY_LOOKS[notice.severity]),
         ]
         for notice in notices
     ]
@@ -218,7 +284,7 @@ class Summary(NamedTuple):
     words : str
         What happened.
     numbers : sequence of (str, str)
-        Key numbers: label and value with its unit.
+        Key numbers: label and value with its unit, and in brackets behind it its band.
     status : Tag or None
         How it went, where that is more than what `status` says of the notices.
     """
@@ -240,7 +306,7 @@ def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -
         name=source.name,
         digest=source.digest,
         status=summary.status or status(result.notices),
-        summary=summary.words,
+        summary=[summary.words, *band_words(result.band)],
         numbers=summary.numbers,
         foot=f"{source.kind} {source.name or 'without name'}"
         + (f" · SHA-256 of the {sealed} {source.digest}" if source.digest else ""),
@@ -252,7 +318,7 @@ def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -
 def status(notices: Sequence[Notice]) -> Tag:
     """Return which checks failed, or that all passed, and how many warnings there are."""
     failed = [notice.code for notice in notices if notice.broken]
-    return failed_checks(failed) if failed else passed_checks(len(notices))
+    return failed_checks(failed) if failed else passed_checks(sum(notice.severity == WARNING for notice in notices))
 
 
 def failed_checks(codes: Sequence[str]) -> Tag:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, new_figure, quiet
 
 if TYPE_CHECKING:
@@ -93,6 +93,15 @@ def spread(places: Array, least: float, most: float) -> Array:
     return np.concatenate([middle + step * (np.arange(size) - 0.5 * (size - 1)) for middle, size in groups])
 
 
+TRACED = {
+    "g": ("acceleration", "m/s^2"),
+    "kN": ("force", "N"),
+    "MPa": ("stress", "Pa"),
+    "m/s": ("velocity", "m/s"),
+}
+"""Usual unit of traced quantities: their name and SI unit."""
+
+
 class Trace(NamedTuple):
     """A curve: its label, times (s) and values (SI)."""
 
@@ -111,20 +120,20 @@ def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: boo
     curves : sequence of Trace
         Each with its label; the colours and dashes of a reader who sees no colours.
     unit : str
-        "g", "kN", "MPa", "m/s": what the axis shows.
+        Usual unit of the axis, one of `TRACED`: "g", "kN", "MPa", "m/s".
     since : str
-        Label of the time axis, which is in microseconds.
+        What the time axis shows; its usual unit is the microsecond.
     wide : bool, optional
         Whether it fills the width of a page.
 
     Examples
     --------
     >>> t = np.linspace(0, 1e-4, 100)
-    >>> len(traces("speed", [Trace("tap", t, t)], "m/s", "time (us)").axes[0].lines)
+    >>> len(traces("speed", [Trace("tap", t, t)], "m/s", "time").axes[0].lines)
     1
     """
-    names = {"g": "acceleration (g)", "kN": "force (kN)", "MPa": "stress (MPa)", "m/s": "velocity (m/s)"}
-    scales = {"g": STANDARD_GRAVITY, "kN": 1e3, "MPa": 1e6, "m/s": 1.0}
+    name, si = TRACED[unit]
+    (size, _), (second, _) = axis_unit(si, unit), axis_unit("s", "us")
     figure = new_figure(WHOLE if wide else HALF)
     axes = figure.add_subplot()
     for k, curve in reversed(list(enumerate(curves))):
@@ -134,15 +143,15 @@ def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: boo
         time, values = thin(curve.time[finite], curve.values[finite])
         style = DASHES[k % len(DASHES)]
         axes.plot(
-            time * 1e6,
-            values / scales[unit],
+            time / second,
+            values / size,
             style,
             color=COLOURS[k % len(COLOURS)],
             linewidth=1.3,
             label=curve.label,
             zorder=3 + len(curves) - k,
         )
-    quiet(axes, title, since, names[unit])
+    quiet(axes, title, headed(since, "s", "us"), headed(name, si, unit))
     if len(curves) > 1:
         handles, labels = axes.get_legend_handles_labels()
         above_right(axes, handles[::-1], labels[::-1])

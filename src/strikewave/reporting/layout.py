@@ -31,7 +31,7 @@ _UNIT = re.compile(r"(.*\S) (\([^()]*\))", re.DOTALL)
 
 
 @dataclass(frozen=True)
-class Column:
+class ScreenColumn:
     """A column of a table.
 
     Attributes
@@ -56,19 +56,19 @@ class Line(NamedTuple):
     style: str = ""
 
 
-def keys(*heads: str) -> list[Column]:
+def keys(*heads: str) -> list[ScreenColumn]:
     """Return columns of words that name their row."""
-    return [Column(head, KEY, words=True) for head in heads]
+    return [ScreenColumn(head, KEY, words=True) for head in heads]
 
 
-def texts(*heads: str, priority: int = MAIN) -> list[Column]:
+def texts(*heads: str, priority: int = MAIN) -> list[ScreenColumn]:
     """Return columns of words."""
-    return [Column(head, priority, words=True) for head in heads]
+    return [ScreenColumn(head, priority, words=True) for head in heads]
 
 
-def numerals(*heads: str, priority: int = MAIN) -> list[Column]:
+def numerals(*heads: str, priority: int = MAIN) -> list[ScreenColumn]:
     """Return columns of numbers."""
-    return [Column(head, priority) for head in heads]
+    return [ScreenColumn(head, priority) for head in heads]
 
 
 def plain(text: str) -> str:
@@ -154,7 +154,7 @@ def cut(text: str, width: float, end: str = "…") -> str:
 
 
 def table_lines(
-    title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]], width: float, wide: bool = False
+    title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[str]], width: float, wide: bool = False
 ) -> list[Line]:
     r"""Return a table as lines: with all columns that fit the width, or as a list where not even the main ones do.
 
@@ -162,7 +162,7 @@ def table_lines(
     ----------
     title : str
         What it shows; none if empty.
-    columns : sequence of Column
+    columns : sequence of ScreenColumn
         Its columns. Of those beyond `MAIN`, the first that does not fit and all that matter no more are left out,
         and named below.
     rows : iterable of sequences of str
@@ -226,7 +226,7 @@ def _longest(texts: Iterable[str]) -> int:
 class _Grid:
     """Columns with their cells, and the widths that they take."""
 
-    def __init__(self, columns: Sequence[Column], rows: Sequence[Sequence[str]]) -> None:
+    def __init__(self, columns: Sequence[ScreenColumn], rows: Sequence[Sequence[str]]) -> None:
         self.columns, self.rows = columns, rows
         cells = [[row[place] for row in rows] for place in range(len(columns))]
         self.least = [self._least(column, texts) for column, texts in zip(columns, cells, strict=True)]
@@ -236,7 +236,7 @@ class _Grid:
         ]
 
     @staticmethod
-    def _least(column: Column, cells: Sequence[str]) -> int:
+    def _least(column: ScreenColumn, cells: Sequence[str]) -> int:
         """Return the characters without which a column would break a word, or its head stand too high."""
         named, unit = _head_parts(column.head)
         parts = [token for text in cells for token in tokens(text.replace("\n", " "))] if column.words else cells

@@ -172,6 +172,30 @@ def axis_unit(si: str, usual: str) -> tuple[float, str]:
     return parse_quantity(f"1 {unit}", si, unit) if si in DIMENSIONS else 1.0, spelled(unit)
 
 
+@dataclass(frozen=True)
+class ShownQuantity:
+    """A kind of quantity that pictures show: its SI unit, and the unit in which it is shown as a rule.
+
+    Examples
+    --------
+    >>> ShownQuantity("m/s^2", "g").unit, ShownQuantity("s", "us").scale
+    ('g', 1e-06)
+    """
+
+    si: str
+    usual: str
+
+    @property
+    def unit(self) -> str:
+        """Name of the unit in which it is shown."""
+        return axis_unit(self.si, self.usual)[1]
+
+    @property
+    def scale(self) -> float:
+        """Size of the unit in which it is shown, in SI."""
+        return axis_unit(self.si, self.usual)[0]
+
+
 def headed(name: str, si: str, usual: str) -> str:
     """Return a name with the unit in which it is shown: the head of a column, the label of an axis.
 
@@ -206,6 +230,26 @@ def shown(value: float, si: str, usual: str) -> float:
     return float(in_unit(value, si, shown_unit(si, usual)))
 
 
+def _decimals(si: str, usual: str, decimals: int) -> int:
+    """Return the decimals in the unit shown that are worth those in the usual one; below 0 for tens and hundreds."""
+    unit = shown_unit(si, usual)
+    return decimals if unit == usual else decimals - round(math.log10(in_unit(1.0, si, unit) / in_unit(1.0, si, usual)))
+
+
+def decimals_in(si: str, usual: str, decimals: int) -> int:
+    """Return the decimals in the unit shown that are worth so many in the usual one; at least 0.
+
+    Examples
+    --------
+    >>> decimals_in("s", "ms", 3)
+    3
+    >>> with showing(ShownUnits.read("us")):
+    ...     decimals_in("s", "ms", 3)
+    0
+    """
+    return max(_decimals(si, usual, decimals), 0)
+
+
 def fixed(value: float | None, si: str, usual: str, decimals: int) -> str:
     """Write an SI value in a unit with so many decimals; a dash where there is none.
 
@@ -221,10 +265,7 @@ def fixed(value: float | None, si: str, usual: str, decimals: int) -> str:
     """
     if value is None or value != value:
         return NONE
-    unit = shown_unit(si, usual)
-    if unit != usual:
-        decimals -= round(math.log10(in_unit(1.0, si, unit) / in_unit(1.0, si, usual)))
-    return rounded(float(in_unit(value, si, unit)), decimals)
+    return rounded(shown(value, si, usual), _decimals(si, usual, decimals))
 
 
 def time_unit(last: float) -> tuple[float, str]:
@@ -336,7 +377,19 @@ def with_band(value: float | None, band: Band | None, si: str, usual: str, digit
     """
     if value is None or math.isnan(value) or band is None or not math.isfinite(band.low + band.high):
         return with_unit(value, si, usual, digits)
-    middle, low, high = (shown(number, si, usual) for number in (value, band.low, band.high))
-    decimals = decimals_within(low, high)
+    decimals = decimals_within(*(shown(end, si, usual) for end in (band.low, band.high)))
     name = spelled(shown_unit(si, usual))
-    return f"{rounded(middle, decimals)} {name} ({rounded(low, decimals)} to {rounded(high, decimals)} {name})"
+    return f"{rounded(shown(value, si, usual), decimals)} {name} ({band_text(band, si, usual)})"
+
+
+def band_text(band: Band, si: str, usual: str) -> str:
+    """Write the ends of a band with their unit, in the digits that its width leaves.
+
+    Examples
+    --------
+    >>> band_text(Band(7850.0, 15400.0, 0.95), "m/s^2", "g")
+    '800 to 1600 g'
+    """
+    low, high = (shown(end, si, usual) for end in (band.low, band.high))
+    decimals = decimals_within(low, high)
+    return f"{rounded(low, decimals)} to {rounded(high, decimals)} {spelled(shown_unit(si, usual))}".rstrip()

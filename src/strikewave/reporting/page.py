@@ -40,10 +40,10 @@ class Head:
         SHA-256 of it; empty where there is none.
     status : Tag
         How it went.
-    summary : str
-        What happened, in words.
+    summary : sequence of str
+        What happened, in paragraphs.
     numbers : sequence of (str, str)
-        Key numbers: label and value with its unit.
+        Key numbers: label and value with its unit; what stands in brackets behind it, such as its band, is set smaller.
     foot : str
         What the foot of the page says.
     test : mapping of str to str
@@ -56,7 +56,7 @@ class Head:
     name: str
     digest: str
     status: Tag
-    summary: str
+    summary: Sequence[str]
     numbers: Sequence[tuple[str, str]]
     foot: str
     test: Mapping[str, str] = field(default_factory=dict)
@@ -110,4 +110,5 @@ def _numbered(listing: Sequence[Section]) -> Iterator[dict[str, Any]]:
                     blocks[-1]["shown"] += block["shown"]
                     continue
             blocks.append(block)
-        yield {"id": f"section-{place}", "title": section.title, "paragraphs": section.paragraphs(), "blocks": blocks}
+        shown = {"title": section.title, "paragraphs": section.paragraphs(), "folded": section.folded}
+        yield {"id": f"section-{place}", **shown, "blocks": blocks}

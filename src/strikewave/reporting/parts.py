@@ -142,6 +142,9 @@ class Section:
         Paragraphs, with an empty line between them; they stand before the parts.
     parts : sequence of Table, Picture, Flow, Code or Link
         What follows, in this order.
+    folded : str
+        Words that open the parts where they begin folded away, as those of inputs do; empty where they are in view.
+        Print shows them all.
 
     Examples
     --------
@@ -152,6 +155,7 @@ class Section:
     title: str
     text: str = ""
     parts: Sequence[Part] = ()
+    folded: str = ""
 
     def paragraphs(self) -> list[str]:
         """Return the paragraphs of the text."""

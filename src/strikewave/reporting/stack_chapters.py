@@ -127,7 +127,7 @@ def mismatch_words(setup: WaveSetup) -> str:
 
 
 def sensor_part(channels: Sequence[SensorChannel], picture: Figure, readings: Table) -> Section:
-    """Describe the sensors, show what they read, and what their buffers take off."""
+    """Show what the sensors read, describe them, and say what their buffers take off."""
     described: list[list[Cell]] = []
     for sensor, _, recorder in channels:
         described.append(
@@ -143,7 +143,7 @@ def sensor_part(channels: Sequence[SensorChannel], picture: Figure, readings: Ta
         )
     heads = ["sensor", "mounting", "resonance (kHz)", "range (g)", "sampling (kHz)", "filter (kHz)", "bits"]
     caption = "Sensor readings as recorded: with mounting, resonance, range, filter, sampling and bits."
-    parts: list[Part] = [Table("Sensors and their recorders", heads, described), Picture(picture, caption), readings]
+    parts: list[Part] = [Picture(picture, caption), readings, Table("Sensors and their recorders", heads, described)]
     buffered = [channel.sensor for channel in channels if not channel.sensor.mounting.direct]
     if buffered:
         frequency = np.geomspace(1e3, 1e5, 201)

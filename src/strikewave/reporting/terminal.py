@@ -18,13 +18,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
+from strikewave.base.result import FAILED, INFO, WARNING
 from strikewave.reporting import numbers
 from strikewave.reporting.layout import (
     KEY,
     MAIN,
     MORE,
-    Column,
     Line,
+    ScreenColumn,
     clean,
     cut,
     keys,
@@ -156,12 +157,15 @@ def complain(text: str) -> None:
 
 
 def show_notices(notices: Sequence[Notice]) -> None:
-    """Print what the user should know: failed checks whole, the rest in a line each unless all is wanted."""
+    """Print what the user should know, what weighs most first: failed checks whole, the rest in a line each.
+
+    Where all is wanted, everything is printed whole; where only the result is, failed checks alone.
+    """
     shown, width, shortened = _screen.get(), screen_width(sys.stderr), False
-    for notice in sorted(notices, key=lambda notice: not notice.broken):
+    for notice in sorted(notices, key=lambda notice: (FAILED, WARNING, INFO).index(notice.severity)):
         about = f" {notice.case}" if notice.case else ""
         limit = f" (limit {significant(notice.limit, 3)})" if notice.broken and notice.limit == notice.limit else ""
-        kind = "check failed" if notice.broken else "warning"
+        kind = "check failed" if notice.broken else notice.severity
         text = _showable(f"{kind} [{notice.code}]{about}: {notice.message}{limit}", sys.stderr)
         if notice.broken:
             complain(text)
@@ -170,9 +174,9 @@ def show_notices(notices: Sequence[Notice]) -> None:
         elif not shown.quiet:
             line = cut(text, width, _showable("…", sys.stderr))
             shortened = shortened or line != text
-            _write([Line(line)], sys.stderr)
+            _write([Line(line, "dim" if notice.severity == INFO else "")], sys.stderr)
     if shortened:
-        say("warnings are shortened here: -v shows them whole")
+        say("shortened to a line each: -v shows all of it")
 
 
 def case_hash(text: str, changes: Sequence[str] | None) -> str:
@@ -284,7 +288,7 @@ def significant(value: float, digits: int) -> str:
     return f"{value:.0f}" if "e" in text else text
 
 
-def table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
+def table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
     """Print a table on stdout, with the columns that fit; see `strikewave.reporting.layout.table_lines`.
 
     A detail is only named, unless all is wanted.
@@ -304,7 +308,7 @@ def report_table(shown: Table, keys: int = 1, more: Sequence[str] = ()) -> None:
     """Print a table of a report: its first columns name the rows, and those in ``more`` are left out first."""
     rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in shown.cells()]
     columns = [
-        Column(head, KEY if place < keys else MORE if head in more else MAIN, words=not numeric)
+        ScreenColumn(head, KEY if place < keys else MORE if head in more else MAIN, words=not numeric)
         for place, (head, numeric) in enumerate(zip(shown.columns, shown.numeric(), strict=True))
     ]
     table(shown.caption, columns, rows)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.reporting.curves import COLOURS, DASHES, above_right, shortened
+from strikewave.reporting.numbers import axis_unit, headed, with_unit
 from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, new_figure, quiet
 from strikewave.reporting.wave_field import WaveField
 from strikewave.waves.li_ma import Sandwich
@@ -77,7 +78,7 @@ def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) ->
         if heard < since[-1]:
             axes.axvline(heard, color=GREY, linewidth=0.8)
         a, b = (shortened(part.name) for part in layers[layer - 1 + k : layer + 1 + k])
-        quiet(axes, "", f"time since the front reached I, over t₀ = {transit * 1e6:.4g} µs", "")
+        quiet(axes, "", f"time since the front reached I, over t₀ = {with_unit(transit, 's', 'us')}", "")
         axes.set_title(f"Interface {'I' * (k + 1)}: {a} | {b}", loc="left", fontsize=10, parse_math=False)
         axes.set_xlim(-1.0, float(since[-1]))
     figure.axes[0].set_ylabel("force over the largest load")
@@ -102,10 +103,15 @@ def insertion_loss(curves: Sequence[tuple[str, Array, Array]]) -> Figure:
     axes: Any = figure.add_subplot()
     for k, (name, frequency, loss) in enumerate(curves):
         axes.semilogx(
-            frequency / 1e3, loss, DASHES[k % len(DASHES)], color=COLOURS[k % len(COLOURS)], label=name, linewidth=1.4
+            frequency / axis_unit("Hz", "kHz")[0],
+            loss,
+            DASHES[k % len(DASHES)],
+            color=COLOURS[k % len(COLOURS)],
+            label=name,
+            linewidth=1.4,
         )
     axes.axhline(0.0, color=GREY, linewidth=0.8)
-    quiet(axes, "Insertion loss of the buffer", "frequency (kHz)", "loss (dB), below 0 it amplifies")
+    quiet(axes, "Insertion loss of the buffer", headed("frequency", "Hz", "kHz"), "loss (dB), below 0 it amplifies")
     axes.set_xticks([1, 2, 5, 10, 20, 50, 100], ["1", "2", "5", "10", "20", "50", "100"])
     axes.minorticks_off()
     if len(curves) > 1:

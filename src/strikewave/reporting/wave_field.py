@@ -5,12 +5,13 @@ from __future__ import annotations
 import textwrap
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.reporting.curves import shortened, spread
+from strikewave.reporting.numbers import ShownQuantity, axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, new_figure
 from strikewave.waves import Stack, Tap
 from strikewave.waves.staircase import first_echoes
@@ -22,15 +23,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class FieldQuantity(NamedTuple):
-    """What a picture of the field shows: its name, unit and size of that in SI, colours, words for both signs.
+@dataclass(frozen=True)
+class FieldQuantity(ShownQuantity):
+    """What a picture of the field shows: its name, colours, words for both signs.
 
     The colour maps are diverging, white at zero, and told apart by colour-blind readers.
     """
 
     name: str
-    unit: str
-    scale: float
     colours: str
     above: str
     most: str
@@ -43,9 +43,9 @@ class FieldQuantity(NamedTuple):
 
 
 QUANTITIES = {
-    "stress": FieldQuantity("stress", "MPa", 1e6, "RdBu", "compression", "largest compression", "largest tension"),
-    "force": FieldQuantity("force", "kN", 1e3, "RdBu", "compression", "largest compression", "largest tension"),
-    "velocity": FieldQuantity("velocity", "m/s", 1.0, "PuOr", "along the blow", "fastest along", "fastest back"),
+    "stress": FieldQuantity("Pa", "MPa", "stress", "RdBu", "compression", "largest compression", "largest tension"),
+    "force": FieldQuantity("N", "kN", "force", "RdBu", "compression", "largest compression", "largest tension"),
+    "velocity": FieldQuantity("m/s", "m/s", "velocity", "PuOr", "along the blow", "fastest along", "fastest back"),
 }
 """What the pictures of a field can show, by name."""
 
@@ -107,7 +107,7 @@ class WaveField:
     taps : tuple of (str, Tap)
         Names and places that are marked.
     since : str
-        Label of the time axis, in microseconds.
+        What the time axis shows, such as ``time``.
     """
 
     stack: Stack
@@ -208,23 +208,24 @@ def xt_diagram(field: WaveField, quantity: str = "stress") -> Figure:
     shown = QUANTITIES[quantity]
     values = field.values(quantity) / shown.scale
     most = float(np.abs(values).max(initial=0.0))
+    second, metre = _second(), _metre()
     figure = new_figure((WHOLE[0], 4.2))
     axes = figure.add_subplot()
     mesh = axes.pcolormesh(
-        cell_edges(field.time) * 1e6,
-        cell_edges(field.position) * 1e3,
+        cell_edges(field.time) / second,
+        cell_edges(field.position) / metre,
         values.T,
         cmap=shown.colours,
         vmin=-(most or 1.0),
         vmax=most or 1.0,
         rasterized=True,
     )
-    axes.set_xlim(0.0, field.time[-1] * 1e6)
-    axes.set_ylim(field.ends[-1] * 1e3, 0.0)
+    axes.set_xlim(0.0, field.time[-1] / second)
+    axes.set_ylim(field.ends[-1] / metre, 0.0)
     front = field.front()
     reached = front <= field.time[-1]
-    fronts = np.where(reached, front, np.nan) * 1e6
-    axes.plot(fronts, field.position * 1e3, color="#222222", linewidth=0.9, linestyle=(0, (5, 4)))
+    fronts = np.where(reached, front, np.nan) / second
+    axes.plot(fronts, field.position / metre, color="#222222", linewidth=0.9, linestyle=(0, (5, 4)))
     _faces(axes, field)
     _tap_marks(axes, field)
     longest = _names_beside(axes, field)
@@ -233,9 +234,24 @@ def xt_diagram(field: WaveField, quantity: str = "stress") -> Figure:
     if most == 0.0:
         axes.text(0.5, 0.5, "nothing moves", transform=axes.transAxes, ha="center", va="center", color=GREY)
     axes.set_title(f"{shown.name.capitalize()} along the stack", loc="left", fontsize=10)
-    axes.set_xlabel(field.since)
-    axes.set_ylabel("distance from the loaded face (mm)")
+    axes.set_xlabel(headed(field.since, "s", "us"))
+    axes.set_ylabel(distance_label())
     return figure
+
+
+def distance_label() -> str:
+    """Return the label of the axis along the stack."""
+    return headed("distance from the loaded face", "m", "mm")
+
+
+def _second() -> float:
+    """Return the size of the unit in which times are shown, s."""
+    return axis_unit("s", "us")[0]
+
+
+def _metre() -> float:
+    """Return the size of the unit in which places are shown, m."""
+    return axis_unit("m", "mm")[0]
 
 
 def cell_edges(centres: Array) -> Array:
@@ -253,9 +269,10 @@ def _faces(axes: Any, field: WaveField) -> None:
     """Draw the joints: bonded a thin line, springs dashed, a mass thick; one that can open double while open."""
     if len(field.stack.layers) > _MOST_SHADED:
         return
-    last = field.time[-1] * 1e6
+    second, metre = _second(), _metre()
+    last = field.time[-1] / second
     peak = float(np.abs(field.force).max(initial=0.0))
-    for k, (joint, end) in enumerate(zip(field.stack.joints, field.ends[:-1] * 1e3, strict=True)):
+    for k, (joint, end) in enumerate(zip(field.stack.joints, field.ends[:-1] / metre, strict=True)):
         style, width = JOINT_STYLES.get(joint.kind, BONDED_STYLE)
         axes.plot([0.0, last], [end, end], color="#222222", linewidth=width, linestyle=style)
         face = np.flatnonzero(field.layer == k)
@@ -263,18 +280,19 @@ def _faces(axes: Any, field: WaveField) -> None:
             continue
         open_now = np.abs(field.force[:, face[-1]] + joint.preload) <= _OPEN * peak
         line = np.where(open_now, end, np.nan)
-        axes.plot(field.time * 1e6, line, color="#222222", linewidth=3.4, solid_capstyle="butt")
-        axes.plot(field.time * 1e6, line, color="white", linewidth=1.8, solid_capstyle="butt")
+        axes.plot(field.time / second, line, color="#222222", linewidth=3.4, solid_capstyle="butt")
+        axes.plot(field.time / second, line, color="white", linewidth=1.8, solid_capstyle="butt")
 
 
 def _tap_marks(axes: Any, field: WaveField) -> None:
     """Mark the taps by a dotted line with their name at its end; taps at one place share it."""
     if len(field.taps) > _MOST_NAMES:
         return
+    metre = _metre()
     places: dict[float, list[str]] = {}
     for name, tap in field.taps:
-        places.setdefault(field.place(tap) * 1e3, []).append(name)
-    total = field.ends[-1] * 1e3
+        places.setdefault(field.place(tap) / metre, []).append(name)
+    total = field.ends[-1] / metre
     for place, names in places.items():
         low = place > 0.96 * total
         axes.axhline(place, color="#222222", linewidth=0.8, linestyle=":")
@@ -296,11 +314,11 @@ def _names_beside(axes: Any, field: WaveField) -> int:
     """Write the names of the layers beside a diagram, spread where layers are thin; return the longest length."""
     layers = field.stack.layers
     chosen = sorted(sorted(range(len(layers)), key=lambda k: -layers[k].length)[:_MOST_NAMES])
-    total = float(field.ends[-1])
-    middles = field.middles[chosen] * 1e3
+    total = float(field.ends[-1]) / _metre()
+    middles = field.middles[chosen] / _metre()
     names = [shortened(layers[k].name) for k in chosen]
     beside = axes.get_yaxis_transform()
-    for name, middle, place in zip(names, middles, spread(middles, _NAME_STEP * total * 1e3, total * 1e3), strict=True):
+    for name, middle, place in zip(names, middles, spread(middles, _NAME_STEP * total, total), strict=True):
         moved = abs(place - middle) > 1e-3 * total
         if moved:
             axes.plot([1.0, 1.012], [middle, place], color=GREY, linewidth=0.6, transform=beside, clip_on=False)
@@ -387,20 +405,21 @@ def snapshots(field: WaveField, quantity: str = "stress") -> Figure:
     grid = figure.subplots(2, SNAPSHOTS // 2, sharex=True, sharey=True, squeeze=False)
     chosen = snapshot_rows(field, quantity)
     low, high = min(float(values.min(initial=0.0)), 0.0), max(float(values.max(initial=0.0)), 0.0)
+    second, micro = axis_unit("s", "us")
     margin = _AIR * (high - low) or 1.0
     for axes, (row, why) in zip(grid.flat, chosen, strict=False):
         shade_layers(axes, field)
         draw_along(axes, field, values[row])
-        time = f"{field.time[row] * 1e6:.4g} µs"
+        time = f"{field.time[row] / second:.4g} {micro}"
         title = textwrap.fill(f"{time}: {why}" if why else time, 50)
         axes.set_title(title, loc="left", fontsize=8, parse_math=False)
         axes.spines[["top", "right"]].set_visible(False)
-        axes.set_xlim(0.0, field.ends[-1] * 1e3)
+        axes.set_xlim(0.0, field.ends[-1] / _metre())
         axes.set_ylim(low - margin, high + margin)
     for axes in grid.flat[len(chosen) :]:
         axes.set_axis_off()
     name_layers(grid[0, 0], field)
-    figure.supxlabel("distance from the loaded face (mm)", fontsize=10)
+    figure.supxlabel(distance_label(), fontsize=10)
     figure.supylabel(shown.label, fontsize=10)
     return figure
 
@@ -417,11 +436,11 @@ def shade_layers(axes: Any, field: WaveField) -> None:
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     if len(field.stack.layers) > _MOST_SHADED:
         return
-    begin = 0.0
-    for end, grey in zip(field.ends * 1e3, shades(field.stack), strict=True):
+    begin, metre = 0.0, _metre()
+    for end, grey in zip(field.ends / _metre(), shades(field.stack), strict=True):
         axes.axvspan(begin, end, color=str(grey), linewidth=0.0, zorder=0)
         begin = end
-    for joint, end in zip(field.stack.joints, field.ends[:-1] * 1e3, strict=True):
+    for joint, end in zip(field.stack.joints, field.ends[:-1] / metre, strict=True):
         style, width = JOINT_STYLES.get(joint.kind, BONDED_STYLE)
         colour = "#8a8a8a" if joint.kind not in JOINT_STYLES else "#333333"
         axes.axvline(end, color=colour, linewidth=width, linestyle=style, zorder=1)
@@ -431,7 +450,7 @@ def draw_along(axes: Any, field: WaveField, values: Array) -> list[Any]:
     """Draw values along the stack: blue above zero, red below; jumps at joints stay jumps. Return what was drawn."""
     few = len(field.stack.layers) <= _MOST_SHADED
     cuts = np.flatnonzero(np.diff(field.layer)) + 1 if few else np.empty(0, np.int64)
-    x, y = np.insert(field.position * 1e3, cuts, np.nan), np.insert(values, cuts, np.nan)
+    x, y = np.insert(field.position / _metre(), cuts, np.nan), np.insert(values, cuts, np.nan)
     look: dict[str, Any] = {"interpolate": True, "alpha": 0.3, "linewidth": 0.0, "zorder": 2}
     return [
         axes.fill_between(x, y, where=y >= 0.0, color=BLUE, **look),
@@ -449,7 +468,7 @@ def name_layers(axes: Any, field: WaveField) -> None:
             continue
         style: dict[str, Any] = {"fontsize": 7, "ha": "center", "va": "top", "color": "#4d5760", "parse_math": False}
         turned = 90 if len(name) * _LETTER > share else 0
-        axes.text(middle * 1e3, 0.98, name, transform=places, rotation=turned, zorder=4, **style)
+        axes.text(middle / _metre(), 0.98, name, transform=places, rotation=turned, zorder=4, **style)
 
 
 def sandwiched(field: WaveField) -> int | None:

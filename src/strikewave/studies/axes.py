@@ -12,6 +12,7 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
 from strikewave.cases.case import FORM, Case
+from strikewave.reporting.numbers import headed, shown_unit
 
 HALF_TO_TWICE = (0.5, 2.0)
 """Ends of an axis over the value of the case where no range is given, and of the range in which an assumed value is in
@@ -30,7 +31,7 @@ class Axis:
     path : str
         Of the case.
     unit, si_unit : str
-        In which it is shown, and its SI unit.
+        In which it was typed, and is shown where no other was chosen; and its SI unit.
     values : tuple of float
         SI, ascending.
     log : bool
@@ -51,12 +52,25 @@ class Axis:
         >>> Axis("machine.speed", "rpm", "rad/s", (50.0,)).typed(76.445421237351)
         '730 rpm'
         """
-        number = float(f"{self.shown(value):.{TYPED_DIGITS}g}")
+        number = float(f"{in_unit(value, self.si_unit, self.unit) if self.unit else value:.{TYPED_DIGITS}g}")
         return f"{number:.{TYPED_DIGITS}g} {self.unit}" if self.unit else number
 
     def shown(self, value: Any) -> Any:
         """Return values in the unit in which they are shown."""
-        return in_unit(value, self.si_unit, self.unit) if self.unit else value
+        return in_unit(value, self.si_unit, shown_unit(self.si_unit, self.unit)) if self.unit else value
+
+    @property
+    def label(self) -> str:
+        """What of what, and the unit in which it is shown.
+
+        Examples
+        --------
+        >>> Axis("machine.speed", "rpm", "rad/s", (50.0,)).label
+        'speed of the machine (rpm)'
+        """
+        table, _, key = self.path.partition(".")
+        name = f"{key.replace('_', ' ').replace('.', ' ')} of the {table}"
+        return headed(name, self.si_unit, self.unit) if self.unit else f"{name} (1)"
 
 
 def axis_of(case: Case, path: str, ends: tuple[Value, Value] | None, points: int, log: bool) -> Axis:

@@ -16,7 +16,7 @@ from strikewave.analyses.fem.report import page as fem_page
 from strikewave.analyses.fem.report.page import fem_report
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.base.errors import InputError
-from strikewave.base.result import Notice
+from strikewave.base.result import FAILED, Notice
 from strikewave.cases.case import load_case
 from strikewave.fem.measures import balance_measure, blow_axis, contact_measure, near_axis
 from strikewave.fem.mesh import exterior, exterior_faces, joined
@@ -443,7 +443,7 @@ def test_the_report_says_what_is_broken(mesh):
         solution(
             mesh,
             dataclasses.replace(synthetic.run(mesh, leak=-0.04, hourglass=0.2), stopped="an element turned inside out"),
-            notices=(Notice("energy-balance", "energy is <missing>", 0.04, 0.01, broken=True),),
+            notices=(Notice("energy-balance", "energy is <missing>", 0.04, 0.01, severity=FAILED),),
         )
     )
     for words in (
@@ -459,7 +459,7 @@ def test_the_report_says_what_is_broken(mesh):
 
 def test_the_status_names_each_broken_limit_once_with_its_blows(mesh, run):
     def broken(code, message):
-        return Notice(code, message, 1.0, 0.1, broken=True)
+        return Notice(code, message, 1.0, 0.1, severity=FAILED)
 
     many = (broken("hourglass-energy", "h"), broken("hourglass-energy", "blow 2: h"), broken("stopped", "blow 2: s"))
     held = solution(mesh, run, notices=many)

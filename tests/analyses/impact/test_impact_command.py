@@ -112,7 +112,7 @@ def test_a_law_from_memory_is_named_on_the_screen(strikewave):
     code, out, err = strikewave("impact", *BODIES, *GIVEN, "-e", "0.5", "--damping", "hu-guo")
     assert code == 0
     assert "hu-guo, from memory" in out
-    assert "warning [law-from-memory]: the damping law hu-guo" in err
+    assert "info [law-from-memory]: the damping law hu-guo" in err
 
 
 def test_pereira_in_a_hole_is_from_memory(impact):

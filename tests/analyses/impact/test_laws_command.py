@@ -109,7 +109,7 @@ def test_one_law_from_memory_says_so(strikewave):
     code, out, err = strikewave("laws", "hu-guo")
     assert code == 0
     assert "! FROM MEMORY !" in out
-    assert err.startswith("warning [law-from-memory]")
+    assert err.startswith("info [law-from-memory]")
 
 
 def test_a_damper_without_a_restitution_says_so(strikewave):

@@ -19,7 +19,7 @@ from strikewave.analyses.machine.result import load_solution
 from strikewave.analyses.wave.report import wave_report
 from strikewave.base import citations
 from strikewave.base.quantities import PROVENANCES
-from strikewave.base.result import Notice
+from strikewave.base.result import FAILED, Notice
 from strikewave.base.units import in_unit
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.reporting.curves import MOST_PULSES, thin
@@ -282,11 +282,11 @@ def test_sections_of_the_caller_are_shown_in_order_and_counted(solution):
     page = report(solution, sections)
     read = Page(page)
     contents = re.findall(r'<li><a href="#section-\d+">(.*?)</a>', page)
-    assert contents[3:6] == ["Pulses", "Sensors", "Waves"]
+    assert contents[:4] == ["Pulses", "Sensors", "Waves", "Blows"]
     assert tables(page)["Peaks"] == [["sensor", "peak (g)"], ["a", "4151"], ["b", "–"]]
     assert "<p>First.</p>\n<p>Second.</p>" in page
     numbers = [int(n) for n in re.findall(r"<b>Figure (\d+)\.</b>", page)]
-    assert numbers == list(range(1, 7))  # the drawing, four of the pulses, one of the caller
+    assert numbers == list(range(1, 7))  # four of the pulses, one of the caller, the drawing
     svgs = [found for tag, found in read.tags if tag == "svg"]
     assert len(svgs) == 6
     assert all(found["role"] == "img" and found["aria-label"] for found in svgs)
@@ -317,7 +317,7 @@ def test_solution_without_any_blow_says_so(solution):
         solution,
         blows=(),
         comparisons=(),
-        notices=(Notice("no-blow", "no striker touched the object", 0.0, 1.0, broken=True),),
+        notices=(Notice("no-blow", "no striker touched the object", 0.0, 1.0, severity=FAILED),),
         citations=(),
         masses={},
         phases=(),
@@ -329,7 +329,6 @@ def test_solution_without_any_blow_says_so(solution):
         "No blow: no striker touched the object. There is no pulse to measure.",
         "No blow: no striker passed the object.",
         "there is no pulse to show",
-        "names no published value",
         "No balance was computed.",
         "No mass is listed.",
         "No phase is listed.",
@@ -337,7 +336,8 @@ def test_solution_without_any_blow_says_so(solution):
         "check failed: no-blow",
     ):
         assert words in text
-    assert page.count("<svg") == 2  # the drawing and the train
+    assert "Comparison with published values" not in text
+    assert page.count("<svg") == 2  # the train and the drawing
 
 
 def test_histories_may_be_missing(solution):
@@ -437,7 +437,8 @@ def test_a_stack_without_machine_has_a_report_too():
     """Its values come in arrays of tables; there is no blow to speak of."""
     page = wave_report(run_wave(parse_case(STACK)))
     read = Page(page)
-    assert re.findall(r'<li><a href="#section-\d+">(.*?)</a>', page)[:3] == ["Set-up", "Inputs", "Stress waves"]
+    titles = ["Stress waves", "Peak values", "Warnings", "Set-up", "Inputs"]
+    assert re.findall(r'<li><a href="#section-\d+">(.*?)</a>', page)[:5] == titles
     layers = {row[0]: row[1:] for row in next(v for k, v in tables(page).items() if k.startswith("[stack.layer]"))[1:]}
     assert layers["upper.length"] == ["80 mm", "measured", "calliper"]
     assert layers["lower.length"][:2] == ["40 mm", "assumed"]

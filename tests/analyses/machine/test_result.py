@@ -1,7 +1,9 @@
 """The solution: saved and loaded alike, whole or not at all, with units; hostile files refused."""
 
+import csv
 import dataclasses
 import errno
+import io
 import json
 import math
 from pathlib import Path
@@ -13,6 +15,8 @@ from strikewave import load_solution
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import plain
 from strikewave.base.output_folder import atomic_folder
+from strikewave.base.units import DIMENSIONS, convertible
+from strikewave.reporting.numbers import ShownUnits, showing
 
 
 def test_saved_and_loaded_alike(solution, tmp_path):
@@ -52,6 +56,31 @@ def test_csv_has_units_and_all_blows(solution):
     assert "time [s]" in lines[0]
     assert "rigid_peak [m/s^2]" in lines[0]
     assert len(lines) == 1 + len(solution.blows)
+
+
+def in_si(text):
+    """Return the columns of a CSV text by their names; those with a unit in SI."""
+    head, *rows = csv.reader(io.StringIO(text))
+    columns = {}
+    for name, cells in zip(head, zip(*rows, strict=True), strict=True):
+        what, _, unit = name.removesuffix("]").partition(" [")
+        si, size = convertible(unit, DIMENSIONS) if unit else ("", 1.0)
+        columns[what] = si, [float(cell) * size if unit and cell else cell for cell in cells]
+    return columns
+
+
+def test_csv_in_units_of_a_choice_holds_the_same_numbers(solution):
+    usual = in_si(solution.tables()["blows.csv"])
+    with showing(ShownUnits.read("g,us,kN,mm,mJ")):
+        text = solution.tables()["blows.csv"]
+    assert "rigid_peak [g]" in text
+    assert "width [us]" in text
+    shown = in_si(text)
+    assert usual.keys() == shown.keys()
+    for name, (si, values) in usual.items():
+        assert shown[name][0] == si
+        # a division and a multiplication round once each
+        assert shown[name][1] == (pytest.approx(values, rel=1e-15) if si else values)
 
 
 def test_plain_json_has_no_nan():

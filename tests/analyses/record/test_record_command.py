@@ -135,7 +135,7 @@ def test_a_file_without_a_calibration_says_so(strikewave, volts):
     _, out, _ = strikewave("record", volts, "--json")
     found = document(out)
     [warning] = found["warnings"]
-    assert set(warning) == {"code", "message", "value", "limit"}
+    assert set(warning) == {"code", "severity", "message", "value", "limit"}
     assert warning["code"] == "not-calibrated"
     assert found["units"]["peak"] == "V"
 
@@ -305,7 +305,7 @@ def test_a_folder_appears_whole_and_is_the_same_again(strikewave, volts):
     with open("out/record-shot/pulses.csv") as file:
         header, row = file.read().splitlines()
     found = dict(zip(header.split(","), row.split(","), strict=True))
-    assert float(found["peak"]) == pytest.approx(1000.0 * G, rel=2e-3)
+    assert float(found["peak [m/s^2]"]) == pytest.approx(1000.0 * G, rel=2e-3)
     assert found["unit"] == "m/s^2"
     ElementTree.parse("out/record-shot/summary.svg")
     with open("out/record-shot/report.html", encoding="utf-8") as file:

@@ -195,7 +195,7 @@ def test_calibration_and_command_are_told(files, page):
     found = tables(page)
     assert found["Where it was stated"][1:] == [["--unit", "g"]]
     assert "strikewave read a.csv --unit g" in page
-    assert found["Warnings; value and limit in SI units"][-1] == ["few", "too few", "2", "–", "info"]
+    assert found["Warnings; value and limit in SI units"][-1] == ["few", "too few", "2", "–", "warning"]
     assert "impact_00.csv" in page
     stated = read(record(unit="V"), calibrations={"all": {"sensitivity": "2 mV/g", "polarity": -1}})
     told = page_of(stated, [summed(stated)])

@@ -203,7 +203,7 @@ def test_a_folder_appears_whole(strikewave, shot):
     assert "written: out/srs-shot/" in err
     with open("out/srs-shot/spectrum.csv") as file:
         header, *rows = file.read().splitlines()
-    assert header == "frequency (Hz),absolute (m/s^2),pseudo-velocity (m/s)"
+    assert header == "frequency [Hz],absolute [m/s^2],pseudo-velocity [m/s]"
     found = document(strikewave("srs", shot, "--json")[1])
     assert [float(row.split(",")[1]) for row in rows] == pytest.approx(found["absolute"])
     for name in ("summary.svg", "tripartite.svg"):

@@ -46,7 +46,7 @@ def layer(name, matter, length, diameter=0.03, speed=0.0):
 def field_of(stack, load, taps, duration, step=50e-9):
     run = run_bar(stack, load, [tap for _, tap in taps], duration, WantedError(step=step))
     held = (run.field_position, run.field_layer, run.field_force, run.field_velocity)
-    return WaveField(stack, run.field_time, *held, tuple(taps), "time (µs)")
+    return WaveField(stack, run.field_time, *held, tuple(taps), "time")
 
 
 def three(lower_diameter=0.03, joints=(BONDED, BONDED), load=None, end="free", names=("upper", "specimen", "lower")):
@@ -443,7 +443,7 @@ def test_a_large_field_makes_a_page_of_bounded_size():
         values,
         values,
         (),
-        "time (µs)",
+        "time",
     )
     assert len(wave_page(field, "large")) < 1.5e6
 

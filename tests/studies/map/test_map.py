@@ -407,7 +407,7 @@ def test_document_and_dataset_carry_units_and_regimes(tmp_path):
     assert sum(document["shares"].values()) == pytest.approx(1.0)
     lines = study.tables()["map.csv"].splitlines()
     assert len(lines) == 1 + 12
-    assert lines[0].startswith("machine.speed [rpm],object.spring [kN/m],cv,")
+    assert lines[0].startswith("machine.speed [rpm],object.spring [kN/m],cv [1],")
 
 
 @pytest.mark.parametrize(

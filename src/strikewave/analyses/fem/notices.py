@@ -9,7 +9,7 @@ import numpy as np
 
 from strikewave.analyses.fem.sectors import open_cuts, sectors
 from strikewave.base.materials import material
-from strikewave.base.result import BALANCE_LIMIT, Notice
+from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
 from strikewave.cases.case import Case
 from strikewave.fem.blow_measures import still_presses
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, balance_measure
@@ -47,7 +47,7 @@ def notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     """Yield what a user should know about a run."""
     if run.stopped:
         message = f"the run ended early: {run.stopped}"
-        yield Notice("stopped", message, float(run.time[-1]), model.controls.duration, broken=True)
+        yield Notice("stopped", message, float(run.time[-1]), model.controls.duration, severity=FAILED)
     yield from _balances(run)
     yield from model_notices(case, model)
     if run.added_mass > 0.0:
@@ -85,7 +85,7 @@ def blow_notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
         yield _named(run, Notice("blow-yield", f"{message} energy", yielded, REST_YIELD))
     if run.stopped:
         message = f"the run ended early: {run.stopped}"
-        yield _named(run, Notice("stopped", message, float(run.time[-1]), model.controls.duration, broken=True))
+        yield _named(run, Notice("stopped", message, float(run.time[-1]), model.controls.duration, severity=FAILED))
     for group in (_balances(run), _contacts(run), _strength(case, model, run)):
         yield from (_named(run, notice) for notice in group)
 
@@ -111,16 +111,16 @@ def _balances(run: FemRun) -> Iterator[Notice]:
     if not abs(balance.energy) <= ENERGY_LIMIT:
         what = "too much" if balance.energy > 0.0 else "missing"
         message = f"{abs(balance.energy):.2%} of the energy is {what}: take a smaller fem.safety or smaller elements"
-        yield Notice("energy-balance", message, abs(balance.energy), ENERGY_LIMIT, broken=True)
+        yield Notice("energy-balance", message, abs(balance.energy), ENERGY_LIMIT, severity=FAILED)
     if not balance.hourglass <= HOURGLASS_LIMIT:
         message = (
             f"hourglass modes hold {balance.hourglass:.1%} of the internal energy: take smaller elements, or "
             'elements = "full" for the part that bends'
         )
-        yield Notice("hourglass-energy", message, balance.hourglass, HOURGLASS_LIMIT, broken=True)
+        yield Notice("hourglass-energy", message, balance.hourglass, HOURGLASS_LIMIT, severity=FAILED)
     if not balance.momentum <= BALANCE_LIMIT:
         message = f"the momentum balance error is {balance.momentum:.1e}"
-        yield Notice("momentum-balance", message, balance.momentum, BALANCE_LIMIT, broken=True)
+        yield Notice("momentum-balance", message, balance.momentum, BALANCE_LIMIT, severity=FAILED)
 
 
 def _overlaps(model: Model, run: FemRun) -> Iterator[Notice]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import functools
-import io
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -34,6 +32,7 @@ from strikewave.fem.measures import (
 from strikewave.fem.model import Model
 from strikewave.fem.run import ENERGIES, FemRun, FieldFrame
 from strikewave.fem.snapshots import SnapshotRecorder
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 
 if TYPE_CHECKING:
     import xarray
@@ -222,13 +221,8 @@ class FemSolution(Result):
 
     def history_table(self) -> str:
         """Return all histories of the first blow as CSV text, every column with its unit."""
-        columns = list(self._columns())
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["time [s]", *(f"{name} [{unit}]" for name, unit, _ in columns)])
-        for row in zip(self.run.time, *(values for _, _, values in columns), strict=True):
-            writer.writerow(["" if math.isnan(value) else f"{value:.9g}" for value in row])
-        return text.getvalue()
+        columns = [Column(name, values, si) for name, si, values in self._columns()]
+        return csv_table([Column("time", self.run.time, "s"), *columns], HISTORY_DIGITS)
 
     def datasets(self) -> dict[str, xarray.Dataset]:
         """Return the histories of each blow, by the names of the files."""

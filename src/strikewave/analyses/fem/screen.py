@@ -378,5 +378,5 @@ def _check_document(case: Case, model: Model, quality: Sequence[PartQuality]) ->
     units = {"volume": "m^3", "shortest_edge": "m", "longest_edge": "m", "warpage": "rad", "worst_at": "m", "step": "s"}
     counted = {"elements": len(model.mesh.hexahedra), "nodes": len(model.mesh.points), "step": first_step(model)}
     rows = {row.part: without(dataclasses.asdict(row), "part", "step") for row in quality}
-    notices = [without(dataclasses.asdict(notice), "broken") for notice in model_notices(case, model)]
+    notices = [notice.document() for notice in model_notices(case, model)]
     return plain({**head(units, notices), "case": case.name, **counted, "parts": rows})

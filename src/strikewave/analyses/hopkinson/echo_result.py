@@ -6,11 +6,12 @@ import functools
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
+from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.analyses.hopkinson.result import inputs
 from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.echoes import Echoes
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 
 if TYPE_CHECKING:
     import xarray
@@ -82,17 +83,15 @@ class EchoSolution(Outcome):
     def tables(self) -> dict[str, str]:
         """Return speed and attenuation over frequency as CSV text."""
         echoes = self.echoes
-        table = csv_text(
-            {
-                "frequency [Hz]": echoes.frequency,
-                "phase speed [m/s]": echoes.phase_speed,
-                "standard error [m/s]": echoes.phase_speed_error,
-                f"{echoes.theory} [m/s]": echoes.theory_speed,
-                "attenuation [1/m]": echoes.losses,
-                "standard error [1/m]": echoes.losses_error,
-            }
-        )
-        return {"echoes.csv": table}
+        columns = [
+            Column("frequency", echoes.frequency, "Hz"),
+            Column("phase speed", echoes.phase_speed, "m/s"),
+            Column("standard error of phase speed", echoes.phase_speed_error, "m/s"),
+            Column(echoes.theory, echoes.theory_speed, "m/s"),
+            Column("attenuation", echoes.losses, "1/m"),
+            Column("standard error of attenuation", echoes.losses_error, "1/m"),
+        ]
+        return {"echoes.csv": csv_table(columns, HISTORY_DIGITS)}
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:

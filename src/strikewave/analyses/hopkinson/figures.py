@@ -11,18 +11,17 @@ from matplotlib.figure import Figure
 from strikewave.analyses.hopkinson.echo_result import EchoSolution
 from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.hopkinson import ANALYSES, stress_difference
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Reduction
 from strikewave.hopkinson.uniformity import UNIFORM, face_forces
 from strikewave.reporting.curves import above_right, thin
-from strikewave.reporting.numbers import percent
+from strikewave.reporting.numbers import axis_unit, headed, percent, with_unit
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, WHOLE, new_figure, quiet, sheet_title
 
-SINCE = "time after the wave arrives at the specimen (µs)"
-AT_END = "time after the wave arrives at the end (µs)"
+SINCE = "time after the wave arrives at the specimen"
+AT_END = "time after the wave arrives at the end"
 LOOKS = ((BLUE, "-"), (RED, "--"), (GREEN, "-."))
 """Colour and dashes of the first, second and third curve."""
 WINDOW_LEVELS = (-1.55, -1.85)
@@ -32,27 +31,34 @@ RECORD_LIMITS = (-2.05, 1.35)
 """Axis of a record, plateaus: the windows with their names, and the ripple on top of the plateau."""
 END_LEVELS, END_LIMITS = (-1.55, -1.9), (-2.15, 1.35)
 """The same for the record of a bar with a sensor on its end."""
+STRAIN = 1e6
+"""Microstrain in a strain."""
 MARKED_TRANSITS = (3.0, 5.0)
 """Transits by which equilibrium is often taken for granted; a strip marks them."""
+
+
+def _second() -> float:
+    """Return the size of the unit in which times are shown, s."""
+    return axis_unit("s", "us")[0]
 
 
 def draw_record(axes: Any, pulses: Pulses) -> None:
     """Draw both traces about the pulses, and the windows in which these were found."""
     for quietened, (colour, dash), name in zip(pulses.traces, LOOKS, ("incident bar", "transmitted bar"), strict=False):
         time, strain = thin(quietened.trace.time, quietened.trace.strain)
-        axes.plot(time * 1e6, strain * 1e6, dash, color=colour, linewidth=1.0, label=name)
-    top = float(pulses.plateau) * 1e6
+        axes.plot(time / _second(), strain * STRAIN, dash, color=colour, linewidth=1.0, label=name)
+    top = float(pulses.plateau) * STRAIN
     names = ("incident", "reflected", "transmitted")
     for k, (start, name) in enumerate(zip(pulses.starts, names, strict=True)):
-        begin, end = start * 1e6, (start + pulses.duration) * 1e6
+        begin, end = start / _second(), (start + pulses.duration) / _second()
         level = WINDOW_LEVELS[0 if k < 2 else 1] * top
         _window(axes, (begin, end), level, name)
-    quiet(axes, "Record and windows", "time of the record (µs)", "strain (µε), compression +")
+    quiet(axes, "Record and windows", headed("time of the record", "s", "us"), "strain (µε), compression +")
     axes.set_ylim(RECORD_LIMITS[0] * top, RECORD_LIMITS[1] * top)
     first, last = pulses.traces[0].trace.time[[0, -1]]
     axes.set_xlim(
-        1e6 * max(first, pulses.starts[0] - 0.5 * pulses.duration),
-        1e6 * min(last, max(pulses.starts) + 1.5 * pulses.duration),
+        max(first, pulses.starts[0] - 0.5 * pulses.duration) / _second(),
+        min(last, max(pulses.starts) + 1.5 * pulses.duration) / _second(),
     )
     above_right(axes)
 
@@ -68,32 +74,32 @@ def draw_waves(axes: Any, reduction: Reduction) -> None:
     w = reduction.waves
     shown = (("incident", w.incident), ("−reflected", -w.reflected), ("transmitted", w.transmitted))
     for (name, strain), (colour, dash) in zip(shown, LOOKS, strict=True):
-        axes.plot(w.time * 1e6, strain * 1e6, dash, color=colour, linewidth=1.3, label=name)
-    axes.axvline(w.loaded * 1e6, color=GREY, linewidth=0.8, linestyle=":")
-    quiet(axes, "At the specimen", SINCE, "strain (µε), compression +")
+        axes.plot(w.time / _second(), strain * STRAIN, dash, color=colour, linewidth=1.3, label=name)
+    axes.axvline(w.loaded / _second(), color=GREY, linewidth=0.8, linestyle=":")
+    quiet(axes, "At the specimen", headed(SINCE, "s", "us"), "strain (µε), compression +")
     above_right(axes)
 
 
 def draw_forces(axes: Any, solution: HopkinsonSolution) -> None:
     """Draw the forces on both faces, and below them by how much they differ."""
-    r = solution.reduction
-    time = r.time * 1e6
-    axes.plot(time, r.first_force / 1e3, "-", color=BLUE, linewidth=1.3, label="F1, incident bar")
-    axes.plot(time, r.second_force / 1e3, "--", color=RED, linewidth=1.3, label="F2, transmitted bar")
-    axes.axvline(r.waves.loaded * 1e6, color=GREY, linewidth=0.8, linestyle=":")
-    quiet(axes, "Force balance", SINCE, "force (kN)")
+    r, (newton, _) = solution.reduction, axis_unit("N", "kN")
+    time = r.time / _second()
+    axes.plot(time, r.first_force / newton, "-", color=BLUE, linewidth=1.3, label="F1, incident bar")
+    axes.plot(time, r.second_force / newton, "--", color=RED, linewidth=1.3, label="F2, transmitted bar")
+    axes.axvline(r.waves.loaded / _second(), color=GREY, linewidth=0.8, linestyle=":")
+    quiet(axes, "Force balance", headed(SINCE, "s", "us"), headed("force", "N", "kN"))
     above_right(axes)
 
 
 def draw_difference(axes: Any, solution: HopkinsonSolution) -> None:
     """Draw how much the forces differ while the incident wave lasts."""
     r, on = solution.reduction, solution.reduction.loading
-    axes.plot(r.time[on] * 1e6, 100.0 * solution.equilibrium.ratio[on], color=BLUE, linewidth=1.2)
+    axes.plot(r.time[on] / _second(), 100.0 * solution.equilibrium.ratio[on], color=BLUE, linewidth=1.2)
     axes.axhline(100.0 * UNIFORM, color=GREY, linewidth=0.9, linestyle="--")
     axes.text(
         1.0, 100.0 * UNIFORM, f" {percent(UNIFORM, 0)}", transform=axes.get_yaxis_transform(), fontsize=8, va="center"
     )
-    quiet(axes, "Difference of the forces over their mean", SINCE, "2 |F1−F2| / |F1+F2| (%)")
+    quiet(axes, "Difference of the forces over their mean", headed(SINCE, "s", "us"), "2 |F1−F2| / |F1+F2| (%)")
     axes.set_ylim(0.0, 100.0)
 
 
@@ -102,8 +108,15 @@ def draw_curves(axes: Any, reduction: Reduction) -> None:
     on = reduction.loading
     for name, (colour, dash) in zip(ANALYSES, LOOKS, strict=True):
         true = reduction.curve(name).true()
-        axes.plot(100.0 * true.strain[on], true.stress[on] / 1e6, dash, color=colour, linewidth=1.3, label=name)
-    quiet(axes, "True curve", "true strain (%)", "true stress (MPa)")
+        axes.plot(
+            100.0 * true.strain[on],
+            true.stress[on] / axis_unit("Pa", "MPa")[0],
+            dash,
+            color=colour,
+            linewidth=1.3,
+            label=name,
+        )
+    quiet(axes, "True curve", "true strain (%)", headed("true stress", "Pa", "MPa"))
     above_right(axes)
 
 
@@ -112,8 +125,15 @@ def draw_rate(axes: Any, reduction: Reduction) -> None:
     on = reduction.loading
     for name, (colour, dash) in zip(("1-wave", "3-wave"), (LOOKS[0], LOOKS[2]), strict=True):
         true = reduction.curve("1-wave" if name == "1-wave" else "3-wave").true()
-        axes.plot(100.0 * true.strain[on], true.rate[on], dash, color=colour, linewidth=1.3, label=name)
-    quiet(axes, "True strain rate", "true strain (%)", "rate (1/s)")
+        axes.plot(
+            100.0 * true.strain[on],
+            true.rate[on] / axis_unit("1/s", "1/s")[0],
+            dash,
+            color=colour,
+            linewidth=1.3,
+            label=name,
+        )
+    quiet(axes, "True strain rate", "true strain (%)", headed("rate", "1/s", "1/s"))
     above_right(axes)
 
 
@@ -135,25 +155,32 @@ def draw_passes(axes: Any, echoes: Echoes) -> None:
     """Draw the trace of a bar with its passes."""
     trace = echoes.quiet.trace
     time, strain = thin(trace.time, trace.strain)
-    axes.plot(time * 1e6, strain * 1e6, color=BLUE, linewidth=0.9)
-    top = 1.25 * float(np.abs(strain).max()) * 1e6
+    axes.plot(time / _second(), strain * STRAIN, color=BLUE, linewidth=0.9)
+    top = 1.25 * float(np.abs(strain).max()) * STRAIN
     for k, passed in enumerate(echoes.times):
-        axes.axvline(passed * 1e6, color=GREY, linewidth=0.8, linestyle=":")
-        axes.text(passed * 1e6, top, f" {k + echoes.first + 1}", fontsize=8, va="top", color=GREY)
-    quiet(axes, "Passes of the pulse", "time of the record (µs)", "strain (µε), first pulse +")
+        axes.axvline(passed / _second(), color=GREY, linewidth=0.8, linestyle=":")
+        axes.text(passed / _second(), top, f" {k + echoes.first + 1}", fontsize=8, va="top", color=GREY)
+    quiet(axes, "Passes of the pulse", headed("time of the record", "s", "us"), "strain (µε), first pulse +")
     axes.set_ylim(-top, top)
 
 
 def draw_speed(axes: Any, echoes: Echoes, stated: float) -> None:
     """Draw the phase speed over frequency with its scatter, the theory, and the stated speed."""
-    frequency = echoes.frequency / 1e3
-    error = np.nan_to_num(echoes.phase_speed_error)
+    (speed, _), frequency = axis_unit("m/s", "m/s"), echoes.frequency / axis_unit("Hz", "kHz")[0]
+    error = np.nan_to_num(echoes.phase_speed_error) / speed
     axes.errorbar(
-        frequency, echoes.phase_speed, error, fmt="o", color=BLUE, markersize=4, capsize=2, label="echoes ± error"
+        frequency,
+        echoes.phase_speed / speed,
+        error,
+        fmt="o",
+        color=BLUE,
+        markersize=4,
+        capsize=2,
+        label="echoes ± error",
     )
-    axes.plot(frequency, echoes.theory_speed, "-", color=RED, linewidth=1.4, label="theory")
-    axes.axhline(stated, color=GREY, linewidth=1.0, linestyle="--", label="stated")
-    quiet(axes, "Phase speed", "frequency (kHz)", "speed (m/s)")
+    axes.plot(frequency, echoes.theory_speed / speed, "-", color=RED, linewidth=1.4, label="theory")
+    axes.axhline(stated / speed, color=GREY, linewidth=1.0, linestyle="--", label="stated")
+    quiet(axes, "Phase speed", headed("frequency", "Hz", "kHz"), headed("speed", "m/s", "m/s"))
     above_right(axes)
 
 
@@ -161,11 +188,18 @@ def draw_losses(axes: Any, echoes: Echoes) -> None:
     """Draw the attenuation over frequency with its scatter."""
     error = np.nan_to_num(echoes.losses_error)
     axes.errorbar(
-        echoes.frequency / 1e3, echoes.losses, error, fmt="o", color=BLUE, markersize=4, capsize=2, label="round trips"
+        echoes.frequency / axis_unit("Hz", "kHz")[0],
+        echoes.losses,
+        error,
+        fmt="o",
+        color=BLUE,
+        markersize=4,
+        capsize=2,
+        label="round trips",
     )
     axes.axhline(echoes.attenuation.value, color=RED, linewidth=1.2, label="mean by energy")
     axes.axhline(0.0, color=GREY, linewidth=0.8)
-    quiet(axes, "Attenuation", "frequency (kHz)", "attenuation (1/m)")
+    quiet(axes, "Attenuation", headed("frequency", "Hz", "kHz"), "attenuation (1/m)")
     above_right(axes)
 
 
@@ -183,6 +217,7 @@ def echo_summary(solution: EchoSolution) -> Figure:
 def draw_accelerations(axes: Any, solution: SensorSolution) -> None:
     """Draw the reference acceleration of the sensor, and its reading with the delay taken out."""
     comparison = solution.comparison
+    size, _ = axis_unit("m/s^2", "g")
     label = "reading / sensitivity" if solution.unit == "V" else "reading"
     for values, name, (colour, dash) in zip(
         (comparison.motion.acceleration, solution.shown_acceleration),
@@ -191,11 +226,11 @@ def draw_accelerations(axes: Any, solution: SensorSolution) -> None:
         strict=False,
     ):
         time, shown = thin(comparison.time, values)
-        axes.plot(time * 1e6, shown / (1e3 * STANDARD_GRAVITY), dash, color=colour, linewidth=1.3, label=name)
-    title = f"Acceleration at {comparison.bandwidth.value / 1e3:.3g} kHz" + (
+        axes.plot(time / _second(), shown / size, dash, color=colour, linewidth=1.3, label=name)
+    title = f"Acceleration at {with_unit(comparison.bandwidth.value, 'Hz', 'kHz', 3)}" + (
         "" if solution.quoted else ": not to be quoted"
     )
-    quiet(axes, title, AT_END, "acceleration (1000 g)")
+    quiet(axes, title, headed(AT_END, "s", "us"), headed("acceleration", "m/s^2", "g"))
     above_right(axes)
 
 
@@ -203,9 +238,9 @@ def draw_sensor_difference(axes: Any, solution: SensorSolution) -> None:
     """Draw by how much the reading differs from the reference, over the peak of the reference."""
     comparison = solution.comparison
     time, shown = thin(comparison.time, solution.shown_acceleration - comparison.motion.acceleration)
-    axes.plot(time * 1e6, 100.0 * shown / comparison.peaks[0], color=BLUE, linewidth=1.1)
+    axes.plot(time / _second(), 100.0 * shown / comparison.peaks[0], color=BLUE, linewidth=1.1)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
-    quiet(axes, "Reading less reference", AT_END, "share of the peak (%)")
+    quiet(axes, "Reading less reference", headed(AT_END, "s", "us"), "share of the peak (%)")
 
 
 def draw_velocities(axes: Any, solution: SensorSolution) -> None:
@@ -215,26 +250,26 @@ def draw_velocities(axes: Any, solution: SensorSolution) -> None:
     names, widths = ("reference", "reading", "both waves"), (3.0, 1.7, 1.0)
     for values, name, width, (colour, dash) in zip(histories, names, widths, LOOKS, strict=True):
         time, shown = thin(comparison.time, values)
-        axes.plot(time * 1e6, shown, dash, color=colour, linewidth=width, label=name)
-    quiet(axes, "Velocity", AT_END, "velocity (m/s)")
+        axes.plot(time / _second(), shown / axis_unit("m/s", "m/s")[0], dash, color=colour, linewidth=width, label=name)
+    quiet(axes, "Velocity", headed(AT_END, "s", "us"), headed("velocity", "m/s", "m/s"))
     above_right(axes)
 
 
 def draw_end_record(axes: Any, solution: SensorSolution) -> None:
     """Draw the strain at the gauge, and the windows of the incident and of the reflected pulse."""
     pulses = solution.comparison.pulses
-    trace, top = pulses.traces[0].trace, float(pulses.plateau) * 1e6
+    trace, top = pulses.traces[0].trace, float(pulses.plateau) * STRAIN
     time, strain = thin(trace.time, trace.strain)
-    axes.plot(time * 1e6, strain * 1e6, color=BLUE, linewidth=1.0)
+    axes.plot(time / _second(), strain * STRAIN, color=BLUE, linewidth=1.0)
     for start, name, level in zip(pulses.starts, ("incident", "reflected"), END_LEVELS, strict=False):
-        begin, end = start * 1e6, (start + pulses.duration) * 1e6
+        begin, end = start / _second(), (start + pulses.duration) / _second()
         _window(axes, (begin, end), level * top, name)
-    quiet(axes, "Strain at the gauge", "time of the record (µs)", "strain (µε), compression +")
+    quiet(axes, "Strain at the gauge", headed("time of the record", "s", "us"), "strain (µε), compression +")
     axes.set_ylim(END_LIMITS[0] * top, END_LIMITS[1] * top)
     first, last = trace.time[[0, -1]]
     axes.set_xlim(
-        1e6 * max(first, pulses.starts[0] - 0.2 * pulses.duration),
-        1e6 * min(last, pulses.starts[1] + 1.2 * pulses.duration),
+        max(first, pulses.starts[0] - 0.2 * pulses.duration) / _second(),
+        min(last, pulses.starts[1] + 1.2 * pulses.duration) / _second(),
     )
 
 

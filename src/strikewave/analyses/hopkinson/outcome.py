@@ -7,9 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from strikewave._version import __version__
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.result import Result, Source
@@ -67,11 +64,3 @@ class Outcome(Result):
 def marked_text(case: HopkinsonCase, digests: Mapping[str, str]) -> str:
     """Return the text of a set-up with the SHA-256 of its files below: other files are another result."""
     return case.text + "".join(f"# SHA-256 {digest} {name}\n" for name, digest in digests.items())
-
-
-def csv_text(columns: Mapping[str, NDArray[np.float64]]) -> str:
-    """Return columns of equal length as CSV text; nothing where there is no number."""
-    lines = [",".join(columns)]
-    for row in zip(*columns.values(), strict=True):
-        lines.append(",".join("" if value != value else f"{value:.9g}" for value in row))
-    return "\n".join(lines) + "\n"

@@ -388,8 +388,9 @@ def shot_report(solution: HopkinsonSolution) -> str:
         ("force difference", percent(solution.equilibrium.misfit, 1)),
         (f"impulse {_closing(solution)}", percent(abs(solution.momentum.closure), 2)),
     ]
-    body = Section("Result", f"{_SHOT}\n\n{_SLOPE}", [*shot_tables(solution), *pictures])
-    return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", shot_words(solution), numbers), body)
+    sections = [Section("Pulses", "", pictures), Section("Result", f"{_SHOT}\n\n{_SLOPE}", shot_tables(solution))]
+    head = chapters.Summary("Report of a split-Hopkinson shot", shot_words(solution), numbers)
+    return _page(solution, head, sections)
 
 
 def _closing(solution: HopkinsonSolution) -> str:
@@ -442,12 +443,9 @@ def sensor_report(solution: SensorSolution) -> str:
         ("velocity change", f"{comparison.velocities[0]:.4g} m/s"),
         ("delay", f"{comparison.agreement.delay * 1e6:+.2f} µs"),
     ]
-    body = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", [*sensor_tables(solution), *pictures])
-    return _page(
-        solution,
-        chapters.Summary("Report of an accelerometer on the end of a bar", sensor_words(solution), numbers),
-        body,
-    )
+    tables = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", sensor_tables(solution))
+    head = chapters.Summary("Report of an accelerometer on the end of a bar", sensor_words(solution), numbers)
+    return _page(solution, head, [Section("Pulses", "", pictures), tables])
 
 
 def echo_words(solution: EchoSolution) -> str:
@@ -475,12 +473,11 @@ def echo_report(solution: EchoSolution) -> str:
         ("length", f"{echoes.length.value * 1e3:.5g} mm"),
         ("attenuation", f"{echoes.attenuation.value:.3g} 1/m"),
     ]
-    body = Section("Result", _ECHOES, [*echo_tables(solution), *pictures])
-    return _page(
-        solution, chapters.Summary("Report of a bar calibrated by its echoes", echo_words(solution), numbers), body
-    )
+    sections = [Section("Pulses", "", pictures), Section("Result", _ECHOES, echo_tables(solution))]
+    head = chapters.Summary("Report of a bar calibrated by its echoes", echo_words(solution), numbers)
+    return _page(solution, head, sections)
 
 
-def _page(solution: Outcome, summary: chapters.Summary, body: Section) -> str:
-    sections = [body, chapters.inputs(solution.case.setup), chapters.warnings(solution.notices)]
-    return chapters.result_page(solution, summary, sections)
+def _page(solution: Outcome, summary: chapters.Summary, sections: Sequence[Section]) -> str:
+    last = [chapters.warnings(solution.notices), chapters.inputs(solution.case.setup)]
+    return chapters.result_page(solution, summary, [*sections, *last])

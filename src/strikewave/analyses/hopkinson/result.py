@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
+from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase, values_of
 from strikewave.base.json_document import without
 from strikewave.base.variables import quantity
@@ -18,6 +18,7 @@ from strikewave.hopkinson.bars import BarMaterial, StrikerBar
 from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import ANALYSES, Reduction, StressStrainCurve
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 
 if TYPE_CHECKING:
     import xarray
@@ -164,33 +165,33 @@ class HopkinsonSolution(Outcome):
         """Return the histories at the specimen, with the curve of the chosen analysis, as CSV text."""
         r, w, engineering = self.reduction, self.reduction.waves, self.curve
         true = engineering.true()
-        columns = {
-            "time [s]": r.time,
-            "incident strain [1]": w.incident,
-            "reflected strain [1]": w.reflected,
-            "transmitted strain [1]": w.transmitted,
-            "force 1 [N]": r.first_force,
-            "force 2 [N]": r.second_force,
-            "velocity 1 [m/s]": r.first_velocity,
-            "velocity 2 [m/s]": r.second_velocity,
-            "engineering strain [1]": engineering.strain,
-            "engineering stress [Pa]": engineering.stress,
-            "engineering rate [1/s]": engineering.rate,
-            "true strain [1]": true.strain,
-            "true stress [Pa]": true.stress,
-            "true rate [1/s]": true.rate,
-        }
-        return csv_text(columns)
+        columns = [
+            Column("time", r.time, "s"),
+            Column("incident strain", w.incident, "1"),
+            Column("reflected strain", w.reflected, "1"),
+            Column("transmitted strain", w.transmitted, "1"),
+            Column("force 1", r.first_force, "N"),
+            Column("force 2", r.second_force, "N"),
+            Column("velocity 1", r.first_velocity, "m/s"),
+            Column("velocity 2", r.second_velocity, "m/s"),
+            Column("engineering strain", engineering.strain, "1"),
+            Column("engineering stress", engineering.stress, "Pa"),
+            Column("engineering rate", engineering.rate, "1/s"),
+            Column("true strain", true.strain, "1"),
+            Column("true stress", true.stress, "Pa"),
+            Column("true rate", true.rate, "1/s"),
+        ]
+        return csv_table(columns, HISTORY_DIGITS)
 
     def pulses_table(self) -> str:
         """Return the three pulses as the gauges saw them, each with its own time, as CSV text."""
         pulses = self.pulses
-        columns: dict[str, Array] = {}
+        columns: list[Column] = []
         parts = (pulses.incident, pulses.reflected, pulses.transmitted)
         for name, start, values in zip(("incident", "reflected", "transmitted"), pulses.starts, parts, strict=True):
-            columns[f"{name} time [s]"] = np.asarray(start + pulses.step * np.arange(values.size))
-            columns[f"{name} strain [1]"] = values
-        return csv_text(columns)
+            columns.append(Column(f"{name} time", start + pulses.step * np.arange(values.size), "s"))
+            columns.append(Column(f"{name} strain", values, "1"))
+        return csv_table(columns, HISTORY_DIGITS)
 
 
 def inputs(case: HopkinsonCase) -> dict[str, dict[str, Any]]:

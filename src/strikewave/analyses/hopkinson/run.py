@@ -21,7 +21,7 @@ from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.errors import InputError
-from strikewave.base.result import Notice
+from strikewave.base.result import FAILED, Notice
 from strikewave.cases.hopkinson_tables import LimitsTable
 from strikewave.hopkinson import (
     ANALYSES,
@@ -167,11 +167,11 @@ def _balance_notices(alike: Equilibrium, impulses: Momentum, limits: LimitsTable
         message = (
             f"the forces on the two faces differ by {alike.misfit:.1%} of their mean while the incident wave lasts"
         )
-        yield Notice("force-misfit", message, alike.misfit, limits.force_misfit.si, broken=True)
+        yield Notice("force-misfit", message, alike.misfit, limits.force_misfit.si, severity=FAILED)
     if not abs(impulses.closure) <= limits.momentum.si:
         kind = "missing" if impulses.closure > 0.0 else "excess"
         message = f"impulses do not close: {kind} impulse of {abs(impulses.closure):.1%} of the incident one"
-        yield Notice("momentum", message, impulses.closure, limits.momentum.si, broken=True)
+        yield Notice("momentum", message, impulses.closure, limits.momentum.si, severity=FAILED)
     if math.isnan(alike.begin):
         message = (
             f"there is no stretch of {LASTING:g} rise times in which the forces agree to {UNIFORM:.0%}; in all they do "

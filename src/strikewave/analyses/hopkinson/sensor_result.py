@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.hopkinson.bar_end import SensorComparison, Standing
-from strikewave.analyses.hopkinson.outcome import Outcome, csv_text
+from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.analyses.hopkinson.result import inputs
 from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar, BarMaterial
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 
 if TYPE_CHECKING:
     import xarray
@@ -190,17 +191,18 @@ class SensorSolution(Outcome):
     def tables(self) -> dict[str, str]:
         """Return the histories as CSV text; the delay of the reading is taken out."""
         comparison, samples = self.comparison, self.kept
-        columns = {
-            "time [s]": comparison.time,
-            "reference acceleration [m/s^2]": comparison.motion.acceleration,
-            f"reading [{self.unit}]": comparison.reading,
-            "reading as acceleration [m/s^2]": self.shown_acceleration,
-            "difference [m/s^2]": self.shown_acceleration - comparison.motion.acceleration,
-            "reference velocity [m/s]": comparison.motion.velocity,
-            "reading integrated [m/s]": self.shown_velocity,
-            "end velocity by both waves [m/s]": comparison.both_waves,
-        }
-        return {"reduction.csv": csv_text({name: values[samples] for name, values in columns.items()})}
+        columns = [
+            Column("time", comparison.time, "s"),
+            Column("reference acceleration", comparison.motion.acceleration, "m/s^2"),
+            Column("reading", comparison.reading, self.unit),
+            Column("reading as acceleration", self.shown_acceleration, "m/s^2"),
+            Column("difference", self.shown_acceleration - comparison.motion.acceleration, "m/s^2"),
+            Column("reference velocity", comparison.motion.velocity, "m/s"),
+            Column("reading integrated", self.shown_velocity, "m/s"),
+            Column("end velocity by both waves", comparison.both_waves, "m/s"),
+        ]
+        kept = [column._replace(values=column.values[samples]) for column in columns]
+        return {"reduction.csv": csv_table(kept, HISTORY_DIGITS)}
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:

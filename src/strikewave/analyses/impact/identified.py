@@ -191,7 +191,7 @@ class IdentifyCommand(Command[IdentifyResult]):
 def _notices(reading: ChannelReading, found: Identified) -> tuple[Notice, ...]:
     """Return what harms the peak, and a law that does not describe the blow."""
     notices: list[Notice] = [
-        notice for notice in reading.findings if notice.severity != "good" and "peak" in notice.harms
+        finding.notice for finding in reading.findings if finding.severity != "good" and "peak" in finding.harms
     ]
     if not found.described:
         notices.append(Notice("law-misfit", found.words[-1], found.residual, DESCRIBED))

@@ -11,7 +11,7 @@ import numpy as np
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import material
-from strikewave.base.result import Notice, Source
+from strikewave.base.result import INFO, Notice, Source
 from strikewave.contact import (
     CAP_LAWS,
     CapLaw,
@@ -178,7 +178,7 @@ def _notices(laws: Laws) -> tuple[Notice, ...]:
         f"{name} ({kind})" for kind, laws_of_kind in laws.kinds for name, law in laws_of_kind.items() if _unseen(law)
     ]
     message = f"from memory, the formula not seen in an opened text: {', '.join(names)}"
-    return (Notice("law-from-memory", message),) if names else ()
+    return (Notice("law-from-memory", message, severity=INFO),) if names else ()
 
 
 def _all_laws() -> Laws:

@@ -7,17 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
+
 from strikewave.analyses.impact.answers import ImpactAnswers, impact_answers
 from strikewave.analyses.impact.setup import ContactLoss, Setup
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import AUTO
-from strikewave.base.result import Notice, Source
+from strikewave.base.result import INFO, Notice, Source
 from strikewave.cases.contact_range_notices import duration_notices, indentation_notices, speed_notices
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING
 from strikewave.contact import Impact, Stiffness, first_yield, impact_history, reduced_mass, solve_impact
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
@@ -270,7 +273,7 @@ def _answers_differ(setup: Setup, answers: ImpactAnswers) -> Notice | None:
         return None
     message = f"the contact yields: the first blow gives {_kilonewtons(yielding.peak_force)}{_known(answers)}; elastic "
     message += _kilonewtons(elastic.peak_force)
-    return Notice("contact-yields", message, elastic.peak_force, yielding.yield_load or math.nan)
+    return Notice("contact-yields", message, elastic.peak_force, yielding.yield_load or math.nan, severity=INFO)
 
 
 def _known(answers: ImpactAnswers) -> str:
@@ -322,17 +325,18 @@ def _from_memory(setup: Setup) -> list[Notice]:
     kind = "damping law" if setup.loss.damper is None else "damper"
     used = (("stiffness law", stiffness.law, stiffness.status), (kind, law.name, law.status))
     origin = "stands here from memory: its formula was not seen in an opened text"
-    return [Notice("law-from-memory", f"the {k} {name} {origin}") for k, name, s in used if s == FROM_MEMORY]
+    return [
+        Notice("law-from-memory", f"the {k} {name} {origin}", severity=INFO) for k, name, s in used if s == FROM_MEMORY
+    ]
 
 
 def _histories(result: ImpactResult, drawn: list[int]) -> str:
-    """Return the drawn blows in time as CSV, SI."""
-    lines = ["blow,time [s],indentation [m],rate [m/s],force [N]"]
-    for k in drawn:
-        history = impact_history(result.blows[k])
-        columns = zip(history.time, history.indentation, history.rate, history.force, strict=True)
-        lines += [f"{k + 1},{t:.9g},{d:.9g},{rate:.9g},{force:.9g}" for t, d, rate, force in columns]
-    return "\n".join(lines) + "\n"
+    """Return the drawn blows in time as CSV."""
+    histories = {k + 1: impact_history(result.blows[k]) for k in drawn}
+    columns = [Column("blow", [blow for blow, history in histories.items() for _ in history.time])]
+    for name, si in (("time", "s"), ("indentation", "m"), ("rate", "m/s"), ("force", "N")):
+        columns.append(Column(name, np.concatenate([getattr(one, name) for one in histories.values()]), si))
+    return csv_table(columns, HISTORY_DIGITS)
 
 
 def _drawn(count: int) -> list[int]:

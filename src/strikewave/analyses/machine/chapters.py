@@ -50,13 +50,11 @@ _WORDS = (
 )
 
 
-def setup(case: Case, moving: str = "") -> Section:
-    """Say what machine it is and how the numbers come about; ``moving`` is the page that shows it in motion."""
+def setup(case: Case) -> Section:
+    """Say what machine it is and how the numbers come about."""
     words, chain = MACHINES[case.machine.kind if case.machine else ""]
     layers = layer_steps(case)
     parts = _drawing(case)
-    if moving:
-        parts.append(Link(moving, "The machine in motion, with its histories: the whole run, or one blow slowed down"))
     if chain and not layers:
         parts.append(Flow(chain, "Bodies and links, in the order in which a blow runs through them"))
     if layers:
@@ -149,8 +147,11 @@ def _answers(solution: Solution) -> list[Table]:
     return [Table(caption, ANSWER_HEADS, rows)]
 
 
-def pulse_pictures(solution: Solution) -> Section:
-    """Draw force and acceleration of the first blow, all pulses, the train; say what is missing."""
+def pulse_pictures(solution: Solution, moving: str = "") -> Section:
+    """Draw acceleration and force of the first blow, all pulses, the train; say what is missing.
+
+    ``moving`` is the name of the page that shows the machine in motion.
+    """
     from strikewave.analyses.machine.figures import pulses
 
     data = solution.data
@@ -169,19 +170,19 @@ def pulse_pictures(solution: Solution) -> Section:
     if struck:
         first = solution.blows[struck[0]]
         add(
-            ["pulse_time", "pulse_force"],
-            lambda: pulses.contact_force(solution, struck[0]),
-            f"Contact force between striker and object, blow {first.index}. Each rise from zero is a contact.",
-            f"Contact force over time, blow {first.index}: peak {with_unit(first.peak_force, 'N', 'kN', 3)}, "
-            f"{first.contacts} contacts.",
-        )
-        add(
             ["pulse_time", "pulse_acceleration"],
             lambda: pulses.rigid_acceleration(solution, struck[0]),
             f"Rigid-body acceleration of the assembly, blow {first.index}"
             + ("; the marks are published peaks and widths." if _marked(solution) else "."),
             f"Rigid-body acceleration over time, blow {first.index}: peak {with_unit(first.rigid_peak, 'm/s^2', 'g')}, "
             f"width {with_unit(first.width, 's', 'us')}.",
+        )
+        add(
+            ["pulse_time", "pulse_force"],
+            lambda: pulses.contact_force(solution, struck[0]),
+            f"Contact force between striker and object, blow {first.index}. Each rise from zero is a contact.",
+            f"Contact force over time, blow {first.index}: peak {with_unit(first.peak_force, 'N', 'kN', 3)}, "
+            f"{first.contacts} contacts.",
         )
         drawn = pulses.chosen(solution)
         some = "" if len(drawn) == len(struck) else f" {len(drawn)} of {len(struck)} are drawn."
@@ -199,6 +200,8 @@ def pulse_pictures(solution: Solution) -> Section:
         + ("; the marks are the peaks of the table of blows, with its numbers." if len(struck) else "."),
         f"Rigid-body acceleration over the whole train: {len(struck)} blows.",
     )
+    if moving:
+        parts.append(Link(moving, "The machine in motion, with its histories: the whole run, or one blow slowed down"))
     return Section("Pulses", "\n\n".join(words), parts)
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from strikewave.reporting.layout import KEY, MAIN, MORE, Column, numerals, texts
+from strikewave.reporting.layout import KEY, MAIN, MORE, ScreenColumn, numerals, texts
 from strikewave.reporting.numbers import heads
 
 
@@ -67,7 +67,9 @@ COLUMNS = (
     BlowColumn("turntable_speed", "rad/s", "rad/s", 3, "sliding", priority=MORE),
 )
 
-BLOW_UNITS = {column.name: column.unit for column in COLUMNS if column.unit != "1"}
+BLOW_SI = {column.name: column.unit for column in COLUMNS if column.name != "striker"}
+"""SI unit of each column that holds a quantity; "1" of a ratio."""
+BLOW_UNITS = {name: unit for name, unit in BLOW_SI.items() if unit != "1"}
 """SI unit of each column that has one."""
 CALLED = {
     "width": "pulse width at 10 %",
@@ -101,7 +103,7 @@ def headings(table: str) -> list[str]:
     return heads([(CALLED.get(name, name), si, unit, decimals) for name, si, unit, decimals in shown_in(table)])
 
 
-def screen_columns(table: str) -> list[Column]:
+def screen_columns(table: str) -> list[ScreenColumn]:
     """Return the columns of a table on the screen, with the number of the blow, and in ``blows`` its kind and contacts.
 
     Examples
@@ -110,7 +112,7 @@ def screen_columns(table: str) -> list[Column]:
     ['#', 'approach speed (m/s)', 'rebound speed (m/s)']
     """
     priorities = [column.priority for column in COLUMNS if table in column.tables]
-    shown = [Column(head, priority) for head, priority in zip(headings(table), priorities, strict=True)]
+    shown = [ScreenColumn(head, priority) for head, priority in zip(headings(table), priorities, strict=True)]
     if table != "blows":
         return [*numerals("#", priority=KEY), *shown]
     return [*numerals("#", priority=KEY), *texts("kind"), *shown, *numerals("contacts", priority=MORE + 2)]

@@ -15,7 +15,7 @@ from strikewave.analyses.machine.sensor_readings import (
     Observed,
 )
 from strikewave.base.quantities import AUTO
-from strikewave.base.result import Notice
+from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import cushion_notices, force_words, law_notices, low_pressure_notices
 from strikewave.cases.contact_range_notices import damping_speed_notices, size_notices, speed_notices
@@ -64,7 +64,7 @@ def notices(case: Case, blows: Sequence[Blow], answers: ContactAnswers | None) -
                 + ("where it rests against machine.engagement" if case.launched() is None else "[machine]"),
                 0.0,
                 1.0,
-                broken=True,
+                severity=FAILED,
             )
         )
         return tuple(listed)
@@ -78,7 +78,7 @@ def _changed(case: Case) -> Iterator[Notice]:
     changed = case.changed_fields() if case.published else []
     if changed:
         message = f"the published numbers belong to the case {case.source}; this one differs in {', '.join(changed)}"
-        yield Notice("changed-case", message, float(len(changed)), 0.0)
+        yield Notice("changed-case", message, float(len(changed)), 0.0, severity=INFO)
 
 
 def _wanted(case: Case, made: int) -> float:
@@ -97,7 +97,7 @@ def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
     wanted = _wanted(case, delivered)
     if delivered != wanted:
         message = f"{delivered} blows instead of the {wanted:.0f} wanted"
-        yield Notice("blow-count", message, float(delivered), wanted, broken=True)
+        yield Notice("blow-count", message, float(delivered), wanted, severity=FAILED)
     odd = [f"{blow.index} {blow.kind}" for blow in blows if blow.kind != "full"]
     if odd:
         message = "not every blow is full: " + ", ".join(odd)
@@ -133,7 +133,7 @@ def _yield(case: Case, answers: ContactAnswers | None) -> Iterator[Notice]:
     if answers.taken == YIELDING and yielding is not None:
         if answers.differ:
             message = f"the contact yields: the first blow gives {_peaks(yielding)}{known}; elastic {_peaks(elastic)}"
-            yield Notice("contact-yields", message, elastic.peak_force, limit)
+            yield Notice("contact-yields", message, elastic.peak_force, limit, severity=INFO)
         if asked < 1.0 and yielding.restitution < asked - YIELD_TAKES:
             message = (
                 f"damping and yield together give e = {yielding.restitution:.3g} in the first blow, not the {asked:g} "
@@ -263,7 +263,7 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
             f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): what "
             'rebounds strikes again unless a brake catches it; machine.until = "rest" follows it'
         )
-        yield Notice("first-blow-only", message, machine.follow.si, 0.0)
+        yield Notice("first-blow-only", message, machine.follow.si, 0.0, severity=INFO)
     else:
         yield _rebound_notice(seen)
     if touched[-1, 1] >= seen.run.end:
@@ -292,12 +292,12 @@ def _rebound_notice(seen: Observed) -> Notice:
     run, count = seen.run, len(seen.blows)
     if run.ended == "brake":
         message = f"a brake catches it at the top of its rebound after {count} blows and takes {run.braked:.3g} J"
-        return Notice("brake", message, run.braked, 0.0)
+        return Notice("brake", message, run.braked, 0.0, severity=INFO)
     if run.ended == "rest":
         limit = REST_SHARE * float(run.contacts()[0, 2])
         message = (
             f"it rests after {count} blows: it comes again with less than {limit:.3g} m/s, {REST_SHARE:g} of the first"
         )
-        return Notice("rest", message, run.end, limit)
+        return Notice("rest", message, run.end, limit, severity=INFO)
     message = f"followed for {run.end:.4g} s and {count} blows: it neither rests nor is it caught by then"
     return Notice("follow-ended", f"{message}; raise machine.longest, or take a time (machine.until)", run.end, run.end)

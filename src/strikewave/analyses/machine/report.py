@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine import chapters
-from strikewave.analyses.machine.stack_chapters import sensor_section, stack_section
+from strikewave.analyses.machine.stack_chapters import accuracy_section, sensor_section, stack_section
 from strikewave.analyses.machine.words import key_numbers, summary_words
 from strikewave.reporting import chapters as shared
 from strikewave.reporting.parts import Section
@@ -35,15 +35,17 @@ def report(solution: Solution, sections: Sequence[Section] = (), moving: str = "
     ('<!doctype html>', False)
     """
     parts = [
-        chapters.setup(solution.case, moving),
-        shared.inputs(solution.case),
-        chapters.blow_table(solution),
-        chapters.pulse_pictures(solution),
+        chapters.pulse_pictures(solution, moving),
         *stack_section(solution),
         *sensor_section(solution),
         *sections,
-        shared.published(solution.comparisons),
+        chapters.blow_table(solution),
+        *shared.band_sections(solution.band),
+        *shared.published(solution.comparisons),
         shared.warnings(solution.notices),
+        chapters.setup(solution.case),
+        shared.inputs(solution.case),
+        *accuracy_section(solution),
         chapters.checks(solution),
     ]
     summary = shared.Summary("Report of a run", summary_words(solution), key_numbers(solution))

@@ -7,18 +7,15 @@ The dataset holds the whole train (dimension ``time``, from the valve signal or 
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
 import json
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave._version import __version__
-from strikewave.analyses.machine.columns import BLOW_UNITS, HIDDEN
+from strikewave.analyses.machine.columns import BLOW_SI, BLOW_UNITS, HIDDEN
 from strikewave.analyses.machine.contact_answers import ANSWER_UNITS, ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
@@ -26,6 +23,7 @@ from strikewave.base.result import SCHEMA, Comparison, Notice, Result, Source, c
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
+from strikewave.reporting.columns import Column, csv_table
 from strikewave.sensors.channel import SensorPulse
 from strikewave.waves.setup import LayerUsed, WaveSetup
 
@@ -200,22 +198,19 @@ class Solution(Result):
         return {"blows.csv": self._blow_table()}
 
     def _blow_table(self) -> str:
-        text = io.StringIO()
-        names = [f.name for f in dataclasses.fields(Blow)]
-        writer = csv.writer(text, lineterminator="\n")
-        waves = ("total_peak", "wave_peak", "bandwidth") if self.waves else ()
-        route = [self.case.solver.route] if self.waves else []
-        sensors = list(dict.fromkeys(name for r in self.readings if r is not None for name in r.sensors))
-        head = [f"{n} [{BLOW_UNITS[n]}]" if n in BLOW_UNITS else n for n in names]
-        head += [f"{n} [{'Hz' if n == 'bandwidth' else 'm/s^2'}]" for n in waves] + ["route"] * len(route)
-        head += [column for n in sensors for column in (f"{n} peak [m/s^2]", f"{n} width [s]", f"{n} clipped")]
-        writer.writerow(head)
-        for blow, reading in zip(self.blows, self.readings, strict=True):
-            row: list[Any] = [*dataclasses.astuple(blow), *(getattr(reading, n, None) for n in waves), *route]
-            for name in sensors:
-                row += dataclasses.astuple(reading.sensors[name]) if reading is not None else [None] * 3
-            writer.writerow(["" if v is None or (isinstance(v, float) and math.isnan(v)) else v for v in row])
-        return text.getvalue()
+        columns = [
+            Column(name, [getattr(blow, name) for blow in self.blows], BLOW_SI.get(name, ""))
+            for name in (one.name for one in dataclasses.fields(Blow))
+        ]
+        if self.waves:
+            for name, si in (("total_peak", "m/s^2"), ("wave_peak", "m/s^2"), ("bandwidth", "Hz")):
+                columns.append(Column(name, [getattr(reading, name, None) for reading in self.readings], si))
+            columns.append(Column("route", [self.case.solver.route] * len(self.blows)))
+        for name in dict.fromkeys(name for r in self.readings if r is not None for name in r.sensors):
+            pulses = [None if reading is None else reading.sensors[name] for reading in self.readings]
+            for key, si in (("peak", "m/s^2"), ("width", "s"), ("clipped", "")):
+                columns.append(Column(f"{name} {key}", [getattr(pulse, key, None) for pulse in pulses], si))
+        return csv_table(columns)
 
     def save(self, path: Path) -> None:
         """Write the whole solution as NetCDF; `load_solution` reads it back."""

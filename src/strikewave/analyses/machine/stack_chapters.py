@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution
 
 
-_SINCE_TOUCH = "time after first touch (µs)"
+_SINCE_TOUCH = "time after first touch"
 
 
 def struck_field(solution: Solution) -> WaveField | None:
@@ -46,7 +46,7 @@ def struck_field(solution: Solution) -> WaveField | None:
         data["field_force"].values,
         None,
         build_taps(solution.case),
-        "time after first touch (µs)",
+        "time after first touch",
     )
 
 
@@ -74,7 +74,7 @@ def stack_section(solution: Solution) -> list[Section]:
     if refused:
         text += " No peak of total and wave is quoted: see the warning on the rise."
     table = Table("Rigid, total and wave acceleration", ["blow", "rigid (g)", "total (g)", "wave (g)"], rows)
-    parts: list[Part] = [] if refused else [table]
+    parts: list[Part] = []
     time = data["pulse_time"].values
     until = _settled(data["tap_force"].values[first])
     curves = [
@@ -100,17 +100,27 @@ def stack_section(solution: Solution) -> list[Section]:
     field = struck_field(solution)
     if field is not None:
         parts += field_pictures(field)
+    if not refused:
+        parts.append(table)
     sections = [Section("Stress waves", text, parts)]
     waves = data["route_acceleration"].values
     tap = next((k for k in range(len(names)) if np.isfinite(waves[:, k]).any()), None)
     if tap is not None and route == "exact":
         sections.append(_run_routes(solution, first, tap, until))
+    return sections
+
+
+def accuracy_section(solution: Solution) -> list[Section]:
+    """Say how exact the waves are, layer by layer; nothing without a stack."""
     from strikewave.cases.losses_of_case import fitted_losses
+
+    setup = solution.waves
+    if setup is None or not any(solution.readings):
+        return []
 
     losses = fitted_losses(solution.case)
     tables: list[Part] = [layer_table(setup), *([fit_table(losses)] if losses else [])]
-    sections.append(Section("Accuracy of the waves", mismatch_words(setup), tables))
-    return sections
+    return [Section("Accuracy of the waves", mismatch_words(setup), tables)]
 
 
 def _settled(force: Any) -> int:

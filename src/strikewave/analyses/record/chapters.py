@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from statistics import mean, median
 
-from strikewave.analyses.record.figures import campaigns as campaign_figures
-from strikewave.analyses.record.figures import records
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.tables import (
     Columns,
@@ -25,7 +23,7 @@ from strikewave.records.health_notice import STATUSES, worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.numbers import listed, spelled
-from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.parts import NONE, Cell, Part, Section, Table, Tag, written
 from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
@@ -55,25 +53,26 @@ def file_section(files: Sequence[FileReading], names: Names) -> Section:
                 [
                     names[file.path],
                     _tag(worst(findings)),
+                    "; ".join(reasons) or NONE,
                     reading.channel.name,
                     file.format,
                     written(reading.channel.sampling_rate / 1e3) if reading.channel.step > 0.0 else NONE,
                     reading.channel.values.size,
                     len(reading.pulses),
                     *columns.cells(means, reading.channel.unit),
-                    "; ".join(reasons) or NONE,
                 ]
             )
         if not file.channels:
             row: list[Cell] = [
                 names[file.path],
                 _tag(file.status),
+                "; ".join(file.reasons) or "no channel was read",
                 NONE,
                 file.format,
                 *[NONE] * (len(columns.names) + 3),
             ]
-            cells.append([*row, "; ".join(file.reasons) or "no channel was read"])
-    heads = ["file", "status", "channel", "format", "rate (kHz)", "samples", "blows", *columns.heads, "why"]
+            cells.append(row)
+    heads = ["file", "status", "why", "channel", "format", "rate (kHz)", "samples", "blows", *columns.heads]
     heads, cells, same = squeezed(heads, cells, ("channel", "format"))
     caption = f"Files{same}; means over the blows of each record, a dash where a finding harms the figure"
     return Section("Files", "", [Table(caption, heads, cells, "No file was read.")])
@@ -183,20 +182,13 @@ def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Na
         ),
         Table("Left out of the means", ["file", "figures", "why"], gone, "Nothing was left out."),
     ]
-    readings = _same_channel(files, campaign)
-    if any(reading.pulses and reading.status != "bad" for _, reading in readings):
-        named = [(names[path], reading) for path, reading in readings]
-        parts.append(Picture(records.overlay(named), "Blows of the files over each other; bad records are left out."))
-    if len({k for pairs in campaign.points.values() for k, _ in pairs}) > 1:
-        words = "Figures over the files, in the order in which they were given. What was left out is not drawn."
-        parts.append(Picture(campaign_figures.trend(campaign, unit, len(files)), words))
     title = "Campaign" if len(files) > 1 else "Means"
     title += f": {campaign.channel}" if several else ""
     text = (
         "CV is the standard deviation over the mean. The bounds of the mean are Student's, those of the CV Vangel's; "
         "they hold for values that scatter like a normal distribution and have no trend."
     )
-    used = [reading for _, reading in readings if reading.status != "bad"]
+    used = [reading for _, reading in same_channel(files, campaign) if reading.status != "bad"]
     units = sorted({reading.channel.unit or "file's own numbers" for reading in used})
     if len(units) > 1:
         text += f" The files hold this channel in different units, {listed(units)}: "
@@ -208,7 +200,7 @@ def _words(harmed: Sequence[str]) -> str:
     return listed([name.replace("_", " ") for name in harmed])
 
 
-def _same_channel(files: Sequence[FileReading], campaign: Campaign) -> list[tuple[str, ChannelReading]]:
+def same_channel(files: Sequence[FileReading], campaign: Campaign) -> list[tuple[str, ChannelReading]]:
     """Return the readings of a campaign's channel: those with the place that the channel has in the first file."""
     rows = [(file.path, file, reading) for file, reading in rows_of(files)]
     number_ = next((reading.number for _, _, reading in rows if reading.channel.name == campaign.channel), 0)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from strikewave.analyses.record.chapters import same_channel
 from strikewave.analyses.record.chosen import shown_response
 from strikewave.analyses.record.figures import records, spectra
-from strikewave.analyses.record.tables import Names, amount, called
+from strikewave.analyses.record.figures.campaigns import trend
+from strikewave.analyses.record.tables import Names, amount, called, unit_of
+from strikewave.records.campaign import Campaign
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Part, Picture, Section
@@ -15,6 +18,24 @@ MOST_FILES = 6
 """Files of which there are pictures: each adds some 100 kB to a page that must open at once."""
 MOST_DRAWN = 12
 """Channels of which there are pictures, in all files together: two of each file."""
+
+
+def campaign_sections(campaigns: Sequence[Campaign], files: Sequence[FileReading], names: Names) -> list[Section]:
+    """Draw the blows of each channel over each other, and its figures over the files; nothing where no blow is."""
+    sections = []
+    for campaign in campaigns:
+        parts: list[Part] = []
+        named = [(names[path], reading) for path, reading in same_channel(files, campaign)]
+        if any(reading.pulses and reading.status != "bad" for _, reading in named):
+            words = "Blows of the files over each other; bad records are left out."
+            parts.append(Picture(records.overlay(named), words))
+        if len({k for pairs in campaign.points.values() for k, _ in pairs}) > 1:
+            words = "Figures over the files, in the order in which they were given. What was left out is not drawn."
+            parts.append(Picture(trend(campaign, unit_of(files, campaign), len(files)), words))
+        if parts:
+            title = f"Pulses: {campaign.channel}" if len(campaigns) > 1 else "Pulses"
+            sections.append(Section(title, "", parts))
+    return sections
 
 
 def picture_section(files: Sequence[FileReading], names: Names) -> Section:
@@ -35,7 +56,7 @@ def picture_section(files: Sequence[FileReading], names: Names) -> Section:
         )
     if any(len(file.channels) > each for file in chosen):
         words.append(f"Of each, the first {'channel is' if each == 1 else f'{each} channels are'} drawn.")
-    return Section("Pictures", " ".join(words) or ("" if parts else "There is no record to draw."), parts)
+    return Section("Records", " ".join(words) or ("" if parts else "There is no record to draw."), parts)
 
 
 def _chosen(files: Sequence[FileReading]) -> list[FileReading]:

@@ -28,15 +28,16 @@ def record_report(result: RecordResult) -> str:
     files, campaigns = result.readings, result.campaigns
     names = short_names([file.path for file in files])
     sections = [
+        *pictures.campaign_sections(campaigns, files, names),
+        pictures.picture_section(files, names),
+        pictures.response_section(files, names),
         chapters.file_section(files, names),
         chapters.health_section(files, names),
         chapters.blow_section(files, names),
         *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns),
-        pictures.picture_section(files, names),
-        pictures.response_section(files, names),
+        shared.warnings(result.notices),
         chapters.filter_section(files, names, result.filter),
         chapters.calibration_section(files, names, result.calibrations),
-        shared.warnings(result.notices),
     ]
     summary = shared.Summary(
         "Report of measured records", record_words(result), _key_numbers(files, campaigns), _status(files)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +14,9 @@ from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
+from strikewave.reporting.numbers import shown_unit
 from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
@@ -206,29 +206,35 @@ def _campaign(campaign: Campaign) -> dict[str, Any]:
     }
 
 
+PULSE_UNITS = {
+    **dict.fromkeys(("time", "rise", "width", "begin", "end", "smooth_width"), "s"),
+    **dict.fromkeys(("ringing_frequency",), "Hz"),
+    **dict.fromkeys(("smooth_misfit",), "1"),
+}
+"""SI unit of the figures of a pulse that do not depend on what the channel measures."""
+OF_CHANNEL = ("peak", "offset", "noise", "smooth_peak")
+"""Figures of a pulse in the unit of its channel; the velocity change is in that unit times seconds."""
+
+
 def pulse_table(files: Sequence[FileReading]) -> str:
-    """Return all pulses as CSV, in SI, one line a pulse."""
-    text = io.StringIO()
+    """Return all pulses as CSV, one line a pulse; where channels differ in unit, ``unit`` is that of each line."""
     rows = [
-        {"file": file.path, "channel": reading.channel.name, "unit": reading.channel.unit, "status": reading.status}
-        | {"index": k}
-        | pulse_row(pulse)
+        (file.path, reading, index, pulse_row(pulse))
         for file in files
         for reading in file.channels
-        for k, pulse in enumerate(reading.pulses, start=1)
+        for index, pulse in enumerate(reading.pulses, start=1)
     ]
-    names = ["file", "channel", "unit", "status", "index", "time", "peak", "rise", "width", "velocity_change"]
-    names += ["ringing_frequency", "offset", "noise", "method", "begin", "end"]
-    names += ["smooth_peak", "smooth_width", "smooth_misfit"]
-    writer = csv.DictWriter(text, names, lineterminator="\n")
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({k: _cell(v) for k, v in row.items()})
-    return text.getvalue()
-
-
-def _cell(value: Any) -> Any:
-    """Return a value fit for a spreadsheet: no text that it would run as a formula."""
-    if isinstance(value, float):
-        return repr(value) if math.isfinite(value) else ""
-    return f"'{value}" if isinstance(value, str) and value[:1] in "=+-@\t\r" else value
+    units = [reading.channel.unit for _, reading, _, _ in rows]
+    only = units[0] if len(set(units)) == 1 else ""
+    columns = [
+        Column("file", [file for file, _, _, _ in rows]),
+        Column("channel", [reading.channel.name for _, reading, _, _ in rows]),
+        Column("unit", [shown_unit(unit, unit) if only else unit for unit in units]),
+        Column("status", [reading.status for _, reading, _, _ in rows]),
+        Column("index", [index for _, _, index, _ in rows]),
+    ]
+    names = ("time", "peak", "rise", "width", "velocity_change", "ringing_frequency", "offset", "noise", "method")
+    for name in (*names, "begin", "end", "smooth_peak", "smooth_width", "smooth_misfit"):
+        si = only if name in OF_CHANNEL else INTEGRALS.get(only, f"{only} s") if name == "velocity_change" else ""
+        columns.append(Column(name, [row[name] for _, _, _, row in rows], PULSE_UNITS.get(name, si)))
+    return csv_table(columns)

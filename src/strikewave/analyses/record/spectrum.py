@@ -15,6 +15,7 @@ from strikewave.base.errors import InputError
 from strikewave.base.result import Notice, Source
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.layout import KEY, numerals
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.options import Output, Typed
@@ -117,10 +118,9 @@ class SpectrumResult(measured.AskedResult):
     def tables(self) -> dict[str, str]:
         """Return the spectra as CSV text."""
         of = "" if self.reading.channel.unit == "m/s^2" else " for a record in m/s^2"
-        names = ["frequency (Hz)"] + [f"{s.kind} ({KIND_UNITS[s.kind]}{of})" for s in self.spectra]
-        rows = zip(self.spectra[0].frequency, *(s.side(self.side) for s in self.spectra), strict=True)
-        lines = [",".join(names), *(",".join(repr(float(v)) for v in row) for row in rows)]
-        return {"spectrum.csv": "\n".join(lines) + "\n"}
+        columns = [Column("frequency", self.spectra[0].frequency, "Hz")]
+        columns += [Column(f"{s.kind}{of}", s.side(self.side), KIND_UNITS[s.kind]) for s in self.spectra]
+        return {"spectrum.csv": csv_table(columns)}
 
 
 def spectrum_of(reading: ChannelReading, kind: str, frequencies: ArrayLike, q: float, scope: Scope) -> Spectrum:
@@ -199,7 +199,7 @@ class SrsCommand(Command[SpectrumResult]):
 def _notices(reading: ChannelReading) -> tuple[Notice, ...]:
     """Return what harms the spectrum, or leaves its unit open."""
     unit = ("unit-unknown", "not-calibrated")
-    return tuple(notice for notice in reading.findings if "spectrum" in notice.harms or notice.code in unit)
+    return tuple(found.notice for found in reading.findings if "spectrum" in found.harms or found.code in unit)
 
 
 def _frequencies(given: list[Typed] | None, grid: tuple[float, Typed | None, float], rate: float) -> Any:

@@ -27,6 +27,6 @@ def field_of_solution(solution: WaveSolution) -> WaveField:
         run.field_force,
         run.field_velocity,
         solution.taps,
-        "time after the start of the load (µs)",
+        "time after the start of the load",
     )
     return whole.up_to(lasting + _ROUND_TRIPS * 2.0 * run.stack.transit)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.wave.build import wanted
 from strikewave.analyses.wave.result import WaveSolution, load_peak
-from strikewave.base.result import BALANCE_LIMIT, Notice
+from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import law_notices, yield_notices
 from strikewave.cases.contact_range_notices import (
@@ -141,7 +141,7 @@ def _momentum_balance(run: BarRun) -> list[Notice]:
     if run.momentum_error <= BALANCE_LIMIT:
         return []
     message = f"the momentum balance error is {run.momentum_error:.1e}"
-    return [Notice("momentum-balance", message, run.momentum_error, BALANCE_LIMIT, broken=True)]
+    return [Notice("momentum-balance", message, run.momentum_error, BALANCE_LIMIT, severity=FAILED)]
 
 
 def _not_reached(run: BarRun, taps: Sequence[tuple[str, Tap]], accuracy: tuple[float, float]) -> list[Notice]:

@@ -10,7 +10,7 @@ from strikewave.analyses.wave.field import field_of_solution
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting import chapters
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed
+from strikewave.reporting.numbers import fixed, with_band
 from strikewave.reporting.parts import NONE, Cell, Flow, Part, Picture, Section, Table, Tag
 from strikewave.reporting.stack_chapters import (
     MOST_LAYERS,
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from strikewave.cases.case import Case
 
 
-_SINCE_LOAD = "time after the start of the load (µs)"
+_SINCE_LOAD = "time after the start of the load"
 _DATA_FLOW = ("case file", "checks of units and fits", "stack", "stress waves", "taps and sensors")
 CONTACT_HEADS = ["contact of the striker", "value"]
 OSCILLATOR_HEADS = ["mass on a spring", "mass (gram)", "largest acceleration (g)"]
@@ -67,6 +67,27 @@ def wave_words(solution: WaveSolution) -> str:
         quoted = f" and {acceleration} g" if acceleration != NONE else ""
         at_taps.append(f"{name} (in {layer}): {force} kN, {stress} MPa, {velocity} m/s{quoted}")
     return f"A layered bar under its load, route {solution.route}. Signed peak values: {'; '.join(at_taps)}."
+
+
+def key_numbers(solution: WaveSolution) -> list[tuple[str, str]]:
+    """Return the peak values at the first tap, each with its band where it has one, and what the sensors read."""
+    band, numbers = solution.band, list[tuple[str, str]]()
+    if solution.taps:
+        name, tap = solution.taps[0]
+        peaks, layer = solution.peaks(0, solution.route), solution.run.stack.layers[tap.layer]
+        stress = None if peaks["force"] is None else peaks["force"] / layer.area
+        shown = {
+            "force": (peaks["force"], "N", "kN"),
+            "stress": (stress, "Pa", "MPa"),
+            "velocity": (peaks["velocity"], "m/s", "m/s"),
+            "acceleration": (peaks["acceleration"], "m/s^2", "g"),
+        }
+        for what, (value, si, unit) in shown.items():
+            if value is not None:
+                numbers.append((f"{what} at {name}", with_band(value, band.get(f"tap.{name}.peak_{what}"), si, unit)))
+    for name, pulse in solution.sensors.items():
+        numbers.append((f"sensor {name}", with_band(pulse.peak, band.get(f"sensor.{name}.peak"), "m/s^2", "g")))
+    return numbers
 
 
 def error_words(solution: WaveSolution) -> str:
@@ -151,14 +172,10 @@ def wave_tables(solution: WaveSolution) -> list[tuple[str, list[str], list[list[
 
 
 def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Section]:
-    """Show load, taps, the field of a quantity, staircase, routes and accuracy of a bar alone."""
+    """Show waves at the taps, the field of a quantity, staircase, sensors, routes, then peak values of a bar alone."""
     run, time = solution.run, solution.run.time
-    heads = ["tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"]
-    rows: list[list[Cell]] = [list(row) for row in tap_rows(solution)]
     names = [name for name, _ in solution.taps[:MOST_CURVES]]
-    parts: list[Part] = [Table("Peak values at the taps", heads, rows)]
-    for caption, columns, listing in wave_tables(solution):
-        parts.append(Table(caption, columns, [list(row) for row in listing]))
+    parts: list[Part] = []
     force = [Trace(name, time, run.force[:, k]) for k, name in enumerate(names)]
     speed = [Trace(name, time, run.velocity[:, k]) for k, name in enumerate(names)]
     total = [Trace(name, time, run.acceleration[:, k]) for k, name in enumerate(names)]
@@ -204,13 +221,26 @@ def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Sect
         sections.append(
             route_section(name, solution.quoted, time, run.acceleration[:, tap], solution.rigid, waves, _SINCE_LOAD)
         )
+    return [*sections, _peak_section(solution)]
+
+
+def _peak_section(solution: WaveSolution) -> Section:
+    """List the peak values at the taps, of contact, masses, joints and layers."""
+    heads = ["tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"]
+    tables = [("Peak values at the taps", heads, tap_rows(solution)), *wave_tables(solution)]
+    return Section(
+        "Peak values", "", [Table(caption, columns, [list(row) for row in rows]) for caption, columns, rows in tables]
+    )
+
+
+def _accuracy_section(solution: WaveSolution) -> Section:
+    """Say how exact the waves are."""
     accuracy = error_words(solution)
     accuracy = accuracy[0].upper() + accuracy[1:]
     tables: list[Part] = [] if solution.method == "spectral" else [layer_table(solution.waves)]
     if solution.losses:
         tables.append(fit_table(solution.losses))
-    sections.append(Section("Accuracy of the waves", f"{accuracy}.", tables))
-    return sections
+    return Section("Accuracy of the waves", f"{accuracy}.", tables)
 
 
 def wave_report(solution: WaveSolution, quantity: str = "stress") -> str:
@@ -226,19 +256,20 @@ def wave_report(solution: WaveSolution, quantity: str = "stress") -> str:
     """
     case = solution.case
     parts = [
+        *wave_sections(solution, quantity),
+        *chapters.band_sections(solution.band),
+        chapters.warnings(solution.notices),
         _setup(case),
         chapters.inputs(case),
-        *wave_sections(solution, quantity),
-        chapters.warnings(solution.notices),
+        _accuracy_section(solution),
         Section(
             "Momentum balance",
             "Balance error: impulses at both ends less the momentum of the bar, over the greater impulse.",
             [chapters.balance_table(solution.balance)],
         ),
     ]
-    return chapters.result_page(
-        solution, chapters.Summary("Report of waves in a layered bar", wave_words(solution)), parts
-    )
+    summary = chapters.Summary("Report of waves in a layered bar", wave_words(solution), key_numbers(solution))
+    return chapters.result_page(solution, summary, parts)
 
 
 def _setup(case: Case) -> Section:

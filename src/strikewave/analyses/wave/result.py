@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import functools
-import io
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -19,6 +16,7 @@ from strikewave.base.result import SCHEMA, Result, Source
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import FittedLoss, fitted_losses
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.pulse import largest
@@ -294,15 +292,10 @@ class WaveSolution(Result):
         return {"taps.csv": self._tap_table()}
 
     def _tap_table(self) -> str:
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
         units = (("force", "N"), ("stress", "Pa"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
-        by = "" if self.route == EXACT else f", {self.route}"
-        heads = [f"{name} {what} [{unit}]{by}" for name, _ in self.taps for what, unit in units]
-        writer.writerow(["time [s]", *heads])
-        columns = [self.run.time]
-        for force, stress, velocity, acceleration in self._histories():
-            columns += [force, stress, velocity, acceleration]
-        for row in zip(*columns, strict=True):
-            writer.writerow(["" if math.isnan(value) else f"{value:.9g}" for value in row])
-        return text.getvalue()
+        by = "" if self.route == EXACT else f" ({self.route})"
+        columns = [Column("time", self.run.time, "s")]
+        for (name, _), histories in zip(self.taps, self._histories(), strict=True):
+            for (what, si), values in zip(units, histories, strict=True):
+                columns.append(Column(f"{name} {what}{by}", values, si))
+        return csv_table(columns, HISTORY_DIGITS)

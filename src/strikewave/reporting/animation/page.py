@@ -296,8 +296,8 @@ class PlaceAxis:
     bands: Sequence[LayerBand]
     marks: Sequence[PlaceMark]
     start: int
-    unit: str = "mm"
-    per: float = 1e-3
+    unit: str
+    per: float
 
     def document(self) -> Document:
         """Return it as the player reads it."""

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.curves import thin
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
 from strikewave.sensors import transmission
 from strikewave.sensors.mounting import RESOLVED
@@ -61,15 +61,20 @@ def peak_bandwidth(study: BufferStudy) -> Figure:
             axes.plot(*_places([study.present]), "^", color=DARK, markersize=7, label=study.present.name)
     else:
         _nothing(axes)
-    axes.axhline(study.goal.limit / STANDARD_GRAVITY, color=DARK, linewidth=1.2, linestyle="--", label="limit")
+    axes.axhline(study.goal.limit / _acceleration(), color=DARK, linewidth=1.2, linestyle="--", label="limit")
     if study.site.range < study.goal.limit:
-        height = study.site.range / STANDARD_GRAVITY
+        height = study.site.range / _acceleration()
         axes.axhline(height, color=ORANGE, linewidth=1.2, linestyle="-.", label="range")
     if np.isfinite(study.direct.true_peak):
-        height = study.direct.true_peak / STANDARD_GRAVITY
+        height = study.direct.true_peak / _acceleration()
         axes.axhline(height, color=GREY, linewidth=1.0, linestyle=":", label="direct")
     title = f"What {study.site.table.name} reads of {study.motion.name}, and what the buffer passes"
-    quiet(axes, _short(title), "amplitude within 10 % up to (Hz)", "largest reading (g); of the element where cut off")
+    quiet(
+        axes,
+        _short(title),
+        headed("amplitude within 10 % up to", "Hz", "Hz"),
+        headed("largest reading (of the element where cut off)", "m/s^2", "g"),
+    )
     axes.margins(x=0.05, y=0.08)
     _legend(axes)
     return figure
@@ -83,13 +88,20 @@ def buffer_histories(study: BufferStudy) -> Figure:
         reading = study.reading(candidate)
         shown = (reading.time >= begin) & (reading.time <= end)
         time, values = thin(reading.time[shown], reading.values[shown])
-        axes.plot(time * 1e6, values / STANDARD_GRAVITY, dash, color=colour, linewidth=1.3, label=candidate.name)
-    limit = study.goal.limit / STANDARD_GRAVITY
+        axes.plot(
+            time / axis_unit("s", "us")[0],
+            values / _acceleration(),
+            dash,
+            color=colour,
+            linewidth=1.3,
+            label=candidate.name,
+        )
+    limit = study.goal.limit / _acceleration()
     axes.axhline(limit, color=DARK, linewidth=0.9, linestyle="--", label="limit")
     if axes.get_ylim()[0] < -0.8 * limit:
         axes.axhline(-limit, color=DARK, linewidth=0.9, linestyle="--")
     title = f"Readings of {study.site.table.name}, {study.motion.name}"
-    quiet(axes, _short(title), "time (µs)", "acceleration (g)")
+    quiet(axes, _short(title), headed("time", "s", "us"), headed("acceleration", "m/s^2", "g"))
     _legend(axes)
     return figure
 
@@ -108,18 +120,19 @@ def buffer_transmissibility(study: BufferStudy) -> Figure:
     """Draw what the first stacks of the ranking pass, and the band of 10 %."""
     figure, axes = _figure()
     shown = first_ones(study)
-    quiet(axes, "Transmissibility of the buffer", "frequency (Hz)", "sensor over surface (1)")
+    quiet(axes, "Transmissibility of the buffer", headed("frequency", "Hz", "Hz"), "sensor over surface (1)")
     if not shown:
         _nothing(axes)
         return figure
+    hertz, _ = axis_unit("Hz", "Hz")
     lowest = min(candidate.band.within_10 for candidate in shown)
     frequency = np.geomspace(max(0.1 * min(lowest, RESOLVED), 10.0), RESOLVED, 1600)
     for candidate, (colour, dash) in zip(shown, STYLES, strict=False):
         magnitude = np.abs(transmission(study.site.mounting(candidate.stack), frequency))
-        axes.loglog(frequency, magnitude, dash, color=colour, linewidth=1.3, label=candidate.name)
+        axes.loglog(frequency / hertz, magnitude, dash, color=colour, linewidth=1.3, label=candidate.name)
         if np.isfinite(candidate.band.within_10):
             height = np.abs(transmission(study.site.mounting(candidate.stack), candidate.band.within_10))
-            axes.plot([candidate.band.within_10], [float(height)], "o", color=colour, markersize=4)
+            axes.plot([candidate.band.within_10 / hertz], [float(height)], "o", color=colour, markersize=4)
     plain_log_ticks(axes.xaxis)
     axes.axhspan(0.9, 1.1, color="#DDDDDD", label="within 10 %", zorder=0)
     axes.set_ylim(bottom=1e-4)
@@ -146,11 +159,16 @@ def _points(axes: Any, candidates: Sequence[BufferCandidate], label: str, **styl
 
 
 def _places(candidates: Sequence[BufferCandidate]) -> tuple[list[float], list[float]]:
-    """Return bandwidths (at most that which is resolved) and peaks in g."""
+    """Return bandwidths (at most that which is resolved) and peaks, as shown."""
     return (
-        [min(c.band.within_10, RESOLVED) for c in candidates],
-        [c.true_peak / STANDARD_GRAVITY for c in candidates],
+        [min(c.band.within_10, RESOLVED) / axis_unit("Hz", "Hz")[0] for c in candidates],
+        [c.true_peak / _acceleration() for c in candidates],
     )
+
+
+def _acceleration() -> float:
+    """Return the size of the unit in which accelerations are shown, m/s^2."""
+    return axis_unit("m/s^2", "g")[0]
 
 
 def _short(text: str) -> str:

@@ -10,7 +10,7 @@ from strikewave.base.citations import FROM_MEMORY
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import IntegrationError
 from strikewave.base.materials import material
-from strikewave.base.result import Notice
+from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.contact import AnyContact
 from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded
 from strikewave.sensors.channel import channel_notices, sensor_pulse
@@ -41,7 +41,7 @@ def study_notices(study: BufferStudy, skipped: int) -> Iterator[Notice]:
     """Yield what to know of the search, of the first stack, and of its materials."""
     if skipped:
         message = f"{skipped} stacks are left out: too many wavelengths thick, each would take seconds to try"
-        yield Notice("stack-left-out", message, float(skipped), 0.0)
+        yield Notice("stack-left-out", message, float(skipped), 0.0, severity=INFO)
     first, limit = study.candidates[0], study.goal.limit
     if study.broken:
         yield _why_none(study)
@@ -118,7 +118,7 @@ def _why_none(study: BufferStudy) -> Notice:
             f"; the rigid-body pulse itself has {_g(abs(motion.rigid_peak))}, so that a buffer "
             "that keeps the limit no longer reads it"
         )
-    return Notice("limit-not-kept", message + "; try softer or thicker gaskets, or more layers", value, bound, True)
+    return Notice("limit-not-kept", message + "; try softer or thicker gaskets, or more layers", value, bound, FAILED)
 
 
 def _gasket_notices(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:
@@ -148,7 +148,7 @@ def _gasket_notices(study: BufferStudy, first: BufferCandidate) -> Iterator[Noti
     for name in dict.fromkeys(layer.material for layer in first.stack):
         row = material(name)
         if row.status == FROM_MEMORY:
-            yield Notice("material-from-memory", f"{name}: {row.note}", 1.0, 0.0)
+            yield Notice("material-from-memory", f"{name}: {row.note}", 1.0, 0.0, severity=INFO)
 
 
 def _hardened(study: BufferStudy, first: BufferCandidate) -> str:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -18,6 +15,7 @@ from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.base.result import Result, Source
 from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import UNKNOWN
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, sensor_sources
@@ -196,15 +194,11 @@ class BufferStudy(Result):
 
     def _candidate_table(self) -> str:
         """Return all candidates as CSV text, every column with its unit; last, without a place, the present buffer."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
         rows = [_row(place, candidate) for place, candidate in enumerate(self.candidates, 1)]
         rows += [] if self.present is None else [_row(None, self.present)]
-        columns = [key for key in rows[0] if key not in ("gaskets", "stress", "strain")]
-        writer.writerow([f"{key} [{UNITS[key]}]" if key in UNITS else key for key in columns])
-        for row in rows:
-            writer.writerow(["" if row[key] in (None, math.inf) else _cell(row[key]) for key in columns])
-        return text.getvalue()
+        keys = [key for key in rows[0] if key not in ("gaskets", "stress", "strain")]
+        columns = [Column(key, [_cell(row[key]) for row in rows], UNITS.get(key, "")) for key in keys]
+        return csv_table(columns, HISTORY_DIGITS)
 
 
 def _row(place: int | None, candidate: BufferCandidate) -> dict[str, Any]:
@@ -223,8 +217,5 @@ def _row(place: int | None, candidate: BufferCandidate) -> dict[str, Any]:
 
 
 def _cell(value: Any) -> Any:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.9g}"
-    return value
+    """Return a value of the table; yes or no of what is true or not."""
+    return ("yes" if value else "no") if isinstance(value, bool) else value

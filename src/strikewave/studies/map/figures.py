@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.units import in_unit
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
-from strikewave.studies.axes import Axis
 from strikewave.studies.log_ticks import plain_log_ticks
 from strikewave.studies.map.regimes import FAILED, NAMES, PERIOD_1, UNKNOWN
 from strikewave.studies.map.study import MapStudy
@@ -37,23 +36,28 @@ MARK_EDGE = {"markeredgecolor": "white", "markeredgewidth": 1.0}
 
 
 class Colour(NamedTuple):
-    """How a field is shown: label, SI unit, unit, and whether on a logarithmic scale."""
+    """How a field is shown: its name, SI unit, usual unit, and whether on a logarithmic scale."""
 
-    label: str
-    si_unit: str
-    unit: str
+    name: str
+    si: str
+    usual: str
     log: bool = False
+
+    @property
+    def label(self) -> str:
+        """Its name with the unit in which it is shown."""
+        return headed(self.name, self.si, self.usual) if self.si != "1" else f"{self.name} ({self.usual})"
 
 
 COLOURS = {
-    "cv": Colour("coefficient of variation of the peaks, all blows (%)", "", "", True),
-    "cv_later": Colour("coefficient of variation of the peaks, from the second blow (%)", "", "", True),
-    "peak": Colour("mean rigid peak (g)", "m/s^2", "g"),
-    "first_peak": Colour("rigid peak of the first blow (g)", "m/s^2", "g"),
-    "largest_displacement": Colour("largest displacement (mm)", "m", "mm"),
-    "stop_force": Colour("largest force of the stop (kN)", "N", "kN"),
-    "train_time": Colour("from first to last blow (ms)", "s", "ms"),
-    "missed": Colour("missed blows (1)", "", ""),
+    "cv": Colour("coefficient of variation of the peaks, all blows", "1", "%", True),
+    "cv_later": Colour("coefficient of variation of the peaks, from the second blow", "1", "%", True),
+    "peak": Colour("mean rigid peak", "m/s^2", "g"),
+    "first_peak": Colour("rigid peak of the first blow", "m/s^2", "g"),
+    "largest_displacement": Colour("largest displacement", "m", "mm"),
+    "stop_force": Colour("largest force of the stop", "N", "kN"),
+    "train_time": Colour("from first to last blow", "s", "ms"),
+    "missed": Colour("missed blows", "1", "1"),
 }
 """What may be shown in colour."""
 
@@ -79,7 +83,7 @@ def map_figure(study: MapStudy, colour: str = "cv") -> Figure:
     size = (PANEL[0] * panels + MARGIN[0], PANEL[1] + MARGIN[1])
     figure = Figure(figsize=size, layout="constrained")
     every = figure.subplots(1, panels, squeeze=False, sharey=True)[0]
-    values, norm = _shown(study.field(colour), COLOURS[colour], colour)
+    values, norm = _shown(study.field(colour), COLOURS[colour])
     drawn = [_panel(axes, study, k, values[k], norm) for k, axes in enumerate(every)]
     bar = figure.colorbar(drawn[0], ax=list(every), pad=0.02, extend="both" if COLOURS[colour].log else "neither")
     bar.set_label(COLOURS[colour].label)
@@ -91,12 +95,11 @@ def map_figure(study: MapStudy, colour: str = "cv") -> Figure:
     return figure
 
 
-def _shown(values: Array, colour: Colour, name: str) -> tuple[Array, Any]:
+def _shown(values: Array, colour: Colour) -> tuple[Array, Any]:
     """Return values in the unit in which they are shown, and the norm of their colours."""
     from matplotlib.colors import LogNorm, Normalize
 
-    factor = in_unit(1.0, colour.si_unit, colour.unit) if colour.unit else 100.0 if name.startswith("cv") else 1.0
-    shown = factor * values
+    shown = values / axis_unit(colour.si, colour.usual)[0]
     known = shown[np.isfinite(shown)]
     if not known.size:
         return shown, Normalize(0.0, 1.0)
@@ -119,9 +122,9 @@ def _panel(axes: Any, study: MapStudy, k: int, values: Array, norm: Any) -> Any:
     _returns(axes, study, k, x, y)
     _marks(axes, study, k)
     third = study.plan.axes[2] if len(study.plan.axes) > 2 else None
-    title = "" if third is None else f"{_label(third)}: {third.shown(third.values[k]):.4g}"
+    title = "" if third is None else f"{third.label}: {third.shown(third.values[k]):.4g}"
     first = study.plan.axes[1]
-    quiet(axes, title, _label(study.plan.axes[0]), _label(first) if k == 0 else "")
+    quiet(axes, title, study.plan.axes[0].label, first.label if k == 0 else "")
     axes.grid(False)
     return drawn
 
@@ -221,10 +224,3 @@ def _legend(figure: Figure, axes: Any, study: MapStudy) -> None:
         handles.append(Patch(facecolor="none", edgecolor=GREY, label="plain: period-1"))
     columns = 2 if study.plan.shape[0] == 1 else 4
     figure.legend(handles=handles, frameon=False, fontsize=8, loc="outside lower center", ncols=columns)
-
-
-def _label(axis: Axis) -> str:
-    """Return the label of an axis: what of what, and its unit."""
-    table, _, key = axis.path.partition(".")
-    name = f"{key.replace('_', ' ').replace('.', ' ')} of the {table}"
-    return f"{name} ({axis.unit or '1'})"

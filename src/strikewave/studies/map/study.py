@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import hashlib
-import io
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -21,6 +19,7 @@ from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, case_at
 from strikewave.studies.map.cells import (
@@ -265,17 +264,16 @@ class MapStudy(Result):
 
     def _cell_table(self) -> str:
         """Return all cells as CSV text, settings in the units asked for, results in SI; regimes by name."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        axes = self.plan.axes
-        units = [f"{name} [{unit}]" if unit != "1" else name for name, (unit, _) in FIELDS.items()]
-        writer.writerow([f"{axis.path} [{axis.unit or '1'}]" for axis in axes] + units)
-        for place in np.ndindex(*self.plan.shape):
-            cell = self.values[place]
-            at = [f"{axis.shown(v):.9g}" for axis, v in zip(axes, self._values(place), strict=True)]
-            row = [_cell(name, value) for name, value in zip(FIELDS, cell, strict=True)]
-            writer.writerow(at + row)
-        return text.getvalue()
+        places = list(np.ndindex(*self.plan.shape))
+        settings = zip(*(self._values(place) for place in places), strict=True)
+        columns = [
+            Column(axis.path, values, axis.si_unit or "1", axis.unit)
+            for axis, values in zip(self.plan.axes, settings, strict=True)
+        ]
+        for name, (si, _) in FIELDS.items():
+            values = [_named(name, self.values[place][PLACE[name]]) for place in places]
+            columns.append(Column(name, values, "" if name in COUNTED else si))
+        return csv_table(columns, HISTORY_DIGITS)
 
     def _values(self, place: tuple[int, ...]) -> tuple[float, ...]:
         """Return the settings of a cell (panel, row, column)."""
@@ -319,11 +317,15 @@ class MapStudy(Result):
         return self.case if self.setting is None else self.case_of(self.setting.values)
 
 
-def _cell(name: str, value: float) -> str:
-    """Write a value of the table."""
+COUNTED = ("missed", "regime", "period", "reason")
+"""Fields of a cell that are counts or codes: their heads have no unit."""
+
+
+def _named(name: str, value: float) -> str | float:
+    """Return a value of the table; a code by its name."""
     if name in ("regime", "reason") and not math.isnan(value):
         return (NAMES if name == "regime" else REASONS)[int(value)]
-    return "" if math.isnan(value) else f"{value:.9g}"
+    return float(value)
 
 
 def check_plan(plan: MapPlan, workers: int) -> float:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
 from strikewave.studies.scatter.study import ScatterStudy
 from strikewave.uncertainty.shares import Shares
@@ -46,9 +46,10 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
     """Draw the peaks of each blow."""
     from matplotlib.ticker import MaxNLocator
 
-    low, middle, high = study.peaks() / STANDARD_GRAVITY
+    size, _ = axis_unit("m/s^2", "g")
+    low, middle, high = study.peaks() / size
     number = np.arange(1, middle.size + 1)
-    nominal = study.nominal_run.peak / STANDARD_GRAVITY
+    nominal = study.nominal_run.peak / size
     axes.vlines(number, low, high, color=BLUE, alpha=0.35, linewidth=9.0, label="95 % of runs")
     axes.plot(number, middle, "_", color=BLUE, markersize=15, markeredgewidth=2.0, label="median")
     axes.plot(np.arange(1, nominal.size + 1), nominal, "o", color=RED, markersize=4, label="dynamics alone")
@@ -57,7 +58,7 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
     alone = study.nominal_run.variation("peak")
     title = f"Peak of the rigid-body acceleration. CV within a run: {typical.median:.2%}, dynamics alone {alone:.2%}"
     title += f"; {missed} runs with missed blows" if missed else ""
-    quiet(axes, title, "blow", "peak (g)")
+    quiet(axes, title, "blow", headed("peak", "m/s^2", "g"))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.margins(x=0.04, y=0.12)
     axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))

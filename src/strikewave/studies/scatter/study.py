@@ -6,9 +6,7 @@ where the one before has left it.
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -20,9 +18,10 @@ from numpy.typing import NDArray
 
 from strikewave.base.citations import citation
 from strikewave.base.errors import InputError
-from strikewave.base.result import Notice, Result, Source
+from strikewave.base.result import INFO, Notice, Result, Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.records.campaign import Statistic, statistic
+from strikewave.reporting.columns import Column, csv_table
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult
 from strikewave.uncertainty.draws import Tolerance, drawn, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
@@ -229,7 +228,7 @@ class ScatterStudy(Result):
         outside = unfelt(self.case, self.tolerances)
         if outside:
             message = f"no blow depends on {', '.join(outside)}: this tolerance does not enter"
-            notices.append(Notice("tolerance-not-felt", message, float(len(outside)), 0.0))
+            notices.append(Notice("tolerance-not-felt", message, float(len(outside)), 0.0, severity=INFO))
         for shares in self.shares:
             if self.plan.shares == "alone" and math.isfinite(shares.sum_low) and not shares.additive:
                 message = (
@@ -287,20 +286,20 @@ class ScatterStudy(Result):
         return {"runs.csv": self._run_table()}
 
     def _run_table(self) -> str:
-        """Return all runs as CSV text: what was drawn, and what came of it, SI, every column with its unit."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
+        """Return all runs as CSV text: what was drawn, and what came of it, every column with its unit."""
         units = [one.allowed.unit for one in self.tolerances for _ in range(one.count)]
         names = [name for one in self.tolerances for name in one.names]
-        columns = ["run", *(_headed(name, unit) for name, unit in zip(names, units, strict=True)), "blows", *KINDS]
-        columns += [_headed(f"{how} {name}", unit) for name, unit in FIGURE_UNITS.items() for how, _ in COLUMNS]
-        writer.writerow([*columns, "largest displacement [m]", "failure"])
-        for number, (row, run) in enumerate(zip(self.numbers, self.runs, strict=True), 1):
-            counts = [len(run.kinds), *(run.kinds.count(kind) for kind in KINDS)]
-            values = [read(run, name) for name in FIGURE_UNITS for _, read in COLUMNS]
-            cells = [_cell(float(value)) for value in (*values, run.largest_displacement)]
-            writer.writerow([number, *(_cell(float(value)) for value in row), *counts, *cells, run.failure])
-        return text.getvalue()
+        columns = [Column("run", range(1, len(self.runs) + 1))]
+        for name, si, values in zip(names, units, np.transpose(self.numbers), strict=True):
+            columns.append(Column(name, values, si or "1"))
+        columns.append(Column("blows", [len(run.kinds) for run in self.runs]))
+        columns += [Column(kind, [run.kinds.count(kind) for run in self.runs]) for kind in KINDS]
+        for name, si in FIGURE_UNITS.items():
+            for how, read in COLUMNS:
+                results = [float(read(run, name)) for run in self.runs]
+                columns.append(Column(f"{how} {name}", results, "1" if how.startswith("cv ") else si))
+        columns.append(Column("largest displacement", [float(run.largest_displacement) for run in self.runs], "m"))
+        return csv_table([*columns, Column("failure", [run.failure for run in self.runs])])
 
 
 def marked_text(case: Case, plan: ScatterPlan) -> str:
@@ -438,11 +437,3 @@ def _shares(shares: Shares) -> dict[str, Any]:
     rows = [{k: v for k, v in row.items() if v is not None and k != "floor"} for row in rows]
     bounds = {"sum": shares.sum, "sum_low": shares.sum_low, "sum_high": shares.sum_high}
     return {"of": shares.of, "runs_each": shares.runs, **bounds, "rows": rows}
-
-
-def _headed(name: str, unit: str) -> str:
-    return f"{name} [{'1' if unit == '' or name.startswith('cv ') else unit}]"
-
-
-def _cell(value: float) -> str:
-    return "" if math.isnan(value) else repr(value)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
 from strikewave.studies.log_ticks import plain_log_ticks
 from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
@@ -81,7 +82,7 @@ def _scatter(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
     axes.set_yscale("log")
     for axis in (axes.xaxis, axes.yaxis):
         plain_log_ticks(axis)
-    quiet(axes, "What it costs", "largest force of the stop (kN)", "scatter of the peaks, CV (%)")
+    quiet(axes, "What it costs", headed("largest force of the stop", "N", "kN"), "scatter of the peaks, CV (%)")
     if not any(np.isfinite(one.observation.peak.variation) for one in candidates):
         axes.set_ylabel("one blow alone has no scatter")
         axes.set_yticks([], minor=False)
@@ -90,8 +91,9 @@ def _scatter(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
 
 
 def _places(candidates: Sequence[SettingsCandidate]) -> tuple[list[float], list[float]]:
-    """Return forces in kN and scatters in %."""
+    """Return forces as shown and scatters in %."""
+    newton, _ = axis_unit("N", "kN")
     return (
-        [max(one.observation.supply.stop_force, 1.0) / 1e3 for one in candidates],
+        [max(one.observation.supply.stop_force, 1.0) / newton for one in candidates],
         [float(np.fmax(100.0 * one.observation.peak.variation, LEAST)) for one in candidates],
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.cases.case import Case
-from strikewave.reporting.layout import KEY, MORE, Column, keys, numerals, texts
+from strikewave.reporting.layout import KEY, MORE, ScreenColumn, keys, numerals, texts
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
@@ -135,7 +135,7 @@ def settings_words(study: SettingsStudy) -> str:
     )
 
 
-def _columns(varied: str) -> list[Column]:
+def _columns(varied: str) -> list[ScreenColumn]:
     """Return the columns of the table of candidates; see `_cells`."""
     return [
         *numerals("#", priority=KEY),

@@ -29,7 +29,6 @@ from strikewave.analyses.fem.figures.cut import (
 )
 from strikewave.analyses.fem.figures.pictures import frame_window, instant_words
 from strikewave.analyses.fem.sectors import whole_impulse
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.fem.measures import blow_axis, interval_means, mean_acceleration, mean_force, middles
 from strikewave.fem.skin import Skin
 from strikewave.fem.snapshots import Snapshot, SnapshotRecorder
@@ -48,6 +47,7 @@ from strikewave.reporting.animation.page import (
     even_rows,
 )
 from strikewave.reporting.curves import COLOURS, shortened, thin
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import printable, quiet
 
 if TYPE_CHECKING:
@@ -186,16 +186,17 @@ def traces_of(solution: FemSolution) -> list[PanelHistories]:
     between = middles(run.time)
     means = _forces(solution)
     every = bool(means) and all(whole for _, whole in means.values())
+    (newton, force_unit), (size, unit) = axis_unit("N", "kN"), axis_unit("m/s^2", "g")
     forces = {
-        name + ", whole bodies" * (whole and not every): np.linalg.norm(mean, axis=1) / 1e3
+        name + ", whole bodies" * (whole and not every): np.linalg.norm(mean, axis=1) / newton
         for name, (mean, whole) in means.items()
     }
     axis, grouped = blow_axis(run), {part for parts in groups.values() for part in parts}
     bodies = [*groups, *(name for name in run.parts if name not in grouped)]
-    rates = {name: mean_acceleration(run, name) @ axis / STANDARD_GRAVITY for name in bodies}
+    rates = {name: mean_acceleration(run, name) @ axis / size for name in bodies}
     return [
-        PanelHistories("contact force" + ", whole bodies" * every, "kN", _curves(between, forces)),
-        PanelHistories("rigid-body acceleration along the blow", "g", _curves(between, rates)),
+        PanelHistories("contact force" + ", whole bodies" * every, force_unit, _curves(between, forces)),
+        PanelHistories("rigid-body acceleration along the blow", unit, _curves(between, rates)),
     ]
 
 
@@ -352,7 +353,8 @@ def _moving(movie: Movie, title: str) -> tuple[Any, Callable[[int], None]]:
     bar.set_label(f"{movie.shown.words} ({movie.shown.unit})", fontsize=8)
     bar.ax.tick_params(labelsize=7)
     grown = [curve for axes, trace in zip(panels, movie.traces, strict=True) for curve in _history(axes, trace, movie)]
-    panels[-1].set_xlabel("time (µs)", fontsize=8)
+    second, _ = axis_unit("s", "us")
+    panels[-1].set_xlabel(headed("time", "s", "us"), fontsize=8)
 
     def show(k: int) -> None:
         now = float(movie.time[k])
@@ -360,7 +362,7 @@ def _moving(movie: Movie, title: str) -> tuple[Any, Callable[[int], None]]:
         clock.set_text(f"t = {instant_words(now)}")
         for line, time, values in grown:
             past = time <= now
-            line.set_data(time[past] * 1e6, values[past])
+            line.set_data(time[past] / second, values[past])
 
     return figure, show
 
@@ -370,10 +372,11 @@ def _history(axes: Any, trace: PanelHistories, movie: Movie) -> list[tuple[Any, 
     quiet(axes, "", "", "")
     axes.set_title(f"{trace.label} ({trace.unit})", loc="left", fontsize=8)
     axes.tick_params(labelsize=7)
-    axes.set_xlim(0.0, float(movie.time[-1]) * 1e6 or 1.0)
+    second, _ = axis_unit("s", "us")
+    axes.set_xlim(0.0, float(movie.time[-1]) / second or 1.0)
     grown = []
     for (name, (time, values)), colour in zip(trace.curves.items(), COLOURS, strict=False):
-        axes.plot(time * 1e6, values, color="#D0D0D0", linewidth=0.9)
+        axes.plot(time / second, values, color="#D0D0D0", linewidth=0.9)
         (line,) = axes.plot([], [], color=colour, linewidth=1.4, label=name)
         grown.append((line, time, values))
     if grown:

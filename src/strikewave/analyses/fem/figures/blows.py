@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from strikewave.fem.measures import contact_measure, mean_force, middles
 from strikewave.fem.run import FemRun
 from strikewave.reporting.curves import shortened, thin
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, WHOLE, empty_axes, new_figure, quiet
 
 MARGIN = 0.1
@@ -40,15 +41,17 @@ def _draw_forces(axes: Any, runs: Sequence[FemRun]) -> None:
         empty_axes(axes, "", "nothing touched")
         return
     name = max(names, key=lambda each: names[each])
+    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "kN")
     for k, run in enumerate(runs):
-        force = np.linalg.norm(mean_force(run, name), axis=1) / 1e3
+        force = np.linalg.norm(mean_force(run, name), axis=1) / newton
         colour, dash = _look(k, len(runs))
         label = f"blow {run.blow}" if k in (0, 1, len(runs) - 1) or len(runs) <= MOST_LABELS else None
-        axes.plot(*thin(middles(run.time) * 1e6, force), dash, color=colour, linewidth=1.4, label=label)
-    quiet(axes, "Contact force, blow after blow", "time of each blow (µs)", "mean force of intervals (kN)")
+        axes.plot(*thin(middles(run.time) / second, force), dash, color=colour, linewidth=1.4, label=label)
+    since, label = headed("time of each blow", "s", "us"), headed("mean force of intervals", "N", "kN")
+    quiet(axes, "Contact force, blow after blow", since, label)
     axes.set_title(axes.get_title(loc="left") + f": {shortened(name, 34)}", loc="left", fontsize=10, parse_math=False)
     touches = [touch for run in runs if (touch := contact_measure(run, name)) is not None]
-    first, last = min(touch.begin for touch in touches) * 1e6, max(touch.end for touch in touches) * 1e6
+    first, last = min(touch.begin for touch in touches) / second, max(touch.end for touch in touches) / second
     axes.set_xlim(max(0.0, first - MARGIN * (last - first)), last + MARGIN * (last - first))
     axes.set_ylim(bottom=0.0)
     axes.legend(frameon=False, fontsize=8, loc="upper right")

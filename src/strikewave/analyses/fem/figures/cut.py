@@ -23,6 +23,7 @@ from strikewave.analyses.fem.figures.pictures import (
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.skin import Skin
 from strikewave.fem.snapshots import Snapshot
+from strikewave.reporting.numbers import ShownQuantity
 
 Array = NDArray[np.float64]
 Window = tuple[float, float, float, float]
@@ -74,12 +75,11 @@ class Seen(NamedTuple):
     coarse: float = 1.0
 
 
-class CutQuantity(NamedTuple):
-    """What colours say: words, unit, its scale to it, colours, how it comes from a still, (elements,)."""
+@dataclass(frozen=True)
+class CutQuantity(ShownQuantity):
+    """What colours say: words, colours, how it comes from a still, (elements,)."""
 
     words: str
-    unit: str
-    scale: float
     colours: str
     of: Callable[[Skin, Snapshot], Array]
 
@@ -98,12 +98,12 @@ def axial_stress(skin: Skin, still: Snapshot) -> Array:
 
 QUANTITIES: Mapping[str, CutQuantity] = {
     "von_mises": CutQuantity(
-        "von Mises stress", "MPa", 1e6, "viridis", lambda skin, still: von_mises(still.stress.astype(float))
+        "Pa", "MPa", "von Mises stress", "viridis", lambda skin, still: von_mises(still.stress.astype(float))
     ),
     "plastic_strain": CutQuantity(
-        "equivalent plastic strain", "%", 1e-2, "magma_r", lambda skin, still: still.plastic_strain.astype(float)
+        "1", "%", "equivalent plastic strain", "magma_r", lambda skin, still: still.plastic_strain.astype(float)
     ),
-    "axial_stress": CutQuantity("stress along the blow, tension positive", "MPa", 1e6, "RdBu_r", axial_stress),
+    "axial_stress": CutQuantity("Pa", "MPa", "stress along the blow, tension positive", "RdBu_r", axial_stress),
 }
 
 

@@ -10,11 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.fem.measures import ENERGY_LIMIT, blow_axis, contact_measure, mean_acceleration, mean_force, middles
 from strikewave.fem.run import ENERGIES, FemRun
 from strikewave.reporting.curves import COLOURS, DASHES, shortened, thin
-from strikewave.reporting.numbers import energy_unit, time_unit
+from strikewave.reporting.numbers import axis_unit, energy_unit, headed, time_unit, with_unit
 from strikewave.reporting.style import (
     BLUE,
     GREEN,
@@ -116,16 +115,17 @@ def draw_forces(axes: Any, run: FemRun) -> None:
         empty_axes(axes, "Contact force", "nothing touched" if sizes else "no contact is watched")
         return
     impulses = axes.twinx()
+    (newton, _), (newton_second, _) = axis_unit("N", "kN"), axis_unit("N s", "N s")
     for k, name in enumerate(chosen):
         measure = contact_measure(run, name)
         look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "zorder": 4}
         label = shortened(name, 34)
         if measure is not None:
-            label += f": {measure.impulse:.3g} N s"
-            axes.plot(measure.at / scale, measure.peak / 1e3, "o", markersize=4, **look)
+            label += f": {with_unit(measure.impulse, 'N s', 'N s', 3)}"
+            axes.plot(measure.at / scale, measure.peak / newton, "o", markersize=4, **look)
             axes.annotate(
-                f"{measure.peak / 1e3:.4g} kN",
-                (measure.at / scale, measure.peak / 1e3),
+                with_unit(measure.peak, "N", "kN"),
+                (measure.at / scale, measure.peak / newton),
                 xytext=(5, 3),
                 textcoords="offset points",
                 fontsize=8,
@@ -133,17 +133,17 @@ def draw_forces(axes: Any, run: FemRun) -> None:
         _line(
             axes,
             middles(run.time) / scale,
-            sizes[name] / 1e3,
+            sizes[name] / newton,
             DASHES[k % len(DASHES)],
             label=label,
             linewidth=1.4,
             **look,
         )
-        impulse = np.linalg.norm(run.impulse[name], axis=1)
+        impulse = np.linalg.norm(run.impulse[name], axis=1) / newton_second
         _line(impulses, run.time / scale, impulse, ":", color=look["color"], linewidth=1.0)
-    quiet(axes, "Contact force", f"time ({unit})", f"force, mean of {_interval_words(run)} (kN)")
+    quiet(axes, "Contact force", f"time ({unit})", headed(f"force, mean of {_interval_words(run)}", "N", "kN"))
     axes.set_ylim(0.0, (1.0 + PEAK_LABEL) * axes.get_ylim()[1])
-    impulses.set_ylabel("impulse, dotted (N s)")
+    impulses.set_ylabel(headed("impulse, dotted", "N s", "N s"))
     impulses.set_ylim(bottom=0.0)
     impulses.spines["top"].set_visible(False)
     _legend(axes, len(chosen), len(sizes))
@@ -191,30 +191,35 @@ def _draw_balance(figure: Figure, grid: Any, run: FemRun) -> None:
 
 
 def draw_accelerations(axes: Any, run: FemRun) -> None:
-    """Draw the rigid-body acceleration of each part and group along the axis of the blow, means of intervals, g.
+    """Draw the rigid-body acceleration of each part and group along the axis of the blow, means of intervals.
 
     Groups lie on top and set the scale: what reaches `CUT_OFF` times as far is cut off, and named with its reach.
     """
     axis = blow_axis(run)
-    curves = {name: mean_acceleration(run, name) @ axis / STANDARD_GRAVITY for name in (*run.groups, *run.parts)}
-    label = f"along {_axis_words(axis)}, mean of {_interval_words(run)} (g)"
+    size, _ = axis_unit("m/s^2", "g")
+    curves = {name: mean_acceleration(run, name) @ axis / size for name in (*run.groups, *run.parts)}
+    label = headed(f"along {_axis_words(axis)}, mean of {_interval_words(run)}", "m/s^2", "g")
     _draw_curves(axes, run, curves, ("Rigid-body acceleration", label), middles(run.time), tuple(run.groups))
 
 
 def draw_sections(axes: Any, run: FemRun) -> None:
-    """Draw the mean stress of each section along the axis of the blow, MPa, tension positive."""
+    """Draw the mean stress of each section along the axis of the blow, tension positive."""
     axis = blow_axis(run)
     x, y, z = axis
     weights = np.array([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * z * x])
-    curves = {name: section.stress @ weights / 1e6 for name, section in run.sections.items()}
-    _draw_curves(axes, run, curves, ("Mean stress of sections", f"stress along {_axis_words(axis)} (MPa)"))
+    size, _ = axis_unit("Pa", "MPa")
+    curves = {name: section.stress @ weights / size for name, section in run.sections.items()}
+    label = headed(f"stress along {_axis_words(axis)}", "Pa", "MPa")
+    _draw_curves(axes, run, curves, ("Mean stress of sections", label))
 
 
 def draw_points(axes: Any, run: FemRun) -> None:
-    """Draw the velocity of each watched point along the axis of the blow, m/s."""
+    """Draw the velocity of each watched point along the axis of the blow."""
     axis = blow_axis(run)
-    curves = {name: point.velocity @ axis for name, point in run.points.items()}
-    _draw_curves(axes, run, curves, ("Velocity of points", f"velocity along {_axis_words(axis)} (m/s)"))
+    size, _ = axis_unit("m/s", "m/s")
+    curves = {name: point.velocity @ axis / size for name, point in run.points.items()}
+    label = headed(f"velocity along {_axis_words(axis)}", "m/s", "m/s")
+    _draw_curves(axes, run, curves, ("Velocity of points", label))
 
 
 def _draw_curves(
@@ -305,7 +310,7 @@ def _legend(axes: Any, shown: int, of: int, source: Any = None) -> None:
 
 def _interval_words(run: FemRun) -> str:
     """Return the interval of the histories with its unit."""
-    return f"{(run.time[-1] - run.time[0]) / max(run.time.size - 1, 1) * 1e6:.3g} µs"
+    return with_unit((run.time[-1] - run.time[0]) / max(run.time.size - 1, 1), "s", "us", 3)
 
 
 def _axis_words(axis: Array) -> str:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -29,7 +29,7 @@ from strikewave.fem.model import Model, SurfaceContact, Symmetry
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.skin import blow_axis, blow_contact, meeting_place, outward
 from strikewave.reporting.curves import shortened
-from strikewave.reporting.numbers import time_unit
+from strikewave.reporting.numbers import ShownQuantity, axis_unit, time_unit
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
 
 Array = NDArray[np.float64]
@@ -54,23 +54,22 @@ PART_COLOURS = (BLUE, ORANGE, GREEN, RED, "#CC79A7", "#56B4E9", GREY, "#F0E442")
 """Of parts in their order: the eight colours of Okabe and Ito, with grey for black, which would hide mesh lines."""
 
 
-class PicturedField(NamedTuple):
-    """A field that can be shown: its words, its unit, the scale to it, how it comes from a frame by element."""
+@dataclass(frozen=True)
+class PicturedField(ShownQuantity):
+    """A field that can be shown: its words, how it comes from a frame by element."""
 
     words: str
-    unit: str
-    scale: float
     of: Callable[[FieldFrame, Mesh], Array]
 
 
 QUANTITIES: Mapping[str, PicturedField] = {
-    "von_mises": PicturedField("von Mises stress", "MPa", 1e6, lambda frame, mesh: von_mises(frame.stress)),
-    "pressure": PicturedField("pressure", "MPa", 1e6, lambda frame, mesh: pressure(frame.stress)),
-    "plastic_strain": PicturedField("equivalent plastic strain", "%", 1e-2, lambda frame, mesh: frame.plastic_strain),
+    "von_mises": PicturedField("Pa", "MPa", "von Mises stress", lambda frame, mesh: von_mises(frame.stress)),
+    "pressure": PicturedField("Pa", "MPa", "pressure", lambda frame, mesh: pressure(frame.stress)),
+    "plastic_strain": PicturedField("1", "%", "equivalent plastic strain", lambda frame, mesh: frame.plastic_strain),
     "speed": PicturedField(
-        "speed",
         "m/s",
-        1.0,
+        "m/s",
+        "speed",
         lambda frame, mesh: np.linalg.norm(frame.velocity, axis=1)[mesh.hexahedra].mean(axis=1),
     ),
 }
@@ -453,15 +452,17 @@ def frame_window(axes: Any, window: tuple[float, float, float, float], bar: bool
     axes.spines[:].set_visible(False)
     if not bar:
         return
-    wanted = 0.25 * (right - left)
+    size, unit = axis_unit("m", "mm")
+    wanted = 0.25 * (right - left) * 1e-3 / size
     power = 10.0 ** np.floor(np.log10(wanted))
-    length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted)
+    round_length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted)
+    length = round_length * size * 1e3
     begin, below = left + 0.03 * (right - left), low + 0.06 * max(right - left, high - low)
     halo = [withStroke(linewidth=3.5, foreground="white")]
     (line,) = axes.plot([begin, begin + length], [below, below], color="#1a1f24", linewidth=2.0, solid_capstyle="butt")
     line.set_path_effects(halo)
     label = axes.annotate(
-        f"{length:g} mm",
+        f"{round_length:g} {unit}",
         (begin + 0.5 * length, below),
         (0, -3),
         textcoords="offset points",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.fem.figures.histories import TINY
 from strikewave.reporting.curves import COLOURS, shortened, thin
-from strikewave.reporting.numbers import energy_unit, time_unit
+from strikewave.reporting.numbers import axis_unit, energy_unit, headed, time_unit
 from strikewave.reporting.style import (
     BLUE,
     GREEN,
@@ -78,13 +78,14 @@ def energy_figure(comparison: RunComparison) -> Figure:
 def draw_force(axes: Any, pair: ForcePair) -> None:
     """Draw the size of a contact force of both about its pulse, and the peaks."""
     pulses = [pulse for pulse in (pair.strikewave, pair.ls_dyna) if pulse]
+    newton, _ = axis_unit("N", "kN")
     scale, unit = time_unit(max((pulse.end for pulse in pulses), default=float(pair.curves[0].time[-1])))
     looks = (("strikewave", OURS, "-"), (f"LS-DYNA, contact {pair.contact.number} side {pair.side}", THEIRS, "--"))
     for (label, colour, dash), curve, pulse in zip(looks, pair.curves, (pair.strikewave, pair.ls_dyna), strict=True):
-        axes.plot(*thin(curve.time / scale, curve.size / 1e3), dash, color=colour, linewidth=1.5, label=label)
+        axes.plot(*thin(curve.time / scale, curve.size / newton), dash, color=colour, linewidth=1.5, label=label)
         if pulse:
-            axes.plot(pulse.at / scale, pulse.peak / 1e3, "o", markersize=4, color=colour)
-    quiet(axes, f"Contact force: {shortened(pair.name, 60)}", f"time ({unit})", "force (kN)")
+            axes.plot(pulse.at / scale, pulse.peak / newton, "o", markersize=4, color=colour)
+    quiet(axes, f"Contact force: {shortened(pair.name, 60)}", f"time ({unit})", headed("force", "N", "kN"))
     if pulses:
         begin, end = min(pulse.begin for pulse in pulses), max(pulse.end for pulse in pulses)
         first = min(float(curve.time[0]) for curve in pair.curves)
@@ -99,11 +100,12 @@ def draw_contacts(axes: Any, contacts: tuple[LsDynaContact, ...]) -> None:
         empty_axes(axes, "Contact force", "no rcforc or binout is there")
         return
     ranked = sorted(contacts, key=lambda contact: -float(contact.first.size.max(initial=0.0)))[: len(CONTACT_COLOURS)]
+    newton, _ = axis_unit("N", "kN")
     scale, unit = time_unit(max(float(contact.first.time[-1]) for contact in ranked))
     for contact, colour in zip(ranked, CONTACT_COLOURS, strict=False):
         force = contact.first
-        axes.plot(*thin(force.time / scale, force.size / 1e3), color=colour, label=shortened(contact.name, 40))
-    quiet(axes, "Contact force of LS-DYNA", f"time ({unit})", "force (kN)")
+        axes.plot(*thin(force.time / scale, force.size / newton), color=colour, label=shortened(contact.name, 40))
+    quiet(axes, "Contact force of LS-DYNA", f"time ({unit})", headed("force", "N", "kN"))
     axes.set_ylim(bottom=0.0)
     _legend(
         axes, f"{len(ranked)} of {len(contacts)}: those that reach farthest" if len(contacts) > len(ranked) else None

@@ -37,9 +37,9 @@ def ls_dyna_report(result: LsDynaResult) -> str:
     """Return the report as one HTML page: no script, nothing fetched."""
     comparison = result.found
     theirs, ours = comparison.ls_dyna, comparison.strikewave
-    sections = [_read(theirs), _forces(comparison), _energies(comparison)]
+    sections = [_forces(comparison), _energies(comparison)]
     sections += [_fields(comparison)] if theirs.fields or (ours and ours.extremes) else []
-    sections.append(chapters.warnings(result.notices))
+    sections += [chapters.warnings(result.notices), _read(theirs)]
     summary = chapters.Summary("Report of a run of LS-DYNA", ls_dyna_words(comparison), _key_numbers(comparison))
     return chapters.result_page(result, summary, sections)
 
@@ -115,12 +115,13 @@ def _forces(comparison: RunComparison) -> Section:
     parts: list[Part] = []
     for pair in comparison.forces:
         caption = f"Magnitude of the contact force {pair.name}: strikewave solid, LS-DYNA dashed."
-        parts += [pair_table(pair), Picture(ls_dyna.force_figure(pair), caption)]
-    parts.append(contact_table(comparison.ls_dyna.contacts))
+        parts.append(Picture(ls_dyna.force_figure(pair), caption))
     if not comparison.forces and comparison.ls_dyna.contacts:
         parts.append(
             Picture(ls_dyna.contact_figure(comparison.ls_dyna.contacts), "Magnitudes of the contact forces of LS-DYNA.")
         )
+    parts += [pair_table(pair) for pair in comparison.forces]
+    parts.append(contact_table(comparison.ls_dyna.contacts))
     return Section("Contact forces", _DIFFERENCES if comparison.forces else "", parts)
 
 
@@ -167,7 +168,7 @@ def _energies(comparison: RunComparison) -> Section:
     from strikewave.analyses.fem.ls_dyna import figures as ls_dyna
 
     picture = Picture(ls_dyna.energy_figure(comparison), "Energies: strikewave solid, LS-DYNA dashed.")
-    return Section("Energies", _ENERGIES, [energy_table(comparison), picture])
+    return Section("Energies", _ENERGIES, [picture, energy_table(comparison)])
 
 
 def energy_table(comparison: RunComparison) -> Table:

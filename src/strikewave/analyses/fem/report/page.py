@@ -90,15 +90,17 @@ def fem_report(solution: FemSolution) -> str:
     """
     sectors, wholes = solution.sectors, solution.wholes
     bodies = blow_of_bodies(solution.model, solution.run, sectors)
+    tables = [_contact_table(solution.run, wholes), _part_table(solution.run, sectors)]
     sections = [
-        _result(solution.run, sectors, wholes),
-        _what_ran(solution.model, solution.run),
+        _histories(solution.run, wholes),
         fields_section(solution),
-        _balances(solution.run),
+        Section("Contacts and parts", f"{_CONTACT} {_PARTS}", tables),
         *([blows_section(solution)] if solution.later else []),
-        *([chapters.published(solution.comparisons)] if solution.comparisons else []),
-        chapters.inputs(solution.case, unused="solver"),
+        _balances(solution.run),
+        *chapters.published(solution.comparisons),
         chapters.warnings(solution.notices),
+        _what_ran(solution.model, solution.run),
+        chapters.inputs(solution.case, unused="solver"),
     ]
     summary = chapters.Summary(
         kicker="Report of an explicit finite-element run",
@@ -113,7 +115,7 @@ def _status(solution: FemSolution) -> Tag:
     failed = _failed(solution)
     if solution.run.stopped:
         return Tag("stopped early" + (f"; {chapters.failed_checks(failed).text}" if failed else ""), "bad")
-    return chapters.failed_checks(failed) if failed else chapters.passed_checks(len(solution.notices))
+    return chapters.failed_checks(failed) if failed else chapters.status(solution.notices)
 
 
 def _failed(solution: FemSolution) -> list[str]:
@@ -211,8 +213,9 @@ def _share(value: float) -> str:
     return f"{100.0 * value:+.3g} %" if math.isfinite(value) else "no bound"
 
 
-def _result(run: FemRun, sectors: dict[str, Sector], wholes: dict[str, WholeForce | None]) -> Section:
-    parts: list[Part] = [_contact_table(run, wholes), _part_table(run, sectors)]
+def _histories(run: FemRun, wholes: dict[str, WholeForce | None]) -> Section:
+    """Draw forces, accelerations, energies, and what sections and watched points saw."""
+    parts: list[Part] = []
     if run.force:
         caption = "Magnitude of the contact force, mean of each interval, with its peak; dotted: its impulse."
         parts.append(Picture(histories.force_figure(run), caption + (_OF_SECTORS if any(wholes.values()) else "")))
@@ -230,7 +233,7 @@ def _result(run: FemRun, sectors: dict[str, Sector], wholes: dict[str, WholeForc
         )
     if run.points:
         parts.append(Picture(histories.point_figure(run), "Velocity of the watched points along the blow."))
-    return Section("Result", f"{_CONTACT} {_PARTS}", parts)
+    return Section("Histories", "", parts)
 
 
 def _contact_table(run: FemRun, wholes: dict[str, WholeForce | None]) -> Table:

@@ -26,6 +26,7 @@ from strikewave.contact.law import indentation_under
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.contact.stiffness import ElasticBody
 from strikewave.reporting.curves import COLOURS, DASHES
+from strikewave.reporting.numbers import axis_unit, headed, with_unit
 from strikewave.reporting.style import BLUE, GREEN, ORANGE, RED, quiet, sheet_title
 
 if TYPE_CHECKING:
@@ -107,13 +108,15 @@ def _curves(axes: Any, blows: Sequence[PlottedBlow], of: Callable[[PlottedBlow],
 
 
 def _draw_forces(axes: Any, blows: Sequence[PlottedBlow]) -> None:
-    _curves(axes, blows, lambda blow: (blow.history.time * 1e6, blow.history.force / 1e3))
-    quiet(axes, "Force", "time after first touch (µs)", "force (kN)")
+    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "kN")
+    _curves(axes, blows, lambda blow: (blow.history.time / second, blow.history.force / newton))
+    quiet(axes, "Force", headed("time after first touch", "s", "us"), headed("force", "N", "kN"))
 
 
 def _draw_loops(axes: Any, blows: Sequence[PlottedBlow]) -> None:
-    _curves(axes, blows, lambda blow: (blow.history.indentation * 1e6, blow.history.force / 1e3))
-    quiet(axes, "Force over indentation", "indentation (µm)", "force (kN)")
+    (metre, _), (newton, _) = axis_unit("m", "um"), axis_unit("N", "kN")
+    _curves(axes, blows, lambda blow: (blow.history.indentation / metre, blow.history.force / newton))
+    quiet(axes, "Force over indentation", headed("indentation", "m", "um"), headed("force", "N", "kN"))
     axes.margins(x=0.03)
 
 
@@ -195,12 +198,13 @@ def stiffness_over_load(one: ElasticBody, other: ElasticBody, geometry: Geometry
     curves.sort(key=lambda pair: -float(np.nan_to_num(pair[1][-1])))
     figure, (above, below) = _two_panels((1.2, 1.0))
     reference = next((pair for pair in curves if pair[0].name == "johnson"), curves[0])
+    (newton, _), (metre, _) = axis_unit("N", "kN"), axis_unit("m", "um")
     for k, (law, depth) in enumerate(curves):
         style = _style(k, law, force.size)
-        above.loglog(force / 1e3, depth * 1e6, label=_named(law), **style)
-        below.semilogx(force / 1e3, 100.0 * (depth / reference[1] - 1.0), **style)
-    quiet(above, f"Indentation by the stiffness laws: {_sizes(geometry)}", "", "indentation (µm)")
-    quiet(below, BELOW, "load (kN)", f"difference from {reference[0].name} (%)")
+        above.loglog(force / newton, depth / metre, label=_named(law), **style)
+        below.semilogx(force / newton, 100.0 * (depth / reference[1] - 1.0), **style)
+    quiet(above, f"Indentation by the stiffness laws: {_sizes(geometry)}", "", headed("indentation", "m", "um"))
+    quiet(below, BELOW, headed("load", "N", "kN"), f"difference from {reference[0].name} (%)")
     for axis in (below.xaxis, above.yaxis):
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     _symmetric_log(below)
@@ -213,7 +217,9 @@ def _sizes(geometry: Geometry) -> str:
     named = {"R1": geometry.radius1, "R2": geometry.radius2, "length": geometry.length}
     named["datum depth"] = geometry.datum_depth
     return ", ".join(
-        f"{name} {size * 1e3:g} mm".replace("inf mm", "plane") for name, size in named.items() if size is not None
+        f"{name} {'plane' if np.isinf(size) else with_unit(size, 'm', 'mm', 6)}"
+        for name, size in named.items()
+        if size is not None
     )
 
 

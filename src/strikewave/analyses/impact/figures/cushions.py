@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from strikewave.analyses.impact.figures.contact import MANY_COLOURS
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.contact import impact_history, slow_force, solve_impact
 from strikewave.contact.cushions import Cushion, Pad
 from strikewave.contact.law import AnyContact, HardeningContact
+from strikewave.reporting.numbers import axis_unit, headed, with_unit
 from strikewave.reporting.style import WHOLE, legend_below, quiet
 
 if TYPE_CHECKING:
@@ -55,6 +55,8 @@ def cushion_curves() -> Figure:
 
     figure = Figure(figsize=WHOLE, layout="constrained")
     left, right = figure.subplots(1, 2)
+    (metre, _), (newton, _) = axis_unit("m", "mm"), axis_unit("N", "kN")
+    (second, _), (size, _) = axis_unit("s", "ms"), axis_unit("m/s^2", "g")
     for law in _drawn():
         blow = solve_impact(law.contact, SHOWN_MASS, math.inf, SHOWN_SPEED)
         deepest = float(blow.max_indentation)
@@ -62,16 +64,17 @@ def cushion_curves() -> Figure:
         if isinstance(law.contact, HardeningContact):
             end = min(end, float(law.contact.end_depth))
         d = np.linspace(0.0, end, _POINTS)
-        left.plot(d * 1e3, slow_force(law.contact, d) / 1e3, label=law.name, **law.style)
+        left.plot(d / metre, slow_force(law.contact, d) / newton, label=law.name, **law.style)
         if law.contact.cap is not None:
             back = np.linspace(float(blow.residual_indentation), deepest, 2)
-            left.plot(back * 1e3, slow_force(law.contact, back, deepest) / 1e3, **{**law.style, "linewidth": 0.8})
+            left.plot(back / metre, slow_force(law.contact, back, deepest) / newton, **{**law.style, "linewidth": 0.8})
         history = impact_history(blow)
-        right.plot(history.time * 1e3, history.force / (SHOWN_MASS * STANDARD_GRAVITY), **law.style)
-    area, thick = SHOWN_PAD.area * 1e4, SHOWN_PAD.thickness * 1e3
-    quiet(left, f"Pads of {area:.0f} cm² and {thick:.0f} mm", "compression (mm)", "force (kN)")
-    quiet(right, f"{SHOWN_MASS:.0f} kg at {SHOWN_SPEED:.0f} m/s on them", "time (ms)", "acceleration (g)")
-    left.set_ylim(0.0, 2.0)
+        right.plot(history.time / second, history.force / (SHOWN_MASS * size), **law.style)
+    sizes = f"{with_unit(SHOWN_PAD.area, 'm^2', 'cm^2')} and {with_unit(SHOWN_PAD.thickness, 'm', 'mm')}"
+    quiet(left, f"Pads of {sizes}", headed("compression", "m", "mm"), headed("force", "N", "kN"))
+    struck = f"{with_unit(SHOWN_MASS, 'kg', 'kg')} at {with_unit(SHOWN_SPEED, 'm/s', 'm/s')}"
+    quiet(right, f"{struck} on them", headed("time", "s", "ms"), headed("acceleration", "m/s^2", "g"))
+    left.set_ylim(0.0, 2e3 / newton)
     right.set_ylim(bottom=0.0)
     right.margins(x=0.03)
     right.set_xlim(left=0.0)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.contact.identification import Identified
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, legend_below, new_figure, quiet
 
 if TYPE_CHECKING:
@@ -39,31 +40,37 @@ def identified_figure(found: Identified) -> Figure:
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3.0, 1.2))
     _draw_force(above, found)
     _draw_residual(below, found)
-    below.set_xlim(*(1e6 * (found.time[[0, -1]] - found.pulse.begin)))
+    below.set_xlim(*((found.time[[0, -1]] - found.pulse.begin) / axis_unit("s", "us")[0]))
     return legend_below(figure)
 
 
 def _draw_force(axes: Any, found: Identified) -> None:
     pulse = found.pulse
+    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "N")
     line = np.linspace(found.time[0], found.time[-1], POINTS)
-    axes.plot(1e6 * (line - pulse.begin), pulse.force(line), color=ORANGE, linewidth=2.0, label="fitted")
+    axes.plot((line - pulse.begin) / second, pulse.force(line) / newton, color=ORANGE, linewidth=2.0, label="fitted")
     axes.plot(
-        1e6 * (found.time - pulse.begin), found.measured, "o", color=BLUE, markersize=2.6, label="measured", zorder=3
+        (found.time - pulse.begin) / second,
+        found.measured / newton,
+        "o",
+        color=BLUE,
+        markersize=2.6,
+        label="measured",
+        zorder=3,
     )
-    contact = (0.0, 1e6 * pulse.duration)
+    contact = (0.0, pulse.duration / second)
     axes.axvline(contact[0], color=GREY, linestyle=":", linewidth=1.1, label="first touch and release")
     axes.axvline(contact[1], color=GREY, linestyle=":", linewidth=1.1)
     title = f"n = {pulse.exponent:.3g}, e = {pulse.restitution:.3g}, misfit {found.residual:.2%} of the peak"
-    quiet(axes, title, "", "force (N)")
+    quiet(axes, title, "", headed("force", "N", "N"))
     axes.margins(y=0.08)
 
 
 def _draw_residual(axes: Any, found: Identified) -> None:
-    time = 1e6 * (found.time - found.pulse.begin)
-    axes.axhspan(
-        -found.noise, found.noise, color=GREY, alpha=0.18, linewidth=0.0, label="± one standard deviation of a sample"
-    )
+    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "N")
+    time, noise = (found.time - found.pulse.begin) / second, found.noise / newton
+    axes.axhspan(-noise, noise, color=GREY, alpha=0.18, linewidth=0.0, label="± one standard deviation of a sample")
     axes.axhline(0.0, color=ORANGE, linewidth=1.2)
-    axes.plot(time, found.measured - found.fitted, "o-", color=BLUE, markersize=2.2, linewidth=0.6)
-    quiet(axes, "", "time after first touch (µs)", "residual (N)")
+    axes.plot(time, (found.measured - found.fitted) / newton, "o-", color=BLUE, markersize=2.2, linewidth=0.6)
+    quiet(axes, "", headed("time after first touch", "s", "us"), headed("residual", "N", "N"))
     axes.margins(y=0.12)

@@ -40,6 +40,7 @@ from strikewave.reporting.animation.page import (
     Shape,
     animation_page,
 )
+from strikewave.reporting.numbers import ShownQuantity, axis_unit, decimals_in, fixed, headed
 from strikewave.reporting.style import BLUE, GREY, RED, printable, quiet
 
 if TYPE_CHECKING:
@@ -90,6 +91,7 @@ def machine_page(solution: Solution) -> str | None:
 def machine_animation(motion: MachineMotion) -> Animation:
     """Return turntable, object and feed in motion, whole and close up, above the histories of the run or of a blow."""
     outline, near = motion.made, motion.near
+    (second, milli), (metre, place) = axis_unit("s", "ms"), axis_unit("m", "mm")
     views = [PlayedSpan("whole", "whole run", motion.time[[0, -1]])]
     views += [
         PlayedSpan(str(k), f"blow {one.blow.index} ({one.blow.kind})", np.array([one.begin, one.end]))
@@ -99,7 +101,7 @@ def machine_animation(motion: MachineMotion) -> Animation:
         kicker="The machine in motion",
         note=NOTE,
         gif="machine.gif",
-        clock=Clock("ms", 1e-3, 3),
+        clock=Clock(milli, second, decimals_in("s", "ms", 3)),
         views=views,
         canvases=[
             Scene(
@@ -124,8 +126,8 @@ def machine_animation(motion: MachineMotion) -> Animation:
         tracks={name: getattr(motion, name) for name in ("time", "angle", "speed", NOSE, ASSEMBLY, CARRIAGE)},
         shapes=_shapes(outline),
         readouts=[
-            Readout("face", "mm behind its place at rest", NOSE, 1e-3, 2, motion.rest),
-            Readout("carriage", "mm back", CARRIAGE, 1e-3, 2),
+            Readout("face", f"{place} behind its place at rest", NOSE, metre, decimals_in("m", "mm", 2), motion.rest),
+            Readout("carriage", f"{place} back", CARRIAGE, metre, decimals_in("m", "mm", 2)),
         ],
         events=[
             Event(blow.time, f"blow {blow.index} ({blow.kind})", "its pass" if blow.kind == "missed" else "first touch")
@@ -140,16 +142,24 @@ def _panels(motion: MachineMotion) -> list[Panel]:
     near = motion.near
     forces = [_history(motion.force), *(_history(one.force, one.begin) for one in near)]
     accelerations = [_history(motion.acceleration), *(_history(one.acceleration, one.begin) for one in near)]
+    (newton, force_unit), (size, unit) = axis_unit("N", "kN"), axis_unit("m/s^2", "g")
     least = LEAST_SPEED_SPAN * float(np.abs(motion.speed).max())
     return [
-        Panel("contact force", "kN", [PlayedCurve("", BLUE, forces)], 1e3, least=1.0, decimals=3),
+        Panel(
+            "contact force",
+            force_unit,
+            [PlayedCurve("", BLUE, forces)],
+            newton,
+            least=1e3 / newton,
+            decimals=decimals_in("N", "kN", 3),
+        ),
         Panel(
             "rigid-body acceleration",
-            "g",
+            unit,
             [PlayedCurve("", RED, accelerations)],
-            STANDARD_GRAVITY,
-            least=1.0,
-            decimals=1,
+            size,
+            least=STANDARD_GRAVITY / size,
+            decimals=decimals_in("m/s^2", "g", 1),
         ),
         Panel(
             "turntable speed",
@@ -273,7 +283,7 @@ def _moving(motion: MachineMotion, title: str) -> tuple[Figure, Callable[[float,
         if before != [slow]:
             before[:], cursors[:] = [slow], _draw_histories(panels, motion, struck if slow else None)
         for cursor in cursors:
-            cursor.set_xdata([time * 1e3] * 2)
+            cursor.set_xdata([time / axis_unit("s", "ms")[0]] * 2)
         clock.set_text(frame_words(motion, time, slowed))
 
     return figure, show
@@ -285,15 +295,19 @@ def _draw_histories(panels: Any, motion: MachineMotion, near: NearBlow | None) -
     shown = (0.0, float(motion.time[-1]))
     if near is not None:
         shown = (near.blow.time - SLOW[0], near.blow.time + SLOW[1])
-    looks = (("contact force (kN)", 1e3, BLUE), ("rigid-body acceleration (g)", STANDARD_GRAVITY, RED))
+    second, _ = axis_unit("s", "ms")
+    looks = (
+        ("contact force", ShownQuantity("N", "kN"), BLUE),
+        ("rigid-body acceleration", ShownQuantity("m/s^2", "g"), RED),
+    )
     cursors = []
-    for axes, trace, (label, unit, colour) in zip(panels, traces, looks, strict=True):
+    for axes, trace, (label, kind, colour) in zip(panels, traces, looks, strict=True):
         axes.clear()
-        axes.plot(trace.time * 1e3, trace.values / unit, color=colour, linewidth=0.9)
-        cursors.append(axes.axvline(shown[0] * 1e3, color="#1a1f24", linewidth=1.0))
-        quiet(axes, "", "time after the valve signal (ms)" if axes is panels[-1] else "", "")
-        axes.set_title(label, fontsize=8, loc="left", pad=2)
-        axes.set_xlim(shown[0] * 1e3, shown[1] * 1e3)
+        axes.plot(trace.time / second, trace.values / kind.scale, color=colour, linewidth=0.9)
+        cursors.append(axes.axvline(shown[0] / second, color="#1a1f24", linewidth=1.0))
+        quiet(axes, "", headed("time after the valve signal", "s", "ms") if axes is panels[-1] else "", "")
+        axes.set_title(headed(label, kind.si, kind.usual), fontsize=8, loc="left", pad=2)
+        axes.set_xlim(shown[0] / second, shown[1] / second)
         axes.tick_params(labelsize=7, labelbottom=axes is panels[-1])
         axes.xaxis.label.set_size(8)
     return cursors
@@ -307,8 +321,10 @@ def frame_words(motion: MachineMotion, time: float, slowed: float) -> str:
     done = [blow for blow in motion.blows if blow.time <= time]
     blow = f"blow {done[-1].index}" if done else "no blow yet"
     turns = in_unit(float(np.interp(time, motion.time, motion.speed)), "rad/s", "rpm")
-    displacement = (float(np.interp(time, motion.time, motion.nose)) - motion.rest) * 1e3
+    (_, second), (_, metre) = axis_unit("s", "ms"), axis_unit("m", "mm")
+    face = fixed(float(np.interp(time, motion.time, motion.nose)) - motion.rest, "m", "mm", 2)
+    face = face if face.startswith("-") else f"+{face}"
     return (
-        f"t = {time * 1e3:8.3f} ms  {blow:<11} {turns:6.1f} r/min  face {displacement:+6.2f} mm from rest  "
-        f"slowed {slowed:,.0f} times"
+        f"t = {fixed(time, 's', 'ms', 3):>8} {second}  {blow:<11} {turns:6.1f} r/min  "
+        f"face {face:>6} {metre} from rest  slowed {slowed:,.0f} times"
     )

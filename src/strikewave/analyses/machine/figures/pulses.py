@@ -7,9 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.figures.summary import KIND_COLOURS, MOST_LABELS, published_marks, time_words
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.analyses.machine.figures.summary import (
+    KIND_COLOURS,
+    MOST_LABELS,
+    published_marks,
+    since_touch,
+    time_words,
+)
 from strikewave.reporting.curves import MOST_PULSES, thin
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, HALF, WHOLE, quiet
 
 if TYPE_CHECKING:
@@ -32,8 +38,9 @@ def contact_force(solution: Solution, row: int = 0) -> Figure:
     """
     figure, axes = _sheet(HALF)
     time, force = _window(solution, row, "pulse_force", solution.blows[row].width)
-    axes.plot(time, force / 1e3, color=BLUE, linewidth=1.4)
-    quiet(axes, f"Contact force, blow {solution.blows[row].index}", "time after first touch (µs)", "force (kN)")
+    size, _ = axis_unit("N", "kN")
+    axes.plot(time, force / size, color=BLUE, linewidth=1.4)
+    quiet(axes, f"Contact force, blow {solution.blows[row].index}", since_touch(), headed("force", "N", "kN"))
     return figure
 
 
@@ -42,12 +49,13 @@ def rigid_acceleration(solution: Solution, row: int = 0) -> Figure:
     figure, axes = _sheet(HALF)
     blow = solution.blows[row]
     time, values = _window(solution, row, "pulse_acceleration", blow.width)
-    acceleration = values / STANDARD_GRAVITY
+    size, _ = axis_unit("m/s^2", "g")
+    acceleration = values / size
     axes.plot(time, acceleration, color=BLUE, linewidth=1.4, label="computed")
     if row == _first_struck(solution) and not solution.case.changed_fields():
         published_marks(solution, axes, time, acceleration)
     title = f"Rigid-body acceleration, blow {blow.index}"
-    quiet(axes, title, "time after first touch (µs)", "acceleration (g)")
+    quiet(axes, title, since_touch(), headed("acceleration", "m/s^2", "g"))
     if len(axes.get_legend_handles_labels()[0]) > 1:
         axes.legend(frameon=False, fontsize=8, loc="upper right")
     return figure
@@ -56,6 +64,7 @@ def rigid_acceleration(solution: Solution, row: int = 0) -> Figure:
 def overlaid_pulses(solution: Solution) -> Figure:
     """Draw the rigid-body pulses of the blows over each other: the first, the later full ones, the odd ones."""
     figure, axes = _sheet(WHOLE)
+    size, _ = axis_unit("m/s^2", "g")
     first = _first_struck(solution)
     seen: set[str] = set()
     rows = chosen(solution)
@@ -69,9 +78,10 @@ def overlaid_pulses(solution: Solution) -> Figure:
             colour, label, width = GREY, "later full blows", 0.9
         else:
             colour, label, width = KIND_COLOURS.get(blow.kind, GREY), f"{blow.kind} blows", 1.2
-        axes.plot(time, values / STANDARD_GRAVITY, color=colour, linewidth=width, label="_" if label in seen else label)
+        axes.plot(time, values / size, color=colour, linewidth=width, label="_" if label in seen else label)
         seen.add(label)
-    quiet(axes, "Rigid-body pulses, overlaid", "time after first touch of each blow (µs)", "acceleration (g)")
+    since = headed("time after first touch of each blow", "s", "us")
+    quiet(axes, "Rigid-body pulses, overlaid", since, headed("acceleration", "m/s^2", "g"))
     handles, labels = axes.get_legend_handles_labels()
     axes.legend(handles[::-1], labels[::-1], frameon=False, fontsize=8, loc="upper right")
     return figure
@@ -82,19 +92,21 @@ def whole_train(solution: Solution) -> Figure:
     figure, axes = _sheet(WHOLE)
     data = solution.data
     time, values = thin(data["time"].values, data["rigid_acceleration"].values)
-    axes.plot(time * 1e3, values / STANDARD_GRAVITY, color=BLUE, linewidth=0.8)
-    quiet(axes, "Rigid-body acceleration, whole train", f"{time_words(solution)} (ms)", "acceleration (g)")
+    (unit, _), (size, _) = axis_unit("s", "ms"), axis_unit("m/s^2", "g")
+    axes.plot(time / unit, values / size, color=BLUE, linewidth=0.8)
+    since = headed(time_words(solution), "s", "ms")
+    quiet(axes, "Rigid-body acceleration, whole train", since, headed("acceleration", "m/s^2", "g"))
     kinds = {blow.kind for blow in solution.blows}
     for kind, colour in KIND_COLOURS.items():
         blows = [blow for blow in solution.blows if blow.kind == kind]
         if blows:
-            heights = [0.0 if kind == "missed" else blow.rigid_peak / STANDARD_GRAVITY for blow in blows]
+            heights = [0.0 if kind == "missed" else blow.rigid_peak / size for blow in blows]
             shape = "o" if kind == "full" else "D" if kind == "double" else "s" if kind == "glancing" else "x"
-            axes.plot([blow.time * 1e3 for blow in blows], heights, shape, color=colour, markersize=4, label=kind)
+            axes.plot([blow.time / unit for blow in blows], heights, shape, color=colour, markersize=4, label=kind)
     if len(solution.blows) <= MOST_LABELS:
         for blow in solution.blows:
-            height = 0.0 if blow.kind == "missed" else blow.rigid_peak / STANDARD_GRAVITY
-            place = (blow.time * 1e3, height)
+            height = 0.0 if blow.kind == "missed" else blow.rigid_peak / size
+            place = (blow.time / unit, height)
             axes.annotate(str(blow.index), place, xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8)
     if kinds - {"full"}:
         axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
@@ -128,11 +140,11 @@ def _sheet(size: tuple[float, float]) -> tuple[Figure, Any]:
 
 
 def _window(solution: Solution, row: int, name: str, width: float) -> tuple[Array, Array]:
-    """Return time (µs) and values of a blow, cut where a pulse of this width (s) is over."""
-    time = solution.data["pulse_time"].values * 1e6
+    """Return time (as shown) and values (SI) of a blow, cut where a pulse of this width (s) is over."""
+    time, (unit, _) = solution.data["pulse_time"].values, axis_unit("s", "us")
     values = solution.data[name].values[row]
-    shown = np.isfinite(values) & (time <= (2.2e6 * width if width > 0.0 else time[-1]))
-    return time[shown], values[shown]
+    shown = np.isfinite(values) & (time <= (2.2 * width if width > 0.0 else time[-1]))
+    return time[shown] / unit, values[shown]
 
 
 __all__ = ["chosen", "contact_force", "overlaid_pulses", "rigid_acceleration", "thin", "whole_train"]

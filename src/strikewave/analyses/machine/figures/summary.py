@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.analyses.machine.result import Solution
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
 
 if TYPE_CHECKING:
@@ -47,19 +47,20 @@ def summary(solution: Solution) -> Figure:
 
 def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes: Any) -> None:
     data, blow = solution.data, solution.blows[row]
-    time = data["pulse_time"].values * 1e6
-    force = data["pulse_force"].values[row] / 1e3
-    acceleration = data["pulse_acceleration"].values[row] / STANDARD_GRAVITY
-    last = 1e6 * 2.2 * blow.width if blow.width > 0.0 else time[-1]
+    unit, newtons, size = axis_unit("s", "us")[0], axis_unit("N", "kN")[0], axis_unit("m/s^2", "g")[0]
+    time = data["pulse_time"].values / unit
+    force = data["pulse_force"].values[row] / newtons
+    acceleration = data["pulse_acceleration"].values[row] / size
+    last = 2.2 * blow.width / unit if blow.width > 0.0 else time[-1]
     shown = time <= last
     force_axes.plot(time[shown], force[shown], color=BLUE, linewidth=1.4)
-    quiet(force_axes, f"Contact force, blow {blow.index}", "time after first touch (µs)", "force (kN)")
+    quiet(force_axes, f"Contact force, blow {blow.index}", since_touch(), headed("force", "N", "kN"))
     acceleration_axes.plot(time[shown], acceleration[shown], color=BLUE, linewidth=1.4, label="computed")
     quiet(
         acceleration_axes,
         f"Rigid-body acceleration, blow {blow.index}",
-        "time after first touch (µs)",
-        "acceleration (g)",
+        since_touch(),
+        headed("acceleration", "m/s^2", "g"),
     )
     if not solution.case.changed_fields():
         published_marks(solution, acceleration_axes, time[shown], acceleration[shown])
@@ -68,7 +69,11 @@ def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes
 
 
 def published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any) -> None:
-    """Mark published peak and width of the first blow: numbers, not curves, and only where they belong."""
+    """Mark published peak and width of the first blow: numbers, not curves, and only where they belong.
+
+    Time and acceleration are those of the axes, in the units shown.
+    """
+    (unit, _), (size, _) = axis_unit("s", "us"), axis_unit("m/s^2", "g")
     styles = {"measured": (RED, "o"), "simulated": (GREY, "s"), "specified": (ORANGE, "D")}
     values = {(c.quantity, c.measured_or_simulated): c.published for c in solution.published}
     peak_time = time[int(np.nanargmax(acceleration))]
@@ -78,14 +83,19 @@ def published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any)
         width = values.get(("first.width", origin))
         if peak is None:
             continue
-        height = peak / STANDARD_GRAVITY
+        height = peak / size
         axes.plot(
             [peak_time], [height], marker, color=colour, markersize=6, fillstyle="none", label=f"published, {origin}"
         )
         if width is not None and above.size:
             axes.plot(
-                [above[0], above[0] + width * 1e6], [0.1 * height] * 2, "|-", color=colour, linewidth=1.2, markersize=9
+                [above[0], above[0] + width / unit], [0.1 * height] * 2, "|-", color=colour, linewidth=1.2, markersize=9
             )
+
+
+def since_touch() -> str:
+    """Return the label of the time of one blow."""
+    return headed("time after first touch", "s", "us")
 
 
 def time_words(solution: Solution) -> str:
@@ -95,20 +105,22 @@ def time_words(solution: Solution) -> str:
 
 def _train(solution: Solution, axes: Any) -> None:
     data = solution.data
-    time = data["time"].values * 1e3
-    acceleration = data["rigid_acceleration"].values / STANDARD_GRAVITY
+    (unit, _), (size, _) = axis_unit("s", "ms"), axis_unit("m/s^2", "g")
+    time = data["time"].values / unit
+    acceleration = data["rigid_acceleration"].values / size
     axes.plot(time, acceleration, color=BLUE, linewidth=0.8)
-    quiet(axes, "Rigid-body acceleration, whole train", f"{time_words(solution)} (ms)", "acceleration (g)")
+    since = headed(time_words(solution), "s", "ms")
+    quiet(axes, "Rigid-body acceleration, whole train", since, headed("acceleration", "m/s^2", "g"))
     labelled = len(solution.blows) <= MOST_LABELS
-    room = 0.06 * (time[-1] - time[0]) * 1e-3 if time.size else 0.0
+    room = 0.06 * (time[-1] - time[0]) * unit if time.size else 0.0
     free = -math.inf
     for blow in solution.blows:
-        height = 0.0 if blow.kind == "missed" else blow.rigid_peak / STANDARD_GRAVITY
-        axes.plot([blow.time * 1e3], [height], "o", color=KIND_COLOURS[blow.kind], markersize=4)
+        height = 0.0 if blow.kind == "missed" else blow.rigid_peak / size
+        axes.plot([blow.time / unit], [height], "o", color=KIND_COLOURS[blow.kind], markersize=4)
         if (labelled and blow.kind == "full") or (blow.kind != "full" and blow.time >= free):
             free = blow.time + (room if blow.kind != "full" else 0.0)
             text = str(blow.index) if blow.kind == "full" else f"{blow.index} {blow.kind}"
             axes.annotate(
-                text, (blow.time * 1e3, height), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8
+                text, (blow.time / unit, height), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8
             )
     axes.margins(y=0.14)

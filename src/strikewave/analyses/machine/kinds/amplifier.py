@@ -10,7 +10,7 @@ from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, Sho
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Length, Mass, MaybeGap, MaybeShare, Restitution
-from strikewave.base.result import Notice
+from strikewave.base.result import INFO, Notice
 from strikewave.cases.tables import CaseTable, Name
 
 if TYPE_CHECKING:
@@ -91,7 +91,10 @@ class Amplifier(LaunchedKind):
             hint = "take smaller gaps or lighter upper bodies"
             raise InputError("machine.body", f"{len(bodies)} bodies", allowed, hint)
         followed = collide(line, struck.time + self.follow.si, MOST_COLLISIONS)
-        notices = [Notice("line-of-bodies", word, float(len(followed.collisions)), 0.0) for word in followed.words]
+        notices = [
+            Notice("line-of-bodies", word, float(len(followed.collisions)), 0.0, severity=INFO)
+            for word in followed.words
+        ]
         named = (FLOOR, *(row.name for row in self.body), STRIKER, OBJECT)
         notices += [*_gain_notices(followed, named, self.height.si), *_overlap_notices(case, followed, struck)]
         again = sum(c.pair == top for c in followed.collisions) - 1
@@ -99,7 +102,7 @@ class Amplifier(LaunchedKind):
             message = (
                 f"the striker meets the object {again} more times in the line of bodies: only the first is followed"
             )
-            notices.append(Notice("later-blows", message, float(again), 0.0))
+            notices.append(Notice("later-blows", message, float(again), 0.0, severity=INFO))
         striker, thing = struck.before
         return Release(
             energy,

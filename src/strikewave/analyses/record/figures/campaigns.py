@@ -8,6 +8,7 @@ import numpy as np
 
 from strikewave.analyses.record.figures.records import say, shown
 from strikewave.records.campaign import Campaign
+from strikewave.reporting.numbers import axis_unit
 from strikewave.reporting.style import BLUE, RED, WHOLE, legend_below, new_figure, quiet
 
 if TYPE_CHECKING:
@@ -88,9 +89,12 @@ def figure_unit(name: str, unit: str) -> tuple[float, str, str]:
     if name == "peak":
         return how.scale, "peak", how.unit or how.name
     if name == "velocity_change":
-        return 1.0, f"{how.integral} change", how.integral_unit
-    if name == "ringing_frequency":
-        return 1e3, "ringing frequency", "kHz"
-    if name == "interval":
-        return 1e-3, name, "ms"
-    return 1e-6, {"rise": "rise time 10-90 %", "width": "pulse width at 10 %"}[name], "µs"
+        return how.integral_scale, f"{how.integral} change", how.integral_unit
+    si, usual, called = {
+        "ringing_frequency": ("Hz", "kHz", "ringing frequency"),
+        "interval": ("s", "ms", name),
+        "rise": ("s", "us", "rise time 10-90 %"),
+        "width": ("s", "us", "pulse width at 10 %"),
+    }[name]
+    size, shown_as = axis_unit(si, usual)
+    return size, called, shown_as

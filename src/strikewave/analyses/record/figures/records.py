@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.pulses import robust_line
 from strikewave.records.reading import ChannelReading
 from strikewave.reporting.curves import MOST_PULSES, thin
+from strikewave.reporting.numbers import ShownQuantity, axis_unit
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
 
 if TYPE_CHECKING:
@@ -41,14 +42,23 @@ _SEVERITY = {"bad": RED, "suspect": ORANGE, "good": GREY}
 _COLOURS = (BLUE, RED, GREEN, ORANGE, "#CC79A7", "#56B4E9", "#000000", GREY)
 
 
-class ChannelStyle(NamedTuple):
-    """How a channel is drawn: what it is, in which unit, how much SI that is, and what its integral is."""
+@dataclass(frozen=True)
+class ChannelStyle(ShownQuantity):
+    """How a channel is drawn: what it is, and what its integral is, with the SI unit of that."""
 
     name: str
-    unit: str
-    scale: float
     integral: str
-    integral_unit: str
+    integral_si: str
+
+    @property
+    def integral_unit(self) -> str:
+        """Name of the unit in which the integral is shown."""
+        return axis_unit(self.integral_si, self.integral_si)[1]
+
+    @property
+    def integral_scale(self) -> float:
+        """Size of the unit in which the integral is shown, in SI."""
+        return axis_unit(self.integral_si, self.integral_si)[0]
 
     @property
     def label(self) -> str:
@@ -62,26 +72,26 @@ class ChannelStyle(NamedTuple):
 
 
 _SHOWN = {
-    "m/s^2": ChannelStyle("acceleration", "g", STANDARD_GRAVITY, "velocity", "m/s"),
-    "m/s": ChannelStyle("velocity", "m/s", 1.0, "displacement", "m"),
-    "N": ChannelStyle("force", "N", 1.0, "impulse", "N s"),
-    "Pa": ChannelStyle("pressure", "Pa", 1.0, "integral", "Pa s"),
-    "m": ChannelStyle("displacement", "m", 1.0, "integral", "m s"),
-    "V": ChannelStyle("voltage", "V", 1.0, "integral", "V s"),
-    "1": ChannelStyle("strain", "m/m", 1.0, "integral", "s"),
-    "": ChannelStyle("file's own numbers", "", 1.0, "integral", "unit·s"),
+    "m/s^2": ChannelStyle("m/s^2", "g", "acceleration", "velocity", "m/s"),
+    "m/s": ChannelStyle("m/s", "m/s", "velocity", "displacement", "m"),
+    "N": ChannelStyle("N", "N", "force", "impulse", "N s"),
+    "Pa": ChannelStyle("Pa", "Pa", "pressure", "integral", "Pa s"),
+    "m": ChannelStyle("m", "m", "displacement", "integral", "m s"),
+    "V": ChannelStyle("V", "V", "voltage", "integral", "V s"),
+    "1": ChannelStyle("1", "m/m", "strain", "integral", "s"),
+    "": ChannelStyle("", "", "file's own numbers", "integral", "unit·s"),
 }
 
 
 def shown(unit: str) -> ChannelStyle:
-    """Return how values of an SI unit are drawn: accelerations in g, unknown ones as the file has them.
+    """Return how values of an SI unit are drawn: accelerations in g as a rule, unknown ones as the file has them.
 
     Examples
     --------
     >>> shown("m/s^2").label, shown("").label, shown("N").integral_label
     ('acceleration (g)', "file's own numbers", 'impulse (N s)')
     """
-    return _SHOWN.get(unit, ChannelStyle("value", unit, 1.0, "integral", f"{unit} s"))
+    return _SHOWN.get(unit, ChannelStyle(unit, unit, "value", "integral", f"{unit} s"))
 
 
 def history(reading: ChannelReading) -> Figure:
@@ -304,7 +314,7 @@ def draw_velocity(axes: Any, reading: ChannelReading, room: float = 0.055) -> No
     above = channel.values - first.offset
     total = np.concatenate([[0.0], np.cumsum(0.5 * (above[1:] + above[:-1]))]) * channel.step
     total -= float(np.interp(first.begin, channel.time, total))
-    time, values = thin(channel.time, total, COLUMNS)
+    time, values = thin(channel.time, total / how.integral_scale, COLUMNS)
     axes.plot(time * factor, values, color=BLUE, linewidth=1.2)
     axes.axhline(0.0, color=GREY, linestyle="--", linewidth=1.0)
     title = f"{how.integral[0].upper()}{how.integral[1:]}, and its change by each blow"
@@ -315,7 +325,7 @@ def draw_velocity(axes: Any, reading: ChannelReading, room: float = 0.055) -> No
         axes.set_xlim(left - room * (right - left), right)
     _shade(axes, reading.pulses, factor)
     ends = np.array([pulse.end for pulse in reading.pulses])
-    heights = np.interp(ends, channel.time, total)
+    heights = np.interp(ends, channel.time, total) / how.integral_scale
     axes.plot(ends * factor, heights, "o", color=RED, markersize=3.5, zorder=4)
     free = -np.inf
     for pulse, place in zip(reading.pulses, zip(ends * factor, heights, strict=True), strict=True):
@@ -323,7 +333,7 @@ def draw_velocity(axes: Any, reading: ChannelReading, room: float = 0.055) -> No
             free = place[0] + room * (right - left)
             up = pulse.velocity_change >= 0.0
             axes.annotate(
-                f"{pulse.velocity_change:+.3g}".replace("-", "−"), place, (-5, 4 if up else -4),
+                f"{pulse.velocity_change / how.integral_scale:+.3g}".replace("-", "−"), place, (-5, 4 if up else -4),
                 textcoords="offset points", ha="right", va="bottom" if up else "top", fontsize=8, bbox=_HALO,
             )  # fmt: skip
 
@@ -338,7 +348,8 @@ def say(axes: Any, words: str) -> None:
 
 def _clock(duration: float) -> tuple[float, str]:
     """Return factor and unit of a time axis."""
-    return (1e6, "µs") if duration < 2e-3 else (1e3, "ms") if duration < 10.0 else (1.0, "s")
+    size, unit = axis_unit("s", "us" if duration < 2e-3 else "ms" if duration < 10.0 else "s")
+    return 1.0 / size, unit
 
 
 def drawable(reading: ChannelReading) -> bool:

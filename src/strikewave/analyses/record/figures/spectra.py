@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from strikewave.analyses.record.chosen import best_of, usable
 from strikewave.analyses.record.figures import campaigns, records
 from strikewave.analyses.record.figures.records import drawable, say, shown
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.curves import DASHES
+from strikewave.reporting.numbers import axis_unit, headed, with_unit
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
 from strikewave.signal.filters import advised_cutoff
 from strikewave.signal.srs import Spectrum, octaves, srs
@@ -101,8 +101,13 @@ def spectrum(reading: ChannelReading) -> Figure:
     if not top > 0.0:
         say(axes, "the stretch around the blow is zero: there is no spectrum to draw")
         return figure
+    hertz_size, _ = axis_unit("Hz", "Hz")
     axes.loglog(
-        frequency, np.maximum(magnitude, 0.1 * DEPTH * top), color=BLUE, linewidth=1.0, label="the largest blow"
+        frequency / hertz_size,
+        np.maximum(magnitude, 0.1 * DEPTH * top) / how.integral_scale,
+        color=BLUE,
+        linewidth=1.0,
+        label="the largest blow",
     )
     pulse = max(reading.pulses, key=lambda p: abs(p.peak))
     marks = [("half the sampling rate", 0.5 * reading.channel.sampling_rate, GREY, "-")]
@@ -111,12 +116,12 @@ def spectrum(reading: ChannelReading) -> Figure:
     if pulse.ringing_frequency > 0.0:
         marks.insert(0, ("ringing", pulse.ringing_frequency, RED, "-."))
     for name, place, colour, style in marks:
-        axes.axvline(place, color=colour, linestyle=style, linewidth=1.3, label=f"{name}, {hertz(place)}")
+        axes.axvline(place / hertz_size, color=colour, linestyle=style, linewidth=1.3, label=f"{name}, {hertz(place)}")
     unit = how.integral_unit
-    quiet(axes, "Amplitude spectrum of the largest blow", "frequency (Hz)", f"|X(f)| ({unit})")
-    axes.set_ylim(max(float(magnitude.min()), DEPTH * top), 3.0 * top)
-    axes.set_xlim(frequency[0], 1.08 * max(place for _, place, _, _ in marks))
-    _log_axis(axes.xaxis, hertz_tick)
+    quiet(axes, "Amplitude spectrum of the largest blow", headed("frequency", "Hz", "Hz"), f"|X(f)| ({unit})")
+    axes.set_ylim(max(float(magnitude.min()), DEPTH * top) / how.integral_scale, 3.0 * top / how.integral_scale)
+    axes.set_xlim(frequency[0] / hertz_size, 1.08 * max(place for _, place, _, _ in marks) / hertz_size)
+    _log_axis(axes.xaxis, _hertz_ticks())
     _log_axis(axes.yaxis, number_tick)
     return legend_below(figure)
 
@@ -179,16 +184,19 @@ def draw_srs(axes: Any, spectra: Sequence[Spectrum], labels: Sequence[str] = (),
         say(axes, "there is no shock response spectrum to draw")
         return
     scale, label = _response_unit(spectra[0].kind, unit)
+    hertz_size, _ = axis_unit("Hz", "Hz")
     names = [*map(plain, labels), *(f"spectrum {k + 1}" for k in range(len(labels), len(spectra)))]
     several = [(names[k], one, "maximax", _COLOURS[k % 5], DASHES[k % 4], 1.4) for k, one in enumerate(spectra)]
     single = [(side, spectra[0], side, colour, style, width) for side, colour, style, width in _SIDES]
     for name, one, side, colour, style, width in several if len(spectra) > 1 else single:
         positive = one.side(side) > 0.0
         values = one.side(side)[positive] / scale
-        axes.loglog(one.frequency[positive], values, color=colour, linestyle=style, linewidth=width, label=name)
+        axes.loglog(
+            one.frequency[positive] / hertz_size, values, color=colour, linestyle=style, linewidth=width, label=name
+        )
     q = spectra[0].q
-    quiet(axes, f"Shock response spectrum, Q = {q:g}", "natural frequency (Hz)", label)
-    _log_axis(axes.xaxis, hertz_tick)
+    quiet(axes, f"Shock response spectrum, Q = {q:g}", headed("natural frequency", "Hz", "Hz"), label)
+    _log_axis(axes.xaxis, _hertz_ticks())
     _log_axis(axes.yaxis, number_tick)
     axes.legend(frameon=False, fontsize=8, loc="best")
 
@@ -197,12 +205,13 @@ def _response_unit(kind: str, unit: str) -> tuple[float, str]:
     """Return how much SI the shown unit of a response is, and the label of its axis."""
     how = shown(unit)
     if unit != "m/s^2":
-        return 1.0, f"{kind} response ({how.unit})" if how.unit else f"{kind} response (file's own numbers)"
-    return {
-        "absolute": (STANDARD_GRAVITY, "absolute acceleration (g)"),
-        "displacement": (1e-3, "relative displacement (mm)"),
-        "pseudo-velocity": (1.0, "pseudo-velocity (m/s)"),
+        return 1.0, f"{kind} response ({how.si})" if how.si else f"{kind} response (file's own numbers)"
+    name, si, usual = {
+        "absolute": ("absolute acceleration", "m/s^2", "g"),
+        "displacement": ("relative displacement", "m", "mm"),
+        "pseudo-velocity": ("pseudo-velocity", "m/s", "m/s"),
     }[kind]
+    return axis_unit(si, usual)[0], headed(name, si, usual)
 
 
 def tripartite(pseudo: Spectrum) -> Figure:
@@ -227,21 +236,22 @@ def tripartite(pseudo: Spectrum) -> Figure:
         figure = new_figure()
         say(figure.add_subplot(), "there is no shock response spectrum to draw")
         return figure
-    frequency, values = pseudo.frequency[positive], pseudo.maximax[positive]
+    (hertz_size, _), (speed, _) = axis_unit("Hz", "Hz"), axis_unit("m/s", "m/s")
+    frequency, values = pseudo.frequency[positive] / hertz_size, pseudo.maximax[positive] / speed
     x = (float(np.log10(frequency[0])), float(np.log10(frequency[-1])) + 0.02)
     y = _paper(np.log10(values), x)
     wide = 6.0
     figure = new_figure((wide + 2.0, wide * (y[1] - y[0]) / (x[1] - x[0]) + 1.6))
     axes: Any = figure.add_subplot()
     axes.loglog(frequency, values, color=BLUE, linewidth=2.2, zorder=5)
-    quiet(axes, "", "natural frequency (Hz)", "pseudo-velocity (m/s)")
+    quiet(axes, "", headed("natural frequency", "Hz", "Hz"), headed("pseudo-velocity", "m/s", "m/s"))
     axes.set_title(f"Pseudo-velocity, maximax, Q = {pseudo.q:g}", loc="left", fontsize=10, pad=42)
     axes.set_xlim(10.0 ** x[0], 10.0 ** x[1])
     axes.set_ylim(10.0 ** y[0], 10.0 ** y[1])
     axes.set_aspect("equal")
     axes.spines[["top", "right"]].set_visible(True)
     _rulings(axes, x, y, np.log10(frequency), np.log10(values))
-    _log_axis(axes.xaxis, hertz_tick)
+    _log_axis(axes.xaxis, _hertz_ticks())
     _log_axis(axes.yaxis, number_tick)
     return figure
 
@@ -260,7 +270,14 @@ def _rulings(axes: Any, x: tuple[float, float], y: tuple[float, float], along: A
     unless the curve passes there.
     """
     ends = 10.0 ** np.array(x)
-    turn, g = math.log10(2.0 * math.pi), math.log10(STANDARD_GRAVITY)
+    (hertz_size, _), (speed, _), (size, unit) = axis_unit("Hz", "Hz"), axis_unit("m/s", "m/s"), axis_unit("m/s^2", "g")
+    depth, depth_unit = axis_unit("m", "m")
+    # v = 2 pi f d and v = a / (2 pi f), all in the units shown
+    turn = math.log10(2.0 * math.pi * hertz_size * depth / speed)
+    fall = math.log10(size / (2.0 * math.pi * hertz_size * speed))
+
+    def depth_words(value: float) -> str:
+        return metres(value) if depth == 1.0 else f"{number_tick(value)} {depth_unit}"
 
     def name(words: str, px: float, py: float, turned: int, outside: bool, colour: str) -> None:
         if not outside and abs(float(np.interp(px, along, height)) - py) < 0.2:
@@ -276,17 +293,31 @@ def _rulings(axes: Any, x: tuple[float, float], y: tuple[float, float], along: A
         axes.loglog(ends, 10.0 ** (k + turn) * ends, color=GREEN, linewidth=0.7, alpha=0.8)
         above = y[1] - k - turn
         if above <= x[1]:
-            name(metres(10.0**k), above, y[1], 45, True, "#00694D")
+            name(
+                depth_words(10.0**k),
+                above,
+                y[1],
+                45,
+                True,
+                "#00694D",
+            )
         elif x[1] - 0.25 + k + turn > y[0] + 0.15:
-            name(metres(10.0**k), x[1] - 0.25, x[1] - 0.25 + k + turn, 45, False, "#00694D")
-    for k in range(math.ceil(y[0] + x[0] + turn - g), math.floor(y[1] + x[1] + turn - g) + 1):
-        axes.loglog(ends, 10.0 ** (k + g - turn) / ends, color=RED, linewidth=0.7, alpha=0.8)
-        right = k + g - turn - x[1]
-        below = k + g - turn - y[0] - 0.25
+            name(
+                depth_words(10.0**k),
+                x[1] - 0.25,
+                x[1] - 0.25 + k + turn,
+                45,
+                False,
+                "#00694D",
+            )
+    for k in range(math.ceil(y[0] + x[0] - fall), math.floor(y[1] + x[1] - fall) + 1):
+        axes.loglog(ends, 10.0 ** (k + fall) / ends, color=RED, linewidth=0.7, alpha=0.8)
+        right = k + fall - x[1]
+        below = k + fall - y[0] - 0.25
         if right >= y[0]:
-            name(f"{number_tick(10.0**k)} g", x[1], right, 0, True, "#A34700")
+            name(f"{number_tick(10.0**k)} {unit}", x[1], right, 0, True, "#A34700")
         elif below > x[0] + 0.25:
-            name(f"{number_tick(10.0**k)} g", below, y[0] + 0.25, -45, False, "#A34700")
+            name(f"{number_tick(10.0**k)} {unit}", below, y[0] + 0.25, -45, False, "#A34700")
 
 
 def record_summary(files: Sequence[FileReading], campaign: Campaign | None, title: str = "") -> Figure:
@@ -333,10 +364,7 @@ def hertz(value: float) -> str:
     >>> hertz(12345.0), hertz(50.0), hertz(2.5e6)
     ('12.3 kHz', '50 Hz', '2.5 MHz')
     """
-    for unit, size in (("MHz", 1e6), ("kHz", 1e3)):
-        if value >= size:
-            return f"{value / size:.3g} {unit}"
-    return f"{value:.3g} Hz"
+    return with_unit(value, "Hz", "MHz" if value >= 1e6 else "kHz" if value >= 1e3 else "Hz", 3)
 
 
 def metres(value: float) -> str:
@@ -360,6 +388,11 @@ def hertz_tick(value: float, place: object = None) -> str:
     ('100', '20k', '1M')
     """
     return hertz(value).replace(" Hz", "").replace(" kHz", "k").replace(" MHz", "M")
+
+
+def _hertz_ticks() -> Any:
+    """Return what writes the numbers of an axis of frequencies: 20k for 20 000 Hz, plain ones in another unit."""
+    return hertz_tick if axis_unit("Hz", "Hz")[0] == 1.0 else number_tick
 
 
 def number_tick(value: float, place: object = None) -> str:

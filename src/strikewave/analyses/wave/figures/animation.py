@@ -25,6 +25,7 @@ from strikewave.reporting.animation.page import (
     animation_page,
     even_rows,
 )
+from strikewave.reporting.numbers import axis_unit
 from strikewave.reporting.style import BLUE, RED, printable
 from strikewave.reporting.wave_field import (
     DASHED,
@@ -32,6 +33,7 @@ from strikewave.reporting.wave_field import (
     QUANTITIES,
     THICK,
     WaveField,
+    distance_label,
     draw_along,
     name_layers,
     shade_layers,
@@ -108,7 +110,10 @@ def _places(field: WaveField) -> PlaceAxis:
     shown, band = np.unique(field.layer, return_inverse=True)
     layers, joints = field.stack.layers, field.stack.joints
     greys, ends = shades(field.stack), field.ends
+    size, unit = axis_unit("m", "mm")
     return PlaceAxis(
+        unit=unit,
+        per=size,
         position=[_digits(x) for x in field.position],
         band=band.tolist(),
         bands=[
@@ -180,12 +185,12 @@ def _moving(field: WaveField, title: str, rows: NDArray[np.int64]) -> tuple[Figu
     for (axes, shown), rows_of_values in zip(panels, values, strict=True):
         shade_layers(axes, field)
         peak = float(np.abs(rows_of_values).max(initial=0.0)) or 1.0
-        axes.set_xlim(0.0, field.ends[-1] * 1e3)
+        axes.set_xlim(0.0, field.ends[-1] / axis_unit("m", "mm")[0])
         axes.set_ylim(-GIF_MARGIN * peak, GIF_MARGIN * peak)
         axes.set_title(shown.label, loc="left", fontsize=9)
         axes.spines[["top", "right"]].set_visible(False)
     name_layers(panels[0][0], field)
-    panels[1][0].set_xlabel("distance from the loaded face (mm)")
+    panels[1][0].set_xlabel(distance_label())
     drawn: list[Any] = []
     unit = Clock.of(field.time[rows])
 

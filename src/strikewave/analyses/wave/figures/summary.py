@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from strikewave.analyses.wave.run import WaveSolution
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.curves import COLOURS, DASHES, above_right, thin
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import GREY, new_figure, quiet, sheet_title
 
 
@@ -23,20 +23,22 @@ def wave_summary(solution: WaveSolution) -> Figure:
     figure = new_figure((9.0, 6.4))
     sheet_title(figure, solution.title)
     grid = figure.subplots(2, 2)
-    run, since = solution.run, "time after the start of the load (µs)"
+    run, since = solution.run, headed("time after the start of the load", "s", "us")
+    unit, newtons, pascals = axis_unit("s", "us")[0], axis_unit("N", "kN")[0], axis_unit("Pa", "MPa")[0]
+    speed, size = axis_unit("m/s", "m/s")[0], axis_unit("m/s^2", "g")[0]
     time, force = thin(run.time, run.face_force)
-    grid[0, 0].plot(time * 1e6, force / 1e3, color=GREY, linewidth=1.3)
-    quiet(grid[0, 0], "Force on the first face", since, "force (kN)")
+    grid[0, 0].plot(time / unit, force / newtons, color=GREY, linewidth=1.3)
+    quiet(grid[0, 0], "Force on the first face", since, headed("force", "N", "kN"))
     shown = (
-        (grid[0, 1], "Stress", lambda k: solution.stress(k) / 1e6, "stress (MPa)"),
-        (grid[1, 0], "Velocity", lambda k: run.velocity[:, k], "velocity (m/s)"),
-        (grid[1, 1], "Acceleration", lambda k: run.acceleration[:, k] / STANDARD_GRAVITY, "acceleration (g)"),
+        (grid[0, 1], lambda k: solution.stress(k) / pascals, "stress", "Pa", "MPa"),
+        (grid[1, 0], lambda k: run.velocity[:, k] / speed, "velocity", "m/s", "m/s"),
+        (grid[1, 1], lambda k: run.acceleration[:, k] / size, "acceleration", "m/s^2", "g"),
     )
-    for axes, title, values, label in shown:
+    for axes, values, name_of, si, usual in shown:
         for k, (name, _) in enumerate(solution.taps[: len(COLOURS)]):
             t, v = thin(run.time, np.asarray(values(k)))
-            axes.plot(t * 1e6, v, DASHES[k % len(DASHES)], color=COLOURS[k], linewidth=1.2, label=name)
-        quiet(axes, title, since, label)
+            axes.plot(t / unit, v, DASHES[k % len(DASHES)], color=COLOURS[k], linewidth=1.2, label=name)
+        quiet(axes, name_of.capitalize(), since, headed(name_of, si, usual))
     if len(solution.taps) > 1:
         above_right(grid[0, 1])
     if not solution.quoted:
