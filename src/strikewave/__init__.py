@@ -27,30 +27,42 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.base.errors import StrikewaveError as StrikewaveError
     from strikewave.base.materials import material as material
     from strikewave.base.materials import materials as materials
+    from strikewave.base.result import Band as Band
     from strikewave.base.result import Result as Result
     from strikewave.cases.case import Case as Case
     from strikewave.cases.case import dump_case as dump_case
     from strikewave.cases.case import load_case as load_case
+    from strikewave.contact.identification import identify as identify
     from strikewave.contact.impact import solve_impact as solve_impact
     from strikewave.contact.law import Contact as Contact
     from strikewave.records.measuring import find_pulses as find_pulses
     from strikewave.records.readers import read_record as read_record
     from strikewave.signal.srs import srs as srs
+    from strikewave.studies.buffer.question import buffer as buffer
+    from strikewave.studies.map.question import map as map
+    from strikewave.studies.scatter.study import ScatterPlan as ScatterPlan
+    from strikewave.studies.scatter.study import scatter as scatter
+    from strikewave.studies.settings.question import settings as settings
 
 _HOMES = {
+    "Band": "base.result",
     "Case": "cases.case",
     "Contact": "contact.law",
     "FemSolution": "analyses.fem.result",
     "InputError": "base.errors",
     "Result": "base.result",
+    "ScatterPlan": "studies.scatter.study",
     "Solution": "analyses.machine.result",
     "StrikewaveError": "base.errors",
     "WaveSolution": "analyses.wave.result",
+    "buffer": "studies.buffer.question",
     "dump_case": "cases.case",
     "find_pulses": "records.measuring",
+    "identify": "contact.identification",
     "load_case": "cases.case",
     "load_setup": "analyses.hopkinson.setup_file",
     "load_solution": "analyses.machine.result",
+    "map": "studies.map.question",
     "material": "base.materials",
     "materials": "base.materials",
     "read_record": "records.readers",
@@ -58,17 +70,20 @@ _HOMES = {
     "run_fem": "analyses.fem.run",
     "run_hopkinson": "analyses.hopkinson.run",
     "run_wave": "analyses.wave.run",
+    "scatter": "studies.scatter.study",
+    "settings": "studies.settings.question",
     "solve_impact": "contact.impact",
     "srs": "signal.srs",
 }
 """Modules of the public names. A test holds this table and the imports above equal."""
 
-__all__ = ["__version__", *_HOMES]  # noqa: PLE0604  (the names stand once, above)
+__all__ = ["__version__", *(name for name in _HOMES if name != "map")]  # noqa: PLE0604  (the names stand once, above)
+"""The public names but ``map``: a star import shall not hide Python's own."""
 
 
 def __dir__() -> list[str]:
     """List the public names."""
-    return sorted(__all__)
+    return sorted([*__all__, "map"])
 
 
 if not TYPE_CHECKING:  # else a misspelled name would pass type checkers

@@ -1,6 +1,7 @@
 """What Python, its type checkers and its editors know of the package."""
 
 import ast
+import builtins
 import importlib.resources
 import subprocess
 import sys
@@ -38,7 +39,11 @@ def test_the_names_that_type_checkers_see_are_those_that_are_imported_when_used(
 
 
 def test_dir_lists_the_public_names_and_nothing_else():
-    assert dir(strikewave) == sorted(strikewave.__all__)
+    assert dir(strikewave) == sorted(["__version__", *strikewave._HOMES])
+
+
+def test_a_star_import_hides_no_function_of_python():
+    assert not set(strikewave.__all__) & set(dir(builtins))
 
 
 def test_the_package_says_that_it_is_typed():
@@ -47,7 +52,7 @@ def test_the_package_says_that_it_is_typed():
 
 def test_editors_complete_the_names_a_run_and_its_blows():
     assert set(strikewave._HOMES) <= completed("strikewave.")
-    assert {"blows", "band", "data"} <= completed("solution.")
+    assert {"blows", "band", "data", "plot", "report", "to_dataframe"} <= completed("solution.")
     assert {"rigid_peak", "width", "velocity_change"} <= completed("solution.blows[0].")
     assert {"low", "high", "level", "inputs"} <= completed('solution.band["first.rigid_peak"].')
 

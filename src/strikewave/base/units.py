@@ -178,6 +178,17 @@ def parse_typed(text: str, si: str, field: str) -> float:
     return parse_quantity(text, si, field)
 
 
+def si_value(value: str | float, si: str, field: str) -> float:
+    """Return a quantity in SI: a text has its unit, a number is SI already.
+
+    Examples
+    --------
+    >>> si_value("20 ms", "s", "interval"), si_value(0.02, "s", "interval")
+    (0.02, 0.02)
+    """
+    return parse_quantity(value, si, field) if isinstance(value, str) else float(value)
+
+
 def in_unit(value: float, si: str, unit: str) -> float:
     """Return an SI value in another unit.
 

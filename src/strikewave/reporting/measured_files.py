@@ -17,8 +17,9 @@ import tomlkit
 import typer
 
 from strikewave.base.errors import InputError, StrikewaveError, nearest
-from strikewave.base.result import Result, Source
+from strikewave.base.result import Source
 from strikewave.reporting.options import quantity
+from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import progress_bar, say
 
 if TYPE_CHECKING:
@@ -231,7 +232,7 @@ UNKNOWN = Source("records", "records", "", "record.toml")
 
 
 @dataclass(frozen=True, kw_only=True)
-class AskedResult(Result):
+class AskedResult(ShownResult):
     """A result that its command line and the files it names give again, not a text alone.
 
     Attributes
@@ -241,6 +242,11 @@ class AskedResult(Result):
     """
 
     origin: Source = UNKNOWN
+
+    @property
+    def label(self) -> str:
+        """The title: what was measured has no case."""
+        return self.title
 
     @property
     def test(self) -> Mapping[str, str]:

@@ -46,6 +46,12 @@ def sheet_title(figure: Any, title: str) -> None:
     figure.suptitle(wrapped, x=0.01, ha="left", fontsize=12, fontweight="bold", parse_math=False)
 
 
+def titled(figure: Figure, title: str) -> Figure:
+    """Return a figure with the name of measured files above it, shortened, as a text."""
+    figure.suptitle(plain(title, 90), x=0.01, ha="left", fontsize=11)
+    return figure
+
+
 def legend_below(figure: Figure) -> Figure:
     """Put one legend of all axes below them, where it hides no curve."""
     entries: dict[str, Any] = {}

@@ -12,15 +12,17 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.field_names import fields_of_case
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.sectors import sectors
-from strikewave.base.result import Result, Source
+from strikewave.base.result import Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.exchange.deck import Deck, Heading
 from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
 from strikewave.exchange.radioss.deck import radioss_deck
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.model import Model
+from strikewave.reporting.columns import Column
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
+from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import tell
 
 CODES = {"ls-dyna": (".k",), "openradioss": ("_0000.rad", "_0001.rad")}
@@ -28,7 +30,7 @@ CODES = {"ls-dyna": (".k",), "openradioss": ("_0000.rad", "_0001.rad")}
 
 
 @dataclass(frozen=True)
-class DeckResult(Result):
+class DeckResult(ShownResult):
     """A model written for another code; see `Result` for what it shares with others.
 
     Attributes
@@ -48,6 +50,7 @@ class DeckResult(Result):
     """
 
     command: ClassVar[str] = "deck"
+    drawing: ClassVar[str] = ""
 
     case: Case
     model: Model
@@ -70,6 +73,22 @@ class DeckResult(Result):
     def names(self) -> list[str]:
         """The names of its files."""
         return [f"{self.stem}{ending}" for ending in self.deck.files]
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return code, units, and the size of the mesh."""
+        mesh = self.model.mesh
+        sizes = [("elements", str(len(mesh.hexahedra))), ("nodes", str(len(mesh.points)))]
+        return [("code", self.code), ("units", self.system.name), *sizes]
+
+    def columns(self) -> list[Column]:
+        """Return what differs from the model, and what is left out."""
+        differs, left_out = self.deck.differs, self.deck.left_out
+        kinds = ["differs"] * len(differs) + ["left out"] * len(left_out)
+        return [Column("kind", kinds), Column("what", [*differs, *left_out])]
+
+    def brief(self) -> dict[str, str]:
+        """Return both columns."""
+        return {"kind": "", "what": ""}
 
     def units(self) -> dict[str, str]:
         """Return nothing: counts have no unit."""

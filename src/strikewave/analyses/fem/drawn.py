@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from strikewave.analyses.fem.figures.animation import fem_page, movie_of, write_fem_gif
 from strikewave.analyses.fem.figures.histories import summary_sheet
@@ -11,11 +12,22 @@ from strikewave.analyses.fem.result import FemSolution
 from strikewave.reporting.style import save
 from strikewave.reporting.terminal import progress_bar
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+page = fem_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+
+
+def picture(solution: FemSolution) -> Figure:
+    """Return the sheet of histories of a run."""
+    return summary_sheet(solution.run, solution.title)
+
 
 def draw_result(solution: FemSolution, folder: Path, report: bool = True, animate: bool = False) -> list[str]:
     """Write page and pictures of a run into a folder, and return their names."""
     names = ["summary.svg"]
-    save(summary_sheet(solution.run, solution.title), folder / names[0])
+    save(picture(solution), folder / names[0])
     if report:
         (folder / "report.html").write_text(fem_report(solution), "utf-8", newline="\n")
         names.insert(0, "report.html")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.analyses.fem.sectors import Sector, WholeForce, sectors, whole_forces
-from strikewave.base.result import Comparison, Result, Source, comparison_document
+from strikewave.base.result import Comparison, Source, comparison_document
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.comparisons import comparisons
@@ -33,6 +34,8 @@ from strikewave.fem.model import Model
 from strikewave.fem.run import ENERGIES, FemRun, FieldFrame
 from strikewave.fem.snapshots import SnapshotRecorder
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
 
 if TYPE_CHECKING:
     import xarray
@@ -48,7 +51,7 @@ STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 
 
 @dataclass(frozen=True)
-class FemSolution(Result):
+class FemSolution(ShownResult):
     """The result of an explicit finite-element run; see `Result` for what it shares with others.
 
     Attributes
@@ -188,6 +191,40 @@ class FemSolution(Result):
             "stopped": run.stopped or None,
             "blows": [_blow(each) for each in self.blows],
         }
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the number of elements, the largest contact force, and the peak of the first part that moves."""
+        numbers = [
+            ("elements", str(self.run.elements)),
+            ("contact force", with_unit(self.contact_force_peak, "N", "kN")),
+        ]
+        moved = ((name, part) for name, part in self.parts.items() if part.rigid_peak > 0.0)
+        for name, part in itertools.islice(moved, 1):
+            numbers += [
+                (f"rigid-body peak of {name}", with_unit(part.rigid_peak, "m/s^2", "g")),
+                ("width", with_unit(part.width, "s", "us")),
+            ]
+        return numbers
+
+    def columns(self) -> list[Column]:
+        """Return the parts and groups with the blow that each took."""
+        content = self.content()
+        rows = [{"name": name, **row} for kind in ("parts", "groups") for name, row in content[kind].items()]
+        return columns_of(rows, UNITS)
+
+    def brief(self) -> dict[str, str]:
+        """Return name, mass and blow of each part, and its largest stress and strain."""
+        blow = {"rigid_peak": "g", "width": "us", "velocity_change": "m/s"}
+        return {"name": "", "mass": "kg", **blow, "von_mises": "MPa", "plastic_strain": "1"}
+
+    def preview(self) -> Curve | None:
+        """Return the mean force of the strongest contact; None where nothing touched."""
+        touched = {name: contact.peak for name, contact in self.contacts.items() if contact is not None}
+        if not touched:
+            return None
+        name = max(touched, key=touched.__getitem__)
+        force = np.linalg.norm(mean_force(self.run, name), axis=1)
+        return history_curve(middles(self.run.time), force, "N", "kN", f"contact force, {name}")
 
     def _columns(self) -> Iterator[tuple[str, str, Array]]:
         """Yield name, unit and values of every history but the time; means are those of the interval before."""

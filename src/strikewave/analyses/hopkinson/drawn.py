@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
 
 from strikewave.analyses.hopkinson.echo_result import EchoSolution
 from strikewave.analyses.hopkinson.figures import echo_summary, sensor_summary, shot_summary
@@ -11,15 +15,21 @@ from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.reporting.style import save
 
+picture: dict[type, Callable[[Any], Figure]] = {
+    HopkinsonSolution: shot_summary,
+    SensorSolution: sensor_summary,
+    EchoSolution: echo_summary,
+}
+page: dict[type, Callable[[Any], str]] = {
+    HopkinsonSolution: shot_report,
+    SensorSolution: sensor_report,
+    EchoSolution: echo_report,
+}
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+
 
 def draw_result(solution: HopkinsonSolution | SensorSolution | EchoSolution, folder: Path) -> list[str]:
     """Write page and picture of a set-up into a folder, and return their names."""
-    if isinstance(solution, HopkinsonSolution):
-        picture, page = shot_summary(solution), shot_report(solution)
-    elif isinstance(solution, SensorSolution):
-        picture, page = sensor_summary(solution), sensor_report(solution)
-    else:
-        picture, page = echo_summary(solution), echo_report(solution)
-    save(picture, folder / "summary.svg")
-    (folder / "report.html").write_text(page, "utf-8", newline="\n")
+    save(picture[type(solution)](solution), folder / "summary.svg")
+    (folder / "report.html").write_text(page[type(solution)](solution), "utf-8", newline="\n")
     return ["report.html", "summary.svg"]

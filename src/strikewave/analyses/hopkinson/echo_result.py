@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -12,6 +13,8 @@ from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.shown_result import Curve, history_curve
 
 if TYPE_CHECKING:
     import xarray
@@ -80,10 +83,29 @@ class EchoSolution(Outcome):
             "losses_error": echoes.losses_error,
         }
 
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the bar speed with its standard error and its difference from the stated one, and the length."""
+        speed, error = self.echoes.speed.value, self.echoes.speed.error
+        return [
+            ("bar speed", f"{speed:.5g} m/s" + ("" if math.isnan(error) else f" ± {error:.2g} m/s")),
+            ("off the stated one", percent(self.difference, 2, "+")),
+            ("length", with_unit(self.echoes.length.value, "m", "mm", 5)),
+            ("attenuation", f"{self.echoes.attenuation.value:.3g} 1/m"),
+        ]
+
+    def preview(self) -> Curve:
+        """Return the strain at the gauge."""
+        trace = self.echoes.quiet.trace
+        return history_curve(trace.time, trace.strain, "1", "1", "strain at the gauge")
+
     def tables(self) -> dict[str, str]:
         """Return speed and attenuation over frequency as CSV text."""
+        return {"echoes.csv": csv_table(self.columns(), HISTORY_DIGITS)}
+
+    def columns(self) -> list[Column]:
+        """Return speed and attenuation over frequency."""
         echoes = self.echoes
-        columns = [
+        return [
             Column("frequency", echoes.frequency, "Hz"),
             Column("phase speed", echoes.phase_speed, "m/s"),
             Column("standard error of phase speed", echoes.phase_speed_error, "m/s"),
@@ -91,7 +113,11 @@ class EchoSolution(Outcome):
             Column("attenuation", echoes.losses, "1/m"),
             Column("standard error of attenuation", echoes.losses_error, "1/m"),
         ]
-        return {"echoes.csv": csv_table(columns, HISTORY_DIGITS)}
+
+    def brief(self) -> dict[str, str]:
+        """Return frequency, speed with its error, and attenuation."""
+        speeds = dict.fromkeys(("phase speed", "standard error of phase speed"), "m/s")
+        return {"frequency": "kHz", **speeds, "attenuation": "1/m"}
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:

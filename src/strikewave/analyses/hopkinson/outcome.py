@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave._version import __version__
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
-from strikewave.base.result import Result, Source
+from strikewave.base.result import Source
+from strikewave.reporting.shown_result import ShownResult
 
 if TYPE_CHECKING:
     import xarray
@@ -20,7 +21,7 @@ SCHEMA = 1
 
 
 @dataclass(frozen=True, kw_only=True)
-class Outcome(Result):
+class Outcome(ShownResult):
     """What a set-up came to; see `Result` for what it shares with others.
 
     Attributes

@@ -19,6 +19,8 @@ from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, St
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import ANALYSES, Reduction, StressStrainCurve
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.numbers import axis_unit, percent, with_unit
+from strikewave.reporting.shown_result import Curve
 
 if TYPE_CHECKING:
     import xarray
@@ -157,15 +159,33 @@ class HopkinsonSolution(Outcome):
         }
         return xarray.Dataset(variables, coordinates, self.attributes())
 
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the largest true stress and strain, the rate, and by how much forces and impulses miss each other."""
+        largest = self.summary()
+        side = "missing" if self.momentum.closure >= 0.0 else "in excess"
+        return [
+            ("largest true stress", with_unit(largest["stress"], "Pa", "MPa")),
+            ("largest true strain", percent(largest["strain"], 2)),
+            ("median true rate", f"{largest['rate']:.0f} 1/s"),
+            ("force difference", percent(self.equilibrium.misfit, 1)),
+            (f"impulse {side}", percent(abs(self.momentum.closure), 2)),
+        ]
+
+    def preview(self) -> Curve:
+        """Return true stress over true strain while the incident wave lasts."""
+        true, on = self.curve.true(), self.reduction.loading
+        size, name = axis_unit("Pa", "MPa")
+        return Curve(true.strain[on], true.stress[on] / size, "true strain", f"true stress ({name})")
+
     def tables(self) -> dict[str, str]:
         """Return the histories at the specimen and the pulses at the gauges as CSV text."""
-        return {"reduction.csv": self.reduction_table(), "pulses.csv": self.pulses_table()}
+        return {"reduction.csv": csv_table(self.columns(), HISTORY_DIGITS), "pulses.csv": self.pulses_table()}
 
-    def reduction_table(self) -> str:
-        """Return the histories at the specimen, with the curve of the chosen analysis, as CSV text."""
+    def columns(self) -> list[Column]:
+        """Return the histories at the specimen, with the curve of the chosen analysis."""
         r, w, engineering = self.reduction, self.reduction.waves, self.curve
         true = engineering.true()
-        columns = [
+        return [
             Column("time", r.time, "s"),
             Column("incident strain", w.incident, "1"),
             Column("reflected strain", w.reflected, "1"),
@@ -181,7 +201,6 @@ class HopkinsonSolution(Outcome):
             Column("true stress", true.stress, "Pa"),
             Column("true rate", true.rate, "1/s"),
         ]
-        return csv_table(columns, HISTORY_DIGITS)
 
     def pulses_table(self) -> str:
         """Return the three pulses as the gauges saw them, each with its own time, as CSV text."""

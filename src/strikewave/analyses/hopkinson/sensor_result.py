@@ -17,6 +17,8 @@ from strikewave.analyses.hopkinson.result import inputs
 from strikewave.base.variables import quantity
 from strikewave.hopkinson.bars import Bar, BarMaterial
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.numbers import percent, spelled, with_unit
+from strikewave.reporting.shown_result import Curve, history_curve
 
 if TYPE_CHECKING:
     import xarray
@@ -188,8 +190,27 @@ class SensorSolution(Outcome):
             "velocity_by_both_waves": comparison.both_waves[samples],
         }
 
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the sensitivity with its uncertainty, the largest acceleration, and the delay of the reading."""
+        delay = self.comparison.agreement.delay
+        unit = "" if self.sensitivity_unit == "1" else f" {spelled(self.sensitivity_unit)}"
+        known = [
+            ("sensitivity" if unit else "reading over reference", f"{self.sensitivity:.4g}{unit}"),
+            ("standard uncertainty", percent(self.uncertainty.combined, 2)),
+            ("largest acceleration", with_unit(self.peaks[0], "m/s^2", "g")),
+        ]
+        return [*(known if self.quoted else []), ("delay", f"{1e6 * delay:+.2f} µs")]
+
+    def preview(self) -> Curve:
+        """Return the reading as an acceleration."""
+        return history_curve(self.comparison.time, self.shown_acceleration, "m/s^2", "g", "reading as acceleration")
+
     def tables(self) -> dict[str, str]:
-        """Return the histories as CSV text; the delay of the reading is taken out."""
+        """Return the histories as CSV text."""
+        return {"reduction.csv": csv_table(self.columns(), HISTORY_DIGITS)}
+
+    def columns(self) -> list[Column]:
+        """Return the histories; the delay of the reading is taken out."""
         comparison, samples = self.comparison, self.kept
         columns = [
             Column("time", comparison.time, "s"),
@@ -201,8 +222,7 @@ class SensorSolution(Outcome):
             Column("reading integrated", self.shown_velocity, "m/s"),
             Column("end velocity by both waves", comparison.both_waves, "m/s"),
         ]
-        kept = [column._replace(values=column.values[samples]) for column in columns]
-        return {"reduction.csv": csv_table(kept, HISTORY_DIGITS)}
+        return [column._replace(values=column.values[samples]) for column in columns]
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:

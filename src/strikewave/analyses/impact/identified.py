@@ -13,10 +13,12 @@ from strikewave.contact.identification import DESCRIBED, Identified, IdentifiedV
 from strikewave.contact.impact import reduced_mass
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.options import Output, Typed
 from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.shown_result import Curve, columns_of, history_curve
 from strikewave.reporting.terminal import number, significant, table, tell
 
 _UNITS = {
@@ -125,9 +127,39 @@ class IdentifyResult(measured.AskedResult):
             "fitted": contact.fitted,
         }
 
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the values that were determined, each with its standard error, and the misfit."""
+        numbers = [
+            (_CALLED.get(name, name), _in_words(name, estimate))
+            for name, estimate in self.found.values.items()
+            if estimate.value is not None and not estimate.given
+        ]
+        return [*numbers, ("misfit", percent(self.found.residual, 2))]
+
+    def columns(self) -> list[Column]:
+        """Return values and combinations with their standard errors, a row each, SI."""
+        found = {**self.found.values, "begin": self.found.begin, **self.found.combinations}
+        rows = [{"name": name, **_row(estimate), "unit": _UNITS[name]} for name, estimate in found.items()]
+        return columns_of(rows, {})
+
+    def brief(self) -> dict[str, str]:
+        """Return all columns but which values were given."""
+        return dict.fromkeys(("name", "value", "standard_error", "unit"), "")
+
+    def preview(self) -> Curve:
+        """Return the measured force."""
+        return history_curve(self.found.time, self.found.measured, "N", "kN", "measured force")
+
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
         return {"identify.json": self.document_text()}
+
+
+def _in_words(name: str, estimate: IdentifiedValue) -> str:
+    """Return a value with its standard error, where it has one, and its unit."""
+    _, value, error, unit = _line(name, estimate)
+    known = value if estimate.standard_error is None else f"{value} ± {error}"
+    return known if unit == "1" else f"{known} {unit}"
 
 
 def identify_contact(
@@ -180,11 +212,9 @@ class IdentifyCommand(Command[IdentifyResult]):
     def draw(self, result: IdentifyResult, folder: Path) -> list[str]:
         """Write the pulse beside the law."""
         from strikewave.analyses.impact.figures.identified import identified_figure
-        from strikewave.reporting.style import plain, save
+        from strikewave.reporting.style import save, titled
 
-        figure = identified_figure(result.found)
-        figure.suptitle(plain(result.title, 90), x=0.01, ha="left", fontsize=11)
-        save(figure, folder / "summary.svg")
+        save(titled(identified_figure(result.found), result.title), folder / "summary.svg")
         return ["summary.svg"]
 
 

@@ -29,10 +29,12 @@ from strikewave.contact import (
 from strikewave.contact.cushions import cushion_laws
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.shown_result import columns_of
 from strikewave.reporting.terminal import say, table, tell
 
 ASKED = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
@@ -101,6 +103,20 @@ class LawsResult(measured.AskedResult):
                 for law in laws.cushions.values()
             ],
         }
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return how many laws there are of each kind."""
+        return [(kind, str(len(rows))) for kind, rows in self.content().items() if isinstance(rows, list)]
+
+    def columns(self) -> list[Column]:
+        """Return the laws with equation, status and source."""
+        kinds = {kind: rows for kind, rows in self.content().items() if isinstance(rows, list)}
+        rows = [{"kind": kind, **row} for kind, rows in kinds.items() for row in rows]
+        return columns_of(rows, self.units())
+
+    def brief(self) -> dict[str, str]:
+        """Return kind, name, equation and status."""
+        return dict.fromkeys(("kind", "name", "equation", "status"), "")
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""

@@ -25,6 +25,7 @@ from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.shown_result import Curve, columns_of, history_curve
 from strikewave.reporting.terminal import number, table, tell
 
 ERRORS = {"closed form": 1e-9, "integrator": 1e-6}
@@ -107,6 +108,29 @@ class ImpactResult(measured.AskedResult):
             "differ": self.answers.differ,
             "answers": [vars(row) for row in self.answers.rows],
         }
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return coefficient of restitution, peak force, duration and largest indentation of the first blow."""
+        first = self.blows[0]
+        return [
+            ("coefficient of restitution", f"{float(first.restitution):.4g}"),
+            ("peak force", with_unit(float(first.peak_force), "N", "kN")),
+            ("duration", with_unit(float(first.duration), "s", "us")),
+            ("indentation", with_unit(float(first.max_indentation), "m", "um")),
+        ]
+
+    def columns(self) -> list[Column]:
+        """Return the blows, one after another on the same spot."""
+        return columns_of([_numbers(blow) for blow in self.blows], _UNITS)
+
+    def brief(self) -> dict[str, str]:
+        """Return restitution, indentation, force, duration and loss."""
+        return {"restitution": "1", "max_indentation": "um", "peak_force": "kN", "duration": "us", "energy_lost": "J"}
+
+    def preview(self) -> Curve:
+        """Return the force of the first blow."""
+        blow = impact_history(self.blows[0])
+        return history_curve(blow.time, blow.force, "N", "kN", "contact force")
 
     @property
     def drawn(self) -> list[int]:

@@ -11,6 +11,9 @@ from strikewave.analyses.machine.result import Solution
 from strikewave.reporting.style import save
 from strikewave.reporting.terminal import progress_bar, say
 
+picture, page = summary, report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+
 
 def draw_result(solution: Solution, folder: Path, animate: bool = False) -> list[str]:
     """Write page and pictures of a run into a folder, and return their names."""

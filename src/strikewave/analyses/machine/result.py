@@ -11,19 +11,23 @@ import dataclasses
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave._version import __version__
-from strikewave.analyses.machine.columns import BLOW_SI, BLOW_UNITS, HIDDEN
+from strikewave.analyses.machine.columns import BLOW_SI, BLOW_UNITS, HIDDEN, shown_in
 from strikewave.analyses.machine.contact_answers import ANSWER_UNITS, ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
-from strikewave.base.result import SCHEMA, Comparison, Notice, Result, Source, comparison_document
+from strikewave.base.result import SCHEMA, Comparison, Notice, Source, comparison_document
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
 from strikewave.reporting.columns import Column, csv_table
+from strikewave.reporting.numbers import with_band
+from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
 from strikewave.sensors.channel import SensorPulse
 from strikewave.waves.setup import LayerUsed, WaveSetup
 
@@ -33,6 +37,8 @@ if TYPE_CHECKING:
 
 LARGEST_LOAD = 4_000_000_000
 """A solution file that would take more bytes than this is refused."""
+SHOWN_WIDTHS = 2.2
+"""Widths of the first blow that its curve lasts: the pulse, and as long again in which the object flies."""
 
 HISTORIES = (
     "contact_force",
@@ -83,7 +89,7 @@ LAUNCH_UNITS = {"approach_speed": "m/s", "energy_released": "J", "energy_at_touc
 
 
 @dataclass(frozen=True)
-class Solution(Result):
+class Solution(ShownResult):
     """What a run gave; see `Result` for what it shares with others.
 
     Attributes
@@ -193,11 +199,44 @@ class Solution(Result):
         rows = [dataclasses.asdict(collision) for collision in self.collisions]
         return {"launch": self.launch, "collisions": rows} if self.launch else {}
 
+    @property
+    def struck(self) -> list[Blow]:
+        """The blows that touched the object."""
+        return [blow for blow in self.blows if blow.kind != "missed"]
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the number of blows, peak, width and velocity change of the first one, and the interval."""
+        struck, band = self.struck, self.band
+        counted = [("blows", str(len(struck)))]
+        if not struck:
+            return counted
+        first, times = struck[0], [blow.time for blow in struck]
+        numbers = [
+            ("first peak", with_band(first.rigid_peak, band.get("first.rigid_peak"), "m/s^2", "g")),
+            ("width", with_band(first.width, band.get("first.width"), "s", "us")),
+            ("velocity change", with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s", 3)),
+        ]
+        if len(times) > 1:
+            interval = median(later - earlier for earlier, later in pairwise(times))
+            numbers.append(("interval", with_band(interval, band.get("interval"), "s", "ms")))
+        return [*counted, *numbers]
+
+    def preview(self) -> Curve | None:
+        """Return the rigid-body acceleration of the first blow over twice its width."""
+        place = next((k for k, blow in enumerate(self.blows) if blow.kind != "missed"), None)
+        if place is None:
+            return None
+        blow, time = self.blows[place], self.data["pulse_time"].values
+        kept = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
+        acceleration = self.data["pulse_acceleration"].values[place][kept]
+        return history_curve(time[kept], acceleration, "m/s^2", "g", f"rigid-body acceleration, blow {blow.index}")
+
     def tables(self) -> dict[str, str]:
         """Return the table of blows as CSV text, every column with its unit."""
-        return {"blows.csv": self._blow_table()}
+        return {"blows.csv": csv_table(self.columns())}
 
-    def _blow_table(self) -> str:
+    def columns(self) -> list[Column]:
+        """Return the table of blows, with what taps and sensors show of each."""
         columns = [
             Column(name, [getattr(blow, name) for blow in self.blows], BLOW_SI.get(name, ""))
             for name in (one.name for one in dataclasses.fields(Blow))
@@ -210,7 +249,12 @@ class Solution(Result):
             pulses = [None if reading is None else reading.sensors[name] for reading in self.readings]
             for key, si in (("peak", "m/s^2"), ("width", "s"), ("clipped", "")):
                 columns.append(Column(f"{name} {key}", [getattr(pulse, key, None) for pulse in pulses], si))
-        return csv_table(columns)
+        return columns
+
+    def brief(self) -> dict[str, str]:
+        """Return the columns of the table of blows on the screen, and the peaks of the sensors."""
+        usual = {"index": "", "kind": "", **{name: unit for name, _, unit, _ in shown_in("blows")}}
+        return usual | {f"{name} peak": "g" for reading in self.readings if reading for name in reading.sensors}
 
     def save(self, path: Path) -> None:
         """Write the whole solution as NetCDF; `load_solution` reads it back."""

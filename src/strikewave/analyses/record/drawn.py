@@ -2,16 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from strikewave.analyses.record.figures.spectra import record_summary
+from strikewave.analyses.record.figures.spectra import record_summary, srs_figure
 from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.result import RecordResult
-from strikewave.reporting.style import save
+from strikewave.analyses.record.spectrum import SpectrumResult
+from strikewave.reporting.style import save, titled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def record_picture(result: RecordResult) -> Figure:
+    """Return the records with what is measured of them."""
+    return record_summary(result.readings, result.campaigns[0] if result.campaigns else None)
+
+
+def spectrum_picture(result: SpectrumResult) -> Figure:
+    """Return the first spectrum over frequency."""
+    return titled(srs_figure(result.spectra[0], unit=result.reading.channel.unit), result.title)
+
+
+picture: dict[type, Callable[[Any], Figure]] = {RecordResult: record_picture, SpectrumResult: spectrum_picture}
+page: dict[type, Callable[[Any], str]] = {RecordResult: record_report}
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
 
 
 def draw_result(result: RecordResult, folder: Path) -> list[str]:
     """Write page and picture of records into a folder, and return their names."""
-    save(record_summary(result.readings, result.campaigns[0] if result.campaigns else None), folder / "summary.svg")
+    save(record_picture(result), folder / "summary.svg")
     (folder / "report.html").write_text(record_report(result), "utf-8", newline="\n")
     return ["report.html", "summary.svg"]

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
+
 from strikewave.analyses.record.chosen import sources_of
 from strikewave.base.result import Notice
 from strikewave.records.campaign import Campaign
@@ -16,7 +18,8 @@ from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
-from strikewave.reporting.numbers import shown_unit
+from strikewave.reporting.numbers import shown_unit, with_unit
+from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
@@ -74,9 +77,44 @@ class RecordResult(AskedResult):
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
         return content
 
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the number of files and blows, and the means of their peaks, widths and velocity changes."""
+        blows = sum(len(reading.pulses) for file in self.readings for reading in file.channels)
+        numbers = [("files", str(len(self.readings))), ("blows", str(blows))]
+        units, shown = self.units(), {"m/s^2": "g", "s": "us", "N": "kN", "m/s": "m/s"}
+        for name, statistic in self.campaigns[0].statistics.items() if self.campaigns else ():
+            if units.get(name) in shown:
+                numbers.append(
+                    (f"mean {name.replace('_', ' ')}", with_unit(statistic.mean, units[name], shown[units[name]]))
+                )
+        return numbers
+
+    def columns(self) -> list[Column]:
+        """Return all blows, file by file."""
+        return pulse_columns(self.readings)
+
+    def brief(self) -> dict[str, str]:
+        """Return where each blow stands, and what it is."""
+        shown, units = {"m/s^2": "g", "s": "us", "N": "kN"}, {column.name: column.si for column in self.columns()}
+        places = {"file": "", "channel": "", "index": "", "time": "s"}
+        return places | {n: shown.get(units[n], units[n]) for n in ("peak", "width", "velocity_change")}
+
+    def preview(self) -> Curve | None:
+        """Return the first channel over the first blow; over the whole record where there is none."""
+        reading = next((reading for file in self.readings for reading in file.channels), None)
+        if reading is None:
+            return None
+        channel, unit = reading.channel, reading.channel.unit
+        chosen = np.ones(channel.values.size, bool)
+        for pulse in reading.pulses[:1]:
+            span = pulse.end - pulse.begin
+            chosen = (channel.time >= pulse.begin - span) & (channel.time <= pulse.end + 2.0 * span)
+        shown = {"m/s^2": "g", "N": "kN"}.get(unit, unit)
+        return history_curve(channel.time[chosen], channel.values[chosen], unit, shown, channel.name)
+
     def tables(self) -> dict[str, str]:
         """Return all pulses as CSV text."""
-        return {"pulses.csv": pulse_table(self.readings)}
+        return {"pulses.csv": csv_table(self.columns())}
 
 
 def name_of(paths: Sequence[Path]) -> str:
@@ -216,8 +254,8 @@ OF_CHANNEL = ("peak", "offset", "noise", "smooth_peak")
 """Figures of a pulse in the unit of its channel; the velocity change is in that unit times seconds."""
 
 
-def pulse_table(files: Sequence[FileReading]) -> str:
-    """Return all pulses as CSV, one line a pulse; where channels differ in unit, ``unit`` is that of each line."""
+def pulse_columns(files: Sequence[FileReading]) -> list[Column]:
+    """Return all pulses, one line a pulse; where channels differ in unit, ``unit`` is that of each line."""
     rows = [
         (file.path, reading, index, pulse_row(pulse))
         for file in files
@@ -237,4 +275,4 @@ def pulse_table(files: Sequence[FileReading]) -> str:
     for name in (*names, "begin", "end", "smooth_peak", "smooth_width", "smooth_misfit"):
         si = only if name in OF_CHANNEL else INTEGRALS.get(only, f"{only} s") if name == "velocity_change" else ""
         columns.append(Column(name, [row[name] for _, _, _, row in rows], PULSE_UNITS.get(name, si)))
-    return csv_table(columns)
+    return columns

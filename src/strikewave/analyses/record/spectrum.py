@@ -17,9 +17,10 @@ from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.layout import KEY, numerals
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.numbers import axis_unit, listed, with_unit
 from strikewave.reporting.options import Output, Typed
 from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.shown_result import Curve
 from strikewave.reporting.terminal import number, say, significant, table, tell
 from strikewave.signal.srs import Scope, Spectrum, octaves, srs
 
@@ -115,12 +116,47 @@ class SpectrumResult(measured.AskedResult):
             **{spectrum.kind: spectrum.side(self.side) for spectrum in self.spectra},
         }
 
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the quality factor, and the largest value of each spectrum with its frequency."""
+        first = self.spectra[0]
+        numbers = [("Q", "undamped" if math.isinf(first.q) else f"{first.q:g}")]
+        for spectrum in self.spectra:
+            values = spectrum.side(self.side)
+            at = int(np.argmax(values))
+            where = with_unit(float(spectrum.frequency[at]), "Hz", "Hz", 3)
+            numbers.append((spectrum.kind, f"{with_unit(float(values[at]), *self._shown(spectrum))} at {where}"))
+        return numbers
+
+    def preview(self) -> Curve:
+        """Return the first spectrum over the logarithm of natural frequency."""
+        first = self.spectra[0]
+        size, unit = axis_unit(*self._shown(first))
+        words = f"{first.kind} ({unit})" if unit not in ("", "1") else first.kind
+        return Curve(np.log10(first.frequency), first.side(self.side) / size, "log10 of frequency in Hz", words)
+
+    def _shown(self, spectrum: Spectrum) -> tuple[str, str]:
+        """Return SI unit and shown unit of a spectrum; none where the record is no acceleration."""
+        if self.reading.channel.unit != "m/s^2":
+            return "", ""
+        return KIND_UNITS[spectrum.kind], SHOWN_UNITS[spectrum.kind]
+
     def tables(self) -> dict[str, str]:
         """Return the spectra as CSV text."""
+        return {"spectrum.csv": csv_table(self.columns())}
+
+    def columns(self) -> list[Column]:
+        """Return the spectra over natural frequency."""
         of = "" if self.reading.channel.unit == "m/s^2" else " for a record in m/s^2"
         columns = [Column("frequency", self.spectra[0].frequency, "Hz")]
-        columns += [Column(f"{s.kind}{of}", s.side(self.side), KIND_UNITS[s.kind]) for s in self.spectra]
-        return {"spectrum.csv": csv_table(columns)}
+        return columns + [Column(f"{s.kind}{of}", s.side(self.side), KIND_UNITS[s.kind]) for s in self.spectra]
+
+    def brief(self) -> dict[str, str]:
+        """Return all columns."""
+        return {"frequency": "Hz"} | {column.name: self._unit(column.name) for column in self.columns()[1:]}
+
+    def _unit(self, name: str) -> str:
+        kind = name.partition(" ")[0]
+        return SHOWN_UNITS[kind] if self.reading.channel.unit == "m/s^2" else KIND_UNITS[kind]
 
 
 def spectrum_of(reading: ChannelReading, kind: str, frequencies: ArrayLike, q: float, scope: Scope) -> Spectrum:
@@ -184,15 +220,14 @@ class SrsCommand(Command[SpectrumResult]):
     def draw(self, result: SpectrumResult, folder: Path) -> list[str]:
         """Write the spectra, and the four-coordinate picture."""
         from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
-        from strikewave.reporting.style import plain, save
+        from strikewave.reporting.style import save, titled
 
         pictures = {
             "summary.svg": srs_figure(result.spectra[0], unit=result.reading.channel.unit),
             "tripartite.svg": tripartite(result.velocity),
         }
         for name, figure in pictures.items():
-            figure.suptitle(plain(result.title, 90), x=0.01, ha="left", fontsize=11)
-            save(figure, folder / name)
+            save(titled(figure, result.title), folder / name)
         return list(pictures)
 
 

@@ -13,6 +13,9 @@ from strikewave.reporting.style import save
 from strikewave.reporting.terminal import progress_bar
 from strikewave.reporting.wave_field import xt_diagram
 
+picture, page = wave_summary, wave_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+
 
 def draw_result(solution: WaveSolution, folder: Path, quantity: str = "stress", animate: bool = False) -> list[str]:
     """Write page and pictures of a stack into a folder, and return their names."""

@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.base.result import SCHEMA, Result, Source
+from strikewave.base.result import SCHEMA, Source
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import FittedLoss, fitted_losses
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.numbers import with_band, with_unit
+from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.pulse import largest
@@ -36,7 +38,7 @@ def load_peak(run: BarRun) -> float:
 
 
 @dataclass(frozen=True)
-class WaveSolution(Result):
+class WaveSolution(ShownResult):
     """What a bar under its load did; see `Result` for what it shares with others.
 
     Attributes
@@ -286,6 +288,40 @@ class WaveSolution(Result):
             "route": self.route,
         }
         return xarray.Dataset(variables, coordinates, attributes)
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the peaks at the first tap, and what each sensor reads."""
+        numbers = [("taps", str(len(self.taps)))]
+        for k, (name, _) in enumerate(self.taps[:1]):
+            peaks = self.peaks(k, self.route)
+            numbers += [
+                (f"force at {name}", with_unit(peaks["force"], "N", "kN")),
+                (f"velocity at {name}", with_unit(peaks["velocity"], "m/s", "m/s")),
+            ]
+            if peaks["acceleration"] is not None:
+                numbers.append((f"acceleration at {name}", with_unit(peaks["acceleration"], "m/s^2", "g")))
+        for name, pulse in self.sensors.items():
+            band = self.band.get(f"sensor.{name}.peak")
+            numbers.append((f"sensor {name}", with_band(pulse.peak, band, "m/s^2", "g")))
+        return numbers
+
+    def columns(self) -> list[Column]:
+        """Return the taps with their peaks."""
+        return columns_of(self.content()["taps"], self.units())
+
+    def brief(self) -> dict[str, str]:
+        """Return name, layer and peaks of each tap."""
+        return {"name": "", "layer": "", "peaks.force": "kN", "peaks.velocity": "m/s", "peaks.acceleration": "g"}
+
+    def preview(self) -> Curve | None:
+        """Return the acceleration at the first tap, the velocity where theory allows none to be quoted."""
+        seen = self.by_route(0, self.route) if self.taps else None
+        if seen is None:
+            return history_curve(self.run.time, self.run.face_force, "N", "kN", "force on the first face")
+        name = self.taps[0][0]
+        if self.quoted:
+            return history_curve(self.run.time, seen.acceleration, "m/s^2", "g", f"acceleration at {name}")
+        return history_curve(self.run.time, seen.velocity, "m/s", "m/s", f"velocity at {name}")
 
     def tables(self) -> dict[str, str]:
         """Return the histories of all taps as CSV text, every column with its unit."""

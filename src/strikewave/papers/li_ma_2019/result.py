@@ -21,6 +21,8 @@ from strikewave.papers.li_ma_2019.joints import JointCell, JointStudy
 from strikewave.papers.li_ma_2019.runs import Effort, Runs
 from strikewave.papers.li_ma_2019.types import Consistency, EquationRow, Finding, PublishedNumber
 from strikewave.papers.li_ma_2019.unknowns import Unknowns
+from strikewave.reporting.columns import Column
+from strikewave.reporting.shown_result import ShownResult, columns_of
 
 PAPER = "li-ma-2019"
 GASKET_UNITS = {
@@ -100,7 +102,7 @@ class NumberRow:
 
 
 @dataclass(frozen=True)
-class Reproduction(Result):
+class Reproduction(ShownResult):
     """Everything that a reproduction came to; see `Result` for what it shares with others.
 
     Attributes
@@ -187,6 +189,35 @@ class Reproduction(Result):
             "gaskets": [{**asdict(cell), "calm": cell.calm} for cell in self.unknowns.gaskets.cells],
             "joints": [joint_document(cell, self.unknowns.joints) for cell in self.unknowns.joints.cells],
         }
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return how many equations and published numbers were computed, and what was found."""
+        computed = sum(row.best is not None for row in self.numbers)
+        return [
+            ("equations", str(len(self.equations))),
+            ("published numbers computed", f"{computed} of {len(self.numbers)}"),
+            ("findings", str(len(self.findings))),
+        ]
+
+    def columns(self) -> list[Column]:
+        """Return the published numbers with the first answer to each, SI of the unit beside them."""
+        rows = []
+        for row in self.numbers:
+            number, best = row.number, row.best
+            own = {
+                "name": number.name,
+                "where": number.where,
+                "quantity": number.quantity,
+                "unit": si_unit(number.unit),
+            }
+            difference = None if best is None else best.difference(number.value)
+            answer = {"computed": best and best.value, "difference": difference, "role": best and best.role}
+            rows.append({**own, "published": number.value, **answer, "by": best and best.by})
+        return columns_of(rows, {"difference": "1"})
+
+    def brief(self) -> dict[str, str]:
+        """Return what is published, what was computed, and how far they differ."""
+        return dict.fromkeys(("name", "where", "unit", "published", "computed", "difference", "role"), "")
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""

@@ -3,24 +3,15 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options import Changes, Output, case_name, quantity, read_value, typed_value
-
-if TYPE_CHECKING:
-    from strikewave.studies.buffer.choice import StackChoices
-
-WORST = "worst"
-"""The blow that the stacks are compared at unless said otherwise: that with the largest reading."""
-THICKNESSES = ("0.5 mm", "1 mm", "2 mm")
-"""Of the gaskets unless said otherwise."""
-THICKEST = 0.1
-"""Of the gaskets, m."""
+from strikewave.reporting.options import Changes, Output, case_name, quantity, typed_value
+from strikewave.studies.buffer.defaults import LAYERS, THICKEST, WORST
 
 
 def command(
@@ -59,7 +50,9 @@ def command(
             help="Thickness of the gaskets; 0.5, 1 and 2 mm by default; may be repeated.",
         ),
     ] = None,
-    layers: Annotated[int, typer.Option("--layers", metavar="COUNT", help="Largest number of gaskets in a stack.")] = 3,
+    layers: Annotated[
+        int, typer.Option("--layers", metavar="COUNT", help="Largest number of gaskets in a stack.")
+    ] = LAYERS,
     rank: Annotated[
         Literal["bandwidth", "peak", "robust"],
         typer.Option("--rank", help="Quantity that ranks the stacks that keep the limit."),
@@ -98,10 +91,11 @@ def command(
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for matrices this small, threads wait longer than they work
     from strikewave.studies.buffer.candidate import BufferGoal
+    from strikewave.studies.buffer.question import choices_of
     from strikewave.studies.buffer.screen import BufferCommand, rank_buffers, source_of_case, source_of_record
 
     goal = BufferGoal(limit, rank)
-    choice = _choice(material, thickness, layers)
+    choice = choices_of(material, thickness, layers)
     given = _given(mass, diameter, model)
     if record is None:
         source = source_of_case(case, sensor, changes, given)
@@ -113,28 +107,13 @@ def command(
     return rank_buffers(BufferCommand(source, blow, choice, goal), output)
 
 
-def _chosen(value: Value) -> Value:
-    """Return a value that says in the case where it comes from."""
-    return value.model_copy(update={"note": "chosen by strikewave buffer"})
-
-
-def _choice(names: list[str] | None, sizes: list[Value] | None, layers: int) -> StackChoices:
-    from strikewave.studies.buffer.choice import StackChoices, stacks
-    from strikewave.studies.buffer.mounting_site import usual_materials
-
-    thicknesses = tuple(
-        _chosen(size) for size in sizes or [read_value(text, "--thickness", "m", THICKEST) for text in THICKNESSES]
-    )
-    choice = StackChoices(tuple(names or usual_materials()), thicknesses, layers)
-    stacks(choice)
-    return choice
-
-
 def _given(mass: Value | None, diameter: Value | None, model: str | None) -> dict[str, Any]:
     """Return what was typed of the sensor."""
+    from strikewave.studies.buffer.question import chosen
+
     sensor: dict[str, Any] = {} if model is None else {"model": model}
     if mass is not None:
-        sensor["mass"] = _chosen(mass)
+        sensor["mass"] = chosen(mass)
     if diameter is not None:
-        sensor["diameter"] = _chosen(diameter)
+        sensor["diameter"] = chosen(diameter)
     return sensor

@@ -13,10 +13,12 @@ from strikewave.base.citations import citation
 from strikewave.base.json_document import without
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
-from strikewave.base.result import Result, Source
+from strikewave.base.result import Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import UNKNOWN
+from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.studies.buffer.candidate import (
@@ -45,7 +47,7 @@ _OWN = (
 
 
 @dataclass(frozen=True, eq=False)
-class BufferStudy(Result):
+class BufferStudy(ShownResult):
     """Ranked stacks for one sensor and one blow, beside the buffer that the case has now; see `design_buffer`.
 
     See `Result` for what it shares with others.
@@ -131,6 +133,27 @@ class BufferStudy(Result):
         """Return what the recorder keeps with a stack."""
         return reading_of(self.site, candidate.stack, self.motion)
 
+    @property
+    def label(self) -> str:
+        """The title: sensor and blow."""
+        return self.title
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return how many stacks keep the limit, and the first one with its reading and bandwidth."""
+        first, kept = self.candidates[0], sum(candidate.keeps for candidate in self.candidates)
+        limit = with_unit(self.goal.limit, "m/s^2", "g")
+        return [
+            (f"stacks that keep {limit}", f"{kept} of {len(self.candidates)}"),
+            ("first", first.name),
+            ("its peak", with_unit(first.true_peak, "m/s^2", "g")),
+            ("bandwidth within 10 %", with_unit(first.band.within_10, "Hz", "kHz", 3)),
+        ]
+
+    def preview(self) -> Curve:
+        """Return what the sensor reads on the first stack."""
+        reading = self.reading(self.candidates[0])
+        return history_curve(reading.time, reading.values, "m/s^2", "g", f"reading on {self.candidates[0].name}")
+
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
         return UNITS
@@ -189,16 +212,25 @@ class BufferStudy(Result):
         return tomlkit.dumps({"sensor": [row]})
 
     def tables(self) -> dict[str, str]:
-        """Return all candidates as CSV text."""
-        return {"buffers.csv": self._candidate_table()}
+        """Return all candidates as CSV text; yes or no of what is true or not."""
+        words = {True: "yes", False: "no"}
+        columns = [
+            column._replace(values=[words[v] if isinstance(v, bool) else v for v in column.values])
+            for column in self.columns()
+        ]
+        return {"buffers.csv": csv_table(columns, HISTORY_DIGITS)}
 
-    def _candidate_table(self) -> str:
-        """Return all candidates as CSV text, every column with its unit; last, without a place, the present buffer."""
+    def columns(self) -> list[Column]:
+        """Return all candidates, the best first; last, without a place, the present buffer."""
         rows = [_row(place, candidate) for place, candidate in enumerate(self.candidates, 1)]
         rows += [] if self.present is None else [_row(None, self.present)]
         keys = [key for key in rows[0] if key not in ("gaskets", "stress", "strain")]
-        columns = [Column(key, [_cell(row[key]) for row in rows], UNITS.get(key, "")) for key in keys]
-        return csv_table(columns, HISTORY_DIGITS)
+        return [Column(key, [row[key] for row in rows], UNITS.get(key, "")) for key in keys]
+
+    def brief(self) -> dict[str, str]:
+        """Return place, gaskets, reading, whether it keeps the limit, bandwidth and resonance."""
+        bands = dict.fromkeys(("within_10", "resonance"), "kHz")
+        return {"place": "", "name": "", "true_peak": "g", "keeps": "", **bands, "robust": ""}
 
 
 def _row(place: int | None, candidate: BufferCandidate) -> dict[str, Any]:
@@ -214,8 +246,3 @@ def _row(place: int | None, candidate: BufferCandidate) -> dict[str, Any]:
         **candidate.band._asdict(),
         **leading,
     }
-
-
-def _cell(value: Any) -> Any:
-    """Return a value of the table; yes or no of what is true or not."""
-    return ("yes" if value else "no") if isinstance(value, bool) else value

@@ -3,23 +3,15 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
-from strikewave.base.errors import InputError, nearest
 from strikewave.reporting.options import CaseName, Changes, Output, Size, grid_size, one_of, share
+from strikewave.studies.map.defaults import EQUAL, POINTS, TRAIN, X, Y
 
-if TYPE_CHECKING:
-    from strikewave.base.quantities import Value
-    from strikewave.cases.case import Case
-    from strikewave.studies.axes import Axis
-
-X, Y = "machine.speed", "object.spring"
-"""What stands along the axes unless said otherwise."""
-POINTS = Size(60, 60)
-"""Along the axes unless said otherwise."""
-MOST_PANELS = 6
+SIZE = Size(*POINTS)
+"""Points along the axes."""
 
 
 def command(
@@ -50,7 +42,7 @@ def command(
             show_default=False,
         ),
     ] = None,
-    points: Annotated[Size, grid_size("--points", help="Number of points along x and y; 60x60 by default.")] = POINTS,
+    points: Annotated[Size, grid_size("--points", help="Number of points along x and y; 60x60 by default.")] = SIZE,
     log: Annotated[
         list[str] | None,
         one_of(
@@ -70,14 +62,14 @@ def command(
         typer.Option(
             "--train", metavar="COUNT", help="Number of blows of the longer train that names the regime; 0 for none."
         ),
-    ] = 60,
+    ] = TRAIN,
     colour: Annotated[
         Literal["cv", "cv_later", "peak", "first_peak", "largest_displacement", "stop_force", "train_time", "missed"],
         typer.Option("--colour", help="Quantity that the picture shows."),
     ] = "cv",
     want_cv: Annotated[
         float, share("--want-cv", help="Largest coefficient of variation of equal blows; 2 % by default.")
-    ] = 0.02,
+    ] = EQUAL,
     workers: Annotated[
         int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
     ] = 2,
@@ -92,42 +84,12 @@ def command(
     where there is none. With --json, no files are written unless --out is given.
     """
     from strikewave.cases.case import load_case
+    from strikewave.studies.map.question import axes_of
     from strikewave.studies.map.screen import MapCommand, run_map
     from strikewave.studies.map.study import check_plan, plan_of
 
     loaded = output.tested(load_case(case, changes or ()))
-    plan = plan_of(loaded, _axes(loaded, (x, y, panels), points, log or []), blows, train)
+    plan = plan_of(loaded, axes_of(loaded, (x, y, panels), points, log or []), blows, train)
     count = min(workers, os.cpu_count() or 1)
     making = MapCommand(plan, want_cv, count, check_plan(plan, count), colour, fresh)
     return run_map(plan, loaded.name, changes or (), making, output)
-
-
-def _axes(case: Case, given: tuple[str, str, str | None], points: Size, log: list[str]) -> tuple[Axis, ...]:
-    """Return the axes of a map from what was typed."""
-    from strikewave.studies.axes import Axis, axis_of, units_of
-
-    axes = []
-    for option, text, size in zip(("x", "y"), given[:2], points, strict=True):
-        path, equals, ends = (part.strip() for part in str(text).partition("="))
-        parts = ends.split(":") if equals else []
-        if equals and len(parts) != 2:
-            raise InputError(f"--{option}", text, "setting=low:high", f'such as --{option} {X}="400 rpm:1000 rpm"')
-        typed = tuple(_value(case, path, part) for part in parts)
-        axes.append(axis_of(case, path, (typed[0], typed[1]) if typed else None, size, option in log))
-    if given[2] is None:
-        return tuple(axes)
-    path, _, ends = (part.strip() for part in given[2].partition("="))
-    values = [_value(case, path, part) for part in ends.split(",") if part.strip()]
-    if not 1 <= len(values) <= MOST_PANELS:
-        allowed = f"setting=value,value, with 1 to {MOST_PANELS} values"
-        raise InputError("--panels", given[2], allowed, 'such as object.damper="10 N s/m, 40 N s/m"')
-    return (*axes, Axis(path, *units_of(path, values[0]), tuple(sorted(v.si for v in values))))
-
-
-def _value(case: Case, path: str, text: str) -> Value:
-    """Return a value of a setting as the case file would take it."""
-    from strikewave.cases.case import dump_case, parse_case
-
-    if path not in case.values():
-        raise InputError(path, text, "a quantity of the case", nearest(path, case.values()))
-    return parse_case(dump_case(case), case.name, [f"{path}={text.strip()}"]).values()[path]

@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
-from strikewave.base.result import Result, Source
+from strikewave.base.result import Source
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.numbers import percent
+from strikewave.reporting.shown_result import ShownResult
 from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, case_at
 from strikewave.studies.map.cells import (
@@ -33,6 +35,7 @@ from strikewave.studies.map.cells import (
     row_of,
     start_worker,
 )
+from strikewave.studies.map.defaults import TRAIN
 from strikewave.studies.map.regimes import NAMES
 from strikewave.studies.map.store import Store
 from strikewave.studies.workers import Workers
@@ -43,8 +46,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-TRAIN = 60
-"""Blows of the longer train by default: its second half then shows a period of `LONGEST_PERIOD` `CYCLES` times."""
 LEAST_TRAIN = 12
 """Fewest blows of a longer train: its second half then shows a period of two `CYCLES` times."""
 MOST_TRAIN = 1000
@@ -105,7 +106,7 @@ class Refusal(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class MapStudy(Result):
+class MapStudy(ShownResult):
     """A map; see `Result` for what it shares with others.
 
     Attributes
@@ -193,6 +194,18 @@ class MapStudy(Result):
         low, high = HALF_TO_TWICE
         return (low * value.si, high * value.si) if value.provenance == "assumed" else None
 
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the number of cells, the scatter of the case, and the nearest setting with equal blows."""
+        numbers = [("cells", str(math.prod(self.plan.shape))), ("CV of the case", percent(self.present["cv"], 2))]
+        if self.setting is None:
+            return [*numbers, ("setting with equal blows", "none")]
+        at = zip(self.plan.axes, self.setting.values, strict=True)
+        return [
+            *numbers,
+            *((axis.path, str(axis.typed(value))) for axis, value in at),
+            ("CV there", percent(self.setting.cv, 2)),
+        ]
+
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
         units = {name: unit for name, (unit, _) in FIELDS.items()} | {
@@ -260,10 +273,10 @@ class MapStudy(Result):
 
     def tables(self) -> dict[str, str]:
         """Return the table of cells."""
-        return {"map.csv": self._cell_table()}
+        return {"map.csv": csv_table(self.columns(), HISTORY_DIGITS)}
 
-    def _cell_table(self) -> str:
-        """Return all cells as CSV text, settings in the units asked for, results in SI; regimes by name."""
+    def columns(self) -> list[Column]:
+        """Return all cells, a file has settings in the units asked for; regimes by name."""
         places = list(np.ndindex(*self.plan.shape))
         settings = zip(*(self._values(place) for place in places), strict=True)
         columns = [
@@ -273,7 +286,12 @@ class MapStudy(Result):
         for name, (si, _) in FIELDS.items():
             values = [_named(name, self.values[place][PLACE[name]]) for place in places]
             columns.append(Column(name, values, "" if name in COUNTED else si))
-        return csv_table(columns, HISTORY_DIGITS)
+        return columns
+
+    def brief(self) -> dict[str, str]:
+        """Return settings, scatter, mean peak, missed blows and regime."""
+        settings = {axis.path: axis.unit or "1" for axis in self.plan.axes}
+        return {**settings, "cv": "1", "peak": "g", "missed": "", "regime": ""}
 
     def _values(self, place: tuple[int, ...]) -> tuple[float, ...]:
         """Return the settings of a cell (panel, row, column)."""

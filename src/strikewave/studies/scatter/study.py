@@ -18,10 +18,12 @@ from numpy.typing import NDArray
 
 from strikewave.base.citations import citation
 from strikewave.base.errors import InputError
-from strikewave.base.result import INFO, Notice, Result, Source
+from strikewave.base.result import INFO, Notice, Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.records.campaign import Statistic, statistic
 from strikewave.reporting.columns import Column, csv_table
+from strikewave.reporting.numbers import axis_unit, percent, with_unit
+from strikewave.reporting.shown_result import Curve, ShownResult
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult
 from strikewave.uncertainty.draws import Tolerance, drawn, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
@@ -148,7 +150,7 @@ class Figure(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class ScatterStudy(Result):
+class ScatterStudy(ShownResult):
     """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others."""
 
     command: ClassVar[str] = "scatter"
@@ -277,16 +279,35 @@ class ScatterStudy(Result):
             for name in FIGURES
         }
 
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the number of runs, the mean peak and width, the scatter within a run, and the largest share."""
+        peak = self.figure("peak")
+        numbers = [
+            ("runs", str(len(self.completed))),
+            ("mean peak", with_unit(peak.mean.mean, "m/s^2", "g")),
+            ("CV within a run", percent(peak.within.median, 2)),
+            ("mean width", with_unit(self.figure("width").mean.mean, "s", "us")),
+        ]
+        for shares in self.shares[:1]:
+            numbers += [(f"share of {row.path}", percent(row.share, 0)) for row in shares.rows[:1]]
+        return numbers
+
+    def preview(self) -> Curve:
+        """Return the median peak of each blow over the runs."""
+        size, name = axis_unit("m/s^2", "g")
+        median = self.peaks()[1]
+        return Curve(np.arange(1.0, median.size + 1.0), median / size, "blow", f"median peak ({name})")
+
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
         return {"scatter.json": self.document_text(2)}
 
     def tables(self) -> dict[str, str]:
         """Return the table of runs."""
-        return {"runs.csv": self._run_table()}
+        return {"runs.csv": csv_table(self.columns())}
 
-    def _run_table(self) -> str:
-        """Return all runs as CSV text: what was drawn, and what came of it, every column with its unit."""
+    def columns(self) -> list[Column]:
+        """Return all runs: what was drawn, and what came of it."""
         units = [one.allowed.unit for one in self.tolerances for _ in range(one.count)]
         names = [name for one in self.tolerances for name in one.names]
         columns = [Column("run", range(1, len(self.runs) + 1))]
@@ -299,7 +320,12 @@ class ScatterStudy(Result):
                 results = [float(read(run, name)) for run in self.runs]
                 columns.append(Column(f"{how} {name}", results, "1" if how.startswith("cv ") else si))
         columns.append(Column("largest displacement", [float(run.largest_displacement) for run in self.runs], "m"))
-        return csv_table([*columns, Column("failure", [run.failure for run in self.runs])])
+        return [*columns, Column("failure", [run.failure for run in self.runs])]
+
+    def brief(self) -> dict[str, str]:
+        """Return number, blows, mean peak, its scatter, width and interval of each run."""
+        figures = {"mean peak": "g", "cv of peak": "1", "mean width": "us", "mean interval": "ms"}
+        return {"run": "", "blows": "", **figures}
 
 
 def marked_text(case: Case, plan: ScatterPlan) -> str:

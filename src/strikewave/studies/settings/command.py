@@ -7,11 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.reporting.options import Changes, Output, complete_case, quantity
-
-REFERENCE, DISC = "li-ma-2019", "45 steel"
-"""Case and material of the turntable unless said otherwise."""
-STIFFNESS: Literal["frame"] = "frame"
-"""What sets the pulse width unless said otherwise."""
+from strikewave.studies.settings.defaults import DISC, REFERENCE, STIFFNESS
 
 
 def command(

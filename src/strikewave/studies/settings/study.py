@@ -20,10 +20,13 @@ from strikewave.base.citations import citation
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.materials import material
-from strikewave.base.result import Notice, Result, Source
-from strikewave.cases.case import Case, dump_case
+from strikewave.base.result import Notice, Source
+from strikewave.cases.case import FORM, Case, dump_case
 from strikewave.cases.contact_of_case import face_contact
 from strikewave.contact.law import indentation_under
+from strikewave.reporting.columns import Column
+from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.shown_result import ShownResult, columns_of
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.studies.settings.candidate import WITHIN, BlowGoal, BlowSpread, SettingsCandidate, rank_key
 from strikewave.studies.settings.estimate import (
@@ -82,6 +85,8 @@ MOST_CANDIDATES = 500
 take seven minutes."""
 SOURCES = ("li-ma-2019", "timoshenko-goodier-1970", "schwager-poschel-2007")
 """Keys of the sources: of the machine, the stress of the disc, the time on the stop."""
+_SPREAD = ("typical", "first", "worst")
+"""Parts of a `BlowSpread` in the unit of its quantity."""
 UNITS = {
     "interval": "s", "peak": "m/s^2", "width": "s", "within": "1", "variation": "1", "approach": "m/s",
     "velocity_change": "m/s", "peak_force": "N", "largest_displacement": "m", "stop_force": "N", "energy_taken": "J",
@@ -102,7 +107,7 @@ class SettingsChoices:
 
 
 @dataclass(frozen=True, eq=False)
-class SettingsStudy(Result):
+class SettingsStudy(ShownResult):
     """Ranked settings for a goal; see `design_settings`, and `Result` for what it shares with others.
 
     ``left_out`` holds the reason why a number of strikers was not run, ``failed`` why a setting gave no result.
@@ -159,6 +164,38 @@ class SettingsStudy(Result):
     def title(self) -> str:
         """The goal in words, after "nearest to" where no candidate meets it."""
         return ("nearest to " if self.broken else "") + goal_words(self.goal)
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return how many settings meet the goal, and the first one with its blows."""
+        first = self.candidates[0]
+        values, seen = first.case.values(), first.observation
+        met = sum(candidate.meets for candidate in self.candidates)
+        return [
+            ("settings that meet the goal", f"{met} of {len(self.candidates)}"),
+            ("speed", with_unit(values["machine.speed"].si, "rad/s", "rpm")),
+            ("strikers", f"{values['machine.strikers'].si:.0f}"),
+            ("engagement", with_unit(values["machine.engagement"].si, "m", "mm")),
+            ("typical peak", with_unit(seen.peak.typical, "m/s^2", "g")),
+            ("typical width", with_unit(seen.width.typical, "s", "us")),
+        ]
+
+    def columns(self) -> list[Column]:
+        """Return the candidates, the best first; settings in SI by their paths."""
+        rows = []
+        for place, one in enumerate(self.candidates, 1):
+            row = _row(place, one)
+            settings = {path: values["si"] for path, values in row["settings"].items()}
+            rows.append({k: v for k, v in row.items() if k not in ("settings", "estimate", "blows")} | settings)
+        paths = {path: FORM.range_at(path.split(".")) for one in self.candidates for path in one.chosen}
+        units = UNITS | {path: "" if of is None or of.unit == "count" else of.unit for path, of in paths.items()}
+        spread = {f"{name}.{part}": UNITS[name] for name in ("peak", "width", "interval") for part in _SPREAD}
+        return columns_of(rows, units | spread)
+
+    def brief(self) -> dict[str, str]:
+        """Return the main settings of each candidate, and its typical blow."""
+        settings = {"strikers": "", "machine.speed": "rpm", "machine.engagement": "mm"}
+        blow = {"peak.typical": "g", "width.typical": "us", "interval.typical": "ms", "peak.variation": "1"}
+        return {"place": "", "meets": "", **settings, **blow}
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""

@@ -10,6 +10,9 @@ from typing import Any, ClassVar
 from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
 from strikewave.exchange.ls_dyna.folder import ContactPulse, EnergyHistory, Extreme, LsDynaContact, pulse_of
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.columns import Column
+from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.shown_result import Curve, columns_of, history_curve
 
 UNITS = {
     "peak": "N", "at": "s", "impulse": "N s", "begin": "s", "end": "s", "width": "s", "span": "s", "shift": "s",
@@ -68,6 +71,38 @@ class LsDynaResult(measured.AskedResult):
                 },
             }
         return content
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return the largest force of the first contact in LS-DYNA, and its difference from ours where there is one."""
+        pulses = [(contact.name, pulse_of(contact.first)) for contact in self.found.ls_dyna.contacts]
+        numbers = [("contacts", str(len(pulses)))]
+        for name, pulse in pulses[:1]:
+            peak = None if pulse is None else pulse.peak
+            numbers.append((f"peak of contact {name}", with_unit(peak, "N", "kN")))
+        for pair in self.found.forces[:1]:
+            numbers.append((f"difference of {pair.name}", percent(pair.difference("peak"), 1, "+")))
+        return numbers
+
+    def columns(self) -> list[Column]:
+        """Return the contacts of both runs where they are compared, else those of LS-DYNA."""
+        if self.found.strikewave is not None:
+            rows = [{"name": pair.name, **_pair(pair)} for pair in self.found.forces]
+        else:
+            contacts = self.found.ls_dyna.contacts
+            rows = [{"name": contact.name, **(_pulse(pulse_of(contact.first)) or {})} for contact in contacts]
+        return columns_of(rows, UNITS)
+
+    def brief(self) -> dict[str, str]:
+        """Return the peaks of both runs and their difference, or the pulses of LS-DYNA."""
+        if self.found.strikewave is not None:
+            return {"name": "", "strikewave.peak": "kN", "ls_dyna.peak": "kN", "peak_difference": "1"}
+        return {"name": "", "peak": "kN", "width": "us", "impulse": "N s"}
+
+    def preview(self) -> Curve | None:
+        """Return the force of the first contact in LS-DYNA."""
+        for contact in self.found.ls_dyna.contacts[:1]:
+            return history_curve(contact.first.time, contact.first.size, "N", "kN", f"force of contact {contact.name}")
+        return None
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""

@@ -1,0 +1,370 @@
+"""What a result shows of itself in Python: a line, a table with its curve in a notebook, its picture, report and table.
+
+A result says what that is in `ShownResult.highlights`, `ShownResult.columns` and `ShownResult.preview`.
+Its picture, and its page where it has one of its own, stand in the module ``drawn`` beside it (``picture``, ``page``),
+which is found by its name: it takes long to import, and imports the result.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.base.output_folder import write_atomically
+from strikewave.base.result import WARNING, Result
+from strikewave.reporting.columns import Column
+from strikewave.reporting.numbers import axis_unit, headed, shown, time_unit
+from strikewave.reporting.parts import written
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+MOST_ROWS = 12
+"""Rows of the table in a notebook: a train of blows, and no more than a screen shows beside the curve."""
+MOST_NUMBERS = 4
+"""Highlights in the one line of a result: more would not be read."""
+WIDTH, HEIGHT, MARGIN = 420, 150, 34
+"""Of the curve in a notebook, pixels: half as wide as a page of one, and letters of 11 pixels below and above it."""
+COLUMNS = 210
+"""Columns into which the samples of the curve are gathered, two pixels each."""
+
+
+def columns_of(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> list[Column]:
+    """Return rows, such as those of a JSON document, as columns; a table within a row is spread, lists are left out.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        In SI.
+    units : mapping of str to str
+        SI unit of each key, or of the last part of a spread one.
+
+    Examples
+    --------
+    >>> [column[:3] for column in columns_of([{"name": "mid", "peaks": {"force": 2.0}}], {"force": "N"})]
+    [('name', ['mid'], ''), ('peaks.force', [2.0], 'N')]
+    """
+    flat = [dict(_flat(row)) for row in rows]
+    names = dict.fromkeys(name for row in flat for name in row)
+    return [
+        Column(name, [row.get(name) for row in flat], units.get(name, units.get(name.rpartition(".")[2], "")))
+        for name in names
+    ]
+
+
+def _flat(row: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the single values of a row, those of a table within it by their paths."""
+    for name, value in row.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{path}{name}.")
+        elif isinstance(value, str) or not hasattr(value, "__len__"):
+            yield f"{path}{name}", value
+
+
+class Curve(NamedTuple):
+    """The pulse, or what says most of a result: values over an axis, with their labels and units, as they are shown."""
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    x_label: str
+    y_label: str
+
+
+def history_curve(time: ArrayLike, values: ArrayLike, si: str, usual: str, words: str) -> Curve:
+    """Return a history, time and values in SI, as a curve in the units in which it is shown.
+
+    Examples
+    --------
+    >>> history_curve([0.0, 1e-4], [0.0, 9806.65], "m/s^2", "g", "acceleration")[2:]
+    ('time (µs)', 'acceleration (g)')
+    """
+    x, y = np.asarray(time, float), np.asarray(values, float)
+    (second, unit), (size, name) = time_unit(float(np.ptp(x)) if x.size else 0.0), axis_unit(si, usual)
+    return Curve(x / second, y / size, f"time ({unit})", f"{words} ({name})" if name not in ("", "1") else words)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShownResult(Result):
+    """A result that shows itself in Python; see `Result` for what files and JSON take of it."""
+
+    drawing: ClassVar[str] = "drawn"
+    """The module beside the result with its picture and page; empty where nothing is drawn."""
+
+    def __init_subclass__(cls, **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        cls.__repr__ = ShownResult.__repr__  # type: ignore[method-assign]  # a dataclass writes its own otherwise
+
+    @property
+    def label(self) -> str:
+        """What it is called in one line: the name of its case, else its title."""
+        return self.source.name or self.title
+
+    def highlights(self) -> Sequence[tuple[str, str]]:
+        """Return the few numbers that it comes to, each with its label, the most important one first.
+
+        Examples
+        --------
+        >>> from strikewave import load_case, run_case
+        >>> run_case(load_case("li-ma-2019", ["feed.blows=1"])).highlights()[1]
+        ('first peak', '4151 g')
+        """
+        return ()
+
+    def columns(self) -> Sequence[Column]:
+        """Return its main table.
+
+        Examples
+        --------
+        >>> from strikewave import load_case, run_case
+        >>> [column.name for column in run_case(load_case("li-ma-2019", ["feed.blows=1"])).columns()][:3]
+        ['index', 'kind', 'striker']
+        """
+        return ()
+
+    def brief(self) -> Mapping[str, str]:
+        """Return the columns that a notebook shows, each with the unit in which it does as a rule.
+
+        Examples
+        --------
+        >>> from strikewave import load_case, run_case
+        >>> run_case(load_case("li-ma-2019", ["feed.blows=1"])).brief()["rigid_peak"]
+        'g'
+        """
+        return {}
+
+    def preview(self) -> Curve | None:
+        """Return the pulse, or what says most of it; None where no single curve does.
+
+        Examples
+        --------
+        >>> from strikewave import load_case, run_case
+        >>> run_case(load_case("li-ma-2019", ["feed.blows=1"])).preview().y_label
+        'rigid-body acceleration, blow 1 (g)'
+        """
+        return None
+
+    def plot(self) -> Figure:
+        """Return its picture, the one that its command writes, as a matplotlib figure.
+
+        Raises
+        ------
+        StrikewaveError
+            If it has none.
+
+        Examples
+        --------
+        >>> from strikewave import load_case, run_case
+        >>> figure = run_case(load_case("li-ma-2019", ["feed.blows=1"])).plot()
+        >>> len(figure.axes)
+        3
+        """
+        picture = self._drawn("picture")
+        if picture is None:
+            raise StrikewaveError(f"a {type(self).__name__} has no picture: to_dataframe() has what it holds")
+        figure: Figure = picture(self)
+        _show_in_notebooks()
+        return figure
+
+    def report(self, path: Path | str) -> Path:
+        """Write its report as one HTML file, whole or not at all: the one that its command writes.
+
+        Where the command writes none, the report has its key numbers, picture, table and warnings.
+
+        Parameters
+        ----------
+        path : Path or str
+            The file, which ends in ``.html``, or a folder, where it is called ``report.html``.
+
+        Returns
+        -------
+        Path
+            Of the file.
+
+        Raises
+        ------
+        InputError
+            If the place is no HTML file in a folder that exists.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from strikewave import load_case, run_case
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     run_case(load_case("li-ma-2019", ["feed.blows=1"])).report(folder).name
+        'report.html'
+        """
+        place = Path(path)
+        place = place / "report.html" if place.is_dir() else place
+        if place.suffix.lower() not in (".html", ".htm") or not place.parent.is_dir():
+            raise InputError("path", str(path), "a file that ends in .html, in a folder that exists, or that folder")
+        page = self._drawn("page")
+        write_atomically(place, self._plain_page() if page is None else page(self))
+        return place
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Return its main table in SI; ``attrs["units"]`` holds the unit of each column.
+
+        Raises
+        ------
+        StrikewaveError
+            If it has none.
+
+        Examples
+        --------
+        >>> from strikewave import load_case, run_case
+        >>> table = run_case(load_case("li-ma-2019")).to_dataframe()
+        >>> len(table), table.attrs["units"]["rigid_peak"]
+        (11, 'm/s^2')
+        """
+        import pandas
+
+        columns = self.columns()
+        if not columns:
+            raise StrikewaveError(f"a {type(self).__name__} has no table: document() has all that it holds")
+        table = pandas.DataFrame({column.name: list(column.values) for column in columns})
+        table.attrs["units"] = {column.name: column.si for column in columns if column.si}
+        return table
+
+    def _plain_page(self) -> str:
+        """Return the page of a result that has none of its own."""
+        from strikewave.reporting.plain_page import plain_page
+
+        picture = self._drawn("picture")
+        return plain_page(self, self.highlights(), picture and picture(self), *shown_table(self))
+
+    def _drawn(self, what: str) -> Callable[[Any], Any] | None:
+        """Return the function that makes the picture or the page of this result; None where there is none."""
+        if not self.drawing:
+            return None
+        module = import_module(f"{type(self).__module__.rpartition('.')[0]}.{self.drawing}")
+        functions: Mapping[type, Callable[[Any], Any]] | Callable[[Any], Any] | None = getattr(module, what, None)
+        return functions.get(type(self)) if isinstance(functions, Mapping) else functions
+
+    def __repr__(self) -> str:
+        numbers = [f"{label} {value}" for label, value in self.highlights()[:MOST_NUMBERS]]
+        failed = [notice.code for notice in self.notices if notice.broken]
+        numbers += [f"check failed: {code}" for code in dict.fromkeys(failed)]
+        return f"<{type(self).__name__} {self.label}" + (f": {', '.join(numbers)}>" if numbers else ">")
+
+    def _repr_html_(self) -> str:
+        failed = list(dict.fromkeys(notice.code for notice in self.notices if notice.broken))
+        count = sum(notice.severity == WARNING for notice in self.notices)
+        state = f"check failed: {', '.join(failed)}" if failed else "all checks passed"
+        state += f"; {count} warning{'s' if count > 1 else ''}: see notices" if count and not failed else ""
+        numbers = "".join(_row("th", "td", [label, value]) for label, value in self.highlights())
+        curve = self.preview()
+        beside = [f"<table>{numbers}</table>"] * bool(numbers) + ([_svg(curve)] if curve is not None else [])
+        cells = "".join(f'<td style="vertical-align:top;border:0">{part}</td>' for part in beside)
+        return (
+            f"<div><p><b>{escape(self.title)}</b><br>{escape(type(self).__name__)}; {escape(state)}</p>"
+            f'<table style="border:0"><tr>{cells}</tr></table>{_html_table(self)}</div>'
+        )
+
+
+def _html_table(result: ShownResult) -> str:
+    """Return the first rows of the main table, as notebooks show them; nothing where no column is shown."""
+    heads, rows = shown_table(result, MOST_ROWS)
+    if not heads:
+        return ""
+    count = len(result.columns()[0].values)
+    more = f"<p>{count - MOST_ROWS} more rows: see to_dataframe()</p>" if count > MOST_ROWS else ""
+    body = "".join(_row("td", "td", row) for row in rows)
+    return f"<table><thead>{_row('th', 'th', heads)}</thead><tbody>{body}</tbody></table>{more}"
+
+
+def _row(first: str, rest: str, cells: Sequence[str]) -> str:
+    """Return a row of a table; the first cell is of its own kind."""
+    kinds = [first] + [rest] * (len(cells) - 1)
+    parts = (
+        f'<{kind} style="text-align:left">{escape(cell)}</{kind}>' for kind, cell in zip(kinds, cells, strict=True)
+    )
+    return f"<tr>{''.join(parts)}</tr>"
+
+
+def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of the columns that a notebook shows, with their units; the first ``most`` rows.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_case
+    >>> heads, rows = shown_table(run_case(load_case("li-ma-2019", ["feed.blows=1"])))
+    >>> heads[:3], rows[0][:3]
+    (['index', 'kind', 'time (ms)'], ['1', 'full', '220.5'])
+    """
+    usual = result.brief()
+    kept = [column for column in result.columns() if column.name in usual]
+    heads = [headed(column.name.replace("_", " "), column.si, usual[column.name]) for column in kept]
+    cells = ([_cell(value, column.si, usual[column.name]) for value in column.values[:most]] for column in kept)
+    return heads, [list(row) for row in zip(*cells, strict=True)]
+
+
+def _cell(value: Any, si: str, usual: str) -> str:
+    """Return a cell as it is shown.
+
+    Examples
+    --------
+    >>> _cell(9806.65, "m/s^2", "g"), _cell(None, "m/s^2", "g"), _cell(True, "", ""), _cell("full", "", "")
+    ('1000', '–', 'yes', 'full')
+    """
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if si in ("", "1") or value is None or value != value:
+        return written(value.item() if isinstance(value, np.generic) else value)
+    return written(shown(float(value), si, usual))
+
+
+def _svg(curve: Curve) -> str:
+    """Return a curve as an inline drawing: its line, its ends, its largest and smallest value."""
+    x, y = _gathered(curve)
+    if x.size < 2:
+        return ""
+    low, high = min(float(y.min()), 0.0), max(float(y.max()), 0.0)
+    left, right = float(x.min()), float(x.max())
+    span, length = (high - low) or 1.0, (right - left) or 1.0
+    across = MARGIN + (WIDTH - 2.0 * MARGIN) * (x - left) / length
+    down = HEIGHT - MARGIN - (HEIGHT - 2.0 * MARGIN) * (y - low) / span
+    zero = HEIGHT - MARGIN + (HEIGHT - 2.0 * MARGIN) * low / span
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(across, down, strict=True))
+
+    def words(where: float, line: float, text: str, anchor: str) -> str:
+        return f'<text x="{where:g}" y="{line:g}" text-anchor="{anchor}">{escape(text)}</text>'
+
+    extent = f"{written(low)} to {written(high)}" if low < 0.0 else f"to {written(high)}"
+    return (
+        f'<svg role="img" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" '
+        f'font-family="sans-serif" font-size="11" fill="currentColor" aria-label="{escape(curve.y_label)}">'
+        f'<line x1="{MARGIN}" x2="{WIDTH - MARGIN}" y1="{zero:.1f}" y2="{zero:.1f}" stroke="#888" stroke-width="0.7"/>'
+        f'<polyline points="{points}" fill="none" stroke="#0072B2" stroke-width="1.5"/>'
+        + words(MARGIN, 16, f"{curve.y_label}: {extent}", "start")
+        + words(MARGIN, HEIGHT - 10, written(left), "start")
+        + words(WIDTH / 2, HEIGHT - 10, curve.x_label, "middle")
+        + words(WIDTH - MARGIN, HEIGHT - 10, written(right), "end")
+        + "</svg>"
+    )
+
+
+def _gathered(curve: Curve) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the known samples of a curve, the smallest and the largest of each of `COLUMNS`."""
+    from strikewave.reporting.curves import thin
+
+    known = np.isfinite(curve.x) & np.isfinite(curve.y)
+    return thin(np.asarray(curve.x)[known], np.asarray(curve.y)[known], COLUMNS)
+
+
+def _show_in_notebooks() -> None:
+    """Let a notebook draw figures that are made without pyplot: its backend, once imported, knows how."""
+    ipython = sys.modules.get("IPython")
+    if ipython is not None and ipython.get_ipython() is not None:
+        with contextlib.suppress(ImportError):
+            import_module("matplotlib_inline.backend_inline")

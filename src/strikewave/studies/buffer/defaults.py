@@ -1,0 +1,10 @@
+"""What a search for gaskets begins with unless said otherwise, for the command line and for Python."""
+
+WORST = "worst"
+"""The blow that the stacks are compared at: that with the largest reading."""
+THICKNESSES = ("0.5 mm", "1 mm", "2 mm")
+"""Of the gaskets."""
+THICKEST = 0.1
+"""Largest thickness of a gasket, m."""
+LAYERS = 3
+"""Largest number of gaskets in a stack."""

@@ -1,0 +1,10 @@
+"""What a map is of unless said otherwise, for the command line and for Python."""
+
+X, Y = "machine.speed", "object.spring"
+"""What stands along the axes."""
+POINTS = (60, 60)
+"""Points along the axes."""
+TRAIN = 60
+"""Blows of the longer train: its second half then shows a period of `LONGEST_PERIOD` `CYCLES` times, see `regimes`."""
+EQUAL = 0.02
+"""Largest coefficient of variation of equal blows."""

@@ -1,0 +1,8 @@
+"""What a search for settings begins with unless said otherwise, for the command line and for Python."""
+
+from typing import Literal
+
+REFERENCE, DISC = "li-ma-2019", "45 steel"
+"""Case and material of the turntable."""
+STIFFNESS: Literal["frame"] = "frame"
+"""What sets the pulse width."""

@@ -1,0 +1,77 @@
+"""Settings asked for in plain values: quantities as texts with their units, or numbers in SI."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from strikewave.base.materials import material
+from strikewave.base.units import si_value
+from strikewave.cases.case import Case, load_case
+from strikewave.studies.settings.candidate import BlowGoal
+from strikewave.studies.settings.defaults import DISC, REFERENCE, STIFFNESS
+from strikewave.studies.settings.study import SettingsChoices, SettingsStudy, design_settings
+
+
+def settings(
+    interval: str | float,
+    peak: str | float,
+    width: str | float,
+    case: Case | None = None,
+    *,
+    strikers: Sequence[int] = (),
+    striker_masses: Sequence[str | float] = (),
+    vary: str = STIFFNESS,
+    disc: str = DISC,
+    stop_limit: str | float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> SettingsStudy:
+    """Find settings of the rotary machine for blows of a wanted peak and width at a wanted interval.
+
+    Every candidate is checked by a full run of all its blows, about a second each.
+
+    Parameters
+    ----------
+    interval, peak, width : str or float
+        Of the blows: with a unit, such as ``"20 ms"``, or in SI. The width is that at 10 % of the peak.
+    case : Case, optional
+        Gives what is not chosen: geometry, materials, stop; li-ma-2019 by default.
+    strikers : sequence of int, optional
+        Numbers of strikers to try; several about that of the case by default.
+    striker_masses : sequence of str or float, optional
+        Masses of one striker to try; half, once and twice that of the case by default.
+    vary : str, optional
+        Stiffness that sets the width: of the ``frame``, or of the striker's ``mount``.
+    disc : str, optional
+        Material assumed for the turntable.
+    stop_limit : str or float, optional
+        Largest allowed force of the object's stop; no limit by default.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If no setting can give it, or none could be run: with the reasons.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> study = strikewave.settings("20 ms", "4000 g", "200 us")  # doctest: +SKIP
+    >>> study.best.case.machine.speed.typed  # doctest: +SKIP
+    '625.6 rpm'
+    >>> strikewave.settings("20 ms", "4000 g", "5 ms")
+    Traceback (most recent call last):
+        ...
+    strikewave.base.errors.InputError: --width: got "5000 us"; allowed: at most 2000 us, a tenth of the interval; \
+longer pulses run into the next blow
+    """
+    goal = BlowGoal(
+        si_value(interval, "s", "interval"),
+        si_value(peak, "m/s^2", "peak"),
+        si_value(width, "s", "width"),
+        material(disc, "disc"),
+        None if stop_limit is None else si_value(stop_limit, "N", "stop_limit"),
+    )
+    masses = tuple(si_value(mass, "kg", "striker_masses") for mass in striker_masses)
+    choice = SettingsChoices(tuple(strikers), masses, vary)
+    return design_settings(load_case(REFERENCE) if case is None else case, goal, choice, progress)
